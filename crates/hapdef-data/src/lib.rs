@@ -1,0 +1,1 @@
+//! What is written to a file between steps: contacts, datasets, splits, standardisers, manifests.

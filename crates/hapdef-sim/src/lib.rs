@@ -1,0 +1,1 @@
+//! Linear-elastic statics of a limb: stiffness, factorisation, compliance, gauge strain.

@@ -1,0 +1,1 @@
+//! From a limb to contacts: scene file, plan, pipeline, scoring, command line.

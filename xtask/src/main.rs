@@ -1,0 +1,2 @@
+//! Runs the pipeline.
+fn main() {}
