@@ -1,2 +1,79 @@
-//! Runs the pipeline.
-fn main() {}
+//! Runs hapdef's pipeline, checks the layering, and runs what CI runs.
+//!
+//! Links no crate of the workspace: it starts their binaries.
+
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command line program prints"
+)]
+
+mod ci;
+mod docs;
+mod fixtures;
+mod pipeline;
+mod tidy;
+mod tool;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::pipeline::PipelineArgs;
+
+/// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
+#[derive(Parser)]
+#[command(
+    name = "cargo xtask",
+    after_help = "Example:\n  cargo xtask demo --quick\n  \
+    cargo xtask demo --scene fixtures/shin/scene.json\n  cargo xtask ci"
+)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Everything from the limb to the report with the paper's tables.
+    Demo(PipelineArgs),
+    /// The limb's compliance and the datasets only.
+    Dataset(PipelineArgs),
+    /// Everything up to the trained nets.
+    Train(PipelineArgs),
+    /// Everything up to the scores of the trained nets.
+    Eval(PipelineArgs),
+    /// What CI runs: format, lints, tests, docs, each crate alone, layering, a quick demo.
+    Ci,
+    /// Compares the tree with its own rules: layers, file lengths, leftovers.
+    Tidy,
+    /// Makes the bundled limb under fixtures/ again.
+    Fixtures {
+        /// Write nothing; fail if what is there differs.
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: Task) -> Result<()> {
+    match task {
+        Task::Demo(args) => pipeline::demo(&args),
+        Task::Dataset(args) => pipeline::stage("dataset", &args),
+        Task::Train(args) => pipeline::stage("train", &args),
+        Task::Eval(args) => pipeline::stage("eval", &args),
+        Task::Ci => ci::run_everything(),
+        Task::Tidy => tidy::run(),
+        Task::Fixtures { check } => fixtures::make(check),
+    }
+}

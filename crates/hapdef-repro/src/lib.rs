@@ -1,1 +1,42 @@
-//! The paper's baselines, tables and figures.
+//! The paper's baselines, tables and figures, as functions on slices and plain structs.
+//!
+//! "The paper" is Sun & Martius, Frontiers in Neurorobotics 13:51, 2019.
+//!
+//! - [`LinearAccumulator`], [`Knn`], [`Svr`]: the methods the paper compares its networks with.
+//! - [`MapScore`], [`ContactScore`]: the error measures of the tables.
+//! - [`Table1`], [`Table2`]: what was measured beside what the paper prints, and the verdicts.
+//! - [`render_limb_png`], [`unrolled_svg`] and the charts: figures as bytes and text.
+//! - [`write_report`], [`MetricLog`]: what is left on disk and printed.
+//!
+//! Knows nothing of how samples arise, how nets are trained or where datasets lie: rows come in
+//! as slices or through closures. Lengths are metres and forces newtons; micrometres and
+//! millimetres appear only in what is printed.
+
+mod baselines;
+mod error;
+mod metrics;
+mod plots;
+mod report;
+mod score;
+mod tables;
+
+pub use baselines::{
+    Knn, KnnParams, LinearAccumulator, LinearInfo, LinearParams, LinearRegression, Neighbours,
+    OwnRow, Svr, SvrInfo, SvrParams,
+};
+pub use error::ReproError;
+pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
+pub use plots::{
+    BarChart, BarPanel, LimbMarker, LimbPicture, LineChart, RenderParams, Scatter, Series,
+    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, render_limb_png, scatter_svg,
+    table1_svg, unroll, unrolled_svg,
+};
+pub use report::{
+    Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, write_report,
+};
+pub use score::{ContactScore, ContactScoreInfo, MapScore, MapScoreInfo};
+pub use tables::{
+    BrokenCell, CellCount, CellState, Method, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,
+    PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2, TestSet, TextCell, TextTable,
+    TrainSet, Verdict, VerdictState, message_1, message_2,
+};

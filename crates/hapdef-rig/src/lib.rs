@@ -1,1 +1,26 @@
-//! A simulated stand-in for the hardware: a perturbed limb, gauge electronics, a probing robot.
+//! A simulated stand-in for the hardware: a limb that differs from the one the nets are trained
+//! on, gauges that are not quite where the drawing has them, electronics, and a probing robot.
+//!
+//! Everything here is **simulated**. The limb is solved on another mesh than the training side's,
+//! its stiffness and wall thickness vary smoothly, and every perturbation draws from a seed of its
+//! own. Entry points: [`RealLimb::build`] for the mechanics, [`Electronics`] for the readings,
+//! [`single_presses`] and [`double_presses`] for what the probing robot does.
+//!
+//! Knows nothing of estimators, networks, scenes or files.
+
+mod electronics;
+mod error;
+mod field;
+mod misplace;
+mod params;
+mod prober;
+mod real_limb;
+mod unfold;
+mod warp;
+
+pub use electronics::Electronics;
+pub use error::RigError;
+pub use field::SmoothField;
+pub use params::{ElectronicsParams, GainParams, MisplacementParams, RigParams, VariationParams};
+pub use prober::{DoublePressParams, Press, SinglePressParams, double_presses, single_presses};
+pub use real_limb::{NominalLimb, RealLimb, RealLimbInfo};

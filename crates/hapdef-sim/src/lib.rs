@@ -1,1 +1,43 @@
-//! Linear-elastic statics of a limb: stiffness, factorisation, compliance, gauge strain.
+//! Linear-elastic statics of a limb: a mesh of ten-node tetrahedra, clamped nodes and a material
+//! become one factored [`ElasticModel`]; everything else is a right-hand side.
+//!
+//! - [`NodalLoad`]: point forces, tips pressing on the skin, tractions, pressures, body forces.
+//! - [`ElasticModel::solve`] and [`ElasticModel::compliance`]: displacements for one load, or at
+//!   wanted nodes for thousands.
+//! - [`GaugeStrain`] and [`ElasticModel::gauge_response`]: what a strain gauge reads for a force
+//!   anywhere, by one adjoint solve per gauge.
+//!
+//! Knows nothing of networks, ports or scenes. SI units throughout, f64 throughout. Results are the
+//! same bit for bit on any number of threads, and every solution comes with its residual.
+
+mod assembly;
+mod compliance;
+mod elastic_model;
+mod element;
+mod error;
+mod factor;
+mod gauge;
+mod gauge_response;
+mod load;
+mod mass;
+mod material;
+mod ordering;
+mod patch_load;
+mod quadrature;
+mod rigid_modes;
+mod rigidity;
+mod solve;
+mod wall;
+
+pub use assembly::StiffnessExtremes;
+pub use compliance::{Compliance, ComplianceParams};
+pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo};
+pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
+pub use error::SimError;
+pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
+pub use gauge_response::GaugeResponse;
+pub use load::NodalLoad;
+pub use mass::{MassProperties, element_mass_kg};
+pub use material::IsotropicMaterial;
+pub use rigid_modes::{FloatingBody, RigidMotion};
+pub use solve::{SolveInfo, SolveParams};

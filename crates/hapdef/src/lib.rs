@@ -1,1 +1,44 @@
-//! From a limb to contacts: scene file, plan, pipeline, scoring, command line.
+//! From a limb to contacts: the scene file, the stages of the pipeline, the estimator, scoring.
+//!
+//! A [`Run`] holds a scene, a [`Profile`] of how much to make, and the content-addressed
+//! [`Cache`]; [`stages`] are functions on it, each from what it needs to a cached folder.
+//! [`Hapdefx`] is the paper's chain from gauge readings to contacts.
+//!
+//! Knows nothing of the paper's tables and baselines: those are in `hapdef-repro`.
+
+mod args;
+mod cache;
+mod compliance;
+mod error;
+mod error_text;
+mod estimator;
+mod limb;
+mod map_error;
+mod pipeline;
+mod profile;
+mod progress;
+mod run;
+mod sampling;
+pub mod scene;
+mod scoring;
+pub mod stages;
+mod stats;
+
+pub use args::{ProfileName, SceneArgs};
+pub use cache::{Cache, Stage, StageRecord, write_json};
+pub use compliance::{ComplianceTable, SuperpositionScratch};
+pub use error::{HapdefError, SceneError};
+pub use error_text::error_text;
+pub use estimator::{FoundContact, Hapdefx, HapdefxScratch};
+pub use limb::Limb;
+pub use map_error::{MapError, MapErrorSum};
+pub use pipeline::{Pipeline, Until};
+pub use profile::{Profile, Schedule};
+pub use progress::{Progress, TrainingBar};
+pub use run::Run;
+pub use sampling::{DrawnContact, draw_contacts};
+pub use scoring::{
+    ContactPair, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, score_lenient,
+    score_one_to_one,
+};
+pub use stats::ContactStats;

@@ -1,0 +1,19 @@
+//! glTF 2.0 and GLB files: a bounded reader and a writer.
+//!
+//! Sections cited in this module are those of the Khronos glTF 2.0 specification, version 2.0.1.
+
+mod accessor;
+mod assembly;
+mod buffers;
+mod container;
+mod document;
+mod fault;
+mod primitive;
+mod read;
+mod scene;
+mod view;
+mod write;
+
+pub use fault::GltfFault;
+pub use read::{GltfInfo, GltfParams, GltfPart, GltfSurface, read_gltf};
+pub use write::{VertexField, write_glb};

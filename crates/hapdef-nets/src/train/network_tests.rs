@@ -1,0 +1,156 @@
+//! Gradients against candle's autograd and finite differences.
+
+use candle_core::Var;
+use proptest::prelude::*;
+
+use super::*;
+use crate::spec::MlpSpec;
+
+fn example(activation: Activation, seed: u64) -> (Mlp, Tensor, Tensor) {
+    let spec = MlpSpec {
+        inputs: 3,
+        hidden: vec![7, 5],
+        outputs: 4,
+        activation,
+    };
+    let mut mlp = Mlp::random(&spec, seed).unwrap();
+    // Biases away from 0, so that their derivatives are tested too.
+    let mut layers = mlp.layers().to_vec();
+    for layer in &mut layers {
+        let n = layer.bias.len();
+        layer.bias = (0..n)
+            .map(|i| 0.1 * ((i as f32) + seed as f32).sin())
+            .collect();
+    }
+    mlp = Mlp::from_layers(&spec, layers).unwrap();
+    let values = |n: usize, phase: f32| -> Vec<f32> {
+        (0..n).map(|i| (1.7 * i as f32 + phase).sin()).collect()
+    };
+    let x = Tensor::from_vec(values(6 * 3, seed as f32), (6, 3), &Device::Cpu).unwrap();
+    let y = Tensor::from_vec(values(6 * 4, 0.3), (6, 4), &Device::Cpu).unwrap();
+    (mlp, x, y)
+}
+
+/// Loss and derivatives, weights then bias, first layer first.
+fn gradients(mlp: &Mlp, x: &Tensor, y: &Tensor) -> (f64, Vec<Vec<f32>>) {
+    let mut network = Network::new(mlp).unwrap();
+    let pass = network.forward(x, y).unwrap();
+    let loss = pass.loss;
+    let mut found = vec![vec![]; 2 * mlp.layers().len()];
+    network
+        .backward(pass, |i, _, d_weights, d_bias| {
+            found[2 * i] = read(d_weights, <[f32]>::to_vec)?;
+            found[2 * i + 1] = d_bias.to_vec();
+            Ok(())
+        })
+        .unwrap();
+    (loss, found)
+}
+
+fn autograd(mlp: &Mlp, x: &Tensor, y: &Tensor) -> (f64, Vec<Vec<f32>>) {
+    let var = |values: &[f32], shape: &[usize]| {
+        Var::from_tensor(&Tensor::from_slice(values, shape, &Device::Cpu).unwrap()).unwrap()
+    };
+    let mut vars = vec![];
+    let mut a = x.clone();
+    let shapes = mlp.spec().layer_shapes();
+    for (i, (layer, (n_in, n_out))) in mlp.layers().iter().zip(&shapes).enumerate() {
+        let w = var(&layer.weights, &[*n_out, *n_in]);
+        let b = var(&layer.bias, &[*n_out]);
+        a = a
+            .matmul(&w.t().unwrap())
+            .unwrap()
+            .broadcast_add(&b)
+            .unwrap();
+        if i + 1 < shapes.len() {
+            a = match mlp.spec().activation {
+                Activation::Relu => a.relu().unwrap(),
+                Activation::Tanh => a.tanh().unwrap(),
+            };
+        }
+        vars.extend([w, b]);
+    }
+    let mean = (a - y).unwrap().sqr().unwrap().mean_all().unwrap();
+    let loss = mean.sqrt().unwrap();
+    let store = loss.backward().unwrap();
+    let found = vars.iter().map(|v| {
+        let gradient = store.get(v).unwrap().flatten_all().unwrap();
+        gradient.to_vec1().unwrap()
+    });
+    (f64::from(loss.to_scalar::<f32>().unwrap()), found.collect())
+}
+
+#[track_caller]
+fn assert_close(found: &[Vec<f32>], expected: &[Vec<f32>], tolerance: f32) {
+    assert_eq!(found.len(), expected.len());
+    for (tensor, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert_eq!(found.len(), expected.len());
+        let largest = expected.iter().fold(1e-3f32, |m, v| m.max(v.abs()));
+        for (i, (f, e)) in found.iter().zip(expected).enumerate() {
+            assert!(
+                (f - e).abs() <= tolerance * largest,
+                "tensor {tensor}, {i}: {f} against {e}"
+            );
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn derivatives_are_those_of_candle_s_autograd(seed in 0..1000u64, relu in any::<bool>()) {
+        let activation = if relu { Activation::Relu } else { Activation::Tanh };
+        let (mlp, x, y) = example(activation, seed);
+        let (loss, found) = gradients(&mlp, &x, &y);
+        let (expected_loss, expected) = autograd(&mlp, &x, &y);
+        prop_assert!((loss / expected_loss - 1.0).abs() < 1e-6, "{loss} against {expected_loss}");
+        assert_close(&found, &expected, 1e-5);
+    }
+
+    #[test]
+    fn derivatives_are_finite_differences_of_the_loss(
+        seed in 0..1000u64,
+        layer in 0..3usize,
+        pick in any::<prop::sample::Index>(),
+        of_bias in any::<bool>(),
+    ) {
+        let (mlp, x, y) = example(Activation::Tanh, seed);
+        let (_, found) = gradients(&mlp, &x, &y);
+        let derivative = &found[2 * layer + usize::from(of_bias)];
+        let index = pick.index(derivative.len());
+        let loss_at = |shift: f32| {
+            let mut layers = mlp.layers().to_vec();
+            let values = if of_bias { &mut layers[layer].bias } else { &mut layers[layer].weights };
+            values[index] += shift;
+            gradients(&Mlp::from_layers(mlp.spec(), layers).unwrap(), &x, &y).0
+        };
+        let h = 4e-3;
+        let difference = (loss_at(h) - loss_at(-h)) / (2.0 * f64::from(h));
+        prop_assert!(
+            (f64::from(derivative[index]) - difference).abs() < 2e-4,
+            "{} against {difference}", derivative[index]
+        );
+    }
+
+    #[test]
+    fn a_batch_forward_is_the_lean_forward(seed in 0..1000u64, relu in any::<bool>()) {
+        let activation = if relu { Activation::Relu } else { Activation::Tanh };
+        let (mlp, x, _) = example(activation, seed);
+        let mut lean = vec![0.0; 6 * 4];
+        let flat: Vec<f32> = x.flatten_all().unwrap().to_vec1().unwrap();
+        mlp.forward_batch(&flat, &mut crate::Scratch::default(), &mut lean).unwrap();
+        let outputs = Network::new(&mlp).unwrap().predict(&x).unwrap();
+        let outputs = read(&outputs, <[f32]>::to_vec).unwrap();
+        assert_close(&[outputs], &[lean], 1e-5);
+    }
+}
+
+#[test]
+fn a_perfect_fit_has_no_gradient() {
+    let (mlp, x, _) = example(Activation::Relu, 1);
+    let y = Network::new(&mlp).unwrap().predict(&x).unwrap();
+    let (loss, found) = gradients(&mlp, &x, &y.copy().unwrap());
+    assert_eq!(loss, 0.0);
+    assert!(found.iter().flatten().all(|g| *g == 0.0));
+}

@@ -1,0 +1,172 @@
+//! What can go wrong in this crate.
+
+use std::path::PathBuf;
+
+/// Why a baseline, a figure or a report could not be made. Each variant carries the numbers found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReproError {
+    /// A slice does not have the length its documented shape asks for.
+    #[error("{what}: expected {expected} values, found {found}; check the shape passed in")]
+    Shape {
+        /// The argument.
+        what: &'static str,
+        /// Values its shape asks for.
+        expected: usize,
+        /// Values it has.
+        found: usize,
+    },
+    /// A slice's length is not a whole number of rows.
+    #[error("{what}: {found} values are not whole rows of {width}")]
+    NotWholeRows {
+        /// The argument.
+        what: &'static str,
+        /// Values in one row.
+        width: usize,
+        /// Values found.
+        found: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("{what}: value {index} is {value}; every value must be finite")]
+    NotFinite {
+        /// The argument.
+        what: &'static str,
+        /// Position in the slice.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// There are fewer samples than the method needs.
+    #[error("{what}: {found} samples, at least {needed} are needed")]
+    TooFewSamples {
+        /// The method.
+        what: &'static str,
+        /// The least number that works.
+        needed: usize,
+        /// Samples given.
+        found: usize,
+    },
+    /// A knob lies outside the range the method is defined for.
+    #[error("{what} = {value}: must be {expected}")]
+    Parameter {
+        /// The knob.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range, in words.
+        expected: &'static str,
+    },
+    /// An index points past the end of what it indexes.
+    #[error("{what}: index {index} at position {position}, but there are only {len}")]
+    Index {
+        /// What is indexed.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// Where the index was found.
+        position: usize,
+        /// Entries there are.
+        len: usize,
+    },
+    /// All inputs of a linear regression are constant: there is nothing to regress on.
+    #[error(
+        "linear regression: no direction of the {n_inputs} inputs varies over {n_samples} samples"
+    )]
+    NoVariance {
+        /// Inputs per sample.
+        n_inputs: usize,
+        /// Samples seen.
+        n_samples: usize,
+    },
+    /// The eigenvalue iteration failed on a finite symmetric matrix.
+    #[error("linear regression: eigenvalues of the {n} x {n} correlation matrix did not converge")]
+    Eigen {
+        /// Order of the matrix.
+        n: usize,
+    },
+    /// A caller's row source failed.
+    #[error("reading output row {row}: {source}")]
+    Rows {
+        /// The row asked for.
+        row: usize,
+        /// What the source said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A name is not fit for the place it goes to.
+    #[error("{what} {name:?}: {expected}")]
+    Name {
+        /// Kind of name.
+        what: &'static str,
+        /// The name found.
+        name: String,
+        /// What is allowed, in words.
+        expected: &'static str,
+    },
+    /// A figure could not be drawn.
+    #[error("drawing {figure}: {message}")]
+    Draw {
+        /// Which figure.
+        figure: &'static str,
+        /// What the drawing library said.
+        message: String,
+    },
+    /// A file could not be read or written.
+    #[error("{action} {path}: {source}", path = path.display())]
+    Io {
+        /// What was being done, such as "writing".
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file that should hold JSON of a known form holds something else.
+    #[error("{path}: {source}; move the file away or repair it", path = path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Where and why it does not fit.
+        source: serde_json::Error,
+    },
+}
+
+/// Refuses a slice whose length is not `expected`.
+pub(crate) fn check_len(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), ReproError> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(ReproError::Shape {
+            what,
+            expected,
+            found,
+        })
+    }
+}
+
+/// Number of rows of `width` in a slice of `found` values.
+pub(crate) fn whole_rows(
+    what: &'static str,
+    width: usize,
+    found: usize,
+) -> Result<usize, ReproError> {
+    if width == 0 || !found.is_multiple_of(width) {
+        return Err(ReproError::NotWholeRows { what, width, found });
+    }
+    Ok(found / width)
+}
+
+/// Refuses a slice with a NaN or an infinity in it.
+pub(crate) fn check_finite(what: &'static str, values: &[f32]) -> Result<(), ReproError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(ReproError::NotFinite {
+            what,
+            index,
+            value: f64::from(values[index]),
+        }),
+    }
+}

@@ -1,0 +1,203 @@
+//! Grouped bars with a tick where the paper stands.
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+use super::style::{self, INK, Marked, font, message, series_colour};
+use crate::ReproError;
+use crate::error::check_len;
+use crate::tables::{Method, Table1, TestSet, TrainSet};
+
+/// One panel of grouped bars.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarPanel {
+    /// Above the panel.
+    pub title: String,
+    /// `[series][group]`; `None` or a value that is not finite leaves a gap.
+    pub values: Vec<Vec<Option<f64>>>,
+    /// The paper's values, same shape, drawn as ticks; empty for none.
+    pub paper: Vec<Vec<Option<f64>>>,
+}
+
+/// Panels side by side that share groups, series and the y axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarChart {
+    /// Quantity and unit of y.
+    pub y_label: String,
+    /// What the groups are, under the axis.
+    pub x_label: String,
+    /// Logarithmic y axis; else linear from 0.
+    pub log_y: bool,
+    /// Group names, `[n_groups]`.
+    pub groups: Vec<String>,
+    /// Series names, `[n_series]`.
+    pub series: Vec<String>,
+    /// From left to right.
+    pub panels: Vec<BarPanel>,
+}
+
+/// Draws grouped bars, 80 px for margins plus 60 px per group of each panel wide, 380 px high.
+///
+/// # Errors
+/// A panel whose shape is not `[n_series][n_groups]`, or no bar that can be drawn.
+pub fn bars_svg(chart: &BarChart) -> Result<String, ReproError> {
+    for panel in &chart.panels {
+        check_shape(chart, "bar chart values", &panel.values)?;
+        if !panel.paper.is_empty() {
+            check_shape(chart, "bar chart paper values", &panel.paper)?;
+        }
+    }
+    let cells = || {
+        chart
+            .panels
+            .iter()
+            .flat_map(|p| p.values.iter().chain(&p.paper).flatten())
+    };
+    let Some((low, high)) = style::range(cells().flatten().copied(), chart.log_y) else {
+        let what = "bar chart (no bar that can be drawn)";
+        return Err(ReproError::TooFewSamples {
+            what,
+            needed: 1,
+            found: 0,
+        });
+    };
+    let n_panels = chart.panels.len() as u32;
+    let width = n_panels * (60 + 60 * chart.groups.len() as u32) + 20;
+    style::svg("bar chart", (width.max(320), 380), |root| {
+        let (head, body) = root.split_vertically(34);
+        legend(&head, chart)?;
+        for (panel, area) in chart
+            .panels
+            .iter()
+            .zip(body.split_evenly((1, chart.panels.len())))
+        {
+            if chart.log_y {
+                draw_panel(&area, chart, panel, (low..high).log_scale(), low)?;
+            } else {
+                draw_panel(&area, chart, panel, 0.0..high.max(1e-12), 0.0)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Table 1 as bars on a log axis: a panel per training set, a group per test set, the paper's
+/// number as a black tick.
+///
+/// # Errors
+/// No measured cell is no error, as the paper's ticks remain; drawing errors only.
+pub fn table1_svg(table: &Table1) -> Result<String, ReproError> {
+    let paper = Table1::paper();
+    let cells = |table: &Table1, train| {
+        let row = |m| {
+            let um = |test| table.test(m, train, test).map(|v: f64| v * 1e6);
+            TestSet::ALL.map(um).to_vec()
+        };
+        Method::ALL.map(row).to_vec()
+    };
+    bars_svg(&BarChart {
+        y_label: "displacement error, µm".to_owned(),
+        x_label: "contacts in test".to_owned(),
+        log_y: true,
+        groups: TestSet::ALL.map(|t| t.name().to_owned()).to_vec(),
+        series: Method::ALL.map(|m| m.name().to_owned()).to_vec(),
+        panels: TrainSet::ALL
+            .map(|train| BarPanel {
+                title: format!("trained on {}", train.name()),
+                values: cells(table, train),
+                paper: cells(&paper, train),
+            })
+            .to_vec(),
+    })
+}
+
+fn check_shape(
+    chart: &BarChart,
+    what: &'static str,
+    rows: &[Vec<Option<f64>>],
+) -> Result<(), ReproError> {
+    check_len(what, chart.series.len(), rows.len())?;
+    rows.iter()
+        .try_for_each(|row| check_len(what, chart.groups.len(), row.len()))
+}
+
+fn legend(head: &style::Area<'_>, chart: &BarChart) -> Result<(), String> {
+    let mut x = 70;
+    for (index, name) in chart.series.iter().enumerate() {
+        let colour = series_colour(index);
+        head.draw(&Rectangle::new([(x, 12), (x + 14, 26)], colour.filled()))
+            .map_err(message)?;
+        head.draw(&Text::new(name.clone(), (x + 20, 13), font(13)))
+            .map_err(message)?;
+        x += 40 + 8 * name.chars().count() as i32;
+    }
+    if chart.panels.iter().any(|p| !p.paper.is_empty()) {
+        let line = PathElement::new([(x, 19), (x + 16, 19)], INK.stroke_width(3));
+        head.draw(&line).map_err(message)?;
+        head.draw(&Text::new("paper", (x + 22, 13), font(13)))
+            .map_err(message)?;
+    }
+    Ok(())
+}
+
+fn draw_panel<Y>(
+    area: &style::Area<'_>,
+    chart: &BarChart,
+    panel: &BarPanel,
+    y: Y,
+    base: f64,
+) -> Result<(), String>
+where
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let n_groups = chart.groups.len();
+    let name = |x: &f64| {
+        let group = (x - 0.5).round();
+        let near = (x - 0.5 - group).abs() < 1e-6 && group >= 0.0;
+        chart
+            .groups
+            .get(group as usize)
+            .filter(|_| near)
+            .cloned()
+            .unwrap_or_default()
+    };
+    let mut plot = ChartBuilder::on(area)
+        .caption(&panel.title, font(14))
+        .margin(6)
+        .x_label_area_size(40)
+        .y_label_area_size(52)
+        .build_cartesian_2d(
+            Marked::new(0.0..n_groups as f64, (0..n_groups).map(|g| g as f64 + 0.5)),
+            y,
+        )
+        .map_err(message)?;
+    style::draw_axes(&mut plot, &chart.x_label, &chart.y_label, &name)?;
+    let bar = 0.8 / chart.series.len() as f64;
+    for (index, row) in panel.values.iter().enumerate() {
+        let bars = drawable(row, chart.log_y).map(|(group, value)| {
+            let left = group as f64 + 0.1 + bar * index as f64;
+            let corners = [(left, base), (left + 0.92 * bar, value)];
+            Rectangle::new(corners, series_colour(index).filled())
+        });
+        plot.draw_series(bars).map_err(message)?;
+    }
+    for (index, row) in panel.paper.iter().enumerate() {
+        let ticks = drawable(row, chart.log_y).map(|(group, value)| {
+            let left = group as f64 + 0.1 + bar * index as f64;
+            PathElement::new(
+                [(left, value), (left + 0.92 * bar, value)],
+                INK.stroke_width(3),
+            )
+        });
+        plot.draw_series(ticks).map_err(message)?;
+    }
+    Ok(())
+}
+
+fn drawable(row: &[Option<f64>], log: bool) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let fit = move |v: &f64| v.is_finite() && (!log || *v > 0.0);
+    row.iter()
+        .enumerate()
+        .filter_map(move |(i, v)| Some((i, (*v).filter(fit)?)))
+}

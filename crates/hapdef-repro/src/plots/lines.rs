@@ -1,0 +1,188 @@
+//! Line charts and scatters.
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+use super::style::{self, INK, font, message, series_colour, tick};
+use crate::ReproError;
+use crate::error::check_len;
+
+/// A named line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// For the legend.
+    pub name: String,
+    /// (x, y); points that are not finite, or not above 0 on a log axis, break the line.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Lines against a common x axis: error against force, loss against steps, error against the
+/// number of virtual gauges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineChart {
+    /// Above the chart.
+    pub title: String,
+    /// Quantity and unit of x.
+    pub x_label: String,
+    /// Quantity and unit of y.
+    pub y_label: String,
+    /// Logarithmic y axis; else linear from 0 or below.
+    pub log_y: bool,
+    /// Whether each point also gets a dot.
+    pub dots: bool,
+    /// The lines.
+    pub series: Vec<Series>,
+}
+
+/// Draws a line chart, 640 × 400 px.
+///
+/// # Errors
+/// No point that can be drawn.
+pub fn lines_svg(chart: &LineChart) -> Result<String, ReproError> {
+    let points = || chart.series.iter().flat_map(|s| s.points.iter().copied());
+    let x = style::range(points().map(|p| p.0), false);
+    let y = style::range(points().map(|p| p.1), chart.log_y);
+    let (Some(x), Some(mut y)) = (x, y) else {
+        let found = points().count();
+        let what = "line chart (no point that can be drawn)";
+        return Err(ReproError::TooFewSamples {
+            what,
+            needed: 1,
+            found,
+        });
+    };
+    style::svg("line chart", (640, 400), |root| {
+        if chart.log_y {
+            draw_lines(root, chart, x.0..x.1, (y.0..y.1).log_scale())
+        } else {
+            y.0 = y.0.min(0.0);
+            draw_lines(root, chart, x.0..x.1, y.0..y.1)
+        }
+    })
+}
+
+fn draw_lines<Y>(
+    root: &style::Area<'_>,
+    chart: &LineChart,
+    x: std::ops::Range<f64>,
+    y: Y,
+) -> Result<(), String>
+where
+    Y: AsRangedCoord<Value = f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let mut area = ChartBuilder::on(root)
+        .caption(&chart.title, font(16))
+        .margin(10)
+        .x_label_area_size(42)
+        .y_label_area_size(64)
+        .build_cartesian_2d(x, y)
+        .map_err(message)?;
+    style::draw_axes(&mut area, &chart.x_label, &chart.y_label, &|v| tick(*v))?;
+    for (index, series) in chart.series.iter().enumerate() {
+        let colour = series_colour(index);
+        let fit =
+            |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!chart.log_y || p.1 > 0.0);
+        for run in series
+            .points
+            .split(|p| !fit(p))
+            .filter(|run| !run.is_empty())
+        {
+            let line = LineSeries::new(run.iter().copied(), colour.stroke_width(2));
+            area.draw_series(line).map_err(message)?;
+        }
+        let dots = series.points.iter().filter(|p| fit(p) && chart.dots);
+        area.draw_series(dots.map(|p| Circle::new(*p, 3, colour.filled())))
+            .map_err(message)?;
+        area.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())
+            .map_err(message)?
+            .label(&series.name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
+    }
+    area.configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .label_font(font(12))
+        .background_style(WHITE.mix(0.8))
+        .draw()
+        .map_err(message)
+}
+
+/// Predicted against true values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter<'a> {
+    /// Above the chart.
+    pub title: &'a str,
+    /// Quantity and unit; "true" and "predicted" are put before it.
+    pub quantity: &'a str,
+    /// True values, `[n]`.
+    pub truth: &'a [f64],
+    /// Predicted values, `[n]`.
+    pub predicted: &'a [f64],
+    /// Most points to draw; more are thinned by an even stride.
+    pub max_points: usize,
+}
+
+/// Draws predicted against true values with the line of equality, 440 × 440 px.
+///
+/// # Errors
+/// Lengths that differ, `max_points` of 0, or no finite pair.
+pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReproError> {
+    check_len(
+        "scatter predictions",
+        scatter.truth.len(),
+        scatter.predicted.len(),
+    )?;
+    if scatter.max_points == 0 {
+        let expected = "at least 1";
+        return Err(ReproError::Parameter {
+            what: "max_points",
+            value: 0.0,
+            expected,
+        });
+    }
+    let pairs = || {
+        scatter
+            .truth
+            .iter()
+            .copied()
+            .zip(scatter.predicted.iter().copied())
+    };
+    let fit: Vec<(f64, f64)> = pairs()
+        .filter(|p| p.0.is_finite() && p.1.is_finite())
+        .collect();
+    let Some((low, high)) = style::range(fit.iter().flat_map(|p| [p.0, p.1]), false) else {
+        return Err(ReproError::TooFewSamples {
+            what: "scatter (no finite pair)",
+            needed: 1,
+            found: pairs().count(),
+        });
+    };
+    let stride = fit.len().div_ceil(scatter.max_points);
+    let dots: Vec<(f64, f64)> = fit.into_iter().step_by(stride).collect();
+    style::svg("scatter", (440, 440), |root| {
+        draw_scatter(root, scatter, &dots, low..high)
+    })
+}
+
+fn draw_scatter(
+    root: &style::Area<'_>,
+    scatter: &Scatter<'_>,
+    dots: &[(f64, f64)],
+    range: std::ops::Range<f64>,
+) -> Result<(), String> {
+    let mut area = ChartBuilder::on(root)
+        .caption(scatter.title, font(16))
+        .margin(10)
+        .x_label_area_size(42)
+        .y_label_area_size(64)
+        .build_cartesian_2d(range.clone(), range.clone())
+        .map_err(message)?;
+    let labels = ["true", "predicted"].map(|word| format!("{word} {}", scatter.quantity));
+    style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v))?;
+    let dot = |p: &(f64, f64)| Circle::new(*p, 2, series_colour(0).mix(0.35).filled());
+    area.draw_series(dots.iter().map(dot)).map_err(message)?;
+    let equal = [range.start, range.end].map(|v| (v, v));
+    area.draw_series(LineSeries::new(equal, INK.stroke_width(1)))
+        .map_err(message)?;
+    Ok(())
+}

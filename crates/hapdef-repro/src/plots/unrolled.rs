@@ -1,0 +1,257 @@
+//! The limb's surface unrolled to a plane, coloured by a value.
+
+use hapdef_mesh::colour::viridis;
+use plotters::prelude::*;
+
+use super::style::{self, Marked, font, message, tick};
+use crate::ReproError;
+use crate::error::check_len;
+
+/// A contact on the unrolled surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnrolledMarker {
+    /// (angle, rad; height, m), as from [`unroll`].
+    pub at: [f64; 2],
+    /// A true contact is a ring, a found one a cross.
+    pub truth: bool,
+}
+
+/// From a true to a found position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnrolledArrow {
+    /// (angle, rad; height, m) of the true position.
+    pub from: [f64; 2],
+    /// (angle, rad; height, m) of the found position.
+    pub to: [f64; 2],
+}
+
+/// What to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unrolled<'a> {
+    /// Above the chart.
+    pub title: &'a str,
+    /// Quantity and unit of the values, beside the colour bar.
+    pub value_label: &'a str,
+    /// (angle, rad; height, m) of each surface node, `[n]`, as from [`unroll`].
+    pub points: &'a [[f64; 2]],
+    /// One value per node, `[n]`, in the unit printed; NaN is drawn grey.
+    pub values: &'a [f64],
+    /// Ends of the colour scale; `None` for 0 (or the least value if below) to the largest.
+    pub range: Option<[f64; 2]>,
+    /// Contacts.
+    pub markers: &'a [UnrolledMarker],
+    /// Errors.
+    pub arrows: &'a [UnrolledArrow],
+}
+
+/// Angle about and height along a coordinate axis (0 = x, 1 = y, 2 = z) of each position, m.
+///
+/// The axis runs through the mean of `reference`, normally the surface nodes; angles lie in
+/// (−π, π], measured from the next coordinate axis in cyclic order towards the one after it.
+///
+/// # Errors
+/// An axis above 2, or no reference position.
+pub fn unroll(
+    positions: &[[f64; 3]],
+    reference: &[[f64; 3]],
+    axis: usize,
+) -> Result<Vec<[f64; 2]>, ReproError> {
+    if axis > 2 {
+        let expected = "0, 1 or 2";
+        return Err(ReproError::Parameter {
+            what: "axis",
+            value: axis as f64,
+            expected,
+        });
+    }
+    if reference.is_empty() {
+        let what = "reference positions of the unrolled surface";
+        return Err(ReproError::TooFewSamples {
+            what,
+            needed: 1,
+            found: 0,
+        });
+    }
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let n = reference.len() as f64;
+    let mean = |k: usize| reference.iter().map(|p| p[k]).sum::<f64>() / n;
+    let (cu, cv) = (mean(u), mean(v));
+    Ok(positions
+        .iter()
+        .map(|p| [(p[v] - cv).atan2(p[u] - cu), p[axis]])
+        .collect())
+}
+
+/// Draws the unrolled surface, 720 × 420 px: angle in degrees against height in mm.
+///
+/// An error arrow that crosses the seam at ±180° is drawn along the shorter way, off the edge.
+///
+/// # Errors
+/// Lengths that differ, no node, a position that is not finite, or a colour range that is empty.
+pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReproError> {
+    check_len(
+        "values on the unrolled surface",
+        figure.points.len(),
+        figure.values.len(),
+    )?;
+    check_places(figure)?;
+    let Some(height) = style::range(figure.points.iter().map(|p| p[1] * 1e3), false) else {
+        let what = "points of the unrolled surface";
+        return Err(ReproError::TooFewSamples {
+            what,
+            needed: 1,
+            found: 0,
+        });
+    };
+    let scale = colour_range(figure.range, figure.values)?;
+    style::svg("unrolled surface", (720, 420), |root| {
+        let (main, side) = root.split_horizontally(630);
+        draw_surface(&main, figure, height, scale)?;
+        draw_bar(&side, figure.value_label, scale)
+    })
+}
+
+fn check_places(figure: &Unrolled<'_>) -> Result<(), ReproError> {
+    let markers: Vec<[f64; 2]> = figure.markers.iter().map(|m| m.at).collect();
+    let arrows: Vec<[f64; 2]> = figure.arrows.iter().flat_map(|a| [a.from, a.to]).collect();
+    for (what, places) in [
+        ("points of the unrolled surface", figure.points),
+        ("markers of the unrolled surface", &markers),
+        ("arrow ends of the unrolled surface", &arrows),
+    ] {
+        for (index, place) in places.iter().enumerate() {
+            if let Some(&value) = place.iter().find(|v| !v.is_finite()) {
+                return Err(ReproError::NotFinite { what, index, value });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Ends of a colour scale: those given, or 0 (the least value if below) to the largest.
+pub(super) fn colour_range(
+    given: Option<[f64; 2]>,
+    values: &[f64],
+) -> Result<[f64; 2], ReproError> {
+    let fit = || values.iter().copied().filter(|v| v.is_finite());
+    let found = given.unwrap_or_else(|| {
+        let high = fit().fold(f64::NEG_INFINITY, f64::max);
+        let low = fit().fold(0.0, f64::min);
+        if high > low {
+            [low, high]
+        } else {
+            [low, low + 1.0]
+        }
+    });
+    if !(found[0] < found[1] && found[0].is_finite() && found[1].is_finite()) {
+        return Err(ReproError::Parameter {
+            what: "upper end of the colour range",
+            value: found[1],
+            expected: "finite and above the lower end",
+        });
+    }
+    Ok(found)
+}
+
+fn draw_surface(
+    area: &style::Area<'_>,
+    figure: &Unrolled<'_>,
+    height: (f64, f64),
+    scale: [f64; 2],
+) -> Result<(), String> {
+    let angles = Marked::new(-185.0..185.0, (-2..=2).map(|k| f64::from(k) * 90.0));
+    let mut plot = ChartBuilder::on(area)
+        .caption(figure.title, font(16))
+        .margin(10)
+        .x_label_area_size(42)
+        .y_label_area_size(56)
+        .build_cartesian_2d(angles, height.0..height.1)
+        .map_err(message)?;
+    style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
+    let dots = figure
+        .points
+        .iter()
+        .zip(figure.values)
+        .map(|(point, value)| {
+            let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
+            Circle::new(printed(*point), 4, RGBColor(r, g, b).filled())
+        });
+    plot.draw_series(dots).map_err(message)?;
+    let arrows = figure.arrows.iter().map(|arrow| {
+        let (from, mut to) = (printed(arrow.from), printed(arrow.to));
+        to.0 -= 360.0 * ((to.0 - from.0) / 360.0).round();
+        PathElement::new([from, to], RED.stroke_width(2))
+    });
+    plot.draw_series(arrows).map_err(message)?;
+    let heads = figure
+        .arrows
+        .iter()
+        .map(|a| Circle::new(printed(a.to), 3, RED.filled()));
+    plot.draw_series(heads).map_err(message)?;
+    let of = |truth| figure.markers.iter().filter(move |m| m.truth == truth);
+    let rings = of(true).map(|m| Circle::new(printed(m.at), 9, RED.stroke_width(3)));
+    plot.draw_series(rings).map_err(message)?;
+    let crosses = of(false).map(|m| Cross::new(printed(m.at), 6, BLACK.stroke_width(3)));
+    plot.draw_series(crosses).map_err(message)?;
+    Ok(())
+}
+
+fn printed(point: [f64; 2]) -> (f64, f64) {
+    (point[0].to_degrees(), point[1] * 1e3)
+}
+
+fn draw_bar(area: &style::Area<'_>, label: &str, scale: [f64; 2]) -> Result<(), String> {
+    let (top, step, n) = (50, 5, 64);
+    for k in 0..n {
+        let [r, g, b] = viridis(1.0 - f64::from(k) / f64::from(n - 1));
+        let y = top + step * k;
+        let colour = RGBColor(r, g, b).filled();
+        area.draw(&Rectangle::new([(0, y), (16, y + step)], colour))
+            .map_err(message)?;
+    }
+    for k in 0..=4 {
+        let value = scale[1] - (scale[1] - scale[0]) * f64::from(k) / 4.0;
+        let y = top + step * n * k / 4 - 6;
+        area.draw(&Text::new(tick(value), (22, y), font(12)))
+            .map_err(message)?;
+    }
+    area.draw(&Text::new(
+        label.to_owned(),
+        (0, top + step * n + 12),
+        font(12),
+    ))
+    .map_err(message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// About y the angle runs from z to x.
+    #[test]
+    fn angles_by_hand() {
+        let ring = [
+            [1.0, 5.0, 0.0],
+            [-1.0, 5.0, 0.0],
+            [0.0, 7.0, 1.0],
+            [0.0, 7.0, -1.0],
+        ];
+        let found = unroll(&ring, &ring, 1).unwrap();
+        let degrees: Vec<f64> = found.iter().map(|p| p[0].to_degrees().round()).collect();
+        assert_eq!(degrees, [90.0, -90.0, 0.0, 180.0]);
+        assert_eq!(found[2][1], 7.0);
+        assert!(unroll(&ring, &ring, 3).is_err());
+        assert!(unroll(&ring, &[], 1).is_err());
+    }
+
+    #[test]
+    fn colour_scale_starts_at_zero_unless_told() {
+        assert_eq!(
+            colour_range(None, &[2.0, f64::NAN, 5.0]).unwrap(),
+            [0.0, 5.0]
+        );
+        assert_eq!(colour_range(None, &[-2.0, 5.0]).unwrap(), [-2.0, 5.0]);
+        assert_eq!(colour_range(None, &[]).unwrap(), [0.0, 1.0]);
+        assert!(colour_range(Some([1.0, 1.0]), &[]).is_err());
+    }
+}

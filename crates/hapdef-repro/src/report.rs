@@ -1,0 +1,255 @@
+//! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
+
+mod html;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use hapdef_mesh::atomic_write;
+use serde::Serialize;
+
+use crate::ReproError;
+use crate::metrics::{MetricOutcome, MetricRecord};
+use crate::tables::{TextCell, TextTable, Verdict};
+
+/// A name and what it stands for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NamedText {
+    /// The name.
+    pub name: String,
+    /// What it stands for.
+    pub text: String,
+}
+
+/// A stage that ran.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageTime {
+    /// The stage.
+    pub name: String,
+    /// Wall-clock time of the run that made it, s.
+    pub elapsed_s: f64,
+    /// Whether the result came from the cache.
+    pub cached: bool,
+}
+
+/// A stage that did not run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SkippedStage {
+    /// The stage.
+    pub name: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// A table of results.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReportTable {
+    /// Heading.
+    pub title: String,
+    /// What the reader needs to know; may be empty.
+    pub note: String,
+    /// For people.
+    #[serde(skip)]
+    pub text: TextTable,
+    /// For machines.
+    pub data: serde_json::Value,
+}
+
+/// What a figure consists of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FigureContent {
+    /// An SVG document.
+    Svg(String),
+    /// PNG bytes.
+    Png(Vec<u8>),
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Figure {
+    /// File name in the report's folder, ending in .svg or .png.
+    pub file: String,
+    /// What is seen.
+    pub caption: String,
+    /// The picture.
+    #[serde(skip)]
+    pub content: FigureContent,
+}
+
+/// Everything that goes into a report.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Heading.
+    pub title: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// What the run rests on: profile, seed, commit, machine, sample counts, thinning.
+    pub facts: Vec<NamedText>,
+    /// Claims of the paper and how they fared.
+    pub verdicts: Vec<Verdict>,
+    /// Tables, in order.
+    pub tables: Vec<ReportTable>,
+    /// Figures, in order.
+    pub figures: Vec<Figure>,
+    /// Measured figures.
+    pub metrics: Vec<MetricRecord>,
+    /// Stages that ran.
+    pub stages: Vec<StageTime>,
+    /// Stages that did not.
+    pub skipped: Vec<SkippedStage>,
+    /// Hashes of scene, limb, datasets, nets.
+    pub hashes: Vec<NamedText>,
+}
+
+/// Writes the figures, `report.json`, `report.md` and `report.html` into `folder`, which is made
+/// when absent. Each file appears whole or not at all. Returns the paths, the page last.
+///
+/// # Errors
+/// A figure whose file name is no plain name with the ending of its content or is used twice,
+/// found before anything is written; then files that can't be written.
+pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReproError> {
+    check_figures(&report.figures)?;
+    std::fs::create_dir_all(folder).map_err(|source| ReproError::Io {
+        action: "making folder",
+        path: folder.to_owned(),
+        source,
+    })?;
+    let json = serde_json::to_vec_pretty(report).map_err(|source| ReproError::Json {
+        path: folder.join("report.json"),
+        source,
+    })?;
+    let mut paths = Vec::new();
+    let mut write = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        atomic_write(&path, |file| file.write_all(bytes)).map_err(|source| ReproError::Io {
+            action: "writing",
+            path: path.clone(),
+            source,
+        })?;
+        paths.push(path);
+        Ok(())
+    };
+    for figure in &report.figures {
+        match &figure.content {
+            FigureContent::Svg(text) => write(&figure.file, text.as_bytes())?,
+            FigureContent::Png(bytes) => write(&figure.file, bytes)?,
+        }
+    }
+    write("report.json", &json)?;
+    write("report.md", markdown(report).as_bytes())?;
+    write("report.html", html::page(report).as_bytes())?;
+    Ok(paths)
+}
+
+fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
+    for (index, figure) in figures.iter().enumerate() {
+        let (ending, expected) = match figure.content {
+            FigureContent::Svg(_) => (".svg", "letters, digits, _ and -, then .svg"),
+            FigureContent::Png(_) => (".png", "letters, digits, _ and -, then .png"),
+        };
+        let stem = figure.file.strip_suffix(ending).unwrap_or_default();
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+        let name = || figure.file.clone();
+        if stem.is_empty() || !stem.chars().all(plain) {
+            return Err(ReproError::Name {
+                what: "figure file",
+                name: name(),
+                expected,
+            });
+        }
+        if figures[..index].iter().any(|f| f.file == figure.file) {
+            let expected = "each figure needs a file of its own";
+            return Err(ReproError::Name {
+                what: "figure file",
+                name: name(),
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn markdown(report: &Report) -> String {
+    let mut text = format!("# {}\n\nScene: {}\n", report.title, report.scene);
+    for fact in &report.facts {
+        text.push_str(&format!("- {}: {}\n", fact.name, fact.text));
+    }
+    if !report.verdicts.is_empty() {
+        text.push_str("\n## What the paper claims\n\n");
+    }
+    for verdict in &report.verdicts {
+        text.push_str(&format!("- {}: **{}**\n", verdict.claim, verdict.fate()));
+    }
+    for table in &report.tables {
+        text.push_str(&format!(
+            "\n## {}\n\n{}",
+            table.title,
+            table.text.to_markdown()
+        ));
+        if !table.note.is_empty() {
+            text.push_str(&format!("\n{}\n", table.note));
+        }
+    }
+    if !report.figures.is_empty() {
+        text.push_str("\n## Figures\n");
+    }
+    for figure in &report.figures {
+        text.push_str(&format!("\n![]({})\n\n{}\n", figure.file, figure.caption));
+    }
+    for (title, table) in record_tables(report) {
+        text.push_str(&format!("\n## {title}\n\n{}", table.to_markdown()));
+    }
+    text
+}
+
+/// Stages, skipped stages, metrics and hashes as tables; empty ones are left out.
+fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
+    let stages = report.stages.iter().map(|s| {
+        let from = if s.cached { "cache" } else { "run" };
+        vec![
+            s.name.clone(),
+            format!("{:.1}", s.elapsed_s),
+            from.to_owned(),
+        ]
+    });
+    let skipped = report
+        .skipped
+        .iter()
+        .map(|s| vec![s.name.clone(), s.reason.clone()]);
+    let metrics = report.metrics.iter().map(|m| {
+        let (value, unit) = match &m.outcome {
+            MetricOutcome::Value { value, unit } => (value.to_string(), unit.clone()),
+            MetricOutcome::Skipped { skipped } => ("skipped".to_owned(), skipped.clone()),
+        };
+        vec![m.name.clone(), value, unit]
+    });
+    let hashes = report
+        .hashes
+        .iter()
+        .map(|h| vec![h.name.clone(), h.text.clone()]);
+    let tables = [
+        ("Stages", table(&["stage", "seconds", "from"], stages)),
+        ("Skipped", table(&["stage", "why"], skipped)),
+        (
+            "Metrics",
+            table(&["name", "value", "unit or reason"], metrics),
+        ),
+        ("Hashes", table(&["what", "hash"], hashes)),
+    ];
+    tables
+        .into_iter()
+        .filter(|(_, table)| !table.rows.is_empty())
+        .collect()
+}
+
+fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> TextTable {
+    TextTable {
+        header: header.iter().map(|&h| h.to_owned()).collect(),
+        rows: rows
+            .map(|row| row.into_iter().map(TextCell::plain).collect())
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,189 @@
+//! What a run rests on, for the report's head and tail.
+
+use std::process::Command;
+use std::time::SystemTime;
+
+use hapdef::{Limb, Pipeline, Run, Stage};
+use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
+
+use super::svr::SvrScore;
+
+/// The lines at the head of the report.
+pub(crate) fn facts(run: &Run, done: &Pipeline, svr: &SvrScore) -> Vec<NamedText> {
+    let profile = &run.profile;
+    let limb = &done.compliance.record.info;
+    let rig = &done.rig.record.info;
+    let named = |name: &str, text: String| NamedText {
+        name: name.into(),
+        text,
+    };
+    vec![
+        named(
+            "simulated",
+            "all readings come from the simulated rig; no hardware".into(),
+        ),
+        named(
+            "profile",
+            format!("{}, seed {}", profile.name, run.scene.seed),
+        ),
+        named(
+            "limb",
+            format!(
+                "{} FE nodes, {} equations, nnz(L) {}, {} surface nodes",
+                limb["n_fe_nodes"], limb["n_equations"], limb["nnz_l"], limb["n_loads"]
+            ),
+        ),
+        named(
+            "rig",
+            format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"]),
+        ),
+        named(
+            "samples",
+            format!(
+                "{} single and {} each of two, three and four contacts, simulated; {} single and \
+                 {} × {} double presses on the rig (paper: 27,000; 6,000; 27,000; 270 × 25)",
+                profile.n_single,
+                profile.n_multi,
+                profile.n_real_single,
+                profile.n_pairs,
+                profile.n_amplitudes
+            ),
+        ),
+        named(
+            "training",
+            format!(
+                "Adam, batch 100; steps F_R {}, F_T {}, F_S {}, direct {} (paper: 1,000,000); \
+                 learning rate from {} along a cosine (paper: 1e-4 throughout)",
+                profile.reconstruction.steps,
+                profile.transfer.steps,
+                profile.sensitivity.steps,
+                profile.direct.steps,
+                profile.reconstruction.learning_rate
+            ),
+        ),
+        named(
+            "support vectors",
+            format!("trained on {} of {} presses", svr.n_trained, svr.n_offered),
+        ),
+        named("machine", machine()),
+    ]
+}
+
+/// Time of every stage, from the run that made it.
+pub(crate) fn stage_times(done: &Pipeline, more: &[&Stage]) -> Vec<StageTime> {
+    let stages = done.stages().into_iter().chain(more.iter().copied());
+    stages
+        .map(|stage| {
+            let record = &stage.record;
+            let what = [&record.info["net"], &record.inputs[0]["kind"]]
+                .into_iter()
+                .find(|value| !value.is_null())
+                .map_or(String::new(), |value| format!(" {}", plain(value)));
+            let name = format!("{}{what}", record.stage);
+            StageTime {
+                name,
+                elapsed_s: record.elapsed_s,
+                cached: stage.cached,
+            }
+        })
+        .collect()
+}
+
+fn plain(value: &serde_json::Value) -> String {
+    value
+        .to_string()
+        .replace(['"', '{', '}'], "")
+        .replace(':', " ")
+}
+
+/// Time of the stages that came from the cache: what they took when they ran, s.
+pub(crate) fn spent_s(stages: &[StageTime]) -> f64 {
+    stages
+        .iter()
+        .filter(|stage| stage.cached)
+        .map(|stage| stage.elapsed_s)
+        .sum()
+}
+
+/// What the scene does not need.
+pub(crate) fn skipped(run: &Run) -> Vec<SkippedStage> {
+    let skip = |name: &str, reason: &str| SkippedStage {
+        name: name.into(),
+        reason: reason.into(),
+    };
+    let mut skipped = vec![
+        skip(
+            "tangential loads",
+            "the scene's contacts press in one direction: one column a node",
+        ),
+        skip(
+            "loads outside the contact region",
+            "the scene can't be touched there",
+        ),
+        skip(
+            "displacements inside the solid",
+            "only surface nodes and virtual gauges are read",
+        ),
+    ];
+    if run.scene.contact.max_contacts < 4 {
+        let reason = format!(
+            "the scene has {} contacts at most",
+            run.scene.contact.max_contacts
+        );
+        skipped.push(skip("datasets of more contacts", &reason));
+    }
+    skipped
+}
+
+/// Hashes of what went in and of the stages.
+pub(crate) fn hashes(run: &Run, limb: &Limb, done: &Pipeline) -> Vec<NamedText> {
+    let named = |name: &str, text: &str| NamedText {
+        name: name.into(),
+        text: text.into(),
+    };
+    let mut hashes = vec![
+        named("scene", &run.scene_hash),
+        named("deck", &limb.deck_hash),
+    ];
+    hashes.extend(
+        done.stages()
+            .iter()
+            .map(|stage| named(&stage.record.stage, &stage.key)),
+    );
+    hashes
+}
+
+/// What every metric carries.
+pub(crate) fn metric_context(run: &Run) -> MetricContext {
+    let commit = output("git", &["rev-parse", "--short", "HEAD"]);
+    MetricContext {
+        commit: commit.unwrap_or_else(|| "unknown".into()),
+        machine: machine(),
+        seed: run.scene.seed,
+        time: now(),
+    }
+}
+
+/// Seconds since 1970 as RFC 3339 in UTC, by the date program; plain seconds without it.
+fn now() -> String {
+    output("date", &["-u", "+%Y-%m-%dT%H:%M:%SZ"]).unwrap_or_else(|| {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        format!("{} s since 1970", since.map_or(0, |d| d.as_secs()))
+    })
+}
+
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let name = name.map_or("unknown processor", |(_, name)| name.trim());
+    format!("{name}, {cores} cores, {}", std::env::consts::OS)
+}
+
+fn output(program: &str, words: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(words).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
+}

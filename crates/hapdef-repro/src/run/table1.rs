@@ -1,0 +1,276 @@
+//! Table 1: three methods, four unions of training sets, four test sets.
+
+use std::ops::Range;
+
+use anyhow::{Context, Result};
+use hapdef::stages::NetKind;
+use hapdef::{HapdefError, MapErrorSum, Pipeline, Run, Stage};
+use hapdef_data::StandardiserFit;
+use hapdef_nets::{Net, Scratch};
+use hapdef_repro::{
+    Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, Method, OwnRow, Table1,
+    TestSet, TrainSet,
+};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::samples::{SampleSet, blocks};
+
+const VERSION: u32 = 1;
+
+/// Samples read, predicted and scored together.
+const BLOCK: usize = 512;
+
+/// Rows of a block that one thread sends through a net.
+const NET_ROWS: usize = 32;
+
+/// Most samples a training error is taken over.
+const MAX_TRAINING: usize = 2000;
+
+/// Fills Table 1, or reads it from the cache.
+pub(crate) fn table1(run: &Run, done: &Pipeline) -> Result<(Table1, Stage)> {
+    let inputs = json!({ "version": VERSION, "keys": super::keys_of(run, done) });
+    let stage = run.cache.stage("table1", &inputs, |_| {
+        run.say("Table 1: baselines and nets on every test set");
+        fill(run, done).map_err(|error| HapdefError::Stale {
+            path: "table 1".into(),
+            what: format!("{error:#}"),
+        })
+    })?;
+    Ok((read_back(&stage.record.info)?, stage))
+}
+
+fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
+    let data = done.data.as_ref().context("no datasets")?;
+    let nets = done.nets.as_ref().context("no nets")?;
+    let mut sets = SampleSet::open_all(data)?;
+    let mut linear = LinearAccumulator::new(sets[0].n_virtual, sets[0].n_surface);
+    let mut cells = Vec::new();
+    for n_sets in 1..=sets.len() {
+        run.say(&format!(
+            "  trained on {}",
+            TrainSet::ALL[n_sets - 1].name()
+        ));
+        add_training(&mut linear, &mut sets[n_sets - 1])?;
+        let (regression, info) = linear.solve(&LinearParams::default())?;
+        let net = nets.load(NetKind::Reconstruction { n_sets })?;
+        let mut predictors: [(Method, Box<dyn Predictor>); 3] = [
+            (Method::Linear, Box::new(regression)),
+            (
+                Method::Knn,
+                Box::new(Neighbourhood::new(&mut sets, n_sets)?),
+            ),
+            (Method::Fnn, Box::new(net)),
+        ];
+        for (method, predictor) in &mut predictors {
+            let test: Vec<f64> = (0..sets.len())
+                .map(|set| test_error(predictor.as_mut(), &mut sets, set))
+                .collect::<Result<_>>()?;
+            let training = training_error(predictor.as_mut(), &mut sets, n_sets)?;
+            cells.push(json!({
+                "method": method.name(), "n_sets": n_sets, "test_um": test,
+                "training_um": training,
+            }));
+        }
+        cells.push(json!({ "linear_rank": info.rank, "condition": info.condition }));
+    }
+    Ok(json!({ "cells": cells }))
+}
+
+/// Turns virtual gauges into maps.
+trait Predictor {
+    /// Maps `[n, n_surface]`, µm, for virtual gauges `x` `[n, n_virtual]`, µm. `own` names the
+    /// rows of a training set that the samples are, if they are.
+    fn predict(
+        &mut self,
+        sets: &mut [SampleSet],
+        x: &[f32],
+        own: Option<(usize, Range<usize>)>,
+        out: &mut [f32],
+    ) -> Result<()>;
+}
+
+impl Predictor for LinearRegression {
+    fn predict(
+        &mut self,
+        _: &mut [SampleSet],
+        x: &[f32],
+        _: Option<(usize, Range<usize>)>,
+        out: &mut [f32],
+    ) -> Result<()> {
+        Ok(LinearRegression::predict(self, x, out)?)
+    }
+}
+
+impl Predictor for Net {
+    fn predict(
+        &mut self,
+        _: &mut [SampleSet],
+        x: &[f32],
+        _: Option<(usize, Range<usize>)>,
+        out: &mut [f32],
+    ) -> Result<()> {
+        let spec = self.mlp().spec();
+        let rows = out.par_chunks_mut(NET_ROWS * spec.outputs);
+        rows.zip(x.par_chunks(NET_ROWS * spec.inputs))
+            .try_for_each_init(Scratch::default, |scratch, (out, x)| {
+                self.forward_batch(x, scratch, out)
+            })?;
+        Ok(())
+    }
+}
+
+/// k nearest neighbours over a union of training sets, on standardised virtual gauges.
+struct Neighbourhood {
+    knn: Knn,
+    mean: Vec<f32>,
+    std: Vec<f32>,
+    /// First training row of each set in the union.
+    starts: Vec<usize>,
+}
+
+impl Neighbourhood {
+    fn new(sets: &mut [SampleSet], n_sets: usize) -> Result<Self> {
+        let n_virtual = sets[0].n_virtual;
+        let (mut x, mut starts) = (Vec::new(), Vec::new());
+        for set in &mut sets[..n_sets] {
+            starts.push(x.len() / n_virtual);
+            let rows = set.split.train.clone();
+            x.extend(set.inputs(rows)?);
+        }
+        let mut fit = StandardiserFit::new(n_virtual);
+        fit.push(&x)?;
+        let (standardiser, _) = fit.finish()?;
+        let (mean, std) = (standardiser.mean, standardiser.std);
+        standardise(&mut x, &mean, &std);
+        Ok(Self {
+            knn: Knn::new(&x, n_virtual)?,
+            mean,
+            std,
+            starts,
+        })
+    }
+
+    /// The set and its row behind a training row of the union.
+    fn locate(&self, row: usize) -> (usize, usize) {
+        let set = self.starts.partition_point(|start| *start <= row) - 1;
+        (set, row - self.starts[set])
+    }
+}
+
+impl Predictor for Neighbourhood {
+    fn predict(
+        &mut self,
+        sets: &mut [SampleSet],
+        x: &[f32],
+        own: Option<(usize, Range<usize>)>,
+        out: &mut [f32],
+    ) -> Result<()> {
+        let mut x = x.to_vec();
+        standardise(&mut x, &self.mean, &self.std);
+        let own_row = own.map_or(OwnRow::None, |(set, rows)| OwnRow::Exclude {
+            first: self.starts[set] + rows.start,
+        });
+        let found = self.knn.neighbours(
+            &x,
+            &KnnParams {
+                own_row,
+                ..KnnParams::default()
+            },
+        )?;
+        for (query, out) in out.chunks_exact_mut(sets[0].n_surface).enumerate() {
+            let fetch = |row: usize, buffer: &mut [f32]| {
+                let (set, row) = self.locate(row);
+                sets[set].map_into(row, buffer)
+            };
+            found.predict(query, fetch, out)?;
+        }
+        Ok(())
+    }
+}
+
+fn standardise(rows: &mut [f32], mean: &[f32], std: &[f32]) {
+    for row in rows.chunks_exact_mut(mean.len()) {
+        for ((value, mean), std) in row.iter_mut().zip(mean).zip(std) {
+            *value = (*value - mean) / std;
+        }
+    }
+}
+
+fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) -> Result<()> {
+    for rows in blocks(set.split.train.clone(), BLOCK) {
+        let x = set.inputs(rows.clone())?;
+        linear.add_block(&x, &set.maps(rows)?)?;
+    }
+    Ok(())
+}
+
+/// Mean absolute error on a set's test samples, µm.
+fn test_error(predictor: &mut dyn Predictor, sets: &mut [SampleSet], set: usize) -> Result<f64> {
+    let mut sum = MapErrorSum::new(sets[set].n_surface);
+    for rows in blocks(sets[set].split.test.clone(), BLOCK) {
+        add_error(predictor, sets, set, rows, false, &mut sum)?;
+    }
+    Ok(sum.finish().mean_abs_um)
+}
+
+/// Mean absolute error on the union's own training samples, µm, each set by its share.
+fn training_error(
+    predictor: &mut dyn Predictor,
+    sets: &mut [SampleSet],
+    n_sets: usize,
+) -> Result<f64> {
+    let n_training: usize = sets[..n_sets].iter().map(|set| set.split.train.len()).sum();
+    let share = (MAX_TRAINING as f64 / n_training as f64).min(1.0);
+    let mut sum = MapErrorSum::new(sets[0].n_surface);
+    for set in 0..n_sets {
+        let n = (sets[set].split.train.len() as f64 * share).round() as usize;
+        for rows in blocks(0..n, BLOCK) {
+            add_error(predictor, sets, set, rows, true, &mut sum)?;
+        }
+    }
+    Ok(sum.finish().mean_abs_um)
+}
+
+fn add_error(
+    predictor: &mut dyn Predictor,
+    sets: &mut [SampleSet],
+    set: usize,
+    rows: Range<usize>,
+    is_training: bool,
+    sum: &mut MapErrorSum,
+) -> Result<()> {
+    let x = sets[set].inputs(rows.clone())?;
+    let truth = sets[set].maps(rows.clone())?;
+    let mut found = vec![0.0; truth.len()];
+    let own = is_training.then_some((set, rows));
+    predictor.predict(sets, &x, own, &mut found)?;
+    sum.add(&truth, &found);
+    Ok(())
+}
+
+fn read_back(info: &Value) -> Result<Table1> {
+    let mut table = Table1::paper();
+    let cells = info["cells"].as_array().context("table 1: no cells")?;
+    for cell in cells.iter().filter(|cell| cell["method"].is_string()) {
+        let named = |method: &&Method| cell["method"] == method.name();
+        let method = *Method::ALL
+            .iter()
+            .find(named)
+            .context("table 1: unknown method")?;
+        let n_sets = cell["n_sets"].as_u64().context("table 1: n_sets")? as usize;
+        let train = *TrainSet::ALL.get(n_sets - 1).context("table 1: n_sets")?;
+        let tests = cell["test_um"].as_array().context("table 1: test_um")?;
+        for (test, error) in TestSet::ALL.into_iter().zip(tests) {
+            table.set_test(
+                method,
+                train,
+                test,
+                error.as_f64().unwrap_or(f64::NAN) * 1e-6,
+            );
+        }
+        let training = cell["training_um"].as_f64().unwrap_or(f64::NAN);
+        table.set_training(method, train, training * 1e-6);
+    }
+    Ok(table)
+}

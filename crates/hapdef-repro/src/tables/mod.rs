@@ -1,0 +1,36 @@
+//! The paper's tables as data, ours beside them, and what they say.
+
+mod table1;
+mod table2;
+pub(crate) mod text;
+mod verdict;
+
+pub use table1::{CellState, Method, Table1, Table1Record, TestSet, TrainSet};
+pub use table2::{
+    OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table2,
+};
+pub use text::{TextCell, TextTable};
+pub use verdict::{BrokenCell, Verdict, VerdictState, message_1, message_2};
+
+/// How many cells of a table there are, hold a number, or hold a NaN or infinity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct CellCount {
+    /// Cells the table has.
+    pub total: usize,
+    /// Cells that were measured, whatever came out.
+    pub measured: usize,
+    /// Measured cells whose value is not finite.
+    pub nan: usize,
+}
+
+impl CellCount {
+    fn of(cells: impl Iterator<Item = Option<f64>>) -> Self {
+        let mut count = Self::default();
+        for cell in cells {
+            count.total += 1;
+            count.measured += usize::from(cell.is_some());
+            count.nan += usize::from(cell.is_some_and(|v| !v.is_finite()));
+        }
+        count
+    }
+}

@@ -1,0 +1,177 @@
+//! The figures as documents: well-formed, labelled, with a mark for each value.
+
+use hapdef_repro::{
+    LineChart, Method, Scatter, Series, Table1, TestSet, TrainSet, Unrolled, UnrolledArrow,
+    UnrolledMarker, lines_svg, scatter_svg, table1_svg, unroll, unrolled_svg,
+};
+
+/// Parses the SVG; returns its texts and how often each element occurs.
+#[track_caller]
+fn parse(svg: &str) -> (Vec<String>, impl Fn(&str) -> usize + use<>) {
+    let document = roxmltree::Document::parse(svg).expect("well-formed XML");
+    let names: Vec<String> = document
+        .descendants()
+        .map(|n| n.tag_name().name().to_owned())
+        .collect();
+    let texts = document
+        .descendants()
+        .filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "text")))
+        .map(|n| n.text().unwrap_or_default().trim().to_owned())
+        .collect();
+    assert!(
+        !svg.contains("NaN") && !svg.contains("inf"),
+        "a coordinate is not finite"
+    );
+    (texts, move |name| {
+        names.iter().filter(|n| *n == name).count()
+    })
+}
+
+#[track_caller]
+fn assert_says(texts: &[String], expected: &[&str]) {
+    for text in expected {
+        assert!(
+            texts.iter().any(|t| t == text),
+            "{text:?} is not among {texts:?}"
+        );
+    }
+}
+
+/// 1 background, 3 in the legend, one per finite cell; a tick per cell of the paper.
+#[test]
+fn table1_has_a_bar_per_cell() {
+    let mut ours = Table1::default();
+    let bars = |table: &Table1| parse(&table1_svg(table).unwrap()).1("rect");
+    let none = bars(&ours);
+    for (i, train) in TrainSet::ALL.into_iter().enumerate() {
+        ours.set_test(Method::Fnn, train, TestSet::II, 1e-6 * (i + 1) as f64);
+    }
+    ours.set_test(Method::Linear, TrainSet::I, TestSet::I, f64::NAN);
+    assert_eq!(bars(&ours), none + 4, "the NaN draws no bar");
+    let (texts, count) = parse(&table1_svg(&ours).unwrap());
+    assert_says(
+        &texts,
+        &[
+            "LR",
+            "k-NN",
+            "FNN",
+            "paper",
+            "trained on I–III",
+            "IV",
+            "10",
+            "100",
+        ],
+    );
+    assert!(count("polyline") >= 48, "{} polylines", count("polyline"));
+}
+
+#[test]
+fn lines_break_at_what_cannot_be_drawn() {
+    let series = |name: &str, y: &[f64]| Series {
+        name: name.to_owned(),
+        points: y.iter().enumerate().map(|(i, y)| (i as f64, *y)).collect(),
+    };
+    let mut chart = LineChart {
+        title: "loss & <steps>".to_owned(),
+        x_label: "step".to_owned(),
+        y_label: "loss".to_owned(),
+        log_y: true,
+        dots: true,
+        series: vec![
+            series("training", &[1.0, 0.1, 0.0, 0.01, f64::NAN, 1e-3]),
+            series("validation", &[2.0, 0.2, 0.1, 0.05, 0.04, 0.03]),
+        ],
+    };
+    let (texts, count) = parse(&lines_svg(&chart).unwrap());
+    assert_says(
+        &texts,
+        &["loss & <steps>", "step", "loss", "training", "validation"],
+    );
+    assert_eq!(count("circle"), 4 + 6);
+    chart.log_y = false;
+    let (_, count) = parse(&lines_svg(&chart).unwrap());
+    assert_eq!(count("circle"), 5 + 6);
+    chart.series = vec![series("nothing", &[f64::NAN])];
+    assert!(lines_svg(&chart).is_err());
+}
+
+#[test]
+fn scatter_thins_evenly() {
+    let truth: Vec<f64> = (0..1000).map(f64::from).collect();
+    let mut predicted = truth.clone();
+    predicted[0] = f64::NAN;
+    let mut scatter = Scatter {
+        title: "force",
+        quantity: "force, N",
+        truth: &truth,
+        predicted: &predicted,
+        max_points: 250,
+    };
+    let (texts, count) = parse(&scatter_svg(&scatter).unwrap());
+    assert_says(&texts, &["force", "true force, N", "predicted force, N"]);
+    assert_eq!(count("circle"), 250);
+    scatter.max_points = 0;
+    assert!(scatter_svg(&scatter).is_err());
+}
+
+#[test]
+fn unrolled_surface_shows_nodes_contacts_and_errors() {
+    let ring: Vec<[f64; 3]> = (0..40)
+        .map(|i| {
+            let (sin, cos) = (f64::from(i) * 0.157).sin_cos();
+            [0.03 * cos, 1e-3 * f64::from(i), 0.03 * sin]
+        })
+        .collect();
+    let points = unroll(&ring, &ring, 1).unwrap();
+    let mut values: Vec<f64> = (0..40).map(f64::from).collect();
+    values[3] = f64::NAN;
+    let figure = Unrolled {
+        title: "map",
+        value_label: "µm",
+        points: &points,
+        values: &values,
+        range: None,
+        markers: &[
+            UnrolledMarker {
+                at: points[2],
+                truth: true,
+            },
+            UnrolledMarker {
+                at: points[3],
+                truth: false,
+            },
+        ],
+        arrows: &[UnrolledArrow {
+            from: points[2],
+            to: points[3],
+        }],
+    };
+    let (texts, count) = parse(&unrolled_svg(&figure).unwrap());
+    assert_says(
+        &texts,
+        &[
+            "map",
+            "angle, degrees",
+            "height, mm",
+            "-180",
+            "90",
+            "µm",
+            "39",
+            "0",
+        ],
+    );
+    assert_eq!(count("circle"), 40 + 1 + 1, "nodes, arrow head, ring");
+    let lost = Unrolled {
+        markers: &[UnrolledMarker {
+            at: [f64::NAN, 0.0],
+            truth: true,
+        }],
+        ..figure.clone()
+    };
+    assert!(unrolled_svg(&lost).is_err());
+    let short = Unrolled {
+        values: &values[1..],
+        ..figure
+    };
+    assert!(unrolled_svg(&short).is_err());
+}

@@ -1,0 +1,55 @@
+//! What can go wrong while the simulated hardware is built.
+
+use hapdef_mesh::MeshError;
+use hapdef_sim::SimError;
+
+/// Failures of the simulated hardware.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// The perturbed limb's mesh was refused.
+    #[error("the rig's mesh: {0}")]
+    Mesh(#[from] MeshError),
+    /// The perturbed limb could not be solved.
+    #[error("the rig's elastic model: {0}")]
+    Sim(#[from] SimError),
+    /// A parameter lies outside its range.
+    #[error(
+        "rig parameter {name}: expected {expected}, found {found}; correct the scene's rig section"
+    )]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// The range it must lie in.
+        expected: &'static str,
+        /// The value given.
+        found: f64,
+    },
+    /// No direction was found in which a gauge could be misplaced and stay on its wall.
+    #[error(
+        "gauge {gauge} can't be shifted by {shift_mm:.2} mm in any of {tried} directions without \
+         leaving its wall; place it farther from the rim or lower rig.gauges.shift_m"
+    )]
+    NoRoomForGauge {
+        /// Index of the gauge.
+        gauge: usize,
+        /// The shift asked for, mm.
+        shift_mm: f64,
+        /// Directions tried.
+        tried: usize,
+    },
+    /// Too few pairs of contact sites lie within the wanted distance of each other.
+    #[error(
+        "found {found} of {wanted} press pairs {min_mm:.0}–{max_mm:.0} mm apart; enlarge the \
+         contact region or lower the number of pairs"
+    )]
+    TooFewPairs {
+        /// Pairs found.
+        found: usize,
+        /// Pairs wanted.
+        wanted: usize,
+        /// Smallest distance, mm.
+        min_mm: f64,
+        /// Largest distance, mm.
+        max_mm: f64,
+    },
+}

@@ -1,0 +1,152 @@
+//! Displacements at wanted nodes for many loads.
+
+use hapdef_mesh::FeNodeId;
+use nalgebra::Vector3;
+
+use crate::load::check_node;
+use crate::solve::{BLOCK, BLOCKS_PER_WAVE, SolveInfo, SolveParams, solve_all};
+use crate::{ElasticModel, NodalLoad, SimError};
+
+/// Limits of a compliance computation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComplianceParams {
+    /// Refinement and refusal.
+    pub solve: SolveParams,
+    /// Bytes that results and workspace may take together, beside the factor.
+    pub max_bytes: usize,
+}
+
+impl Default for ComplianceParams {
+    /// 4 GiB, enough for 3,255 loads on 66,228 equations ten times over.
+    fn default() -> Self {
+        Self {
+            solve: SolveParams::default(),
+            max_bytes: 4 << 30,
+        }
+    }
+}
+
+/// Displacements at wanted nodes, m, one row of three-vectors per load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compliance {
+    n_loads: usize,
+    n_wanted: usize,
+    data: Vec<f64>,
+}
+
+impl Compliance {
+    /// Loads (rows).
+    #[must_use]
+    pub fn n_loads(&self) -> usize {
+        self.n_loads
+    }
+
+    /// Wanted nodes (columns).
+    #[must_use]
+    pub fn n_wanted(&self) -> usize {
+        self.n_wanted
+    }
+
+    /// All displacements `[n_loads, n_wanted, 3]`, row-major, m.
+    #[must_use]
+    pub fn data(&self) -> &[f64] {
+        &self.data
+    }
+
+    /// The displacements under `load` `[n_wanted, 3]`, m.
+    ///
+    /// # Panics
+    /// If `load` is not below [`Self::n_loads`].
+    #[must_use]
+    pub fn row(&self, load: usize) -> &[f64] {
+        &self.data[3 * load * self.n_wanted..3 * (load + 1) * self.n_wanted]
+    }
+
+    /// The displacement of the `wanted`-th node under `load`, m.
+    ///
+    /// # Panics
+    /// If an index is out of range.
+    #[must_use]
+    pub fn displacement(&self, load: usize, wanted: usize) -> Vector3<f64> {
+        let row = self.row(load);
+        Vector3::new(row[3 * wanted], row[3 * wanted + 1], row[3 * wanted + 2])
+    }
+}
+
+impl ElasticModel {
+    /// The displacements at `wanted` nodes for each of `loads`; unit loads give compliance, m/N.
+    ///
+    /// Full solutions live only in blocks of right-hand sides, each checked by its residual.
+    ///
+    /// # Errors
+    /// [`SimError::OverBudget`] before any work if the result would not fit; else as
+    /// [`ElasticModel::solve`].
+    pub fn compliance(
+        &self,
+        loads: &[NodalLoad],
+        wanted: &[FeNodeId],
+        params: &ComplianceParams,
+    ) -> Result<(Compliance, SolveInfo), SimError> {
+        for &node in wanted {
+            check_node("the list of wanted nodes", node, self.info().n_fe_nodes)?;
+        }
+        self.check_budget(loads.len(), wanted.len(), params.max_bytes)?;
+        let row = 3 * wanted.len();
+        let mut data = vec![0.0; loads.len() * row];
+        let info = solve_all(
+            self,
+            loads,
+            &params.solve,
+            |block| {
+                let columns = 0..block.loads.len();
+                let displacement = |column| {
+                    wanted
+                        .iter()
+                        .flat_map(move |&n| <[f64; 3]>::from(block.displacement(column, n)))
+                };
+                columns.flat_map(displacement).collect::<Vec<f64>>()
+            },
+            |block, rows| {
+                if row > 0 {
+                    for (&load, values) in block.iter().zip(rows.chunks_exact(row)) {
+                        data[load * row..(load + 1) * row].copy_from_slice(values);
+                    }
+                }
+            },
+        )?;
+        Ok((
+            Compliance {
+                n_loads: loads.len(),
+                n_wanted: wanted.len(),
+                data,
+            },
+            info,
+        ))
+    }
+
+    fn check_budget(
+        &self,
+        n_loads: usize,
+        n_wanted: usize,
+        allowed_bytes: usize,
+    ) -> Result<(), SimError> {
+        let n_threads = self.pool.current_num_threads();
+        let result = n_loads.saturating_mul(3 * n_wanted);
+        let workspace = 2 * self.info().n_equations * BLOCK * n_threads;
+        let waiting = BLOCK * BLOCKS_PER_WAVE * n_threads * 3 * n_wanted;
+        let needed_bytes = result
+            .saturating_add(workspace)
+            .saturating_add(waiting)
+            .saturating_mul(8);
+        if needed_bytes <= allowed_bytes {
+            Ok(())
+        } else {
+            Err(SimError::OverBudget {
+                n_loads,
+                n_wanted,
+                needed_bytes,
+                allowed_bytes,
+            })
+        }
+    }
+}

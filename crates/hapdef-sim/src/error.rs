@@ -1,0 +1,222 @@
+//! What can go wrong in statics.
+
+use crate::FloatingBody;
+
+/// Why an elastic model, a load or a gauge could not be built, or a system not be solved.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimError {
+    /// A material property outside the theory's range.
+    #[error("{property} is {value}; it must be {expected}")]
+    Material {
+        /// Which property.
+        property: &'static str,
+        /// The value found.
+        value: f64,
+        /// The allowed range in words.
+        expected: &'static str,
+    },
+    /// An element's modulus factor that is not usable.
+    #[error(
+        "element {element} (0-based) has the stiffness scale {value}; it must be finite and positive"
+    )]
+    StiffnessScale {
+        /// The element, counted from 0.
+        element: usize,
+        /// The factor found.
+        value: f64,
+    },
+    /// An array whose length does not fit the mesh.
+    #[error("{what} has {found} entries; expected {expected}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Entries needed.
+        expected: usize,
+        /// Entries found.
+        found: usize,
+    },
+    /// A node index beyond the mesh.
+    #[error("{what} names node {node}, but the mesh has {n_nodes} nodes (0-based)")]
+    NodeOutOfRange {
+        /// What names the node.
+        what: &'static str,
+        /// The index found.
+        node: usize,
+        /// Nodes in the mesh.
+        n_nodes: usize,
+    },
+    /// An element that is turned inside out at a Gauss point, seen by its Jacobian.
+    #[error(
+        "element {element} (0-based) has det J = {det_j_m3:e} m³ at parent coordinates \
+         ({}, {}, {}): it is inside out or flat; move its mid-side nodes or remesh", parent[0], parent[1], parent[2]
+    )]
+    ElementInverted {
+        /// The element, counted from 0.
+        element: usize,
+        /// Parent coordinates (ξ, η, ζ) of the Gauss point.
+        parent: [f64; 3],
+        /// The Jacobian determinant there, m³.
+        det_j_m3: f64,
+    },
+    /// Parts that can move without deforming, because too few or badly placed nodes are clamped.
+    #[error(
+        "the supports leave {} of {n_bodies} connected bodies free to move: {}",
+        bodies.len(),
+        bodies.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    )]
+    FreeRigidModes {
+        /// Connected bodies in the mesh.
+        n_bodies: usize,
+        /// The bodies that can move, by ascending first element.
+        bodies: Vec<FloatingBody>,
+    },
+    /// Every node is clamped, so that nothing is left to solve.
+    #[error("all {n_nodes} nodes are clamped; at least one must be free")]
+    AllClamped {
+        /// Nodes in the mesh.
+        n_nodes: usize,
+    },
+    /// The stiffness matrix has a pivot that is not positive.
+    #[error(
+        "the stiffness matrix is not positive definite at node {node}, direction {direction} \
+         (0-based): a mechanism, a degenerate element or a modulus contrast beyond f64"
+    )]
+    NotPositiveDefinite {
+        /// The node of the failing pivot.
+        node: usize,
+        /// Its direction, 0..3 for x, y, z.
+        direction: usize,
+    },
+    /// The factor does not fit in memory or in 32-bit indices.
+    #[error("the factor of {n_equations} equations is too large: {reason}")]
+    TooLarge {
+        /// Equations of the system.
+        n_equations: usize,
+        /// What ran out.
+        reason: String,
+    },
+    /// Results that would not fit the memory the caller allows.
+    #[error(
+        "{n_loads} loads at {n_wanted} nodes need {needed_bytes} bytes; allowed are {allowed_bytes}"
+    )]
+    OverBudget {
+        /// Load columns.
+        n_loads: usize,
+        /// Nodes at which displacement is wanted.
+        n_wanted: usize,
+        /// Bytes for results and workspace.
+        needed_bytes: usize,
+        /// Bytes allowed.
+        allowed_bytes: usize,
+    },
+    /// A reused analysis met a mesh with another connectivity.
+    #[error("element {element} (0-based) does not fit the mesh that the analysis was made for")]
+    OtherMesh {
+        /// The first element that differs, counted from 0.
+        element: usize,
+    },
+    /// The worker threads could not be started.
+    #[error("cannot start {n_threads} worker threads: {source}")]
+    Threads {
+        /// Threads asked for.
+        n_threads: usize,
+        /// The thread pool's answer.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// A force or traction that is not finite.
+    #[error("load {load} has the value ({}, {}, {}), which is not finite", value[0], value[1], value[2])]
+    LoadNotFinite {
+        /// Which entry of the load, counted from 0.
+        load: usize,
+        /// The value found.
+        value: [f64; 3],
+    },
+    /// A direction without length.
+    #[error("{what} is ({}, {}, {}); it must be finite and not zero", value[0], value[1], value[2])]
+    Direction {
+        /// Which direction.
+        what: &'static str,
+        /// The value found.
+        value: [f64; 3],
+    },
+    /// A length or count that is not usable.
+    #[error("{what} is {value}; it must be {expected}")]
+    Parameter {
+        /// Which parameter.
+        what: &'static str,
+        /// The value found.
+        value: f64,
+        /// The allowed range in words.
+        expected: &'static str,
+    },
+    /// A patch load whose tip does not touch the skin.
+    #[error(
+        "the tip at ({}, {}, {}) m with radius {tip_radius_m} m does not reach the skin; \
+         the nearest skin node is {nearest_node_m} m away", centre_m[0], centre_m[1], centre_m[2]
+    )]
+    PatchOffSkin {
+        /// The tip's centre, m.
+        centre_m: [f64; 3],
+        /// The tip's radius, m.
+        tip_radius_m: f64,
+        /// Distance to the nearest skin node, m.
+        nearest_node_m: f64,
+    },
+    /// A face whose nodes are not corners of the element it names.
+    #[error(
+        "a face names element {element} (0-based), which does not hold its corner nodes {corners:?}"
+    )]
+    FaceOfOtherElement {
+        /// The element named.
+        element: usize,
+        /// The face's corner nodes.
+        corners: [usize; 3],
+    },
+    /// A gauge too far from every wall face.
+    #[error(
+        "the gauge at ({}, {}, {}) m is {distance_m} m from the nearest wall face; allowed are {max_distance_m} m",
+        centre_m[0], centre_m[1], centre_m[2]
+    )]
+    GaugeOffWall {
+        /// The gauge's centre, m.
+        centre_m: [f64; 3],
+        /// Distance to the nearest wall face, m.
+        distance_m: f64,
+        /// The distance allowed, m.
+        max_distance_m: f64,
+    },
+    /// A gauge whose footprint hangs over a hole or a rim.
+    #[error(
+        "{n_lost} of the {n_samples} sample points of the gauge at ({}, {}, {}) m miss its wall \
+         (share {lost_share}, allowed {max_lost_share}): move the gauge away from holes and rims",
+        centre_m[0], centre_m[1], centre_m[2]
+    )]
+    GaugeOverhang {
+        /// The gauge's centre, m.
+        centre_m: [f64; 3],
+        /// Sample points that miss the wall.
+        n_lost: usize,
+        /// Sample points of the footprint.
+        n_samples: usize,
+        /// `n_lost / n_samples`.
+        lost_share: f64,
+        /// The share allowed.
+        max_lost_share: f64,
+    },
+    /// A solution whose residual stays too large after refinement.
+    #[error(
+        "load {load} is solved to a backward error of {backward_error:e} after \
+         {n_refinements} refinement steps; allowed is {limit:e}"
+    )]
+    Residual {
+        /// The load column, counted from 0.
+        load: usize,
+        /// The backward error reached, see [`crate::SolveParams`].
+        backward_error: f64,
+        /// Refinement steps done.
+        n_refinements: usize,
+        /// The limit.
+        limit: f64,
+    },
+}

@@ -1,0 +1,100 @@
+//! Command-line arguments that every program over a scene shares.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::error::HapdefError;
+use crate::profile::Profile;
+use crate::progress::Progress;
+use crate::run::Run;
+
+/// A scene and how to run it.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArgs {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// How much to make: `quick` for minutes, `full` for the paper's amounts of data.
+    #[arg(long, default_value = "full")]
+    pub profile: ProfileName,
+    /// Folder for everything that is written.
+    #[arg(long, default_value = "target/hapdef")]
+    pub out: PathBuf,
+    /// Threads; results don't depend on it.
+    #[arg(long, default_value_t = default_threads())]
+    pub threads: usize,
+    /// Seed of the training side instead of the scene's.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Optimiser steps of each F_R instead of the profile's.
+    #[arg(long)]
+    pub steps: Option<usize>,
+    /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
+    #[arg(long)]
+    pub other_steps: Option<usize>,
+    /// Single-contact samples instead of the profile's, simulated and on the rig.
+    #[arg(long)]
+    pub singles: Option<usize>,
+    /// Samples of each set of several contacts instead of the profile's.
+    #[arg(long)]
+    pub multis: Option<usize>,
+}
+
+/// Name of a [`Profile`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ProfileName {
+    /// [`Profile::quick`].
+    Quick,
+    /// [`Profile::full`].
+    Full,
+}
+
+impl SceneArgs {
+    /// Reads the scene and prepares the run; sets the threads of the whole process.
+    ///
+    /// # Errors
+    /// [`HapdefError::Scene`] when the scene is refused, [`HapdefError::Threads`] when the process
+    /// has its threads already.
+    pub fn prepare(&self) -> Result<Run, HapdefError> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .build_global()
+            .map_err(HapdefError::Threads)?;
+        let progress = Progress::on_stderr();
+        let mut run = Run::new(
+            &self.scene,
+            self.amounts(),
+            &self.out,
+            self.threads,
+            progress,
+        )?;
+        run.scene.seed = self.seed.unwrap_or(run.scene.seed);
+        Ok(run)
+    }
+
+    fn amounts(&self) -> Profile {
+        let mut profile = match self.profile {
+            ProfileName::Quick => Profile::quick(),
+            ProfileName::Full => Profile::full(),
+        };
+        profile.reconstruction.steps = self.steps.unwrap_or(profile.reconstruction.steps);
+        if let Some(steps) = self.other_steps {
+            for schedule in [
+                &mut profile.transfer,
+                &mut profile.sensitivity,
+                &mut profile.direct,
+            ] {
+                schedule.steps = steps;
+            }
+        }
+        profile.n_multi = self.multis.unwrap_or(profile.n_multi);
+        if let Some(singles) = self.singles {
+            (profile.n_single, profile.n_real_single) = (singles, singles);
+        }
+        profile
+    }
+}
+
+fn default_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}

@@ -1,0 +1,123 @@
+//! `hapdef deck`: a deck's own load, solved and compared with another program's result.
+
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use hapdef_mesh::{SolidDeck, read_deck};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
+use nalgebra::Vector3;
+
+/// Solves the deck's own load and prints what an FE engineer would look at first.
+pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
+    let deck = read_deck(file)?;
+    let material = deck
+        .material
+        .as_ref()
+        .context("the deck names no material")?;
+    let density = material
+        .density_kg_m3
+        .context("the deck names no density")?;
+    let material =
+        IsotropicMaterial::new(material.youngs_modulus_pa, material.poissons_ratio, density)?;
+    let params = ElasticParams {
+        material,
+        element_stiffness_scale: None,
+        clamped: deck.fixed_nodes.clone(),
+        n_threads: std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let elastic_model = ElasticModel::build(&deck.mesh, &params)?;
+    let load = own_load(&deck)?;
+    let (displacement, solve) = elastic_model.solve(&load)?;
+    let info = elastic_model.info();
+    let mass = MassProperties::of(&deck.mesh, density);
+    let extremes = elastic_model.stiffness_extremes();
+    let label = |element: usize| deck.element_labels[element];
+    println!("equations        {}", info.n_equations);
+    println!("nnz(L)           {}", info.nnz_l);
+    println!(
+        "order, assemble, factor  {:.2} s, {:.2} s, {:.2} s",
+        info.order_s, info.assemble_s, info.factor_s
+    );
+    println!("relative residual {:.1e}", solve.worst_relative_residual);
+    println!(
+        "mass             {:.7} kg, centre {:?} m",
+        mass.mass_kg,
+        mass.centre_m.coords.as_slice()
+    );
+    println!(
+        "element stiffness {:.9e} N/m at element {}, {:.3} N/m at element {}",
+        extremes.largest_n_m,
+        label(extremes.largest_element),
+        extremes.smallest_n_m,
+        label(extremes.smallest_element)
+    );
+    println!("load             {:?} N", load.total_n().as_slice());
+    println!("largest |u|      {:.6} mm", largest(&displacement) * 1e3);
+    println!(
+        "strain energy    {:.6e} J",
+        elastic_model.strain_energy_j(&displacement)?
+    );
+    if let Some(reference) = reference {
+        compare(&deck, &displacement, reference)?;
+    }
+    Ok(())
+}
+
+fn own_load(deck: &SolidDeck) -> Result<NodalLoad> {
+    let forces = NodalLoad {
+        forces_n: deck.nodal_forces.clone(),
+    };
+    let load = forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?);
+    if load.forces_n.is_empty() {
+        bail!("the deck has no load: add a nodal force or a pressure to it");
+    }
+    Ok(load)
+}
+
+fn compare(deck: &SolidDeck, displacement: &[Vector3<f64>], reference: &Path) -> Result<()> {
+    let expected = read_displacements(reference)?;
+    let mut worst = 0.0_f64;
+    let mut n_compared = 0;
+    for (label, u) in deck.node_labels.iter().zip(displacement) {
+        let Ok(place) = expected.binary_search_by_key(label, |entry| entry.0) else {
+            continue;
+        };
+        worst = worst.max((u - expected[place].1).norm());
+        n_compared += 1;
+    }
+    if n_compared == 0 {
+        bail!(
+            "{}: has no displacement for any node of the deck",
+            reference.display()
+        );
+    }
+    let relative = worst / largest(displacement);
+    println!("against {}: {n_compared} nodes", reference.display());
+    println!("METRIC:deck.u_rel_err:{relative:.3e}:1");
+    Ok(())
+}
+
+fn largest(displacement: &[Vector3<f64>]) -> f64 {
+    displacement.iter().map(Vector3::norm).fold(0.0, f64::max)
+}
+
+/// Rows `node vx vy vz` of a CalculiX result file, by rising node, m.
+fn read_displacements(path: &Path) -> Result<Vec<(u32, Vector3<f64>)>> {
+    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    let mut text = String::new();
+    if bytes.starts_with(&[0x1f, 0x8b]) {
+        flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;
+    } else {
+        text = String::from_utf8(bytes)?;
+    }
+    let row = |line: &str| {
+        let mut words = line.split_whitespace();
+        let label = words.next()?.parse().ok()?;
+        let mut number = || words.next()?.parse().ok();
+        Some((label, Vector3::new(number()?, number()?, number()?)))
+    };
+    let mut rows: Vec<_> = text.lines().filter_map(row).collect();
+    rows.sort_unstable_by_key(|entry| entry.0);
+    Ok(rows)
+}

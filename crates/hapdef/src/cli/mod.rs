@@ -1,0 +1,78 @@
+//! The command line.
+
+mod deck;
+mod inspect;
+mod stage;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::{Args, Parser, Subcommand};
+use hapdef::{SceneArgs, Until};
+
+/// A sense of touch for robot limbs from a few strain gauges.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Examples:\n  \
+    hapdef inspect fixtures/shin/shin_skin.glb\n  \
+    hapdef eval fixtures/shin/scene.json --profile quick\n\n\
+    Results go to target/hapdef/<scene>/; finished stages are kept and not run again."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Reads a surface (.glb, .gltf) or a solid deck (.inp, .dat, .cdb) and reports its quality.
+    Inspect {
+        /// The file.
+        file: PathBuf,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Solves a solid deck's own load and prints displacement, energy and mass.
+    Deck {
+        /// The deck.
+        file: PathBuf,
+        /// CalculiX displacements (.dat, also .gz) to compare with at every node.
+        #[arg(long)]
+        reference: Option<PathBuf>,
+    },
+    /// Reads a scene and its limb and checks both, without solving anything.
+    Check(SceneArgs),
+    /// The limb's compliance and the simulated rig's response.
+    Simulate(RunArgs),
+    /// Everything up to the datasets.
+    Dataset(RunArgs),
+    /// Everything up to the trained nets.
+    Train(RunArgs),
+    /// Everything up to the scores of the trained nets.
+    Eval(RunArgs),
+}
+
+/// A scene, and how its records are printed.
+#[derive(Args)]
+struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Print the stages' records as JSON, one a line.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Does what the arguments say.
+pub(crate) fn run(cli: &Cli) -> Result<()> {
+    match &cli.command {
+        Command::Inspect { file, json } => inspect::inspect(file, *json),
+        Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
+        Command::Check(args) => stage::check(args),
+        Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
+        Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
+        Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
+        Command::Eval(args) => stage::run_until(&args.scene, Until::Eval, args.json),
+    }
+}

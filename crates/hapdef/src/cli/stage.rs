@@ -1,0 +1,60 @@
+//! `hapdef check|simulate|dataset|train|eval`: the pipeline up to a stage.
+
+use std::io::Write;
+use std::sync::atomic::Ordering;
+
+use anyhow::{Context, Result};
+use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
+
+/// Reads the scene and its limb and says what is there.
+pub(crate) fn check(args: &SceneArgs) -> Result<()> {
+    let run = args.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    println!(
+        "{}: {} FE nodes, {} elements, {} surface nodes, {} clamped nodes, {} gauges",
+        run.scene.name,
+        limb.mesh.nodes().len(),
+        limb.mesh.elements().len(),
+        limb.n_surface_nodes(),
+        limb.clamped.len(),
+        limb.gauges.len(),
+    );
+    Ok(())
+}
+
+/// Runs every stage up to `until` and prints their records.
+pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()> {
+    let run = args.prepare()?;
+    stop_on_ctrl_c(&run)?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let done = Pipeline::run(&run, &limb, until)?;
+    for stage in done.stages() {
+        show(stage, json)?;
+    }
+    Ok(())
+}
+
+fn stop_on_ctrl_c(run: &Run) -> Result<()> {
+    let stop = run.stop.clone();
+    ctrlc::set_handler(move || stop.store(true, Ordering::Relaxed)).context("catching Ctrl-C")
+}
+
+fn show(stage: &Stage, json: bool) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    if json {
+        writeln!(out, "{}", serde_json::to_string(&stage.record)?)?;
+        return Ok(());
+    }
+    let origin = if stage.cached { "cached" } else { "new" };
+    writeln!(
+        out,
+        "{:10} {origin:6} {:8.1} s",
+        stage.record.stage, stage.record.elapsed_s
+    )?;
+    for (name, value) in stage.record.info.as_object().into_iter().flatten() {
+        if !value.is_object() {
+            writeln!(out, "    {name}: {value}")?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! Errors of the pipeline.
+
+use std::path::PathBuf;
+
+use hapdef_data::DataError;
+use hapdef_kmax::KMaxError;
+use hapdef_mesh::MeshError;
+use hapdef_nets::NetsError;
+use hapdef_rig::RigError;
+use hapdef_sim::SimError;
+
+use crate::scoring::ScoringError;
+
+/// What is wrong with a scene file.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file can't be read.
+    #[error("{file}: can't be read: {source}; check the path")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is no JSON, or not of a scene's form.
+    #[error("{file}: at {path}: {source}; docs/scene.md lists every field")]
+    Form {
+        /// The file.
+        file: String,
+        /// JSON path of the fault.
+        path: String,
+        /// What the JSON reader says.
+        source: serde_json::Error,
+    },
+    /// A value is out of range.
+    #[error("{file}: at {path}: expected {expected}, found {found}; correct this field")]
+    Value {
+        /// The file.
+        file: String,
+        /// JSON path of the value.
+        path: String,
+        /// What it must be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
+}
+
+/// What can stop the pipeline.
+#[derive(Debug, thiserror::Error)]
+pub enum HapdefError {
+    /// The scene was refused.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The limb's geometry was refused.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The elastic model failed.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+    /// A dataset could not be written or read.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A net could not be trained or used.
+    #[error(transparent)]
+    Net(#[from] NetsError),
+    /// The peak search was refused.
+    #[error(transparent)]
+    KMax(#[from] KMaxError),
+    /// Contacts could not be scored.
+    #[error(transparent)]
+    Scoring(#[from] ScoringError),
+    /// The simulated hardware failed.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// A gauge of the scene could not be placed.
+    #[error("gauges.sites[{index}] ({name}): {source}")]
+    Gauge {
+        /// Position in the scene's list.
+        index: usize,
+        /// The gauge's name.
+        name: String,
+        /// What is wrong with it.
+        source: Box<HapdefError>,
+    },
+    /// The mount names nothing.
+    #[error("mount: {what}; {advice}")]
+    NoMount {
+        /// What was looked for and not found.
+        what: String,
+        /// What to do.
+        advice: String,
+    },
+    /// Neither scene nor deck names a whole material.
+    #[error(
+        "material: the deck {deck} lacks modulus, Poisson's ratio or density; add a material \
+         section to the scene"
+    )]
+    NoMaterial {
+        /// The deck.
+        deck: String,
+    },
+    /// Contacts at the wanted spacing don't fit on the skin.
+    #[error(
+        "contact.min_spacing_m: found no {n_contacts} of {n_nodes} skin nodes {spacing_mm:.1} mm \
+         apart in {tries} tries; lower the spacing or contact.max_contacts"
+    )]
+    TooCrowded {
+        /// Contacts wanted at a time.
+        n_contacts: usize,
+        /// Nodes to choose from.
+        n_nodes: usize,
+        /// Spacing wanted, mm.
+        spacing_mm: f64,
+        /// Tries made.
+        tries: usize,
+    },
+    /// A file of the pipeline could not be written or read.
+    #[error("{path}: {source}; check the disk's space and rights, or run again with another --out")]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that an earlier stage wrote does not hold what it should.
+    #[error("{path}: {what}; delete it and run again")]
+    Stale {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The worker threads could not be started.
+    #[error("starting the worker threads: {0}; try fewer with --threads")]
+    Threads(rayon::ThreadPoolBuildError),
+    /// The person stopped the run.
+    #[error("stopped at {stage}; run the same command again and it goes on from there")]
+    Stopped {
+        /// The stage in which it stopped.
+        stage: String,
+    },
+}
+
+impl HapdefError {
+    /// Says which file or folder an I/O error concerns.
+    pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::File { path, source }
+    }
+}

@@ -1,0 +1,302 @@
+//! The limb of a scene: mesh, skin, supports, material, gauges, all checked.
+
+use std::path::Path;
+
+use hapdef_mesh::{
+    BoundarySurface, FeNodeId, GaugePatch, MeshError, OuterSkinParams, RadialRegionParams,
+    SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region, read_deck,
+};
+use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad};
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::error::HapdefError;
+use crate::scene::{
+    Axis, ContactRegion, GaugeEntry, Geometry, LengthUnit, LoadDirection, MaterialSpec, Mount,
+    Scene,
+};
+
+/// Farthest a gauge's centre may be from its wall, m.
+const MAX_GAUGE_OFFSET_M: f64 = 1e-3;
+
+/// Everything geometric that a scene says about its limb.
+pub struct Limb {
+    /// The solid in metres.
+    pub mesh: Tet10Mesh,
+    /// Its boundary faces.
+    pub boundary: BoundarySurface,
+    /// The touchable skin; index in `skin.nodes` = surface node.
+    pub skin: SkinRegion,
+    /// Direction of a contact's force at each surface node, unit length.
+    pub directions: Vec<Vector3<f64>>,
+    /// Nodes held fast.
+    pub clamped: Vec<FeNodeId>,
+    /// Material.
+    pub material: IsotropicMaterial,
+    /// Gauge sites in channel order.
+    pub sites: Vec<GaugeSite>,
+    /// How much of a gauge may miss the wall.
+    pub gauge_params: GaugeParams,
+    /// Gauges as functionals of the displacement.
+    pub gauges: Vec<GaugeStrain>,
+    /// Patch of virtual gauges of each gauge.
+    pub patches: Vec<GaugePatch>,
+    /// Hash of the deck file's bytes.
+    pub deck_hash: String,
+    /// The deck as read, for sets, loads and labels.
+    pub deck: SolidDeck,
+}
+
+impl Limb {
+    /// Reads the deck that `scene` names (relative to `scene_dir`) and finds everything on it.
+    ///
+    /// # Errors
+    /// [`HapdefError`] naming the scene's field when the deck, mount, material, skin or a gauge is
+    /// not usable.
+    pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
+        let path = scene_dir.join(&scene.geometry.solid_deck);
+        let bytes = std::fs::read(&path).map_err(HapdefError::file(&path))?;
+        let deck_hash = blake3::hash(&bytes).to_hex().to_string();
+        let deck = in_metres(read_deck(&path)?, &scene.geometry)?;
+        let mesh = deck.mesh.clone();
+        let boundary = mesh.boundary();
+        let skin = find_skin(
+            &scene.contact.region,
+            &scene.geometry.axis,
+            &mesh,
+            &boundary,
+        )?;
+        let directions = load_directions(scene, &mesh, &skin);
+        let clamped = find_mount(&scene.mount, &deck)?;
+        let material = find_material(scene.material.as_ref(), &deck, &path)?;
+        let sites: Vec<_> = scene
+            .gauges
+            .sites
+            .iter()
+            .map(|entry| site(entry, scene))
+            .collect();
+        let (gauges, patches) = place_gauges(scene, &sites, &mesh, &boundary)?;
+        Ok(Self {
+            mesh,
+            boundary,
+            skin,
+            directions,
+            clamped,
+            material,
+            sites,
+            gauge_params: gauge_params(scene),
+            gauges,
+            patches,
+            deck_hash,
+            deck,
+        })
+    }
+
+    /// Number of surface nodes.
+    #[must_use]
+    pub fn n_surface_nodes(&self) -> usize {
+        self.skin.nodes.len()
+    }
+
+    /// Positions of the surface nodes `[n_surface_nodes]`, m.
+    #[must_use]
+    pub fn surface_points(&self) -> Vec<Point3<f64>> {
+        self.skin
+            .nodes
+            .iter()
+            .map(|n| self.mesh.nodes()[n.index()])
+            .collect()
+    }
+
+    /// A unit force of the scene's tip and direction at every surface node, N.
+    ///
+    /// # Errors
+    /// [`HapdefError::Sim`] when a tip does not touch the skin.
+    pub fn unit_loads(&self, tip_radius_m: f64) -> Result<Vec<NodalLoad>, HapdefError> {
+        let points = self.surface_points();
+        let loads = points
+            .iter()
+            .zip(&self.directions)
+            .map(|(point, direction)| {
+                NodalLoad::patch(&self.mesh, &self.skin, point, tip_radius_m, direction)
+            });
+        Ok(loads.collect::<Result<_, _>>()?)
+    }
+
+    /// FE nodes whose displacement the pipeline wants: the surface nodes, then the virtual gauges
+    /// patch by patch.
+    #[must_use]
+    pub fn wanted_nodes(&self) -> Vec<FeNodeId> {
+        let virtual_gauges = self.patches.iter().flat_map(|patch| patch.nodes.iter());
+        self.skin
+            .nodes
+            .iter()
+            .chain(virtual_gauges)
+            .copied()
+            .collect()
+    }
+}
+
+/// The boundary faces that the scene's contact region names.
+fn find_skin(
+    region: &ContactRegion,
+    axis: &Axis,
+    mesh: &Tet10Mesh,
+    boundary: &BoundarySurface,
+) -> Result<SkinRegion, MeshError> {
+    match region {
+        ContactRegion::Radial {
+            min_normal_dot_radial,
+            min_radius_m,
+            axial_range_m,
+        } => {
+            let params = RadialRegionParams {
+                axis_point: Point3::from(axis.point_m),
+                axis_dir: Vector3::from(axis.direction),
+                min_normal_dot_radial: *min_normal_dot_radial,
+                min_radius_m: *min_radius_m,
+                axial_range_m: (axial_range_m[0], axial_range_m[1]),
+            };
+            radial_region(mesh, boundary, &params)
+        }
+        ContactRegion::OuterSkin {} => outer_skin(mesh, boundary, &OuterSkinParams::default()),
+    }
+}
+
+/// Millimetre decks become metres; their MPa and t/mm³ become Pa and kg/m³.
+fn in_metres(deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, HapdefError> {
+    if geometry.unit == LengthUnit::Metre {
+        return Ok(deck);
+    }
+    let nodes = deck.mesh.nodes().iter().map(|x| x * 1e-3).collect();
+    let mesh = Tet10Mesh::new(nodes, deck.mesh.elements().to_vec())?;
+    let material = deck.material.map(|mut material| {
+        material.youngs_modulus_pa *= 1e6;
+        material.density_kg_m3 = material.density_kg_m3.map(|d| d * 1e12);
+        material
+    });
+    let face_tractions = deck.face_tractions.iter().cloned().map(|mut face| {
+        face.traction_pa *= 1e6;
+        face
+    });
+    Ok(SolidDeck {
+        mesh,
+        material,
+        face_tractions: face_tractions.collect(),
+        ..deck
+    })
+}
+
+fn find_material(
+    spec: Option<&MaterialSpec>,
+    deck: &SolidDeck,
+    path: &Path,
+) -> Result<IsotropicMaterial, HapdefError> {
+    let from_deck = || {
+        let m = deck.material.as_ref()?;
+        Some((m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3?))
+    };
+    let from_scene = spec.map(|m| (m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3));
+    let (e, nu, rho) = from_scene
+        .or_else(from_deck)
+        .ok_or_else(|| HapdefError::NoMaterial {
+            deck: path.display().to_string(),
+        })?;
+    Ok(IsotropicMaterial::new(e, nu, rho)?)
+}
+
+fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefError> {
+    let no_mount = |what: String, advice: String| HapdefError::NoMount { what, advice };
+    let nodes = match mount {
+        Mount::Deck => deck.fixed_nodes.clone(),
+        Mount::NodeSet { name } => deck.node_sets.get(name).cloned().ok_or_else(|| {
+            let known: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
+            no_mount(
+                format!("the deck has no node set {name:?}"),
+                format!("it has: {}", known.join(", ")),
+            )
+        })?,
+        Mount::Box { min_m, max_m } => {
+            let inside = |x: &Point3<f64>| (0..3).all(|i| (min_m[i]..=max_m[i]).contains(&x[i]));
+            let nodes = deck
+                .mesh
+                .nodes()
+                .iter()
+                .enumerate()
+                .filter(|(_, x)| inside(x));
+            nodes.map(|(i, _)| FeNodeId::from_index(i)).collect()
+        }
+    };
+    if nodes.is_empty() {
+        let what = match mount {
+            Mount::Deck => "the deck fixes no node",
+            Mount::NodeSet { .. } => "the node set is empty",
+            Mount::Box { .. } => "no node lies in the box",
+        };
+        let advice = "without a mount the limb floats: name a node set, a box, or fix nodes in \
+                      the deck";
+        return Err(no_mount(what.into(), advice.into()));
+    }
+    Ok(nodes)
+}
+
+fn load_directions(scene: &Scene, mesh: &Tet10Mesh, skin: &SkinRegion) -> Vec<Vector3<f64>> {
+    let axis = &scene.geometry.axis;
+    let origin = Point3::from(axis.point_m);
+    let along = Unit::new_normalize(Vector3::from(axis.direction));
+    let inward = |(i, node): (usize, &FeNodeId)| {
+        let normal: Vector3<f64> = skin.normals[i];
+        let offset = mesh.nodes()[node.index()] - origin;
+        let radial = offset - along.into_inner() * offset.dot(&along);
+        match scene.contact.direction {
+            LoadDirection::Normal => -normal,
+            LoadDirection::Radial => radial.try_normalize(0.0).map_or(-normal, |r| -r),
+        }
+    };
+    skin.nodes.iter().enumerate().map(inward).collect()
+}
+
+fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
+    GaugeSite {
+        position: Point3::from(entry.position_m),
+        axis: Vector3::from(entry.axis),
+        length_m: scene.gauges.length_m,
+        width_m: scene.gauges.width_m,
+    }
+}
+
+fn gauge_params(scene: &Scene) -> GaugeParams {
+    let max_lost_share = scene.gauges.max_lost_share;
+    GaugeParams {
+        max_lost_share,
+        max_distance_m: MAX_GAUGE_OFFSET_M,
+        ..GaugeParams::default()
+    }
+}
+
+fn place_gauges(
+    scene: &Scene,
+    sites: &[GaugeSite],
+    mesh: &Tet10Mesh,
+    boundary: &BoundarySurface,
+) -> Result<(Vec<GaugeStrain>, Vec<GaugePatch>), HapdefError> {
+    let place = |site: &GaugeSite| -> Result<_, HapdefError> {
+        let n = scene.gauges.patch_nodes;
+        let patch = gauge_patch(mesh, &boundary.faces, &site.position, n, MAX_GAUGE_OFFSET_M)?;
+        Ok((
+            GaugeStrain::with_params(mesh, &boundary.faces, site, &gauge_params(scene))?,
+            patch,
+        ))
+    };
+    let placed = sites
+        .iter()
+        .zip(&scene.gauges.sites)
+        .enumerate()
+        .map(|(index, (site, entry))| {
+            place(site).map_err(|source| HapdefError::Gauge {
+                index,
+                name: entry.name.clone(),
+                source: Box::new(source),
+            })
+        });
+    Ok(placed.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
+}

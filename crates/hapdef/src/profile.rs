@@ -1,0 +1,93 @@
+//! How much of everything a run makes: the paper's amounts, or a quick look.
+
+use serde::{Deserialize, Serialize};
+
+/// Amounts of data and training.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// `quick` or `full`.
+    pub name: String,
+    /// Single-contact samples, simulated; the paper has 27,000.
+    pub n_single: usize,
+    /// Samples of each of two, three and four contacts; the paper has 6,000.
+    pub n_multi: usize,
+    /// Single presses on the rig; the paper has 27,000.
+    pub n_real_single: usize,
+    /// Pairs of the double presses on the rig; the paper has 270.
+    pub n_pairs: usize,
+    /// Amplitudes per pair; the paper has 25.
+    pub n_amplitudes: usize,
+    /// Training of F_T.
+    pub transfer: Schedule,
+    /// Training of each F_R.
+    pub reconstruction: Schedule,
+    /// Training of F_S.
+    pub sensitivity: Schedule,
+    /// Training of the direct net.
+    pub direct: Schedule,
+    /// Samples the support-vector baseline is trained on; its cost grows with the square.
+    pub n_svr: usize,
+}
+
+/// How long and how fast one net is trained.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Schedule {
+    /// Optimiser steps of 100 samples; the paper has 1,000,000.
+    pub steps: usize,
+    /// Learning rate at the first step; the paper has 1e-4 throughout.
+    pub learning_rate: f64,
+    /// Learning rate at the last step, reached along a cosine.
+    pub final_learning_rate: f64,
+    /// Weight of the L2 term on the weights.
+    pub l2: f64,
+}
+
+impl Profile {
+    /// A run of minutes: fewer samples, short training.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self {
+            name: "quick".into(),
+            n_single: 8_000,
+            n_multi: 2_000,
+            n_real_single: 8_000,
+            n_pairs: 60,
+            n_amplitudes: 25,
+            transfer: schedule(2_000, 1e-3),
+            reconstruction: schedule(500, 5e-4),
+            sensitivity: schedule(2_000, 1e-3),
+            direct: schedule(1_500, 1e-3),
+            n_svr: 1_000,
+        }
+    }
+
+    /// The paper's data; training is shorter than the paper's million steps and starts at a higher
+    /// learning rate.
+    #[must_use]
+    pub fn full() -> Self {
+        Self {
+            name: "full".into(),
+            n_single: 27_000,
+            n_multi: 6_000,
+            n_real_single: 27_000,
+            n_pairs: 270,
+            n_amplitudes: 25,
+            transfer: schedule(10_000, 1e-3),
+            reconstruction: schedule(8_000, 1e-3),
+            sensitivity: schedule(10_000, 1e-3),
+            direct: schedule(10_000, 1e-3),
+            n_svr: 4_000,
+        }
+    }
+}
+
+fn schedule(steps: usize, learning_rate: f64) -> Schedule {
+    Schedule {
+        steps,
+        learning_rate,
+        final_learning_rate: learning_rate * 1e-2,
+        l2: 0.0,
+    }
+}

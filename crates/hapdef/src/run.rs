@@ -1,0 +1,69 @@
+//! One run over a scene: the scene, how much to make, where results go, how to stop.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::cache::Cache;
+use crate::error::HapdefError;
+use crate::profile::Profile;
+use crate::progress::Progress;
+use crate::scene::{Scene, read_scene};
+
+/// What every stage is given.
+pub struct Run {
+    /// The scene.
+    pub scene: Scene,
+    /// Folder of the scene file; its paths are relative to it.
+    pub scene_dir: PathBuf,
+    /// Hash of the scene file's bytes.
+    pub scene_hash: String,
+    /// Amounts of data and training.
+    pub profile: Profile,
+    /// Finished stages.
+    pub cache: Cache,
+    /// Threads of solves and matrix products. Results don't depend on it.
+    pub threads: usize,
+    /// Where progress is shown.
+    pub progress: Progress,
+    /// Set when the person wants to stop.
+    pub stop: Arc<AtomicBool>,
+}
+
+impl Run {
+    /// Reads the scene and prepares a run whose results go under `out`.
+    ///
+    /// # Errors
+    /// [`HapdefError::Scene`] when the scene is refused.
+    pub fn new(
+        scene_path: &Path,
+        profile: Profile,
+        out: &Path,
+        threads: usize,
+        progress: Progress,
+    ) -> Result<Self, HapdefError> {
+        let scene = read_scene(scene_path)?;
+        let bytes = std::fs::read(scene_path).map_err(HapdefError::file(scene_path))?;
+        Ok(Self {
+            scene,
+            scene_dir: scene_path.parent().unwrap_or(Path::new(".")).to_path_buf(),
+            scene_hash: blake3::hash(&bytes).to_hex().to_string(),
+            profile,
+            cache: Cache::new(out.join("cache")),
+            threads,
+            progress,
+            stop: Arc::new(AtomicBool::new(false)),
+        })
+    }
+
+    /// Tells the person what happens now.
+    pub fn say(&self, text: &str) {
+        self.progress.say(text);
+    }
+
+    /// Whether the person wants to stop.
+    #[must_use]
+    pub fn stopping(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,130 @@
+//! Drawing contacts: random places at a distance from each other, random forces.
+
+use nalgebra::Point3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::error::HapdefError;
+use crate::scene::ContactSpec;
+
+/// Tries for one sample before the spacing is called too large.
+const MAX_TRIES: usize = 10_000;
+
+/// One contact of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnContact {
+    /// Surface node pressed.
+    pub node: usize,
+    /// Force, N.
+    pub force_n: f64,
+}
+
+/// Draws `n_samples` samples of `n_contacts` contacts each, at least the scene's spacing apart.
+/// The stream depends on `seed` and on `n_contacts` only.
+///
+/// # Errors
+/// [`HapdefError::TooCrowded`] when a sample finds no room on the skin.
+pub fn draw_contacts(
+    points: &[Point3<f64>],
+    contact: &ContactSpec,
+    n_contacts: usize,
+    n_samples: usize,
+    seed: u64,
+) -> Result<Vec<Vec<DrawnContact>>, HapdefError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(n_contacts as u64);
+    (0..n_samples)
+        .map(|_| draw_one(points, contact, n_contacts, &mut rng))
+        .collect()
+}
+
+fn draw_one(
+    points: &[Point3<f64>],
+    contact: &ContactSpec,
+    n_contacts: usize,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<DrawnContact>, HapdefError> {
+    for _ in 0..MAX_TRIES {
+        let nodes: Vec<usize> = (0..n_contacts)
+            .map(|_| rng.random_range(0..points.len()))
+            .collect();
+        if !spaced(points, &nodes, contact.min_spacing_m) {
+            continue;
+        }
+        let [low, high] = contact.force_range_n;
+        let with_force = |node| DrawnContact {
+            node,
+            force_n: rng.random_range(low..=high),
+        };
+        return Ok(nodes.into_iter().map(with_force).collect());
+    }
+    Err(HapdefError::TooCrowded {
+        n_contacts,
+        n_nodes: points.len(),
+        spacing_mm: contact.min_spacing_m * 1e3,
+        tries: MAX_TRIES,
+    })
+}
+
+fn spaced(points: &[Point3<f64>], nodes: &[usize], spacing_m: f64) -> bool {
+    (0..nodes.len()).all(|i| {
+        (0..i).all(|j| {
+            let distance = (points[nodes[i]] - points[nodes[j]]).norm();
+            nodes[i] != nodes[j] && distance >= spacing_m
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ContactRegion, LoadDirection};
+
+    fn contact(min_spacing_m: f64) -> ContactSpec {
+        ContactSpec {
+            region: ContactRegion::OuterSkin {},
+            tip_radius_m: 0.002,
+            force_range_n: [0.0, 34.0],
+            direction: LoadDirection::Normal,
+            min_spacing_m,
+            max_contacts: 4,
+        }
+    }
+
+    fn line() -> Vec<Point3<f64>> {
+        (0..50)
+            .map(|i| Point3::new(f64::from(i) * 1e-3, 0.0, 0.0))
+            .collect()
+    }
+
+    #[test]
+    fn contacts_keep_their_distance_and_range() {
+        let points = line();
+        for sample in draw_contacts(&points, &contact(0.01), 3, 500, 7).unwrap() {
+            for (i, a) in sample.iter().enumerate() {
+                assert!((0.0..=34.0).contains(&a.force_n));
+                for b in &sample[..i] {
+                    assert!((points[a.node] - points[b.node]).norm() >= 0.01);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_seed_decides_and_sets_differ() {
+        let points = line();
+        let draw = |n, seed| draw_contacts(&points, &contact(0.0), n, 20, seed).unwrap();
+        assert_eq!(draw(2, 1), draw(2, 1));
+        assert_ne!(draw(2, 1), draw(2, 2));
+        assert_ne!(draw(1, 1)[0][0], draw(2, 1)[0][0]);
+    }
+
+    #[test]
+    fn a_crowded_skin_is_refused() {
+        let error = draw_contacts(&line(), &contact(0.03), 4, 1, 1).unwrap_err();
+        assert!(
+            matches!(error, HapdefError::TooCrowded { n_contacts: 4, .. }),
+            "{error}"
+        );
+    }
+}

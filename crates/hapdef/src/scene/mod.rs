@@ -1,0 +1,58 @@
+//! The scene file: one JSON document per limb and use.
+//!
+//! Unknown fields are refused; every error names the JSON path. Units are in the names, SI
+//! throughout. `docs/scene.md` walks through an example.
+
+mod check;
+mod gauges;
+mod limb;
+mod read;
+mod rig;
+
+pub use gauges::{GaugeEntry, GaugeSpec};
+pub use limb::{
+    Axis, ContactRegion, ContactSpec, Geometry, LengthUnit, LoadDirection, MaterialSpec, Mount,
+};
+pub use read::read_scene;
+pub use rig::{
+    ElectronicsSpec, GainSpec, MisplacementSpec, PressSpec, RigMesh, RigSpec, VariationSpec,
+};
+
+use serde::{Deserialize, Serialize};
+
+/// A limb and what is to be done with it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Short name; results go to `target/hapdef/<name>/`. Letters, digits, `-` and `_`.
+    pub name: String,
+    /// Seed of everything that is drawn on the training side.
+    pub seed: u64,
+    /// Where the limb's shape comes from.
+    pub geometry: Geometry,
+    /// What it is made of; the deck's own material if absent.
+    pub material: Option<MaterialSpec>,
+    /// How it is held.
+    pub mount: Mount,
+    /// Where and how it is touched.
+    pub contact: ContactSpec,
+    /// Its strain gauges.
+    pub gauges: GaugeSpec,
+    /// The simulated hardware.
+    pub rig: RigSpec,
+    /// How contacts are found from readings.
+    pub estimator: EstimatorSpec,
+}
+
+/// Which estimator turns readings into contacts.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum EstimatorSpec {
+    /// The paper's chain: transfer net, reconstruction net, k-Max, sensitivity net.
+    Hapdefx {
+        /// Radius that the k nearest neighbours of k-Max span, m; the paper has about 10 mm.
+        kmax_radius_m: f64,
+        /// Displacement below which a point is no candidate, µm.
+        floor_um: f64,
+    },
+}

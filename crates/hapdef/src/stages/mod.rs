@@ -1,0 +1,16 @@
+//! The pipeline's stages, in order. Each is a function from what it needs to a cached folder.
+
+mod dataset;
+mod eval;
+mod nets;
+mod rig;
+mod rig_channels;
+mod simulate;
+mod train;
+
+pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
+pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval};
+pub use nets::NetKind;
+pub use rig::rig;
+pub use simulate::compliance;
+pub use train::{TrainedNet, TrainedNets, train};

@@ -1,0 +1,241 @@
+//! The nets of the pipeline: which there are and what each is trained on.
+
+use std::ops::Range;
+use std::path::Path;
+
+use hapdef_data::{DatasetReader, Split, StandardiserFit};
+use hapdef_nets::train::{BatchSource, MemorySource, SourceError};
+use hapdef_nets::{MlpSpec, Scale};
+use serde::{Deserialize, Serialize};
+
+use super::dataset::{Datasets, samples_path};
+use crate::cache::Stage;
+use crate::error::HapdefError;
+
+/// A net of the pipeline.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum NetKind {
+    /// F_T: readings → virtual gauges, on the rig's single presses.
+    Transfer,
+    /// F_R: virtual gauges → map, on simulated sets of one up to so many contacts.
+    Reconstruction {
+        /// Contacts of the last set: 1 trains on I, 2 on I–II, and so on.
+        n_sets: usize,
+    },
+    /// F_S: displacement and position of a contact → its force, on simulated single contacts.
+    Sensitivity,
+    /// Readings → position and force, on the rig's single presses: the single-contact baseline.
+    Direct,
+}
+
+/// Rows that are read together while a scale is fitted.
+const BLOCK: usize = 512;
+
+/// Most samples a validation looks at, spread over the sets.
+const MAX_VALIDATION: usize = 1000;
+
+impl NetKind {
+    /// Name for files and people.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Transfer => "transfer".into(),
+            Self::Reconstruction { n_sets } => format!("reconstruction-{n_sets}"),
+            Self::Sensitivity => "sensitivity".into(),
+            Self::Direct => "direct".into(),
+        }
+    }
+
+    /// The datasets it is trained on.
+    #[must_use]
+    pub fn datasets(self, data: &Datasets) -> Vec<&Stage> {
+        match self {
+            Self::Transfer | Self::Direct => vec![&data.rig_single],
+            Self::Reconstruction { n_sets } => data.simulated.iter().take(n_sets).collect(),
+            Self::Sensitivity => data.simulated.iter().take(1).collect(),
+        }
+    }
+
+    /// The paper's architecture for samples of these widths.
+    #[must_use]
+    pub fn spec(self, n_inputs: usize, n_outputs: usize) -> MlpSpec {
+        match self {
+            Self::Transfer => MlpSpec::transfer(n_inputs, n_outputs),
+            Self::Reconstruction { .. } => MlpSpec::reconstruction(n_inputs, n_outputs),
+            Self::Sensitivity => MlpSpec::sensitivity(),
+            Self::Direct => MlpSpec::direct(n_inputs),
+        }
+    }
+
+    /// Training and validation samples.
+    pub(super) fn samples(self, data: &Datasets) -> Result<[Box<dyn BatchSource>; 2], HapdefError> {
+        let stages = self.datasets(data);
+        let columns = match self {
+            Self::Transfer => ["readings", "virtual_gauges"],
+            Self::Reconstruction { .. } => ["virtual_gauges", "deformation"],
+            Self::Sensitivity => {
+                let path = samples_path(stages[0]);
+                return memory_sources(&path, sensitivity_rows);
+            }
+            Self::Direct => {
+                let path = samples_path(stages[0]);
+                return memory_sources(&path, direct_rows);
+            }
+        };
+        let train = StreamedRows::open(&stages, columns, |split| split.train)?;
+        let most = MAX_VALIDATION / stages.len();
+        let validation = StreamedRows::open(&stages, columns, |split| {
+            let Range { start, end } = split.validation;
+            start..end.min(start + most)
+        })?;
+        Ok([Box::new(train), Box::new(validation)])
+    }
+}
+
+/// Means and deviations of a source's inputs and outputs.
+pub(super) fn fit_scales(samples: &mut dyn BatchSource) -> Result<[Scale; 2], HapdefError> {
+    let (n_in, n_out) = (samples.n_inputs(), samples.n_outputs());
+    let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];
+    let rows: Vec<usize> = (0..samples.n_samples()).collect();
+    for block in rows.chunks(BLOCK) {
+        let (mut x, mut y) = (
+            vec![0.0; block.len() * n_in],
+            vec![0.0; block.len() * n_out],
+        );
+        samples.fill(block, &mut x, &mut y).map_err(source_error)?;
+        fits[0].push(&x)?;
+        fits[1].push(&y)?;
+    }
+    let [x, y] = fits;
+    let ((x, _), (y, _)) = (x.finish()?, y.finish()?);
+    Ok([Scale::new(x.mean, x.std)?, Scale::new(y.mean, y.std)?])
+}
+
+fn source_error(error: SourceError) -> HapdefError {
+    match error.downcast::<hapdef_data::DataError>() {
+        Ok(error) => (*error).into(),
+        Err(other) => HapdefError::File {
+            path: "samples".into(),
+            source: std::io::Error::other(other.to_string()),
+        },
+    }
+}
+
+/// Rows of one or several dataset files, one tensor in and one out, read when asked for.
+struct StreamedRows {
+    parts: Vec<(DatasetReader, Range<usize>)>,
+    columns: [&'static str; 2],
+    widths: [usize; 2],
+}
+
+impl StreamedRows {
+    fn open(
+        stages: &[&Stage],
+        columns: [&'static str; 2],
+        block: impl Fn(Split) -> Range<usize>,
+    ) -> Result<Self, HapdefError> {
+        let mut parts = Vec::with_capacity(stages.len());
+        let mut widths = [0; 2];
+        for stage in stages {
+            let reader = DatasetReader::open(&samples_path(stage))?;
+            widths = [reader.width(columns[0])?, reader.width(columns[1])?];
+            let rows = block(Split::of(reader.n())?);
+            parts.push((reader, rows));
+        }
+        Ok(Self {
+            parts,
+            columns,
+            widths,
+        })
+    }
+
+    fn locate(&self, row: usize) -> Option<(usize, usize)> {
+        let mut first = 0;
+        for (part, (_, rows)) in self.parts.iter().enumerate() {
+            if row < first + rows.len() {
+                return Some((part, rows.start + row - first));
+            }
+            first += rows.len();
+        }
+        None
+    }
+}
+
+impl BatchSource for StreamedRows {
+    fn n_samples(&self) -> usize {
+        self.parts.iter().map(|(_, rows)| rows.len()).sum()
+    }
+
+    fn n_inputs(&self) -> usize {
+        self.widths[0]
+    }
+
+    fn n_outputs(&self) -> usize {
+        self.widths[1]
+    }
+
+    fn fill(&mut self, rows: &[usize], x: &mut [f32], y: &mut [f32]) -> Result<(), SourceError> {
+        let [n_in, n_out] = self.widths;
+        let targets = x.chunks_exact_mut(n_in).zip(y.chunks_exact_mut(n_out));
+        for (&row, (x, y)) in rows.iter().zip(targets) {
+            let (part, row) = self
+                .locate(row)
+                .ok_or("a row past the end of the samples")?;
+            let reader = &mut self.parts[part].0;
+            reader.read_rows(self.columns[0], row..row + 1, x)?;
+            reader.read_rows(self.columns[1], row..row + 1, y)?;
+        }
+        Ok(())
+    }
+}
+
+/// Inputs and outputs of samples, with their widths.
+type Rows = (Vec<f32>, usize, Vec<f32>, usize);
+
+fn memory_sources(
+    path: &Path,
+    rows_of: impl Fn(&mut DatasetReader, Range<usize>) -> Result<Rows, HapdefError>,
+) -> Result<[Box<dyn BatchSource>; 2], HapdefError> {
+    let mut reader = DatasetReader::open(path)?;
+    let split = Split::of(reader.n())?;
+    let mut source = |rows| -> Result<Box<dyn BatchSource>, HapdefError> {
+        let (x, n_in, y, n_out) = rows_of(&mut reader, rows)?;
+        Ok(Box::new(MemorySource::new(n_in, n_out, x, y)?))
+    };
+    Ok([source(split.train)?, source(split.validation)?])
+}
+
+/// `(D_i, P_i) → A` of single contacts (the paper's equation 3).
+fn sensitivity_rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows, HapdefError> {
+    let n = rows.len();
+    let n_surface = reader.width("deformation")?;
+    let (mut nodes, mut positions) = (vec![0_i32; n], vec![0.0_f32; n * 3]);
+    let (mut forces, mut map) = (vec![0.0_f32; n], vec![0.0_f32; n_surface]);
+    reader.read_rows("contact_nodes", rows.clone(), &mut nodes)?;
+    reader.read_rows("contact_positions", rows.clone(), &mut positions)?;
+    reader.read_rows("contact_forces", rows.clone(), &mut forces)?;
+    let mut features = Vec::with_capacity(n * 4);
+    for (i, row) in rows.enumerate() {
+        reader.read_rows("deformation", row..row + 1, &mut map)?;
+        features.push(map[nodes[i] as usize]);
+        features.extend_from_slice(&positions[i * 3..i * 3 + 3]);
+    }
+    Ok((features, 4, forces, 1))
+}
+
+/// Readings → position and force of single presses.
+fn direct_rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows, HapdefError> {
+    let n = rows.len();
+    let n_gauges = reader.width("readings")?;
+    let (mut readings, mut positions) = (vec![0.0_f32; n * n_gauges], vec![0.0_f32; n * 3]);
+    let mut forces = vec![0.0_f32; n];
+    reader.read_rows("readings", rows.clone(), &mut readings)?;
+    reader.read_rows("contact_positions", rows.clone(), &mut positions)?;
+    reader.read_rows("contact_forces", rows, &mut forces)?;
+    let targets = positions
+        .chunks_exact(3)
+        .zip(&forces)
+        .flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
+    Ok((readings, n_gauges, targets.collect(), 4))
+}

@@ -1,0 +1,100 @@
+//! Stage: factor the limb once, solve one right-hand side per surface node.
+
+use hapdef_mesh::GaugeId;
+use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
+use serde_json::{Value, json};
+
+use crate::cache::Stage;
+use crate::compliance::ComplianceTable;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+
+/// Name of the table in the stage's folder.
+pub(crate) const COMPLIANCE_FILE: &str = "compliance.safetensors";
+
+/// Raise when this stage's results change for unchanged inputs.
+const VERSION: u32 = 1;
+
+/// Makes the compliance table of the scene's limb.
+///
+/// Only what the networks read is kept: the surface nodes and the virtual gauges; only what the
+/// scene may press is solved: one direction per surface node.
+///
+/// # Errors
+/// [`HapdefError::Sim`] when the limb floats or the factorisation fails.
+pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
+    run.cache.stage("compliance", &inputs(run, limb), |dir| {
+        run.say(&format!(
+            "solving the limb: {} FE nodes, {} loads",
+            limb.mesh.nodes().len(),
+            limb.n_surface_nodes()
+        ));
+        let elastic = ElasticParams {
+            material: limb.material,
+            element_stiffness_scale: None,
+            clamped: limb.clamped.clone(),
+            n_threads: run.threads,
+        };
+        let elastic_model = ElasticModel::build(&limb.mesh, &elastic)?;
+        let loads = limb.unit_loads(run.scene.contact.tip_radius_m)?;
+        let wanted = limb.wanted_nodes();
+        let params = ComplianceParams::default();
+        let (compliance, solve) = elastic_model.compliance(&loads, &wanted, &params)?;
+        let (response, adjoint) = elastic_model.gauge_response(&limb.gauges)?;
+        let table = ComplianceTable::new(limb.n_surface_nodes(), wanted.len(), compliance.data());
+        table.write(&dir.join(COMPLIANCE_FILE))?;
+        let factor = elastic_model.info();
+        Ok(json!({
+            "n_fe_nodes": limb.mesh.nodes().len(),
+            "n_elements": limb.mesh.elements().len(),
+            "n_equations": factor.n_equations,
+            "nnz_l": factor.nnz_l,
+            "assemble_s": factor.assemble_s,
+            "order_s": factor.order_s,
+            "factor_s": factor.factor_s,
+            "n_loads": loads.len(),
+            "n_wanted_nodes": wanted.len(),
+            "compliance_s": solve.elapsed_s,
+            "worst_relative_residual": solve.worst_relative_residual,
+            "adjoint_s": adjoint.elapsed_s,
+            "median_best_gauge_ue_per_n": median_best_gauge(&response, &loads, limb.gauges.len()),
+            "median_self_compliance_um_per_n": median(table.self_compliance_um_per_n()),
+        }))
+    })
+}
+
+fn inputs(run: &Run, limb: &Limb) -> Value {
+    let scene = &run.scene;
+    json!({
+        "version": VERSION,
+        "deck": limb.deck_hash,
+        "unit": scene.geometry.unit,
+        "axis": scene.geometry.axis,
+        "material": scene.material,
+        "mount": scene.mount,
+        "region": scene.contact.region,
+        "tip_radius_m": scene.contact.tip_radius_m,
+        "direction": scene.contact.direction,
+        "gauges": scene.gauges,
+    })
+}
+
+/// Median over the surface nodes of the strongest gauge's strain per newton, µε/N.
+fn median_best_gauge(
+    response: &hapdef_sim::GaugeResponse,
+    loads: &[hapdef_sim::NodalLoad],
+    n_gauges: usize,
+) -> f64 {
+    let best = |load| {
+        (0..n_gauges)
+            .map(|g| response.reading(GaugeId::from_index(g), load).abs() * 1e6)
+            .fold(0.0_f64, f64::max)
+    };
+    median(loads.iter().map(best).collect())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}

@@ -1,0 +1,73 @@
+//! Position and force errors of many contacts in a few numbers.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scoring::ContactPair;
+
+/// A position error beyond this counts as a miss, m.
+const FAR_M: f64 = 0.010;
+
+/// Errors of detected contacts. All zero with `n` = 0 when there is none.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq)]
+pub struct ContactStats {
+    /// Contacts measured.
+    pub n: usize,
+    /// Mean distance to the true contact, mm.
+    pub mean_mm: f64,
+    /// Median distance, mm.
+    pub median_mm: f64,
+    /// 90th percentile of the distance, mm.
+    pub p90_mm: f64,
+    /// Share of contacts farther than 10 mm.
+    pub share_beyond_10mm: f64,
+    /// Mean absolute force error, N.
+    pub mean_n: f64,
+}
+
+impl ContactStats {
+    /// Sums up measured contacts.
+    #[must_use]
+    pub fn of(pairs: &[ContactPair]) -> Self {
+        let n = pairs.len();
+        if n == 0 {
+            return Self::default();
+        }
+        let mut distances: Vec<f64> = pairs.iter().map(|p| p.position_error_m).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| distances[((n - 1) as f64 * share).round() as usize] * 1e3;
+        let far = distances.iter().filter(|d| **d > FAR_M).count();
+        Self {
+            n,
+            mean_mm: distances.iter().sum::<f64>() / n as f64 * 1e3,
+            median_mm: at(0.5),
+            p90_mm: at(0.9),
+            share_beyond_10mm: far as f64 / n as f64,
+            mean_n: pairs.iter().map(|p| p.force_error_n.abs()).sum::<f64>() / n as f64,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eleven_contacts_one_to_eleven_millimetres_off() {
+        let pair = |i: u32| ContactPair {
+            detected: 0,
+            truth: 0,
+            position_error_m: f64::from(i) * 1e-3,
+            force_error_n: if i.is_multiple_of(2) { 1.0 } else { -2.0 },
+        };
+        let stats = ContactStats::of(&(1..=11).map(pair).collect::<Vec<_>>());
+        assert!((stats.mean_mm - 6.0).abs() < 1e-12 && (stats.median_mm - 6.0).abs() < 1e-12);
+        assert!((stats.p90_mm - 10.0).abs() < 1e-12, "{}", stats.p90_mm);
+        assert!((stats.share_beyond_10mm - 1.0 / 11.0).abs() < 1e-12);
+        assert!((stats.mean_n - 17.0 / 11.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_found_is_counted_as_nothing() {
+        assert_eq!(ContactStats::of(&[]), ContactStats::default());
+    }
+}

@@ -1,0 +1,183 @@
+//! Bad input gets one clear error, exit code 2, and leaves nothing half-written.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::{Value, json};
+
+fn shin() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
+}
+
+fn hapdef(words: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hapdef"))
+        .args(words)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// The bundled scene with its deck beside it, changed by `change`, in a folder of its own.
+fn scene_with(folder: &Path, change: impl FnOnce(&mut Value)) {
+    let text = fs::read(shin().join("scene.json")).unwrap();
+    let mut scene: Value = serde_json::from_slice(&text).unwrap();
+    change(&mut scene);
+    fs::write(folder.join("scene.json"), scene.to_string()).unwrap();
+    let deck = scene["geometry"]["solid_deck"].as_str().unwrap().to_owned();
+    if !folder.join(&deck).exists() {
+        fs::copy(shin().join("shin.inp.gz"), folder.join(deck)).unwrap();
+    }
+}
+
+#[track_caller]
+fn refused(change: impl FnOnce(&mut Value), expected: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), change);
+    refused_in(folder.path(), expected);
+}
+
+#[track_caller]
+fn refused_in(folder: &Path, expected: &[&str]) {
+    let output = hapdef(&["simulate", "scene.json"], folder);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert_eq!(text.matches("error:").count(), 1, "{text}");
+    for words in expected {
+        assert!(text.contains(words), "{words:?} is not in: {text}");
+    }
+    let out = folder.join("target/hapdef");
+    let left: Vec<_> = fs::read_dir(out).into_iter().flatten().collect();
+    assert!(left.is_empty(), "left behind: {left:?}");
+}
+
+#[test]
+fn a_field_that_does_not_exist() {
+    refused(
+        |scene| scene["contact"]["tip"] = json!(1),
+        &["contact", "unknown field `tip`"],
+    );
+}
+
+#[test]
+fn a_field_of_the_wrong_type() {
+    refused(
+        |scene| scene["gauges"]["sites"][3]["axis"] = json!("up"),
+        &["gauges.sites[3].axis"],
+    );
+}
+
+#[test]
+fn a_value_out_of_range() {
+    refused(
+        |scene| scene["contact"]["force_range_n"] = json!([34, 0]),
+        &["contact.force_range_n", "[34, 0]"],
+    );
+}
+
+#[test]
+fn a_scene_that_is_no_json() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("scene.json"), "{\"name\": ").unwrap();
+    refused_in(folder.path(), &["scene.json", "EOF"]);
+}
+
+#[test]
+fn a_deck_that_is_not_there() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    fs::remove_file(folder.path().join("shin.inp.gz")).unwrap();
+    refused_in(folder.path(), &["shin.inp.gz"]);
+}
+
+#[test]
+fn a_truncated_deck() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    let deck = folder.path().join("shin.inp.gz");
+    let bytes = fs::read(&deck).unwrap();
+    fs::write(&deck, &bytes[..bytes.len() / 2]).unwrap();
+    refused_in(folder.path(), &["shin.inp.gz"]);
+}
+
+#[test]
+fn a_node_set_that_the_deck_does_not_have() {
+    refused(
+        |scene| scene["mount"] = json!({"kind": "node_set", "name": "ANKLE"}),
+        &["mount", "ANKLE", "MOUNT"],
+    );
+}
+
+#[test]
+fn a_mount_that_holds_nothing() {
+    refused(
+        |scene| {
+            scene["mount"] = json!({"kind": "box", "min_m": [1, 1, 1], "max_m": [2, 2, 2]});
+        },
+        &["mount", "no node lies in the box", "name a node set"],
+    );
+}
+
+#[test]
+fn a_gauge_off_the_wall() {
+    refused(
+        |scene| scene["gauges"]["sites"][2]["position_m"] = json!([0.0, 0.1, 0.0]),
+        &["gauges.sites[2]", "mm"],
+    );
+}
+
+#[test]
+fn a_contact_region_without_skin() {
+    refused(
+        |scene| scene["contact"]["region"]["axial_range_m"] = json!([5.0, 6.0]),
+        &["region"],
+    );
+}
+
+/// Khronos' broken files, each refused or read whole: what its validator finds wrong with the
+/// container, the accessors or the positions must not get through silently.
+#[test]
+fn khronos_files_are_read_or_refused_with_one_error() {
+    let shared = std::env::var_os("HAPDEF_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let folder = shared.join("inputs/gltf/khronos-validator");
+    if !folder.exists() {
+        println!(
+            "skipped: {} is absent (set HAPDEF_SHARED)",
+            folder.display()
+        );
+        return;
+    }
+    let mut n_refused = 0;
+    for file in ["glb", "mesh"]
+        .into_iter()
+        .flat_map(|kind| files(&folder.join(kind)))
+    {
+        let output = hapdef(&["inspect", &file.display().to_string()], &folder);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        match output.status.code() {
+            Some(0) => assert!(error.is_empty(), "{}: {error}", file.display()),
+            Some(2) => {
+                n_refused += 1;
+                let name = file.file_name().unwrap().to_string_lossy().into_owned();
+                assert!(error.contains(&name), "{error} does not name {name}");
+                assert_eq!(error.matches("error:").count(), 1, "{error}");
+            }
+            code => panic!("{}: exit code {code:?}: {error}", file.display()),
+        }
+    }
+    assert!(n_refused >= 20, "only {n_refused} files were refused");
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let is_model = |path: &PathBuf| path.extension().is_some_and(|e| e == "glb" || e == "gltf");
+    let entries = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = entries.filter(is_model).collect();
+    files.sort();
+    files
+}

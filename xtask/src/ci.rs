@@ -1,0 +1,140 @@
+//! What CI runs, in the order in which it is likely to fail.
+
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+
+use crate::tool::{cargo, metadata, root, run, shown};
+use crate::{docs, fixtures, tidy};
+
+/// Runs every check; stops at the first that fails.
+fn run_all() -> Result<Vec<(String, f64)>> {
+    let mut times = Vec::new();
+    step(&mut times, "format", || {
+        run(&mut cargo(&["fmt", "--all", "--check"]))
+    })?;
+    step(&mut times, "tidy", tidy::run)?;
+    step(&mut times, "clippy", || {
+        let words = [
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--",
+            "-D",
+            "warnings",
+        ];
+        run(&mut cargo(&words))
+    })?;
+    for package in crates()? {
+        step(&mut times, &format!("{package} alone"), || {
+            let words = ["check", "--package", &package, "--no-default-features"];
+            run(cargo(&words).env("RUSTFLAGS", ""))
+        })?;
+    }
+    step(&mut times, "docs", || {
+        let words = [
+            "doc",
+            "--workspace",
+            "--no-deps",
+            "--document-private-items",
+        ];
+        run(cargo(&words).env("RUSTDOCFLAGS", "-D warnings"))
+    })?;
+    step(&mut times, "tests", || {
+        run(&mut cargo(&[
+            "test",
+            "--workspace",
+            "--release",
+            "--no-fail-fast",
+        ]))
+    })?;
+    step(&mut times, "fixtures", || fixtures::make(true))?;
+    step(&mut times, "demo --quick", quick_demo)?;
+    step(&mut times, "commands of the docs", docs::run_commands)?;
+    Ok(times)
+}
+
+/// `cargo xtask ci`.
+pub(crate) fn run_everything() -> Result<()> {
+    let start = Instant::now();
+    let times = run_all()?;
+    for (name, seconds) in &times {
+        println!("{seconds:8.1} s  {name}");
+    }
+    println!("{:8.1} s  all", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn step(
+    times: &mut Vec<(String, f64)>,
+    name: &str,
+    check: impl FnOnce() -> Result<()>,
+) -> Result<()> {
+    eprintln!("── {name}");
+    let start = Instant::now();
+    check().with_context(|| format!("ci step {name:?}"))?;
+    times.push((name.to_owned(), start.elapsed().as_secs_f64()));
+    Ok(())
+}
+
+/// Names of the workspace's library crates.
+fn crates() -> Result<Vec<String>> {
+    let metadata = metadata()?;
+    let packages = metadata["packages"]
+        .as_array()
+        .context("cargo metadata: packages")?;
+    let names = packages.iter().filter_map(|p| p["name"].as_str());
+    Ok(names
+        .filter(|name| *name != "xtask")
+        .map(str::to_owned)
+        .collect())
+}
+
+/// A quick run of the main job; its figures must show every cell of both tables and none NaN.
+fn quick_demo() -> Result<()> {
+    let program = std::env::current_exe().context("own program")?;
+    let mut command = Command::new(program);
+    command.args(["demo", "--quick"]).current_dir(root());
+    let output = command.stderr(std::process::Stdio::inherit()).output()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    print!("{text}");
+    if !output.status.success() {
+        bail!("{} ended with {}", shown(&command), output.status);
+    }
+    for (name, expected) in [
+        ("demo.table1_cells", 60.0),
+        ("demo.table2_cells", 8.0),
+        ("demo.nan_cells", 0.0),
+    ] {
+        let value = metric(&text, name)?;
+        if value.total_cmp(&expected).is_ne() {
+            bail!("{name}: expected {expected}, the demo printed {value}");
+        }
+    }
+    Ok(())
+}
+
+/// The value of a `METRIC:name:value:unit` line.
+fn metric(text: &str, name: &str) -> Result<f64> {
+    let mut lines = text.lines().filter_map(|line| line.strip_prefix("METRIC:"));
+    let line = lines
+        .find_map(|rest| rest.strip_prefix(name)?.strip_prefix(':'))
+        .with_context(|| format!("the demo printed no METRIC line {name}"))?;
+    let value = line.split(':').next().unwrap_or_default();
+    value
+        .parse()
+        .with_context(|| format!("METRIC {name}: {value:?} is no number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::metric;
+
+    #[test]
+    fn metric_lines_are_found_by_their_whole_name() {
+        let text = "noise\nMETRIC:demo.wall_seconds:9:s\nMETRIC:demo.wall_s:12.5:s\n";
+        assert_eq!(metric(text, "demo.wall_s").unwrap(), 12.5);
+        assert!(metric(text, "demo.cells").is_err());
+    }
+}

@@ -1,0 +1,69 @@
+//! The commands that the docs show, run as a reader would.
+
+use std::fs;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::tool::{root, run};
+
+/// Commands that are not run here, and why.
+const LEFT_OUT: [(&str, &str); 2] = [
+    ("cargo xtask ci", "this is what is running"),
+    ("cargo xtask demo --quick", "run by its own step"),
+];
+
+/// Runs every line of every `sh` block in README.md and docs/.
+pub(crate) fn run_commands() -> Result<()> {
+    let mut files = vec![root().join("README.md")];
+    let folder = fs::read_dir(root().join("docs")).context("reading docs/")?;
+    for entry in folder {
+        files.push(entry.context("reading docs/")?.path());
+    }
+    files.sort();
+    let mut n_run = 0;
+    for file in files
+        .iter()
+        .filter(|file| file.extension().is_some_and(|e| e == "md"))
+    {
+        let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
+        for line in commands(&text) {
+            if LEFT_OUT.iter().any(|(command, _)| *command == line) {
+                continue;
+            }
+            eprintln!("   $ {line}");
+            run(Command::new("sh").args(["-c", line]).current_dir(root()))
+                .with_context(|| format!("{}: {line}", file.display()))?;
+            n_run += 1;
+        }
+    }
+    if n_run == 0 {
+        bail!("the docs show no command: expected ```sh blocks in README.md and docs/");
+    }
+    Ok(())
+}
+
+/// Lines of the fenced `sh` blocks.
+fn commands(text: &str) -> Vec<&str> {
+    let mut inside = false;
+    let mut found = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if line.starts_with("```") {
+            inside = line == "```sh";
+        } else if inside && !line.is_empty() && !line.starts_with('#') {
+            found.push(line);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::commands;
+
+    #[test]
+    fn only_sh_blocks_count() {
+        let text = "```sh\na b\n\n# note\nc\n```\nd\n```text\ne\n```\n";
+        assert_eq!(commands(text), ["a b", "c"]);
+    }
+}

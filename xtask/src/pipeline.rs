@@ -1,0 +1,69 @@
+//! The main job: the pipeline's binaries in order.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::Result;
+
+use crate::tool::{release_binary, root, shown, status};
+
+/// Arguments of the tasks that run the pipeline.
+#[derive(clap::Args, Clone)]
+pub(crate) struct PipelineArgs {
+    /// The scene; the bundled shin if absent.
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// Fewer samples and short training: minutes instead of hours.
+    #[arg(long)]
+    quick: bool,
+    /// Everything else goes to `hapdef` as it is, such as `--steps 2000` (see `hapdef --help`).
+    #[arg(last = true)]
+    rest: Vec<String>,
+}
+
+/// From the limb to the report.
+pub(crate) fn demo(args: &PipelineArgs) -> Result<()> {
+    eprintln!("building (the first time takes some minutes) …");
+    let hapdef = release_binary("hapdef")?;
+    let repro = release_binary("hapdef-repro")?;
+    let start = Instant::now();
+    for (program, verb) in [(&hapdef, "eval"), (&repro, "report")] {
+        let mut command = Command::new(program);
+        finish(command.arg(verb).args(common(args)))?;
+    }
+    eprintln!(
+        "demo: {:.0} s after the build",
+        start.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+/// One stage and what it needs.
+pub(crate) fn stage(verb: &str, args: &PipelineArgs) -> Result<()> {
+    let hapdef = release_binary("hapdef")?;
+    finish(Command::new(hapdef).arg(verb).args(common(args)))
+}
+
+/// Hands the program's own exit code on: it has said what is wrong.
+fn finish(command: &mut Command) -> Result<()> {
+    let status = status(command)?;
+    match status.code() {
+        Some(0) => Ok(()),
+        Some(code) => std::process::exit(code),
+        None => anyhow::bail!("{} was killed: {status}", shown(command)),
+    }
+}
+
+fn common(args: &PipelineArgs) -> Vec<String> {
+    let bundled = root().join("fixtures/shin/scene.json");
+    let scene = args.scene.clone().unwrap_or(bundled);
+    let profile = if args.quick { "quick" } else { "full" };
+    let mut words = vec![
+        scene.display().to_string(),
+        "--profile".to_owned(),
+        profile.to_owned(),
+    ];
+    words.extend(args.rest.iter().cloned());
+    words
+}

@@ -1,0 +1,176 @@
+//! The tree against its own rules.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use anyhow::{Context, Result, bail};
+
+use crate::tool::{metadata, root};
+
+/// Longest a source file may be, lines.
+const MAX_LINES: usize = 400;
+
+type Arrows = BTreeMap<String, BTreeSet<String>>;
+
+/// `cargo xtask tidy`: layers, file lengths, leftovers.
+pub(crate) fn run() -> Result<()> {
+    let mut faults = Vec::new();
+    layer_faults(
+        &drawn_arrows(&read("ARCHITECTURE.md")?)?,
+        &manifest_arrows()?,
+        &mut faults,
+    );
+    for file in tracked_files()? {
+        if file.ends_with(".rs") {
+            source_faults(&file, &read(&file)?, &mut faults);
+        }
+    }
+    if faults.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "tidy found {} faults:\n  {}",
+        faults.len(),
+        faults.join("\n  ")
+    )
+}
+
+/// Arrows of the `layers` block: `crate -> crate, crate` a line.
+fn drawn_arrows(architecture: &str) -> Result<Arrows> {
+    let (_, rest) = architecture
+        .split_once("```layers\n")
+        .context("no layers block")?;
+    let (block, _) = rest
+        .split_once("```")
+        .context("the layers block does not end")?;
+    let arrow = |line: &str| {
+        let (from, to) = line
+            .split_once("->")
+            .with_context(|| format!("no arrow in {line:?}"))?;
+        let to = to.split(',').map(|name| name.trim().to_owned());
+        Ok((
+            from.trim().to_owned(),
+            to.filter(|name| !name.is_empty()).collect(),
+        ))
+    };
+    block
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .map(arrow)
+        .collect()
+}
+
+/// Arrows of the manifests, development dependencies left out.
+fn manifest_arrows() -> Result<Arrows> {
+    let metadata = metadata()?;
+    let packages = metadata["packages"]
+        .as_array()
+        .context("cargo metadata: packages")?;
+    let name_of = |package: &serde_json::Value| package["name"].as_str().map(str::to_owned);
+    let own: BTreeSet<String> = packages.iter().filter_map(name_of).collect();
+    let mut arrows = Arrows::new();
+    for package in packages {
+        let from = name_of(package).context("a package without a name")?;
+        let dependencies = package["dependencies"].as_array().context("dependencies")?;
+        let to = dependencies
+            .iter()
+            .filter(|d| d["kind"].is_null())
+            .filter_map(name_of);
+        arrows.insert(from, to.filter(|name| own.contains(name)).collect());
+    }
+    Ok(arrows)
+}
+
+fn layer_faults(drawn: &Arrows, manifest: &Arrows, faults: &mut Vec<String>) {
+    let nothing = BTreeSet::new();
+    let crates: BTreeSet<&String> = drawn.keys().chain(manifest.keys()).collect();
+    for from in crates {
+        if drawn.contains_key(from) != manifest.contains_key(from) {
+            faults.push(format!(
+                "{from}: only in one of ARCHITECTURE.md's layers and Cargo.toml"
+            ));
+        }
+        let in_drawing = drawn.get(from).unwrap_or(&nothing);
+        let in_manifest = manifest.get(from).unwrap_or(&nothing);
+        for to in in_drawing.symmetric_difference(in_manifest) {
+            let place = if in_drawing.contains(to) {
+                "ARCHITECTURE.md"
+            } else {
+                "Cargo.toml"
+            };
+            faults.push(format!("{from} -> {to}: only in {place}"));
+        }
+    }
+}
+
+fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
+    let n_lines = text.lines().count();
+    if n_lines > MAX_LINES {
+        faults.push(format!("{file}: {n_lines} lines, {MAX_LINES} are allowed"));
+    }
+    let leftovers = ["todo", "unimplemented", "dbg"].map(|name| format!("{name}!("));
+    for (i, line) in text.lines().enumerate() {
+        if leftovers.iter().any(|word| line.contains(word.as_str())) {
+            faults.push(format!("{file}:{}: left over: {}", i + 1, line.trim()));
+        }
+    }
+    let documented = text.trim_start().starts_with("//!") || text.starts_with("// ");
+    if !documented {
+        faults.push(format!(
+            "{file}: does not open with a line saying what it is"
+        ));
+    }
+}
+
+fn tracked_files() -> Result<Vec<String>> {
+    let output = std::process::Command::new("git")
+        .args(["ls-files", "--cached", "--others", "--exclude-standard"])
+        .current_dir(root())
+        .output()
+        .context("starting git ls-files")?;
+    let text = String::from_utf8(output.stdout).context("git ls-files")?;
+    Ok(text.lines().map(str::to_owned).collect())
+}
+
+fn read(file: &str) -> Result<String> {
+    fs::read_to_string(root().join(file)).with_context(|| format!("reading {file}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(drawn: &str, manifest: &str) -> Vec<String> {
+        let arrows = |block: &str| drawn_arrows(&format!("```layers\n{block}\n```")).unwrap();
+        let mut faults = Vec::new();
+        layer_faults(&arrows(drawn), &arrows(manifest), &mut faults);
+        faults
+    }
+
+    #[test]
+    fn equal_arrows_are_fine_in_any_order() {
+        assert!(faults("a -> b, c\nb ->\nc ->", "c ->\nb ->\na -> c, b").is_empty());
+    }
+
+    #[test]
+    fn an_arrow_in_one_place_only_is_named() {
+        assert_eq!(faults("a -> b\nb ->", "a ->\nb -> a").len(), 2);
+    }
+
+    #[test]
+    fn a_crate_that_is_not_drawn_is_named() {
+        assert_eq!(faults("a ->", "a ->\nb ->").len(), 1);
+    }
+
+    #[test]
+    fn long_files_and_leftovers_are_named() {
+        let mut faults = Vec::new();
+        let text = format!(
+            "//! Doc.\nfn f() {{ {}!() }}\n{}",
+            "todo",
+            "\n".repeat(MAX_LINES)
+        );
+        source_faults("a.rs", &text, &mut faults);
+        assert_eq!(faults.len(), 2, "{faults:?}");
+    }
+}
