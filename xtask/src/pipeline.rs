@@ -17,6 +17,9 @@ pub(crate) struct PipelineArgs {
     /// Fewer samples and short training: minutes instead of hours.
     #[arg(long)]
     quick: bool,
+    /// Seed of the training side instead of the scene's.
+    #[arg(long)]
+    seed: Option<u64>,
     /// Everything else goes to `hapdef` as it is, such as `--steps 2000` (see `hapdef --help`).
     #[arg(last = true)]
     rest: Vec<String>,
@@ -64,6 +67,9 @@ fn common(args: &PipelineArgs) -> Vec<String> {
         "--profile".to_owned(),
         profile.to_owned(),
     ];
+    if let Some(seed) = args.seed {
+        words.extend(["--seed".to_owned(), seed.to_string()]);
+    }
     words.extend(args.rest.iter().cloned());
     words
 }

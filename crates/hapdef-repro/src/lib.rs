@@ -3,7 +3,6 @@
 //! "The paper" is Sun & Martius, Frontiers in Neurorobotics 13:51, 2019.
 //!
 //! - [`LinearAccumulator`], [`Knn`], [`Svr`]: the methods the paper compares its networks with.
-//! - [`MapScore`], [`ContactScore`]: the error measures of the tables.
 //! - [`Table1`], [`Table2`]: what was measured beside what the paper prints, and the verdicts.
 //! - [`render_limb_png`], [`unrolled_svg`] and the charts: figures as bytes and text.
 //! - [`write_report`], [`MetricLog`]: what is left on disk and printed.
@@ -17,7 +16,6 @@ mod error;
 mod metrics;
 mod plots;
 mod report;
-mod score;
 mod tables;
 
 pub use baselines::{
@@ -34,7 +32,6 @@ pub use plots::{
 pub use report::{
     Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, write_report,
 };
-pub use score::{ContactScore, ContactScoreInfo, MapScore, MapScoreInfo};
 pub use tables::{
     BrokenCell, CellCount, CellState, Method, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,
     PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2, TestSet, TextCell, TextTable,

@@ -27,7 +27,7 @@ pub enum RigError {
     /// No direction was found in which a gauge could be misplaced and stay on its wall.
     #[error(
         "gauge {gauge} can't be shifted by {shift_mm:.2} mm in any of {tried} directions without \
-         leaving its wall; place it farther from the rim or lower rig.gauges.shift_m"
+         leaving its wall; place it farther from the rim or lower rig.misplacement.shift_m"
     )]
     NoRoomForGauge {
         /// Index of the gauge.

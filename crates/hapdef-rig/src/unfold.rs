@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn a_fold_is_straightened_and_counted() {
-        let folded = bent(0.29);
+        let folded = bent(0.45);
         assert!(tet10::min_gauss_jacobian(&folded.element_positions(0)) > 0.0);
         assert!(
             (0..8).any(|part| is_folded(&folded.refine().element_positions(part))),

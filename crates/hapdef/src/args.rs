@@ -1,6 +1,7 @@
 //! Command-line arguments that every program over a scene shares.
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 
@@ -8,6 +9,9 @@ use crate::error::HapdefError;
 use crate::profile::Profile;
 use crate::progress::Progress;
 use crate::run::Run;
+
+/// Exit code of a program that a second Ctrl-C ends at once.
+const INTERRUPTED: i32 = 130;
 
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
@@ -50,11 +54,12 @@ pub enum ProfileName {
 }
 
 impl SceneArgs {
-    /// Reads the scene and prepares the run; sets the threads of the whole process.
+    /// Reads the scene and prepares the run; sets the threads of the whole process and lets Ctrl-C
+    /// stop the run at the next step, with a checkpoint kept; a second Ctrl-C ends it at once.
     ///
     /// # Errors
-    /// [`HapdefError::Scene`] when the scene is refused, [`HapdefError::Threads`] when the process
-    /// has its threads already.
+    /// [`HapdefError::Scene`] when the scene is refused, [`HapdefError::Threads`] and
+    /// [`HapdefError::Signal`] when the process has its threads or its handler already.
     pub fn prepare(&self) -> Result<Run, HapdefError> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)
@@ -69,6 +74,13 @@ impl SceneArgs {
             progress,
         )?;
         run.scene.seed = self.seed.unwrap_or(run.scene.seed);
+        let stop = run.stop.clone();
+        ctrlc::set_handler(move || {
+            if stop.swap(true, Ordering::Relaxed) {
+                std::process::exit(INTERRUPTED);
+            }
+        })
+        .map_err(HapdefError::Signal)?;
         Ok(run)
     }
 

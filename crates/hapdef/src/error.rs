@@ -91,6 +91,16 @@ pub enum HapdefError {
         /// What to do.
         advice: String,
     },
+    /// The deck can't be read.
+    #[error(
+        "geometry.solid_deck: {path}: {source}; the path is relative to the scene file: correct it"
+    )]
+    NoDeck {
+        /// The deck.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// Neither scene nor deck names a whole material.
     #[error(
         "material: the deck {deck} lacks modulus, Poisson's ratio or density; add a material \
@@ -134,6 +144,9 @@ pub enum HapdefError {
     /// The worker threads could not be started.
     #[error("starting the worker threads: {0}; try fewer with --threads")]
     Threads(rayon::ThreadPoolBuildError),
+    /// Ctrl-C could not be caught.
+    #[error("catching Ctrl-C: {0}; is there another handler in this process?")]
+    Signal(ctrlc::Error),
     /// The person stopped the run.
     #[error("stopped at {stage}; run the same command again and it goes on from there")]
     Stopped {

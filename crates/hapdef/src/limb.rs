@@ -54,7 +54,10 @@ impl Limb {
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
         let path = scene_dir.join(&scene.geometry.solid_deck);
-        let bytes = std::fs::read(&path).map_err(HapdefError::file(&path))?;
+        let bytes = std::fs::read(&path).map_err(|source| HapdefError::NoDeck {
+            path: path.clone(),
+            source,
+        })?;
         let deck_hash = blake3::hash(&bytes).to_hex().to_string();
         let deck = in_metres(read_deck(&path)?, &scene.geometry)?;
         let mesh = deck.mesh.clone();
@@ -207,7 +210,7 @@ fn find_material(
 fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefError> {
     let no_mount = |what: String, advice: String| HapdefError::NoMount { what, advice };
     let nodes = match mount {
-        Mount::Deck => deck.fixed_nodes.clone(),
+        Mount::Deck {} => deck.fixed_nodes.clone(),
         Mount::NodeSet { name } => deck.node_sets.get(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
             no_mount(
@@ -228,7 +231,7 @@ fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefEr
     };
     if nodes.is_empty() {
         let what = match mount {
-            Mount::Deck => "the deck fixes no node",
+            Mount::Deck {} => "the deck fixes no node",
             Mount::NodeSet { .. } => "the node set is empty",
             Mount::Box { .. } => "no node lies in the box",
         };

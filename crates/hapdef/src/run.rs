@@ -61,6 +61,19 @@ impl Run {
         self.progress.say(text);
     }
 
+    /// Ends the run before `stage` when the person wants to stop.
+    ///
+    /// # Errors
+    /// [`HapdefError::Stopped`] then.
+    pub fn check_stop(&self, stage: &str) -> Result<(), HapdefError> {
+        if self.stopping() {
+            return Err(HapdefError::Stopped {
+                stage: stage.into(),
+            });
+        }
+        Ok(())
+    }
+
     /// Whether the person wants to stop.
     #[must_use]
     pub fn stopping(&self) -> bool {

@@ -69,6 +69,14 @@ fn a_field_of_the_wrong_type() {
 }
 
 #[test]
+fn a_field_that_this_mount_does_not_have() {
+    refused(
+        |scene| scene["mount"] = json!({"kind": "deck", "name": "FOOT"}),
+        &["mount", "unknown field `name`"],
+    );
+}
+
+#[test]
 fn a_value_out_of_range() {
     refused(
         |scene| scene["contact"]["force_range_n"] = json!([34, 0]),
@@ -88,7 +96,14 @@ fn a_deck_that_is_not_there() {
     let folder = tempfile::tempdir().unwrap();
     scene_with(folder.path(), |_| {});
     fs::remove_file(folder.path().join("shin.inp.gz")).unwrap();
-    refused_in(folder.path(), &["shin.inp.gz"]);
+    refused_in(
+        folder.path(),
+        &[
+            "geometry.solid_deck",
+            "shin.inp.gz",
+            "relative to the scene",
+        ],
+    );
 }
 
 #[test]
@@ -123,7 +138,11 @@ fn a_mount_that_holds_nothing() {
 fn a_gauge_off_the_wall() {
     refused(
         |scene| scene["gauges"]["sites"][2]["position_m"] = json!([0.0, 0.1, 0.0]),
-        &["gauges.sites[2]", "mm"],
+        &[
+            "gauges.sites[2] (g2)",
+            "from the nearest wall face",
+            "move it onto the wall",
+        ],
     );
 }
 

@@ -1,9 +1,12 @@
 //! The report's figures.
 
+use std::path::Path;
+
 use anyhow::{Context, Result};
 use hapdef::stages::{EvalReport, NetKind, samples_path};
-use hapdef::{Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
+use hapdef::{ComplianceTable, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
 use hapdef_data::DatasetReader;
+use hapdef_mesh::{VertexField, write_glb};
 use hapdef_repro::{
     Figure, FigureContent, LimbMarker, LimbPicture, LineChart, RenderParams, Series, Table1,
     Unrolled, UnrolledMarker, lines_svg, render_limb_png, table1_svg, unroll, unrolled_svg,
@@ -31,6 +34,21 @@ pub(crate) fn figures(
         figures.extend(error_by_force(scores)?);
     }
     Ok(figures)
+}
+
+/// Writes the skin with the rigidity map as vertex colours, for any glTF viewer.
+pub(crate) fn write_surface(path: &Path, limb: &Limb, done: &Pipeline) -> Result<()> {
+    let values = self_compliance(limb, done)?;
+    let field = VertexField {
+        name: "self_compliance_um_per_n",
+        values: &values,
+        range: None,
+    };
+    Ok(write_glb(
+        path,
+        &limb.skin.surface(&limb.mesh)?,
+        Some(&field),
+    )?)
 }
 
 /// The skin as the pictures need it.
@@ -110,12 +128,16 @@ impl Surface {
 
 /// Figure 3 of the paper: displacement for the same force everywhere.
 fn rigidity(surface: &Surface, limb: &Limb, done: &Pipeline) -> Result<Figure> {
-    let path = done.compliance.dir.join("compliance.safetensors");
-    let table = hapdef::ComplianceTable::read(&path, limb.n_surface_nodes())?;
-    let values = table.self_compliance_um_per_n();
+    let values = self_compliance(limb, done)?;
     let caption = "Displacement of each surface node for one newton on itself, µm (figure 3 of \
                    the paper, lighter is softer).";
     surface.picture("rigidity.png", caption, &values, &[])
+}
+
+fn self_compliance(limb: &Limb, done: &Pipeline) -> Result<Vec<f64>> {
+    let path = done.compliance.dir.join("compliance.safetensors");
+    let table = ComplianceTable::read(&path, limb.n_surface_nodes())?;
+    Ok(table.self_compliance_um_per_n())
 }
 
 /// Figures 6 and 9A: a double press, true map and what the chain makes of the readings.

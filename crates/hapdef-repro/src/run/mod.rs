@@ -64,6 +64,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
     report.metrics = log.records().to_vec();
     let folder = args.out.join(&run.scene.name).join("report");
     let paths = write_report(&folder, &report)?;
+    figures::write_surface(&folder.join("rigidity.glb"), &limb, &done)?;
     log.append_to(&args.out.join("metrics.json"))?;
     print_summary(&report);
     for path in paths.iter().rev().take(3) {
@@ -220,6 +221,7 @@ fn log_metrics(
         ("fe.nnz_l", "nnz_l", "1"),
         ("fe.factor_s", "factor_s", "s"),
         ("fe.compliance_s", "compliance_s", "s"),
+        ("fe.compliance_rss_gib", "peak_rss_gib", "GiB"),
     ] {
         match info[key].as_f64() {
             Some(value) => log.value(name, value, unit)?,

@@ -63,6 +63,7 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
             (Method::Fnn, Box::new(net)),
         ];
         for (method, predictor) in &mut predictors {
+            run.check_stop("Table 1")?;
             let test: Vec<f64> = (0..sets.len())
                 .map(|set| test_error(predictor.as_mut(), &mut sets, set))
                 .collect::<Result<_>>()?;

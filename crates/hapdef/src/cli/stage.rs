@@ -1,10 +1,9 @@
 //! `hapdef check|simulate|dataset|train|eval`: the pipeline up to a stage.
 
 use std::io::Write;
-use std::sync::atomic::Ordering;
 
-use anyhow::{Context, Result};
-use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
+use anyhow::Result;
+use hapdef::{Limb, Pipeline, SceneArgs, Stage, Until};
 
 /// Reads the scene and its limb and says what is there.
 pub(crate) fn check(args: &SceneArgs) -> Result<()> {
@@ -25,18 +24,12 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
 /// Runs every stage up to `until` and prints their records.
 pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()> {
     let run = args.prepare()?;
-    stop_on_ctrl_c(&run)?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let done = Pipeline::run(&run, &limb, until)?;
     for stage in done.stages() {
         show(stage, json)?;
     }
     Ok(())
-}
-
-fn stop_on_ctrl_c(run: &Run) -> Result<()> {
-    let stop = run.stop.clone();
-    ctrlc::set_handler(move || stop.store(true, Ordering::Relaxed)).context("catching Ctrl-C")
 }
 
 fn show(stage: &Stage, json: bool) -> Result<()> {

@@ -56,7 +56,7 @@ pub struct MaterialSpec {
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Mount {
     /// The nodes that the deck itself fixes.
-    Deck,
+    Deck {},
     /// A node set (component) of the deck.
     NodeSet {
         /// Its name in the deck.

@@ -122,6 +122,7 @@ impl<'a> Maker<'a> {
             let specs = self.tensors(kind, contacts[0].len());
             let mut writer = DatasetWriter::create(&path, contacts.len(), &specs)?;
             for block in contacts.chunks(BLOCK) {
+                self.run.check_stop("the datasets")?;
                 self.append_simulated(&mut writer, block)?;
                 self.append_contacts(&mut writer, block)?;
                 if let Some(electronics) = &mut electronics {

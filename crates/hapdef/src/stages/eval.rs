@@ -94,6 +94,7 @@ pub fn eval(
         "estimator": run.scene.estimator,
     });
     let stage = run.cache.stage("eval", &inputs, |_| {
+        run.check_stop("the scores")?;
         run.say("scoring the chain on the rig's test presses");
         let chain = chain(run, limb, data, nets)?;
         let report = EvalReport {

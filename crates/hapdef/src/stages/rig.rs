@@ -26,6 +26,7 @@ const VERSION: u32 = 1;
 pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefError> {
     let params = rig_params(&run.scene.rig);
     run.cache.stage("rig", &inputs(run, compliance), |dir| {
+        run.check_stop("the rig")?;
         run.say("solving the simulated real limb on its refined, perturbed mesh");
         let contact = &run.scene.contact;
         let nominal = NominalLimb {

@@ -57,6 +57,7 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             "n_wanted_nodes": wanted.len(),
             "compliance_s": solve.elapsed_s,
             "worst_relative_residual": solve.worst_relative_residual,
+            "peak_rss_gib": peak_rss_gib(),
             "adjoint_s": adjoint.elapsed_s,
             "median_best_gauge_ue_per_n": median_best_gauge(&response, &loads, limb.gauges.len()),
             "median_self_compliance_um_per_n": median(table.self_compliance_um_per_n()),
@@ -92,6 +93,16 @@ fn median_best_gauge(
             .fold(0.0_f64, f64::max)
     };
     median(loads.iter().map(best).collect())
+}
+
+/// Most memory the process has held so far, GiB; none where the system does not tell.
+fn peak_rss_gib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kib / f64::from(1 << 20))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

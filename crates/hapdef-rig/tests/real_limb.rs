@@ -1,0 +1,286 @@
+//! The simulated hardware against the elastic model it is a perturbation of.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::collections::BTreeMap;
+
+use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh};
+use hapdef_rig::{
+    GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
+};
+use hapdef_sim::{
+    ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+};
+use nalgebra::{Point3, Vector3};
+
+/// Cells of the plate in x, y and z, and their size, m.
+const CELLS: [usize; 3] = [10, 6, 1];
+const SIZE_M: [f64; 3] = [0.004, 0.004, 0.001];
+
+/// Six tetrahedra to a cell, one for each order of the axes from corner 000 to corner 111.
+const AXIS_ORDERS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [1, 2, 0],
+    [2, 0, 1],
+    [0, 2, 1],
+    [2, 1, 0],
+    [1, 0, 2],
+];
+
+/// A plate of 40 × 24 × 1 mm.
+fn plate() -> Tet10Mesh {
+    let [nx, ny, nz] = CELLS.map(|n| n + 1);
+    let corner = |[i, j, k]: [usize; 3]| i + nx * (j + ny * k);
+    let mut nodes: Vec<Point3<f64>> = (0..nx * ny * nz)
+        .map(|n| [n % nx, n / nx % ny, n / (nx * ny)])
+        .map(|at| Point3::from(std::array::from_fn(|a| at[a] as f64 * SIZE_M[a])))
+        .collect();
+    let mut middles = BTreeMap::new();
+    let mut elements = Vec::new();
+    for cell in 0..CELLS.iter().product::<usize>() {
+        let at = [
+            cell % CELLS[0],
+            cell / CELLS[0] % CELLS[1],
+            cell / (CELLS[0] * CELLS[1]),
+        ];
+        for order in AXIS_ORDERS {
+            let mut path = [at; 4];
+            for (step, &axis) in order.iter().enumerate() {
+                path[step + 1] = path[step];
+                path[step + 1][axis] += 1;
+            }
+            let mut ids = path.map(corner);
+            let is_odd = AXIS_ORDERS[3..].contains(&order);
+            if is_odd {
+                ids.swap(1, 2);
+            }
+            elements.push(ids);
+        }
+    }
+    let elements = elements.into_iter().map(|ids| {
+        let mut element = [FeNodeId(0); 10];
+        for i in 0..4 {
+            element[i] = FeNodeId::from_index(ids[i]);
+        }
+        for (mid, [a, b]) in (4..).zip(TET10_EDGES) {
+            let key = [ids[a].min(ids[b]), ids[a].max(ids[b])];
+            let id = *middles.entry(key).or_insert_with(|| {
+                nodes.push(nalgebra::center(&nodes[key[0]], &nodes[key[1]]));
+                nodes.len() - 1
+            });
+            element[mid] = FeNodeId::from_index(id);
+        }
+        element
+    });
+    let elements: Vec<_> = elements.collect();
+    Tet10Mesh::new(nodes, elements).unwrap()
+}
+
+struct Bench {
+    mesh: Tet10Mesh,
+    clamped: Vec<FeNodeId>,
+    skin: SkinRegion,
+    gauges: Vec<GaugeSite>,
+}
+
+impl Bench {
+    /// Held at x = 0, touched on top, one gauge below.
+    fn new() -> Self {
+        let mesh = plate();
+        let at = |keep: &dyn Fn(&Point3<f64>) -> bool| {
+            let nodes = mesh.nodes().iter().enumerate().filter(|(_, x)| keep(x));
+            nodes
+                .map(|(i, _)| FeNodeId::from_index(i))
+                .collect::<Vec<_>>()
+        };
+        let clamped = at(&|x| x.x < 1e-9);
+        let top = at(&|x| x.z > SIZE_M[2] - 1e-9);
+        let faces = mesh.boundary().faces;
+        let faces = faces
+            .into_iter()
+            .filter(|f| f.nodes.iter().all(|n| top.contains(n)))
+            .collect();
+        let skin = SkinRegion::new(&mesh, faces).unwrap();
+        let gauge = GaugeSite {
+            position: Point3::new(0.014, 0.012, 0.0),
+            axis: Vector3::x(),
+            length_m: 8e-3,
+            width_m: 5e-3,
+        };
+        Self {
+            mesh,
+            clamped,
+            skin,
+            gauges: vec![gauge],
+        }
+    }
+
+    fn nominal(&self) -> NominalLimb<'_> {
+        NominalLimb {
+            mesh: &self.mesh,
+            clamped: &self.clamped,
+            material: IsotropicMaterial::new(1.7e9, 0.394, 930.0).unwrap(),
+            gauges: &self.gauges,
+            gauge_params: GaugeParams::default(),
+            skin: &self.skin,
+            tip_radius_m: 0.002,
+        }
+    }
+
+    fn readings(&self, params: &RigParams) -> Vec<f64> {
+        let real = RealLimb::build(&self.nominal(), params, 1).unwrap();
+        presses()
+            .iter()
+            .map(|point| real.response_ue_per_n(point, &-Vector3::z()).unwrap()[0])
+            .collect()
+    }
+}
+
+fn presses() -> [Point3<f64>; 3] {
+    [[0.03, 0.012], [0.024, 0.006], [0.036, 0.018]].map(|[x, y]| Point3::new(x, y, SIZE_M[2]))
+}
+
+fn unperturbed() -> RigParams {
+    let none = |seed| VariationParams {
+        fraction: 0.0,
+        correlation_length_m: 0.02,
+        seed,
+    };
+    RigParams {
+        refinements: 1,
+        stiffness: none(1),
+        thickness: none(2),
+        max_wall_m: 0.003,
+        misplacement: MisplacementParams {
+            shift_m: 0.0,
+            turn_rad: 0.0,
+            seed: 3,
+        },
+        gain: GainParams {
+            fraction: 0.0,
+            seed: 4,
+        },
+    }
+}
+
+/// Without perturbation the rig is the plain elastic model of the refined mesh.
+#[test]
+fn an_unperturbed_rig_is_the_refined_elastic_model() {
+    let bench = Bench::new();
+    let mesh = bench.mesh.refine();
+    let at = |keep: &dyn Fn(&Point3<f64>) -> bool| {
+        let nodes = mesh.nodes().iter().enumerate().filter(|(_, x)| keep(x));
+        nodes
+            .map(|(i, _)| FeNodeId::from_index(i))
+            .collect::<Vec<_>>()
+    };
+    let params = ElasticParams {
+        material: bench.nominal().material,
+        element_stiffness_scale: None,
+        clamped: at(&|x| x.x < 1e-9),
+        n_threads: 1,
+    };
+    let elastic_model = ElasticModel::build(&mesh, &params).unwrap();
+    let boundary = mesh.boundary();
+    let gauge = GaugeStrain::new(&mesh, &boundary.faces, &bench.gauges[0]).unwrap();
+    let top = at(&|x| x.z > SIZE_M[2] - 1e-9);
+    let faces = boundary
+        .faces
+        .iter()
+        .filter(|f| f.nodes.iter().all(|n| top.contains(n)));
+    let skin = SkinRegion::new(&mesh, faces.copied().collect()).unwrap();
+    for (point, reading) in presses().iter().zip(bench.readings(&unperturbed())) {
+        let load = NodalLoad::patch(&mesh, &skin, point, 0.002, &-Vector3::z()).unwrap();
+        let (displacement, _) = elastic_model.solve(&load).unwrap();
+        let expected = gauge.strain(&displacement) * 1e6;
+        let error = (reading / expected - 1.0).abs();
+        assert!(error < 1e-8, "{reading} µε/N, forward solve {expected}");
+    }
+}
+
+/// A cantilever's bending strain below, ε = 6 F l / (E b t²), within the width effects of a plate.
+#[test]
+fn the_strain_is_that_of_a_bent_plate() {
+    let reading = Bench::new().readings(&unperturbed())[0];
+    let beam = -6.0 * (0.030 - 0.014) / (1.7e9 * 0.024 * 1e-6) * 1e6;
+    assert!(
+        (reading / beam - 1.0).abs() < 0.15,
+        "{reading} µε/N, beam {beam}"
+    );
+}
+
+#[test]
+fn each_perturbation_acts_by_about_its_size() {
+    let bench = Bench::new();
+    let plain = bench.readings(&unperturbed());
+    let change = |params: &RigParams| {
+        let perturbed = bench.readings(params);
+        let changes = plain
+            .iter()
+            .zip(&perturbed)
+            .map(|(a, b)| (b / a - 1.0).abs());
+        changes.fold(0.0, f64::max)
+    };
+    let varied = |fraction| VariationParams {
+        fraction,
+        correlation_length_m: 0.02,
+        seed: 5,
+    };
+    let soft = change(&RigParams {
+        stiffness: varied(0.1),
+        ..unperturbed()
+    });
+    assert!(
+        (0.001..0.13).contains(&soft),
+        "stiffness ±10 % changed readings by {soft}"
+    );
+    let thick = change(&RigParams {
+        thickness: varied(0.05),
+        ..unperturbed()
+    });
+    assert!(
+        (0.001..0.2).contains(&thick),
+        "thickness ±5 % changed readings by {thick}"
+    );
+    let misplacement = MisplacementParams {
+        shift_m: 1e-3,
+        turn_rad: 0.05,
+        seed: 6,
+    };
+    let moved = change(&RigParams {
+        misplacement,
+        ..unperturbed()
+    });
+    assert!(
+        (0.001..0.3).contains(&moved),
+        "1 mm and 3° changed readings by {moved}"
+    );
+    let gain = change(&RigParams {
+        gain: GainParams {
+            fraction: 0.03,
+            seed: 7,
+        },
+        ..unperturbed()
+    });
+    assert!(
+        (1e-6..=0.03 + 1e-12).contains(&gain),
+        "gain ±3 % changed readings by {gain}"
+    );
+}
+
+#[test]
+fn seeds_decide_the_perturbation() {
+    let bench = Bench::new();
+    let with = |seed| {
+        let stiffness = VariationParams {
+            fraction: 0.1,
+            correlation_length_m: 0.02,
+            seed,
+        };
+        bench.readings(&RigParams {
+            stiffness,
+            ..unperturbed()
+        })
+    };
+    assert_eq!(with(1), with(1));
+    assert_ne!(with(1), with(2));
+}
