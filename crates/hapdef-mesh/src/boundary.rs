@@ -37,6 +37,42 @@ pub const TET10_FACES: [[usize; 6]; 4] = [
     [2, 0, 3, 6, 7, 9],
 ];
 
+/// Which of `faces` can be reached from face `start` over shared edges, through faces for which
+/// `agrees` holds, `[n_faces]`.
+///
+/// # Panics
+/// If `start` is not one of the faces.
+#[must_use]
+pub fn connected_faces(
+    faces: &[Tri6Face],
+    start: usize,
+    agrees: impl Fn(usize) -> bool,
+) -> Vec<bool> {
+    // Two faces that share an edge share its mid-side node.
+    let mut by_edge: Vec<(FeNodeId, usize)> = faces
+        .iter()
+        .enumerate()
+        .flat_map(|(i, face)| [3, 4, 5].map(|mid| (face.nodes[mid], i)))
+        .collect();
+    by_edge.sort_unstable();
+    let mut reached = vec![false; faces.len()];
+    reached[start] = true;
+    let mut open = vec![start];
+    while let Some(face) = open.pop() {
+        for mid in 3..6 {
+            let edge = faces[face].nodes[mid];
+            let first = by_edge.partition_point(|entry| entry.0 < edge);
+            for &(_, next) in by_edge[first..].iter().take_while(|entry| entry.0 == edge) {
+                if !reached[next] && agrees(next) {
+                    reached[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+    }
+    reached
+}
+
 /// The nodes of `faces`, ascending, each once.
 pub(crate) fn nodes_of(faces: &[Tri6Face]) -> Vec<FeNodeId> {
     let mut nodes: Vec<FeNodeId> = faces.iter().flat_map(|face| face.nodes).collect();

@@ -34,7 +34,7 @@ pub use self::gltf::{
     GltfFault, GltfInfo, GltfParams, GltfPart, GltfSurface, VertexField, read_gltf, write_glb,
 };
 pub use atomic::atomic_write;
-pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face};
+pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,
     write_inp,

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::boundary::connected_faces;
 use crate::skin::face_positions;
 use crate::{FeNodeId, MeshError, Tet10Mesh, Tri6Face, tri6};
 
@@ -52,7 +53,12 @@ pub fn gauge_patch(
     let normal = normals[start].unwrap_or_else(Vector3::zeros);
     let agrees =
         |face: usize| normals[face].is_some_and(|other| other.dot(&normal) > MIN_NORMAL_AGREEMENT);
-    let wall = connected(wall_faces, start, agrees);
+    let reached = connected_faces(wall_faces, start, agrees);
+    let on_wall = wall_faces
+        .iter()
+        .zip(reached)
+        .filter(|(_, reached)| *reached);
+    let wall: Vec<Tri6Face> = on_wall.map(|(face, _)| *face).collect();
     let nodes = nearest_nodes(mesh, &wall, centre, n);
     if nodes.len() < n {
         return Err(MeshError::GaugePatchTooSmall {
@@ -117,38 +123,6 @@ fn distance_to_segment(a: &Point3<f64>, b: &Point3<f64>, p: &Point3<f64>) -> f64
 
 fn centroid_normal(mesh: &Tet10Mesh, face: &Tri6Face) -> Option<Vector3<f64>> {
     tri6::area_vector(&face_positions(mesh, face), 1.0 / 3.0, 1.0 / 3.0).try_normalize(0.0)
-}
-
-/// The faces reachable from `start` over shared edges through faces that `agree`, ascending.
-fn connected(faces: &[Tri6Face], start: usize, agrees: impl Fn(usize) -> bool) -> Vec<Tri6Face> {
-    // two faces that share an edge share its mid-side node
-    let mut by_edge: Vec<(FeNodeId, usize)> = faces
-        .iter()
-        .enumerate()
-        .flat_map(|(i, face)| [3, 4, 5].map(|k| (face.nodes[k], i)))
-        .collect();
-    by_edge.sort_unstable();
-    let mut reached = vec![false; faces.len()];
-    reached[start] = true;
-    let mut open = vec![start];
-    while let Some(face) = open.pop() {
-        for k in 3..6 {
-            let edge = faces[face].nodes[k];
-            let first = by_edge.partition_point(|entry| entry.0 < edge);
-            for &(_, next) in by_edge[first..].iter().take_while(|entry| entry.0 == edge) {
-                if !reached[next] && agrees(next) {
-                    reached[next] = true;
-                    open.push(next);
-                }
-            }
-        }
-    }
-    faces
-        .iter()
-        .zip(reached)
-        .filter(|(_, reached)| *reached)
-        .map(|(face, _)| *face)
-        .collect()
 }
 
 fn nearest_nodes(

@@ -23,7 +23,7 @@ impl Activation {
     }
 
     /// `gradient[i] ← gradient[i] · σ'`, where σ' follows from the output a = σ(z) alone:
-    /// 1 − a² for tanh, [a > 0] for ReLU.
+    /// 1 − a² for tanh, 1 where a > 0 and else 0 for ReLU.
     #[cfg(feature = "train")]
     pub(crate) fn apply_derivative(self, gradient: &mut [f32], output: &[f32]) {
         let pairs = gradient.iter_mut().zip(output);

@@ -1,9 +1,5 @@
 //! `hapdef-repro`: the paper's tables and figures for a scene.
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command line program prints"
-)]
+#![expect(clippy::print_stdout, reason = "a command line program prints")]
 
 mod run;
 
@@ -15,15 +11,6 @@ use clap::Parser;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Exit code for everything that a person can correct.
-const FAILED: u8 = 2;
-
 fn main() -> ExitCode {
-    match run::run(&run::Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", hapdef::error_text(error.as_ref()));
-            ExitCode::from(FAILED)
-        }
-    }
+    hapdef::exit_code(run::run(&run::Cli::parse()).map_err(Into::into))
 }

@@ -1,6 +1,6 @@
 //! The piece of wall a gauge is glued to, and points on it.
 
-use hapdef_mesh::{FeNodeId, Tet10Mesh, Tri6Face, face_positions, tri6};
+use hapdef_mesh::{Tet10Mesh, Tri6Face, connected_faces, face_positions, tri6};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
 /// A face belongs to the wall only if its normal is within 60° of the normal at the gauge, the
@@ -58,7 +58,7 @@ impl Wall {
                     .iter()
                     .any(|p| (p - origin).norm() <= reach_m + extent(&placed[i].1))
         };
-        let reached = connected(faces, start, agrees);
+        let reached = connected_faces(faces, start, agrees);
         let faces = placed
             .into_iter()
             .zip(reached)
@@ -198,30 +198,4 @@ fn nearest_on_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>) -> (f64, f
         distance(x).total_cmp(&distance(y))
     })
     .unwrap_or((0.0, 0.0))
-}
-
-/// Which faces can be reached from `start` over shared edges through faces that `agree`.
-fn connected(faces: &[Tri6Face], start: usize, agrees: impl Fn(usize) -> bool) -> Vec<bool> {
-    let mut by_edge: Vec<(FeNodeId, usize)> = faces
-        .iter()
-        .enumerate()
-        .flat_map(|(i, face)| [3, 4, 5].map(|mid| (face.nodes[mid], i)))
-        .collect();
-    by_edge.sort_unstable();
-    let mut reached = vec![false; faces.len()];
-    reached[start] = true;
-    let mut open = vec![start];
-    while let Some(face) = open.pop() {
-        for mid in 3..6 {
-            let edge = faces[face].nodes[mid];
-            let first = by_edge.partition_point(|entry| entry.0 < edge);
-            for &(_, next) in by_edge[first..].iter().take_while(|entry| entry.0 == edge) {
-                if !reached[next] && agrees(next) {
-                    reached[next] = true;
-                    open.push(next);
-                }
-            }
-        }
-    }
-    reached
 }

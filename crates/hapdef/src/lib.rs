@@ -28,7 +28,7 @@ pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};
 pub use compliance::{ComplianceTable, SuperpositionScratch};
 pub use error::{HapdefError, SceneError};
-pub use error_text::error_text;
+pub use error_text::{error_text, exit_code};
 pub use estimator::{FoundContact, Hapdefx, HapdefxScratch};
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};

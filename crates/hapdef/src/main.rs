@@ -1,9 +1,5 @@
 //! `hapdef`: the pipeline's stages on the command line.
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command line program prints"
-)]
+#![expect(clippy::print_stdout, reason = "a command line program prints")]
 
 mod cli;
 
@@ -15,15 +11,6 @@ use clap::Parser;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Exit code for everything that a person can correct.
-const FAILED: u8 = 2;
-
 fn main() -> ExitCode {
-    match cli::run(&cli::Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", hapdef::error_text(error.as_ref()));
-            ExitCode::from(FAILED)
-        }
-    }
+    hapdef::exit_code(cli::run(&cli::Cli::parse()).map_err(Into::into))
 }
