@@ -69,6 +69,7 @@ impl Surface {
         })
     }
 
+    /// Seen from where the first mark is, if there is one.
     fn picture(
         &self,
         file: &str,
@@ -82,10 +83,14 @@ impl Surface {
             values,
             markers: marks,
         };
-        let params = RenderParams {
+        let mut params = RenderParams {
             up_axis: self.up_axis,
             ..RenderParams::default()
         };
+        if let Some(first) = marks.first() {
+            let towards = unroll(&[first.position], &self.positions, self.up_axis)?;
+            params.azimuth_rad = towards[0][0];
+        }
         let content = FigureContent::Png(render_limb_png(&picture, &params)?);
         Ok(Figure {
             file: file.into(),
