@@ -33,6 +33,9 @@ pub struct SceneArgs {
     /// Optimiser steps of each F_R instead of the profile's.
     #[arg(long)]
     pub steps: Option<usize>,
+    /// Weight of the L2 term of each F_R instead of the profile's; the paper states 1e-4.
+    #[arg(long)]
+    pub l2: Option<f64>,
     /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
     #[arg(long)]
     pub other_steps: Option<usize>,
@@ -90,6 +93,7 @@ impl SceneArgs {
             ProfileName::Full => Profile::full(),
         };
         profile.reconstruction.steps = self.steps.unwrap_or(profile.reconstruction.steps);
+        profile.reconstruction.l2 = self.l2.unwrap_or(profile.reconstruction.l2);
         if let Some(steps) = self.other_steps {
             for schedule in [
                 &mut profile.transfer,
