@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use anyhow::Result;
 
@@ -31,8 +31,12 @@ pub(crate) fn demo(args: &PipelineArgs) -> Result<()> {
     let hapdef = release_binary("hapdef")?;
     let repro = release_binary("hapdef-repro")?;
     let start = Instant::now();
+    let began_unix_s = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)?
+        .as_secs_f64();
     for (program, verb) in [(&hapdef, "eval"), (&repro, "report")] {
         let mut command = Command::new(program);
+        command.env("HAPDEF_DEMO_BEGAN_UNIX_S", began_unix_s.to_string());
         finish(command.arg(verb).args(common(args)))?;
     }
     eprintln!(

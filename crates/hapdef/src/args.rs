@@ -13,6 +13,9 @@ use crate::run::Run;
 /// Exit code of a program that a second Ctrl-C ends at once.
 const INTERRUPTED: i32 = 130;
 
+/// Fewest samples of a set: one in five is for testing, and the smallest net is trained on 60 %.
+const MIN_SAMPLES: usize = 20;
+
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
@@ -25,25 +28,25 @@ pub struct SceneArgs {
     #[arg(long, default_value = "target/hapdef")]
     pub out: PathBuf,
     /// Threads; results don't depend on it.
-    #[arg(long, default_value_t = default_threads())]
+    #[arg(long, default_value_t = default_threads(), value_parser = at_least::<1>)]
     pub threads: usize,
     /// Seed of the training side instead of the scene's.
     #[arg(long)]
     pub seed: Option<u64>,
     /// Optimiser steps of each F_R instead of the profile's.
-    #[arg(long)]
+    #[arg(long, value_parser = at_least::<1>)]
     pub steps: Option<usize>,
     /// Weight of the L2 term of each F_R instead of the profile's; the paper states 1e-4.
     #[arg(long)]
     pub l2: Option<f64>,
     /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
-    #[arg(long)]
+    #[arg(long, value_parser = at_least::<1>)]
     pub other_steps: Option<usize>,
     /// Single-contact samples instead of the profile's, simulated and on the rig.
-    #[arg(long)]
+    #[arg(long, value_parser = at_least::<MIN_SAMPLES>)]
     pub singles: Option<usize>,
     /// Samples of each set of several contacts instead of the profile's.
-    #[arg(long)]
+    #[arg(long, value_parser = at_least::<MIN_SAMPLES>)]
     pub multis: Option<usize>,
 }
 
@@ -76,7 +79,9 @@ impl SceneArgs {
             self.threads,
             progress,
         )?;
-        run.scene.seed = self.seed.unwrap_or(run.scene.seed);
+        if let Some(seed) = self.seed {
+            run.set_seed(seed)?;
+        }
         let stop = run.stop.clone();
         ctrlc::set_handler(move || {
             if stop.swap(true, Ordering::Relaxed) {
@@ -113,4 +118,11 @@ impl SceneArgs {
 
 fn default_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn at_least<const LEAST: usize>(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(number) if number >= LEAST => Ok(number),
+        _ => Err(format!("expected a whole number of at least {LEAST}")),
+    }
 }

@@ -77,7 +77,10 @@ impl Cache {
         let partial = self.root.join(format!("{stage}-{key}.partial"));
         fs::create_dir_all(&partial).map_err(HapdefError::file(&partial))?;
         let start = Instant::now();
-        let info = run(&partial)?;
+        let info = run(&partial).inspect_err(|_| {
+            // Succeeds only if the folder is empty: what an interrupted stage left stays.
+            let _ = fs::remove_dir(&partial);
+        })?;
         let elapsed_s = start.elapsed().as_secs_f64();
         let record = StageRecord {
             stage: stage.into(),

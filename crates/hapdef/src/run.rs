@@ -16,7 +16,7 @@ pub struct Run {
     pub scene: Scene,
     /// Folder of the scene file; its paths are relative to it.
     pub scene_dir: PathBuf,
-    /// Hash of the scene file's bytes.
+    /// Hash of the scene as it is run, overrides included.
     pub scene_hash: String,
     /// Amounts of data and training.
     pub profile: Profile,
@@ -43,17 +43,26 @@ impl Run {
         progress: Progress,
     ) -> Result<Self, HapdefError> {
         let scene = read_scene(scene_path)?;
-        let bytes = std::fs::read(scene_path).map_err(HapdefError::file(scene_path))?;
         Ok(Self {
+            scene_hash: hash_of(&scene)?,
             scene,
             scene_dir: scene_path.parent().unwrap_or(Path::new(".")).to_path_buf(),
-            scene_hash: blake3::hash(&bytes).to_hex().to_string(),
             profile,
             cache: Cache::new(out.join("cache")),
             threads,
             progress,
             stop: Arc::new(AtomicBool::new(false)),
         })
+    }
+
+    /// Replaces the seed of the training side.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when the scene can't be written as JSON.
+    pub fn set_seed(&mut self, seed: u64) -> Result<(), HapdefError> {
+        self.scene.seed = seed;
+        self.scene_hash = hash_of(&self.scene)?;
+        Ok(())
     }
 
     /// Tells the person what happens now.
@@ -79,4 +88,9 @@ impl Run {
     pub fn stopping(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
+}
+
+fn hash_of(scene: &Scene) -> Result<String, HapdefError> {
+    let json = serde_json::to_vec(scene).map_err(|e| HapdefError::file("scene")(e.into()))?;
+    Ok(blake3::hash(&json).to_hex().to_string())
 }

@@ -7,11 +7,14 @@ use crate::scoring::ContactPair;
 /// A position error beyond this counts as a miss, m.
 const FAR_M: f64 = 0.010;
 
-/// Errors of detected contacts. All zero with `n` = 0 when there is none.
+/// Errors of the contacts that were found. Contacts that were not found have no error: `n_expected`
+/// tells how many there were. All errors are zero when `n` is 0.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq)]
 pub struct ContactStats {
-    /// Contacts measured.
+    /// Contacts found and measured.
     pub n: usize,
+    /// Contacts that were to be found.
+    pub n_expected: usize,
     /// Mean distance to the true contact, mm.
     pub mean_mm: f64,
     /// Median distance, mm.
@@ -25,12 +28,15 @@ pub struct ContactStats {
 }
 
 impl ContactStats {
-    /// Sums up measured contacts.
+    /// Sums up measured contacts of `n_expected`.
     #[must_use]
-    pub fn of(pairs: &[ContactPair]) -> Self {
+    pub fn of(pairs: &[ContactPair], n_expected: usize) -> Self {
         let n = pairs.len();
         if n == 0 {
-            return Self::default();
+            return Self {
+                n_expected,
+                ..Self::default()
+            };
         }
         let mut distances: Vec<f64> = pairs.iter().map(|p| p.position_error_m).collect();
         distances.sort_unstable_by(f64::total_cmp);
@@ -38,6 +44,7 @@ impl ContactStats {
         let far = distances.iter().filter(|d| **d > FAR_M).count();
         Self {
             n,
+            n_expected,
             mean_mm: distances.iter().sum::<f64>() / n as f64 * 1e3,
             median_mm: at(0.5),
             p90_mm: at(0.9),
@@ -59,7 +66,7 @@ mod tests {
             position_error_m: f64::from(i) * 1e-3,
             force_error_n: if i.is_multiple_of(2) { 1.0 } else { -2.0 },
         };
-        let stats = ContactStats::of(&(1..=11).map(pair).collect::<Vec<_>>());
+        let stats = ContactStats::of(&(1..=11).map(pair).collect::<Vec<_>>(), 12);
         assert!((stats.mean_mm - 6.0).abs() < 1e-12 && (stats.median_mm - 6.0).abs() < 1e-12);
         assert!((stats.p90_mm - 10.0).abs() < 1e-12, "{}", stats.p90_mm);
         assert!((stats.share_beyond_10mm - 1.0 / 11.0).abs() < 1e-12);
@@ -68,6 +75,7 @@ mod tests {
 
     #[test]
     fn nothing_found_is_counted_as_nothing() {
-        assert_eq!(ContactStats::of(&[]), ContactStats::default());
+        let stats = ContactStats::of(&[], 3);
+        assert_eq!((stats.n, stats.n_expected), (0, 3));
     }
 }

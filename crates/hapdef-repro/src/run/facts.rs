@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::SystemTime;
 
-use hapdef::{Limb, Pipeline, Run, Stage};
+use hapdef::{Limb, Pipeline, Profile, Run, Schedule, Stage};
 use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
@@ -40,33 +40,51 @@ pub(crate) fn facts(run: &Run, done: &Pipeline, svr: &SvrScore) -> Vec<NamedText
         named(
             "samples",
             format!(
-                "{} single and {} each of two, three and four contacts, simulated; {} single and \
-                 {} × {} double presses on the rig (paper: 27,000; 6,000; 27,000; 270 × 25)",
+                "simulated: {} of one contact, {} each of two to {}; rig: {} single and {} × {} \
+                 double presses (paper: 27,000; 6,000 each of two, three and four; 27,000; 270 × \
+                 25)",
                 profile.n_single,
                 profile.n_multi,
+                run.scene.contact.max_contacts,
                 profile.n_real_single,
                 profile.n_pairs,
                 profile.n_amplitudes
             ),
         ),
-        named(
-            "training",
-            format!(
-                "Adam, batch 100; steps F_R {}, F_T {}, F_S {}, direct {} (paper: 1,000,000); \
-                 learning rate from {} along a cosine (paper: 1e-4 throughout)",
-                profile.reconstruction.steps,
-                profile.transfer.steps,
-                profile.sensitivity.steps,
-                profile.direct.steps,
-                profile.reconstruction.learning_rate
-            ),
-        ),
+        named("training", training(profile)),
         named(
             "support vectors",
-            format!("trained on {} of {} presses", svr.n_trained, svr.n_offered),
+            format!(
+                "trained on {} of the {} training presses",
+                svr.n_trained, svr.n_offered
+            ),
         ),
         named("machine", machine()),
     ]
+}
+
+/// Steps, learning rate and L2 weight of every net.
+fn training(profile: &Profile) -> String {
+    let nets = [
+        ("F_R", profile.reconstruction),
+        ("F_T", profile.transfer),
+        ("F_S", profile.sensitivity),
+        ("direct", profile.direct),
+    ];
+    let each = nets.map(|(name, schedule)| {
+        let Schedule {
+            steps,
+            learning_rate,
+            final_learning_rate,
+            l2,
+        } = schedule;
+        format!("{name} {steps} steps from {learning_rate} to {final_learning_rate:.0e}, L2 {l2}")
+    });
+    format!(
+        "√MSE + L2, Adam, batch 100, learning rate along a cosine: {} (paper: 1,000,000 steps at \
+         1e-4)",
+        each.join("; ")
+    )
 }
 
 /// Time of every stage, from the run that made it.
@@ -96,13 +114,17 @@ fn plain(value: &serde_json::Value) -> String {
         .replace(':', " ")
 }
 
-/// Time of the stages that came from the cache: what they took when they ran, s.
-pub(crate) fn spent_s(stages: &[StageTime]) -> f64 {
-    stages
-        .iter()
-        .filter(|stage| stage.cached)
-        .map(|stage| stage.elapsed_s)
-        .sum()
+/// Time since the demo began its first program, s; it says so in its environment.
+pub(crate) fn since_demo_s() -> Option<f64> {
+    let began_s: f64 = std::env::var("HAPDEF_DEMO_BEGAN_UNIX_S")
+        .ok()?
+        .parse()
+        .ok()?;
+    let now_s = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .ok()?
+        .as_secs_f64();
+    Some(now_s - began_s)
 }
 
 /// What the scene does not need.

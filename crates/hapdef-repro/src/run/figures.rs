@@ -262,7 +262,7 @@ fn error_by_force(scores: &EvalReport) -> Result<Vec<Figure>> {
             log_y: false,
             dots: true,
             series: vec![Series {
-                name: "lenient, T + 1".into(),
+                name: "one-to-one, T + 1".into(),
                 points: points.collect(),
             }],
         })
@@ -273,12 +273,12 @@ fn error_by_force(scores: &EvalReport) -> Result<Vec<Figure>> {
     Ok(vec![
         svg(
             "double_position.svg",
-            "Double contacts: position error (figure 9B).",
+            "Double contacts, one-to-one: position error of the varied contact where it was found (figure 9B).",
             position,
         ),
         svg(
             "double_force.svg",
-            "Double contacts: force error (figure 9C).",
+            "Double contacts, one-to-one: force error of the varied contact where it was found (figure 9C).",
             force,
         ),
     ])

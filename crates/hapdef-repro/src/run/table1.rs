@@ -251,7 +251,7 @@ fn add_error(
 }
 
 fn read_back(info: &Value) -> Result<Table1> {
-    let mut table = Table1::paper();
+    let mut table = Table1::default();
     let cells = info["cells"].as_array().context("table 1: no cells")?;
     for cell in cells.iter().filter(|cell| cell["method"].is_string()) {
         let named = |method: &&Method| cell["method"] == method.name();
@@ -274,4 +274,33 @@ fn read_back(info: &Value) -> Result<Table1> {
         table.set_training(method, train, training * 1e-6);
     }
     Ok(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_repro::{VerdictState, message_1, message_2};
+
+    use super::*;
+
+    /// A scene of two contacts at most: what was not run must not show up as measured.
+    #[test]
+    fn cells_that_were_not_run_stay_empty() {
+        let cell = |method: &str, n_sets: u64| json!({ "method": method, "n_sets": n_sets, "test_um": [1.0, 2.0], "training_um": 0.5 });
+        let cells = [
+            cell("LR", 1),
+            cell("k-NN", 1),
+            cell("FNN", 1),
+            cell("LR", 2),
+        ];
+        let table = read_back(&json!({ "cells": cells })).unwrap();
+        assert_eq!(table.cells().measured, 12);
+        assert_eq!(
+            table.test(Method::Linear, TrainSet::I, TestSet::II),
+            Some(2.0 * 1e-6)
+        );
+        assert_eq!(table.test(Method::Linear, TrainSet::I, TestSet::III), None);
+        assert_eq!(table.training(Method::Fnn, TrainSet::ToIV), None);
+        assert_ne!(message_1(&table).state, VerdictState::Held);
+        assert_ne!(message_2(&table).state, VerdictState::Held);
+    }
 }

@@ -1,12 +1,38 @@
 //! `hapdef inspect`: what a geometry file holds and what is wrong with it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use hapdef_mesh::{GltfParams, QualityReport, read_deck, read_gltf};
+use clap::{Args, ValueEnum};
+use hapdef_mesh::{GltfParams, LengthUnit, QualityReport, WeldInfo, read_deck, read_gltf};
+
+/// What `hapdef inspect` is given.
+#[derive(Args)]
+pub(crate) struct InspectArgs {
+    /// The file.
+    file: PathBuf,
+    /// Unit of a surface's coordinates; the report guesses one, say here which it is.
+    #[arg(long, default_value = "m")]
+    unit: Unit,
+    /// Vertices of a surface no farther apart than this are joined before it is judged, m.
+    #[arg(long, default_value_t = 1e-6)]
+    weld_m: f64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Unit {
+    M,
+    Mm,
+    Cm,
+    In,
+}
 
 /// Reads a surface or a deck and prints its report.
-pub(crate) fn inspect(file: &Path, json: bool) -> Result<()> {
+pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
+    let file = &args.file;
     let name = file
         .file_name()
         .unwrap_or_default()
@@ -14,8 +40,8 @@ pub(crate) fn inspect(file: &Path, json: bool) -> Result<()> {
         .to_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     match name.rsplit('.').next().unwrap_or_default() {
-        "glb" | "gltf" => inspect_surface(file, json),
-        "inp" | "dat" | "cdb" => inspect_deck(file, json),
+        "glb" | "gltf" => inspect_surface(args),
+        "inp" | "dat" | "cdb" => inspect_deck(file, args.json),
         other => bail!(
             "{}: expected .glb, .gltf, .inp, .dat or .cdb (the last three also with .gz), found \
              {other:?}; convert the file first",
@@ -24,25 +50,57 @@ pub(crate) fn inspect(file: &Path, json: bool) -> Result<()> {
     }
 }
 
-fn inspect_surface(file: &Path, json: bool) -> Result<()> {
-    let surface = read_gltf(file, &GltfParams::default())?;
-    let report = QualityReport::of(&surface.mesh);
-    if json {
-        println!(
-            "{}",
-            serde_json::json!({
-                "n_vertices": report.n_vertices,
-                "n_triangles": report.n_triangles,
-                "n_bodies": report.n_bodies,
-                "n_open_edges": report.n_open_edges,
-                "n_non_manifold_edges": report.n_non_manifold_edges,
-                "n_parts": surface.parts.len(),
-            })
-        );
-    } else {
-        println!("{}\n{report}", file.display());
+fn inspect_surface(args: &InspectArgs) -> Result<()> {
+    let unit = match args.unit {
+        Unit::M => LengthUnit::Metre,
+        Unit::Mm => LengthUnit::Millimetre,
+        Unit::Cm => LengthUnit::Centimetre,
+        Unit::In => LengthUnit::Inch,
+    };
+    let surface = read_gltf(
+        &args.file,
+        &GltfParams {
+            unit,
+            ..GltfParams::default()
+        },
+    )?;
+    let (mesh, weld) = surface.mesh.weld(args.weld_m)?;
+    let report = QualityReport::of(&mesh);
+    if args.json {
+        println!("{}", surface_json(&report, &weld, surface.parts.len()));
+        return Ok(());
     }
+    println!("{}\n{report}", args.file.display());
+    println!(
+        "welded at {:.1} µm: {} vertices joined, {} triangles collapsed, {} had a corner twice",
+        args.weld_m * 1e6,
+        weld.n_merged_vertices,
+        weld.n_collapsed_triangles,
+        weld.n_repeated_corner_triangles
+    );
     Ok(())
+}
+
+fn surface_json(report: &QualityReport, weld: &WeldInfo, n_parts: usize) -> serde_json::Value {
+    let size_m: [f64; 3] = report.bounding_box.size_m().into();
+    serde_json::json!({
+        "n_parts": n_parts,
+        "n_merged_vertices": weld.n_merged_vertices,
+        "n_collapsed_triangles": weld.n_collapsed_triangles,
+        "n_vertices": report.n_vertices,
+        "n_triangles": report.n_triangles,
+        "n_bodies": report.n_bodies,
+        "n_open_edges": report.n_open_edges,
+        "n_non_manifold_edges": report.n_non_manifold_edges,
+        "n_misoriented_edges": report.n_misoriented_edges,
+        "n_doubled_triangles": report.n_doubled_triangles,
+        "n_degenerate_triangles": report.n_degenerate_triangles,
+        "n_sliver_triangles": report.n_sliver_triangles,
+        "area_m2": report.area_m2,
+        "volume_m3": report.is_closed().then_some(report.signed_volume_m3),
+        "size_m": size_m,
+        "unit_guess": report.unit_guess.to_string(),
+    })
 }
 
 fn inspect_deck(file: &Path, json: bool) -> Result<()> {

@@ -27,13 +27,7 @@ pub(crate) struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Reads a surface (.glb, .gltf) or a solid deck (.inp, .dat, .cdb) and reports its quality.
-    Inspect {
-        /// The file.
-        file: PathBuf,
-        /// Print JSON.
-        #[arg(long)]
-        json: bool,
-    },
+    Inspect(inspect::InspectArgs),
     /// Solves a solid deck's own load and prints displacement, energy and mass.
     Deck {
         /// The deck.
@@ -67,7 +61,7 @@ struct RunArgs {
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
-        Command::Inspect { file, json } => inspect::inspect(file, *json),
+        Command::Inspect(args) => inspect::inspect(args),
         Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
         Command::Check(args) => stage::check(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),

@@ -266,7 +266,7 @@ impl<'a> Maker<'a> {
         Ok(Manifest {
             format_version: hapdef_data::MANIFEST_FORMAT_VERSION,
             kind: title(kind),
-            seed: self.run.scene.seed,
+            seed: self.seed(kind),
             scene_hash: self.run.scene_hash.clone(),
             crate_versions: [("hapdef".to_owned(), version)].into(),
             tensors,
@@ -274,6 +274,15 @@ impl<'a> Maker<'a> {
             split: Split::of(n)?,
             created_by: "hapdef dataset".into(),
         })
+    }
+
+    fn seed(&self, kind: DatasetKind) -> u64 {
+        let scene = &self.run.scene;
+        match kind {
+            DatasetKind::Simulated { .. } => scene.seed,
+            DatasetKind::RigSingle => scene.rig.presses.single_seed,
+            DatasetKind::RigDouble => scene.rig.presses.double_seed,
+        }
     }
 
     fn inputs(&self, kind: DatasetKind) -> Value {

@@ -18,7 +18,7 @@ use crate::run::Run;
 use crate::scoring::{ContactPair, ScoredContact, score_lenient, score_one_to_one};
 use crate::stats::ContactStats;
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Frames that pass the nets together.
 const BLOCK: usize = 64;
@@ -60,11 +60,12 @@ pub struct DoubleScores {
     pub share_two_candidates: f64,
     /// Error of the reconstructed map.
     pub map: MapError,
-    /// Lenient position error against the varied force: bins of equal width over its range.
+    /// Error of the varied contact against its force, matched one to one after the T + 1 rule: bins
+    /// of equal width over its range.
     pub error_by_force: Vec<ForceBin>,
 }
 
-/// Errors of the varied contact in a range of its force.
+/// Errors of the varied contact in a range of its force, where it was found.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct ForceBin {
     /// Middle of the range, N.
@@ -73,8 +74,10 @@ pub struct ForceBin {
     pub position_mm: f64,
     /// Mean absolute force error, N.
     pub force_error_n: f64,
-    /// Presses in the bin.
+    /// Presses in which it was found.
     pub n: usize,
+    /// Presses in which it was not.
+    pub n_missed: usize,
 }
 
 /// Scores the direct net and the whole chain.
@@ -163,8 +166,8 @@ fn single_scores(
         )?);
     }
     Ok(SingleScores {
-        direct: ContactStats::of(&direct_pairs),
-        hapdefx: ContactStats::of(&chain_pairs),
+        direct: ContactStats::of(&direct_pairs, frames.len()),
+        hapdefx: ContactStats::of(&chain_pairs, frames.len()),
         n_without_candidate: frames.iter().filter(|f| f.found.is_empty()).count(),
         map,
     })
@@ -182,16 +185,13 @@ fn double_scores(run: &Run, chain: &Hapdefx, stage: &Stage) -> Result<DoubleScor
             &frame.truth,
         )?);
         let chosen = scored(&chain.top_with_spread(&frame.found, 2)?);
-        let pairs = score_lenient(&chosen, &frame.truth)?;
-        varied.extend(
-            pairs
-                .iter()
-                .filter(|p| p.truth == 1)
-                .map(|p| (frame.truth[1].1, *p)),
-        );
-        spread.extend(pairs);
-        strict.extend(score_one_to_one(&chosen, &frame.truth)?.pairs);
+        spread.extend(score_lenient(&chosen, &frame.truth)?);
+        let matched = score_one_to_one(&chosen, &frame.truth)?.pairs;
+        let second = matched.iter().find(|pair| pair.truth == 1).copied();
+        varied.push((frame.truth[1].1, second));
+        strict.extend(matched);
     }
+    let n_contacts = 2 * frames.len();
     let n_with = |count: &dyn Fn(usize) -> bool| {
         frames
             .iter()
@@ -199,9 +199,9 @@ fn double_scores(run: &Run, chain: &Hapdefx, stage: &Stage) -> Result<DoubleScor
             .count()
     };
     Ok(DoubleScores {
-        lenient: ContactStats::of(&lenient),
-        lenient_spread: ContactStats::of(&spread),
-        one_to_one: ContactStats::of(&strict),
+        lenient: ContactStats::of(&lenient, n_contacts),
+        lenient_spread: ContactStats::of(&spread, n_contacts),
+        one_to_one: ContactStats::of(&strict, n_contacts),
         n_short: n_with(&|n| n < 2),
         share_two_candidates: n_with(&|n| n == 2) as f64 / frames.len() as f64,
         map,
@@ -304,26 +304,54 @@ fn scored(found: &[FoundContact]) -> Vec<ScoredContact> {
     found.iter().map(|c| (c.position_m, c.force_n)).collect()
 }
 
-fn bins(varied: &[(f64, ContactPair)], strongest_n: f64) -> Vec<ForceBin> {
+/// Bins of equal width over the varied force: pairs of force and matched contact, if there is one.
+fn bins(varied: &[(f64, Option<ContactPair>)], strongest_n: f64) -> Vec<ForceBin> {
     const N_BINS: usize = 8;
     let width = strongest_n / N_BINS as f64;
+    let bin_of = |force_n: f64| ((force_n / width) as usize).min(N_BINS - 1);
     let bin = |i: usize| {
-        let range = i as f64 * width..(i + 1) as f64 * width;
-        let last = i + 1 == N_BINS;
-        let inside: Vec<&ContactPair> = varied
-            .iter()
-            .filter(|(force, _)| range.contains(force) || (last && *force >= range.end))
-            .map(|(_, pair)| pair)
-            .collect();
-        let mean = |value: &dyn Fn(&ContactPair) -> f64| {
-            inside.iter().map(|pair| value(pair)).sum::<f64>() / inside.len() as f64
+        let inside = || {
+            varied
+                .iter()
+                .filter(move |(force_n, _)| bin_of(*force_n) == i)
         };
-        (!inside.is_empty()).then(|| ForceBin {
+        let found: Vec<&ContactPair> = inside().filter_map(|(_, pair)| pair.as_ref()).collect();
+        let mean = |value: &dyn Fn(&ContactPair) -> f64| {
+            found.iter().map(|pair| value(pair)).sum::<f64>() / found.len() as f64
+        };
+        (!found.is_empty()).then(|| ForceBin {
             force_n: (i as f64 + 0.5) * width,
             position_mm: mean(&|pair| pair.position_error_m * 1e3),
             force_error_n: mean(&|pair| pair.force_error_n.abs()),
-            n: inside.len(),
+            n: found.len(),
+            n_missed: inside().count() - found.len(),
         })
     };
     (0..N_BINS).filter_map(bin).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_press_falls_into_one_bin_found_or_missed() {
+        let pair = |position_error_m| ContactPair {
+            detected: 0,
+            truth: 1,
+            position_error_m,
+            force_error_n: -2.0,
+        };
+        let varied = [
+            (0.0, Some(pair(0.004))),
+            (1.0, Some(pair(0.002))),
+            (2.0, None),
+            (34.0, Some(pair(0.001))),
+        ];
+        let bins = bins(&varied, 34.0);
+        assert_eq!(bins.len(), 2);
+        assert_eq!((bins[0].n, bins[0].n_missed, bins[1].n), (2, 1, 1));
+        assert!((bins[0].position_mm - 3.0).abs() < 1e-12);
+        assert!((bins[1].force_error_n - 2.0).abs() < 1e-12);
+    }
 }
