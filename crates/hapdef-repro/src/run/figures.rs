@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use hapdef::stages::{EvalReport, NetKind, samples_path};
-use hapdef::{ComplianceTable, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
+use hapdef::{ComplianceTable, Hapdefx, HapdefxScratch, Limb, Pipeline, Run, Stage};
 use hapdef_data::DatasetReader;
 use hapdef_mesh::{VertexField, write_glb};
 use hapdef_repro::{
@@ -153,18 +153,9 @@ fn double_example(run: &Run, surface: &Surface, done: &Pipeline) -> Result<Vec<F
     let Some(stage) = &data.rig_double else {
         return Ok(vec![]);
     };
-    let mut reader = DatasetReader::open(&samples_path(stage))?;
     let row = run.profile.n_amplitudes - 1;
-    let mut read = |tensor: &str| -> Result<Vec<f32>> {
-        let mut values = vec![0.0; reader.width(tensor)?];
-        reader.read_rows(tensor, row..row + 1, &mut values)?;
-        Ok(values)
-    };
-    let (readings, truth, positions) = (
-        read("readings")?,
-        read("deformation")?,
-        read("contact_positions")?,
-    );
+    let [readings, truth, positions] =
+        read_row(stage, row, ["readings", "deformation", "contact_positions"])?;
     let chain = Hapdefx::new(
         nets.load(NetKind::Transfer)?,
         nets.load(NetKind::Reconstruction {
@@ -212,6 +203,17 @@ fn double_example(run: &Run, surface: &Surface, done: &Pipeline) -> Result<Vec<F
             range,
         )?,
     ])
+}
+
+/// Row `row` of three tensors of a dataset.
+fn read_row(stage: &Stage, row: usize, tensors: [&str; 3]) -> Result<[Vec<f32>; 3]> {
+    let mut reader = DatasetReader::open(&samples_path(stage))?;
+    let mut rows = [vec![], vec![], vec![]];
+    for (tensor, values) in tensors.into_iter().zip(&mut rows) {
+        values.resize(reader.width(tensor)?, 0.0);
+        reader.read_rows(tensor, row..row + 1, values)?;
+    }
+    Ok(rows)
 }
 
 fn training_curves(done: &Pipeline) -> Result<Figure> {

@@ -1,7 +1,7 @@
 //! Stage: the networks, each trained on its own and resumable.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
 use hapdef_nets::{Mlp, Net, TrainParams, load};
@@ -123,31 +123,15 @@ fn train_one(run: &Run, data: &Datasets, kind: NetKind) -> Result<Stage, HapdefE
                 ControlFlow::Continue(())
             }
         };
-        let info = if checkpoint.exists() {
-            let validation = Some(&mut *validation as &mut dyn BatchSource);
-            resume(
-                &checkpoint,
-                samples.as_mut(),
-                validation,
-                &params,
-                &mut on_progress,
-            )?
-            .1
-        } else {
-            let [input, output] = fit_scales(samples.as_mut())?;
-            let spec = kind.spec(samples.n_inputs(), samples.n_outputs());
-            let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
-            let validation = Some(&mut *validation as &mut dyn BatchSource);
-            let path = Some(checkpoint.as_path());
-            train_net(
-                &mut net,
-                samples.as_mut(),
-                validation,
-                &params,
-                path,
-                &mut on_progress,
-            )?
-        };
+        let [samples, validation] = [samples.as_mut(), validation.as_mut()];
+        let info = fit(
+            kind,
+            samples,
+            validation,
+            &params,
+            &checkpoint,
+            &mut on_progress,
+        )?;
         if info.stopped_early {
             return Err(HapdefError::Stopped {
                 stage: format!("training {}", kind.name()),
@@ -155,6 +139,32 @@ fn train_one(run: &Run, data: &Datasets, kind: NetKind) -> Result<Stage, HapdefE
         }
         Ok(record(kind, samples.n_samples(), &info, &history))
     })
+}
+
+/// Trains a net from the start, or goes on from its checkpoint.
+fn fit(
+    kind: NetKind,
+    samples: &mut dyn BatchSource,
+    validation: &mut dyn BatchSource,
+    params: &TrainParams,
+    checkpoint: &Path,
+    on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<TrainInfo, HapdefError> {
+    let validation = Some(validation);
+    if checkpoint.exists() {
+        return Ok(resume(checkpoint, samples, validation, params, on_progress)?.1);
+    }
+    let [input, output] = fit_scales(samples)?;
+    let spec = kind.spec(samples.n_inputs(), samples.n_outputs());
+    let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
+    Ok(train_net(
+        &mut net,
+        samples,
+        validation,
+        params,
+        Some(checkpoint),
+        on_progress,
+    )?)
 }
 
 fn params(run: &Run, kind: NetKind) -> TrainParams {
