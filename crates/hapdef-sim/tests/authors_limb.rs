@@ -168,9 +168,8 @@ fn inclusions_a_million_times_stiffer_still_solve() {
         forces_n: deck.nodal_forces.clone(),
     };
     let (u, info) = stiff.solve(&load).expect("solved");
-    println!("{info:?}");
+    // ‖r‖/‖b‖ grows with ‖K‖‖u‖/‖b‖, the backward error does not.
     assert!(info.worst_backward_error < 1e-14, "{info:?}");
-    assert!(info.worst_relative_residual < 1e-4, "{info:?}");
     let (soft, _) = plain.solve(&load).expect("solved");
     assert!(load.work_j(&u).expect("own") < load.work_j(&soft).expect("own"));
     // reciprocity notices an inaccurate solution that its own residual hides
