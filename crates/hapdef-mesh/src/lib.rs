@@ -16,6 +16,7 @@ mod patch;
 mod quality;
 mod rays;
 mod refine;
+mod shell;
 mod shin;
 mod sites;
 mod skin;
@@ -44,6 +45,11 @@ pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
 pub use neighbours::PointIndex;
 pub use patch::{GaugePatch, gauge_patch};
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
+pub use shell::{
+    BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
+    SolidShellParams, SurfaceDefects, SurfaceFault, WallKind, clean_surface, measure_solid,
+    shell_from_solid,
+};
 pub use shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use sites::{clear_nodes, farthest_nodes};
 pub use skin::{RadialRegionParams, SkinRegion, face_positions, radial_region};
