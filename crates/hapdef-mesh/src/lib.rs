@@ -6,6 +6,7 @@
 
 mod atomic;
 mod boundary;
+mod closest;
 pub mod colour;
 mod deck;
 mod error;
@@ -16,6 +17,7 @@ mod patch;
 mod quality;
 mod rays;
 mod refine;
+mod remesh;
 mod shell;
 mod shin;
 mod sites;
@@ -45,6 +47,7 @@ pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
 pub use neighbours::PointIndex;
 pub use patch::{GaugePatch, gauge_patch};
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
+pub use remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
 pub use shell::{
     BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
     SolidShellParams, SurfaceDefects, SurfaceFault, WallKind, clean_surface, measure_solid,
