@@ -8,8 +8,10 @@ mod atomic;
 mod boundary;
 mod closest;
 pub mod colour;
+mod curve;
 mod deck;
 mod error;
+mod extrude;
 mod gltf;
 mod ids;
 mod neighbours;
@@ -17,6 +19,7 @@ mod patch;
 mod quality;
 mod rays;
 mod refine;
+mod refine_surface;
 mod remesh;
 mod shell;
 mod shin;
@@ -38,15 +41,18 @@ pub use self::gltf::{
 };
 pub use atomic::atomic_write;
 pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
+pub use curve::FaceCurve;
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,
     write_inp,
 };
 pub use error::MeshError;
+pub use extrude::{ExtrudeParams, Extrusion, extrude};
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
 pub use neighbours::PointIndex;
 pub use patch::{GaugePatch, gauge_patch};
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
+pub use refine_surface::RefinedSurface;
 pub use remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
 pub use shell::{
     BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
