@@ -49,6 +49,8 @@ pub(crate) struct EdgeMiddles {
     pub middles: Vec<Point3<f64>>,
     /// Which vertices are on a sharp edge `[n_vertices]`; all of them where faces are flat.
     pub is_sharp: Vec<bool>,
+    /// Unit normals of the smooth surface `[n_vertices]`, see [`smooth_normals`].
+    pub normals: Vec<Vector3<f64>>,
 }
 
 impl EdgeMiddles {
@@ -64,7 +66,7 @@ impl EdgeMiddles {
         for vertex in edges.iter().filter(|e| is_feature(e)).flat_map(|e| e.ends) {
             is_sharp[vertex as usize] = true;
         }
-        let normals = mesh.vertex_normals();
+        let normals = smooth_normals(mesh);
         let middle = |edge: &Edge| {
             let [a, b] = edge.ends.map(|v| mesh.vertices()[v as usize]);
             let straight = nalgebra::center(&a, &b);
@@ -85,6 +87,7 @@ impl EdgeMiddles {
             middles: edges.iter().map(middle).collect(),
             edges: edges.iter().map(|edge| edge.ends).collect(),
             is_sharp,
+            normals,
         }
     }
 
@@ -93,6 +96,26 @@ impl EdgeMiddles {
         let ends = [a.min(b), a.max(b)];
         self.edges.partition_point(|edge| *edge < ends)
     }
+}
+
+/// Outward unit normals where the surface is smooth: a triangle with edges e₁, e₂ at the vertex
+/// counts e₁ × e₂ / (|e₁|² |e₂|²), which is exact for vertices of any triangulated sphere (Max,
+/// Weights for Computing Vertex Normals from Facet Normals, J. Graphics Tools 4(2), 1999). Zero
+/// where there is none.
+fn smooth_normals(mesh: &SurfaceMesh) -> Vec<Vector3<f64>> {
+    let mut sums = vec![Vector3::zeros(); mesh.vertices().len()];
+    for (triangle, corners) in mesh.triangles().iter().enumerate() {
+        let p = mesh.corners(triangle);
+        for i in 0..3 {
+            let (e1, e2) = (p[(i + 1) % 3] - p[i], p[(i + 2) % 3] - p[i]);
+            let weight = e1.norm_squared() * e2.norm_squared();
+            if weight > 0.0 {
+                sums[corners[i] as usize] += e1.cross(&e2) / weight;
+            }
+        }
+    }
+    let unit = |sum: &Vector3<f64>| sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+    sums.iter().map(unit).collect()
 }
 
 struct Edge {

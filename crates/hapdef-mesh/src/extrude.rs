@@ -132,13 +132,12 @@ impl<'a> Columns<'a> {
         params: &ExtrudeParams<'_>,
     ) -> Result<Self, SurfaceFault> {
         let middles = EdgeMiddles::of(skin, &params.curve);
-        let normals = skin.vertex_normals();
-        let steps = steps(skin, &normals)?;
+        let steps = steps(skin, &skin.vertex_normals())?;
         let way = |v: usize| {
             let step = if middles.is_sharp[v] {
                 steps[v]
             } else {
-                normals[v]
+                middles.normals[v]
             };
             -step * thickness_m[v]
         };

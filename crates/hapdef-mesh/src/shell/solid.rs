@@ -13,6 +13,9 @@ use crate::{MeshError, OuterSkinParams, SurfaceFault, SurfaceMesh};
 pub struct SolidShellParams {
     /// When a triangle sees the outside.
     pub outer: OuterSkinParams,
+    /// A triangle sees the outside, too, if its free fraction is more than this above that of the
+    /// surface straight behind it: so the inner side of a bend is outer skin.
+    pub min_free_lead: f64,
     /// Half angle of the cone of rays inward, rad.
     pub wall_cone_half_angle_rad: f64,
     /// Rays inward per sample; there are four samples a triangle.
@@ -31,11 +34,12 @@ pub struct SolidShellParams {
 }
 
 impl Default for SolidShellParams {
-    /// Cone 20°, 7 rays, walls parallel within 45°, at most a quarter of the limb thick; up to a
+    /// Outer skin leads by a quarter; cone 20°, 7 rays, walls parallel within 45°, at most a quarter of the limb thick; up to a
     /// quarter of the skin may be no shell, and the volume may differ by a quarter.
     fn default() -> Self {
         Self {
             outer: OuterSkinParams::default(),
+            min_free_lead: 0.25,
             wall_cone_half_angle_rad: 20.0_f64.to_radians(),
             n_wall_rays: 7,
             max_wall_angle_rad: std::f64::consts::FRAC_PI_4,
@@ -113,7 +117,7 @@ pub struct SolidShellInfo {
 /// Finds the outer skin of `solid` and its wall, and refuses what is not a shell.
 ///
 /// A triangle is outer skin if most rays from it within a cone about its normal leave the solid
-/// ([`OuterSkinParams`]). The thickness is measured inward from points near a triangle's corners
+/// ([`OuterSkinParams`]), or clearly more than from the surface behind it. The thickness is measured inward from points near a triangle's corners
 /// and at its middle: the median, over a narrow cone of rays, of the distance to the first surface
 /// parallel to the skin, times the cosine of the ray's angle, in the manner of the shape diameter
 /// function (Shapira, Shamir and Cohen-Or, The Visual Computer 24, 2008). Ribs count to the wall.
@@ -224,6 +228,12 @@ impl SolidShellParams {
                 outer.min_free_fraction,
                 share,
                 share_ok(outer.min_free_fraction),
+            ),
+            (
+                "min_free_lead",
+                self.min_free_lead,
+                share,
+                share_ok(self.min_free_lead),
             ),
             (
                 "wall_cone_half_angle_rad",

@@ -20,7 +20,8 @@ impl Walls {
     pub fn of(solid: &SurfaceMesh, params: &SolidShellParams) -> Self {
         let probe = Probe::new(solid, params);
         let n = solid.triangles().len();
-        let is_outer: Vec<bool> = (0..n).map(|t| probe.sees_outside(t)).collect();
+        let free: Vec<f64> = (0..n).map(|t| probe.free_fraction(t)).collect();
+        let is_outer: Vec<bool> = (0..n).map(|t| probe.is_outer(t, &free)).collect();
         let mut walls = Self {
             kinds: vec![WallKind::Inside; n],
             thickness_m: vec![0.0; n],
@@ -71,7 +72,8 @@ impl<'a> Probe<'a> {
         }
     }
 
-    fn sees_outside(&self, triangle: usize) -> bool {
+    /// The part of the cone about a triangle's normal that leaves the solid.
+    fn free_fraction(&self, triangle: usize) -> f64 {
         let outer = &self.params.outer;
         let centre = self.sample(triangle, SAMPLES[3]);
         let free = cone(
@@ -82,7 +84,17 @@ impl<'a> Probe<'a> {
         .iter()
         .filter(|direction| self.rays.is_free(&centre, direction, triangle))
         .count();
-        free as f64 > outer.min_free_fraction * outer.n_rays as f64
+        free as f64 / outer.n_rays as f64
+    }
+
+    /// Whether a triangle is free enough, or clearly freer than what ends the material behind it.
+    fn is_outer(&self, triangle: usize, free: &[f64]) -> bool {
+        if free[triangle] > self.params.outer.min_free_fraction {
+            return true;
+        }
+        let (centre, inward) = (self.sample(triangle, SAMPLES[3]), -self.normals[triangle]);
+        let behind = self.rays.first_hit(&centre, &inward, triangle);
+        behind.is_some_and(|hit| free[triangle] > free[hit.face] + self.params.min_free_lead)
     }
 
     fn sample(&self, triangle: usize, weights: [f64; 3]) -> Point3<f64> {
