@@ -59,8 +59,9 @@ fn check_skin(expected: &Skin) {
     );
     let shell = ShellSurface::with_constant_thickness(&fine, 0.002, SkinSide::Middle).unwrap();
     assert!((shell.volume_m3() / (0.002 * info.area_m2[0]) - 1.0).abs() < 0.01);
-    let inward = ShellSurface::with_constant_thickness(&fine, 0.002, SkinSide::Outer);
-    println!("2 mm inward: {:?}", inward.map(|shell| shell.volume_m3()));
+    let inward = ShellSurface::with_constant_thickness(&fine, 0.002, SkinSide::Outer).unwrap();
+    println!("2 mm inward: {:.3} cm3", inward.volume_m3() * 1e6);
+    assert!(inward.volume_m3() < shell.volume_m3());
 }
 
 #[test]

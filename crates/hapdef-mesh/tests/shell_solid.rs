@@ -9,7 +9,7 @@ use hapdef_mesh::{
     BodyChoice, CleanParams, MeshError, ShellSurface, SkinSide, SolidShell, SolidShellParams,
     SurfaceFault, SurfaceMesh, WallKind, clean_surface, measure_solid, shell_from_solid,
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix4, Vector3};
 use surface_common::{ball_m3, cube, joined, shifted, sphere, torus, tube, turned, with_triangles};
 
 fn found(solid: &SurfaceMesh) -> SolidShell {
@@ -118,7 +118,10 @@ fn a_hollow_torus_has_its_wall() {
 
 #[test]
 fn solid_bodies_are_no_shells() {
-    for solid in [sphere(0.1, 3), cube(0.1), torus(0.1, 0.03, 24, 72)] {
+    let bar = cube(0.1).transformed(&Matrix4::new_nonuniform_scaling(&Vector3::new(
+        5.0, 0.3, 0.4,
+    )));
+    for solid in [sphere(0.1, 3), cube(0.1), bar.unwrap()] {
         match refused(&solid) {
             SurfaceFault::NotAShell {
                 share,
@@ -135,6 +138,12 @@ fn solid_bodies_are_no_shells() {
             other => panic!("{other}"),
         }
     }
+}
+
+#[test]
+fn a_solid_ring_is_no_shell() {
+    let fault = refused(&torus(0.1, 0.03, 24, 72));
+    assert!(matches!(fault, SurfaceFault::NotAShell { .. }), "{fault}");
 }
 
 /// A wall of nearly half the radius is a quarter of the diameter.

@@ -53,8 +53,12 @@ impl RemeshParams {
 pub struct RemeshInfo {
     /// Edges split, collapsed and flipped in all rounds.
     pub n_operations: [usize; 3],
-    /// Creases and corners of the given surface that were kept: edges, and vertices that stayed.
+    /// Creases and corners of the given surface: edges, and vertices where creases meet, end or
+    /// bend.
     pub n_features: [usize; 2],
+    /// Crease vertices and corners that gave way to another one nearer than 2/15 of the target,
+    /// though not along their crease.
+    pub n_merged_features: usize,
     /// Shortest edge, 5 %, median, 95 % and longest edge of the result, m.
     pub edge_quantiles_m: [f64; 5],
     /// Share of edges between 4/5 and 4/3 of the target.
@@ -72,9 +76,10 @@ pub struct RemeshInfo {
 /// smoothed within the surface and put back onto it, for a number of rounds.
 ///
 /// Sharp edges and rims stay where they are, their ends and bends too; vertices move along them
-/// only. No operation turns a face by more than 45° or changes what is connected to what. The same
-/// input gives the same result, bit for bit. Edges between features closer than the target stay
-/// short ([`RemeshInfo::on_target_share`]).
+/// only. Of two closer than 2/15 of the target one goes ([`RemeshInfo::n_merged_features`]). No
+/// operation turns a face by more than 45°, slivers apart, or changes what is connected to what.
+/// The same input gives the same result, bit for bit. Edges between features closer than the
+/// target stay short ([`RemeshInfo::on_target_share`]).
 ///
 /// # Errors
 /// [`MeshError::Surface`]: a surface that is no oriented manifold, or has degenerate or doubled
@@ -91,9 +96,10 @@ pub fn remesh(
     let n_corners = work.kinds.iter().filter(|k| **k == Kind::Corner).count();
     let n_features = [work.creases.len(), n_corners];
     let origin = Origin::new(mesh, &work);
-    // Short edges of slivers go first: splitting their long ones would multiply them.
-    let mut n_operations = [0, collapse_short(&mut work, shortest_m, f64::INFINITY), 0];
+    let mut n_operations = [0; 3];
     for _ in 0..params.n_rounds {
+        // Slivers go before their long edges are split, which would multiply them.
+        n_operations[1] += collapse_short(&mut work, shortest_m, longest_m);
         n_operations[0] += split_long(&mut work, longest_m);
         n_operations[1] += collapse_short(&mut work, shortest_m, longest_m);
         n_operations[2] += flip_edges(&mut work);
@@ -106,6 +112,7 @@ pub fn remesh(
     let info = RemeshInfo {
         n_operations,
         n_features,
+        n_merged_features: work.n_merged_features,
         edge_quantiles_m: [0.0, 0.05, 0.5, 0.95, 1.0]
             .map(|q| lengths[(q * (lengths.len() - 1) as f64).round() as usize]),
         on_target_share: on_target as f64 / lengths.len() as f64,

@@ -10,6 +10,10 @@ const MIN_TURN_COS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// No operation may make a face worse shaped than this, unless one was worse before.
 const MIN_SHAPE: f64 = 0.2;
 
+/// Vertices of creases nearer than this part of the longest edge allowed become one, creases or
+/// not: a sliver's direction means nothing, so the creases along it may not either.
+const TINY: f64 = 0.1;
+
 /// Splits edges longer than `longest_m`, the longest first, until there is none; the number split.
 pub(super) fn split_long(work: &mut Work, longest_m: f64) -> usize {
     let mut n_split = 0;
@@ -76,12 +80,15 @@ fn collapse_to(work: &Work, gone: u32, kept: u32, longest_m: f64) -> Option<Poin
     let edge = key(gone, kept);
     let is_crease = work.creases.contains(&edge);
     let [kind, kept_kind] = [gone, kept].map(|v| work.kinds[v as usize]);
-    match kind {
-        Kind::Free => {}
-        Kind::Crease if is_crease && !closes_crease(work, gone, kept) => {}
-        _ => return None,
+    let may_go = match kind {
+        Kind::Free => true,
+        Kind::Crease if is_crease && !closes_crease(work, gone, kept) => true,
+        _ => kind <= kept_kind && work.length(edge) < TINY * longest_m && !cuts_across(work, edge),
+    };
+    if !may_go {
+        return None;
     }
-    let place = if kind == kept_kind {
+    let place = if kind == kept_kind && kind != Kind::Corner {
         nalgebra::center(&work.at(gone), &work.at(kept))
     } else {
         work.at(kept)
@@ -90,6 +97,11 @@ fn collapse_to(work: &Work, gone: u32, kept: u32, longest_m: f64) -> Option<Poin
         && keeps_lengths(work, gone, kept, place, longest_m)
         && keeps_shapes(work, gone, kept, place);
     fits.then_some(place)
+}
+
+/// Whether an edge runs through the surface from rim to rim.
+fn cuts_across(work: &Work, edge: [u32; 2]) -> bool {
+    edge.iter().all(|&v| work.is_rim[v as usize]) && work.faces_at(edge).len() == 2
 }
 
 /// Whether the crease beyond `gone` ends at `kept` too, or at one of its crease neighbours.

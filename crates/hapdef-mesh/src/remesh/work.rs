@@ -8,7 +8,7 @@ use crate::topology::sorted_half_edges;
 use crate::{MeshError, SurfaceMesh};
 
 /// How freely a vertex may move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Kind {
     /// Anywhere on the surface.
     Free,
@@ -35,6 +35,8 @@ pub(super) struct Work {
     pub creases: BTreeSet<[u32; 2]>,
     /// Vertices on a rim.
     pub is_rim: Vec<bool>,
+    /// Crease vertices and corners that gave way to another one not along their crease.
+    pub n_merged_features: usize,
 }
 
 impl Work {
@@ -48,6 +50,7 @@ impl Work {
             kinds: vec![Kind::Free; n],
             creases: BTreeSet::new(),
             is_rim: vec![false; n],
+            n_merged_features: 0,
         };
         for (face, corners) in mesh.triangles().iter().enumerate() {
             corners
@@ -189,13 +192,16 @@ impl Work {
     /// Draws vertex `gone` onto `kept`, which moves to `place`. The caller has made sure that the
     /// surface stays a manifold.
     pub fn collapse(&mut self, gone: u32, kept: u32, place: Point3<f64>) {
+        let crease_ends = self.crease_neighbours(gone);
+        let is_along = self.kinds[gone as usize] == Kind::Crease && crease_ends.contains(&kept);
+        let merges = self.kinds[gone as usize] != Kind::Free && !is_along;
         for face in self.faces_at(key(gone, kept)) {
             for v in self.faces[face as usize] {
                 self.around[v as usize].retain(|f| *f != face);
             }
             self.faces[face as usize] = GONE;
         }
-        for other in self.crease_ends(gone) {
+        for other in crease_ends {
             self.creases.remove(&key(gone, other));
             if other != kept {
                 self.creases.insert(key(kept, other));
@@ -207,16 +213,15 @@ impl Work {
             self.around[kept as usize].push(face);
         }
         self.points[kept as usize] = place;
-    }
-
-    /// Crease neighbours by the set alone: also right while faces are being taken away.
-    fn crease_ends(&self, vertex: u32) -> Vec<u32> {
-        if self.kinds[vertex as usize] == Kind::Free {
-            return Vec::new();
+        if merges {
+            self.n_merged_features += 1;
+            let kind = &self.kinds[kept as usize];
+            self.kinds[kept as usize] = match (kind, self.crease_neighbours(kept).len()) {
+                (_, 0) => Kind::Free,
+                (Kind::Crease, 2) => Kind::Crease,
+                _ => Kind::Corner,
+            };
         }
-        let ends = |edge: &&[u32; 2]| edge.contains(&vertex);
-        let other = |edge: &[u32; 2]| edge[0] + edge[1] - vertex;
-        self.creases.iter().filter(ends).map(other).collect()
     }
 
     /// Turns the edge between two faces to join the vertices opposite to it.

@@ -4,6 +4,7 @@
 mod clean;
 mod defects;
 mod fault;
+mod params;
 mod pieces;
 mod solid;
 mod surface;
@@ -13,8 +14,7 @@ pub use clean::{BodyChoice, CleanInfo, CleanParams, clean_surface};
 pub use defects::{Defect, SurfaceDefects};
 pub(crate) use defects::{check_closed, check_manifold, check_size};
 pub use fault::SurfaceFault;
-pub use solid::{
-    SolidShell, SolidShellInfo, SolidShellParams, WallKind, measure_solid, shell_from_solid,
-};
+pub use params::SolidShellParams;
+pub use solid::{SolidShell, SolidShellInfo, WallKind, measure_solid, shell_from_solid};
 pub use surface::{ShellSurface, SkinSide};
 pub(crate) use surface::{check_thickness, steps};

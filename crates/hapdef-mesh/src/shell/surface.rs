@@ -185,15 +185,20 @@ fn moved(
         .collect();
     let moved = SurfaceMesh::new(vertices, skin.triangles().to_vec())?;
     for (triangle, corners) in skin.triangles().iter().enumerate() {
-        let (old, new) = (
-            skin.area_normal_m2(triangle),
-            moved.area_normal_m2(triangle),
-        );
-        if old.dot(&new) <= 0.0 {
+        if turns_over(skin, &moved, triangle) {
             let distance = |&v: &u32| thickness_m[v as usize] * share.abs();
             let offset_m = corners.iter().map(distance).fold(0.0, f64::max);
             return Err(SurfaceFault::OffsetFolds { triangle, offset_m }.into());
         }
     }
     Ok(moved)
+}
+
+/// Whether a triangle's normal or one of its edges has turned round: beyond the centre of a sphere
+/// the edges have, but not the normal.
+fn turns_over(old: &SurfaceMesh, new: &SurfaceMesh, triangle: usize) -> bool {
+    let [a, b] = [old, new].map(|mesh| mesh.area_normal_m2(triangle));
+    let [p, q] = [old, new].map(|mesh| mesh.corners(triangle));
+    let turns = |i: usize| (p[(i + 1) % 3] - p[i]).dot(&(q[(i + 1) % 3] - q[i])) <= 0.0;
+    a.dot(&b) <= 0.0 || (0..3).any(turns)
 }
