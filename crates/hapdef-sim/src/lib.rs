@@ -26,6 +26,7 @@ mod patch_load;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
+mod shell;
 mod solve;
 mod wall;
 
@@ -40,4 +41,8 @@ pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
+pub use shell::{
+    ShellElementMatrix, ShellElementProblem, ShellKind, ShellResultants, ShellStrain,
+    shell_pressure_load, shell_stiffness, shell_traction_load,
+};
 pub use solve::{SolveInfo, SolveParams};
