@@ -47,8 +47,9 @@ pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use shell::{
-    ShellElementMatrix, ShellElementProblem, ShellKind, ShellResultants, ShellStrain,
-    shell_pressure_load, shell_stiffness, shell_traction_load,
+    ShellElementMatrix, ShellElementProblem, ShellGaugeStrain, ShellKind, ShellMesh,
+    ShellMeshParams, ShellParams, ShellResultants, ShellStrain, shell_pressure_load,
+    shell_stiffness, shell_traction_load,
 };
 pub use solve::{SolveInfo, SolveParams};
 pub use supports::{

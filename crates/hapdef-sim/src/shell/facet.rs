@@ -10,7 +10,7 @@ use super::ShellElementProblem;
 pub(super) type Deformation = SMatrix<f64, 12, 18>;
 
 /// The least cosine between a director and its facet's normal: 60°.
-const MIN_COS: f64 = 0.5;
+pub(super) const MIN_COS: f64 = 0.5;
 
 /// A facet in its own frame.
 #[derive(Clone, Debug)]

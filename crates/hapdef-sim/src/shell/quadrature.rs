@@ -21,3 +21,8 @@ pub(super) fn seven_points() -> [([f64; 3], f64); 7] {
         (corner(b, 2), wb),
     ]
 }
+
+/// Barycentric coordinates of the centroid.
+pub(super) fn centroid() -> [f64; 3] {
+    [1.0 / 3.0; 3]
+}

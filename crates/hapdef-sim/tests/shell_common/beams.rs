@@ -54,17 +54,20 @@ pub fn straight(
             }
         }
         let s = p.solve(kind);
-        let mean = |dof: usize| 0.5 * (s.values[end[0]][dof] + s.values[end[nv]][dof]);
+        let mean = |dof: usize| 0.5 * (s.displacement[end[0]][dof] + s.displacement[end[nv]][dof]);
         let (value, reference) = match tip {
             Tip::Extension => (mean(0), 3e-5),
             Tip::InPlane => (mean(1), 0.1081),
             Tip::OutOfPlane => (mean(2), 0.4321),
-            Tip::Twist => ((s.values[end[nv]][2] - s.values[end[0]][2]) / 0.2, 0.03208),
+            Tip::Twist => (
+                (s.displacement[end[nv]][2] - s.displacement[end[0]][2]) / 0.2,
+                0.03208,
+            ),
         };
         CaseResult {
             value,
             reference,
-            n_nodes: p.nodes.len(),
+            n_nodes: s.n_nodes,
         }
     }
 }
@@ -83,11 +86,11 @@ pub fn curved(out: bool) -> impl Fn(ShellKind, Mesh) -> CaseResult {
         let (dof, reference) = if out { (2, 0.5022) } else { (0, 0.08734) };
         p.line_force(&end, dof, 1.0);
         let s = p.solve(kind);
-        let value = 0.5 * (s.values[end[0]][dof] + s.values[end[mesh.n]][dof]);
+        let value = 0.5 * (s.displacement[end[0]][dof] + s.displacement[end[mesh.n]][dof]);
         CaseResult {
             value,
             reference,
-            n_nodes: p.nodes.len(),
+            n_nodes: s.n_nodes,
         }
     }
 }
@@ -116,14 +119,14 @@ pub fn twisted(thin: bool, out: bool) -> impl Fn(ShellKind, Mesh) -> CaseResult 
         let s = p.solve(kind);
         let mid = end.len() / 2;
         let value = if mesh.n % 2 == 0 {
-            s.values[end[mid]][dof]
+            s.displacement[end[mid]][dof]
         } else {
-            0.5 * (s.values[end[mid - 1]][dof] + s.values[end[mid]][dof])
+            0.5 * (s.displacement[end[mid - 1]][dof] + s.displacement[end[mid]][dof])
         };
         CaseResult {
             value,
             reference,
-            n_nodes: p.nodes.len(),
+            n_nodes: s.n_nodes,
         }
     }
 }
@@ -159,9 +162,9 @@ pub fn raasch(kind: ShellKind, mesh: Mesh) -> CaseResult {
     p.line_force(&end, 2, 1.0);
     let s = p.solve(kind);
     CaseResult {
-        value: s.values[end[mesh.n]][2],
+        value: s.displacement[end[mesh.n]][2],
         reference: 4.9352,
-        n_nodes: p.nodes.len(),
+        n_nodes: s.n_nodes,
     }
 }
 

@@ -1,177 +1,110 @@
-//! A shell problem, solved by a sparse factorisation of its free degrees of freedom.
-
-use faer::prelude::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use hapdef_sim::{IsotropicMaterial, ShellKind, shell_stiffness};
-use nalgebra::{Point3, Vector3};
+//! A shell problem in the degrees of freedom that benchmarks are stated in.
 
 use super::grid::Grid;
+use hapdef_mesh::FeNodeId;
+use hapdef_sim::{
+    ElasticModel, HeldMotion, Hold, IsotropicMaterial, NodalLoad, ShellKind, ShellMesh,
+    ShellParams, SymmetryPlane,
+};
+use nalgebra::{Point3, Vector3};
 
-/// Degrees of freedom of a node: displacement (m) and rotation (rad).
-pub type Nodal = [f64; 6];
-
+/// Nodes, supports and loads; degrees of freedom 0..3 are displacements, 3..6 rotations.
 pub struct Problem {
-    pub nodes: Vec<Point3<f64>>,
-    pub triangles: Vec<[usize; 3]>,
-    pub thickness_m: f64,
-    pub material: IsotropicMaterial,
-    fixed: Vec<[bool; 6]>,
-    symmetric: Vec<[bool; 3]>,
-    load: Vec<Nodal>,
+    nodes: Vec<Point3<f64>>,
+    triangles: Vec<[FeNodeId; 3]>,
+    thickness_m: f64,
+    params: ShellParams,
+    load: NodalLoad,
+    traction_pa: Vector3<f64>,
 }
 
 pub struct Solution {
-    pub values: Vec<Nodal>,
+    pub displacement: Vec<Vector3<f64>>,
     /// Half the work of the load, J.
     pub energy_j: f64,
+    pub n_nodes: usize,
+}
+
+fn ids(nodes: &[usize]) -> Vec<FeNodeId> {
+    nodes.iter().map(|&n| FeNodeId::from_index(n)).collect()
 }
 
 impl Problem {
     pub fn new(grid: &Grid, thickness_m: f64, youngs_modulus_pa: f64, poissons_ratio: f64) -> Self {
-        let n = grid.nodes.len();
+        let material = IsotropicMaterial::new(youngs_modulus_pa, poissons_ratio, 1.0).unwrap();
+        let triangles = grid.triangles.iter();
         Self {
             nodes: grid.nodes.clone(),
-            triangles: grid.triangles.clone(),
+            triangles: triangles.map(|t| t.map(FeNodeId::from_index)).collect(),
             thickness_m,
-            material: IsotropicMaterial::new(youngs_modulus_pa, poissons_ratio, 1.0).unwrap(),
-            fixed: vec![[false; 6]; n],
-            symmetric: vec![[false; 3]; n],
-            load: vec![[0.0; 6]; n],
+            params: ShellParams::new(material, Vec::new()),
+            load: NodalLoad::default(),
+            traction_pa: Vector3::zeros(),
         }
     }
 
     pub fn fix(&mut self, nodes: &[usize], dofs: &[usize]) {
-        for &node in nodes {
-            for &dof in dofs {
-                self.fixed[node][dof] = true;
-            }
+        for &dof in dofs {
+            self.params.supports.holds.push(Hold {
+                nodes: ids(nodes),
+                motion: if dof < 3 {
+                    HeldMotion::Translation
+                } else {
+                    HeldMotion::Rotation
+                },
+                direction: Vector3::ith(dof % 3, 1.0),
+            });
         }
     }
 
     pub fn clamp(&mut self, nodes: &[usize]) {
-        self.fix(nodes, &[0, 1, 2, 3, 4, 5]);
+        self.params.clamped.extend(ids(nodes));
     }
 
     /// The nodes lie in a mirror plane across the axis.
     pub fn mirror(&mut self, nodes: &[usize], axis: usize) {
-        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-        self.fix(nodes, &[axis, 3 + b, 3 + c]);
-        for &node in nodes {
-            self.symmetric[node][axis] = true;
-        }
+        self.params.supports.symmetry.push(SymmetryPlane {
+            nodes: ids(nodes),
+            normal: Vector3::ith(axis, 1.0),
+        });
     }
 
     pub fn force(&mut self, node: usize, dof: usize, value: f64) {
-        self.load[node][dof] += value;
+        let force = Vector3::ith(dof, value);
+        self.load.forces_n.push((FeNodeId::from_index(node), force));
     }
 
     /// A total force over a line of nodes, uniform along it.
     pub fn line_force(&mut self, line: &[usize], dof: usize, total: f64) {
-        let length = |a: usize, b: usize| (self.nodes[a] - self.nodes[b]).norm();
-        let all: f64 = line.windows(2).map(|w| length(w[0], w[1])).sum();
-        let parts: Vec<f64> = line
-            .windows(2)
-            .map(|w| total * length(w[0], w[1]) / all)
-            .collect();
-        for (w, part) in line.windows(2).zip(parts) {
-            self.force(w[0], dof, 0.5 * part);
-            self.force(w[1], dof, 0.5 * part);
+        let length = |w: &[usize]| (self.nodes[w[0]] - self.nodes[w[1]]).norm();
+        let all: f64 = line.windows(2).map(length).sum();
+        for w in line.windows(2) {
+            let part = 0.5 * total * (self.nodes[w[0]] - self.nodes[w[1]]).norm() / all;
+            self.force(w[0], dof, part);
+            self.force(w[1], dof, part);
         }
     }
 
     /// A force per area of the mid-surface.
     pub fn area_force(&mut self, traction_pa: Vector3<f64>) {
-        for i in 0..self.triangles.len() {
-            let t = self.triangles[i];
-            let p = t.map(|n| self.nodes[n]);
-            let forces = hapdef_sim::shell_traction_load(&p, &[traction_pa; 3]);
-            for (node, force) in t.iter().zip(forces) {
-                for c in 0..3 {
-                    self.load[*node][c] += force[c];
-                }
-            }
-        }
+        self.traction_pa = traction_pa;
     }
 
-    /// Angle-weighted normals, in the mirror planes where there are any.
-    pub fn directors(&self) -> Vec<Vector3<f64>> {
-        let mut sum = vec![Vector3::zeros(); self.nodes.len()];
-        for t in &self.triangles {
-            for k in 0..3 {
-                let [a, b, c] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
-                let (p, q) = (self.nodes[b] - self.nodes[a], self.nodes[c] - self.nodes[a]);
-                let normal = p.cross(&q);
-                sum[a] += normal / normal.norm() * p.angle(&q);
-            }
+    pub fn solve(mut self, kind: ShellKind) -> Solution {
+        self.params.kind = kind;
+        let n_nodes = self.nodes.len();
+        let thickness = vec![self.thickness_m; n_nodes];
+        let mesh = ShellMesh::new(self.nodes, self.triangles, thickness).unwrap();
+        let mesh = mesh.cut_at(&self.params.supports.symmetry).unwrap();
+        let all: Vec<usize> = (0..mesh.triangles().len()).collect();
+        let traction = mesh.traction_load(&all, &self.traction_pa).unwrap();
+        let load = self.load.plus(&traction);
+        let model = ElasticModel::build_shell(&mesh, &self.params).unwrap();
+        let (displacement, _) = model.solve(&load).unwrap();
+        Solution {
+            energy_j: 0.5 * load.work_j(&displacement).unwrap(),
+            displacement,
+            n_nodes,
         }
-        for (sum, mirror) in sum.iter_mut().zip(&self.symmetric) {
-            for c in 0..3 {
-                if mirror[c] {
-                    sum[c] = 0.0;
-                }
-            }
-            *sum /= sum.norm();
-        }
-        sum
-    }
-
-    pub fn solve(&self, kind: ShellKind) -> Solution {
-        let (index, n_free) = self.numbering();
-        let directors = self.directors();
-        let mut triplets = Vec::new();
-        for t in &self.triangles {
-            let k = shell_stiffness(
-                kind,
-                &t.map(|n| self.nodes[n]),
-                Some(&t.map(|n| directors[n])),
-                &[self.thickness_m; 3],
-                &self.material,
-            )
-            .unwrap();
-            let dof = |i: usize| index[6 * t[i / 6] + i % 6];
-            for i in 0..18 {
-                for j in 0..18 {
-                    if let (Some(r), Some(c)) = (dof(i), dof(j)) {
-                        if r >= c {
-                            triplets.push(Triplet::new(r, c, k[i][j]));
-                        }
-                    }
-                }
-            }
-        }
-        let a =
-            SparseColMat::<usize, f64>::try_new_from_triplets(n_free, n_free, &triplets).unwrap();
-        let mut rhs = faer::Mat::<f64>::zeros(n_free, 1);
-        for (i, dof) in index.iter().enumerate() {
-            if let Some(dof) = dof {
-                rhs[(*dof, 0)] = self.load[i / 6][i % 6];
-            }
-        }
-        let x = a.sp_cholesky(faer::Side::Lower).unwrap().solve(&rhs);
-        let mut values = vec![[0.0; 6]; self.nodes.len()];
-        let mut energy_j = 0.0;
-        for (i, dof) in index.iter().enumerate() {
-            if let Some(dof) = dof {
-                values[i / 6][i % 6] = x[(*dof, 0)];
-                energy_j += 0.5 * x[(*dof, 0)] * rhs[(*dof, 0)];
-            }
-        }
-        Solution { values, energy_j }
-    }
-
-    fn numbering(&self) -> (Vec<Option<usize>>, usize) {
-        let mut n_free = 0;
-        let index = self
-            .fixed
-            .iter()
-            .flatten()
-            .map(|&fixed| {
-                (!fixed).then(|| {
-                    n_free += 1;
-                    n_free - 1
-                })
-            })
-            .collect();
-        (index, n_free)
     }
 }
