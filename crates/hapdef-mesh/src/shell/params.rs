@@ -48,81 +48,49 @@ impl Default for SolidShellParams {
 impl SolidShellParams {
     /// Refuses a parameter out of its range.
     pub(super) fn check(&self) -> Result<(), SurfaceFault> {
-        let right_angle = std::f64::consts::FRAC_PI_2;
-        let angle = "between 0 and π/2, ends excluded";
-        let share = "between 0 and 1";
-        let open = |x: f64, high: f64| x > 0.0 && x < high;
-        let share_ok = |x: f64| (0.0..=1.0).contains(&x);
         let outer = &self.outer;
-        let checks = [
-            (
-                "outer.cone_half_angle_rad",
-                outer.cone_half_angle_rad,
-                angle,
-                open(outer.cone_half_angle_rad, right_angle),
-            ),
-            (
-                "outer.n_rays",
-                outer.n_rays as f64,
-                "at least 1",
-                outer.n_rays > 0,
-            ),
-            (
-                "outer.min_free_fraction",
-                outer.min_free_fraction,
-                share,
-                share_ok(outer.min_free_fraction),
-            ),
-            (
-                "min_free_lead",
-                self.min_free_lead,
-                share,
-                share_ok(self.min_free_lead),
-            ),
-            (
-                "wall_cone_half_angle_rad",
-                self.wall_cone_half_angle_rad,
-                angle,
-                open(self.wall_cone_half_angle_rad, right_angle),
-            ),
-            (
-                "n_wall_rays",
-                self.n_wall_rays as f64,
-                "at least 1",
-                self.n_wall_rays > 0,
-            ),
-            (
-                "max_wall_angle_rad",
-                self.max_wall_angle_rad,
-                angle,
-                open(self.max_wall_angle_rad, right_angle),
-            ),
-            (
-                "max_thickness_ratio",
-                self.max_thickness_ratio,
-                share,
-                share_ok(self.max_thickness_ratio),
-            ),
-            (
-                "max_not_shell_share",
-                self.max_not_shell_share,
-                share,
-                share_ok(self.max_not_shell_share),
-            ),
-            (
-                "max_volume_difference",
-                self.max_volume_difference,
-                "at least 0",
-                self.max_volume_difference >= 0.0,
-            ),
-        ];
-        match checks.into_iter().find(|check| !check.3) {
-            None => Ok(()),
-            Some((name, found, wanted, _)) => Err(SurfaceFault::Parameter {
-                name,
-                found,
-                wanted,
-            }),
+        for (name, found) in [
+            ("outer.cone_half_angle_rad", outer.cone_half_angle_rad),
+            ("wall_cone_half_angle_rad", self.wall_cone_half_angle_rad),
+            ("max_wall_angle_rad", self.max_wall_angle_rad),
+        ] {
+            let is_acute = found > 0.0 && found < std::f64::consts::FRAC_PI_2;
+            ask(is_acute, name, found, "between 0 and π/2, ends excluded")?;
         }
+        for (name, found) in [
+            ("outer.min_free_fraction", outer.min_free_fraction),
+            ("min_free_lead", self.min_free_lead),
+            ("max_thickness_ratio", self.max_thickness_ratio),
+            ("max_not_shell_share", self.max_not_shell_share),
+        ] {
+            let is_share = (0.0..=1.0).contains(&found);
+            ask(is_share, name, found, "between 0 and 1")?;
+        }
+        for (name, n) in [
+            ("outer.n_rays", outer.n_rays),
+            ("n_wall_rays", self.n_wall_rays),
+        ] {
+            ask(n > 0, name, n as f64, "at least 1")?;
+        }
+        let difference = self.max_volume_difference;
+        let name = "max_volume_difference";
+        ask(difference >= 0.0, name, difference, "at least 0")
+    }
+}
+
+fn ask(
+    is_met: bool,
+    name: &'static str,
+    found: f64,
+    wanted: &'static str,
+) -> Result<(), SurfaceFault> {
+    if is_met {
+        Ok(())
+    } else {
+        Err(SurfaceFault::Parameter {
+            name,
+            found,
+            wanted,
+        })
     }
 }

@@ -36,7 +36,7 @@ pub fn sphere(radius_m: f64, n: usize) -> SurfaceMesh {
     let mut triangles = Vec::new();
     for i in 0..8_u32 {
         let [a, b, c] = [i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2)];
-        let is_even = (i & 1) + (i >> 1 & 1) + (i >> 2) & 1 == 0;
+        let is_even = i.count_ones().is_multiple_of(2);
         triangles.push(if is_even { [a, b, c] } else { [a, c, b] });
     }
     let mut mesh = SurfaceMesh::new(vertices, triangles).unwrap();
