@@ -1,0 +1,8 @@
+//! Meshes of the benchmarks: mapped grids of ten-node tetrahedra whose mid-side nodes lie on the
+//! true geometry.
+
+mod blocks;
+mod pick;
+
+pub use blocks::Blocks;
+pub use pick::{faces_where, nodes_where};
