@@ -27,6 +27,8 @@ mod quadrature;
 mod rigid_modes;
 mod rigidity;
 mod solve;
+mod stress;
+mod thermal_load;
 mod wall;
 
 pub use assembly::StiffnessExtremes;
@@ -41,3 +43,4 @@ pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use solve::{SolveInfo, SolveParams};
+pub use stress::{nodal_stress, stress};

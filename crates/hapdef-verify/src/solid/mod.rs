@@ -1,10 +1,16 @@
 //! Cases of the ten-node tetrahedron.
 
+mod beams;
+mod membranes;
 mod patch;
+mod problem;
 
 use crate::Case;
 
 /// All of them, in the order of the table.
 pub(crate) fn cases() -> Vec<Case> {
-    patch::cases()
+    [patch::cases(), beams::cases(), membranes::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
