@@ -6,7 +6,8 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::ordering::NodeOrder;
+use crate::elastic_model::Motion;
+use crate::unknowns::{Link, Unknowns};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// When a solution is refined, and when it is refused.
@@ -60,29 +61,48 @@ pub(crate) const BLOCKS_PER_WAVE: usize = 4;
 
 /// The solutions of one block of loads.
 pub(crate) struct SolvedBlock<'a> {
-    order: &'a NodeOrder,
+    unknowns: &'a Unknowns,
     /// Load numbers, one per column.
     pub(crate) loads: &'a [usize],
-    /// `[n_equations, n_columns]`, row-major, m.
+    /// `[n_equations, n_columns]`, row-major, m and rad.
     x: &'a [f64],
 }
 
 impl SolvedBlock<'_> {
     /// The displacement of `node` in `column`, m; zero where clamped.
     pub(crate) fn displacement(&self, column: usize, node: FeNodeId) -> Vector3<f64> {
+        self.value(column, self.unknowns.translation(node))
+    }
+
+    /// All displacements of `column` `[n_fe_nodes]`, m.
+    pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
+        self.nodes()
+            .map(|node| self.displacement(column, node))
+            .collect()
+    }
+
+    /// The motion of all nodes in `column`.
+    pub(crate) fn motion(&self, column: usize) -> Motion {
+        let rotation = |node| {
+            let link = self.unknowns.rotation(node)?;
+            Some(self.value(column, link))
+        };
+        Motion {
+            displacement: self.field(column),
+            rotation: self.nodes().filter_map(rotation).collect(),
+        }
+    }
+
+    fn value(&self, column: usize, link: &Link) -> Vector3<f64> {
         let k = self.loads.len();
-        self.order.place(node).map_or_else(Vector3::zeros, |place| {
+        link.motion(|place| {
             let at = 3 * place * k + column;
             Vector3::new(self.x[at], self.x[at + k], self.x[at + 2 * k])
         })
     }
 
-    /// All displacements of `column` `[n_fe_nodes]`, m.
-    pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
-        let nodes = 0..self.order.n_fe_nodes();
-        nodes
-            .map(|node| self.displacement(column, FeNodeId::from_index(node)))
-            .collect()
+    fn nodes(&self) -> impl Iterator<Item = FeNodeId> + use<> {
+        (0..self.unknowns.n_fe_nodes()).map(FeNodeId::from_index)
     }
 }
 
@@ -96,11 +116,11 @@ pub(crate) fn solve_all<T: Send>(
     mut sink: impl FnMut(&[usize], T),
 ) -> Result<SolveInfo, SimError> {
     let started = Instant::now();
-    let order = &model.structure.order;
+    let unknowns = &model.structure.unknowns;
     for load in loads {
-        load.check(order.n_fe_nodes())?;
+        load.check(unknowns.n_fe_nodes(), unknowns.motions_per_node() == 2)?;
     }
-    let sequence = by_place(loads, order);
+    let sequence = by_place(loads, unknowns);
     let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
     let mut reached = Reached::default();
     for wave in blocks.chunks(BLOCKS_PER_WAVE * model.pool.current_num_threads()) {
@@ -109,7 +129,7 @@ pub(crate) fn solve_all<T: Send>(
                 .map_init(Workspace::default, |workspace, &block| {
                     let reached = workspace.solve(model, loads, block, params);
                     let solved = SolvedBlock {
-                        order,
+                        unknowns,
                         loads: block,
                         x: &workspace.x,
                     };
@@ -140,20 +160,34 @@ fn block_size(n_loads: usize) -> usize {
 
 /// Load numbers sorted by the first equation they touch: neighbours share paths in the
 /// elimination tree, and a block of them skips the rest on the way down.
-fn by_place(loads: &[NodalLoad], order: &NodeOrder) -> Vec<usize> {
+fn by_place(loads: &[NodalLoad], unknowns: &Unknowns) -> Vec<usize> {
     let first: Vec<usize> = loads
         .iter()
         .map(|load| {
-            load.forces_n
-                .iter()
-                .filter_map(|(node, _)| order.place(*node))
-                .min()
-                .unwrap_or(usize::MAX)
+            let places = unknown_forces(load, unknowns).map(|(place, _)| place);
+            places.min().unwrap_or(usize::MAX)
         })
         .collect();
     let mut sequence: Vec<usize> = (0..loads.len()).collect();
     sequence.sort_by_key(|&load| (first[load], load));
     sequence
+}
+
+/// What a load is on the unknowns: places and three-vectors, which add.
+fn unknown_forces(
+    load: &NodalLoad,
+    unknowns: &Unknowns,
+) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    let forces = load
+        .forces_n
+        .iter()
+        .flat_map(|(node, force)| unknowns.translation(*node).forces(*force));
+    let moments = load
+        .moments_nm
+        .iter()
+        .filter_map(|(node, moment)| Some((unknowns.rotation(*node)?, moment)))
+        .flat_map(|(link, moment)| link.forces(*moment));
+    forces.chain(moments)
 }
 
 /// The worst residuals so far.
@@ -209,18 +243,18 @@ impl Workspace {
         block: &[usize],
         params: &SolveParams,
     ) -> Reached {
-        let (order, k) = (&model.structure.order, block.len());
-        let n = 3 * order.nodes().len();
+        let (unknowns, k) = (&model.structure.unknowns, block.len());
+        let n = 3 * unknowns.n_places();
         for array in [&mut self.x, &mut self.residual] {
             array.clear();
             array.resize(n * k, 0.0);
         }
-        add_loads(&mut self.x, loads, block, order);
-        let touched = block.iter().flat_map(|&load| {
-            let nodes = loads[load].forces_n.iter();
-            nodes.filter_map(|(node, _)| order.place(*node).map(|place| 3 * place))
-        });
-        // the three equations of a node may lie in two supernodes
+        add_loads(&mut self.x, loads, block, unknowns);
+        let touched = block
+            .iter()
+            .flat_map(|&load| unknown_forces(&loads[load], unknowns))
+            .map(|(place, _)| 3 * place);
+        // the three equations of a motion may lie in two supernodes
         let touched = touched.flat_map(|equation| [equation, equation + 1, equation + 2]);
         model
             .factor
@@ -248,9 +282,9 @@ impl Workspace {
 
     /// r ← b − K x, and the block's worst residuals; `residual` is zero on entry.
     fn residual(&mut self, model: &ElasticModel, loads: &[NodalLoad], block: &[usize]) -> Reached {
-        let (order, k) = (&model.structure.order, block.len());
+        let (unknowns, k) = (&model.structure.unknowns, block.len());
         let scale = model.factor.scale();
-        add_loads(&mut self.residual, loads, block, order);
+        add_loads(&mut self.residual, loads, block, unknowns);
         let loaded = ColumnNorms::of(&self.residual, k, |row| scale[row]);
         model
             .stiffness
@@ -276,13 +310,10 @@ fn ratio(left: f64, of: f64) -> f64 {
     if left == 0.0 { 0.0 } else { left / of }
 }
 
-fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], order: &NodeOrder) {
+fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], unknowns: &Unknowns) {
     let k = block.len();
     for (column, &load) in block.iter().enumerate() {
-        for (node, force) in &loads[load].forces_n {
-            let Some(place) = order.place(*node) else {
-                continue;
-            };
+        for (place, force) in unknown_forces(&loads[load], unknowns) {
             for (c, f) in force.iter().enumerate() {
                 x[(3 * place + c) * k + column] += f;
             }
