@@ -3,6 +3,8 @@
 
 mod blocks;
 mod pick;
+mod sphere;
 
 pub use blocks::Blocks;
 pub use pick::{faces_where, nodes_where};
+pub use sphere::hollow_octant;

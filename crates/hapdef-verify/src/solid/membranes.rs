@@ -52,11 +52,7 @@ fn cook() -> Case {
 }
 
 /// The quarter between the ellipses (2, 1) and (3.25, 2.75), from z = 0 to `height`.
-fn elliptic(
-    n: [usize; 3],
-    height: f64,
-    nu: f64,
-) -> Result<Problem, VerifyError> {
+fn elliptic(n: [usize; 3], height: f64, nu: f64) -> Result<Problem, VerifyError> {
     let mesh = Blocks::new(1e-6)
         .block(n, |p| {
             let (s, c) = (FRAC_PI_2 * p.y).sin_cos();
@@ -115,7 +111,7 @@ fn le10() -> Case {
         target: Target::within(0.01),
         n_levels: 3,
         run: Box::new(|level| {
-            let n = [[4, 6, 2], [8, 12, 4], [14, 21, 6]][level];
+            let n = [[4, 6, 2], [8, 12, 4], [16, 24, 8]][level];
             let problem = elliptic(n, 0.6, 0.3)?
                 .hold(0, on_outer)
                 .hold(1, on_outer)

@@ -97,7 +97,8 @@ impl Problem {
                 let force = traction(&tri6::position(&nodes, q.xi, q.eta), &(area / area.norm()))
                     * (area.norm() * q.weight);
                 let shares = face.nodes.iter().zip(tri6::shape(q.xi, q.eta));
-                load.forces_n.extend(shares.map(|(&node, n)| (node, force * n)));
+                load.forces_n
+                    .extend(shares.map(|(&node, n)| (node, force * n)));
             }
         }
         load
