@@ -78,7 +78,7 @@ fn sphere(id: &'static str, title: &'static str, nu: f64) -> Case {
         target: Target::within(0.01),
         n_levels: 3,
         run: Box::new(move |level| {
-            let n = [2, 4, 8][level];
+            let n = [2, 4, 6][level];
             let problem = octant_holds(hollow_octant(n)?, nu)?;
             let inner = faces_where(&problem.mesh, |p| same(p.coords.norm(), INNER));
             // the work of a unit pressure is the mean normal displacement times the area
