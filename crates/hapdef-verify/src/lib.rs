@@ -10,7 +10,9 @@
 
 mod case;
 mod catalogue;
+mod deck;
 mod error;
+mod inputs;
 pub mod meshes;
 mod metrics;
 mod run;
@@ -19,7 +21,9 @@ mod table;
 
 pub use case::{Case, Measured, Reference, Target};
 pub use catalogue::all_cases;
+pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
+pub(crate) use inputs::shared;
 pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
 pub use table::{markdown, people_table};

@@ -1,11 +1,14 @@
 //! Cases of the ten-node tetrahedron.
 
+mod authors;
 mod beams;
+mod calculix;
 mod closed_forms;
 mod manufactured;
 mod membranes;
 mod patch;
 mod problem;
+mod side_by_side;
 mod thermal;
 
 use crate::Case;
@@ -19,6 +22,9 @@ pub(crate) fn cases() -> Vec<Case> {
         thermal::cases(),
         closed_forms::cases(),
         manufactured::cases(),
+        authors::cases(),
+        calculix::cases(),
+        side_by_side::cases(),
     ];
     groups.into_iter().flatten().collect()
 }
