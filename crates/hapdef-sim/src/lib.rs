@@ -31,7 +31,9 @@ mod rigid_modes;
 mod rigidity;
 mod shell;
 mod solve;
+mod stress;
 mod supports;
+mod thermal_load;
 mod unknowns;
 mod wall;
 
@@ -52,6 +54,7 @@ pub use shell::{
     shell_stiffness, shell_traction_load,
 };
 pub use solve::{SolveInfo, SolveParams};
+pub use stress::{nodal_stress, stress};
 pub use supports::{
     Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,
     SymmetryPlane,
