@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble};
+use crate::dissection::Ordering;
 use crate::factor::{Analysis, Factor};
 use crate::load::check_node;
 use crate::ordering::{NodeGraph, NodeOrder};
@@ -42,6 +43,8 @@ pub struct FactorInfo {
     pub nnz_l: usize,
     /// Entries of L as stored: [`Self::nnz_l`] and the zeros of merged supernodes.
     pub nnz_l_stored: usize,
+    /// How the elimination order was found: whichever gives the smaller fill.
+    pub ordering: Ordering,
     /// Seconds for the support check, ordering and analysis; 0 where they were reused.
     pub order_s: f64,
     /// Seconds for element matrices and assembly.
@@ -149,7 +152,9 @@ impl ElasticModel {
             pool.install(|| assemble(mesh, material, scale, &structure.order, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let factor = Factor::build(&stiffness, Arc::clone(&structure.analysis))
+        let analysis = Arc::clone(&structure.analysis);
+        let factor = pool
+            .install(|| Factor::build(&stiffness, analysis))
             .map_err(|error| name_node(error, &structure.order))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
@@ -250,6 +255,7 @@ impl Structure {
             nnz_lower: 9 * self.pattern.columns.len() - 3 * n_free,
             nnz_l: self.analysis.nnz_l,
             nnz_l_stored: self.analysis.nnz_l_stored,
+            ordering: self.order.ordering,
             order_s,
             assemble_s,
             factor_s,

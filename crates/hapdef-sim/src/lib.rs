@@ -10,27 +10,34 @@
 //! Knows nothing of networks, ports or scenes. SI units throughout, f64 throughout. Results are the
 //! same bit for bit on any number of threads, and every solution comes with its residual.
 
+mod analysis;
 mod assembly;
 mod compliance;
+mod dissection;
 mod elastic_model;
 mod element;
 mod error;
 mod factor;
+mod front;
 mod gauge;
 mod gauge_response;
 mod load;
 mod mass;
 mod material;
 mod ordering;
+mod panel;
 mod patch_load;
+mod product;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
 mod solve;
+mod triangular;
 mod wall;
 
 pub use assembly::StiffnessExtremes;
 pub use compliance::{Compliance, ComplianceParams};
+pub use dissection::Ordering;
 pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;

@@ -1,21 +1,20 @@
 //! The order in which free nodes are eliminated.
 //!
 //! The graph of free nodes is ordered, not the graph of equations: it is nine times smaller, and
-//! the three equations of a node stay together. Approximate minimum degree (Amestoy, Davis and
-//! Duff, SIAM J. Matrix Anal. Appl. 17, 1996), as faer carries it.
+//! the three equations of a node stay together.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
 
 use crate::SimError;
+use crate::dissection::{Ordering, sequence};
 
 /// The places of free nodes in elimination order.
 #[derive(Debug)]
 pub(crate) struct NodeOrder {
     place_of_node: Vec<u32>,
     node_at: Vec<FeNodeId>,
+    /// How it was found.
+    pub(crate) ordering: Ordering,
 }
 
 /// A symmetric graph on places: the neighbours of each, ascending, itself left out.
@@ -31,12 +30,15 @@ impl NodeOrder {
     pub(crate) fn build(mesh: &Tet10Mesh, clamped: &[bool]) -> Result<Self, SimError> {
         let natural = Self::from_sequence(clamped.len(), free_nodes(clamped));
         let graph = NodeGraph::build(mesh, &natural);
-        let sequence = minimum_degree(&graph)?;
+        let (sequence, ordering) = sequence(&graph)?;
         let node_at = sequence
             .iter()
             .map(|&place| natural.node_at[place as usize])
             .collect();
-        Ok(Self::from_sequence(clamped.len(), node_at))
+        Ok(Self {
+            ordering,
+            ..Self::from_sequence(clamped.len(), node_at)
+        })
     }
 
     fn from_sequence(n_nodes: usize, node_at: Vec<FeNodeId>) -> Self {
@@ -47,6 +49,7 @@ impl NodeOrder {
         Self {
             place_of_node,
             node_at,
+            ordering: Ordering::MinimumDegree,
         }
     }
 
@@ -133,43 +136,4 @@ fn elements_at(mesh: &Tet10Mesh, order: &NodeOrder) -> (Vec<usize>, Vec<u32>) {
         next[place] += 1;
     }
     (first, elements)
-}
-
-fn minimum_degree(graph: &NodeGraph) -> Result<Vec<u32>, SimError> {
-    let n = graph.row_ptr.len() - 1;
-    let (col_ptr, row_idx) = upper_pattern(graph);
-    let pattern = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
-    let too_large = |reason: String| SimError::TooLarge {
-        n_equations: 3 * n,
-        reason,
-    };
-    let scratch = amd::order_scratch::<u32>(n, row_idx.len());
-    let mut memory = MemBuffer::try_new(scratch)
-        .map_err(|_| too_large("no memory for the ordering".to_owned()))?;
-    let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
-    let stack = MemStack::new(&mut memory);
-    amd::order(
-        &mut forward,
-        &mut inverse,
-        pattern,
-        amd::Control::default(),
-        stack,
-    )
-    .map_err(|error| too_large(format!("{error:?}")))?;
-    Ok(forward)
-}
-
-fn upper_pattern(graph: &NodeGraph) -> (Vec<u32>, Vec<u32>) {
-    let mut col_ptr = vec![0];
-    let mut row_idx = Vec::with_capacity(graph.neighbours.len() / 2);
-    for place in 0..graph.row_ptr.len() - 1 {
-        row_idx.extend(
-            graph
-                .of(place)
-                .iter()
-                .take_while(|&&other| (other as usize) < place),
-        );
-        col_ptr.push(row_idx.len() as u32);
-    }
-    (col_ptr, row_idx)
 }
