@@ -93,10 +93,9 @@ impl RealLimb {
             &params.misplacement,
         )?;
         let elastic = ElasticParams {
-            material: nominal.material,
             element_stiffness_scale: Some(stiffness_scale(&mesh, params)),
-            clamped,
             n_threads,
+            ..ElasticParams::new(nominal.material, clamped)
         };
         let elastic_model = ElasticModel::build(&mesh, &elastic)?;
         let (response, solve) = elastic_model.gauge_response(&gauges)?;

@@ -67,10 +67,8 @@ fn build(deck: &SolidDeck, n_threads: usize) -> Result<ElasticModel, Box<dyn Err
         IsotropicMaterial::new(stated.youngs_modulus_pa, stated.poissons_ratio, density)?;
     let clamped = deck.fixed_nodes.clone();
     let params = ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        clamped,
         n_threads,
+        ..ElasticParams::new(material, clamped)
     };
     let model = ElasticModel::build(&deck.mesh, &params)?;
     let info = model.info();

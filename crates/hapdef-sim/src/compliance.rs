@@ -143,7 +143,7 @@ impl ElasticModel {
     }
 }
 
-/// Wanted nodes whose rows are turned into columns together: their rows fit the first cache.
+/// Wanted nodes turned together: their rows fit the first cache.
 const TURNED: usize = 8;
 
 /// The displacements of `wanted` `[n_columns, n_wanted, 3]`, m.
@@ -151,15 +151,10 @@ fn wanted_rows(block: &SolvedBlock<'_>, wanted: &[FeNodeId]) -> Vec<f64> {
     let row = 3 * wanted.len();
     let mut turned = vec![0.0; block.loads.len() * row];
     for (chunk, nodes) in wanted.chunks(TURNED).enumerate() {
-        let rows: Vec<_> = nodes.iter().map(|&node| block.rows(node)).collect();
         for column in 0..block.loads.len() {
             let target = &mut turned[column * row + 3 * TURNED * chunk..];
-            for (target, rows) in target.chunks_exact_mut(3).zip(&rows) {
-                if let Some(rows) = rows {
-                    for c in 0..3 {
-                        target[c] = rows[c][column];
-                    }
-                }
+            for (target, &node) in target.chunks_exact_mut(3).zip(nodes) {
+                target.copy_from_slice(block.displacement(column, node).as_slice());
             }
         }
     }

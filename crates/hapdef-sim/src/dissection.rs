@@ -226,13 +226,12 @@ mod tests {
             let natural: Vec<u32> = (0..(n * n) as u32).collect();
             assert!(tree.fill() <= Tree::of(&graph, natural).unwrap().fill());
             // in a postordered tree the subtree below a step ends just before it
-            let mut size = vec![1_usize; n * n];
+            let (mut size, mut lowest) = (vec![1; n * n], (0..n * n).collect::<Vec<_>>());
             for step in 0..n * n {
-                let parent = tree.parent[step];
-                assert!(parent < 0 || parent as usize > step);
-                if let Ok(parent) = usize::try_from(parent) {
+                assert_eq!(lowest[step] + size[step], step + 1);
+                if let Ok(parent) = usize::try_from(tree.parent[step]) {
                     size[parent] += size[step];
-                    assert!(parent - size[parent] < step);
+                    lowest[parent] = lowest[parent].min(lowest[step]);
                 }
             }
         }

@@ -16,6 +16,7 @@ mod compliance;
 mod dissection;
 mod elastic_model;
 mod element;
+mod elements;
 mod error;
 mod factor;
 mod front;
@@ -24,21 +25,25 @@ mod gauge_response;
 mod load;
 mod mass;
 mod material;
+mod null_space;
 mod ordering;
 mod panel;
+mod parts;
 mod patch_load;
 mod product;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
 mod solve;
+mod supports;
 mod triangular;
+mod unknowns;
 mod wall;
 
 pub use assembly::StiffnessExtremes;
 pub use compliance::{Compliance, ComplianceParams};
 pub use dissection::Ordering;
-pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo};
+pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
@@ -48,3 +53,7 @@ pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use solve::{SolveInfo, SolveParams};
+pub use supports::{
+    Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,
+    SymmetryPlane,
+};

@@ -9,11 +9,11 @@ use crate::analysis::Analysis;
 use crate::assembly::BlockMatrix;
 use crate::panel::{Columns, Three, Wide as _, add_row, for_vectors, load, store, zero};
 
-/// A force at a node in one column.
+/// What a load is on one unknown three-vector, in one column.
 pub(crate) struct Entry {
-    pub(crate) node: u32,
+    pub(crate) place: u32,
     pub(crate) column: u32,
-    pub(crate) force_n: [f64; 3],
+    pub(crate) force: [f64; 3],
 }
 
 /// Norms per column; a NaN in a residual makes its square sum NaN, not its maximum.
@@ -31,7 +31,7 @@ pub(crate) struct Norms {
     pub(crate) moved_scaled: Vec<f64>,
 }
 
-/// b − K x for right-hand sides given by `entries`, ascending by node.
+/// b − K x for right-hand sides given by `entries`, ascending by place.
 pub(crate) struct Residual<'a> {
     pub(crate) matrix: &'a BlockMatrix,
     pub(crate) analysis: &'a Analysis,
@@ -99,7 +99,7 @@ impl WithSimd for Pass<'_, '_> {
         let x = S::as_simd_f64s(residual.x.values()).0;
         let mut entries = residual.entries;
         for node in 0..residual.analysis.n_nodes() {
-            let here = entries.partition_point(|entry| entry.node as usize == node);
+            let here = entries.partition_point(|entry| entry.place as usize == node);
             if here > 0 {
                 norms.add_load(&entries[..here], residual, b);
                 entries = &entries[here..];
@@ -130,11 +130,11 @@ impl Norms {
         let stride = residual.x.stride();
         for entry in entries {
             for c in 0..3 {
-                b[c * stride + entry.column as usize] += entry.force_n[c];
+                b[c * stride + entry.column as usize] += entry.force[c];
             }
         }
         for c in 0..3 {
-            let scale = residual.scale[3 * entries[0].node as usize + c];
+            let scale = residual.scale[3 * entries[0].place as usize + c];
             for (column, value) in b[c * stride..(c + 1) * stride].iter().enumerate() {
                 self.loaded_squares[column] += value * value;
                 self.loaded_scaled[column] =

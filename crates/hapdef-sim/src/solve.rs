@@ -6,9 +6,10 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::ordering::NodeOrder;
+use crate::elastic_model::Motion;
 use crate::panel::Columns;
 use crate::product::{Entry, Norms, Residual};
+use crate::unknowns::{Link, Unknowns};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// When a solution is refined, and when it is refused.
@@ -62,33 +63,44 @@ pub(crate) const BLOCKS_PER_WAVE: usize = 4;
 
 /// The solutions of one block of loads.
 pub(crate) struct SolvedBlock<'a> {
-    order: &'a NodeOrder,
+    unknowns: &'a Unknowns,
     /// Load numbers, one per column.
     pub(crate) loads: &'a [usize],
-    /// `[n_equations, n_columns]`, m.
+    /// `[n_equations, n_columns]`, m and rad.
     x: &'a Columns,
 }
 
 impl SolvedBlock<'_> {
     /// The displacement of `node` in `column`, m; zero where clamped.
     pub(crate) fn displacement(&self, column: usize, node: FeNodeId) -> Vector3<f64> {
-        self.rows(node)
-            .map_or_else(Vector3::zeros, |rows| rows.map(|row| row[column]).into())
-    }
-
-    /// The displacements of `node`, m: one row per direction, one value per column; nothing where
-    /// clamped.
-    pub(crate) fn rows(&self, node: FeNodeId) -> Option<[&[f64]; 3]> {
-        let place = self.order.place(node)?;
-        Some([0, 1, 2].map(|c| self.x.row(3 * place + c)))
+        self.value(column, self.unknowns.translation(node))
     }
 
     /// All displacements of `column` `[n_fe_nodes]`, m.
     pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
-        let nodes = 0..self.order.n_fe_nodes();
-        nodes
-            .map(|node| self.displacement(column, FeNodeId::from_index(node)))
+        self.nodes()
+            .map(|node| self.displacement(column, node))
             .collect()
+    }
+
+    /// The motion of all nodes in `column`.
+    pub(crate) fn motion(&self, column: usize) -> Motion {
+        let rotation = |node| {
+            let link = self.unknowns.rotation(node)?;
+            Some(self.value(column, link))
+        };
+        Motion {
+            displacement: self.field(column),
+            rotation: self.nodes().filter_map(rotation).collect(),
+        }
+    }
+
+    fn value(&self, column: usize, link: &Link) -> Vector3<f64> {
+        link.motion(|place| [0, 1, 2].map(|c| self.x.row(3 * place + c)[column]).into())
+    }
+
+    fn nodes(&self) -> impl Iterator<Item = FeNodeId> + use<> {
+        (0..self.unknowns.n_fe_nodes()).map(FeNodeId::from_index)
     }
 }
 
@@ -102,11 +114,11 @@ pub(crate) fn solve_all<T: Send>(
     mut sink: impl FnMut(&[usize], T),
 ) -> Result<SolveInfo, SimError> {
     let started = Instant::now();
-    let order = &model.structure.order;
+    let unknowns = &model.structure.unknowns;
     for load in loads {
-        load.check(order.n_fe_nodes())?;
+        load.check(unknowns.n_fe_nodes(), unknowns.motions_per_node() == 2)?;
     }
-    let sequence = by_place(loads, order);
+    let sequence = by_place(loads, unknowns);
     let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
     let mut reached = Reached::default();
     for wave in blocks.chunks(BLOCKS_PER_WAVE * model.pool.current_num_threads()) {
@@ -115,7 +127,7 @@ pub(crate) fn solve_all<T: Send>(
                 .map_init(Workspace::default, |workspace, &block| {
                     let reached = workspace.solve(model, loads, block, params);
                     let solved = SolvedBlock {
-                        order,
+                        unknowns,
                         loads: block,
                         x: &workspace.x,
                     };
@@ -146,20 +158,34 @@ fn block_size(n_loads: usize) -> usize {
 
 /// Load numbers sorted by the first equation they touch: neighbours share paths in the
 /// elimination tree, and a block of them skips the rest on the way down.
-fn by_place(loads: &[NodalLoad], order: &NodeOrder) -> Vec<usize> {
+fn by_place(loads: &[NodalLoad], unknowns: &Unknowns) -> Vec<usize> {
     let first: Vec<usize> = loads
         .iter()
         .map(|load| {
-            load.forces_n
-                .iter()
-                .filter_map(|(node, _)| order.place(*node))
-                .min()
-                .unwrap_or(usize::MAX)
+            let places = unknown_forces(load, unknowns).map(|(place, _)| place);
+            places.min().unwrap_or(usize::MAX)
         })
         .collect();
     let mut sequence: Vec<usize> = (0..loads.len()).collect();
     sequence.sort_by_key(|&load| (first[load], load));
     sequence
+}
+
+/// What a load is on the unknowns: places and three-vectors, which add.
+fn unknown_forces(
+    load: &NodalLoad,
+    unknowns: &Unknowns,
+) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    let forces = load
+        .forces_n
+        .iter()
+        .flat_map(|(node, force)| unknowns.translation(*node).forces(*force));
+    let moments = load
+        .moments_nm
+        .iter()
+        .filter_map(|(node, moment)| Some((unknowns.rotation(*node)?, moment)))
+        .flat_map(|(link, moment)| link.forces(*moment));
+    forces.chain(moments)
 }
 
 /// The worst residuals so far.
@@ -215,18 +241,18 @@ impl Workspace {
         block: &[usize],
         params: &SolveParams,
     ) -> Reached {
-        let (order, factor) = (&model.structure.order, &model.factor);
-        let n = 3 * order.nodes().len();
-        self.collect(loads, block, order);
-        let reached = factor.reached(self.entries.iter().map(|entry| entry.node as usize));
+        let (unknowns, factor) = (&model.structure.unknowns, &model.factor);
+        let n = 3 * unknowns.n_places();
+        self.collect(loads, block, unknowns);
+        let reached = factor.reached(self.entries.iter().map(|entry| entry.place as usize));
         self.x.reshape(n, block.len());
         factor.clear(&mut self.x, &reached);
         for entry in &self.entries {
-            let node = entry.node as usize;
+            let place = entry.place as usize;
             let stride = self.x.stride();
-            let rows = self.x.rows_mut(3 * node..3 * node + 3);
+            let rows = self.x.rows_mut(3 * place..3 * place + 3);
             for c in 0..3 {
-                rows[c * stride + entry.column as usize] += entry.force_n[c];
+                rows[c * stride + entry.column as usize] += entry.force[c];
             }
         }
         factor.solve_in_place(&mut self.x, &reached);
@@ -244,20 +270,17 @@ impl Workspace {
     }
 
     /// The block's forces, ascending by place.
-    fn collect(&mut self, loads: &[NodalLoad], block: &[usize], order: &NodeOrder) {
+    fn collect(&mut self, loads: &[NodalLoad], block: &[usize], unknowns: &Unknowns) {
         self.entries.clear();
         for (column, &load) in block.iter().enumerate() {
-            for (node, force) in &loads[load].forces_n {
-                if let Some(place) = order.place(*node) {
-                    self.entries.push(Entry {
-                        node: place as u32,
-                        column: column as u32,
-                        force_n: (*force).into(),
-                    });
-                }
-            }
+            let forces = unknown_forces(&loads[load], unknowns);
+            self.entries.extend(forces.map(|(place, force)| Entry {
+                place: place as u32,
+                column: column as u32,
+                force: force.into(),
+            }));
         }
-        self.entries.sort_by_key(|entry| entry.node);
+        self.entries.sort_by_key(|entry| entry.place);
     }
 
     /// x ← x + K⁻¹ (b − K x).

@@ -123,12 +123,7 @@ pub fn material_of(nu: f64) -> IsotropicMaterial {
 }
 
 pub fn params(clamped: Vec<FeNodeId>) -> ElasticParams {
-    ElasticParams {
-        material: material(),
-        element_stiffness_scale: None,
-        clamped,
-        n_threads: 1,
-    }
+    ElasticParams::new(material(), clamped)
 }
 
 /// A cantilever box clamped at x = 0.

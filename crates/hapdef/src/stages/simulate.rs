@@ -31,10 +31,8 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             limb.n_surface_nodes()
         ));
         let elastic = ElasticParams {
-            material: limb.material,
-            element_stiffness_scale: None,
-            clamped: limb.clamped.clone(),
             n_threads: run.threads,
+            ..ElasticParams::new(limb.material, limb.clamped.clone())
         };
         let elastic_model = ElasticModel::build(&limb.mesh, &elastic)?;
         let loads = limb.unit_loads(run.scene.contact.tip_radius_m)?;
