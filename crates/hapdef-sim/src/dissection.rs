@@ -221,7 +221,11 @@ mod tests {
             let (sequence, _) = sequence(&graph).unwrap();
             let mut seen = sequence.clone();
             seen.sort_unstable();
-            assert!(seen.iter().enumerate().all(|(i, &place)| i == place as usize));
+            assert!(
+                seen.iter()
+                    .enumerate()
+                    .all(|(i, &place)| i == place as usize)
+            );
             let tree = Tree::of(&graph, sequence).unwrap();
             let natural: Vec<u32> = (0..(n * n) as u32).collect();
             assert!(tree.fill() <= Tree::of(&graph, natural).unwrap().fill());

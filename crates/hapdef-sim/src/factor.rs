@@ -57,7 +57,10 @@ impl Factor {
             .subtrees
             .par_iter()
             .zip(&mut in_subtrees)
-            .map_init(|| worker(false), |worker, (range, values)| worker.subtree(range, values))
+            .map_init(
+                || worker(false),
+                |worker, (range, values)| worker.subtree(range, values),
+            )
             .collect();
         let mut updates = vec![Update::new(); analysis.n_supernodes()];
         for (range, update) in analysis.subtrees.iter().zip(done) {
@@ -65,7 +68,9 @@ impl Factor {
         }
         let mut crown = worker(true);
         for (&s, values) in analysis.crown.iter().zip(&mut in_crown) {
-            updates[s] = crown.supernode(s, &mut updates, 0, values).map_err(bad_pivot)?;
+            updates[s] = crown
+                .supernode(s, &mut updates, 0, values)
+                .map_err(bad_pivot)?;
         }
         Ok(Self {
             analysis,

@@ -18,6 +18,7 @@ mod elastic_model;
 mod element;
 mod elements;
 mod error;
+mod export;
 mod factor;
 mod front;
 mod gauge;
@@ -35,7 +36,9 @@ mod quadrature;
 mod rigid_modes;
 mod rigidity;
 mod solve;
+mod stress;
 mod supports;
+mod thermal_load;
 mod triangular;
 mod unknowns;
 mod wall;
@@ -46,6 +49,7 @@ pub use dissection::Ordering;
 pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;
+pub use export::StiffnessMatrix;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
 pub use gauge_response::GaugeResponse;
 pub use load::NodalLoad;
@@ -53,6 +57,7 @@ pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use solve::{SolveInfo, SolveParams};
+pub use stress::{nodal_stress, stress};
 pub use supports::{
     Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,
     SymmetryPlane,

@@ -137,8 +137,7 @@ impl Norms {
             let scale = residual.scale[3 * entries[0].place as usize + c];
             for (column, value) in b[c * stride..(c + 1) * stride].iter().enumerate() {
                 self.loaded_squares[column] += value * value;
-                self.loaded_scaled[column] =
-                    self.loaded_scaled[column].max((scale * value).abs());
+                self.loaded_scaled[column] = self.loaded_scaled[column].max((scale * value).abs());
             }
         }
     }
@@ -176,12 +175,17 @@ impl<V: Copy> Rows<'_, '_, V> {
             }
             let moved = load::<S, N>(&self.x[3 * self.node * n..], n, at);
             largest(simd, &mut norms.left_scaled, at, &left, self.s);
-            largest(simd, &mut norms.moved_scaled, at, &moved, self.s.map(f64::recip));
+            largest(
+                simd,
+                &mut norms.moved_scaled,
+                at,
+                &moved,
+                self.s.map(f64::recip),
+            );
             let squares = S::as_mut_simd_f64s(&mut norms.left_squares).0;
             for r in 0..3 {
                 for v in 0..N {
-                    squares[at + v] =
-                        simd.mul_add_e_f64s(left[r][v], left[r][v], squares[at + v]);
+                    squares[at + v] = simd.mul_add_e_f64s(left[r][v], left[r][v], squares[at + v]);
                 }
             }
         });
@@ -205,7 +209,12 @@ impl<V: Copy> Rows<'_, '_, V> {
             let (a, column) = (&matrix.blocks[slot], pattern.columns[slot] as usize);
             let x = &self.x[3 * column * n..3 * (column + 1) * n];
             for c in 0..3 {
-                add_row(simd, &mut sums, [a[c], a[3 + c], a[6 + c]], &x[c * n + at..]);
+                add_row(
+                    simd,
+                    &mut sums,
+                    [a[c], a[3 + c], a[6 + c]],
+                    &x[c * n + at..],
+                );
             }
         }
         sums

@@ -172,7 +172,7 @@ fn by_place(loads: &[NodalLoad], unknowns: &Unknowns) -> Vec<usize> {
 }
 
 /// What a load is on the unknowns: places and three-vectors, which add.
-fn unknown_forces(
+pub(crate) fn unknown_forces(
     load: &NodalLoad,
     unknowns: &Unknowns,
 ) -> impl Iterator<Item = (usize, Vector3<f64>)> {

@@ -1,0 +1,101 @@
+//! One problem with a known answer.
+
+use crate::VerifyError;
+
+/// A problem, its answer, and how well it must be met.
+pub struct Case {
+    /// Dotted and unique, such as `solid.le10`.
+    pub id: &'static str,
+    /// What an engineer calls it.
+    pub title: &'static str,
+    /// The element, such as `TET10`.
+    pub element: &'static str,
+    /// The quantity compared, with the place.
+    pub quantity: &'static str,
+    /// The unit of value and reference; "1" for none.
+    pub unit: &'static str,
+    /// The answer.
+    pub reference: Reference,
+    /// Where the answer stands: author, work, place; or the formula.
+    pub source: &'static str,
+    /// What counts as met.
+    pub target: Target,
+    /// Meshes in the sequence, coarse to fine; `run` is called with 0..n_levels.
+    pub n_levels: usize,
+    /// Solves the problem on mesh `level`.
+    pub run: Solve,
+}
+
+/// The solution of a case on one mesh of its sequence.
+pub type Solve = Box<dyn Fn(usize) -> Result<Measured, VerifyError>>;
+
+/// What a case's value is compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reference {
+    /// An exact value: the observed order comes from errors against it.
+    Exact(f64),
+    /// A published value of some digits: the observed order comes from the differences between
+    /// three meshes, since the last digit's rounding would spoil errors.
+    Published(f64),
+    /// The value is itself a relative error and should be zero.
+    Zero,
+    /// Nothing: the value is told, not judged, such as a time ratio. It depends on the machine and
+    /// stays out of the committed file.
+    Told,
+}
+
+/// What counts as met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Largest relative error allowed on the finest mesh.
+    pub rel_err: f64,
+    /// Smallest observed order allowed between the two finest meshes; none asks for none.
+    pub order: Option<f64>,
+}
+
+/// What one mesh gave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The quantity, in the case's unit.
+    pub value: f64,
+    /// The mesh in a few words, such as `12 × 4 × 2 cells`.
+    pub mesh: String,
+    /// Nodes of the mesh.
+    pub n_nodes: usize,
+    /// Equations solved.
+    pub n_equations: usize,
+    /// Element size on any scale; only ratios between levels count.
+    pub h: f64,
+}
+
+impl Target {
+    /// A relative error on the finest mesh, and no order.
+    #[must_use]
+    pub fn within(rel_err: f64) -> Self {
+        Self {
+            rel_err,
+            order: None,
+        }
+    }
+
+    /// The same with an observed order of at least `order`.
+    #[must_use]
+    pub fn and_order(self, order: f64) -> Self {
+        Self {
+            order: Some(order),
+            ..self
+        }
+    }
+}
+
+impl Reference {
+    /// The relative error of `value`; none where nothing is compared.
+    #[must_use]
+    pub fn rel_err(self, value: f64) -> Option<f64> {
+        match self {
+            Self::Exact(r) | Self::Published(r) => Some((value - r).abs() / r.abs()),
+            Self::Zero => Some(value.abs()),
+            Self::Told => None,
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The command line.
+
+mod context;
+mod verify;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// Is the elasticity solver right?
+#[derive(Parser)]
+#[command(
+    name = "hapdef-verify",
+    after_help = "Example:\n  cargo xtask verify\n  cargo xtask verify --only solid.le10"
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Solves the verification table and judges every row.
+    Verify(verify::VerifyArgs),
+}
+
+/// Runs the command; false where a row missed its target.
+pub(crate) fn run(cli: &Cli) -> Result<bool> {
+    match &cli.task {
+        Task::Verify(args) => verify::run(args),
+    }
+}

@@ -1,0 +1,63 @@
+//! `hapdef-verify verify`: the table.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use hapdef_mesh::atomic_write;
+use hapdef_verify::{MetricLog, Report, all_cases, markdown, people_table, run_cases};
+
+use super::context::context;
+
+/// Arguments of `verify`.
+#[derive(clap::Args)]
+pub(crate) struct VerifyArgs {
+    /// Only the cases whose id contains this; may be given more than once.
+    #[arg(long)]
+    only: Vec<String>,
+    /// Write the table to this file.
+    #[arg(long)]
+    write: Option<PathBuf>,
+    /// The seed the metrics carry; the table itself draws nothing at random.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Where metrics are appended.
+    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    metrics: PathBuf,
+}
+
+/// Solves, prints and judges; false where a row missed its target.
+pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
+    let mut cases = all_cases();
+    let wanted = |id: &str| args.only.is_empty() || args.only.iter().any(|word| id.contains(word));
+    cases.retain(|case| wanted(case.id));
+    if cases.is_empty() {
+        bail!(
+            "no case has an id with {:?}; without --only all are listed",
+            args.only
+        );
+    }
+    let report = run_cases(&cases, |case| print!("{}", people_table(case)));
+    if let Some(path) = &args.write {
+        let text = markdown(&report);
+        atomic_write(path, |file| file.write_all(text.as_bytes()))
+            .with_context(|| format!("writing {}", path.display()))?;
+    }
+    metrics(args, &report)?;
+    Ok(report.n_failed() == 0)
+}
+
+fn metrics(args: &VerifyArgs, report: &Report) -> Result<()> {
+    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    log.value("verify.rows", report.n_judged() as f64, "1")?;
+    log.value("verify.failed", report.n_failed() as f64, "1")?;
+    match report.worst() {
+        Some((_, error)) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,
+        _ => log.skipped(
+            "verify.worst_rel_err",
+            "no row has an error that is a number",
+        )?,
+    }
+    log.append_to(&args.metrics)?;
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! What can go wrong in a verification run.
+
+use std::path::PathBuf;
+
+use hapdef_mesh::MeshError;
+use hapdef_sim::SimError;
+
+/// Why a case has no value, or a run could not be reported.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// A case that can't be run here; not a failure.
+    #[error("not run: {reason}")]
+    NotRun {
+        /// Why, in one line.
+        reason: String,
+    },
+    /// A mesh that could not be made or read.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A model that could not be built or solved.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+    /// A case whose own set-up is wrong.
+    #[error("{what}: expected {expected}, found {found}")]
+    Setup {
+        /// What is wrong.
+        what: &'static str,
+        /// What was expected.
+        expected: String,
+        /// What was found.
+        found: String,
+    },
+    /// A metric that no reader could parse.
+    #[error("metric {name:?}: {expected}")]
+    Metric {
+        /// The metric's name, unit or reason as given.
+        name: String,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A file that could not be read or written.
+    #[error("{action} {}: {cause}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        cause: std::io::Error,
+    },
+    /// A file that is not the JSON it should be.
+    #[error("{}: {cause}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        cause: serde_json::Error,
+    },
+}
+
+impl VerifyError {
+    /// The case can't be run here, for `reason`.
+    pub fn not_run(reason: impl Into<String>) -> Self {
+        Self::NotRun {
+            reason: reason.into(),
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Whether the elasticity solver is right: every row is a problem whose answer is known from a
+//! publication, a closed form or another program, solved on a sequence of meshes.
+//!
+//! - [`Case`]: one problem, its reference with the source, and the target it is judged by.
+//! - [`run_cases`]: solves cases and judges them, giving a [`Report`].
+//! - [`all_cases`]: the table of docs/verification.md.
+//!
+//! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
+//! published benchmarks (inch and pound, mm and MPa) are kept, since statics is free of units.
+
+mod case;
+mod catalogue;
+mod error;
+pub mod meshes;
+mod metrics;
+mod run;
+mod solid;
+mod table;
+
+pub use case::{Case, Measured, Reference, Target};
+pub use catalogue::all_cases;
+pub use error::VerifyError;
+pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
+pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
+pub use table::{markdown, people_table};

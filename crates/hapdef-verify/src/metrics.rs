@@ -1,0 +1,270 @@
+//! Measured figures that can be read by a machine.
+//!
+//! Each prints as `METRIC:name:value:unit`, or `METRIC:name:skipped:reason` where it could not
+//! be measured, and joins a JSON array of records on disk.
+
+use std::io::Write;
+use std::path::Path;
+
+use hapdef_mesh::atomic_write;
+use serde::{Deserialize, Serialize};
+
+use crate::VerifyError;
+
+/// What every record carries besides its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MetricContext {
+    /// Commit of the code that measured.
+    pub commit: String,
+    /// The machine, in words.
+    pub machine: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// When, as RFC 3339.
+    pub time: String,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", untagged)]
+pub enum MetricOutcome {
+    /// A finite number and its unit; "1" for none.
+    Value {
+        /// The number.
+        value: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// It could not be measured.
+    Skipped {
+        /// Why.
+        skipped: String,
+    },
+}
+
+/// One metric, as stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MetricRecord {
+    /// Dotted name, such as `verify.rows`.
+    pub name: String,
+    /// What came out.
+    #[serde(flatten)]
+    pub outcome: MetricOutcome,
+    /// By what and when.
+    #[serde(flatten)]
+    pub context: MetricContext,
+}
+
+/// Prints metrics as they come and keeps them for the file.
+#[derive(Debug)]
+pub struct MetricLog<W> {
+    out: W,
+    context: MetricContext,
+    records: Vec<MetricRecord>,
+}
+
+impl<W: Write> MetricLog<W> {
+    /// A log that prints to `out`.
+    pub fn new(out: W, context: MetricContext) -> Self {
+        Self {
+            out,
+            context,
+            records: Vec::new(),
+        }
+    }
+
+    /// Prints and keeps a number; the unit is "1" for a bare number.
+    ///
+    /// # Errors
+    /// A value that is not finite, a bad name or unit, or `out` failing.
+    pub fn value(&mut self, name: &str, value: f64, unit: &str) -> Result<(), VerifyError> {
+        if !value.is_finite() {
+            return Err(VerifyError::Metric {
+                name: name.to_owned(),
+                expected: "a value is finite",
+            });
+        }
+        let plain = |c: char| c.is_alphanumeric() || "_/%·²³µ".contains(c);
+        if unit.is_empty() || !unit.chars().all(plain) {
+            let expected = "a unit is letters, digits, _ / % and · ² ³, and not empty";
+            return Err(VerifyError::Metric {
+                name: unit.to_owned(),
+                expected,
+            });
+        }
+        let unit = unit.to_owned();
+        self.push(name, MetricOutcome::Value { value, unit })
+    }
+
+    /// Prints and keeps that a metric could not be measured.
+    ///
+    /// # Errors
+    /// A bad name, a reason that is empty or has a line break, or `out` failing.
+    pub fn skipped(&mut self, name: &str, reason: &str) -> Result<(), VerifyError> {
+        if reason.trim().is_empty() || reason.chars().any(char::is_control) {
+            let expected = "a reason is one line and not empty";
+            return Err(VerifyError::Metric {
+                name: reason.to_owned(),
+                expected,
+            });
+        }
+        self.push(
+            name,
+            MetricOutcome::Skipped {
+                skipped: reason.to_owned(),
+            },
+        )
+    }
+
+    /// What was kept so far, in order.
+    #[must_use]
+    pub fn records(&self) -> &[MetricRecord] {
+        &self.records
+    }
+
+    /// Adds what was kept to the JSON array in `path`, making file and folder when absent.
+    ///
+    /// The file is replaced as a whole; two processes must not append at the same time.
+    ///
+    /// # Errors
+    /// A file that can't be read or written, or that holds no array of metric records; it is
+    /// left as it is then.
+    pub fn append_to(&self, path: &Path) -> Result<(), VerifyError> {
+        let mut all: Vec<MetricRecord> = match std::fs::read(path) {
+            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|cause| VerifyError::Json {
+                path: path.to_owned(),
+                cause,
+            })?,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+            Err(source) => return Err(io("reading", path, source)),
+        };
+        all.extend_from_slice(&self.records);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|e| io("making folder", folder, e))?;
+        }
+        let json = serde_json::to_vec_pretty(&all).map_err(|cause| VerifyError::Json {
+            path: path.to_owned(),
+            cause,
+        })?;
+        atomic_write(path, |file| file.write_all(&json)).map_err(|e| io("writing", path, e))
+    }
+
+    fn push(&mut self, name: &str, outcome: MetricOutcome) -> Result<(), VerifyError> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c);
+        if name.is_empty() || !name.chars().all(plain) {
+            let expected = "a metric's name is letters, digits, _ and ., and not empty";
+            return Err(VerifyError::Metric {
+                name: name.to_owned(),
+                expected,
+            });
+        }
+        let context = self.context.clone();
+        let record = MetricRecord {
+            name: name.to_owned(),
+            outcome,
+            context,
+        };
+        writeln!(self.out, "{}", record.line())
+            .map_err(|e| io("printing metrics to", Path::new("standard output"), e))?;
+        self.records.push(record);
+        Ok(())
+    }
+}
+
+impl MetricRecord {
+    /// `METRIC:name:value:unit` or `METRIC:name:skipped:reason`.
+    #[must_use]
+    pub fn line(&self) -> String {
+        match &self.outcome {
+            MetricOutcome::Value { value, unit } => format!("METRIC:{}:{value}:{unit}", self.name),
+            MetricOutcome::Skipped { skipped } => format!("METRIC:{}:skipped:{skipped}", self.name),
+        }
+    }
+}
+
+fn io(action: &'static str, path: &Path, cause: std::io::Error) -> VerifyError {
+    VerifyError::Io {
+        action,
+        path: path.to_owned(),
+        cause,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn context() -> MetricContext {
+        MetricContext {
+            commit: "abc1234".to_owned(),
+            machine: "two cores".to_owned(),
+            seed: 7,
+            time: "2026-01-02T03:04:05Z".to_owned(),
+        }
+    }
+
+    #[test]
+    fn prints_and_appends() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/metrics.json");
+        let mut out = Vec::new();
+        for round in 0..2 {
+            let mut log = MetricLog::new(&mut out, context());
+            log.value("verify.rows", 12.5 + f64::from(round), "s")
+                .unwrap();
+            log.skipped("fe.factor_vs_cholmod", "no CHOLMOD: not installed")
+                .unwrap();
+            log.append_to(&path).unwrap();
+        }
+        let text = String::from_utf8(out).unwrap();
+        assert_eq!(
+            text.lines().take(2).collect::<Vec<_>>(),
+            [
+                "METRIC:verify.rows:12.5:s",
+                "METRIC:fe.factor_vs_cholmod:skipped:no CHOLMOD: not installed"
+            ]
+        );
+        let all: Vec<MetricRecord> =
+            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        assert_eq!(all.len(), 4);
+        assert_eq!(all[2].line(), "METRIC:verify.rows:13.5:s");
+        assert_eq!(
+            (all[3].context.clone(), all[3].line().contains("skipped")),
+            (context(), true)
+        );
+    }
+
+    #[test]
+    fn what_a_reader_could_not_parse_is_refused() {
+        let mut log = MetricLog::new(Vec::new(), context());
+        assert!(matches!(
+            log.value("a", f64::NAN, "s"),
+            Err(VerifyError::Metric { .. })
+        ));
+        assert!(matches!(
+            log.value("a:b", 1.0, "s"),
+            Err(VerifyError::Metric { .. })
+        ));
+        assert!(matches!(
+            log.value("a", 1.0, "m:s"),
+            Err(VerifyError::Metric { .. })
+        ));
+        assert!(matches!(
+            log.skipped("a", "two\nlines"),
+            Err(VerifyError::Metric { .. })
+        ));
+        assert!(log.records().is_empty());
+    }
+
+    #[test]
+    fn a_foreign_file_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("metrics.json");
+        std::fs::write(&path, "{\"mine\": 1}").unwrap();
+        let mut log = MetricLog::new(Vec::new(), context());
+        log.value("a.b", 1.0, "1").unwrap();
+        let error = log.append_to(&path).unwrap_err();
+        assert!(matches!(error, VerifyError::Json { .. }), "{error}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "{\"mine\": 1}");
+    }
+}

@@ -1,0 +1,287 @@
+//! Solving cases and judging them.
+
+use std::time::Instant;
+
+use crate::{Case, Measured, Reference, VerifyError};
+
+/// All cases, judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// One entry per case, in order.
+    pub cases: Vec<CaseReport>,
+}
+
+/// One case, judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseReport {
+    /// As in [`Case`].
+    pub id: &'static str,
+    /// As in [`Case`].
+    pub title: &'static str,
+    /// As in [`Case`].
+    pub element: &'static str,
+    /// As in [`Case`].
+    pub quantity: &'static str,
+    /// As in [`Case`].
+    pub unit: &'static str,
+    /// As in [`Case`].
+    pub reference: Reference,
+    /// As in [`Case`].
+    pub source: &'static str,
+    /// As in [`Case`].
+    pub target: crate::Target,
+    /// One entry per mesh that was solved, coarse to fine.
+    pub rows: Vec<Row>,
+    /// How it went.
+    pub verdict: Verdict,
+}
+
+/// One mesh of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// What it gave.
+    pub measured: Measured,
+    /// Relative error, where there is a reference.
+    pub rel_err: Option<f64>,
+    /// Observed order up to this mesh, where it can be told.
+    pub order: Option<f64>,
+    /// Seconds for mesh, factor, solve and evaluation.
+    pub elapsed_s: f64,
+}
+
+/// How a case went.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The target is met.
+    Pass,
+    /// It is not, or the solver gave an error, in words.
+    Fail(String),
+    /// It could not be run here, with the reason.
+    NotRun(String),
+    /// Nothing to judge.
+    Told,
+}
+
+impl Report {
+    /// Cases that were judged: pass or fail.
+    #[must_use]
+    pub fn n_judged(&self) -> usize {
+        let judged = |case: &&CaseReport| matches!(case.verdict, Verdict::Pass | Verdict::Fail(_));
+        self.cases.iter().filter(judged).count()
+    }
+
+    /// Cases whose target is missed.
+    #[must_use]
+    pub fn n_failed(&self) -> usize {
+        let failed = |case: &&CaseReport| matches!(case.verdict, Verdict::Fail(_));
+        self.cases.iter().filter(failed).count()
+    }
+
+    /// The largest relative error on the finest mesh over all judged cases, with its case.
+    #[must_use]
+    pub fn worst(&self) -> Option<(&'static str, f64)> {
+        let last = |case: &CaseReport| Some((case.id, case.rows.last()?.rel_err?));
+        let errors = self.cases.iter().filter_map(last);
+        errors.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// Solves and judges cases in order; `after` sees each as it is done.
+pub fn run_cases(cases: &[Case], mut after: impl FnMut(&CaseReport)) -> Report {
+    let done = cases.iter().map(|case| {
+        let report = run_case(case);
+        after(&report);
+        report
+    });
+    Report {
+        cases: done.collect(),
+    }
+}
+
+/// Solves and judges one case.
+#[must_use]
+pub fn run_case(case: &Case) -> CaseReport {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut stopped = None;
+    for level in 0..case.n_levels {
+        let started = Instant::now();
+        match (case.run)(level) {
+            Ok(measured) => {
+                let row = Row {
+                    rel_err: case.reference.rel_err(measured.value),
+                    order: None,
+                    elapsed_s: started.elapsed().as_secs_f64(),
+                    measured,
+                };
+                rows.push(row);
+                let order = observed_order(case.reference, &rows);
+                if let Some(row) = rows.last_mut() {
+                    row.order = order;
+                }
+            }
+            Err(error) => {
+                stopped = Some(error);
+                break;
+            }
+        }
+    }
+    let verdict = judge(case, &rows, stopped);
+    CaseReport {
+        id: case.id,
+        title: case.title,
+        element: case.element,
+        quantity: case.quantity,
+        unit: case.unit,
+        reference: case.reference,
+        source: case.source,
+        target: case.target,
+        rows,
+        verdict,
+    }
+}
+
+fn judge(case: &Case, rows: &[Row], stopped: Option<VerifyError>) -> Verdict {
+    match stopped {
+        Some(VerifyError::NotRun { reason }) => return Verdict::NotRun(reason),
+        Some(error) => return Verdict::Fail(error.to_string()),
+        None => {}
+    }
+    let Some(last) = rows.last() else {
+        return Verdict::NotRun("the case has no mesh".to_owned());
+    };
+    let Some(rel_err) = last.rel_err else {
+        return Verdict::Told;
+    };
+    // a value that is not a number must not pass
+    if !rel_err.is_finite() || rel_err > case.target.rel_err {
+        let allowed = case.target.rel_err;
+        return Verdict::Fail(format!(
+            "relative error {rel_err:.2e}, allowed {allowed:.0e}"
+        ));
+    }
+    match (case.target.order, last.order) {
+        (Some(least), Some(order)) if order < least => {
+            Verdict::Fail(format!("observed order {order:.2}, at least {least} asked"))
+        }
+        (Some(least), None) => Verdict::Fail(format!("no observed order, at least {least} asked")),
+        _ => Verdict::Pass,
+    }
+}
+
+/// ln(e₁/e₂) / ln(h₁/h₂) of errors on the two finest meshes; for published values
+/// ln(|v₁ − v₀| / |v₂ − v₁|) / ln(h₁/h₂) of the three finest
+/// (Roache, Verification and Validation in Computational Science and Engineering, 1998, section 5).
+fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
+    let (differences, h) = match (reference, rows) {
+        (Reference::Exact(_) | Reference::Zero, [.., a, b]) => {
+            ((a.rel_err?, b.rel_err?), (a.measured.h, b.measured.h))
+        }
+        (Reference::Published(_), [.., a, b, c]) => {
+            let step = |a: &Row, b: &Row| (b.measured.value - a.measured.value).abs();
+            ((step(a, b), step(b, c)), (b.measured.h, c.measured.h))
+        }
+        _ => return None,
+    };
+    // at round-off there is no order left to see
+    if differences.0 < 1e-11 || differences.1 <= 0.0 {
+        return None;
+    }
+    let order = (differences.0 / differences.1).ln() / (h.0 / h.1).ln();
+    order.is_finite().then_some(order)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Target;
+
+    fn case(reference: Reference, target: Target, values: [f64; 3]) -> Case {
+        Case {
+            id: "a.b",
+            title: "t",
+            element: "e",
+            quantity: "q",
+            unit: "1",
+            reference,
+            source: "s",
+            target,
+            n_levels: 3,
+            run: Box::new(move |level| {
+                Ok(Measured {
+                    value: values[level],
+                    mesh: String::new(),
+                    n_nodes: 1,
+                    n_equations: 1,
+                    h: 0.5_f64.powi(level as i32),
+                })
+            }),
+        }
+    }
+
+    #[track_caller]
+    fn check(reference: Reference, target: Target, values: [f64; 3], pass: bool, order: f64) {
+        let report = run_case(&case(reference, target, values));
+        assert_eq!(
+            report.verdict == Verdict::Pass,
+            pass,
+            "{:?}",
+            report.verdict
+        );
+        let found = report.rows[2].order.unwrap_or(f64::NAN);
+        assert!(
+            (found - order).abs() < 1e-9 || (found.is_nan() && order.is_nan()),
+            "{found}"
+        );
+    }
+
+    #[test]
+    fn errors_and_orders_decide() {
+        let quartering = [1.16, 1.04, 1.01];
+        let within = Target::within(0.02);
+        check(Reference::Exact(1.0), within, quartering, true, 2.0);
+        check(Reference::Published(1.0), within, quartering, true, 2.0);
+        check(
+            Reference::Exact(1.0),
+            within.and_order(2.5),
+            quartering,
+            false,
+            2.0,
+        );
+        check(
+            Reference::Exact(1.0),
+            Target::within(0.005),
+            quartering,
+            false,
+            2.0,
+        );
+        check(Reference::Zero, within, [0.16, 0.04, 0.01], true, 2.0);
+        check(
+            Reference::Zero,
+            within,
+            [1e-13, 1e-13, 1e-13],
+            true,
+            f64::NAN,
+        );
+        check(
+            Reference::Exact(1.0),
+            within,
+            [1.0, 1.0, f64::NAN],
+            false,
+            f64::NAN,
+        );
+    }
+
+    #[test]
+    fn what_can_not_run_is_neither_pass_nor_fail() {
+        let mut case = case(Reference::Exact(1.0), Target::within(1.0), [1.0; 3]);
+        case.run = Box::new(|_| Err(VerifyError::not_run("element S8R")));
+        let report = Report {
+            cases: vec![run_case(&case)],
+        };
+        assert_eq!(
+            report.cases[0].verdict,
+            Verdict::NotRun("element S8R".to_owned())
+        );
+        assert_eq!((report.n_judged(), report.n_failed()), (0, 0));
+    }
+}
