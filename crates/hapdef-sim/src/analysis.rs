@@ -13,7 +13,7 @@ use crate::assembly::BlockPattern;
 /// Adjacent supernodes of up to the given width, in nodes, merge if less than the given share of
 /// the result would be zeros. Wider than faer's default, for the sake of solves with many
 /// right-hand sides.
-const RELAX: [(usize, f64); 4] = [(4, 0.8), (8, 0.4), (16, 0.2), (usize::MAX, 0.05)];
+const RELAX: [(usize, f64); 4] = [(4, 0.5), (8, 0.25), (16, 0.1), (usize::MAX, 0.03)];
 
 /// A subtree that is factored by one thread has at most this share of the work. Fixed, and the
 /// result does not depend on it.

@@ -59,7 +59,7 @@ pub struct SolveInfo {
 pub(crate) const BLOCK: usize = 64;
 
 /// Blocks per thread between two hand-overs of results.
-pub(crate) const BLOCKS_PER_WAVE: usize = 4;
+const BLOCKS_PER_WAVE: usize = 4;
 
 /// The solutions of one block of loads.
 pub(crate) struct SolvedBlock<'a> {
