@@ -1,10 +1,12 @@
 //! Displacements at wanted nodes for many loads.
 
+use std::sync::{Mutex, PoisonError};
+
 use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 
 use crate::load::check_node;
-use crate::solve::{BLOCK, BLOCKS_PER_WAVE, SolveInfo, SolveParams, solve_all};
+use crate::solve::{BLOCK, SolveInfo, SolveParams, SolvedBlock, solve_all};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// Limits of a compliance computation.
@@ -93,27 +95,11 @@ impl ElasticModel {
         self.check_budget(loads.len(), wanted.len(), params.max_bytes)?;
         let row = 3 * wanted.len();
         let mut data = vec![0.0; loads.len() * row];
-        let info = solve_all(
-            self,
-            loads,
-            &params.solve,
-            |block| {
-                let columns = 0..block.loads.len();
-                let displacement = |column| {
-                    wanted
-                        .iter()
-                        .flat_map(move |&n| <[f64; 3]>::from(block.displacement(column, n)))
-                };
-                columns.flat_map(displacement).collect::<Vec<f64>>()
-            },
-            |block, rows| {
-                if row > 0 {
-                    for (&load, values) in block.iter().zip(rows.chunks_exact(row)) {
-                        data[load * row..(load + 1) * row].copy_from_slice(values);
-                    }
-                }
-            },
-        )?;
+        let rows: Vec<Mutex<&mut [f64]>> =
+            data.chunks_exact_mut(row.max(1)).map(Mutex::new).collect();
+        let harvest = |block: &SolvedBlock<'_>| take_wanted(block, wanted, &rows);
+        let info = solve_all(self, loads, &params.solve, harvest, |_, ()| {})?;
+        drop(rows);
         Ok((
             Compliance {
                 n_loads: loads.len(),
@@ -133,11 +119,7 @@ impl ElasticModel {
         let n_threads = self.pool.current_num_threads();
         let result = n_loads.saturating_mul(3 * n_wanted);
         let workspace = 2 * self.info().n_equations * BLOCK * n_threads;
-        let waiting = BLOCK * BLOCKS_PER_WAVE * n_threads * 3 * n_wanted;
-        let needed_bytes = result
-            .saturating_add(workspace)
-            .saturating_add(waiting)
-            .saturating_mul(8);
+        let needed_bytes = result.saturating_add(workspace).saturating_mul(8);
         if needed_bytes <= allowed_bytes {
             Ok(())
         } else {
@@ -147,6 +129,30 @@ impl ElasticModel {
                 needed_bytes,
                 allowed_bytes,
             })
+        }
+    }
+}
+
+/// Wanted nodes turned together: their rows fit the first cache.
+const TURNED: usize = 8;
+
+/// Copies the displacements of `wanted` to the rows of the block's loads, `[n_wanted, 3]` each, m.
+fn take_wanted(block: &SolvedBlock<'_>, wanted: &[FeNodeId], rows: &[Mutex<&mut [f64]>]) {
+    if wanted.is_empty() {
+        return;
+    }
+    // each load is in one block only: no thread ever waits for another
+    let mut rows: Vec<_> = block
+        .loads
+        .iter()
+        .map(|&load| rows[load].lock().unwrap_or_else(PoisonError::into_inner))
+        .collect();
+    for (chunk, nodes) in wanted.chunks(TURNED).enumerate() {
+        for (column, row) in rows.iter_mut().enumerate() {
+            let targets = row[3 * TURNED * chunk..].chunks_exact_mut(3);
+            for (target, &node) in targets.zip(nodes) {
+                target.copy_from_slice(block.displacement(column, node).as_slice());
+            }
         }
     }
 }

@@ -8,9 +8,10 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble, motions_of};
+use crate::dissection::{Ordering, sequence};
 use crate::elements::{Elements, SolidElements};
 use crate::factor::{Analysis, Factor};
-use crate::ordering::{Cliques, NodeGraph, minimum_degree};
+use crate::ordering::{Cliques, NodeGraph};
 use crate::rigid_modes::{Restraints, check_supports};
 use crate::solve::{SolveInfo, SolveParams, solve_all};
 use crate::supports::{FaceSpring, Held};
@@ -63,6 +64,8 @@ pub struct FactorInfo {
     pub nnz_l: usize,
     /// Entries of L as stored: [`Self::nnz_l`] and the zeros of merged supernodes.
     pub nnz_l_stored: usize,
+    /// How the elimination order was found: whichever gives the smaller fill.
+    pub ordering: Ordering,
     /// Seconds for the support check, ordering and analysis; 0 where they were reused.
     pub order_s: f64,
     /// Seconds for element matrices and assembly.
@@ -90,6 +93,7 @@ pub(crate) struct Structure {
     pub(crate) unknowns: Unknowns,
     pattern: Arc<BlockPattern>,
     analysis: Arc<Analysis>,
+    ordering: Ordering,
     springs: Vec<FaceSpring>,
     regions: Vec<MaterialRegion>,
     n_elements: usize,
@@ -171,7 +175,9 @@ impl ElasticModel {
             pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let factor = Factor::build(&stiffness, Arc::clone(&structure.analysis))
+        let analysis = Arc::clone(&structure.analysis);
+        let factor = pool
+            .install(|| Factor::build(&stiffness, analysis))
             .map_err(|error| name_node(error, unknowns))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
@@ -293,7 +299,7 @@ impl Structure {
         )?;
         let cliques = cliques(elements, &springs, &natural);
         let graph = NodeGraph::build(natural.n_places(), &cliques);
-        let sequence = minimum_degree(&graph)?;
+        let (sequence, ordering) = sequence(&graph)?;
         let unknowns = natural.reordered(&sequence);
         let pattern = Arc::new(BlockPattern::build(&graph.reordered(&sequence)));
         let analysis = Arc::new(Analysis::build(&pattern)?);
@@ -301,6 +307,7 @@ impl Structure {
             unknowns,
             pattern,
             analysis,
+            ordering,
             springs,
             regions: Vec::new(),
             n_elements: elements.n_elements(),
@@ -315,6 +322,7 @@ impl Structure {
             nnz_lower: 9 * self.pattern.columns.len() - 3 * n_places,
             nnz_l: self.analysis.nnz_l,
             nnz_l_stored: self.analysis.nnz_l_stored,
+            ordering: self.ordering,
             order_s,
             assemble_s,
             factor_s,

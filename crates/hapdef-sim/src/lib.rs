@@ -10,13 +10,17 @@
 //! Knows nothing of networks, ports or scenes. SI units throughout, f64 throughout. Results are the
 //! same bit for bit on any number of threads, and every solution comes with its residual.
 
+mod analysis;
 mod assembly;
 mod compliance;
+mod dissection;
 mod elastic_model;
 mod element;
 mod elements;
 mod error;
+mod export;
 mod factor;
+mod front;
 mod gauge;
 mod gauge_response;
 mod load;
@@ -24,8 +28,10 @@ mod mass;
 mod material;
 mod null_space;
 mod ordering;
+mod panel;
 mod parts;
 mod patch_load;
+mod product;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
@@ -34,14 +40,17 @@ mod solve;
 mod stress;
 mod supports;
 mod thermal_load;
+mod triangular;
 mod unknowns;
 mod wall;
 
 pub use assembly::StiffnessExtremes;
 pub use compliance::{Compliance, ComplianceParams};
+pub use dissection::Ordering;
 pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;
+pub use export::StiffnessMatrix;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
 pub use gauge_response::GaugeResponse;
 pub use load::NodalLoad;

@@ -1,14 +1,7 @@
 //! The order in which unknowns are eliminated.
 //!
 //! The graph of unknown three-vectors is ordered, not the graph of equations: it is nine times
-//! smaller, and the three equations of a motion stay together. Approximate minimum degree (Amestoy, Davis and
-//! Duff, SIAM J. Matrix Anal. Appl. 17, 1996), as faer carries it.
-
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
-
-use crate::SimError;
+//! smaller, and the three equations of a motion stay together.
 
 /// A symmetric graph on places: the neighbours of each, ascending, itself left out.
 pub(crate) struct NodeGraph {
@@ -109,44 +102,4 @@ impl Cliques {
         }
         (first, cliques)
     }
-}
-
-/// The sequence in which places are eliminated: `sequence[new place] = old place`.
-pub(crate) fn minimum_degree(graph: &NodeGraph) -> Result<Vec<u32>, SimError> {
-    let n = graph.row_ptr.len() - 1;
-    let (col_ptr, row_idx) = upper_pattern(graph);
-    let pattern = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
-    let too_large = |reason: String| SimError::TooLarge {
-        n_equations: 3 * n,
-        reason,
-    };
-    let scratch = amd::order_scratch::<u32>(n, row_idx.len());
-    let mut memory = MemBuffer::try_new(scratch)
-        .map_err(|_| too_large("no memory for the ordering".to_owned()))?;
-    let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
-    let stack = MemStack::new(&mut memory);
-    amd::order(
-        &mut forward,
-        &mut inverse,
-        pattern,
-        amd::Control::default(),
-        stack,
-    )
-    .map_err(|error| too_large(format!("{error:?}")))?;
-    Ok(forward)
-}
-
-fn upper_pattern(graph: &NodeGraph) -> (Vec<u32>, Vec<u32>) {
-    let mut col_ptr = vec![0];
-    let mut row_idx = Vec::with_capacity(graph.neighbours.len() / 2);
-    for place in 0..graph.row_ptr.len() - 1 {
-        row_idx.extend(
-            graph
-                .of(place)
-                .iter()
-                .take_while(|&&other| (other as usize) < place),
-        );
-        col_ptr.push(row_idx.len() as u32);
-    }
-    (col_ptr, row_idx)
 }

@@ -7,6 +7,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::elastic_model::Motion;
+use crate::panel::Columns;
+use crate::product::{Entry, Norms, Residual};
 use crate::unknowns::{Link, Unknowns};
 use crate::{ElasticModel, NodalLoad, SimError};
 
@@ -57,15 +59,15 @@ pub struct SolveInfo {
 pub(crate) const BLOCK: usize = 64;
 
 /// Blocks per thread between two hand-overs of results.
-pub(crate) const BLOCKS_PER_WAVE: usize = 4;
+const BLOCKS_PER_WAVE: usize = 4;
 
 /// The solutions of one block of loads.
 pub(crate) struct SolvedBlock<'a> {
     unknowns: &'a Unknowns,
     /// Load numbers, one per column.
     pub(crate) loads: &'a [usize],
-    /// `[n_equations, n_columns]`, row-major, m and rad.
-    x: &'a [f64],
+    /// `[n_equations, n_columns]`, m and rad.
+    x: &'a Columns,
 }
 
 impl SolvedBlock<'_> {
@@ -94,11 +96,7 @@ impl SolvedBlock<'_> {
     }
 
     fn value(&self, column: usize, link: &Link) -> Vector3<f64> {
-        let k = self.loads.len();
-        link.motion(|place| {
-            let at = 3 * place * k + column;
-            Vector3::new(self.x[at], self.x[at + k], self.x[at + 2 * k])
-        })
+        link.motion(|place| [0, 1, 2].map(|c| self.x.row(3 * place + c)[column]).into())
     }
 
     fn nodes(&self) -> impl Iterator<Item = FeNodeId> + use<> {
@@ -174,7 +172,7 @@ fn by_place(loads: &[NodalLoad], unknowns: &Unknowns) -> Vec<usize> {
 }
 
 /// What a load is on the unknowns: places and three-vectors, which add.
-fn unknown_forces(
+pub(crate) fn unknown_forces(
     load: &NodalLoad,
     unknowns: &Unknowns,
 ) -> impl Iterator<Item = (usize, Vector3<f64>)> {
@@ -230,9 +228,9 @@ impl Reached {
 /// The arrays of one block, reused from block to block.
 #[derive(Default)]
 struct Workspace {
-    x: Vec<f64>,
-    residual: Vec<f64>,
-    gathered: Vec<f64>,
+    x: Columns,
+    correction: Columns,
+    entries: Vec<Entry>,
 }
 
 impl Workspace {
@@ -243,110 +241,104 @@ impl Workspace {
         block: &[usize],
         params: &SolveParams,
     ) -> Reached {
-        let (unknowns, k) = (&model.structure.unknowns, block.len());
+        let (unknowns, factor) = (&model.structure.unknowns, &model.factor);
         let n = 3 * unknowns.n_places();
-        for array in [&mut self.x, &mut self.residual] {
-            array.clear();
-            array.resize(n * k, 0.0);
-        }
-        add_loads(&mut self.x, loads, block, unknowns);
-        let touched = block
-            .iter()
-            .flat_map(|&load| unknown_forces(&loads[load], unknowns))
-            .map(|(place, _)| 3 * place);
-        // the three equations of a motion may lie in two supernodes
-        let touched = touched.flat_map(|equation| [equation, equation + 1, equation + 2]);
-        model
-            .factor
-            .solve_in_place(&mut self.x, k, touched, &mut self.gathered);
-        let mut reached = self.residual(model, loads, block);
-        while reached.backward_error > params.refine_above
-            && reached.n_refinements < params.max_refinements
-        {
-            let correction = &mut self.residual;
-            model
-                .factor
-                .solve_in_place(correction, k, 0..n, &mut self.gathered);
-            for (x, c) in self.x.iter_mut().zip(correction) {
-                *x += *c;
+        self.collect(loads, block, unknowns);
+        let reached = factor.reached(self.entries.iter().map(|entry| entry.place as usize));
+        self.x.reshape(n, block.len());
+        factor.clear(&mut self.x, &reached);
+        for entry in &self.entries {
+            let place = entry.place as usize;
+            let stride = self.x.stride();
+            let rows = self.x.rows_mut(3 * place..3 * place + 3);
+            for c in 0..3 {
+                rows[c * stride + entry.column as usize] += entry.force[c];
             }
-            let n_refinements = reached.n_refinements + 1;
-            self.residual.fill(0.0);
-            reached = Reached {
-                n_refinements,
-                ..self.residual(model, loads, block)
+        }
+        factor.solve_in_place(&mut self.x, &reached);
+        let mut worst = self.worst(model, block, false);
+        while worst.backward_error > params.refine_above
+            && worst.n_refinements < params.max_refinements
+        {
+            self.refine(model, block);
+            worst = Reached {
+                n_refinements: worst.n_refinements + 1,
+                ..self.worst(model, block, false)
             };
         }
-        reached
+        worst
     }
 
-    /// r ← b − K x, and the block's worst residuals; `residual` is zero on entry.
-    fn residual(&mut self, model: &ElasticModel, loads: &[NodalLoad], block: &[usize]) -> Reached {
-        let (unknowns, k) = (&model.structure.unknowns, block.len());
-        let scale = model.factor.scale();
-        add_loads(&mut self.residual, loads, block, unknowns);
-        let loaded = ColumnNorms::of(&self.residual, k, |row| scale[row]);
+    /// The block's forces, ascending by place.
+    fn collect(&mut self, loads: &[NodalLoad], block: &[usize], unknowns: &Unknowns) {
+        self.entries.clear();
+        for (column, &load) in block.iter().enumerate() {
+            let forces = unknown_forces(&loads[load], unknowns);
+            self.entries.extend(forces.map(|(place, force)| Entry {
+                place: place as u32,
+                column: column as u32,
+                force: force.into(),
+            }));
+        }
+        self.entries.sort_by_key(|entry| entry.place);
+    }
+
+    /// x ← x + K⁻¹ (b − K x).
+    fn refine(&mut self, model: &ElasticModel, block: &[usize]) {
+        self.worst(model, block, true);
+        let everywhere = vec![true; model.factor.analysis.n_supernodes()];
         model
-            .stiffness
-            .multiply_add(-1.0, &self.x, k, &mut self.residual);
-        let left = ColumnNorms::of(&self.residual, k, |row| scale[row]);
-        let moved = ColumnNorms::of(&self.x, k, |row| 1.0 / scale[row]);
+            .factor
+            .solve_in_place(&mut self.correction, &everywhere);
+        let correction = self.correction.values();
+        for (x, c) in self.x.values_mut().iter_mut().zip(correction) {
+            *x += *c;
+        }
+    }
+
+    /// The block's worst residuals; the residual itself becomes the correction if it is to be kept.
+    fn worst(&mut self, model: &ElasticModel, block: &[usize], keep: bool) -> Reached {
+        let residual = Residual {
+            matrix: &model.stiffness,
+            analysis: &model.factor.analysis,
+            scale: model.factor.scale(),
+            entries: &self.entries,
+            x: &self.x,
+        };
+        let norms = residual.norms(if keep {
+            self.correction
+                .reshape(3 * model.factor.analysis.n_nodes(), block.len());
+            Some(&mut self.correction)
+        } else {
+            None
+        });
         let mut worst = Reached::default();
         for (column, &load) in block.iter().enumerate() {
-            let size = model.scaled_norm * moved.scaled_max[column] + loaded.scaled_max[column];
-            worst.take(&Reached {
-                relative_residual: ratio(left.euclidean[column], loaded.euclidean[column]),
-                backward_error: ratio(left.scaled_max[column], size),
-                load,
-                n_refinements: 0,
-            });
+            worst.take(&Reached::of(&norms, column, model.scaled_norm, load));
         }
         worst
+    }
+}
+
+impl Reached {
+    fn of(norms: &Norms, column: usize, scaled_norm: f64, load: usize) -> Self {
+        let size = scaled_norm * norms.moved_scaled[column] + norms.loaded_scaled[column];
+        let left = norms.left_squares[column].sqrt();
+        let backward_error = if left.is_nan() {
+            f64::NAN
+        } else {
+            ratio(norms.left_scaled[column], size)
+        };
+        Self {
+            relative_residual: ratio(left, norms.loaded_squares[column].sqrt()),
+            backward_error,
+            load,
+            n_refinements: 0,
+        }
     }
 }
 
 /// Zero for nothing left of nothing loaded.
 fn ratio(left: f64, of: f64) -> f64 {
     if left == 0.0 { 0.0 } else { left / of }
-}
-
-fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], unknowns: &Unknowns) {
-    let k = block.len();
-    for (column, &load) in block.iter().enumerate() {
-        for (place, force) in unknown_forces(&loads[load], unknowns) {
-            for (c, f) in force.iter().enumerate() {
-                x[(3 * place + c) * k + column] += f;
-            }
-        }
-    }
-}
-
-/// Norms of the columns of a row-major array.
-struct ColumnNorms {
-    euclidean: Vec<f64>,
-    /// The largest |scale · value|.
-    scaled_max: Vec<f64>,
-}
-
-impl ColumnNorms {
-    fn of(rows: &[f64], k: usize, scale: impl Fn(usize) -> f64) -> Self {
-        let (mut squares, mut scaled_max) = (vec![0.0; k], vec![0.0_f64; k]);
-        for (row, values) in rows.chunks_exact(k).enumerate() {
-            let scale = scale(row);
-            for (column, value) in values.iter().enumerate() {
-                squares[column] += value * value;
-                let size = (scale * value).abs();
-                // not max(): a NaN must survive
-                scaled_max[column] = if size <= scaled_max[column] {
-                    scaled_max[column]
-                } else {
-                    size
-                };
-            }
-        }
-        Self {
-            euclidean: squares.into_iter().map(f64::sqrt).collect(),
-            scaled_max,
-        }
-    }
 }

@@ -8,6 +8,7 @@
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
 //! published benchmarks (inch and pound, mm and MPa) are kept, since statics is free of units.
 
+pub mod bench;
 mod case;
 mod catalogue;
 mod deck;

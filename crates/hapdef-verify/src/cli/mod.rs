@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bench;
 mod context;
 mod verify;
 
@@ -21,11 +22,14 @@ pub(crate) struct Cli {
 enum Task {
     /// Solves the verification table and judges every row.
     Verify(verify::VerifyArgs),
+    /// Times the solver against other solvers.
+    Bench(bench::BenchArgs),
 }
 
 /// Runs the command; false where a row missed its target.
 pub(crate) fn run(cli: &Cli) -> Result<bool> {
     match &cli.task {
         Task::Verify(args) => verify::run(args),
+        Task::Bench(args) => bench::run(args).map(|()| true),
     }
 }
