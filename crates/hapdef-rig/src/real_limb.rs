@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
+    ElasticModel, ElasticParams, SolverChoice, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
     IsotropicMaterial, NodalLoad, SolveInfo,
 };
 use nalgebra::{Point3, Vector3};
@@ -95,6 +95,7 @@ impl RealLimb {
         let elastic = ElasticParams {
             material: nominal.material,
             element_stiffness_scale: Some(stiffness_scale(&mesh, params)),
+            solver: SolverChoice::default(),
             clamped,
             n_threads,
         };

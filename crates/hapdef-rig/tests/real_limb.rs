@@ -8,7 +8,7 @@ use hapdef_rig::{
     GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
 };
 use hapdef_sim::{
-    ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+    ElasticModel, ElasticParams, SolverChoice, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -176,6 +176,7 @@ fn an_unperturbed_rig_is_the_refined_elastic_model() {
     let params = ElasticParams {
         material: bench.nominal().material,
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped: at(&|x| x.x < 1e-9),
         n_threads: 1,
     };

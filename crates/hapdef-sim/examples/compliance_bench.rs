@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use hapdef_mesh::{RadialRegionParams, SkinRegion, SolidDeck, radial_region, read_deck};
 use hapdef_sim::{
-    ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
+    ComplianceParams, ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, NodalLoad, SimError,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -69,6 +69,7 @@ fn build(deck: &SolidDeck, n_threads: usize) -> Result<ElasticModel, Box<dyn Err
     let params = ElasticParams {
         material,
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped,
         n_threads,
     };

@@ -9,6 +9,10 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble};
 use crate::factor::{Analysis, Factor};
+use crate::iterative::{
+    ChoiceReason, CornerInterpolation, Iterative, IterativeParams, Solver, SolverChoice, SolverInfo,
+    SolverKind, choose,
+};
 use crate::load::check_node;
 use crate::ordering::{NodeGraph, NodeOrder};
 use crate::rigid_modes::check_supports;
@@ -24,6 +28,8 @@ pub struct ElasticParams {
     pub element_stiffness_scale: Option<Vec<f64>>,
     /// Nodes held at zero in all directions; repeats are allowed.
     pub clamped: Vec<FeNodeId>,
+    /// How its systems are solved.
+    pub solver: SolverChoice,
     /// Worker threads, at least 1. Results do not depend on it, bit for bit.
     pub n_threads: usize,
 }
@@ -38,7 +44,7 @@ pub struct FactorInfo {
     /// Structural non-zeros in the lower triangle of K, diagonal included.
     pub nnz_lower: usize,
     /// Non-zeros in the Cholesky factor L, diagonal included, without the zeros that merged
-    /// supernodes store.
+    /// supernodes store; 0 on the iterative path.
     pub nnz_l: usize,
     /// Entries of L as stored: [`Self::nnz_l`] and the zeros of merged supernodes.
     pub nnz_l_stored: usize,
@@ -46,7 +52,7 @@ pub struct FactorInfo {
     pub order_s: f64,
     /// Seconds for element matrices and assembly.
     pub assemble_s: f64,
-    /// Seconds for the numeric factorisation.
+    /// Seconds for the numeric factorisation, or for the levels of the iterative path.
     pub factor_s: f64,
 }
 
@@ -55,11 +61,12 @@ pub struct FactorInfo {
 pub struct ElasticModel {
     pub(crate) structure: Arc<Structure>,
     pub(crate) stiffness: BlockMatrix,
-    pub(crate) factor: Factor,
+    pub(crate) solver: Solver,
     /// ‖K̂‖∞ of the Jacobi-scaled stiffness.
     pub(crate) scaled_norm: f64,
     pub(crate) pool: Arc<ThreadPool>,
     info: FactorInfo,
+    solver_info: SolverInfo,
     extremes: StiffnessExtremes,
 }
 
@@ -68,8 +75,16 @@ pub struct ElasticModel {
 pub(crate) struct Structure {
     pub(crate) order: NodeOrder,
     pattern: Arc<BlockPattern>,
-    analysis: Arc<Analysis>,
+    plan: Plan,
+    reason: ChoiceReason,
     n_elements: usize,
+}
+
+/// What a solver needs of the mesh and its supports.
+#[derive(Debug)]
+enum Plan {
+    Direct(Arc<Analysis>),
+    Iterative(CornerInterpolation, IterativeParams),
 }
 
 impl ElasticModel {
@@ -84,7 +99,7 @@ impl ElasticModel {
     pub fn build(mesh: &Tet10Mesh, params: &ElasticParams) -> Result<Self, SimError> {
         let pool = thread_pool(params.n_threads)?;
         let started = Instant::now();
-        let structure = Arc::new(Structure::build(mesh, &params.clamped)?);
+        let structure = Arc::new(Structure::build(mesh, &params.clamped, params.solver)?);
         let order_s = started.elapsed().as_secs_f64();
         let scale = params.element_stiffness_scale.as_deref();
         Self::fill(mesh, structure, &params.material, scale, pool, order_s)
@@ -149,20 +164,28 @@ impl ElasticModel {
             pool.install(|| assemble(mesh, material, scale, &structure.order, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let factor = Factor::build(&stiffness, Arc::clone(&structure.analysis))
+        let solver = pool
+            .install(|| structure.solver(mesh, &stiffness))
             .map_err(|error| name_node(error, &structure.order))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
-        let scaled_norm = stiffness.scaled_norm(factor.scale());
+        let scaled_norm = stiffness.scaled_norm(solver.scale());
         Ok(Self {
+            solver_info: structure.solver_info(&solver),
             structure,
             stiffness,
-            factor,
+            solver,
             scaled_norm,
             pool,
             info,
             extremes,
         })
+    }
+
+    /// Which solver the model has, and why.
+    #[must_use]
+    pub fn solver_info(&self) -> &SolverInfo {
+        &self.solver_info
     }
 
     /// Sizes and times of the build.
@@ -220,7 +243,11 @@ impl ElasticModel {
 }
 
 impl Structure {
-    fn build(mesh: &Tet10Mesh, clamped: &[FeNodeId]) -> Result<Self, SimError> {
+    fn build(
+        mesh: &Tet10Mesh,
+        clamped: &[FeNodeId],
+        choice: SolverChoice,
+    ) -> Result<Self, SimError> {
         let n_nodes = mesh.nodes().len();
         let mut is_clamped = vec![false; n_nodes];
         for &node in clamped {
@@ -233,23 +260,60 @@ impl Structure {
         check_supports(mesh, &is_clamped)?;
         let order = NodeOrder::build(mesh, &is_clamped)?;
         let pattern = Arc::new(BlockPattern::build(&NodeGraph::build(mesh, &order)));
-        let analysis = Arc::new(Analysis::build(&pattern)?);
+        let (kind, reason, params) = choose(choice, &pattern)?;
+        let plan = match kind {
+            SolverKind::Direct => Plan::Direct(Arc::new(Analysis::build(&pattern)?)),
+            SolverKind::Iterative => {
+                Plan::Iterative(CornerInterpolation::build(mesh, &order), params)
+            }
+        };
         Ok(Self {
             order,
             pattern,
-            analysis,
+            plan,
+            reason,
             n_elements: mesh.elements().len(),
         })
     }
 
+    fn solver(&self, mesh: &Tet10Mesh, stiffness: &BlockMatrix) -> Result<Solver, SimError> {
+        match &self.plan {
+            Plan::Direct(analysis) => {
+                Factor::build(stiffness, Arc::clone(analysis)).map(Solver::Direct)
+            }
+            Plan::Iterative(corners, params) => {
+                let nodes = self.order.nodes().iter();
+                let positions: Vec<_> = nodes.map(|&node| mesh.position(node)).collect();
+                let iterative = Iterative::build(stiffness, &positions, corners, *params)?;
+                Ok(Solver::Iterative(Box::new(iterative)))
+            }
+        }
+    }
+
+    fn solver_info(&self, solver: &Solver) -> SolverInfo {
+        let (kind, multigrid) = match solver {
+            Solver::Direct(_) => (SolverKind::Direct, None),
+            Solver::Iterative(i) => (SolverKind::Iterative, Some(i.multigrid.info().clone())),
+        };
+        SolverInfo {
+            kind,
+            reason: self.reason,
+            multigrid,
+        }
+    }
+
     fn info(&self, order_s: f64, assemble_s: f64, factor_s: f64) -> FactorInfo {
+        let (nnz_l, nnz_l_stored) = match &self.plan {
+            Plan::Direct(analysis) => (analysis.nnz_l, analysis.nnz_l_stored),
+            Plan::Iterative(..) => (0, 0),
+        };
         let n_free = self.order.nodes().len();
         FactorInfo {
             n_fe_nodes: self.order.n_fe_nodes(),
             n_equations: 3 * n_free,
             nnz_lower: 9 * self.pattern.columns.len() - 3 * n_free,
-            nnz_l: self.analysis.nnz_l,
-            nnz_l_stored: self.analysis.nnz_l_stored,
+            nnz_l,
+            nnz_l_stored,
             order_s,
             assemble_s,
             factor_s,
@@ -299,6 +363,15 @@ fn name_node(error: SimError, order: &NodeOrder) -> SimError {
         } => SimError::NotPositiveDefinite {
             node: order.nodes()[place].index(),
             direction,
+        },
+        SimError::Singular {
+            node: place,
+            direction,
+            pivot,
+        } => SimError::Singular {
+            node: order.nodes()[place].index(),
+            direction,
+            pivot,
         },
         other => other,
     }

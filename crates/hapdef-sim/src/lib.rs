@@ -18,6 +18,7 @@ mod error;
 mod factor;
 mod gauge;
 mod gauge_response;
+mod iterative;
 mod load;
 mod mass;
 mod material;
@@ -36,6 +37,10 @@ pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, stra
 pub use error::SimError;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
 pub use gauge_response::GaugeResponse;
+pub use iterative::{
+    ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
+    SolverKind,
+};
 pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;

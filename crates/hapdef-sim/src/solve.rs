@@ -6,6 +6,8 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::factor::Factor;
+use crate::iterative::{Solver, solve_loads};
 use crate::ordering::NodeOrder;
 use crate::{ElasticModel, NodalLoad, SimError};
 
@@ -48,8 +50,29 @@ pub struct SolveInfo {
     pub worst_load: usize,
     /// The most refinement steps that a block of right-hand sides asked for.
     pub n_refinements: usize,
+    /// The most iterations that a right-hand side took; 0 on the direct path.
+    pub n_iterations: usize,
+    /// The largest estimated relative error in energy (see [`crate::IterativeParams`]); 0 on the
+    /// direct path, which makes no estimate.
+    pub worst_energy_error: f64,
     /// Seconds.
     pub elapsed_s: f64,
+}
+
+impl SolveInfo {
+    /// Nothing reached yet.
+    pub(crate) fn new(n_loads: usize) -> Self {
+        Self {
+            n_loads,
+            worst_relative_residual: 0.0,
+            worst_backward_error: 0.0,
+            worst_load: 0,
+            n_refinements: 0,
+            n_iterations: 0,
+            worst_energy_error: 0.0,
+            elapsed_s: 0.0,
+        }
+    }
 }
 
 /// Right-hand sides solved together. Fixed, so that results do not depend on the thread count.
@@ -67,7 +90,11 @@ pub(crate) struct SolvedBlock<'a> {
     x: &'a [f64],
 }
 
-impl SolvedBlock<'_> {
+impl<'a> SolvedBlock<'a> {
+    pub(crate) fn new(order: &'a NodeOrder, loads: &'a [usize], x: &'a [f64]) -> Self {
+        Self { order, loads, x }
+    }
+
     /// The displacement of `node` in `column`, m; zero where clamped.
     pub(crate) fn displacement(&self, column: usize, node: FeNodeId) -> Vector3<f64> {
         let k = self.loads.len();
@@ -100,6 +127,12 @@ pub(crate) fn solve_all<T: Send>(
     for load in loads {
         load.check(order.n_fe_nodes())?;
     }
+    let factor = match &model.solver {
+        Solver::Direct(factor) => factor,
+        Solver::Iterative(iterative) => {
+            return solve_loads(model, iterative, loads, params, harvest, sink);
+        }
+    };
     let sequence = by_place(loads, order);
     let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
     let mut reached = Reached::default();
@@ -107,12 +140,8 @@ pub(crate) fn solve_all<T: Send>(
         let solved: Vec<(T, Reached)> = model.pool.install(|| {
             wave.par_iter()
                 .map_init(Workspace::default, |workspace, &block| {
-                    let reached = workspace.solve(model, loads, block, params);
-                    let solved = SolvedBlock {
-                        order,
-                        loads: block,
-                        x: &workspace.x,
-                    };
+                    let reached = workspace.solve(model, factor, loads, block, params);
+                    let solved = SolvedBlock::new(order, block, &workspace.x);
                     (harvest(&solved), reached)
                 })
                 .collect()
@@ -124,12 +153,12 @@ pub(crate) fn solve_all<T: Send>(
         reached.check(params)?;
     }
     Ok(SolveInfo {
-        n_loads: loads.len(),
         worst_relative_residual: reached.relative_residual,
         worst_backward_error: reached.backward_error,
         worst_load: reached.load,
         n_refinements: reached.n_refinements,
         elapsed_s: started.elapsed().as_secs_f64(),
+        ..SolveInfo::new(loads.len())
     })
 }
 
@@ -205,6 +234,7 @@ impl Workspace {
     fn solve(
         &mut self,
         model: &ElasticModel,
+        factor: &Factor,
         loads: &[NodalLoad],
         block: &[usize],
         params: &SolveParams,
@@ -222,17 +252,13 @@ impl Workspace {
         });
         // the three equations of a node may lie in two supernodes
         let touched = touched.flat_map(|equation| [equation, equation + 1, equation + 2]);
-        model
-            .factor
-            .solve_in_place(&mut self.x, k, touched, &mut self.gathered);
+        factor.solve_in_place(&mut self.x, k, touched, &mut self.gathered);
         let mut reached = self.residual(model, loads, block);
         while reached.backward_error > params.refine_above
             && reached.n_refinements < params.max_refinements
         {
             let correction = &mut self.residual;
-            model
-                .factor
-                .solve_in_place(correction, k, 0..n, &mut self.gathered);
+            factor.solve_in_place(correction, k, 0..n, &mut self.gathered);
             for (x, c) in self.x.iter_mut().zip(correction) {
                 *x += *c;
             }
@@ -249,7 +275,7 @@ impl Workspace {
     /// r ← b − K x, and the block's worst residuals; `residual` is zero on entry.
     fn residual(&mut self, model: &ElasticModel, loads: &[NodalLoad], block: &[usize]) -> Reached {
         let (order, k) = (&model.structure.order, block.len());
-        let scale = model.factor.scale();
+        let scale = model.solver.scale();
         add_loads(&mut self.residual, loads, block, order);
         let loaded = ColumnNorms::of(&self.residual, k, |row| scale[row]);
         model
@@ -276,7 +302,7 @@ fn ratio(left: f64, of: f64) -> f64 {
     if left == 0.0 { 0.0 } else { left / of }
 }
 
-fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], order: &NodeOrder) {
+pub(crate) fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], order: &NodeOrder) {
     let k = block.len();
     for (column, &load) in block.iter().enumerate() {
         for (node, force) in &loads[load].forces_n {

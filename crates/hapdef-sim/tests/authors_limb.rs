@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{close, shared};
 use hapdef_mesh::{FeNodeId, SolidDeck, read_deck};
-use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
+use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
 fn deck(name: &str) -> Option<SolidDeck> {
@@ -24,6 +24,7 @@ fn model(deck: &SolidDeck) -> ElasticModel {
     let params = ElasticParams {
         material,
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped,
         n_threads: 2,
     };

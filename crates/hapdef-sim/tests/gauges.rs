@@ -5,7 +5,7 @@ mod common;
 use common::{E_PA, cantilever, close, mapped_box, shared, straight_box};
 use hapdef_mesh::{GaugeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+    ElasticModel, ElasticParams, SolverChoice, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
     SimError,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -208,6 +208,7 @@ fn the_ten_sites_on_the_authors_limb() {
     let params = ElasticParams {
         material,
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped,
         n_threads: 2,
     };

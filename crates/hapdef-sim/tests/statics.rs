@@ -7,7 +7,7 @@ use common::{
 };
 use hapdef_mesh::{FaceTraction, FeNodeId};
 use hapdef_sim::{
-    ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
+    ComplianceParams, ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, NodalLoad, SimError,
     SolveParams,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -172,6 +172,7 @@ fn unusable_input_is_refused() {
     let scale = Some(vec![1.0; 3]);
     let error = build(ElasticParams {
         element_stiffness_scale: scale,
+        solver: SolverChoice::default(),
         ..params(clamped.clone())
     });
     assert!(
@@ -182,6 +183,7 @@ fn unusable_input_is_refused() {
     scale[5] = -1.0;
     let error = build(ElasticParams {
         element_stiffness_scale: Some(scale),
+        solver: SolverChoice::default(),
         ..params(clamped)
     });
     assert!(

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
-use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
+use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::ProptestConfig;
 use std::collections::BTreeMap;
@@ -126,6 +126,7 @@ pub fn params(clamped: Vec<FeNodeId>) -> ElasticParams {
     ElasticParams {
         material: material(),
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped,
         n_threads: 1,
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::{SolidDeck, read_deck};
-use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
+use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
 /// Solves the deck's own load and prints what an FE engineer would look at first.
@@ -23,6 +23,7 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
     let params = ElasticParams {
         material,
         element_stiffness_scale: None,
+        solver: SolverChoice::default(),
         clamped: deck.fixed_nodes.clone(),
         n_threads: std::thread::available_parallelism().map_or(1, usize::from),
     };

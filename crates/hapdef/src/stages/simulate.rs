@@ -1,7 +1,7 @@
 //! Stage: factor the limb once, solve one right-hand side per surface node.
 
 use hapdef_mesh::GaugeId;
-use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
+use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, SolverChoice};
 use serde_json::{Value, json};
 
 use crate::cache::Stage;
@@ -33,6 +33,7 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
         let elastic = ElasticParams {
             material: limb.material,
             element_stiffness_scale: None,
+            solver: SolverChoice::default(),
             clamped: limb.clamped.clone(),
             n_threads: run.threads,
         };
