@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, SolverChoice, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
-    IsotropicMaterial, NodalLoad, SolveInfo,
+    ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
+    IsotropicMaterial, NodalLoad, SolveInfo, SolverChoice,
 };
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -8,7 +8,8 @@ use hapdef_rig::{
     GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
 };
 use hapdef_sim::{
-    ElasticModel, ElasticParams, SolverChoice, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+    ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+    SolverChoice,
 };
 use nalgebra::{Point3, Vector3};
 

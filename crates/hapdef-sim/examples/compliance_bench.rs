@@ -13,7 +13,8 @@ use std::time::Instant;
 
 use hapdef_mesh::{RadialRegionParams, SkinRegion, SolidDeck, radial_region, read_deck};
 use hapdef_sim::{
-    ComplianceParams, ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, NodalLoad, SimError,
+    ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
+    SolverChoice,
 };
 use nalgebra::{Point3, Vector3};
 

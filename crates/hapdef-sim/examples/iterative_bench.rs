@@ -47,11 +47,21 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn knobs() -> IterativeParams {
     let mut params = IterativeParams::default();
     let get = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<f64>().ok());
-    if let Some(v) = get("STRENGTH") { params.multigrid.strength = v; }
-    if let Some(v) = get("FINE") { params.multigrid.fine_degree = v as usize; }
-    if let Some(v) = get("DEGREE") { params.multigrid.degree = v as usize; }
-    if let Some(v) = get("SPREAD") { params.multigrid.spread = v; }
-    if let Some(v) = get("DENSE") { params.multigrid.dense_below = v as usize; }
+    if let Some(v) = get("STRENGTH") {
+        params.multigrid.strength = v;
+    }
+    if let Some(v) = get("FINE") {
+        params.multigrid.fine_degree = v as usize;
+    }
+    if let Some(v) = get("DEGREE") {
+        params.multigrid.degree = v as usize;
+    }
+    if let Some(v) = get("SPREAD") {
+        params.multigrid.spread = v;
+    }
+    if let Some(v) = get("DENSE") {
+        params.multigrid.dense_below = v as usize;
+    }
     params
 }
 
@@ -75,7 +85,14 @@ fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
     let n: [usize; 3] = n.try_into().map_err(|_| "three numbers of cells")?;
     let thickness = if kind == "shell" { 0.1 } else { 1.0 };
     let unit = 1e-3;
-    let mesh = straight_box(n, [n[0] as f64 * unit, n[1] as f64 * unit, n[2] as f64 * unit * thickness]);
+    let mesh = straight_box(
+        n,
+        [
+            n[0] as f64 * unit,
+            n[1] as f64 * unit,
+            n[2] as f64 * unit * thickness,
+        ],
+    );
     let clamped = nodes_where(&mesh, |p| p.x == 0.0);
     let mut params = params(common::material(), clamped);
     if kind == "jump" {
@@ -88,8 +105,12 @@ fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
 /// Unit forces at nodes spread over the mesh.
 fn loads(mesh: &Tet10Mesh, clamped: &[FeNodeId], n_loads: usize) -> Vec<NodalLoad> {
     let mut is_clamped = vec![false; mesh.nodes().len()];
-    clamped.iter().for_each(|node| is_clamped[node.index()] = true);
-    let free: Vec<usize> = (0..mesh.nodes().len()).filter(|&n| !is_clamped[n]).collect();
+    clamped
+        .iter()
+        .for_each(|node| is_clamped[node.index()] = true);
+    let free: Vec<usize> = (0..mesh.nodes().len())
+        .filter(|&n| !is_clamped[n])
+        .collect();
     (0..n_loads)
         .map(|i| {
             let node = FeNodeId::from_index(free[(i + 1) * (free.len() - 1) / n_loads]);
@@ -129,11 +150,18 @@ fn solve(
         solved.n_iterations, solved.n_refinements
     );
     println!("backward error   {:.3e}", solved.worst_backward_error);
-    println!("energy error     {:.3e} (estimate)", solved.worst_energy_error);
+    println!(
+        "energy error     {:.3e} (estimate)",
+        solved.worst_energy_error
+    );
     println!("residual         {:.3e}", solved.worst_relative_residual);
     println!("peak memory      {}", peak_memory()?);
     for load in 0..loads.len() {
-        fields.push((0..all.len()).map(|n| compliance.displacement(load, n)).collect());
+        fields.push(
+            (0..all.len())
+                .map(|n| compliance.displacement(load, n))
+                .collect(),
+        );
     }
     Ok(fields)
 }

@@ -10,8 +10,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble};
 use crate::factor::{Analysis, Factor};
 use crate::iterative::{
-    ChoiceReason, CornerInterpolation, Iterative, IterativeParams, Solver, SolverChoice, SolverInfo,
-    SolverKind, choose,
+    ChoiceReason, CornerInterpolation, Iterative, IterativeParams, Solver, SolverChoice,
+    SolverInfo, SolverKind, choose,
 };
 use crate::load::check_node;
 use crate::ordering::{NodeGraph, NodeOrder};

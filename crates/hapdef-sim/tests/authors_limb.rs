@@ -7,7 +7,9 @@ use std::path::Path;
 
 use common::{close, shared};
 use hapdef_mesh::{FeNodeId, SolidDeck, read_deck};
-use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, MassProperties, NodalLoad};
+use hapdef_sim::{
+    ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad, SolverChoice,
+};
 use nalgebra::Vector3;
 
 fn deck(name: &str) -> Option<SolidDeck> {

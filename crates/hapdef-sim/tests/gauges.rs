@@ -5,8 +5,8 @@ mod common;
 use common::{E_PA, cantilever, close, mapped_box, shared, straight_box};
 use hapdef_mesh::{GaugeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, SolverChoice, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
-    SimError,
+    ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
+    SimError, SolverChoice,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;

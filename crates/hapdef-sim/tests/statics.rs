@@ -7,8 +7,8 @@ use common::{
 };
 use hapdef_mesh::{FaceTraction, FeNodeId};
 use hapdef_sim::{
-    ComplianceParams, ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, NodalLoad, SimError,
-    SolveParams,
+    ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
+    SolveParams, SolverChoice,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;

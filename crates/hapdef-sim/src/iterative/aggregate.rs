@@ -145,7 +145,12 @@ impl Strong {
 }
 
 fn frobenius<const B: usize>(block: &Block<B, B>) -> f64 {
-    block.as_flattened().iter().map(|v| v * v).sum::<f64>().sqrt()
+    block
+        .as_flattened()
+        .iter()
+        .map(|v| v * v)
+        .sum::<f64>()
+        .sqrt()
 }
 
 /// Gram–Schmidt, twice, of the six columns on `rows`; returns the triangular factor.

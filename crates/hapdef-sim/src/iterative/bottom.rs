@@ -33,11 +33,11 @@ impl Bottom {
             return Err((i / B, i % B, dense[(i, i)]));
         }
         let scaled = Mat::from_fn(n, n, |i, j| dense[(i, j)] * scale[i] * scale[j]);
-        let factor = scaled
-            .llt(Side::Lower)
-            .map_err(|faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| {
+        let factor = scaled.llt(Side::Lower).map_err(
+            |faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| {
                 (index / B, index % B, 0.0)
-            })?;
+            },
+        )?;
         let l = factor.L();
         let pivot = |i: usize| l[(i, i)] * l[(i, i)];
         match (0..n).find(|&i| !(pivot(i) > SINGULAR_BELOW)) {

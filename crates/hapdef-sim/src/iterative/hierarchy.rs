@@ -119,7 +119,13 @@ impl Solid {
             return bottom(&a, rows).map(Self::Bottom);
         }
         let coarsened = Coarsened::build(a, modes, rows, 0, params)?;
-        let next = Rigid::aggregated(coarsened.coarse, &coarsened.modes, &coarsened.rows, 1, params)?;
+        let next = Rigid::aggregated(
+            coarsened.coarse,
+            &coarsened.modes,
+            &coarsened.rows,
+            1,
+            params,
+        )?;
         Ok(Self::Aggregates(Box::new(coarsened.level), Box::new(next)))
     }
 

@@ -95,7 +95,12 @@ fn free_entries(entries: &[(FeNodeId, f64); 4], order: &NodeOrder) -> Vec<(u32, 
 
 /// The barycentric coordinates of `node` in the tetrahedron of `corners`, or ½ at both ends of its
 /// `edge` where they are unusable.
-fn weights(mesh: &Tet10Mesh, corners: &[FeNodeId; 4], edge: [usize; 2], node: FeNodeId) -> [f64; 4] {
+fn weights(
+    mesh: &Tet10Mesh,
+    corners: &[FeNodeId; 4],
+    edge: [usize; 2],
+    node: FeNodeId,
+) -> [f64; 4] {
     let mut mean = [0.0; 4];
     edge.iter().for_each(|&end| mean[end] = 0.5);
     let at = |i: usize| mesh.position(corners[i]);

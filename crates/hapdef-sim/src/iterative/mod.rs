@@ -23,7 +23,7 @@ mod vectors;
 pub(crate) use choice::choose;
 pub use choice::{ChoiceReason, SolverChoice, SolverInfo, SolverKind};
 pub(crate) use interpolation::CornerInterpolation;
-pub use multigrid::{MultigridInfo, MultigridParams};
 use multigrid::{Multigrid, NearNull, rigid_modes};
+pub use multigrid::{MultigridInfo, MultigridParams};
 pub use pcg::IterativeParams;
 pub(crate) use solver::{Iterative, Solver, solve_loads};

@@ -85,8 +85,8 @@ impl Multigrid {
         let started = Instant::now();
         let sequence = local_sequence(matrix);
         let a = Bsr::from_symmetric(matrix, &sequence);
-        let whole = (3 * a.n_rows() <= params.dense_below)
-            .then(|| Bsr::from_symmetric(matrix, &sequence));
+        let whole =
+            (3 * a.n_rows() <= params.dense_below).then(|| Bsr::from_symmetric(matrix, &sequence));
         let finest = levels(a, near_null, &sequence, params).map_err(|bad| name(&bad))?;
         let mut sizes = Sizes {
             n_equations: Vec::new(),
@@ -140,9 +140,13 @@ fn levels(
     params: &MultigridParams,
 ) -> Result<Solid, BadPivot> {
     let modes_at = |rows: &[u32]| -> Vec<Modes<3>> {
-        rows.iter().map(|&row| near_null.modes[row as usize]).collect()
+        rows.iter()
+            .map(|&row| near_null.modes[row as usize])
+            .collect()
     };
-    let corners = near_null.corners.filter(|_| 3 * a.n_rows() > params.dense_below);
+    let corners = near_null
+        .corners
+        .filter(|_| 3 * a.n_rows() > params.dense_below);
     let Some(corners) = corners else {
         return Solid::aggregated(a, &modes_at(sequence), sequence, params);
     };
@@ -174,8 +178,14 @@ fn name(bad: &BadPivot) -> SimError {
 /// units of their extent.
 pub(crate) fn rigid_modes(positions: &[Point3<f64>]) -> Vec<[[f64; 6]; 3]> {
     let n = positions.len().max(1) as f64;
-    let centre = positions.iter().map(|p| p.coords / n).sum::<nalgebra::Vector3<f64>>();
-    let extent = positions.iter().map(|p| (p.coords - centre).norm()).fold(0.0, f64::max);
+    let centre = positions
+        .iter()
+        .map(|p| p.coords / n)
+        .sum::<nalgebra::Vector3<f64>>();
+    let extent = positions
+        .iter()
+        .map(|p| (p.coords - centre).norm())
+        .fold(0.0, f64::max);
     let extent = if extent > 0.0 { extent } else { 1.0 };
     let modes = |p: &Point3<f64>| {
         let [x, y, z]: [f64; 3] = ((p.coords - centre) / extent).into();

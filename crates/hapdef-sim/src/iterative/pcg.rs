@@ -49,7 +49,11 @@ pub(crate) struct Reached {
 impl Reached {
     fn widen(&mut self, (smallest, largest): (f64, f64)) {
         let first = self.spectrum.0 == 0.0;
-        self.spectrum.0 = if first { smallest } else { smallest.min(self.spectrum.0) };
+        self.spectrum.0 = if first {
+            smallest
+        } else {
+            smallest.min(self.spectrum.0)
+        };
         self.spectrum.1 = largest.max(self.spectrum.1);
     }
 }
@@ -67,6 +71,9 @@ const SPECTRUM_EVERY: usize = 5;
 
 /// Within a run the recurrence must get this much below a limit, so that the true residual is too.
 const MARGIN: f64 = 0.5;
+
+/// A backward error below this is that of a solution rounded to f64: nothing is left to gain.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Solves K x = b for `k` ≤ 8 columns; `x` `[n_equations, k]`, row-major, in the caller's order of
 /// rows, holds b on entry and the solution on return.
@@ -164,7 +171,8 @@ impl<'a, const K: usize> Run<'a, K> {
 
     fn is_good(&self, reached: &Reached, margin: f64) -> bool {
         reached.backward_error <= margin * self.measure.solve.refine_above
-            && reached.energy_error <= margin * self.measure.iterative.energy_error_below
+            && (reached.energy_error <= margin * self.measure.iterative.energy_error_below
+                || reached.backward_error <= margin * ROUNDING)
     }
 
     /// One run on the `active` columns; the others stand still.

@@ -174,5 +174,7 @@ fn invert<const B: usize>(block: &Block<B, B>) -> Result<Block<B, B>, usize> {
     }
     let a = SMatrix::<f64, B, B>::from_fn(|i, j| 0.5 * (block[i][j] + block[j][i]));
     let inverse = a.cholesky().ok_or(B - 1)?.inverse();
-    Ok(std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)])))
+    Ok(std::array::from_fn(|i| {
+        std::array::from_fn(|j| inverse[(i, j)])
+    }))
 }

@@ -30,11 +30,7 @@ pub(super) fn dot<const K: usize>(a: &[[f64; K]], b: &[[f64; K]]) -> [f64; K] {
 }
 
 /// The largest |scaleᵢ aᵢ| (or |aᵢ / scaleᵢ|, if `divide`) of each column; NaN if there is one.
-pub(super) fn scaled_max<const K: usize>(
-    a: &[[f64; K]],
-    scale: &[f64],
-    divide: bool,
-) -> [f64; K] {
+pub(super) fn scaled_max<const K: usize>(a: &[[f64; K]], scale: &[f64], divide: bool) -> [f64; K] {
     let parts: Vec<[f64; K]> = a
         .par_chunks(CHUNK)
         .zip(scale.par_chunks(CHUNK))
@@ -72,11 +68,7 @@ pub(super) fn add_scaled<const K: usize>(factor: &[f64; K], x: &[[f64; K]], y: &
 }
 
 /// y ← x + aₗ y per column.
-pub(super) fn scale_and_add<const K: usize>(
-    factor: &[f64; K],
-    x: &[[f64; K]],
-    y: &mut [[f64; K]],
-) {
+pub(super) fn scale_and_add<const K: usize>(factor: &[f64; K], x: &[[f64; K]], y: &mut [[f64; K]]) {
     y.par_chunks_mut(CHUNK)
         .zip(x.par_chunks(CHUNK))
         .for_each(|(y, x)| {

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
-use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, SolverChoice};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::ProptestConfig;
 use std::collections::BTreeMap;

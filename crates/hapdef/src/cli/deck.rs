@@ -5,7 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::{SolidDeck, read_deck};
-use hapdef_sim::{ElasticModel, ElasticParams, SolverChoice, IsotropicMaterial, MassProperties, NodalLoad};
+use hapdef_sim::{
+    ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad, SolverChoice,
+};
 use nalgebra::Vector3;
 
 /// Solves the deck's own load and prints what an FE engineer would look at first.
