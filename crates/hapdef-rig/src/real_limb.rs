@@ -6,7 +6,7 @@ use std::time::Instant;
 use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
-    IsotropicMaterial, NodalLoad, SolveInfo, SolverChoice,
+    IsotropicMaterial, NodalLoad, SolveInfo,
 };
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -93,11 +93,9 @@ impl RealLimb {
             &params.misplacement,
         )?;
         let elastic = ElasticParams {
-            material: nominal.material,
             element_stiffness_scale: Some(stiffness_scale(&mesh, params)),
-            solver: SolverChoice::default(),
-            clamped,
             n_threads,
+            ..ElasticParams::new(nominal.material, clamped)
         };
         let elastic_model = ElasticModel::build(&mesh, &elastic)?;
         let (response, solve) = elastic_model.gauge_response(&gauges)?;

@@ -9,7 +9,6 @@ use hapdef_rig::{
 };
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
-    SolverChoice,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -174,13 +173,7 @@ fn an_unperturbed_rig_is_the_refined_elastic_model() {
             .map(|(i, _)| FeNodeId::from_index(i))
             .collect::<Vec<_>>()
     };
-    let params = ElasticParams {
-        material: bench.nominal().material,
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped: at(&|x| x.x < 1e-9),
-        n_threads: 1,
-    };
+    let params = ElasticParams::new(bench.nominal().material, at(&|x| x.x < 1e-9));
     let elastic_model = ElasticModel::build(&mesh, &params).unwrap();
     let boundary = mesh.boundary();
     let gauge = GaugeStrain::new(&mesh, &boundary.faces, &bench.gauges[0]).unwrap();

@@ -14,7 +14,6 @@ use std::time::Instant;
 use hapdef_mesh::{RadialRegionParams, SkinRegion, SolidDeck, radial_region, read_deck};
 use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
-    SolverChoice,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -68,11 +67,8 @@ fn build(deck: &SolidDeck, n_threads: usize) -> Result<ElasticModel, Box<dyn Err
         IsotropicMaterial::new(stated.youngs_modulus_pa, stated.poissons_ratio, density)?;
     let clamped = deck.fixed_nodes.clone();
     let params = ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped,
         n_threads,
+        ..ElasticParams::new(material, clamped)
     };
     let model = ElasticModel::build(&deck.mesh, &params)?;
     let info = model.info();

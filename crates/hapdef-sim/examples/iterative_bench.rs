@@ -20,7 +20,8 @@ use std::time::Instant;
 use common::{nodes_where, straight_box};
 use hapdef_mesh::{FeNodeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, IsotropicMaterial, IterativeParams, NodalLoad, SolverChoice,
+    ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, IterativeParams, NodalLoad,
+    SolverChoice,
 };
 use nalgebra::Vector3;
 
@@ -33,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mesh, mut params) = problem(case)?;
     params.n_threads = n_threads;
     let loads = loads(&mesh, &params.clamped, n_loads);
-    params.solver = SolverChoice::Iterative(knobs());
+    params.solver = SolverChoice::Iterative(IterativeParams::default());
     let iterative = solve(&mesh, &params, &loads)?;
     if args.get(3).is_some_and(|word| word == "both") {
         params.solver = SolverChoice::Direct;
@@ -44,42 +45,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn knobs() -> IterativeParams {
-    let mut params = IterativeParams::default();
-    let get = |name: &str| std::env::var(name).ok().and_then(|v| v.parse::<f64>().ok());
-    if let Some(v) = get("STRENGTH") {
-        params.multigrid.strength = v;
-    }
-    if let Some(v) = get("FINE") {
-        params.multigrid.fine_degree = v as usize;
-    }
-    if let Some(v) = get("DEGREE") {
-        params.multigrid.degree = v as usize;
-    }
-    if let Some(v) = get("SPREAD") {
-        params.multigrid.spread = v;
-    }
-    if let Some(v) = get("DENSE") {
-        params.multigrid.dense_below = v as usize;
-    }
-    params
-}
-
 fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
-    let params = |material, clamped| ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        clamped,
-        solver: SolverChoice::Direct,
-        n_threads: 1,
-    };
     let Some((kind, size)) = case.split_once(':') else {
         let deck = read_deck(Path::new(case))?;
         let stated = deck.material.ok_or("the deck states no material")?;
         let density = stated.density_kg_m3.ok_or("the deck states no density")?;
         let material =
             IsotropicMaterial::new(stated.youngs_modulus_pa, stated.poissons_ratio, density)?;
-        return Ok((deck.mesh, params(material, deck.fixed_nodes)));
+        return Ok((deck.mesh, ElasticParams::new(material, deck.fixed_nodes)));
     };
     let n: Vec<usize> = size.split(',').map(str::parse).collect::<Result<_, _>>()?;
     let n: [usize; 3] = n.try_into().map_err(|_| "three numbers of cells")?;
@@ -94,7 +67,7 @@ fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
         ],
     );
     let clamped = nodes_where(&mesh, |p| p.x == 0.0);
-    let mut params = params(common::material(), clamped);
+    let mut params = ElasticParams::new(common::material(), clamped);
     if kind == "jump" {
         let stiff = |e| if e % 20 == 7 { 1e6 } else { 1.0 };
         params.element_stiffness_scale = Some((0..mesh.elements().len()).map(stiff).collect());
@@ -138,7 +111,7 @@ fn solve(
     );
     let mut fields = Vec::new();
     let all: Vec<FeNodeId> = (0..mesh.nodes().len()).map(FeNodeId::from_index).collect();
-    let (compliance, solved) = model.compliance(loads, &all, &Default::default())?;
+    let (compliance, solved) = model.compliance(loads, &all, &ComplianceParams::default())?;
     println!(
         "solve            {:.2} s, {} loads, {} threads",
         solved.elapsed_s,

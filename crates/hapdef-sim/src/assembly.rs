@@ -1,14 +1,17 @@
-//! The stiffness matrix of the free nodes: its upper triangle in 3 × 3 blocks.
+//! The stiffness matrix of the unknowns: its upper triangle in 3 × 3 blocks.
 
 use std::sync::Arc;
 
-use hapdef_mesh::Tet10Mesh;
+use hapdef_mesh::FeNodeId;
+use nalgebra::Matrix3;
 use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::element::{ElementMatrix, stiffness};
-use crate::ordering::{NodeGraph, NodeOrder};
-use crate::{IsotropicMaterial, SimError};
+use crate::SimError;
+use crate::elements::Elements;
+use crate::ordering::NodeGraph;
+use crate::supports::FaceSpring;
+use crate::unknowns::{Link, Unknowns};
 
 /// The range of the elements' largest stiffness coefficients, as ANSYS prints it ("range of element
 /// maximum matrix coefficients in global coordinates").
@@ -74,63 +77,82 @@ impl BlockPattern {
     }
 }
 
-/// Assembles the stiffness of `mesh` with E scaled per element; call inside the thread pool.
+/// Assembles the stiffness of `elements` and `springs`; call inside the thread pool.
 pub(crate) fn assemble(
-    mesh: &Tet10Mesh,
-    material: &IsotropicMaterial,
-    scale: Option<&[f64]>,
-    order: &NodeOrder,
+    elements: &dyn Elements,
+    springs: &[FaceSpring],
+    unknowns: &Unknowns,
     pattern: Arc<BlockPattern>,
 ) -> Result<(BlockMatrix, StiffnessExtremes), SimError> {
     let blocks = vec![[0.0; 9]; pattern.columns.len()];
     let mut matrix = BlockMatrix { pattern, blocks };
-    let mut extremes = StiffnessExtremes {
-        largest_n_m: f64::NEG_INFINITY,
-        largest_element: 0,
-        smallest_n_m: f64::INFINITY,
-        smallest_element: 0,
-    };
-    let n_elements = mesh.elements().len();
+    let mut extremes = StiffnessExtremes::none();
+    let n_elements = elements.n_elements();
+    let mut buffers: Vec<Vec<f64>> = vec![Vec::new(); CHUNK.min(n_elements)];
     for start in (0..n_elements).step_by(CHUNK) {
-        let end = (start + CHUNK).min(n_elements);
-        let chunk: Vec<Result<ElementMatrix, SimError>> = (start..end)
-            .into_par_iter()
-            .map(|element| {
-                element_matrix(mesh, element, material, scale.map_or(1.0, |s| s[element]))
+        let chunk = &mut buffers[..CHUNK.min(n_elements - start)];
+        let made: Vec<Result<(), SimError>> = chunk
+            .par_iter_mut()
+            .enumerate()
+            .map(|(i, k)| {
+                let n = 3 * elements.motions_per_node() * elements.nodes(start + i).len();
+                k.resize(n * n, 0.0);
+                elements.stiffness(start + i, k)
             })
             .collect();
-        for (element, k) in (start..end).zip(chunk) {
-            let k = k?;
-            extremes.take(&k, element);
-            matrix.add(mesh, element, &k, order)?;
+        for ((element, k), made) in (start..).zip(chunk).zip(made) {
+            made?;
+            extremes.take(k, element);
+            let nodes = elements.nodes(element);
+            let motions = motions_of(nodes, elements.motions_per_node());
+            if !moves_as_one(&motions, unknowns) {
+                matrix
+                    .add(&motions, k, unknowns)
+                    .ok_or(SimError::OtherMesh { element })?;
+            }
         }
     }
+    for spring in springs {
+        matrix.add_spring(spring, unknowns);
+    }
+    matrix.fill_held(unknowns);
     Ok((matrix, extremes))
 }
 
-fn element_matrix(
-    mesh: &Tet10Mesh,
-    element: usize,
-    material: &IsotropicMaterial,
-    scale: f64,
-) -> Result<ElementMatrix, SimError> {
-    let nodes = mesh.element_positions(element);
-    let mut k = stiffness(&nodes, material).map_err(|point| SimError::ElementInverted {
-        element,
-        parent: point.parent,
-        det_j_m3: point.det_j_m3,
-    })?;
-    for row in &mut k {
-        for value in row {
-            *value *= scale;
-        }
-    }
-    Ok(k)
+/// The motions of an element's nodes.
+pub(crate) fn motions_of(nodes: &[FeNodeId], per_node: usize) -> Vec<usize> {
+    nodes
+        .iter()
+        .flat_map(|node| (0..per_node).map(move |second| per_node * node.index() + second))
+        .collect()
+}
+
+/// Whether all motions follow one rigid insert: then nothing deforms, and only rounding would be
+/// added.
+pub(crate) fn moves_as_one(motions: &[usize], unknowns: &Unknowns) -> bool {
+    let insert = |motion: usize| match unknowns.link(motion) {
+        Link::Tied { rotation, .. } => Some(*rotation),
+        _ => None,
+    };
+    let per_node = unknowns.motions_per_node();
+    let mut translations = motions.iter().step_by(per_node);
+    let first = translations.next().and_then(|&motion| insert(motion));
+    first.is_some() && translations.all(|&motion| insert(motion) == first)
 }
 
 impl StiffnessExtremes {
-    fn take(&mut self, k: &ElementMatrix, element: usize) {
-        let coefficient = (0..30).map(|i| k[i][i]).fold(0.0, f64::max);
+    fn none() -> Self {
+        Self {
+            largest_n_m: f64::NEG_INFINITY,
+            largest_element: 0,
+            smallest_n_m: f64::INFINITY,
+            smallest_element: 0,
+        }
+    }
+
+    fn take(&mut self, k: &[f64], element: usize) {
+        let n = k.len().isqrt();
+        let coefficient = k.iter().step_by(n + 1).copied().fold(0.0, f64::max);
         if coefficient > self.largest_n_m {
             (self.largest_n_m, self.largest_element) = (coefficient, element);
         }
@@ -141,32 +163,73 @@ impl StiffnessExtremes {
 }
 
 impl BlockMatrix {
-    fn add(
-        &mut self,
-        mesh: &Tet10Mesh,
-        element: usize,
-        k: &ElementMatrix,
-        order: &NodeOrder,
-    ) -> Result<(), SimError> {
-        let places = mesh.elements()[element].map(|node| order.place(node));
-        for i in 0..10 {
-            for j in 0..10 {
-                let (Some(row), Some(column)) = (places[i], places[j]) else {
-                    continue;
-                };
-                if row > column {
-                    continue;
-                }
-                let slot = self
-                    .pattern
-                    .find(row, column)
-                    .ok_or(SimError::OtherMesh { element })?;
-                for (c, value) in self.blocks[slot].iter_mut().enumerate() {
-                    *value += k[3 * i + c / 3][3 * j + c % 3];
+    /// Adds the stiffness `k` `[n, n]` of an element's motions; nothing where the pattern has no
+    /// room for it.
+    fn add(&mut self, motions: &[usize], k: &[f64], unknowns: &Unknowns) -> Option<()> {
+        let n = 3 * motions.len();
+        for (i, &row_motion) in motions.iter().enumerate() {
+            for (j, &column_motion) in motions.iter().enumerate() {
+                let block = |c: usize| k[(3 * i + c / 3) * n + 3 * j + c % 3];
+                match (unknowns.link(row_motion), unknowns.link(column_motion)) {
+                    (Link::Free(row), Link::Free(column)) => {
+                        if row > column {
+                            continue;
+                        }
+                        let slot = self.pattern.find(*row as usize, *column as usize)?;
+                        for (c, value) in self.blocks[slot].iter_mut().enumerate() {
+                            *value += block(c);
+                        }
+                    }
+                    (row, column) => {
+                        let block = Matrix3::from_fn(|r, c| block(3 * r + c));
+                        self.add_linked(row, column, &block)?;
+                    }
                 }
             }
         }
-        Ok(())
+        Some(())
+    }
+
+    /// Adds Tᵀ K T for one block between two motions.
+    fn add_linked(&mut self, row: &Link, column: &Link, block: &Matrix3<f64>) -> Option<()> {
+        for (row, row_t) in row.terms() {
+            for (column, column_t) in column.terms().filter(|(column, _)| row <= *column) {
+                let slot = self.pattern.find(row, column)?;
+                let block = row_t.transpose() * block * column_t;
+                for (c, value) in self.blocks[slot].iter_mut().enumerate() {
+                    *value += block[(c / 3, c % 3)];
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn add_spring(&mut self, spring: &FaceSpring, unknowns: &Unknowns) {
+        let n = spring.nodes.len();
+        for (i, &row) in spring.nodes.iter().enumerate() {
+            for (j, &column) in spring.nodes.iter().enumerate() {
+                let (row, column) = (unknowns.translation(row), unknowns.translation(column));
+                let added = self.add_linked(row, column, &spring.blocks[n * i + j]);
+                debug_assert!(added.is_some(), "the pattern holds every spring");
+            }
+        }
+    }
+
+    /// Gives held directions of guided unknowns a stiffness of their own, the mean of the free
+    /// ones, so that they stay zero.
+    fn fill_held(&mut self, unknowns: &Unknowns) {
+        for link in unknowns.links() {
+            let Link::Guided(place, projector) = link else {
+                continue;
+            };
+            let block = &mut self.blocks[self.pattern.row_ptr[*place as usize]];
+            let free = projector.trace();
+            let stiffness = (block[0] + block[4] + block[8]) / free.max(1.0);
+            for (c, value) in block.iter_mut().enumerate() {
+                let held = f64::from(u8::from(c % 4 == 0)) - projector[(c / 3, c % 3)];
+                *value += stiffness * held;
+            }
+        }
     }
 
     /// 1/√Kᵢᵢ for each equation: the scaling that makes the diagonal 1.

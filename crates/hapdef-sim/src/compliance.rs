@@ -4,7 +4,7 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 
 use crate::load::check_node;
-use crate::solve::{BLOCK, BLOCKS_PER_WAVE, SolveInfo, SolveParams, solve_all};
+use crate::solve::{SolveInfo, SolveParams, solve_all};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// Limits of a compliance computation.
@@ -130,10 +130,10 @@ impl ElasticModel {
         n_wanted: usize,
         allowed_bytes: usize,
     ) -> Result<(), SimError> {
-        let n_threads = self.pool.current_num_threads();
         let result = n_loads.saturating_mul(3 * n_wanted);
-        let workspace = 2 * self.info().n_equations * BLOCK * n_threads;
-        let waiting = BLOCK * BLOCKS_PER_WAVE * n_threads * 3 * n_wanted;
+        let (workspace, n_waiting) = self.solver.working_set(self.pool.current_num_threads());
+        let workspace = workspace * self.info().n_equations;
+        let waiting = n_waiting * 3 * n_wanted;
         let needed_bytes = result
             .saturating_add(workspace)
             .saturating_add(waiting)

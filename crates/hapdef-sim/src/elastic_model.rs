@@ -4,34 +4,52 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble};
-use crate::factor::{Analysis, Factor};
-use crate::iterative::{
-    ChoiceReason, CornerInterpolation, Iterative, IterativeParams, Solver, SolverChoice,
-    SolverInfo, SolverKind, choose,
-};
-use crate::load::check_node;
-use crate::ordering::{NodeGraph, NodeOrder};
-use crate::rigid_modes::check_supports;
+use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble, motions_of};
+use crate::elements::{Elements, SolidElements};
+use crate::iterative::{Solver, SolverChoice, SolverInfo, SolverPlan};
+use crate::ordering::{Cliques, NodeGraph, minimum_degree};
+use crate::rigid_modes::{Restraints, check_supports};
 use crate::solve::{SolveInfo, SolveParams, solve_all};
-use crate::{IsotropicMaterial, NodalLoad, SimError};
+use crate::supports::{FaceSpring, Held};
+use crate::unknowns::{Link, Unknowns};
+use crate::{IsotropicMaterial, MaterialRegion, NodalLoad, SimError, Supports};
 
-/// What an elastic model is made of.
+/// What a solid elastic model is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticParams {
-    /// The material of all elements.
+    /// The material of all elements that no region names.
     pub material: IsotropicMaterial,
+    /// Elements of other materials.
+    pub regions: Vec<MaterialRegion>,
     /// A factor on Young's modulus per element `[n_elements]`; none means 1 everywhere.
     pub element_stiffness_scale: Option<Vec<f64>>,
     /// Nodes held at zero in all directions; repeats are allowed.
     pub clamped: Vec<FeNodeId>,
+    /// Symmetry planes, elastic beds, rigid inserts.
+    pub supports: Supports,
     /// How its systems are solved.
     pub solver: SolverChoice,
     /// Worker threads, at least 1. Results do not depend on it, bit for bit.
     pub n_threads: usize,
+}
+
+impl ElasticParams {
+    /// One material, clamped nodes, one thread, the solver by its fill, nothing else.
+    #[must_use]
+    pub fn new(material: IsotropicMaterial, clamped: Vec<FeNodeId>) -> Self {
+        Self {
+            material,
+            regions: Vec::new(),
+            element_stiffness_scale: None,
+            clamped,
+            supports: Supports::default(),
+            solver: SolverChoice::default(),
+            n_threads: 1,
+        }
+    }
 }
 
 /// What building an elastic model took.
@@ -39,7 +57,7 @@ pub struct ElasticParams {
 pub struct FactorInfo {
     /// Nodes of the mesh, clamped ones included.
     pub n_fe_nodes: usize,
-    /// Equations: three per free node.
+    /// Equations: three per unknown motion.
     pub n_equations: usize,
     /// Structural non-zeros in the lower triangle of K, diagonal included.
     pub nnz_lower: usize,
@@ -73,40 +91,40 @@ pub struct ElasticModel {
 /// What depends on the mesh and its supports alone.
 #[derive(Debug)]
 pub(crate) struct Structure {
-    pub(crate) order: NodeOrder,
+    pub(crate) unknowns: Unknowns,
     pattern: Arc<BlockPattern>,
-    plan: Plan,
-    reason: ChoiceReason,
+    plan: SolverPlan,
+    springs: Vec<FaceSpring>,
+    regions: Vec<MaterialRegion>,
     n_elements: usize,
-}
-
-/// What a solver needs of the mesh and its supports.
-#[derive(Debug)]
-enum Plan {
-    Direct(Arc<Analysis>),
-    Iterative(CornerInterpolation, IterativeParams),
 }
 
 impl ElasticModel {
     /// Assembles, orders and factors the stiffness of `mesh`.
     ///
     /// # Errors
-    /// [`SimError::NodeOutOfRange`], [`SimError::Length`], [`SimError::StiffnessScale`] and
-    /// [`SimError::Parameter`] on unusable parameters; [`SimError::FreeRigidModes`] and
-    /// [`SimError::AllClamped`] on unusable supports, before any factoring;
-    /// [`SimError::ElementInverted`] and [`SimError::NotPositiveDefinite`] on a bad mesh;
-    /// [`SimError::TooLarge`] and [`SimError::Threads`] on lack of resources.
+    /// [`SimError::NodeOutOfRange`], [`SimError::ElementOutOfRange`], [`SimError::Length`],
+    /// [`SimError::StiffnessScale`], [`SimError::Direction`] and [`SimError::Parameter`] on unusable
+    /// parameters; [`SimError::FreeRigidModes`], [`SimError::AllClamped`],
+    /// [`SimError::InsertHeld`], [`SimError::InsertsShareNode`] and [`SimError::InsertTooSmall`] on
+    /// unusable supports, before any factoring; [`SimError::ElementInverted`] and
+    /// [`SimError::NotPositiveDefinite`] and [`SimError::Singular`] on a bad mesh; [`SimError::TooLarge`] and
+    /// [`SimError::Threads`] on lack of resources.
     pub fn build(mesh: &Tet10Mesh, params: &ElasticParams) -> Result<Self, SimError> {
+        let scale = params.element_stiffness_scale.as_deref();
+        let elements = SolidElements::new(mesh, &params.material, &params.regions, scale)?;
         let pool = thread_pool(params.n_threads)?;
         let started = Instant::now();
-        let structure = Arc::new(Structure::build(mesh, &params.clamped, params.solver)?);
+        let structure = Structure {
+            regions: params.regions.clone(),
+            ..Structure::build(&elements, &params.clamped, &params.supports, params.solver)?
+        };
         let order_s = started.elapsed().as_secs_f64();
-        let scale = params.element_stiffness_scale.as_deref();
-        Self::fill(mesh, structure, &params.material, scale, pool, order_s)
+        Self::fill(&elements, Arc::new(structure), pool, order_s)
     }
 
     /// The model of the same mesh and supports with another material or other stiffness scales;
-    /// ordering and analysis are reused.
+    /// material regions keep theirs, ordering and analysis are reused.
     ///
     /// # Errors
     /// As [`Self::build`], and [`SimError::OtherMesh`] or [`SimError::Length`] if `mesh` is not
@@ -130,7 +148,7 @@ impl ElasticModel {
         };
         expect(
             "the mesh's node list",
-            self.structure.order.n_fe_nodes(),
+            self.structure.unknowns.n_fe_nodes(),
             mesh.nodes().len(),
         )?;
         expect(
@@ -139,39 +157,32 @@ impl ElasticModel {
             mesh.elements().len(),
         )?;
         let (structure, pool) = (Arc::clone(&self.structure), Arc::clone(&self.pool));
-        Self::fill(
-            mesh,
-            structure,
-            material,
-            element_stiffness_scale,
-            pool,
-            0.0,
-        )
+        let scale = element_stiffness_scale;
+        let elements = SolidElements::new(mesh, material, &structure.regions, scale)?;
+        Self::fill(&elements, Arc::clone(&structure), pool, 0.0)
     }
 
-    fn fill(
-        mesh: &Tet10Mesh,
+    pub(crate) fn fill(
+        elements: &dyn Elements,
         structure: Arc<Structure>,
-        material: &IsotropicMaterial,
-        scale: Option<&[f64]>,
         pool: Arc<ThreadPool>,
         order_s: f64,
     ) -> Result<Self, SimError> {
-        check_scale(scale, mesh.elements().len())?;
         let started = Instant::now();
-        let pattern = Arc::clone(&structure.pattern);
+        let (pattern, unknowns) = (Arc::clone(&structure.pattern), &structure.unknowns);
+        let springs = &structure.springs;
         let (stiffness, extremes) =
-            pool.install(|| assemble(mesh, material, scale, &structure.order, pattern))?;
+            pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let solver = pool
-            .install(|| structure.solver(mesh, &stiffness))
-            .map_err(|error| name_node(error, &structure.order))?;
+            .install(|| structure.plan.solver(&stiffness))
+            .map_err(|error| name_node(error, unknowns))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
         let scaled_norm = stiffness.scaled_norm(solver.scale());
         Ok(Self {
-            solver_info: structure.solver_info(&solver),
+            solver_info: structure.plan.info(&solver),
             structure,
             stiffness,
             solver,
@@ -203,38 +214,56 @@ impl ElasticModel {
     /// The displacements `[n_fe_nodes]`, m, under `load`; clamped nodes have zero.
     ///
     /// # Errors
-    /// [`SimError::NodeOutOfRange`], [`SimError::LoadNotFinite`], [`SimError::Residual`].
+    /// [`SimError::NodeOutOfRange`], [`SimError::LoadNotFinite`], [`SimError::NoRotations`],
+    /// [`SimError::Residual`].
     pub fn solve(&self, load: &NodalLoad) -> Result<(Vec<Vector3<f64>>, SolveInfo), SimError> {
-        let mut displacement = Vec::new();
+        let (motion, info) = self.solve_motion(load)?;
+        Ok((motion.displacement, info))
+    }
+
+    /// The displacements and, for shells, rotations under `load`.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_motion(&self, load: &NodalLoad) -> Result<(Motion, SolveInfo), SimError> {
+        let mut motion = Motion::default();
         let loads = std::slice::from_ref(load);
         let info = solve_all(
             self,
             loads,
             &SolveParams::default(),
-            |block| block.field(0),
-            |_, field| displacement = field,
+            |block| block.motion(0),
+            |_, field| motion = field,
         )?;
-        Ok((displacement, info))
+        Ok((motion, info))
     }
 
-    /// The strain energy ½ uᵀ K u of displacements `[n_fe_nodes]`, m, in J; clamped nodes count as
-    /// zero.
+    /// The strain energy ½ uᵀ K u of displacements `[n_fe_nodes]`, m, in J, elastic beds included;
+    /// what is held counts as zero. For solids without rigid inserts; elsewhere half the work of
+    /// the load is the energy.
     ///
     /// # Errors
-    /// [`SimError::Length`].
+    /// [`SimError::Length`]; [`SimError::NeedsRotations`] where displacements alone do not fix the
+    /// deformation.
     pub fn strain_energy_j(&self, displacement: &[Vector3<f64>]) -> Result<f64, SimError> {
-        let order = &self.structure.order;
-        if displacement.len() != order.n_fe_nodes() {
+        let unknowns = &self.structure.unknowns;
+        if displacement.len() != unknowns.n_fe_nodes() {
             return Err(SimError::Length {
                 what: "the displacement field",
-                expected: order.n_fe_nodes(),
+                expected: unknowns.n_fe_nodes(),
                 found: displacement.len(),
             });
         }
-        let u: Vec<f64> = order
-            .nodes()
+        if unknowns.owners().iter().any(|owner| owner.is_rotation) {
+            return Err(SimError::NeedsRotations);
+        }
+        let u: Vec<f64> = unknowns
+            .owners()
             .iter()
-            .flat_map(|node| <[f64; 3]>::from(displacement[node.index()]))
+            .flat_map(|owner| {
+                let u = displacement[owner.node.index()];
+                <[f64; 3]>::from(unknowns.translation(owner.node).motion(|_| u))
+            })
             .collect();
         let mut ku = vec![0.0; u.len()];
         self.stiffness.multiply_add(1.0, &u, 1, &mut ku);
@@ -242,76 +271,62 @@ impl ElasticModel {
     }
 }
 
+/// The motion of all nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Displacements `[n_fe_nodes]`, m.
+    pub displacement: Vec<Vector3<f64>>,
+    /// Rotation vectors `[n_fe_nodes]`, rad; empty for solids.
+    pub rotation: Vec<Vector3<f64>>,
+}
+
 impl Structure {
-    fn build(
-        mesh: &Tet10Mesh,
+    pub(crate) fn build(
+        elements: &dyn Elements,
         clamped: &[FeNodeId],
+        supports: &Supports,
         choice: SolverChoice,
     ) -> Result<Self, SimError> {
-        let n_nodes = mesh.nodes().len();
-        let mut is_clamped = vec![false; n_nodes];
-        for &node in clamped {
-            check_node("the list of clamped nodes", node, n_nodes)?;
-            is_clamped[node.index()] = true;
+        let (positions, per_node) = (elements.positions(), elements.motions_per_node());
+        let held = Held::new(clamped, supports, positions.len(), per_node == 2)?;
+        let mut springs = Vec::new();
+        for foundation in &supports.foundations {
+            springs.extend(foundation.springs(positions)?);
         }
-        if is_clamped.iter().all(|&clamped| clamped) {
-            return Err(SimError::AllClamped { n_nodes });
-        }
-        check_supports(mesh, &is_clamped)?;
-        let order = NodeOrder::build(mesh, &is_clamped)?;
-        let pattern = Arc::new(BlockPattern::build(&NodeGraph::build(mesh, &order)));
-        let (kind, reason, params) = choose(choice, &pattern)?;
-        let plan = match kind {
-            SolverKind::Direct => Plan::Direct(Arc::new(Analysis::build(&pattern)?)),
-            SolverKind::Iterative => {
-                Plan::Iterative(CornerInterpolation::build(mesh, &order), params)
-            }
-        };
+        let inserts = &supports.rigid_inserts;
+        let natural = Unknowns::natural(positions, per_node, &held, inserts)?;
+        let bedded = bedded_directions(&springs);
+        check_supports(
+            elements,
+            &Restraints {
+                held: &held,
+                bedded,
+                inserts,
+            },
+        )?;
+        let cliques = cliques(elements, &springs, &natural);
+        let graph = NodeGraph::build(natural.n_places(), &cliques);
+        let sequence = minimum_degree(&graph)?;
+        let unknowns = natural.reordered(&sequence);
+        let pattern = Arc::new(BlockPattern::build(&graph.reordered(&sequence)));
+        let plan = SolverPlan::build(choice, elements, &unknowns, &pattern)?;
         Ok(Self {
-            order,
+            unknowns,
             pattern,
             plan,
-            reason,
-            n_elements: mesh.elements().len(),
+            springs,
+            regions: Vec::new(),
+            n_elements: elements.n_elements(),
         })
     }
 
-    fn solver(&self, mesh: &Tet10Mesh, stiffness: &BlockMatrix) -> Result<Solver, SimError> {
-        match &self.plan {
-            Plan::Direct(analysis) => {
-                Factor::build(stiffness, Arc::clone(analysis)).map(Solver::Direct)
-            }
-            Plan::Iterative(corners, params) => {
-                let nodes = self.order.nodes().iter();
-                let positions: Vec<_> = nodes.map(|&node| mesh.position(node)).collect();
-                let iterative = Iterative::build(stiffness, &positions, corners, *params)?;
-                Ok(Solver::Iterative(Box::new(iterative)))
-            }
-        }
-    }
-
-    fn solver_info(&self, solver: &Solver) -> SolverInfo {
-        let (kind, multigrid) = match solver {
-            Solver::Direct(_) => (SolverKind::Direct, None),
-            Solver::Iterative(i) => (SolverKind::Iterative, Some(i.multigrid.info().clone())),
-        };
-        SolverInfo {
-            kind,
-            reason: self.reason,
-            multigrid,
-        }
-    }
-
     fn info(&self, order_s: f64, assemble_s: f64, factor_s: f64) -> FactorInfo {
-        let (nnz_l, nnz_l_stored) = match &self.plan {
-            Plan::Direct(analysis) => (analysis.nnz_l, analysis.nnz_l_stored),
-            Plan::Iterative(..) => (0, 0),
-        };
-        let n_free = self.order.nodes().len();
+        let n_places = self.unknowns.n_places();
+        let (nnz_l, nnz_l_stored) = self.plan.fill();
         FactorInfo {
-            n_fe_nodes: self.order.n_fe_nodes(),
-            n_equations: 3 * n_free,
-            nnz_lower: 9 * self.pattern.columns.len() - 3 * n_free,
+            n_fe_nodes: self.unknowns.n_fe_nodes(),
+            n_equations: 3 * n_places,
+            nnz_lower: 9 * self.pattern.columns.len() - 3 * n_places,
             nnz_l,
             nnz_l_stored,
             order_s,
@@ -321,7 +336,46 @@ impl Structure {
     }
 }
 
-fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError> {
+/// The unknowns that each element, and each spring, couples.
+fn cliques(elements: &dyn Elements, springs: &[FaceSpring], unknowns: &Unknowns) -> Cliques {
+    let mut cliques = Cliques::default();
+    for element in 0..elements.n_elements() {
+        let motions = motions_of(elements.nodes(element), elements.motions_per_node());
+        cliques.push(
+            motions
+                .iter()
+                .flat_map(|&motion| unknowns.link(motion).places()),
+        );
+    }
+    for spring in springs {
+        let links = spring.nodes.iter().map(|&node| unknowns.translation(node));
+        cliques.push(links.flat_map(Link::places));
+    }
+    cliques
+}
+
+/// The directions in which a bed holds each of its nodes.
+fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
+    let mut bedded = Vec::new();
+    for spring in springs {
+        let sum: Matrix3<f64> = spring.blocks.iter().sum();
+        let eigen = SymmetricEigen::new(sum);
+        let largest = eigen.eigenvalues.amax();
+        for (value, direction) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
+            if *value > 1e-12 * largest {
+                let direction = direction.into_owned();
+                bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));
+            }
+        }
+    }
+    bedded
+}
+
+pub(crate) fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError> {
     if n_threads == 0 {
         return Err(SimError::Parameter {
             what: "n_threads",
@@ -336,43 +390,30 @@ fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError> {
         .map_err(|source| SimError::Threads { n_threads, source })
 }
 
-fn check_scale(scale: Option<&[f64]>, n_elements: usize) -> Result<(), SimError> {
-    let Some(scale) = scale else { return Ok(()) };
-    if scale.len() != n_elements {
-        return Err(SimError::Length {
-            what: "element_stiffness_scale",
-            expected: n_elements,
-            found: scale.len(),
-        });
-    }
-    match scale.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
-        Some(element) => Err(SimError::StiffnessScale {
-            element,
-            value: scale[element],
-        }),
-        None => Ok(()),
-    }
-}
-
 /// A failing pivot is found by its place in elimination order; the caller knows nodes.
-fn name_node(error: SimError, order: &NodeOrder) -> SimError {
+fn name_node(error: SimError, unknowns: &Unknowns) -> SimError {
+    let named = |place: usize, direction| {
+        let owner = unknowns.owners()[place];
+        let direction = direction + 3 * usize::from(owner.is_rotation);
+        (owner.node.index(), direction)
+    };
     match error {
-        SimError::NotPositiveDefinite {
-            node: place,
-            direction,
-        } => SimError::NotPositiveDefinite {
-            node: order.nodes()[place].index(),
-            direction,
-        },
+        SimError::NotPositiveDefinite { node, direction } => {
+            let (node, direction) = named(node, direction);
+            SimError::NotPositiveDefinite { node, direction }
+        }
         SimError::Singular {
-            node: place,
+            node,
             direction,
             pivot,
-        } => SimError::Singular {
-            node: order.nodes()[place].index(),
-            direction,
-            pivot,
-        },
+        } => {
+            let (node, direction) = named(node, direction);
+            SimError::Singular {
+                node,
+                direction,
+                pivot,
+            }
+        }
         other => other,
     }
 }

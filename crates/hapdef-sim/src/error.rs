@@ -46,6 +46,60 @@ pub enum SimError {
         /// Nodes in the mesh.
         n_nodes: usize,
     },
+    /// An element index beyond the mesh.
+    #[error("{what} names element {element}, but the mesh has {n_elements} elements (0-based)")]
+    ElementOutOfRange {
+        /// What names the element.
+        what: &'static str,
+        /// The index found.
+        element: usize,
+        /// Elements in the mesh.
+        n_elements: usize,
+    },
+    /// A rigid insert with a node that is held as well.
+    #[error(
+        "node {node} (0-based) of rigid insert {insert} is also clamped or in a symmetry plane: \
+         an insert moves freely; clamp all of its nodes instead, or leave the held ones out"
+    )]
+    InsertHeld {
+        /// The insert, counted from 0.
+        insert: usize,
+        /// The node.
+        node: usize,
+    },
+    /// Two rigid inserts that share a node.
+    #[error(
+        "rigid inserts {} and {} share node {node} (0-based): join them into one", inserts[0], inserts[1]
+    )]
+    InsertsShareNode {
+        /// The inserts, counted from 0.
+        inserts: [usize; 2],
+        /// The node.
+        node: usize,
+    },
+    /// A rigid insert that could spin without moving a node.
+    #[error(
+        "rigid insert {insert} has {n_nodes} different nodes, all on a line; it needs three that \
+         are not"
+    )]
+    InsertTooSmall {
+        /// The insert, counted from 0.
+        insert: usize,
+        /// Its different nodes.
+        n_nodes: usize,
+    },
+    /// A moment or a held rotation where nodes have no rotation.
+    #[error("{what} is about a rotation, which nodes of a solid do not have; use a pair of forces")]
+    NoRotations {
+        /// What is about a rotation.
+        what: &'static str,
+    },
+    /// An energy that displacements alone do not fix.
+    #[error(
+        "the strain energy of a shell or of a limb with rigid inserts does not follow from \
+         displacements alone; take half the work of the load"
+    )]
+    NeedsRotations,
     /// An element that is turned inside out at a Gauss point, seen by its Jacobian.
     #[error(
         "element {element} (0-based) has det J = {det_j_m3:e} m³ at parent coordinates \
@@ -85,7 +139,7 @@ pub enum SimError {
     NotPositiveDefinite {
         /// The node of the failing pivot.
         node: usize,
-        /// Its direction, 0..3 for x, y, z.
+        /// Its direction, 0..3 for a displacement along x, y, z, 3..6 for a rotation about them.
         direction: usize,
     },
     /// The factor does not fit in memory or in 32-bit indices.

@@ -138,6 +138,7 @@ impl GaugeStrain {
     pub fn as_load(&self) -> NodalLoad {
         NodalLoad {
             forces_n: self.rows.clone(),
+            ..NodalLoad::default()
         }
     }
 

@@ -14,6 +14,7 @@ mod assembly;
 mod compliance;
 mod elastic_model;
 mod element;
+mod elements;
 mod error;
 mod factor;
 mod gauge;
@@ -22,17 +23,21 @@ mod iterative;
 mod load;
 mod mass;
 mod material;
+mod null_space;
 mod ordering;
+mod parts;
 mod patch_load;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
 mod solve;
+mod supports;
+mod unknowns;
 mod wall;
 
 pub use assembly::StiffnessExtremes;
 pub use compliance::{Compliance, ComplianceParams};
-pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo};
+pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
@@ -46,3 +51,7 @@ pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use solve::{SolveInfo, SolveParams};
+pub use supports::{
+    Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,
+    SymmetryPlane,
+};

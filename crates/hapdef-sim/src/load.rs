@@ -16,6 +16,8 @@ use crate::quadrature::tet_rule;
 pub struct NodalLoad {
     /// Nodes and the force on each, N.
     pub forces_n: Vec<(FeNodeId, Vector3<f64>)>,
+    /// Nodes and the moment on each, N m; for shells only.
+    pub moments_nm: Vec<(FeNodeId, Vector3<f64>)>,
 }
 
 impl NodalLoad {
@@ -24,6 +26,16 @@ impl NodalLoad {
     pub fn nodal(node: FeNodeId, force_n: Vector3<f64>) -> Self {
         Self {
             forces_n: vec![(node, force_n)],
+            ..Self::default()
+        }
+    }
+
+    /// A single moment on one node, N m; for shells only.
+    #[must_use]
+    pub fn nodal_moment(node: FeNodeId, moment_nm: Vector3<f64>) -> Self {
+        Self {
+            moments_nm: vec![(node, moment_nm)],
+            ..Self::default()
         }
     }
 
@@ -88,12 +100,13 @@ impl NodalLoad {
     /// The load `factor` times this one.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
+        let scaled = |entries: &[(FeNodeId, Vector3<f64>)]| {
+            let entries = entries.iter();
+            entries.map(|(node, f)| (*node, f * factor)).collect()
+        };
         Self {
-            forces_n: self
-                .forces_n
-                .iter()
-                .map(|(node, f)| (*node, f * factor))
-                .collect(),
+            forces_n: scaled(&self.forces_n),
+            moments_nm: scaled(&self.moments_nm),
         }
     }
 
@@ -102,6 +115,7 @@ impl NodalLoad {
     pub fn plus(&self, other: &Self) -> Self {
         Self {
             forces_n: [self.forces_n.as_slice(), &other.forces_n].concat(),
+            moments_nm: [self.moments_nm.as_slice(), &other.moments_nm].concat(),
         }
     }
 
@@ -120,7 +134,7 @@ impl NodalLoad {
         mesh: &Tet10Mesh,
         point: &Point3<f64>,
     ) -> Result<Vector3<f64>, SimError> {
-        self.check(mesh.nodes().len())?;
+        self.check(mesh.nodes().len(), false)?;
         let arm = |node: &FeNodeId| mesh.nodes()[node.index()] - point;
         Ok(self
             .forces_n
@@ -132,9 +146,9 @@ impl NodalLoad {
     /// The work Σ f · u of this load on displacements `[n_fe_nodes]`, J (m for a unit load).
     ///
     /// # Errors
-    /// [`SimError::NodeOutOfRange`].
+    /// [`SimError::NodeOutOfRange`]; [`SimError::NoRotations`] if the load has moments.
     pub fn work_j(&self, displacement: &[Vector3<f64>]) -> Result<f64, SimError> {
-        self.check(displacement.len())?;
+        self.check(displacement.len(), false)?;
         Ok(self
             .forces_n
             .iter()
@@ -145,11 +159,16 @@ impl NodalLoad {
     pub(crate) fn from_map(forces: BTreeMap<FeNodeId, Vector3<f64>>) -> Self {
         Self {
             forces_n: forces.into_iter().collect(),
+            ..Self::default()
         }
     }
 
-    pub(crate) fn check(&self, n_nodes: usize) -> Result<(), SimError> {
-        for (load, (node, force)) in self.forces_n.iter().enumerate() {
+    pub(crate) fn check(&self, n_nodes: usize, has_rotations: bool) -> Result<(), SimError> {
+        if !self.moments_nm.is_empty() && !has_rotations {
+            return Err(SimError::NoRotations { what: "a moment" });
+        }
+        let entries = self.forces_n.iter().chain(&self.moments_nm);
+        for (load, (node, force)) in entries.enumerate() {
             check_node("a load", *node, n_nodes)?;
             check_finite(load, force)?;
         }

@@ -1,22 +1,14 @@
-//! The order in which free nodes are eliminated.
+//! The order in which unknowns are eliminated.
 //!
-//! The graph of free nodes is ordered, not the graph of equations: it is nine times smaller, and
-//! the three equations of a node stay together. Approximate minimum degree (Amestoy, Davis and
+//! The graph of unknown three-vectors is ordered, not the graph of equations: it is nine times
+//! smaller, and the three equations of a motion stay together. Approximate minimum degree (Amestoy, Davis and
 //! Duff, SIAM J. Matrix Anal. Appl. 17, 1996), as faer carries it.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use hapdef_mesh::{FeNodeId, Tet10Mesh};
 
 use crate::SimError;
-
-/// The places of free nodes in elimination order.
-#[derive(Debug)]
-pub(crate) struct NodeOrder {
-    place_of_node: Vec<u32>,
-    node_at: Vec<FeNodeId>,
-}
 
 /// A symmetric graph on places: the neighbours of each, ascending, itself left out.
 pub(crate) struct NodeGraph {
@@ -24,74 +16,51 @@ pub(crate) struct NodeGraph {
     pub(crate) neighbours: Vec<u32>,
 }
 
-const CLAMPED: u32 = u32::MAX;
-
-impl NodeOrder {
-    /// Orders the free nodes of `mesh`; `clamped` is per node.
-    pub(crate) fn build(mesh: &Tet10Mesh, clamped: &[bool]) -> Result<Self, SimError> {
-        let natural = Self::from_sequence(clamped.len(), free_nodes(clamped));
-        let graph = NodeGraph::build(mesh, &natural);
-        let sequence = minimum_degree(&graph)?;
-        let node_at = sequence
-            .iter()
-            .map(|&place| natural.node_at[place as usize])
-            .collect();
-        Ok(Self::from_sequence(clamped.len(), node_at))
-    }
-
-    fn from_sequence(n_nodes: usize, node_at: Vec<FeNodeId>) -> Self {
-        let mut place_of_node = vec![CLAMPED; n_nodes];
-        for (place, node) in node_at.iter().enumerate() {
-            place_of_node[node.index()] = place as u32;
-        }
-        Self {
-            place_of_node,
-            node_at,
-        }
-    }
-
-    /// The place of `node`, or nothing if it is clamped.
-    pub(crate) fn place(&self, node: FeNodeId) -> Option<usize> {
-        let place = self.place_of_node[node.index()];
-        (place != CLAMPED).then_some(place as usize)
-    }
-
-    /// The node at each place.
-    pub(crate) fn nodes(&self) -> &[FeNodeId] {
-        &self.node_at
-    }
-
-    /// Nodes of the mesh, clamped ones included.
-    pub(crate) fn n_fe_nodes(&self) -> usize {
-        self.place_of_node.len()
-    }
-}
+const NONE: u32 = u32::MAX;
 
 impl NodeGraph {
-    /// The graph of nodes that share an element, on the places of `order`.
-    pub(crate) fn build(mesh: &Tet10Mesh, order: &NodeOrder) -> Self {
-        let n = order.nodes().len();
-        let (first, elements_of) = elements_at(mesh, order);
-        let mut mark = vec![CLAMPED; n];
+    /// The graph of unknowns that share a clique: the unknowns of an element.
+    pub(crate) fn build(n_places: usize, cliques: &Cliques) -> Self {
+        let (first, cliques_of) = cliques.at_places(n_places);
+        let mut mark = vec![NONE; n_places];
         let mut graph = Self {
-            row_ptr: Vec::with_capacity(n + 1),
+            row_ptr: Vec::with_capacity(n_places + 1),
             neighbours: Vec::new(),
         };
         graph.row_ptr.push(0);
-        for place in 0..n {
+        for place in 0..n_places {
             let start = graph.neighbours.len();
             mark[place] = place as u32;
-            for &element in &elements_of[first[place]..first[place + 1]] {
-                for node in mesh.elements()[element as usize] {
-                    let Some(other) = order.place(node) else {
-                        continue;
-                    };
-                    if mark[other] != place as u32 {
-                        mark[other] = place as u32;
-                        graph.neighbours.push(other as u32);
+            for &clique in &cliques_of[first[place]..first[place + 1]] {
+                for &other in cliques.of(clique as usize) {
+                    if mark[other as usize] != place as u32 {
+                        mark[other as usize] = place as u32;
+                        graph.neighbours.push(other);
                     }
                 }
             }
+            graph.neighbours[start..].sort_unstable();
+            graph.row_ptr.push(graph.neighbours.len());
+        }
+        graph
+    }
+
+    /// The same graph with `sequence[new place] = old place`.
+    pub(crate) fn reordered(&self, sequence: &[u32]) -> Self {
+        let mut new_place = vec![0; sequence.len()];
+        for (new, &old) in sequence.iter().enumerate() {
+            new_place[old as usize] = new as u32;
+        }
+        let mut graph = Self {
+            row_ptr: vec![0],
+            neighbours: Vec::with_capacity(self.neighbours.len()),
+        };
+        for &old in sequence {
+            let start = graph.neighbours.len();
+            let others = self.of(old as usize).iter();
+            graph
+                .neighbours
+                .extend(others.map(|&other| new_place[other as usize]));
             graph.neighbours[start..].sort_unstable();
             graph.row_ptr.push(graph.neighbours.len());
         }
@@ -103,39 +72,47 @@ impl NodeGraph {
     }
 }
 
-fn free_nodes(clamped: &[bool]) -> Vec<FeNodeId> {
-    (0..clamped.len())
-        .filter(|&node| !clamped[node])
-        .map(FeNodeId::from_index)
-        .collect()
+/// Sets of unknowns that are all coupled with each other, as offsets and a flat list of places.
+#[derive(Default)]
+pub(crate) struct Cliques {
+    end: Vec<usize>,
+    places: Vec<u32>,
 }
 
-/// The elements at each place, as offsets and a flat list.
-fn elements_at(mesh: &Tet10Mesh, order: &NodeOrder) -> (Vec<usize>, Vec<u32>) {
-    let mut first = vec![0; order.nodes().len() + 1];
-    let places = || {
-        mesh.elements().iter().enumerate().flat_map(|(e, nodes)| {
-            nodes
-                .iter()
-                .filter_map(move |&node| order.place(node).map(|place| (e, place)))
-        })
-    };
-    for (_, place) in places() {
-        first[place + 1] += 1;
+impl Cliques {
+    pub(crate) fn push(&mut self, places: impl Iterator<Item = usize>) {
+        self.places.extend(places.map(|place| place as u32));
+        self.end.push(self.places.len());
     }
-    for i in 1..first.len() {
-        first[i] += first[i - 1];
+
+    fn of(&self, clique: usize) -> &[u32] {
+        let begin = clique.checked_sub(1).map_or(0, |before| self.end[before]);
+        &self.places[begin..self.end[clique]]
     }
-    let mut next = first.clone();
-    let mut elements = vec![0; first[first.len() - 1]];
-    for (element, place) in places() {
-        elements[next[place]] = element as u32;
-        next[place] += 1;
+
+    /// The cliques at each place, as offsets and a flat list.
+    fn at_places(&self, n_places: usize) -> (Vec<usize>, Vec<u32>) {
+        let mut first = vec![0; n_places + 1];
+        for &place in &self.places {
+            first[place as usize + 1] += 1;
+        }
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        let mut next = first.clone();
+        let mut cliques = vec![0; self.places.len()];
+        for clique in 0..self.end.len() {
+            for &place in self.of(clique) {
+                cliques[next[place as usize]] = clique as u32;
+                next[place as usize] += 1;
+            }
+        }
+        (first, cliques)
     }
-    (first, elements)
 }
 
-fn minimum_degree(graph: &NodeGraph) -> Result<Vec<u32>, SimError> {
+/// The sequence in which places are eliminated: `sequence[new place] = old place`.
+pub(crate) fn minimum_degree(graph: &NodeGraph) -> Result<Vec<u32>, SimError> {
     let n = graph.row_ptr.len() - 1;
     let (col_ptr, row_idx) = upper_pattern(graph);
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);

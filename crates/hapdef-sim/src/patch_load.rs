@@ -58,6 +58,7 @@ impl NodalLoad {
             .map(|(node, weight)| (node, direction * (weight / total)));
         Ok(Self {
             forces_n: forces_n.collect(),
+            ..Self::default()
         })
     }
 }

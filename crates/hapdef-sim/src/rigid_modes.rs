@@ -1,16 +1,20 @@
 //! Which rigid motions the supports leave free.
 //!
-//! Elements joined by faces form a rigid part; parts joined only by nodes or edges can still hinge.
-//! Each part has six unknowns (a translation and a rotation); a clamped node fixes its part there,
-//! a shared node ties two parts. What is left in the null space is a free motion. The check is
-//! about rigid parts, so it costs nothing beside a factorisation.
+//! Elements that can't move against each other without deforming form a rigid part, and so does a
+//! rigid insert. Each part has six unknowns (a translation and a rotation); a held direction fixes
+//! its part there, a shared node ties two parts. What is left in the null space is a free motion.
+//! The check is about rigid parts, so it costs nothing beside a factorisation.
 
 use std::fmt;
 
-use hapdef_mesh::{FeNodeId, Tet10Mesh};
-use nalgebra::{DMatrix, Point3, SymmetricEigen, Vector3};
+use hapdef_mesh::FeNodeId;
+use nalgebra::{DMatrix, Point3, Vector3};
 
 use crate::SimError;
+use crate::elements::Elements;
+use crate::null_space::{null_space, readable_basis};
+use crate::parts::DisjointSets;
+use crate::supports::{Held, RigidInsert};
 
 /// A body that the supports do not hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +25,8 @@ pub struct FloatingBody {
     pub n_elements: usize,
     /// The mean of its nodes, m.
     pub centre_m: Point3<f64>,
-    /// How many of its nodes are clamped.
-    pub n_clamped: usize,
+    /// How many of its nodes are held in some direction.
+    pub n_held: usize,
     /// A basis of its free motions; for a body with hinges, the motion of the part that moves most.
     pub free: Vec<RigidMotion>,
 }
@@ -61,13 +65,13 @@ impl fmt::Display for FloatingBody {
         write!(
             f,
             "the body of {} elements from element {} on, centred at ({:.4}, {:.4}, {:.4}) m with {} \
-             clamped nodes, has {} free motions: ",
+             held nodes, has {} free motions: ",
             self.n_elements,
             self.first_element,
             c.x,
             c.y,
             c.z,
-            self.n_clamped,
+            self.n_held,
             self.free.len()
         )?;
         let free: Vec<String> = self.free.iter().map(ToString::to_string).collect();
@@ -78,22 +82,37 @@ impl fmt::Display for FloatingBody {
 /// Bodies with more hinged parts than this are left to the factorisation's pivot check.
 const MAX_PARTS: usize = 100;
 
-/// Singular values below this share of the largest count as free.
-const FREE_BELOW: f64 = 1e-6;
+/// What holds and ties the rigid parts.
+pub(crate) struct Restraints<'a> {
+    /// Held directions of every motion.
+    pub(crate) held: &'a Held,
+    /// Nodes and directions, m, that an elastic bed holds.
+    pub(crate) bedded: Vec<(FeNodeId, Vector3<f64>)>,
+    /// Nodes that move as one body.
+    pub(crate) inserts: &'a [RigidInsert],
+}
 
-/// Checks that `clamped` (per node) holds every connected body of `mesh`.
+/// Checks that every connected body is held.
 ///
 /// # Errors
 /// [`SimError::FreeRigidModes`] naming each body that can move, and how.
-pub(crate) fn check_supports(mesh: &Tet10Mesh, clamped: &[bool]) -> Result<(), SimError> {
-    let parts = parts(mesh);
-    let members = sorted_members(mesh, &parts);
-    let bodies = bodies(&members, parts.len());
+pub(crate) fn check_supports(
+    elements: &dyn Elements,
+    restraints: &Restraints<'_>,
+) -> Result<(), SimError> {
+    let (parts, n) = (elements.rigid_parts(), elements.n_elements());
+    let members = sorted_members(elements, &parts, restraints.inserts);
+    let bodies = bodies(&members, n + restraints.inserts.len());
     let distinct = distinct_bodies(&bodies, &parts);
     let n_bodies = distinct.len();
+    let limb = Limb {
+        positions: elements.positions(),
+        has_rotations: elements.has_rotations(),
+        conditions: Conditions::new(elements, restraints),
+    };
     let mut floating = Vec::new();
     for body in distinct {
-        floating.extend(Body::new(body, &bodies, &parts, &members).floating(mesh, clamped));
+        floating.extend(Body::new(body, &bodies, &parts, n, &members).floating(&limb));
     }
     if floating.is_empty() {
         Ok(())
@@ -105,74 +124,73 @@ pub(crate) fn check_supports(mesh: &Tet10Mesh, clamped: &[bool]) -> Result<(), S
     }
 }
 
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+/// Directions that are held at each node: t · u + w · ω = 0.
+struct Conditions {
+    /// `(node, t, w)`, sorted by node.
+    rows: Vec<(FeNodeId, Vector3<f64>, Vector3<f64>)>,
 }
 
-fn join(parent: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b)] = a.min(b);
-}
-
-/// For each element, the first element of the face-connected part it belongs to.
-fn parts(mesh: &Tet10Mesh) -> Vec<usize> {
-    let elements = mesh.elements();
-    let mut faces: Vec<([FeNodeId; 3], usize)> = elements
-        .iter()
-        .enumerate()
-        .flat_map(|(element, n)| {
-            [
-                [n[0], n[1], n[2]],
-                [n[0], n[1], n[3]],
-                [n[1], n[2], n[3]],
-                [n[0], n[2], n[3]],
-            ]
-            .map(|mut face| {
-                face.sort_unstable();
-                (face, element)
-            })
-        })
-        .collect();
-    faces.sort_unstable();
-    let mut parent: Vec<usize> = (0..elements.len()).collect();
-    for pair in faces.windows(2) {
-        if pair[0].0 == pair[1].0 {
-            join(&mut parent, pair[0].1, pair[1].1);
+impl Conditions {
+    fn new(elements: &dyn Elements, restraints: &Restraints<'_>) -> Self {
+        let per_node = elements.motions_per_node();
+        let mut rows = Vec::new();
+        for (motion, directions) in restraints.held.directions.iter().enumerate() {
+            let node = FeNodeId::from_index(motion / per_node);
+            rows.extend(directions.iter().map(|&d| match motion % per_node {
+                0 => (node, d, Vector3::zeros()),
+                _ => (node, Vector3::zeros(), d),
+            }));
         }
+        let bedded = restraints.bedded.iter();
+        rows.extend(bedded.map(|&(node, d)| (node, d, Vector3::zeros())));
+        rows.sort_by_key(|row| row.0);
+        Self { rows }
     }
-    (0..elements.len())
-        .map(|element| root(&mut parent, element))
-        .collect()
+
+    fn at(&self, node: FeNodeId) -> &[(FeNodeId, Vector3<f64>, Vector3<f64>)] {
+        let begin = self.rows.partition_point(|row| row.0 < node);
+        let end = self.rows.partition_point(|row| row.0 <= node);
+        &self.rows[begin..end]
+    }
 }
 
-/// `(node, part)` of every node of every part, sorted, each once.
-fn sorted_members(mesh: &Tet10Mesh, parts: &[usize]) -> Vec<(FeNodeId, usize)> {
-    let mut members: Vec<(FeNodeId, usize)> = mesh
-        .elements()
-        .iter()
-        .zip(parts)
-        .flat_map(|(nodes, &part)| nodes.map(|node| (node, part)))
-        .collect();
+/// What a body's check needs of the limb.
+struct Limb<'a> {
+    positions: &'a [Point3<f64>],
+    has_rotations: bool,
+    conditions: Conditions,
+}
+
+/// `(node, part)` of every node of every part, sorted, each once; the parts of inserts come after
+/// those of elements.
+fn sorted_members(
+    elements: &dyn Elements,
+    parts: &[usize],
+    inserts: &[RigidInsert],
+) -> Vec<(FeNodeId, usize)> {
+    let of_elements = parts.iter().enumerate().flat_map(|(element, &part)| {
+        let nodes = elements.nodes(element).iter();
+        nodes.map(move |&node| (node, part))
+    });
+    let of_inserts = inserts.iter().enumerate().flat_map(|(insert, body)| {
+        let nodes = body.nodes.iter();
+        nodes.map(move |&node| (node, parts.len() + insert))
+    });
+    let mut members: Vec<(FeNodeId, usize)> = of_elements.chain(of_inserts).collect();
     members.sort_unstable();
     members.dedup();
     members
 }
 
 /// For each part (named by its first element), the first part of its node-connected body.
-fn bodies(members: &[(FeNodeId, usize)], n_elements: usize) -> Vec<usize> {
-    let mut parent: Vec<usize> = (0..n_elements).collect();
+fn bodies(members: &[(FeNodeId, usize)], n_parts: usize) -> Vec<usize> {
+    let mut sets = DisjointSets::new(n_parts);
     for pair in members.windows(2) {
         if pair[0].0 == pair[1].0 {
-            join(&mut parent, pair[0].1, pair[1].1);
+            sets.join(pair[0].1, pair[1].1);
         }
     }
-    (0..n_elements)
-        .map(|part| root(&mut parent, part))
-        .collect()
+    sets.roots()
 }
 
 fn distinct_bodies(bodies: &[usize], parts: &[usize]) -> Vec<usize> {
@@ -196,6 +214,7 @@ impl Body {
         body: usize,
         bodies: &[usize],
         part_of_element: &[usize],
+        n_elements_in_all: usize,
         members: &[(FeNodeId, usize)],
     ) -> Self {
         let mine = |part: usize| bodies[part] == body;
@@ -205,6 +224,7 @@ impl Body {
             .filter(|&p| mine(p))
             .collect();
         let n_elements = parts.len();
+        parts.extend((n_elements_in_all..bodies.len()).filter(|&insert| mine(insert)));
         parts.sort_unstable();
         parts.dedup();
         let members = members
@@ -220,12 +240,12 @@ impl Body {
         }
     }
 
-    fn floating(&self, mesh: &Tet10Mesh, clamped: &[bool]) -> Option<FloatingBody> {
+    fn floating(&self, limb: &Limb<'_>) -> Option<FloatingBody> {
         if self.parts.len() > MAX_PARTS {
             return None;
         }
-        let (centre_m, radius_m) = self.extent(mesh);
-        let gram = self.constraints(mesh, clamped, &centre_m, radius_m);
+        let (centre_m, radius_m) = self.extent(limb.positions);
+        let gram = self.constraints(limb, &centre_m, radius_m);
         let modes = null_space(gram);
         if modes.ncols() == 0 {
             return None;
@@ -239,13 +259,14 @@ impl Body {
                 rotation: m.1,
             })
             .collect();
-        let n_clamped = self.nodes().filter(|node| clamped[node.index()]).count();
+        let held = |node: &FeNodeId| !limb.conditions.at(*node).is_empty();
+        let n_held = self.nodes().filter(held).count();
         let (first_element, n_elements) = (self.first_element, self.n_elements);
         Some(FloatingBody {
             first_element,
             n_elements,
             centre_m,
-            n_clamped,
+            n_held,
             free,
         })
     }
@@ -256,40 +277,33 @@ impl Body {
             .map(|group| group[0].0)
     }
 
-    fn extent(&self, mesh: &Tet10Mesh) -> (Point3<f64>, f64) {
+    fn extent(&self, positions: &[Point3<f64>]) -> (Point3<f64>, f64) {
         let n = self.nodes().count() as f64;
         let sum: Vector3<f64> = self
             .nodes()
-            .map(|node| mesh.nodes()[node.index()].coords)
+            .map(|node| positions[node.index()].coords)
             .sum();
         let centre = Point3::from(sum / n);
         let radius = self
             .nodes()
-            .map(|node| (mesh.nodes()[node.index()] - centre).norm())
+            .map(|node| (positions[node.index()] - centre).norm())
             .fold(0.0, f64::max);
         (centre, radius)
     }
 
     /// Σ CᵀC over all constraints on the parts' motions, in units of the body's radius.
-    fn constraints(
-        &self,
-        mesh: &Tet10Mesh,
-        clamped: &[bool],
-        centre: &Point3<f64>,
-        radius_m: f64,
-    ) -> DMatrix<f64> {
+    fn constraints(&self, limb: &Limb<'_>, centre: &Point3<f64>, radius_m: f64) -> DMatrix<f64> {
         let mut gram = DMatrix::zeros(6 * self.parts.len(), 6 * self.parts.len());
         for group in self.members.chunk_by(|a, b| a.0 == b.0) {
             let node = group[0].0;
-            let x = (mesh.nodes()[node.index()] - centre) / radius_m;
-            if clamped[node.index()] {
+            let x = (limb.positions[node.index()] - centre) / radius_m;
+            for (_, t, w) in limb.conditions.at(node) {
                 for &(_, part) in group {
-                    add_constraint(&mut gram, &x, &[(part, 1.0)]);
+                    add_constraint(&mut gram, &[(part, *t, x.cross(t) + w)]);
                 }
-            } else {
-                for pair in group.windows(2) {
-                    add_constraint(&mut gram, &x, &[(pair[0].1, 1.0), (pair[1].1, -1.0)]);
-                }
+            }
+            for pair in group.windows(2) {
+                tie(&mut gram, &x, [pair[0].1, pair[1].1], limb.has_rotations);
             }
         }
         gram
@@ -301,79 +315,32 @@ impl Body {
     }
 }
 
-/// Adds (Σ sign · u_part(x))² for the three directions; u = t + ω × x.
-fn add_constraint(gram: &mut DMatrix<f64>, x: &Vector3<f64>, terms: &[(usize, f64)]) {
-    for direction in 0..3 {
-        let e = Vector3::ith(direction, 1.0);
+/// Ties two parts where they share the node at `x`: the same displacement t + ω × x, and the same
+/// rotation where the node has one.
+fn tie(gram: &mut DMatrix<f64>, x: &Vector3<f64>, parts: [usize; 2], has_rotations: bool) {
+    let [a, b] = parts;
+    let zero = Vector3::zeros();
+    for axis in 0..3 {
+        let e = Vector3::ith(axis, 1.0);
         // e · (ω × x) = ω · (x × e)
-        let rotation = x.cross(&e);
-        let row: Vec<(usize, f64)> = terms
-            .iter()
-            .flat_map(|&(part, sign)| {
-                (0..3).flat_map(move |c| {
-                    [
-                        (6 * part + c, sign * e[c]),
-                        (6 * part + 3 + c, sign * rotation[c]),
-                    ]
-                })
-            })
-            .collect();
-        for &(i, a) in &row {
-            for &(j, b) in &row {
-                gram[(i, j)] += a * b;
-            }
+        let turn = x.cross(&e);
+        add_constraint(gram, &[(a, e, turn), (b, -e, -turn)]);
+        if has_rotations {
+            add_constraint(gram, &[(a, zero, e), (b, zero, -e)]);
         }
     }
 }
 
-/// Columns spanning the null space of a Gram matrix.
-fn null_space(gram: DMatrix<f64>) -> DMatrix<f64> {
-    let eigen = SymmetricEigen::new(gram);
-    let limit = FREE_BELOW * FREE_BELOW * eigen.eigenvalues.amax();
-    let free: Vec<usize> = (0..eigen.eigenvalues.len())
-        .filter(|&i| eigen.eigenvalues[i] <= limit)
-        .collect();
-    eigen.eigenvectors.select_columns(&free)
-}
-
-/// A basis (translation, rotation) of the span of `modes` `[6, n]` with single rotations and
-/// translations where there are such: reduced row echelon form, rotations first.
-fn readable_basis(modes: &DMatrix<f64>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let mut rows: Vec<[f64; 6]> = modes
-        .column_iter()
-        .map(|m| [m[3], m[4], m[5], m[0], m[1], m[2]])
-        .collect();
-    let mut rank = 0;
-    for column in 0..6 {
-        let Some(pivot) = (rank..rows.len())
-            .max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()))
-        else {
-            break;
-        };
-        if rows[pivot][column].abs() < 1e-3 {
-            continue;
-        }
-        rows.swap(rank, pivot);
-        let scale = rows[rank][column];
-        let lead = rows[rank].map(|v| v / scale);
-        for row in &mut rows {
-            let factor = row[column];
-            for (v, l) in row.iter_mut().zip(lead) {
-                *v -= factor * l;
-            }
-        }
-        rows[rank] = lead;
-        rank += 1;
-    }
-    let clean = |v: f64| if v.abs() < 1e-9 { 0.0 } else { v };
-    rows[..rank]
-        .iter()
-        .map(|r| r.map(clean))
-        .map(|r| {
-            (
-                Vector3::new(r[3], r[4], r[5]),
-                Vector3::new(r[0], r[1], r[2]),
-            )
+/// Adds (Σ t · t_part + w · ω_part)².
+fn add_constraint(gram: &mut DMatrix<f64>, terms: &[(usize, Vector3<f64>, Vector3<f64>)]) {
+    let row = || {
+        terms.iter().flat_map(|&(part, t, w)| {
+            (0..3).flat_map(move |c| [(6 * part + c, t[c]), (6 * part + 3 + c, w[c])])
         })
-        .collect()
+    };
+    for (i, a) in row() {
+        for (j, b) in row() {
+            gram[(i, j)] += a * b;
+        }
+    }
 }

@@ -6,9 +6,10 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::elastic_model::Motion;
 use crate::factor::Factor;
 use crate::iterative::{Solver, solve_loads};
-use crate::ordering::NodeOrder;
+use crate::unknowns::{Link, Unknowns};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// When a solution is refined, and when it is refused.
@@ -83,33 +84,52 @@ pub(crate) const BLOCKS_PER_WAVE: usize = 4;
 
 /// The solutions of one block of loads.
 pub(crate) struct SolvedBlock<'a> {
-    order: &'a NodeOrder,
+    unknowns: &'a Unknowns,
     /// Load numbers, one per column.
     pub(crate) loads: &'a [usize],
-    /// `[n_equations, n_columns]`, row-major, m.
+    /// `[n_equations, n_columns]`, row-major, m and rad.
     x: &'a [f64],
 }
 
 impl<'a> SolvedBlock<'a> {
-    pub(crate) fn new(order: &'a NodeOrder, loads: &'a [usize], x: &'a [f64]) -> Self {
-        Self { order, loads, x }
+    pub(crate) fn new(unknowns: &'a Unknowns, loads: &'a [usize], x: &'a [f64]) -> Self {
+        Self { unknowns, loads, x }
     }
 
     /// The displacement of `node` in `column`, m; zero where clamped.
     pub(crate) fn displacement(&self, column: usize, node: FeNodeId) -> Vector3<f64> {
+        self.value(column, self.unknowns.translation(node))
+    }
+
+    /// All displacements of `column` `[n_fe_nodes]`, m.
+    pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
+        self.nodes()
+            .map(|node| self.displacement(column, node))
+            .collect()
+    }
+
+    /// The motion of all nodes in `column`.
+    pub(crate) fn motion(&self, column: usize) -> Motion {
+        let rotation = |node| {
+            let link = self.unknowns.rotation(node)?;
+            Some(self.value(column, link))
+        };
+        Motion {
+            displacement: self.field(column),
+            rotation: self.nodes().filter_map(rotation).collect(),
+        }
+    }
+
+    fn value(&self, column: usize, link: &Link) -> Vector3<f64> {
         let k = self.loads.len();
-        self.order.place(node).map_or_else(Vector3::zeros, |place| {
+        link.motion(|place| {
             let at = 3 * place * k + column;
             Vector3::new(self.x[at], self.x[at + k], self.x[at + 2 * k])
         })
     }
 
-    /// All displacements of `column` `[n_fe_nodes]`, m.
-    pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
-        let nodes = 0..self.order.n_fe_nodes();
-        nodes
-            .map(|node| self.displacement(column, FeNodeId::from_index(node)))
-            .collect()
+    fn nodes(&self) -> impl Iterator<Item = FeNodeId> + use<> {
+        (0..self.unknowns.n_fe_nodes()).map(FeNodeId::from_index)
     }
 }
 
@@ -123,9 +143,9 @@ pub(crate) fn solve_all<T: Send>(
     mut sink: impl FnMut(&[usize], T),
 ) -> Result<SolveInfo, SimError> {
     let started = Instant::now();
-    let order = &model.structure.order;
+    let unknowns = &model.structure.unknowns;
     for load in loads {
-        load.check(order.n_fe_nodes())?;
+        load.check(unknowns.n_fe_nodes(), unknowns.motions_per_node() == 2)?;
     }
     let factor = match &model.solver {
         Solver::Direct(factor) => factor,
@@ -133,7 +153,7 @@ pub(crate) fn solve_all<T: Send>(
             return solve_loads(model, iterative, loads, params, harvest, sink);
         }
     };
-    let sequence = by_place(loads, order);
+    let sequence = by_place(loads, unknowns);
     let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
     let mut reached = Reached::default();
     for wave in blocks.chunks(BLOCKS_PER_WAVE * model.pool.current_num_threads()) {
@@ -141,7 +161,7 @@ pub(crate) fn solve_all<T: Send>(
             wave.par_iter()
                 .map_init(Workspace::default, |workspace, &block| {
                     let reached = workspace.solve(model, factor, loads, block, params);
-                    let solved = SolvedBlock::new(order, block, &workspace.x);
+                    let solved = SolvedBlock::new(unknowns, block, &workspace.x);
                     (harvest(&solved), reached)
                 })
                 .collect()
@@ -169,20 +189,34 @@ fn block_size(n_loads: usize) -> usize {
 
 /// Load numbers sorted by the first equation they touch: neighbours share paths in the
 /// elimination tree, and a block of them skips the rest on the way down.
-fn by_place(loads: &[NodalLoad], order: &NodeOrder) -> Vec<usize> {
+fn by_place(loads: &[NodalLoad], unknowns: &Unknowns) -> Vec<usize> {
     let first: Vec<usize> = loads
         .iter()
         .map(|load| {
-            load.forces_n
-                .iter()
-                .filter_map(|(node, _)| order.place(*node))
-                .min()
-                .unwrap_or(usize::MAX)
+            let places = unknown_forces(load, unknowns).map(|(place, _)| place);
+            places.min().unwrap_or(usize::MAX)
         })
         .collect();
     let mut sequence: Vec<usize> = (0..loads.len()).collect();
     sequence.sort_by_key(|&load| (first[load], load));
     sequence
+}
+
+/// What a load is on the unknowns: places and three-vectors, which add.
+fn unknown_forces(
+    load: &NodalLoad,
+    unknowns: &Unknowns,
+) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    let forces = load
+        .forces_n
+        .iter()
+        .flat_map(|(node, force)| unknowns.translation(*node).forces(*force));
+    let moments = load
+        .moments_nm
+        .iter()
+        .filter_map(|(node, moment)| Some((unknowns.rotation(*node)?, moment)))
+        .flat_map(|(link, moment)| link.forces(*moment));
+    forces.chain(moments)
 }
 
 /// The worst residuals so far.
@@ -239,18 +273,18 @@ impl Workspace {
         block: &[usize],
         params: &SolveParams,
     ) -> Reached {
-        let (order, k) = (&model.structure.order, block.len());
-        let n = 3 * order.nodes().len();
+        let (unknowns, k) = (&model.structure.unknowns, block.len());
+        let n = 3 * unknowns.n_places();
         for array in [&mut self.x, &mut self.residual] {
             array.clear();
             array.resize(n * k, 0.0);
         }
-        add_loads(&mut self.x, loads, block, order);
-        let touched = block.iter().flat_map(|&load| {
-            let nodes = loads[load].forces_n.iter();
-            nodes.filter_map(|(node, _)| order.place(*node).map(|place| 3 * place))
-        });
-        // the three equations of a node may lie in two supernodes
+        add_loads(&mut self.x, loads, block, unknowns);
+        let touched = block
+            .iter()
+            .flat_map(|&load| unknown_forces(&loads[load], unknowns))
+            .map(|(place, _)| 3 * place);
+        // the three equations of a motion may lie in two supernodes
         let touched = touched.flat_map(|equation| [equation, equation + 1, equation + 2]);
         factor.solve_in_place(&mut self.x, k, touched, &mut self.gathered);
         let mut reached = self.residual(model, loads, block);
@@ -274,9 +308,9 @@ impl Workspace {
 
     /// r ← b − K x, and the block's worst residuals; `residual` is zero on entry.
     fn residual(&mut self, model: &ElasticModel, loads: &[NodalLoad], block: &[usize]) -> Reached {
-        let (order, k) = (&model.structure.order, block.len());
+        let (unknowns, k) = (&model.structure.unknowns, block.len());
         let scale = model.solver.scale();
-        add_loads(&mut self.residual, loads, block, order);
+        add_loads(&mut self.residual, loads, block, unknowns);
         let loaded = ColumnNorms::of(&self.residual, k, |row| scale[row]);
         model
             .stiffness
@@ -302,13 +336,10 @@ fn ratio(left: f64, of: f64) -> f64 {
     if left == 0.0 { 0.0 } else { left / of }
 }
 
-pub(crate) fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], order: &NodeOrder) {
+pub(crate) fn add_loads(x: &mut [f64], loads: &[NodalLoad], block: &[usize], unknowns: &Unknowns) {
     let k = block.len();
     for (column, &load) in block.iter().enumerate() {
-        for (node, force) in &loads[load].forces_n {
-            let Some(place) = order.place(*node) else {
-                continue;
-            };
+        for (place, force) in unknown_forces(&loads[load], unknowns) {
             for (c, f) in force.iter().enumerate() {
                 x[(3 * place + c) * k + column] += f;
             }

@@ -7,9 +7,7 @@ use std::path::Path;
 
 use common::{close, shared};
 use hapdef_mesh::{FeNodeId, SolidDeck, read_deck};
-use hapdef_sim::{
-    ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad, SolverChoice,
-};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
 fn deck(name: &str) -> Option<SolidDeck> {
@@ -24,11 +22,8 @@ fn model(deck: &SolidDeck) -> ElasticModel {
         .expect("a valid material");
     let clamped = deck.fixed_nodes.clone();
     let params = ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped,
         n_threads: 2,
+        ..ElasticParams::new(material, clamped)
     };
     ElasticModel::build(&deck.mesh, &params).expect("the deck is well supported")
 }
@@ -64,6 +59,7 @@ fn skin_deck_matches_calculix_at_every_node() {
     let model = model(&deck);
     let load = NodalLoad {
         forces_n: deck.nodal_forces.clone(),
+        ..NodalLoad::default()
     };
     let (u, info) = model.solve(&load).expect("solved");
     println!("{:?}\n{info:?}", model.info());
@@ -169,6 +165,7 @@ fn inclusions_a_million_times_stiffer_still_solve() {
         .expect("same mesh");
     let load = NodalLoad {
         forces_n: deck.nodal_forces.clone(),
+        ..NodalLoad::default()
     };
     let (u, info) = stiff.solve(&load).expect("solved");
     // ‖r‖/‖b‖ grows with ‖K‖‖u‖/‖b‖, the backward error does not.

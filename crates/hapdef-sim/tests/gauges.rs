@@ -6,7 +6,7 @@ use common::{E_PA, cantilever, close, mapped_box, shared, straight_box};
 use hapdef_mesh::{GaugeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
-    SimError, SolverChoice,
+    SimError,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
@@ -93,6 +93,7 @@ fn bending_strain_matches_beam_theory_on_both_sides() {
             .iter()
             .map(|&n| (n, Vector3::new(0.0, 0.0, -share)))
             .collect(),
+        ..NodalLoad::default()
     };
     let (u, _) = model.solve(&load).expect("solved");
     // ε = 6 P (L − x) / (E b h²), tension on top
@@ -206,17 +207,15 @@ fn the_ten_sites_on_the_authors_limb() {
     let material = IsotropicMaterial::new(1.7e9, 0.394, 930.0).expect("valid");
     let clamped = deck.fixed_nodes.clone();
     let params = ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped,
         n_threads: 2,
+        ..ElasticParams::new(material, clamped)
     };
     let model = ElasticModel::build(&deck.mesh, &params).expect("supported");
     let (response, info) = model.gauge_response(&gauges).expect("solved");
     println!("{info:?}");
     let load = NodalLoad {
         forces_n: deck.nodal_forces.clone(),
+        ..NodalLoad::default()
     };
     let (u, _) = model.solve(&load).expect("solved");
     for (g, gauge) in gauges.iter().enumerate() {

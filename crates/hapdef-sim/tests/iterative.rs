@@ -6,8 +6,8 @@ use common::{distorted_box, nodes_where, params, shared, straight_box};
 use hapdef_mesh::{FeNodeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
     ChoiceReason, ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial,
-    IterativeParams, MultigridParams, NodalLoad, SimError, SolveInfo, SolveParams, SolverChoice,
-    SolverKind,
+    IterativeParams, MultigridParams, NodalLoad, RigidInsert, SimError, SolveInfo, SolveParams,
+    SolverChoice, SolverKind, Supports, SymmetryPlane,
 };
 use nalgebra::Vector3;
 
@@ -316,6 +316,7 @@ fn the_authors_limb_moves_as_the_direct_path_says() {
     };
     let load = NodalLoad {
         forces_n: deck.nodal_forces.clone(),
+        ..NodalLoad::default()
     };
     let load = std::slice::from_ref(&load);
     let (found, info) = fields(&deck.mesh, &iterative(params.clone()), load);
@@ -323,4 +324,23 @@ fn the_authors_limb_moves_as_the_direct_path_says() {
     let miss = miss(&found[0], &expected[0]);
     println!("{} iterations, misses by {miss:e}", info.n_iterations);
     assert!(miss < 1e-8, "misses by {miss:e}");
+}
+
+#[test]
+fn a_symmetry_plane_and_a_rigid_insert_move_as_the_direct_path_says() {
+    let mesh = straight_box([10, 5, 5], [2.0, 1.0, 1.0]);
+    let params = ElasticParams {
+        supports: Supports {
+            symmetry_planes: vec![SymmetryPlane {
+                nodes: nodes_where(&mesh, |p| p.y == 0.0),
+                normal: Vector3::y(),
+            }],
+            rigid_inserts: vec![RigidInsert {
+                nodes: nodes_where(&mesh, |p| p.x > 1.5 && p.y > 0.3),
+            }],
+            ..Supports::default()
+        },
+        ..held(&mesh)
+    };
+    agrees(&mesh, params, 1e-8);
 }

@@ -8,7 +8,7 @@ use common::{
 use hapdef_mesh::{FaceTraction, FeNodeId};
 use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad, SimError,
-    SolveParams, SolverChoice,
+    SolveParams,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
@@ -172,7 +172,6 @@ fn unusable_input_is_refused() {
     let scale = Some(vec![1.0; 3]);
     let error = build(ElasticParams {
         element_stiffness_scale: scale,
-        solver: SolverChoice::default(),
         ..params(clamped.clone())
     });
     assert!(
@@ -183,7 +182,6 @@ fn unusable_input_is_refused() {
     scale[5] = -1.0;
     let error = build(ElasticParams {
         element_stiffness_scale: Some(scale),
-        solver: SolverChoice::default(),
         ..params(clamped)
     });
     assert!(

@@ -55,7 +55,7 @@ fn one_clamped_node_leaves_three_rotations_about_it() {
     let corner = nodes_where(&mesh, |p| p.x == 1.0 && p.y == 1.0 && p.z == 0.0);
     let (_, bodies) = refused(&mesh, corner);
     assert_eq!(bodies[0].free.len(), 3);
-    assert_eq!(bodies[0].n_clamped, 1);
+    assert_eq!(bodies[0].n_held, 1);
     for motion in &bodies[0].free {
         let at = motion.translation
             + motion

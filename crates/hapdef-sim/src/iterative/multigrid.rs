@@ -2,8 +2,6 @@
 
 use std::time::Instant;
 
-use nalgebra::Point3;
-
 use super::aggregate::Modes;
 use super::bsr::Bsr;
 use super::hierarchy::{BadPivot, Coarser, Level, Sizes, Solid, smoother};
@@ -172,30 +170,6 @@ fn name(bad: &BadPivot) -> SimError {
         node: bad.row,
         direction: bad.direction,
     }
-}
-
-/// The rigid modes at `positions`: three translations, and three rotations about their mean in
-/// units of their extent.
-pub(crate) fn rigid_modes(positions: &[Point3<f64>]) -> Vec<[[f64; 6]; 3]> {
-    let n = positions.len().max(1) as f64;
-    let centre = positions
-        .iter()
-        .map(|p| p.coords / n)
-        .sum::<nalgebra::Vector3<f64>>();
-    let extent = positions
-        .iter()
-        .map(|p| (p.coords - centre).norm())
-        .fold(0.0, f64::max);
-    let extent = if extent > 0.0 { extent } else { 1.0 };
-    let modes = |p: &Point3<f64>| {
-        let [x, y, z]: [f64; 3] = ((p.coords - centre) / extent).into();
-        [
-            [1.0, 0.0, 0.0, 0.0, z, -y],
-            [0.0, 1.0, 0.0, -z, 0.0, x],
-            [0.0, 0.0, 1.0, y, -x, 0.0],
-        ]
-    };
-    positions.iter().map(modes).collect()
 }
 
 /// The block rows breadth first (Cuthill and McKee 1969), so that neighbours lie close in memory.

@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
+use super::aggregate::Modes;
 use super::pcg::{IterativeParams, Measure, Reached, WIDEST, solve_block};
-use super::{CornerInterpolation, Multigrid, NearNull, rigid_modes};
+use super::{CornerInterpolation, Multigrid, NearNull};
 use crate::assembly::BlockMatrix;
 use crate::factor::Factor;
-use crate::solve::{SolvedBlock, add_loads};
+use crate::solve::{BLOCK, BLOCKS_PER_WAVE, SolvedBlock, add_loads};
 use crate::{ElasticModel, NodalLoad, SimError, SolveInfo, SolveParams};
 
 /// What solves a model's systems.
@@ -19,7 +20,7 @@ pub(crate) enum Solver {
 /// The iterative solver of one matrix.
 #[derive(Debug)]
 pub(crate) struct Iterative {
-    pub(crate) multigrid: Multigrid,
+    pub(super) multigrid: Multigrid,
     scale: Vec<f64>,
     params: IterativeParams,
 }
@@ -32,20 +33,26 @@ impl Solver {
             Self::Iterative(iterative) => &iterative.scale,
         }
     }
+
+    /// The most entries per equation that a solve works on, and the most loads whose results wait
+    /// to be handed over.
+    pub(crate) fn working_set(&self, n_threads: usize) -> (usize, usize) {
+        match self {
+            Self::Direct(_) => (2 * BLOCK * n_threads, BLOCK * BLOCKS_PER_WAVE * n_threads),
+            Self::Iterative(_) => (N_VECTORS * WIDEST, WIDEST),
+        }
+    }
 }
 
 impl Iterative {
-    /// Call inside the thread pool; `positions` are those of the block rows.
+    /// Call inside the thread pool; `modes` are the rigid modes of the block rows.
     pub(crate) fn build(
         matrix: &BlockMatrix,
-        positions: &[nalgebra::Point3<f64>],
-        corners: &CornerInterpolation,
+        modes: &[Modes<3>],
+        corners: Option<&CornerInterpolation>,
         params: IterativeParams,
     ) -> Result<Self, SimError> {
-        let near_null = NearNull {
-            modes: &rigid_modes(positions),
-            corners: Some(corners),
-        };
+        let near_null = NearNull { modes, corners };
         Ok(Self {
             multigrid: Multigrid::build(matrix, &near_null, &params.multigrid)?,
             scale: matrix.jacobi_scale(),
@@ -53,6 +60,10 @@ impl Iterative {
         })
     }
 }
+
+/// Vectors of an iteration and of the V-cycle in it: b, x, r, z, p, q, the caller's x, and three on
+/// the finest level.
+const N_VECTORS: usize = 10;
 
 /// As `solve_all` in `solve.rs`, for loads that are checked.
 pub(crate) fn solve_loads<T: Send>(
@@ -64,8 +75,8 @@ pub(crate) fn solve_loads<T: Send>(
     mut sink: impl FnMut(&[usize], T),
 ) -> Result<SolveInfo, SimError> {
     let started = Instant::now();
-    let order = &model.structure.order;
-    let n = 3 * order.nodes().len();
+    let unknowns = &model.structure.unknowns;
+    let n = 3 * unknowns.n_places();
     let measure = Measure {
         scale: &iterative.scale,
         scaled_norm: model.scaled_norm,
@@ -77,10 +88,10 @@ pub(crate) fn solve_loads<T: Send>(
     for block in sequence.chunks(WIDEST) {
         let k = block.len();
         let mut x = vec![0.0; n * k];
-        add_loads(&mut x, loads, block, order);
+        add_loads(&mut x, loads, block, unknowns);
         let (harvested, reached) = model.pool.install(|| {
             let reached = solve_block(&iterative.multigrid, &mut x, k, &measure);
-            (harvest(&SolvedBlock::new(order, block, &x)), reached)
+            (harvest(&SolvedBlock::new(unknowns, block, &x)), reached)
         });
         for (&load, reached) in block.iter().zip(&reached) {
             check(load, reached, &measure)?;

@@ -5,12 +5,16 @@ use std::sync::Arc;
 use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh};
 use nalgebra::Point3;
 
+use super::aggregate::Modes;
 use super::bsr::Bsr;
-use super::multigrid::{Multigrid, MultigridParams, NearNull, rigid_modes};
-use super::{CornerInterpolation, smoother};
+use super::multigrid::{Multigrid, MultigridParams, NearNull};
+use super::{CornerInterpolation, rigid_modes, smoother};
 use crate::assembly::{BlockMatrix, BlockPattern, assemble};
-use crate::ordering::{NodeGraph, NodeOrder};
-use crate::{IsotropicMaterial, SimError};
+use crate::elements::{Elements, SolidElements};
+use crate::ordering::{Cliques, NodeGraph};
+use crate::supports::Held;
+use crate::unknowns::Unknowns;
+use crate::{IsotropicMaterial, SimError, Supports};
 
 /// A bar of unit cubes along x, each cut in six ten-node tetrahedra about its main diagonal.
 fn bar(n_cells: usize) -> Tet10Mesh {
@@ -55,28 +59,41 @@ fn bar(n_cells: usize) -> Tet10Mesh {
 
 struct Problem {
     matrix: BlockMatrix,
-    positions: Vec<Point3<f64>>,
+    modes: Vec<Modes<3>>,
     corners: CornerInterpolation,
 }
 
 fn problem(n_cells: usize, clamped_at: f64) -> Problem {
     let mesh = bar(n_cells);
-    let clamped: Vec<bool> = mesh.nodes().iter().map(|p| p.x == clamped_at).collect();
-    let order = NodeOrder::build(&mesh, &clamped).expect("ordered");
-    let pattern = Arc::new(BlockPattern::build(&NodeGraph::build(&mesh, &order)));
+    let ids = (0..mesh.nodes().len()).map(FeNodeId::from_index);
+    let clamped: Vec<FeNodeId> = ids.filter(|&n| mesh.position(n).x == clamped_at).collect();
     let material = IsotropicMaterial::new(2e9, 0.3, 1000.0).expect("valid");
-    let (matrix, _) = assemble(&mesh, &material, None, &order, pattern).expect("assembled");
+    let elements = SolidElements::new(&mesh, &material, &[], None).expect("one material");
+    let held = Held::new(&clamped, &Supports::default(), mesh.nodes().len(), false).expect("held");
+    let unknowns = Unknowns::natural(mesh.nodes(), 1, &held, &[]).expect("free nodes");
+    let mut cliques = Cliques::default();
+    for element in 0..elements.n_elements() {
+        let nodes = elements.nodes(element).iter();
+        cliques.push(nodes.flat_map(|&node| unknowns.translation(node).places()));
+    }
+    let graph = NodeGraph::build(unknowns.n_places(), &cliques);
+    let pattern = Arc::new(BlockPattern::build(&graph));
+    let (matrix, _) = assemble(&elements, &[], &unknowns, pattern).expect("assembled");
     Problem {
-        positions: order.nodes().iter().map(|&n| mesh.position(n)).collect(),
-        corners: CornerInterpolation::build(&mesh, &order),
         matrix,
+        modes: rigid_modes(mesh.nodes(), &unknowns),
+        corners: CornerInterpolation::build(&elements, &unknowns).expect("ten-node tetrahedra"),
     }
 }
 
 impl Problem {
+    fn n(&self) -> usize {
+        self.modes.len()
+    }
+
     fn multigrid(&self, with_corners: bool) -> Result<Multigrid, SimError> {
         let near_null = NearNull {
-            modes: &rigid_modes(&self.positions),
+            modes: &self.modes,
             corners: with_corners.then_some(&self.corners),
         };
         let params = MultigridParams {
@@ -100,7 +117,7 @@ fn dot(a: &[[f64; 1]], b: &[[f64; 1]]) -> f64 {
 #[test]
 fn the_preconditioner_is_symmetric_positive_definite() {
     let problem = problem(30, 0.0);
-    let n = 3 * problem.positions.len();
+    let n = 3 * problem.n();
     for with_corners in [true, false] {
         let multigrid = problem.multigrid(with_corners).expect("held");
         assert!(
@@ -133,20 +150,21 @@ fn a_floating_body_is_singular_with_a_node_named() {
         else {
             panic!("{error}");
         };
-        assert!(node < problem.positions.len());
+        assert!(node < problem.n());
     }
 }
 
 #[test]
 fn corners_carry_rigid_motions_to_all_nodes() {
     let problem = problem(3, -1.0);
-    let n = problem.positions.len();
+    let n = problem.n();
     let sequence: Vec<u32> = (0..n as u32).rev().collect();
     let (p, corner_rows) = problem.corners.matrix(&sequence);
     assert_eq!(corner_rows.len(), 16);
-    let modes = rigid_modes(&problem.positions);
     let flat = |rows: &[u32]| -> Vec<[f64; 6]> {
-        rows.iter().flat_map(|&row| modes[row as usize]).collect()
+        rows.iter()
+            .flat_map(|&row| problem.modes[row as usize])
+            .collect()
     };
     let mut fine = vec![[0.0; 6]; 3 * n];
     p.multiply(&flat(&corner_rows), &mut fine);
@@ -159,7 +177,7 @@ fn corners_carry_rigid_motions_to_all_nodes() {
 #[test]
 fn products_and_transposes_agree_with_multiplication() {
     let problem = problem(4, 0.0);
-    let n = problem.positions.len();
+    let n = problem.n();
     let sequence: Vec<u32> = (0..n as u32).map(|i| (i * 7) % n as u32).collect();
     assert_ne!(n % 7, 0, "7 must not divide the rows");
     let a = Bsr::from_symmetric(&problem.matrix, &sequence);
@@ -181,7 +199,7 @@ fn products_and_transposes_agree_with_multiplication() {
 #[test]
 fn the_polynomial_covers_the_spectrum() {
     let problem = problem(6, 0.0);
-    let n = problem.positions.len();
+    let n = problem.n();
     let sequence: Vec<u32> = (0..n as u32).collect();
     let a = Bsr::from_symmetric(&problem.matrix, &sequence);
     let smoother = smoother::Smoother::build(&a, 2, 20.0).expect("positive definite");

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
-use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, SolverChoice};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::ProptestConfig;
 use std::collections::BTreeMap;
@@ -123,13 +123,7 @@ pub fn material_of(nu: f64) -> IsotropicMaterial {
 }
 
 pub fn params(clamped: Vec<FeNodeId>) -> ElasticParams {
-    ElasticParams {
-        material: material(),
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped,
-        n_threads: 1,
-    }
+    ElasticParams::new(material(), clamped)
 }
 
 /// A cantilever box clamped at x = 0.

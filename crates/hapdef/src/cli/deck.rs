@@ -5,9 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::{SolidDeck, read_deck};
-use hapdef_sim::{
-    ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad, SolverChoice,
-};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
 /// Solves the deck's own load and prints what an FE engineer would look at first.
@@ -23,11 +21,8 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
     let material =
         IsotropicMaterial::new(material.youngs_modulus_pa, material.poissons_ratio, density)?;
     let params = ElasticParams {
-        material,
-        element_stiffness_scale: None,
-        solver: SolverChoice::default(),
-        clamped: deck.fixed_nodes.clone(),
         n_threads: std::thread::available_parallelism().map_or(1, usize::from),
+        ..ElasticParams::new(material, deck.fixed_nodes.clone())
     };
     let elastic_model = ElasticModel::build(&deck.mesh, &params)?;
     let load = own_load(&deck)?;
@@ -70,6 +65,7 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
 fn own_load(deck: &SolidDeck) -> Result<NodalLoad> {
     let forces = NodalLoad {
         forces_n: deck.nodal_forces.clone(),
+        ..NodalLoad::default()
     };
     let load = forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?);
     if load.forces_n.is_empty() {

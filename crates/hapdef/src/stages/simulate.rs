@@ -1,7 +1,7 @@
 //! Stage: factor the limb once, solve one right-hand side per surface node.
 
 use hapdef_mesh::GaugeId;
-use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, SolverChoice};
+use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
 use serde_json::{Value, json};
 
 use crate::cache::Stage;
@@ -31,11 +31,8 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             limb.n_surface_nodes()
         ));
         let elastic = ElasticParams {
-            material: limb.material,
-            element_stiffness_scale: None,
-            solver: SolverChoice::default(),
-            clamped: limb.clamped.clone(),
             n_threads: run.threads,
+            ..ElasticParams::new(limb.material, limb.clamped.clone())
         };
         let elastic_model = ElasticModel::build(&limb.mesh, &elastic)?;
         let loads = limb.unit_loads(run.scene.contact.tip_radius_m)?;
