@@ -331,7 +331,7 @@ fn a_symmetry_plane_and_a_rigid_insert_move_as_the_direct_path_says() {
     let mesh = straight_box([10, 5, 5], [2.0, 1.0, 1.0]);
     let params = ElasticParams {
         supports: Supports {
-            symmetry_planes: vec![SymmetryPlane {
+            symmetry: vec![SymmetryPlane {
                 nodes: nodes_where(&mesh, |p| p.y == 0.0),
                 normal: Vector3::y(),
             }],
