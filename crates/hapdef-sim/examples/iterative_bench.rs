@@ -1,9 +1,9 @@
-//! Times the iterative path: `iterative_bench CASE [N_THREADS] [N_LOADS] [both]`.
+//! Times the iterative path: `iterative_bench CASE [N_THREADS] [N_LOADS] [both|auto]`.
 //!
 //! CASE is `box:NX,NY,NZ` (a clamped box of unit cells, six ten-node tetrahedra each),
 //! `jump:NX,NY,NZ` (the same with every twentieth element 10⁶ times stiffer), `shell:NX,NY,NZ` (the
 //! same box as a cantilever plate, a tenth as thick in z), or a solid deck. With `both` the direct
-//! factor solves the same loads and the solutions are compared.
+//! factor solves the same loads and the solutions are compared; with `auto` the model chooses.
 #![allow(
     clippy::print_stdout,
     reason = "a program that prints what it measures"
@@ -27,16 +27,20 @@ use nalgebra::Vector3;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let usage = "usage: iterative_bench CASE [N_THREADS] [N_LOADS] [both]";
+    let usage = "usage: iterative_bench CASE [N_THREADS] [N_LOADS] [both|auto]";
     let case = args.first().ok_or(usage)?;
     let n_threads = args.get(1).map_or(Ok(1), |n| n.parse())?;
     let n_loads: usize = args.get(2).map_or(Ok(1), |n| n.parse())?;
     let (mesh, mut params) = problem(case)?;
     params.n_threads = n_threads;
     let loads = loads(&mesh, &params.clamped, n_loads);
-    params.solver = SolverChoice::Iterative(IterativeParams::default());
+    let mode = args.get(3).map_or("", String::as_str);
+    params.solver = match mode {
+        "auto" => SolverChoice::default(),
+        _ => SolverChoice::Iterative(IterativeParams::default()),
+    };
     let iterative = solve(&mesh, &params, &loads)?;
-    if args.get(3).is_some_and(|word| word == "both") {
+    if mode == "both" {
         params.solver = SolverChoice::Direct;
         let direct = solve(&mesh, &params, &loads)?;
         let worst = direct.iter().zip(&iterative).map(|(d, i)| miss(d, i));

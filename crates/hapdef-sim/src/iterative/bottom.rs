@@ -40,7 +40,7 @@ impl Bottom {
         )?;
         let l = factor.L();
         let pivot = |i: usize| l[(i, i)] * l[(i, i)];
-        match (0..n).find(|&i| !(pivot(i) > SINGULAR_BELOW)) {
+        match (0..n).find(|&i| pivot(i).is_nan() || pivot(i) <= SINGULAR_BELOW) {
             Some(i) => Err((i / B, i % B, pivot(i))),
             None => Ok(Self { factor, scale }),
         }

@@ -85,7 +85,7 @@ impl fmt::Display for SolverInfo {
             SolverKind::Direct => "direct factor",
             SolverKind::Iterative => "conjugate gradients with multigrid",
         };
-        let gib = |bytes: usize| bytes as f64 / f64::from(1 << 30);
+        let mib = |bytes: usize| bytes.div_ceil(1 << 20);
         match self.reason {
             ChoiceReason::Asked => write!(f, "{kind}, as asked"),
             ChoiceReason::Estimated {
@@ -94,10 +94,10 @@ impl fmt::Display for SolverInfo {
                 memory_budget_bytes,
             } => write!(
                 f,
-                "{kind}: a direct factor would have {nnz_l} non-zeros and take {:.2} GiB of the {:.2} \
+                "{kind}: a direct factor would have {nnz_l} non-zeros and take {} MiB of the {} \
                  allowed",
-                gib(direct_bytes),
-                gib(memory_budget_bytes)
+                mib(direct_bytes),
+                mib(memory_budget_bytes)
             ),
         }?;
         let Some(multigrid) = &self.multigrid else {
@@ -105,10 +105,10 @@ impl fmt::Display for SolverInfo {
         };
         write!(
             f,
-            "; levels of {:?} equations, operator complexity {:.2}, {:.2} GiB",
+            "; levels of {:?} equations, operator complexity {:.2}, {} MiB",
             multigrid.n_equations,
             multigrid.operator_complexity,
-            gib(multigrid.bytes)
+            mib(multigrid.bytes)
         )
     }
 }

@@ -15,7 +15,7 @@ pub(super) trait Coarser: Sync {
 /// One level: its matrix, its smoother and the way to the next one.
 #[derive(Debug)]
 pub(super) struct Level<const B: usize, const C: usize> {
-    pub(super) a: Bsr<B, B>,
+    a: Bsr<B, B>,
     smoother: Smoother<B>,
     p: Bsr<B, C>,
     p_transposed: Bsr<C, B>,
@@ -27,7 +27,7 @@ pub(super) enum Solid {
     /// Ten-node tetrahedra over their corners.
     Corners(Box<Level<3, 3>>, Box<Solid>),
     Aggregates(Box<Level<3, 6>>, Box<Rigid>),
-    Bottom(Bottom),
+    Bottom(Bsr<3, 3>, Bottom),
 }
 
 /// A level of 6 × 6 blocks (six rigid modes per aggregate) and what lies under it.
@@ -92,7 +92,7 @@ impl Coarser for Solid {
         match self {
             Self::Corners(level, next) => level.cycle(next.as_ref(), b, x),
             Self::Aggregates(level, next) => level.cycle(next.as_ref(), b, x),
-            Self::Bottom(bottom) => bottom.solve(b, x),
+            Self::Bottom(_, bottom) => bottom.solve(b, x),
         }
     }
 }
@@ -116,7 +116,8 @@ impl Solid {
         params: &MultigridParams,
     ) -> Result<Self, BadPivot> {
         if 3 * a.n_rows() <= params.dense_below {
-            return bottom(&a, rows).map(Self::Bottom);
+            let bottom = bottom(&a, rows)?;
+            return Ok(Self::Bottom(a, bottom));
         }
         let coarsened = Coarsened::build(a, modes, rows, 0, params)?;
         let next = Rigid::aggregated(
@@ -129,6 +130,14 @@ impl Solid {
         Ok(Self::Aggregates(Box::new(coarsened.level), Box::new(next)))
     }
 
+    pub(super) fn matrix(&self) -> &Bsr<3, 3> {
+        match self {
+            Self::Corners(level, _) => &level.a,
+            Self::Aggregates(level, _) => &level.a,
+            Self::Bottom(a, _) => a,
+        }
+    }
+
     pub(super) fn count(&self, sizes: &mut Sizes) {
         match self {
             Self::Corners(level, next) => {
@@ -139,7 +148,7 @@ impl Solid {
                 level.count(sizes);
                 next.count(sizes);
             }
-            Self::Bottom(bottom) => count_bottom(bottom, sizes),
+            Self::Bottom(_, bottom) => count_bottom(bottom, sizes),
         }
     }
 }

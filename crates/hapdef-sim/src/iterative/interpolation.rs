@@ -22,8 +22,11 @@ const MIN_WEIGHT: f64 = 1e-9;
 #[derive(Debug)]
 pub(crate) struct CornerInterpolation {
     /// Per place: what a mid-side node takes from other places; nothing elsewhere.
-    rows: Vec<Option<Vec<(u32, Matrix3<f64>)>>>,
+    rows: Vec<Option<Row>>,
 }
+
+/// Places and the matrix on each.
+type Row = Vec<(u32, Matrix3<f64>)>;
 
 /// The corners of an element, and a mid-side node's weight on each.
 type Weights = [(FeNodeId, f64); 4];
@@ -110,12 +113,8 @@ fn best_weights(elements: &dyn Elements, is_corner: &[bool]) -> Vec<Option<(f64,
 }
 
 /// What `projector` times the weighted motion of the corners takes from each place.
-fn followed(
-    weights: &Weights,
-    projector: &Matrix3<f64>,
-    unknowns: &Unknowns,
-) -> Vec<(u32, Matrix3<f64>)> {
-    let mut row: Vec<(u32, Matrix3<f64>)> = Vec::new();
+fn followed(weights: &Weights, projector: &Matrix3<f64>, unknowns: &Unknowns) -> Row {
+    let mut row = Row::new();
     for (corner, weight) in weights.iter().filter(|(_, weight)| *weight != 0.0) {
         for (place, matrix) in unknowns.translation(*corner).terms() {
             let term = projector * matrix * *weight;

@@ -62,8 +62,6 @@ pub(crate) struct NearNull<'a> {
 #[derive(Debug)]
 pub(crate) struct Multigrid {
     finest: Solid,
-    /// The matrix again where the finest level holds none (it is factored densely).
-    whole: Option<Bsr<3, 3>>,
     /// The block row of the caller's matrix at each place.
     sequence: Vec<u32>,
     info: MultigridInfo,
@@ -83,8 +81,6 @@ impl Multigrid {
         let started = Instant::now();
         let sequence = local_sequence(matrix);
         let a = Bsr::from_symmetric(matrix, &sequence);
-        let whole =
-            (3 * a.n_rows() <= params.dense_below).then(|| Bsr::from_symmetric(matrix, &sequence));
         let finest = levels(a, near_null, &sequence, params).map_err(|bad| name(&bad))?;
         let mut sizes = Sizes {
             n_equations: Vec::new(),
@@ -101,7 +97,6 @@ impl Multigrid {
         };
         Ok(Self {
             finest,
-            whole,
             sequence,
             info,
         })
@@ -118,12 +113,7 @@ impl Multigrid {
 
     /// K in this order of rows.
     pub(super) fn matrix(&self) -> &Bsr<3, 3> {
-        match (&self.whole, &self.finest) {
-            (Some(whole), _) => whole,
-            (None, Solid::Corners(level, _)) => &level.a,
-            (None, Solid::Aggregates(level, _)) => &level.a,
-            (None, Solid::Bottom(_)) => unreachable!("a dense finest level keeps the matrix"),
-        }
+        self.finest.matrix()
     }
 
     pub(super) fn sequence(&self) -> &[u32] {

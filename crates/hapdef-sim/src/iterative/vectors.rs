@@ -80,9 +80,9 @@ pub(super) fn scale_and_add<const K: usize>(factor: &[f64; K], x: &[[f64; K]], y
         });
 }
 
-/// Not max(): a NaN must survive.
+/// As max(), but a NaN survives.
 fn larger(largest: &mut f64, value: f64) {
-    if !(value <= *largest) {
+    if !largest.is_nan() && (value.is_nan() || value > *largest) {
         *largest = value;
     }
 }
