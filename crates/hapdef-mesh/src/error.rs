@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::{DeckFault, GltfFault, SolidFault};
+use crate::{DeckFault, GltfFault, SolidFault, SurfaceFault};
 
 /// Why a mesh could not be read, built or written.
 #[derive(Debug, thiserror::Error)]
@@ -115,6 +115,9 @@ pub enum MeshError {
     /// Nodes and elements that don't make a solid mesh.
     #[error(transparent)]
     Solid(#[from] SolidFault),
+    /// A triangle surface that can't become a shell, be remeshed or be extruded.
+    #[error(transparent)]
+    Surface(#[from] SurfaceFault),
     /// No boundary face belongs to the contact region.
     #[error("no boundary face belongs to the contact region; widen its limits")]
     EmptySkin,

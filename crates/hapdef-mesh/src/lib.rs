@@ -6,9 +6,12 @@
 
 mod atomic;
 mod boundary;
+mod closest;
 pub mod colour;
+mod curve;
 mod deck;
 mod error;
+mod extrude;
 mod gltf;
 mod ids;
 mod neighbours;
@@ -16,6 +19,10 @@ mod patch;
 mod quality;
 mod rays;
 mod refine;
+mod refine_surface;
+mod refined;
+mod remesh;
+mod shell;
 mod shin;
 mod sites;
 mod skin;
@@ -35,15 +42,25 @@ pub use self::gltf::{
 };
 pub use atomic::atomic_write;
 pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
+pub use curve::FaceCurve;
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,
     write_inp,
 };
 pub use error::MeshError;
+pub use extrude::{ExtrudeParams, Extrusion, extrude};
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
 pub use neighbours::PointIndex;
 pub use patch::{GaugePatch, gauge_patch};
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
+pub use refine_surface::RefinedSurface;
+pub use refined::{RefinedSolid, is_folded, refine_unfolded};
+pub use remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
+pub use shell::{
+    BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
+    SolidShellParams, SurfaceDefects, SurfaceFault, WallKind, clean_surface, measure_solid,
+    shell_from_solid,
+};
 pub use shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use sites::{clear_nodes, farthest_nodes};
 pub use skin::{RadialRegionParams, SkinRegion, face_positions, radial_region};

@@ -153,7 +153,8 @@ fn count_shapes(mesh: &SurfaceMesh) -> (usize, usize) {
     (n_degenerate, n_slivers)
 }
 
-fn is_flat(mesh: &SurfaceMesh, triangle: usize) -> bool {
+/// Whether a triangle without a repeated corner has no area to speak of.
+pub(crate) fn is_flat(mesh: &SurfaceMesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle);
     let longest = [b - a, c - b, a - c]
         .map(|e| e.norm())

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 
-use crate::{Tet10Mesh, Tri6Face, face_positions};
+use crate::{SurfaceMesh, Tet10Mesh, Tri6Face, face_positions};
 
 /// Boundary faces indexed for ray queries; each six-node face counts as the four flat triangles
 /// between its nodes.
@@ -37,6 +37,67 @@ impl FaceRays {
         Self {
             tree: RTree::bulk_load(triangles),
         }
+    }
+
+    /// The triangles of a surface, each a face of its own.
+    pub(crate) fn of_surface(mesh: &SurfaceMesh) -> Self {
+        let triangles = (0..mesh.triangles().len())
+            .map(|face| Triangle {
+                face,
+                corners: mesh.corners(face),
+            })
+            .collect();
+        Self {
+            tree: RTree::bulk_load(triangles),
+        }
+    }
+
+    /// Whether the ray meets no face other than `skip` at a distance above 0.
+    pub(crate) fn is_free(
+        &self,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        skip: usize,
+    ) -> bool {
+        let ray = Ray {
+            origin: *origin,
+            direction: *direction,
+        };
+        !self
+            .tree
+            .locate_with_selection_function(ray)
+            .any(|triangle| triangle.face != skip && triangle.distance(&ray).is_some())
+    }
+
+    /// Every face other than `skip` that the ray meets at a distance above 0, the nearest first,
+    /// ties by face.
+    pub(crate) fn hits(
+        &self,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        skip: usize,
+    ) -> Vec<Hit> {
+        let ray = Ray {
+            origin: *origin,
+            direction: *direction,
+        };
+        let mut hits: Vec<Hit> = self
+            .tree
+            .locate_with_selection_function(ray)
+            .filter(|triangle| triangle.face != skip)
+            .filter_map(|triangle| {
+                let distance_m = triangle.distance(&ray)?;
+                Some(Hit {
+                    face: triangle.face,
+                    distance_m,
+                })
+            })
+            .collect();
+        hits.sort_by(|a, b| {
+            let nearer = a.distance_m.total_cmp(&b.distance_m);
+            nearer.then(a.face.cmp(&b.face))
+        });
+        hits
     }
 
     /// The first face other than `skip` that the ray from `origin` along the unit vector

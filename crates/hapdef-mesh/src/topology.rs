@@ -33,6 +33,12 @@ impl Edges {
 
 /// The number of sets of triangles connected across edges.
 pub(crate) fn count_bodies(triangles: &[[u32; 3]]) -> usize {
+    bodies(triangles).len()
+}
+
+/// The sets of triangles connected across edges, each ascending, in order of their first triangle.
+/// Triangles that repeat a corner belong to none.
+pub(crate) fn bodies(triangles: &[[u32; 3]]) -> Vec<Vec<usize>> {
     let mut parent: Vec<usize> = (0..triangles.len()).collect();
     for uses in sorted_half_edges(triangles).chunk_by(|a, b| a.ends() == b.ends()) {
         for pair in uses.windows(2) {
@@ -40,9 +46,17 @@ pub(crate) fn count_bodies(triangles: &[[u32; 3]]) -> usize {
             parent[a.max(b)] = a.min(b);
         }
     }
-    (0..triangles.len())
-        .filter(|&t| parent[t] == t && !repeats(&triangles[t]))
-        .count()
+    let mut number = vec![usize::MAX; triangles.len()];
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for triangle in (0..triangles.len()).filter(|&t| !repeats(&triangles[t])) {
+        let first = root(&mut parent, triangle);
+        if number[first] == usize::MAX {
+            number[first] = sets.len();
+            sets.push(Vec::new());
+        }
+        sets[number[first]].push(triangle);
+    }
+    sets
 }
 
 /// Triangles with the same three vertices, in any order, as an earlier one.
@@ -55,20 +69,20 @@ pub(crate) fn count_doubled(triangles: &[[u32; 3]]) -> usize {
 
 /// One side of a triangle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct HalfEdge {
-    low: u32,
-    high: u32,
-    triangle: usize,
-    is_forward: bool,
+pub(crate) struct HalfEdge {
+    pub low: u32,
+    pub high: u32,
+    pub triangle: usize,
+    pub is_forward: bool,
 }
 
 impl HalfEdge {
-    fn ends(&self) -> (u32, u32) {
+    pub fn ends(&self) -> (u32, u32) {
         (self.low, self.high)
     }
 }
 
-fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
+pub(crate) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
     let mut half_edges = Vec::with_capacity(3 * triangles.len());
     for (triangle, corners) in triangles.iter().enumerate().filter(|(_, t)| !repeats(t)) {
         for i in 0..3 {

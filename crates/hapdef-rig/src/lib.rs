@@ -15,7 +15,6 @@ mod misplace;
 mod params;
 mod prober;
 mod real_limb;
-mod unfold;
 mod warp;
 
 pub use electronics::Electronics;

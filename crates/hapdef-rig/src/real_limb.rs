@@ -1,9 +1,8 @@
 //! The limb behind the gauges: refined, perturbed, solved once per gauge.
 
-use std::collections::BTreeSet;
 use std::time::Instant;
 
-use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
+use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded};
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
     IsotropicMaterial, NodalLoad, SolveInfo,
@@ -16,7 +15,6 @@ use crate::error::RigError;
 use crate::field::SmoothField;
 use crate::misplace::misplaced_gauges;
 use crate::params::{GainParams, RigParams};
-use crate::unfold::{Refined, refine_unfolded};
 use crate::warp::vary_thickness;
 
 /// The limb as it is drawn, before anything is perturbed.
@@ -79,10 +77,12 @@ impl RealLimb {
         n_threads: usize,
     ) -> Result<Self, RigError> {
         let start = Instant::now();
-        let (refined, clamped) = refined(nominal, params.refinements)?;
-        let n_straightened = refined.n_straightened;
-        let mesh = refined.mesh;
-        let skin = refined_skin(&mesh, nominal.skin, params.refinements)?;
+        let FinerLimb {
+            mesh,
+            clamped,
+            skin,
+            n_straightened,
+        } = finer(nominal, params.refinements)?;
         let varied = vary_thickness(&mesh, &skin, &params.thickness, params.max_wall_m)?;
         let mesh = varied.mesh;
         let gauges = misplaced_gauges(
@@ -150,74 +150,31 @@ impl RealLimb {
     }
 }
 
-/// The refined mesh and its clamped nodes: a new node is clamped where both ends of its edge are.
-fn refined(
-    nominal: &NominalLimb<'_>,
-    refinements: u32,
-) -> Result<(Refined, Vec<FeNodeId>), MeshError> {
-    let mut mesh = nominal.mesh.clone();
-    let mut n_straightened = 0;
-    let mut clamped = vec![false; mesh.nodes().len()];
-    for node in nominal.clamped {
-        clamped[node.index()] = true;
-    }
+/// The nominal limb on a finer mesh.
+struct FinerLimb {
+    mesh: Tet10Mesh,
+    clamped: Vec<FeNodeId>,
+    skin: SkinRegion,
+    n_straightened: usize,
+}
+
+fn finer(nominal: &NominalLimb<'_>, refinements: u32) -> Result<FinerLimb, MeshError> {
+    let mut finer = FinerLimb {
+        mesh: nominal.mesh.clone(),
+        clamped: nominal.clamped.to_vec(),
+        skin: nominal.skin.clone(),
+        n_straightened: 0,
+    };
     for _ in 0..refinements {
-        let refined = refine_unfolded(&mesh)?;
-        mesh = refined.mesh;
-        n_straightened += refined.n_straightened;
-        let n_old = clamped.len();
-        clamped.resize(mesh.nodes().len(), false);
-        for element in mesh.elements() {
-            for (mid, [a, b]) in (4..).zip(TET10_EDGES) {
-                let ends_clamped = [a, b]
-                    .iter()
-                    .all(|&end| element[end].index() < n_old && clamped[element[end].index()]);
-                clamped[element[mid].index()] |= ends_clamped;
-            }
-        }
+        let refined = refine_unfolded(&finer.mesh)?;
+        finer = FinerLimb {
+            clamped: refined.node_set(&finer.clamped),
+            skin: SkinRegion::new(&refined.mesh, refined.faces(&finer.skin.faces))?,
+            n_straightened: finer.n_straightened + refined.n_straightened,
+            mesh: refined.mesh,
+        };
     }
-    let nodes = (0..clamped.len())
-        .filter(|&i| clamped[i])
-        .map(FeNodeId::from_index);
-    Ok((
-        Refined {
-            mesh,
-            n_straightened,
-        },
-        nodes.collect(),
-    ))
-}
-
-/// The boundary faces of the refined mesh that the faces of `skin` were cut into.
-fn refined_skin(
-    mesh: &Tet10Mesh,
-    skin: &SkinRegion,
-    refinements: u32,
-) -> Result<SkinRegion, MeshError> {
-    let mut faces = skin.faces.clone();
-    for _ in 0..refinements {
-        let pieces: BTreeSet<[FeNodeId; 3]> = faces.iter().flat_map(quarters).collect();
-        let is_piece = |face: &&Tri6Face| pieces.contains(&corners(&face.nodes[..3]));
-        faces = mesh
-            .boundary()
-            .faces
-            .iter()
-            .filter(is_piece)
-            .copied()
-            .collect();
-    }
-    SkinRegion::new(mesh, faces)
-}
-
-/// The corners of the four faces that uniform refinement cuts a face into.
-fn quarters(face: &Tri6Face) -> [[FeNodeId; 3]; 4] {
-    [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|piece| corners(&piece.map(|i| face.nodes[i])))
-}
-
-fn corners(nodes: &[FeNodeId]) -> [FeNodeId; 3] {
-    let mut corners = [nodes[0], nodes[1], nodes[2]];
-    corners.sort_unstable();
-    corners
+    Ok(finer)
 }
 
 fn stiffness_scale(mesh: &Tet10Mesh, params: &RigParams) -> Vec<f64> {

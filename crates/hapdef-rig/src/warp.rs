@@ -1,11 +1,10 @@
 //! The wall made locally thicker or thinner by moving what lies below the skin.
 
-use hapdef_mesh::{FeNodeId, MeshError, PointIndex, SkinRegion, Tet10Mesh};
+use hapdef_mesh::{FeNodeId, MeshError, PointIndex, SkinRegion, Tet10Mesh, is_folded};
 use nalgebra::Point3;
 
 use crate::field::SmoothField;
 use crate::params::VariationParams;
-use crate::unfold::is_folded;
 
 /// A mesh of varied thickness.
 pub(crate) struct Varied {

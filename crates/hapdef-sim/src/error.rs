@@ -1,6 +1,6 @@
 //! What can go wrong in statics.
 
-use crate::FloatingBody;
+use crate::{FloatingBody, ShellElementProblem};
 
 /// Why an elastic model, a load or a gauge could not be built, or a system not be solved.
 #[derive(Debug, thiserror::Error)]
@@ -112,6 +112,20 @@ pub enum SimError {
         parent: [f64; 3],
         /// The Jacobian determinant there, m³.
         det_j_m3: f64,
+    },
+    /// A shell triangle that is not usable.
+    #[error("shell element {element} (0-based): {problem}")]
+    ShellElement {
+        /// The element, counted from 0.
+        element: usize,
+        /// What is wrong with it.
+        problem: ShellElementProblem,
+    },
+    /// A node of a shell that no triangle uses.
+    #[error("node {node} (0-based) belongs to no triangle of the shell; remove it")]
+    UnusedNode {
+        /// The node.
+        node: usize,
     },
     /// Parts that can move without deforming, because too few or badly placed nodes are clamped.
     #[error(

@@ -179,7 +179,7 @@ impl GaugeStrain {
     }
 }
 
-fn check_site(site: &GaugeSite, params: &GaugeParams) -> Result<(), SimError> {
+pub(crate) fn check_site(site: &GaugeSite, params: &GaugeParams) -> Result<(), SimError> {
     for (what, value) in [
         ("the gauge's length (m)", site.length_m),
         ("the gauge's width (m)", site.width_m),
@@ -235,7 +235,7 @@ fn wall_under(
 }
 
 /// Unit vectors along and across the gauge in the tangent plane.
-fn axes(site: &GaugeSite, normal: &Vector3<f64>) -> Result<[Vector3<f64>; 2], SimError> {
+pub(crate) fn axes(site: &GaugeSite, normal: &Vector3<f64>) -> Result<[Vector3<f64>; 2], SimError> {
     let axis = unit("the gauge's axis", &site.axis)?;
     let tangent = axis - normal * axis.dot(normal);
     if tangent.norm() < 0.1 {
@@ -250,7 +250,7 @@ fn axes(site: &GaugeSite, normal: &Vector3<f64>) -> Result<[Vector3<f64>; 2], Si
 }
 
 /// The centres of a grid of cells over the rectangle.
-fn footprint(
+pub(crate) fn footprint(
     origin: &Point3<f64>,
     along: &Vector3<f64>,
     across: &Vector3<f64>,
@@ -269,7 +269,7 @@ fn footprint(
         .collect()
 }
 
-fn check_lost(
+pub(crate) fn check_lost(
     site: &GaugeSite,
     n_lost: usize,
     n_samples: usize,

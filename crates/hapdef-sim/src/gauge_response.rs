@@ -54,12 +54,20 @@ impl ElasticModel {
         &self,
         gauges: &[GaugeStrain],
     ) -> Result<(GaugeResponse, SolveInfo), SimError> {
-        let n_fe_nodes = self.info().n_fe_nodes;
         let loads: Vec<NodalLoad> = gauges.iter().map(GaugeStrain::as_load).collect();
-        let mut fields = vec![Vector3::zeros(); gauges.len() * n_fe_nodes];
+        self.adjoint_response(&loads)
+    }
+
+    /// The response of functionals given as loads.
+    pub(crate) fn adjoint_response(
+        &self,
+        loads: &[NodalLoad],
+    ) -> Result<(GaugeResponse, SolveInfo), SimError> {
+        let n_fe_nodes = self.info().n_fe_nodes;
+        let mut fields = vec![Vector3::zeros(); loads.len() * n_fe_nodes];
         let info = solve_all(
             self,
-            &loads,
+            loads,
             &SolveParams::default(),
             |block| {
                 (0..block.loads.len())

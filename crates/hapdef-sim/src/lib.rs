@@ -30,6 +30,7 @@ mod patch_load;
 mod quadrature;
 mod rigid_modes;
 mod rigidity;
+mod shell;
 mod solve;
 mod supports;
 mod unknowns;
@@ -50,6 +51,11 @@ pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
 pub use rigid_modes::{FloatingBody, RigidMotion};
+pub use shell::{
+    ShellElementMatrix, ShellElementProblem, ShellGaugeStrain, ShellKind, ShellMesh,
+    ShellMeshParams, ShellParams, ShellResultants, ShellStrain, shell_pressure_load,
+    shell_stiffness, shell_traction_load,
+};
 pub use solve::{SolveInfo, SolveParams};
 pub use supports::{
     Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,

@@ -73,7 +73,7 @@ pub(crate) fn unit(what: &'static str, direction: &Vector3<f64>) -> Result<Vecto
         })
 }
 
-fn check_tip(centre: &Point3<f64>, tip_radius_m: f64) -> Result<(), SimError> {
+pub(crate) fn check_tip(centre: &Point3<f64>, tip_radius_m: f64) -> Result<(), SimError> {
     let refuse = |what, value, expected| {
         Err(SimError::Parameter {
             what,
@@ -136,15 +136,15 @@ fn kernel_weights(
 }
 
 /// A tip over one face.
-struct Tip<'a> {
-    nodes: [Point3<f64>; 6],
-    centre: &'a Point3<f64>,
-    radius_m: f64,
+pub(crate) struct Tip<'a> {
+    pub(crate) nodes: [Point3<f64>; 6],
+    pub(crate) centre: &'a Point3<f64>,
+    pub(crate) radius_m: f64,
 }
 
 impl Tip<'_> {
     /// Adds ∫ Nᵢ κ dA over the piece of the face with parent corners `piece`.
-    fn integrate(&self, piece: &[[f64; 2]; 3], splits: u32, shares: &mut [f64; 6]) {
+    pub(crate) fn integrate(&self, piece: &[[f64; 2]; 3], splits: u32, shares: &mut [f64; 6]) {
         let (middle, reach_m) = self.extent(piece);
         if (middle - self.centre).norm() > self.radius_m + reach_m {
             return;

@@ -175,7 +175,7 @@ fn nearest_on_face(nodes: &[Point3<f64>; 6], point: &Point3<f64>) -> (f64, f64, 
 
 /// (s, t) of the nearest point a + s (b − a) + t (c − a) of a triangle
 /// (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
-fn nearest_on_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>) -> (f64, f64) {
+pub(crate) fn nearest_on_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>) -> (f64, f64) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
     let (aa, bb, mixed) = (ab.norm_squared(), ac.norm_squared(), ab.dot(&ac));

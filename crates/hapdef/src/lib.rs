@@ -9,6 +9,7 @@
 mod args;
 mod cache;
 mod compliance;
+pub mod convergence;
 mod error;
 mod error_text;
 mod estimator;

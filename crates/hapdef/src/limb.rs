@@ -5,6 +5,7 @@ use std::path::Path;
 use hapdef_mesh::{
     BoundarySurface, FeNodeId, GaugePatch, MeshError, OuterSkinParams, RadialRegionParams,
     SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region, read_deck,
+    refine_unfolded,
 };
 use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad};
 use nalgebra::{Point3, Unit, Vector3};
@@ -42,8 +43,6 @@ pub struct Limb {
     pub patches: Vec<GaugePatch>,
     /// Hash of the deck file's bytes.
     pub deck_hash: String,
-    /// The deck as read, for sets, loads and labels.
-    pub deck: SolidDeck,
 }
 
 impl Limb {
@@ -60,7 +59,13 @@ impl Limb {
         })?;
         let deck_hash = blake3::hash(&bytes).to_hex().to_string();
         let deck = in_metres(read_deck(&path)?, &scene.geometry)?;
-        let mesh = deck.mesh.clone();
+        let mut clamped = find_mount(&scene.mount, &deck)?;
+        let mut mesh = deck.mesh.clone();
+        for _ in 0..scene.geometry.refinements {
+            let refined = refine_unfolded(&mesh)?;
+            clamped = refined.node_set(&clamped);
+            mesh = refined.mesh;
+        }
         let boundary = mesh.boundary();
         let skin = find_skin(
             &scene.contact.region,
@@ -69,7 +74,6 @@ impl Limb {
             &boundary,
         )?;
         let directions = load_directions(scene, &mesh, &skin);
-        let clamped = find_mount(&scene.mount, &deck)?;
         let material = find_material(scene.material.as_ref(), &deck, &path)?;
         let sites: Vec<_> = scene
             .gauges
@@ -90,7 +94,6 @@ impl Limb {
             gauges,
             patches,
             deck_hash,
-            deck,
         })
     }
 

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod converge;
 mod deck;
 mod inspect;
 mod stage;
@@ -38,6 +39,8 @@ enum Command {
     },
     /// Reads a scene and its limb and checks both, without solving anything.
     Check(SceneArgs),
+    /// Whether the limb's mesh is fine enough: the same presses on finer and finer meshes.
+    Converge(converge::ConvergeArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -64,6 +67,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Inspect(args) => inspect::inspect(args),
         Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
         Command::Check(args) => stage::check(args),
+        Command::Converge(args) => converge::converge(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),

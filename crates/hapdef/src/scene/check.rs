@@ -15,6 +15,12 @@ type Checked = Result<(), Fault>;
 pub(super) fn check(scene: &Scene) -> Checked {
     check_name(&scene.name)?;
     direction("geometry.axis.direction", &scene.geometry.axis.direction)?;
+    require(
+        scene.geometry.refinements <= 2,
+        "geometry.refinements",
+        "0, 1 or 2",
+        scene.geometry.refinements.to_string(),
+    )?;
     check_mount(&scene.mount)?;
     check_contact(scene)?;
     check_gauges(scene)?;

@@ -15,6 +15,10 @@ pub struct Geometry {
     pub unit: LengthUnit,
     /// The limb's long axis, for unrolling and for radial rules.
     pub axis: Axis,
+    /// How many times every tetrahedron of the deck is cut into eight before anything else;
+    /// `hapdef converge` says how many it takes.
+    #[serde(default)]
+    pub refinements: u32,
 }
 
 /// Unit of lengths in a file. Stresses and densities go along: Pa and kg/m³ with metres, MPa and

@@ -2,6 +2,7 @@
 
 mod dataset;
 mod eval;
+mod mesh_check;
 mod nets;
 mod rig;
 mod rig_channels;
@@ -10,6 +11,7 @@ mod train;
 
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval};
+pub use mesh_check::mesh_check;
 pub use nets::NetKind;
 pub use rig::rig;
 pub use simulate::compliance;

@@ -63,13 +63,14 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
     })
 }
 
-fn inputs(run: &Run, limb: &Limb) -> Value {
+pub(super) fn inputs(run: &Run, limb: &Limb) -> Value {
     let scene = &run.scene;
     json!({
         "version": VERSION,
         "deck": limb.deck_hash,
         "unit": scene.geometry.unit,
         "axis": scene.geometry.axis,
+        "refinements": scene.geometry.refinements,
         "material": scene.material,
         "mount": scene.mount,
         "region": scene.contact.region,
