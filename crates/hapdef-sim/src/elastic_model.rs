@@ -175,9 +175,7 @@ impl ElasticModel {
             pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let solver = pool
-            .install(|| structure.plan.solver(&stiffness))
-            .map_err(|error| name_node(error, unknowns))?;
+        let solver = pool.install(|| structure.plan.solver(&stiffness, unknowns))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
         let scaled_norm = stiffness.scaled_norm(solver.scale());
@@ -388,32 +386,4 @@ pub(crate) fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError>
         .build()
         .map(Arc::new)
         .map_err(|source| SimError::Threads { n_threads, source })
-}
-
-/// A failing pivot is found by its place in elimination order; the caller knows nodes.
-fn name_node(error: SimError, unknowns: &Unknowns) -> SimError {
-    let named = |place: usize, direction| {
-        let owner = unknowns.owners()[place];
-        let direction = direction + 3 * usize::from(owner.is_rotation);
-        (owner.node.index(), direction)
-    };
-    match error {
-        SimError::NotPositiveDefinite { node, direction } => {
-            let (node, direction) = named(node, direction);
-            SimError::NotPositiveDefinite { node, direction }
-        }
-        SimError::Singular {
-            node,
-            direction,
-            pivot,
-        } => {
-            let (node, direction) = named(node, direction);
-            SimError::Singular {
-                node,
-                direction,
-                pivot,
-            }
-        }
-        other => other,
-    }
 }

@@ -52,8 +52,12 @@ impl SolverPlan {
     }
 
     /// The solver of `stiffness`; call inside the thread pool.
-    pub(crate) fn solver(&self, stiffness: &BlockMatrix) -> Result<Solver, SimError> {
-        match &self.path {
+    pub(crate) fn solver(
+        &self,
+        stiffness: &BlockMatrix,
+        unknowns: &Unknowns,
+    ) -> Result<Solver, SimError> {
+        let solver = match &self.path {
             Path::Direct(analysis) => {
                 Factor::build(stiffness, Arc::clone(analysis)).map(Solver::Direct)
             }
@@ -62,10 +66,11 @@ impl SolverPlan {
                 modes,
                 params,
             } => {
-                let iterative = Iterative::build(stiffness, modes, corners.as_ref(), *params)?;
-                Ok(Solver::Iterative(Box::new(iterative)))
+                let iterative = Iterative::build(stiffness, modes, corners.as_ref(), *params);
+                iterative.map(|iterative| Solver::Iterative(Box::new(iterative)))
             }
-        }
+        };
+        solver.map_err(|error| name_node(error, unknowns))
     }
 
     /// Non-zeros of the factor, and entries as stored; zero without one.
@@ -86,5 +91,33 @@ impl SolverPlan {
             reason: self.reason,
             multigrid,
         }
+    }
+}
+
+/// A failing pivot is found by its place in elimination order; the caller knows nodes.
+fn name_node(error: SimError, unknowns: &Unknowns) -> SimError {
+    let named = |place: usize, direction| {
+        let owner = unknowns.owners()[place];
+        let direction = direction + 3 * usize::from(owner.is_rotation);
+        (owner.node.index(), direction)
+    };
+    match error {
+        SimError::NotPositiveDefinite { node, direction } => {
+            let (node, direction) = named(node, direction);
+            SimError::NotPositiveDefinite { node, direction }
+        }
+        SimError::Singular {
+            node,
+            direction,
+            pivot,
+        } => {
+            let (node, direction) = named(node, direction);
+            SimError::Singular {
+                node,
+                direction,
+                pivot,
+            }
+        }
+        other => other,
     }
 }
