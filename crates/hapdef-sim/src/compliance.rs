@@ -6,7 +6,7 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 
 use crate::load::check_node;
-use crate::solve::{BLOCK, SolveInfo, SolveParams, SolvedBlock, solve_all};
+use crate::solve::{SolveInfo, SolveParams, SolvedBlock, solve_all};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// Limits of a compliance computation.
@@ -116,9 +116,9 @@ impl ElasticModel {
         n_wanted: usize,
         allowed_bytes: usize,
     ) -> Result<(), SimError> {
-        let n_threads = self.pool.current_num_threads();
         let result = n_loads.saturating_mul(3 * n_wanted);
-        let workspace = 2 * self.info().n_equations * BLOCK * n_threads;
+        let workspace = self.solver.working_set(self.pool.current_num_threads());
+        let workspace = workspace * self.info().n_equations;
         let needed_bytes = result.saturating_add(workspace).saturating_mul(8);
         if needed_bytes <= allowed_bytes {
             Ok(())

@@ -1,6 +1,6 @@
 //! The factored elastic model of a limb.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
@@ -10,7 +10,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble, motions_of};
 use crate::dissection::{Ordering, sequence};
 use crate::elements::{Elements, SolidElements};
-use crate::factor::{Analysis, Factor};
+use crate::iterative::{Solver, SolverChoice, SolverInfo, SolverPlan};
 use crate::ordering::{Cliques, NodeGraph};
 use crate::rigid_modes::{Restraints, check_supports};
 use crate::solve::{SolveInfo, SolveParams, solve_all};
@@ -31,12 +31,14 @@ pub struct ElasticParams {
     pub clamped: Vec<FeNodeId>,
     /// Symmetry planes, elastic beds, rigid inserts.
     pub supports: Supports,
+    /// How its systems are solved.
+    pub solver: SolverChoice,
     /// Worker threads, at least 1. Results do not depend on it, bit for bit.
     pub n_threads: usize,
 }
 
 impl ElasticParams {
-    /// One material, clamped nodes, one thread, nothing else.
+    /// One material, clamped nodes, one thread, the solver by its fill, nothing else.
     #[must_use]
     pub fn new(material: IsotropicMaterial, clamped: Vec<FeNodeId>) -> Self {
         Self {
@@ -45,6 +47,7 @@ impl ElasticParams {
             element_stiffness_scale: None,
             clamped,
             supports: Supports::default(),
+            solver: SolverChoice::default(),
             n_threads: 1,
         }
     }
@@ -60,7 +63,7 @@ pub struct FactorInfo {
     /// Structural non-zeros in the lower triangle of K, diagonal included.
     pub nnz_lower: usize,
     /// Non-zeros in the Cholesky factor L, diagonal included, without the zeros that merged
-    /// supernodes store.
+    /// supernodes store; 0 on the iterative path.
     pub nnz_l: usize,
     /// Entries of L as stored: [`Self::nnz_l`] and the zeros of merged supernodes.
     pub nnz_l_stored: usize,
@@ -70,7 +73,7 @@ pub struct FactorInfo {
     pub order_s: f64,
     /// Seconds for element matrices and assembly.
     pub assemble_s: f64,
-    /// Seconds for the numeric factorisation.
+    /// Seconds for the numeric factorisation, or for the levels of the iterative path.
     pub factor_s: f64,
 }
 
@@ -79,11 +82,13 @@ pub struct FactorInfo {
 pub struct ElasticModel {
     pub(crate) structure: Arc<Structure>,
     pub(crate) stiffness: BlockMatrix,
-    pub(crate) factor: Factor,
+    pub(crate) solver: Solver,
     /// ‖K̂‖∞ of the Jacobi-scaled stiffness.
     pub(crate) scaled_norm: f64,
     pub(crate) pool: Arc<ThreadPool>,
+    pub(crate) condition: OnceLock<f64>,
     info: FactorInfo,
+    solver_info: SolverInfo,
     extremes: StiffnessExtremes,
 }
 
@@ -92,7 +97,7 @@ pub struct ElasticModel {
 pub(crate) struct Structure {
     pub(crate) unknowns: Unknowns,
     pattern: Arc<BlockPattern>,
-    analysis: Arc<Analysis>,
+    plan: SolverPlan,
     ordering: Ordering,
     springs: Vec<FaceSpring>,
     regions: Vec<MaterialRegion>,
@@ -108,7 +113,7 @@ impl ElasticModel {
     /// parameters; [`SimError::FreeRigidModes`], [`SimError::AllClamped`],
     /// [`SimError::InsertHeld`], [`SimError::InsertsShareNode`] and [`SimError::InsertTooSmall`] on
     /// unusable supports, before any factoring; [`SimError::ElementInverted`] and
-    /// [`SimError::NotPositiveDefinite`] on a bad mesh; [`SimError::TooLarge`] and
+    /// [`SimError::NotPositiveDefinite`] and [`SimError::Singular`] on a bad mesh; [`SimError::TooLarge`] and
     /// [`SimError::Threads`] on lack of resources.
     pub fn build(mesh: &Tet10Mesh, params: &ElasticParams) -> Result<Self, SimError> {
         let scale = params.element_stiffness_scale.as_deref();
@@ -117,7 +122,7 @@ impl ElasticModel {
         let started = Instant::now();
         let structure = Structure {
             regions: params.regions.clone(),
-            ..Structure::build(&elements, &params.clamped, &params.supports)?
+            ..Structure::build(&elements, &params.clamped, &params.supports, params.solver)?
         };
         let order_s = started.elapsed().as_secs_f64();
         Self::fill(&elements, Arc::new(structure), pool, order_s)
@@ -175,22 +180,27 @@ impl ElasticModel {
             pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let analysis = Arc::clone(&structure.analysis);
-        let factor = pool
-            .install(|| Factor::build(&stiffness, analysis))
-            .map_err(|error| name_node(error, unknowns))?;
+        let solver = pool.install(|| structure.plan.solver(&stiffness, unknowns))?;
         let factor_s = started.elapsed().as_secs_f64();
         let info = structure.info(order_s, assemble_s, factor_s);
-        let scaled_norm = stiffness.scaled_norm(factor.scale());
+        let scaled_norm = stiffness.scaled_norm(solver.scale());
         Ok(Self {
+            solver_info: structure.plan.info(&solver),
             structure,
             stiffness,
-            factor,
+            solver,
             scaled_norm,
             pool,
+            condition: OnceLock::new(),
             info,
             extremes,
         })
+    }
+
+    /// Which solver the model has, and why.
+    #[must_use]
+    pub fn solver_info(&self) -> &SolverInfo {
+        &self.solver_info
     }
 
     /// Sizes and times of the build.
@@ -279,6 +289,7 @@ impl Structure {
         elements: &dyn Elements,
         clamped: &[FeNodeId],
         supports: &Supports,
+        choice: SolverChoice,
     ) -> Result<Self, SimError> {
         let (positions, per_node) = (elements.positions(), elements.motions_per_node());
         let held = Held::new(clamped, supports, positions.len(), per_node == 2)?;
@@ -302,11 +313,11 @@ impl Structure {
         let (sequence, ordering) = sequence(&graph)?;
         let unknowns = natural.reordered(&sequence);
         let pattern = Arc::new(BlockPattern::build(&graph.reordered(&sequence)));
-        let analysis = Arc::new(Analysis::build(&pattern)?);
+        let plan = SolverPlan::build(choice, elements, &unknowns, &pattern)?;
         Ok(Self {
             unknowns,
             pattern,
-            analysis,
+            plan,
             ordering,
             springs,
             regions: Vec::new(),
@@ -316,12 +327,13 @@ impl Structure {
 
     fn info(&self, order_s: f64, assemble_s: f64, factor_s: f64) -> FactorInfo {
         let n_places = self.unknowns.n_places();
+        let (nnz_l, nnz_l_stored) = self.plan.fill();
         FactorInfo {
             n_fe_nodes: self.unknowns.n_fe_nodes(),
             n_equations: 3 * n_places,
             nnz_lower: 9 * self.pattern.columns.len() - 3 * n_places,
-            nnz_l: self.analysis.nnz_l,
-            nnz_l_stored: self.analysis.nnz_l_stored,
+            nnz_l,
+            nnz_l_stored,
             ordering: self.ordering,
             order_s,
             assemble_s,
@@ -382,21 +394,4 @@ pub(crate) fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError>
         .build()
         .map(Arc::new)
         .map_err(|source| SimError::Threads { n_threads, source })
-}
-
-/// A failing pivot is found by its place in elimination order; the caller knows nodes.
-fn name_node(error: SimError, unknowns: &Unknowns) -> SimError {
-    match error {
-        SimError::NotPositiveDefinite {
-            node: place,
-            direction,
-        } => {
-            let owner = unknowns.owners()[place];
-            SimError::NotPositiveDefinite {
-                node: owner.node.index(),
-                direction: direction + 3 * usize::from(owner.is_rotation),
-            }
-        }
-        other => other,
-    }
 }

@@ -287,4 +287,54 @@ pub enum SimError {
         /// The limit.
         limit: f64,
     },
+    /// A stiffness matrix that is singular up to rounding, found on the coarsest level of multigrid.
+    #[error(
+        "the stiffness matrix is singular: around node {node} (0-based) the body can move almost \
+         without resistance in direction {direction} (scaled pivot {pivot:e}): hold it, or tie \
+         its hinged parts"
+    )]
+    Singular {
+        /// A node of the part that moves.
+        node: usize,
+        /// The direction of the failing pivot, 0..3.
+        direction: usize,
+        /// The pivot of the coarsest matrix, scaled to a unit diagonal.
+        pivot: f64,
+    },
+    /// An iteration that ended short of its promise.
+    #[error(
+        "load {load} after {n_iterations} iterations: backward error {backward_error:e} (allowed \
+         {limit:e}), estimated relative error in energy {energy_error:e} (allowed {energy_limit:e}); \
+         give the direct factor more memory, or remesh slivers"
+    )]
+    NotConverged {
+        /// The load column, counted from 0.
+        load: usize,
+        /// Iterations done.
+        n_iterations: usize,
+        /// The backward error reached, see [`crate::SolveParams`].
+        backward_error: f64,
+        /// Its limit.
+        limit: f64,
+        /// The estimated relative error in energy reached, see [`crate::IterativeParams`].
+        energy_error: f64,
+        /// Its limit.
+        energy_limit: f64,
+    },
+    /// A system so near to singular that its solution can't be trusted.
+    #[error(
+        "the stiffness has a condition number of about {condition:e}: with a backward error of \
+         {backward_error:e} displacements may be off by {bound:e}, allowed is {limit:e}; tie parts \
+         that are far stiffer than the rest as rigid inserts, and remesh slivers"
+    )]
+    IllConditioned {
+        /// The estimated condition number of the Jacobi-scaled stiffness.
+        condition: f64,
+        /// The largest backward error of the solutions.
+        backward_error: f64,
+        /// The bound on the relative error.
+        bound: f64,
+        /// The bound allowed.
+        limit: f64,
+    },
 }

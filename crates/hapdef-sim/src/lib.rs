@@ -13,16 +13,19 @@
 mod analysis;
 mod assembly;
 mod compliance;
+mod condition;
 mod dissection;
 mod elastic_model;
 mod element;
 mod elements;
 mod error;
 mod export;
+mod extended;
 mod factor;
 mod front;
 mod gauge;
 mod gauge_response;
+mod iterative;
 mod load;
 mod mass;
 mod material;
@@ -53,6 +56,10 @@ pub use error::SimError;
 pub use export::StiffnessMatrix;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
 pub use gauge_response::GaugeResponse;
+pub use iterative::{
+    ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
+    SolverKind,
+};
 pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;

@@ -7,6 +7,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::elastic_model::Motion;
+use crate::factor::Factor;
+use crate::iterative::{Solver, solve_loads};
 use crate::panel::Columns;
 use crate::product::{Entry, Norms, Residual};
 use crate::unknowns::{Link, Unknowns};
@@ -26,6 +28,11 @@ pub struct SolveParams {
     pub max_refinements: usize,
     /// A backward error above this after refinement is an error.
     pub fail_above: f64,
+    /// Above this condition number residuals are taken in twice the precision, and every solution
+    /// is refined.
+    pub extend_above_condition: f64,
+    /// A bound on the forward error ([`SolveInfo::forward_error_bound`]) above this is an error.
+    pub max_forward_error: f64,
 }
 
 impl Default for SolveParams {
@@ -34,6 +41,8 @@ impl Default for SolveParams {
             refine_above: 1e-14,
             max_refinements: 2,
             fail_above: 1e-11,
+            extend_above_condition: 1e9,
+            max_forward_error: 1e-3,
         }
     }
 }
@@ -49,10 +58,45 @@ pub struct SolveInfo {
     pub worst_backward_error: f64,
     /// The load with the largest backward error.
     pub worst_load: usize,
+    /// The estimated condition number of the Jacobi-scaled stiffness; none on the iterative path.
+    pub condition: Option<f64>,
     /// The most refinement steps that a block of right-hand sides asked for.
     pub n_refinements: usize,
+    /// The most iterations that a right-hand side took; 0 on the direct path.
+    pub n_iterations: usize,
+    /// The largest estimated relative error in energy (see [`crate::IterativeParams`]); 0 on the
+    /// direct path, which makes no estimate.
+    pub worst_energy_error: f64,
     /// Seconds.
     pub elapsed_s: f64,
+}
+
+impl SolveInfo {
+    /// A bound on the relative error of any displacement field, in the norm of the Jacobi-scaled
+    /// system: κ (η + ε), with the condition number κ, the backward error η, and the rounding ε of
+    /// the assembled stiffness itself (N. J. Higham, Accuracy and Stability of Numerical
+    /// Algorithms, 2nd ed., section 7.1). On the iterative path the estimated error in energy.
+    #[must_use]
+    pub fn forward_error_bound(&self) -> f64 {
+        self.condition.map_or(self.worst_energy_error, |condition| {
+            condition * (self.worst_backward_error + f64::EPSILON)
+        })
+    }
+
+    /// Nothing reached yet.
+    pub(crate) fn new(n_loads: usize) -> Self {
+        Self {
+            n_loads,
+            worst_relative_residual: 0.0,
+            worst_backward_error: 0.0,
+            worst_load: 0,
+            condition: None,
+            n_refinements: 0,
+            n_iterations: 0,
+            worst_energy_error: 0.0,
+            elapsed_s: 0.0,
+        }
+    }
 }
 
 /// Right-hand sides solved together. Fixed, so that results do not depend on the thread count.
@@ -70,7 +114,11 @@ pub(crate) struct SolvedBlock<'a> {
     x: &'a Columns,
 }
 
-impl SolvedBlock<'_> {
+impl<'a> SolvedBlock<'a> {
+    pub(crate) fn new(unknowns: &'a Unknowns, loads: &'a [usize], x: &'a Columns) -> Self {
+        Self { unknowns, loads, x }
+    }
+
     /// The displacement of `node` in `column`, m; zero where clamped.
     pub(crate) fn displacement(&self, column: usize, node: FeNodeId) -> Vector3<f64> {
         self.value(column, self.unknowns.translation(node))
@@ -118,6 +166,18 @@ pub(crate) fn solve_all<T: Send>(
     for load in loads {
         load.check(unknowns.n_fe_nodes(), unknowns.motions_per_node() == 2)?;
     }
+    let factor = match &model.solver {
+        Solver::Direct(factor) => factor,
+        Solver::Iterative(iterative) => {
+            return solve_loads(model, iterative, loads, params, harvest, sink);
+        }
+    };
+    let condition = model.condition_of(factor);
+    let system = System {
+        model,
+        factor,
+        extended: condition > params.extend_above_condition,
+    };
     let sequence = by_place(loads, unknowns);
     let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
     let mut reached = Reached::default();
@@ -125,12 +185,8 @@ pub(crate) fn solve_all<T: Send>(
         let solved: Vec<(T, Reached)> = model.pool.install(|| {
             wave.par_iter()
                 .map_init(Workspace::default, |workspace, &block| {
-                    let reached = workspace.solve(model, loads, block, params);
-                    let solved = SolvedBlock {
-                        unknowns,
-                        loads: block,
-                        x: &workspace.x,
-                    };
+                    let reached = workspace.solve(&system, loads, block, params);
+                    let solved = SolvedBlock::new(unknowns, block, &workspace.x);
                     (harvest(&solved), reached)
                 })
                 .collect()
@@ -141,13 +197,29 @@ pub(crate) fn solve_all<T: Send>(
         }
         reached.check(params)?;
     }
-    Ok(SolveInfo {
-        n_loads: loads.len(),
+    let info = SolveInfo {
+        condition: Some(condition),
         worst_relative_residual: reached.relative_residual,
         worst_backward_error: reached.backward_error,
         worst_load: reached.load,
         n_refinements: reached.n_refinements,
         elapsed_s: started.elapsed().as_secs_f64(),
+        ..SolveInfo::new(loads.len())
+    };
+    check_forward_error(&info, params)?;
+    Ok(info)
+}
+
+fn check_forward_error(info: &SolveInfo, params: &SolveParams) -> Result<(), SimError> {
+    let (bound, condition) = (info.forward_error_bound(), info.condition);
+    if info.n_loads == 0 || bound <= params.max_forward_error {
+        return Ok(());
+    }
+    Err(SimError::IllConditioned {
+        condition: condition.unwrap_or(f64::NAN),
+        backward_error: info.worst_backward_error,
+        bound,
+        limit: params.max_forward_error,
     })
 }
 
@@ -225,6 +297,13 @@ impl Reached {
     }
 }
 
+/// A model with its factor, and how residuals are taken.
+struct System<'a> {
+    model: &'a ElasticModel,
+    factor: &'a Factor,
+    extended: bool,
+}
+
 /// The arrays of one block, reused from block to block.
 #[derive(Default)]
 struct Workspace {
@@ -236,12 +315,12 @@ struct Workspace {
 impl Workspace {
     fn solve(
         &mut self,
-        model: &ElasticModel,
+        system: &System<'_>,
         loads: &[NodalLoad],
         block: &[usize],
         params: &SolveParams,
     ) -> Reached {
-        let (unknowns, factor) = (&model.structure.unknowns, &model.factor);
+        let (unknowns, factor) = (&system.model.structure.unknowns, system.factor);
         let n = 3 * unknowns.n_places();
         self.collect(loads, block, unknowns);
         let reached = factor.reached(self.entries.iter().map(|entry| entry.place as usize));
@@ -256,14 +335,14 @@ impl Workspace {
             }
         }
         factor.solve_in_place(&mut self.x, &reached);
-        let mut worst = self.worst(model, block, false);
-        while worst.backward_error > params.refine_above
+        let mut worst = self.worst(system, block, false);
+        while (system.extended || worst.backward_error > params.refine_above)
             && worst.n_refinements < params.max_refinements
         {
-            self.refine(model, block);
+            self.refine(system, block);
             worst = Reached {
                 n_refinements: worst.n_refinements + 1,
-                ..self.worst(model, block, false)
+                ..self.worst(system, block, false)
             };
         }
         worst
@@ -284,10 +363,10 @@ impl Workspace {
     }
 
     /// x ← x + K⁻¹ (b − K x).
-    fn refine(&mut self, model: &ElasticModel, block: &[usize]) {
-        self.worst(model, block, true);
-        let everywhere = vec![true; model.factor.analysis.n_supernodes()];
-        model
+    fn refine(&mut self, system: &System<'_>, block: &[usize]) {
+        self.worst(system, block, true);
+        let everywhere = vec![true; system.factor.analysis.n_supernodes()];
+        system
             .factor
             .solve_in_place(&mut self.correction, &everywhere);
         let correction = self.correction.values();
@@ -297,24 +376,27 @@ impl Workspace {
     }
 
     /// The block's worst residuals; the residual itself becomes the correction if it is to be kept.
-    fn worst(&mut self, model: &ElasticModel, block: &[usize], keep: bool) -> Reached {
+    fn worst(&mut self, system: &System<'_>, block: &[usize], keep: bool) -> Reached {
         let residual = Residual {
-            matrix: &model.stiffness,
-            analysis: &model.factor.analysis,
-            scale: model.factor.scale(),
+            matrix: &system.model.stiffness,
+            analysis: &system.factor.analysis,
+            scale: system.factor.scale(),
             entries: &self.entries,
             x: &self.x,
         };
         let norms = residual.norms(if keep {
-            self.correction
-                .reshape(3 * model.factor.analysis.n_nodes(), block.len());
+            let n = 3 * system.factor.analysis.n_nodes();
+            self.correction.reshape(n, block.len());
             Some(&mut self.correction)
         } else {
             None
         });
+        if keep && system.extended {
+            residual.extended(&mut self.correction, block.len());
+        }
         let mut worst = Reached::default();
         for (column, &load) in block.iter().enumerate() {
-            worst.take(&Reached::of(&norms, column, model.scaled_norm, load));
+            worst.take(&Reached::of(&norms, column, system.model.scaled_norm, load));
         }
         worst
     }

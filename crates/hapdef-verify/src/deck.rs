@@ -187,7 +187,10 @@ fn displacement_rows(text: &str) -> Vec<(u32, Vector3<f64>)> {
             return None;
         };
         let number = |word: &str| word.parse::<f64>().ok();
-        Some((label.parse().ok()?, Vector3::new(number(x)?, number(y)?, number(z)?)))
+        Some((
+            label.parse().ok()?,
+            Vector3::new(number(x)?, number(y)?, number(z)?),
+        ))
     };
     // a later block, such as forces, starts with a heading after rows have been read
     let mut rows: Vec<(u32, Vector3<f64>)> = Vec::new();

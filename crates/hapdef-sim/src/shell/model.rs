@@ -7,6 +7,7 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Point3;
 
 use super::{ShellKind, ShellMesh, shell_stiffness};
+use crate::SolverChoice;
 use crate::elastic_model::{Structure, thread_pool};
 use crate::elements::Elements;
 use crate::parts::DisjointSets;
@@ -57,7 +58,12 @@ impl ElasticModel {
         };
         let pool = thread_pool(params.n_threads)?;
         let started = Instant::now();
-        let structure = Structure::build(&elements, &params.clamped, &params.supports)?;
+        let structure = Structure::build(
+            &elements,
+            &params.clamped,
+            &params.supports,
+            SolverChoice::default(),
+        )?;
         let order_s = started.elapsed().as_secs_f64();
         Self::fill(&elements, Arc::new(structure), pool, order_s)
     }
