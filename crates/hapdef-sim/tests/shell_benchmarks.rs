@@ -108,54 +108,71 @@ fn twisted_beam() {
     }
 }
 
+/// Against 4.9352 of the literature the hook's rows end 2 % above; against the same hook in ten-node
+/// tetrahedra they must agree.
 #[test]
 fn raasch_hook() {
-    check("raasch hook", &[Thick], &[1, 2, 4, 8, 16, 32], raasch);
-}
-
-/// The hook in ten-node tetrahedra.
-#[test]
-fn raasch_hook_as_a_solid() {
-    for n in [[40, 10, 1], [80, 20, 2]] {
-        let solid = common::mapped_box(n, [1.0, 20.0, 2.0], |p| {
-            let (middle, normal) = hook_at(p.x);
-            middle + normal * (p.z - 1.0) + Vector3::z() * p.y
-        });
-        let material = IsotropicMaterial::new(3300.0, 0.35, 1.0).expect("valid");
-        let clamped = common::nodes_where(&solid, |p| p.y.abs() < 1e-9 && p.x < 2.0);
-        let model =
-            ElasticModel::build(&solid, &ElasticParams::new(material, clamped)).expect("held");
-        let (end, normal) = hook_at(1.0);
-        let along = normal.cross(&Vector3::z());
-        let faces = common::faces_where(&solid, |p| (p - end).dot(&along).abs() < 1e-6);
-        let traction = |nodes| FaceTraction {
-            nodes,
-            traction_pa: Vector3::z() / 40.0,
-        };
-        let tractions: Vec<FaceTraction> = faces.iter().map(|f| traction(f.nodes)).collect();
-        let load = NodalLoad::traction(&solid, &tractions).expect("finite");
-        let (u, _) = model.solve(&load).expect("solved");
-        let work = load.work_j(&u).expect("fits");
-        println!(
-            "raasch solid {n:?}: total {:?}, tip {work:.5}",
-            load.total_n()
+    let solid_tip = raasch_as_a_solid([80, 20, 1]);
+    println!("raasch hook as a solid: tip {solid_tip:.4}");
+    for row in ratios("raasch hook", Thick, &[1, 2, 4, 8, 16], &raasch) {
+        let to_solid = row[4] * 4.9352 / solid_tip;
+        assert!(
+            (to_solid - 1.0).abs() < 0.01,
+            "shell to solid: {to_solid:.4}, {row:.4?}"
         );
     }
 }
 
+/// The mean tip displacement of the hook in ten-node tetrahedra, `n` cells along, across, through.
+fn raasch_as_a_solid(n: [usize; 3]) -> f64 {
+    let solid = common::mapped_box(n, [1.0, 20.0, 2.0], |p| {
+        let (middle, normal) = hook_at(p.x);
+        middle + normal * (1.0 - p.z) + Vector3::z() * p.y
+    });
+    let material = IsotropicMaterial::new(3300.0, 0.35, 1.0).expect("valid");
+    let clamped = common::nodes_where(&solid, |p| p.y.abs() < 1e-9 && p.x < 2.0);
+    let model = ElasticModel::build(&solid, &ElasticParams::new(material, clamped)).expect("held");
+    let (end, normal) = hook_at(1.0);
+    let along = normal.cross(&Vector3::z());
+    let faces = common::faces_where(&solid, |p| (p - end).dot(&along).abs() < 1e-6);
+    let traction = |nodes| FaceTraction {
+        nodes,
+        traction_pa: Vector3::z() / 40.0,
+    };
+    let tractions: Vec<FaceTraction> = faces.iter().map(|f| traction(f.nodes)).collect();
+    let load = NodalLoad::traction(&solid, &tractions).expect("finite");
+    assert!((load.total_n() - Vector3::z()).amax() < 1e-9);
+    let (u, _) = model.solve(&load).expect("solved");
+    load.work_j(&u).expect("fits")
+}
+
+/// Energies against those of 256 × 128 cells, on which both kinds agree to 0.4 %; Bathe, Iosilevich
+/// and Chapelle (2000) print 1.1013e-2 and 8.9867e-2 J for 1e-3 and 1e-4.
 #[test]
 fn hypar_in_all_thicknesses() {
-    for kind in BOTH {
-        for t in [1e-2, 1e-3, 1e-4, 1e-5] {
-            let pattern = Pattern::Up;
-            let energy = |n| hypar(kind, Mesh { n, pattern }, t).1;
-            let energies = [16, 32, 64, 128].map(energy);
-            let errors = energies.map(|e| 1.0 - e / energies[3]);
-            println!(
-                "hypar {kind:?} t/L {t:e}: energy {:e} J, errors {errors:.4?}",
-                energies[3]
-            );
-        }
+    for (kind, t, energy_j) in [
+        (Thin, 1e-2, 1.67387e-3),
+        (Thin, 1e-3, 1.10150e-2),
+        (Thin, 1e-4, 9.00258e-2),
+        (Thin, 1e-5, 8.15485e-1),
+        (Thick, 1e-2, 1.67927e-3),
+        (Thick, 1e-3, 1.10164e-2),
+        (Thick, 1e-4, 9.00285e-2),
+        (Thick, 1e-5, 8.15797e-1),
+    ] {
+        let pattern = Pattern::Up;
+        let error = |n| 1.0 - hypar(kind, Mesh { n, pattern }, t).1 / energy_j;
+        let errors = [8, 16, 32, 64].map(error);
+        println!("hypar {kind:?} t/L {t:e}: errors of energy {errors:.4?}");
+        let allowed = if t < 1e-4 {
+            errors[2].abs() / 4.0
+        } else {
+            0.01
+        };
+        assert!(
+            errors[3].abs() < allowed,
+            "{kind:?} t/L {t:e}: {errors:.4?}"
+        );
     }
 }
 
@@ -209,6 +226,11 @@ fn scordelis_lo_on_irregular_meshes() {
                 "{name} {kind:?}: {} nodes, {:.4}",
                 result.n_nodes,
                 result.ratio()
+            );
+            let allowed = if result.n_nodes < 100 { 0.05 } else { 0.02 };
+            assert!(
+                (result.ratio() - 1.0).abs() < allowed,
+                "{name} {kind:?}: {result:?}"
             );
         }
     }
