@@ -1,4 +1,5 @@
 //! The shell elements on the benchmarks that engineers know, on regular and distorted meshes.
+#![allow(clippy::print_stdout, reason = "the table is read, not only asserted")]
 
 mod common;
 mod shell_common;

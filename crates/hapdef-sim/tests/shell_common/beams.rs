@@ -146,7 +146,7 @@ pub fn twisted(thin: bool, out: bool) -> impl Fn(ShellKind, Mesh) -> CaseResult 
         p.line_force(&end, dof, load);
         let s = p.solve(kind);
         let mid = end.len() / 2;
-        let value = if mesh.n % 2 == 0 {
+        let value = if mesh.n.is_multiple_of(2) {
             s.displacement[end[mid]][dof]
         } else {
             0.5 * (s.displacement[end[mid - 1]][dof] + s.displacement[end[mid]][dof])
@@ -204,7 +204,7 @@ pub fn rectangle(_: usize, _: usize) -> f64 {
     0.0
 }
 pub fn trapezoid(i: usize, j: usize) -> f64 {
-    if (i + j) % 2 == 0 { 0.5 } else { -0.5 }
+    if (i + j).is_multiple_of(2) { 0.5 } else { -0.5 }
 }
 pub fn parallelogram(_: usize, j: usize) -> f64 {
     if j == 1 { 0.5 } else { -0.5 }
