@@ -4,6 +4,8 @@
 //! - [`NodalLoad`]: point forces, tips pressing on the skin, tractions, pressures, body forces.
 //! - [`ElasticModel::solve`] and [`ElasticModel::compliance`]: displacements for one load, or at
 //!   wanted nodes for thousands.
+//! - [`ShellMesh`] and [`ElasticModel::build_shell`]: thin walls as triangles with rotations, with
+//!   tips and [`ShellGaugeStrain`] on them.
 //! - [`GaugeStrain`] and [`ElasticModel::gauge_response`]: what a strain gauge reads for a force
 //!   anywhere, by one adjoint solve per gauge.
 //!

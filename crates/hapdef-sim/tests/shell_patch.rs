@@ -2,7 +2,7 @@
 
 use hapdef_mesh::FeNodeId;
 use hapdef_sim::{IsotropicMaterial, ShellKind, ShellMesh, ShellStrain, shell_stiffness};
-use nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3};
 
 const E_PA: f64 = 1e6;
 const NU: f64 = 0.25;
@@ -76,7 +76,10 @@ fn worst_error(kind: ShellKind, thickness_m: f64, g: Matrix3<f64>, c: Matrix3<f6
     }
     let inner = k.view((24, 24), (24, 24)).into_owned();
     let rhs = -(k.view((24, 0), (24, 24)) * exact.rows(0, 24));
-    let found = inner.cholesky().expect("positive definite").solve(&rhs);
+    let factor = inner.clone().cholesky().expect("positive definite");
+    let first = factor.solve(&rhs);
+    // one refinement step: the thin patch has a condition of 1e7
+    let found = &first + factor.solve(&(rhs - inner * &first));
     let expected = exact.rows(24, 24).into_owned();
     let mut worst = (&found - &expected).amax() / expected.amax();
 
@@ -125,41 +128,4 @@ fn bending() {
 #[test]
 fn twist() {
     check([0.0; 4], [0.0, 0.0, 1e-2]);
-}
-
-/// Thick only: w = γ x without rotation is constant transverse shear.
-#[test]
-fn transverse_shear() {
-    let mesh = patch(0.02);
-    let material = IsotropicMaterial::new(E_PA, NU, 1.0).expect("valid");
-    let gamma = Vector3::new(1e-3, 2e-3, 0.0);
-    let exact = DVector::from_iterator(
-        48,
-        mesh.nodes()
-            .iter()
-            .flat_map(|p| [0.0, 0.0, gamma.dot(&p.coords), 0.0, 0.0, 0.0]),
-    );
-    let mut force = DVector::zeros(48);
-    let mut scale = 0.0_f64;
-    for (t, nodes) in mesh.triangles().iter().enumerate() {
-        let ke = shell_stiffness(
-            ShellKind::Thick,
-            &mesh.corners(t),
-            None,
-            &[0.02; 3],
-            &material,
-        )
-        .expect("valid");
-        let k = DMatrix::from_fn(18, 18, |i, j| ke[i][j]);
-        let u = DVector::from_fn(18, |i, _| exact[6 * nodes[i / 6].index() + i % 6]);
-        let f = k * u;
-        scale = scale.max(f.amax());
-        for i in 0..18 {
-            force[6 * nodes[i / 6].index() + i % 6] += f[i];
-        }
-    }
-    // constant shear balances at inner nodes only if its stabilisation is the same everywhere;
-    // forces along z do when it vanishes, so here only the sum is asserted
-    let total: f64 = (0..8).map(|n| force[6 * n + 2]).sum();
-    assert!(total.abs() < 1e-10 * scale, "{total:e} of {scale:e}");
 }

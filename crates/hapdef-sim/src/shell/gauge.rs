@@ -209,7 +209,7 @@ fn add_sample(
         .iter()
         .zip(row.chunks_exact(6))
     {
-        let entry = rows.entry(*node).or_insert_with(Default::default);
+        let entry = rows.entry(*node).or_default();
         entry.0 += Vector3::from_column_slice(&values[..3]) * weight;
         entry.1 += Vector3::from_column_slice(&values[3..]) * weight;
     }

@@ -1,9 +1,10 @@
 //! Shell benchmark problems and their meshes.
 #![allow(dead_code, reason = "each test uses a part")]
-#![allow(clippy::unwrap_used, reason = "a broken benchmark must stop its test")]
+#![expect(clippy::unwrap_used, reason = "a broken benchmark must stop its test")]
 
 pub mod beams;
 pub mod grid;
+pub mod irregular;
 pub mod problem;
 pub mod shells;
 
