@@ -148,10 +148,17 @@ fn take_wanted(block: &SolvedBlock<'_>, wanted: &[FeNodeId], rows: &[Mutex<&mut 
         .map(|&load| rows[load].lock().unwrap_or_else(PoisonError::into_inner))
         .collect();
     for (chunk, nodes) in wanted.chunks(TURNED).enumerate() {
+        let known: Vec<_> = nodes.iter().map(|&node| block.rows(node)).collect();
         for (column, row) in rows.iter_mut().enumerate() {
             let targets = row[3 * TURNED * chunk..].chunks_exact_mut(3);
-            for (target, &node) in targets.zip(nodes) {
-                target.copy_from_slice(block.displacement(column, node).as_slice());
+            for ((target, known), &node) in targets.zip(&known).zip(nodes) {
+                if let Some(known) = known {
+                    for c in 0..3 {
+                        target[c] = known[c][column];
+                    }
+                } else {
+                    target.copy_from_slice(block.displacement(column, node).as_slice());
+                }
             }
         }
     }

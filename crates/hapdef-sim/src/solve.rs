@@ -124,6 +124,15 @@ impl<'a> SolvedBlock<'a> {
         self.value(column, self.unknowns.translation(node))
     }
 
+    /// The displacements of `node`, m: a row per direction, a value per column; nothing where they
+    /// are no unknowns of their own.
+    pub(crate) fn rows(&self, node: FeNodeId) -> Option<[&[f64]; 3]> {
+        match self.unknowns.translation(node) {
+            &Link::Free(place) => Some([0, 1, 2].map(|c| self.x.row(3 * place as usize + c))),
+            _ => None,
+        }
+    }
+
     /// All displacements of `column` `[n_fe_nodes]`, m.
     pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
         self.nodes()
