@@ -10,6 +10,7 @@
 
 mod case;
 mod catalogue;
+mod check;
 mod deck;
 mod error;
 mod inputs;
@@ -21,6 +22,7 @@ mod table;
 
 pub use case::{Case, Measured, Reference, Target};
 pub use catalogue::all_cases;
+pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;

@@ -62,6 +62,19 @@ pub enum Verdict {
     Told,
 }
 
+impl Verdict {
+    /// `ok`, `FAILED`, `not run` or `told`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Pass => "ok",
+            Self::Fail(_) => "FAILED",
+            Self::NotRun(_) => "not run",
+            Self::Told => "told",
+        }
+    }
+}
+
 impl Report {
     /// Cases that were judged: pass or fail.
     #[must_use]

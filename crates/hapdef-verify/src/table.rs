@@ -25,7 +25,7 @@ depend on the machine: `cargo xtask verify` prints them.
 pub fn people_table(report: &CaseReport) -> String {
     let mut text = format!(
         "{} {} [{}]: {}\n",
-        mark(&report.verdict),
+        report.verdict.word(),
         report.id,
         report.element,
         report.title
@@ -95,7 +95,7 @@ fn summary(text: &mut String, report: &Report) {
             cell(&error),
             cell(&order),
             target(case),
-            mark(&case.verdict),
+            case.verdict.word(),
         );
     }
 }
@@ -147,15 +147,6 @@ fn unit(unit: &str) -> String {
         "no unit".to_owned()
     } else {
         format!("in {unit}")
-    }
-}
-
-fn mark(verdict: &Verdict) -> &'static str {
-    match verdict {
-        Verdict::Pass => "ok",
-        Verdict::Fail(_) => "FAILED",
-        Verdict::NotRun(_) => "not run",
-        Verdict::Told => "told",
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod context;
+mod deck;
 mod verify;
 
 use anyhow::Result;
@@ -21,11 +22,14 @@ pub(crate) struct Cli {
 enum Task {
     /// Solves the verification table and judges every row.
     Verify(verify::VerifyArgs),
+    /// Solves a deck's own load and compares it with known figures.
+    Deck(deck::DeckArgs),
 }
 
 /// Runs the command; false where a row missed its target.
 pub(crate) fn run(cli: &Cli) -> Result<bool> {
     match &cli.task {
         Task::Verify(args) => verify::run(args),
+        Task::Deck(args) => deck::run(args).map(|()| true),
     }
 }

@@ -4,7 +4,9 @@ use std::cell::OnceCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use crate::{Case, DeckFigures, Measured, Reference, Target, VerifyError, read_displacements, shared};
+use crate::{
+    Case, DeckFigures, Measured, Reference, Target, VerifyError, read_displacements, shared,
+};
 
 /// What the two decks give, solved once for all rows.
 #[derive(Default)]
@@ -13,37 +15,98 @@ struct Decks {
     weight: OnceCell<(DeckFigures, usize)>,
 }
 
-const ANSYS: &str = "ANSYS 18.2's printout of the authors' run (2019), as recorded for this project";
+const ANSYS: &str =
+    "ANSYS 18.2's printout of the authors' run (2019), as recorded for this project";
 const CALCULIX: &str = "CalculiX 2.20 on the same deck, as recorded for this project";
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     let decks = Rc::new(Decks::default());
-    let skin = |id, title, quantity, unit, reference, source, rel_err, value: fn(&DeckFigures) -> f64| {
-        let decks = Rc::clone(&decks);
-        Case {
-            id,
-            title,
-            element: "TET10",
-            quantity,
-            unit,
-            reference: Reference::Published(reference),
-            source,
-            target: Target::within(rel_err),
-            n_levels: 1,
-            run: Box::new(move |_| decks.skin()?.measured(value)),
-        }
-    };
+    let skin =
+        |id, title, quantity, unit, reference, source, rel_err, value: fn(&DeckFigures) -> f64| {
+            let decks = Rc::clone(&decks);
+            Case {
+                id,
+                title,
+                element: "TET10",
+                quantity,
+                unit,
+                reference: Reference::Published(reference),
+                source,
+                target: Target::within(rel_err),
+                n_levels: 1,
+                run: Box::new(move |_| decks.skin()?.measured(value)),
+            }
+        };
     let mut cases = vec![
-        skin("solid.limb.ke_max", "Authors' limb, largest element stiffness", "skin deck", "N/m", 3.856521697e9, ANSYS, 1e-9, |f| f.ke_max_n_m),
-        skin("solid.limb.ke_min", "Authors' limb, smallest element stiffness", "skin deck", "N/m", 149_749.234, ANSYS, 1e-8, |f| f.ke_min_n_m),
-        skin("solid.limb.mass", "Authors' limb, mass", "skin deck", "kg", 0.0261236, ANSYS, 2e-6, |f| f.mass_kg.unwrap_or(f64::NAN)),
-        skin("solid.limb.energy", "Authors' limb, strain energy under (10, 0, −15) N", "skin deck", "J", 1.071613e-2, CALCULIX, 1e-6, |f| f.energy_j),
-        skin("solid.limb.u", "Authors' limb, largest displacement under (10, 0, −15) N", "skin deck", "m", 1.224494e-3, CALCULIX, 1e-6, |f| f.largest_u_m),
+        skin(
+            "solid.limb.ke_max",
+            "Authors' limb, largest element stiffness",
+            "skin deck",
+            "N/m",
+            3.856521697e9,
+            ANSYS,
+            1e-9,
+            |f| f.ke_max_n_m,
+        ),
+        skin(
+            "solid.limb.ke_min",
+            "Authors' limb, smallest element stiffness",
+            "skin deck",
+            "N/m",
+            149_749.234,
+            ANSYS,
+            1e-8,
+            |f| f.ke_min_n_m,
+        ),
+        skin(
+            "solid.limb.mass",
+            "Authors' limb, mass",
+            "skin deck",
+            "kg",
+            0.0261236,
+            ANSYS,
+            2e-6,
+            |f| f.mass_kg.unwrap_or(f64::NAN),
+        ),
+        skin(
+            "solid.limb.energy",
+            "Authors' limb, strain energy under (10, 0, −15) N",
+            "skin deck",
+            "J",
+            1.071613e-2,
+            CALCULIX,
+            1e-6,
+            |f| f.energy_j,
+        ),
+        skin(
+            "solid.limb.u",
+            "Authors' limb, largest displacement under (10, 0, −15) N",
+            "skin deck",
+            "m",
+            1.224494e-3,
+            CALCULIX,
+            1e-6,
+            |f| f.largest_u_m,
+        ),
     ];
     cases.push(every_node(Rc::clone(&decks)));
-    cases.push(weight("solid.limb.weight_u", "Authors' limb, largest displacement under the 360 N weight", "m", 6.046101e-3, Rc::clone(&decks), |f| f.largest_u_m));
-    cases.push(weight("solid.limb.weight_energy", "Authors' limb, strain energy under the 360 N weight", "J", 0.2653024, decks, |f| f.energy_j));
+    cases.push(weight(
+        "solid.limb.weight_u",
+        "Authors' limb, largest displacement under the 360 N weight",
+        "m",
+        6.046101e-3,
+        Rc::clone(&decks),
+        |f| f.largest_u_m,
+    ));
+    cases.push(weight(
+        "solid.limb.weight_energy",
+        "Authors' limb, strain energy under the 360 N weight",
+        "J",
+        0.2653024,
+        decks,
+        |f| f.energy_j,
+    ));
     cases
 }
 

@@ -15,9 +15,21 @@ const SOURCE: &str = "CalculiX test suite, reference result beside the deck";
 pub(super) fn cases() -> Vec<Case> {
     vec![
         case("solid.calculix.beam10p", "CalculiX beam10p", "beam10p"),
-        case("solid.calculix.cook", "CalculiX Cook's beam", "lin_stat_cooks_beam_128"),
-        case("solid.calculix.pressure", "CalculiX plate with pressure", "lin_stat_pres_load"),
-        case("solid.calculix.twisted", "CalculiX twisted beam", "lin_stat_twisted_beam"),
+        case(
+            "solid.calculix.cook",
+            "CalculiX Cook's beam",
+            "lin_stat_cooks_beam_128",
+        ),
+        case(
+            "solid.calculix.pressure",
+            "CalculiX plate with pressure",
+            "lin_stat_pres_load",
+        ),
+        case(
+            "solid.calculix.twisted",
+            "CalculiX twisted beam",
+            "lin_stat_twisted_beam",
+        ),
     ]
 }
 
@@ -55,9 +67,16 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
     let copy = folder.path().join("deck.inp");
     std::fs::write(&copy, rest).map_err(|cause| io("copying", cause))?;
     let deck = read_deck(&copy)?;
-    let material = deck.material.ok_or_else(|| VerifyError::not_run("no material"))?;
+    let material = deck
+        .material
+        .ok_or_else(|| VerifyError::not_run("no material"))?;
     let load = own_load(&deck)?;
-    let node_of = |label: u32| deck.node_labels.binary_search(&label).ok().map(FeNodeId::from_index);
+    let node_of = |label: u32| {
+        deck.node_labels
+            .binary_search(&label)
+            .ok()
+            .map(FeNodeId::from_index)
+    };
     let mut problem = Problem::new(
         deck.mesh.clone(),
         material.youngs_modulus_pa,
@@ -72,9 +91,11 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
     }
     let solution = problem.solve(&load)?;
     let expected: BTreeMap<u32, _> = read_displacements(reference)?.into_iter().collect();
-    let apart = deck.node_labels.iter().zip(&solution.u).filter_map(|(label, u)| {
-        Some((u - expected.get(label)?).norm())
-    });
+    let apart = deck
+        .node_labels
+        .iter()
+        .zip(&solution.u)
+        .filter_map(|(label, u)| Some((u - expected.get(label)?).norm()));
     let value = apart.fold(0.0, f64::max) / largest(&solution.u);
     let n_elements = deck.mesh.elements().len();
     Ok(solution.measured(value, format!("the deck's {n_elements} elements"), 1.0))
@@ -82,12 +103,20 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
 
 /// The deck's element type must be the ten-node tetrahedron.
 fn refuse_other_elements(text: &str) -> Result<(), VerifyError> {
-    for line in text.lines().filter(|line| line.to_uppercase().starts_with("*ELEMENT")) {
+    for line in text
+        .lines()
+        .filter(|line| line.to_uppercase().starts_with("*ELEMENT"))
+    {
         let upper = line.to_uppercase().replace(' ', "");
-        let kind = upper.split("TYPE=").nth(1).and_then(|rest| rest.split(',').next());
+        let kind = upper
+            .split("TYPE=")
+            .nth(1)
+            .and_then(|rest| rest.split(',').next());
         if kind != Some("C3D10") {
             let kind = kind.unwrap_or("without a type").to_owned();
-            return Err(VerifyError::not_run(format!("element {kind} is CalculiX's own shell")));
+            return Err(VerifyError::not_run(format!(
+                "element {kind} is CalculiX's own shell"
+            )));
         }
     }
     Ok(())
@@ -123,14 +152,20 @@ mod tests {
     fn single_directions_are_read() {
         let (rest, held) = split_boundary("*NODE\n1, 0, 0\n*BOUNDARY\n1,1,2\nfix,3\n*STEP\n");
         assert_eq!(rest, "*NODE\n1, 0, 0\n*STEP\n");
-        let names: Vec<_> = held.iter().map(|(name, axis)| (name.as_str(), *axis)).collect();
+        let names: Vec<_> = held
+            .iter()
+            .map(|(name, axis)| (name.as_str(), *axis))
+            .collect();
         assert_eq!(names, [("1", 0), ("1", 1), ("FIX", 2)]);
     }
 
     #[test]
     fn another_element_is_not_run() {
         let error = refuse_other_elements("*Element, type=us3, ELSET=Eall\n").unwrap_err();
-        assert_eq!(error.to_string(), "not run: element US3 is CalculiX's own shell");
+        assert_eq!(
+            error.to_string(),
+            "not run: element US3 is CalculiX's own shell"
+        );
         assert!(refuse_other_elements("*ELEMENT, TYPE=C3D10, ELSET=E\n").is_ok());
     }
 }

@@ -27,12 +27,18 @@ pub(super) fn cases() -> Vec<Case> {
         run: Box::new(run),
     };
     vec![
-        case("solid.manufactured.l2", "Manufactured solution, L² norm", Target::within(0.01).and_order(2.8), |level| {
-            errors(level, |e| e.l2)
-        }),
-        case("solid.manufactured.energy", "Manufactured solution, energy norm", Target::within(0.05).and_order(1.85), |level| {
-            errors(level, |e| e.energy)
-        }),
+        case(
+            "solid.manufactured.l2",
+            "Manufactured solution, L² norm",
+            Target::within(0.01).and_order(2.8),
+            |level| errors(level, |e| e.l2),
+        ),
+        case(
+            "solid.manufactured.energy",
+            "Manufactured solution, energy norm",
+            Target::within(0.05).and_order(1.85),
+            |level| errors(level, |e| e.energy),
+        ),
     ]
 }
 
@@ -67,7 +73,10 @@ fn errors(level: usize, pick: fn(&Norms) -> [f64; 2]) -> Result<Measured, Verify
         .finish()?;
     let wall = |p: &Point3<f64>| p.iter().any(|c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
     let problem = Problem::new(mesh, 1.0, 0.3)?.clamp(wall);
-    let (lambda, mu) = (problem.material.lame_lambda_pa(), problem.material.shear_modulus_pa());
+    let (lambda, mu) = (
+        problem.material.lame_lambda_pa(),
+        problem.material.shear_modulus_pa(),
+    );
     // −div σ of u = φ c: −μ Δφ c − (λ + μ) ∇∇φ c
     let load = NodalLoad::body_force(&problem.mesh, |p| {
         let (phi, _, hessian) = bump(p);
@@ -75,7 +84,11 @@ fn errors(level: usize, pick: fn(&Norms) -> [f64; 2]) -> Result<Measured, Verify
     });
     let solution = problem.solve(&load)?;
     let [error, whole] = pick(&norms(&problem, &solution));
-    Ok(solution.measured((error / whole).sqrt(), format!("{n}³ cells"), 1.0 / n as f64))
+    Ok(solution.measured(
+        (error / whole).sqrt(),
+        format!("{n}³ cells"),
+        1.0 / n as f64,
+    ))
 }
 
 fn norms(problem: &Problem, solution: &Solution<'_>) -> Norms {

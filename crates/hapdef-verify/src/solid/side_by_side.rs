@@ -71,10 +71,18 @@ fn run(level: usize, pick: fn(Both) -> f64) -> Result<Measured, VerifyError> {
     let own_s = started.elapsed().as_secs_f64();
     let (other, other_s) = ccx(&problem, &load)?;
     let apart = solution.u.iter().enumerate().map(|(node, u)| {
-        other.get(&(node as u32 + 1)).map_or(f64::NAN, |v| (u - v).norm())
+        other
+            .get(&(node as u32 + 1))
+            .map_or(f64::NAN, |v| (u - v).norm())
     });
     // a missing node must not be lost in a maximum
-    let worst = apart.fold(0.0, |m: f64, d| if d.is_nan() || m.is_nan() { f64::NAN } else { m.max(d) });
+    let worst = apart.fold(0.0, |m: f64, d| {
+        if d.is_nan() || m.is_nan() {
+            f64::NAN
+        } else {
+            m.max(d)
+        }
+    });
     let both = Both {
         difference: worst / largest(&solution.u),
         time_ratio: other_s / own_s,
@@ -97,7 +105,8 @@ type Displacements = BTreeMap<u32, Vector3<f64>>;
 
 /// Displacements by node label, and the seconds that ccx took.
 fn ccx(problem: &Problem, load: &NodalLoad) -> Result<(Displacements, f64), VerifyError> {
-    let folder = tempfile::tempdir().map_err(|cause| io("making a folder in", Path::new("."), cause))?;
+    let folder =
+        tempfile::tempdir().map_err(|cause| io("making a folder in", Path::new("."), cause))?;
     let path = folder.path().join("deck.inp");
     write_inp(&path, &deck(problem, load))?;
     // the deck asks for a binary field file; seven printed digits are easier to read
@@ -121,7 +130,10 @@ fn ccx(problem: &Problem, load: &NodalLoad) -> Result<(Displacements, f64), Veri
             found: said.lines().rev().take(3).collect::<Vec<_>>().join(" / "),
         });
     }
-    Ok((read_displacements(&result)?.into_iter().collect(), elapsed_s))
+    Ok((
+        read_displacements(&result)?.into_iter().collect(),
+        elapsed_s,
+    ))
 }
 
 fn deck(problem: &Problem, load: &NodalLoad) -> SolidDeck {
