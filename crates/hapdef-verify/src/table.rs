@@ -15,7 +15,8 @@ value keeps the unit of its source. Where a published value stands, its source i
 that says so is quoted from memory or from a secondary text.
 
 The observed order comes from errors against an exact value, and from the differences between three
-meshes against a published one. `round-off` is a relative error below 1e-9. Times and time ratios
+meshes against a published one, where they are refined by one ratio. Stress at a node is that of
+`hapdef_sim::patch_stress`. `round-off` is a relative error below 1e-9. Times and time ratios
 depend on the machine: `cargo xtask verify` prints them.
 
 ";
