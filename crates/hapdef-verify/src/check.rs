@@ -45,10 +45,10 @@ fn sections(text: &str) -> BTreeMap<&str, Section<'_>> {
         if let Some(id) = line.strip_prefix("### ") {
             current = Some(id);
             sections.insert(id, Vec::new());
-        } else if let Some(lines) = current.and_then(|id| sections.get_mut(id)) {
-            if !line.trim().is_empty() {
-                lines.push(line);
-            }
+        } else if let Some(lines) = current.and_then(|id| sections.get_mut(id))
+            && !line.trim().is_empty()
+        {
+            lines.push(line);
         }
     }
     sections
