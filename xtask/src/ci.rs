@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, tidy};
+use crate::{docs, fixtures, tidy, verify};
 
 /// Runs every check; stops at the first that fails.
 fn run_all() -> Result<Vec<(String, f64)>> {
@@ -49,6 +49,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
             "--no-fail-fast",
         ]))
     })?;
+    step(&mut times, "verification table", verify::check)?;
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;

@@ -14,6 +14,7 @@ mod fixtures;
 mod pipeline;
 mod tidy;
 mod tool;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -46,6 +47,8 @@ enum Task {
     Eval(PipelineArgs),
     /// What CI runs: format, lints, tests, docs, each crate alone, layering, a quick demo.
     Ci,
+    /// Is the elasticity solver right: the verification table, or one deck.
+    Verify(verify::VerifyArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -73,6 +76,7 @@ fn run(task: Task) -> Result<()> {
         Task::Train(args) => pipeline::stage("train", &args),
         Task::Eval(args) => pipeline::stage("eval", &args),
         Task::Ci => ci::run_everything(),
+        Task::Verify(args) => verify::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -53,7 +53,7 @@ pub(crate) fn stage(verb: &str, args: &PipelineArgs) -> Result<()> {
 }
 
 /// Hands the program's own exit code on: it has said what is wrong.
-fn finish(command: &mut Command) -> Result<()> {
+pub(crate) fn finish(command: &mut Command) -> Result<()> {
     let status = status(command)?;
     match status.code() {
         Some(0) => Ok(()),

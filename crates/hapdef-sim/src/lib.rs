@@ -36,6 +36,7 @@ mod ordering;
 mod panel;
 mod parts;
 mod patch_load;
+mod patch_stress;
 mod product;
 mod quadrature;
 mod rigid_modes;
@@ -65,6 +66,7 @@ pub use iterative::{
 pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
+pub use patch_stress::patch_stress;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use shell::{
     ShellElementMatrix, ShellElementProblem, ShellGaugeStrain, ShellKind, ShellMesh,

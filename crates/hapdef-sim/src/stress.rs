@@ -114,6 +114,23 @@ mod tests {
         }
     }
 
+    /// The same on patches, of a mesh whose elements are too few for a quadratic and of one with
+    /// enough.
+    #[test]
+    fn patches_recover_a_linear_stress_too() {
+        let material = IsotropicMaterial::new(2e9, 0.3, 1000.0).expect("valid");
+        let field = |p: &Point3<f64>| Vector3::new(p.x * p.y, p.z * p.z - p.x, p.y * p.z) * 1e-3;
+        for mesh in [one_element(), one_element().refine().refine()] {
+            let u: Vec<_> = mesh.nodes().iter().map(field).collect();
+            let none = |_: &Point3<f64>| Matrix3::zeros();
+            let plain = nodal_stress(&mesh, &material, &u, none).expect("full field");
+            let patch = crate::patch_stress(&mesh, &material, &u, none).expect("full field");
+            for (a, b) in plain.iter().zip(patch) {
+                assert!((a - b).amax() < 1e-9 * 2e9 * 1e-3, "{a} {b}");
+            }
+        }
+    }
+
     #[test]
     fn free_expansion_has_no_stress() {
         let mesh = one_element();

@@ -89,6 +89,16 @@ impl Target {
 }
 
 impl Reference {
+    /// The reference value; none where there is none.
+    #[must_use]
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Exact(r) | Self::Published(r) => Some(r),
+            Self::Zero => Some(0.0),
+            Self::Told => None,
+        }
+    }
+
     /// The relative error of `value`; none where nothing is compared.
     #[must_use]
     pub fn rel_err(self, value: f64) -> Option<f64> {

@@ -11,6 +11,7 @@
 pub mod bench;
 mod case;
 mod catalogue;
+mod check;
 mod deck;
 mod error;
 mod inputs;
@@ -22,6 +23,7 @@ mod table;
 
 pub use case::{Case, Measured, Reference, Target};
 pub use catalogue::all_cases;
+pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;

@@ -62,6 +62,19 @@ pub enum Verdict {
     Told,
 }
 
+impl Verdict {
+    /// `ok`, `FAILED`, `not run` or `told`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Pass => "ok",
+            Self::Fail(_) => "FAILED",
+            Self::NotRun(_) => "not run",
+            Self::Told => "told",
+        }
+    }
+}
+
 impl Report {
     /// Cases that were judged: pass or fail.
     #[must_use]
@@ -169,7 +182,8 @@ fn judge(case: &Case, rows: &[Row], stopped: Option<VerifyError>) -> Verdict {
 }
 
 /// ln(e₁/e₂) / ln(h₁/h₂) of errors on the two finest meshes; for published values
-/// ln(|v₁ − v₀| / |v₂ − v₁|) / ln(h₁/h₂) of the three finest
+/// ln(|v₁ − v₀| / |v₂ − v₁|) / ln(h₁/h₂) of the three finest, if they
+/// are refined by one ratio
 /// (Roache, Verification and Validation in Computational Science and Engineering, 1998, section 5).
 fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
     let (differences, h) = match (reference, rows) {
@@ -177,6 +191,10 @@ fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
             ((a.rel_err?, b.rel_err?), (a.measured.h, b.measured.h))
         }
         (Reference::Published(_), [.., a, b, c]) => {
+            let ratios = [a.measured.h / b.measured.h, b.measured.h / c.measured.h];
+            if (ratios[0] - ratios[1]).abs() > 1e-6 * ratios[0] {
+                return None;
+            }
             let step = |a: &Row, b: &Row| (b.measured.value - a.measured.value).abs();
             ((step(a, b), step(b, c)), (b.measured.h, c.measured.h))
         }

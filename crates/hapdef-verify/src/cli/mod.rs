@@ -2,6 +2,7 @@
 
 mod bench;
 mod context;
+mod deck;
 mod verify;
 
 use anyhow::Result;
@@ -24,6 +25,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times the solver against other solvers.
     Bench(bench::BenchArgs),
+    /// Solves a deck's own load and compares it with known figures.
+    Deck(deck::DeckArgs),
 }
 
 /// Runs the command; false where a row missed its target.
@@ -31,5 +34,6 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
     match &cli.task {
         Task::Verify(args) => verify::run(args),
         Task::Bench(args) => bench::run(args).map(|()| true),
+        Task::Deck(args) => deck::run(args).map(|()| true),
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
-use hapdef_verify::{MetricLog, Report, all_cases, markdown, people_table, run_cases};
+use hapdef_verify::{MetricLog, Report, all_cases, differences, markdown, people_table, run_cases};
 
 use super::context::context;
 
@@ -18,6 +18,12 @@ pub(crate) struct VerifyArgs {
     /// Write the table to this file.
     #[arg(long)]
     write: Option<PathBuf>,
+    /// Compare the table with this file; fail where they differ.
+    #[arg(long, conflicts_with = "write")]
+    check: Option<PathBuf>,
+    /// Print the rows as one JSON array instead of text.
+    #[arg(long)]
+    json: bool,
     /// The seed the metrics carry; the table itself draws nothing at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -37,14 +43,57 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
             args.only
         );
     }
-    let report = run_cases(&cases, |case| print!("{}", people_table(case)));
+    let report = run_cases(&cases, |case| {
+        if !args.json {
+            print!("{}", people_table(case));
+        }
+    });
+    if args.json {
+        println!("{}", json(&report));
+    }
     if let Some(path) = &args.write {
         let text = markdown(&report);
         atomic_write(path, |file| file.write_all(text.as_bytes()))
             .with_context(|| format!("writing {}", path.display()))?;
     }
     metrics(args, &report)?;
-    Ok(report.n_failed() == 0)
+    Ok(agrees(args, &report)? && report.n_failed() == 0)
+}
+
+/// Whether the file of `--check` has the report's numbers.
+fn agrees(args: &VerifyArgs, report: &Report) -> Result<bool> {
+    let Some(path) = &args.check else {
+        return Ok(true);
+    };
+    let committed =
+        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    let faults = differences(report, &committed, &all_cases());
+    for fault in &faults {
+        eprintln!("{}: {fault}", path.display());
+    }
+    Ok(faults.is_empty())
+}
+
+/// One object per mesh of each case.
+fn json(report: &Report) -> serde_json::Value {
+    let rows = report.cases.iter().flat_map(|case| {
+        case.rows.iter().map(|row| {
+            serde_json::json!({
+                "case": case.id,
+                "mesh": row.measured.mesh,
+                "nodes": row.measured.n_nodes,
+                "equations": row.measured.n_equations,
+                "value": row.measured.value,
+                "unit": case.unit,
+                "reference": case.reference.value(),
+                "rel_err": row.rel_err,
+                "order": row.order,
+                "elapsed_s": row.elapsed_s,
+                "verdict": case.verdict.word(),
+            })
+        })
+    });
+    rows.collect()
 }
 
 fn metrics(args: &VerifyArgs, report: &Report) -> Result<()> {

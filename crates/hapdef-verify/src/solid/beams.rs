@@ -144,7 +144,7 @@ const CURVED: &str = "mean displacement of the free end along a unit force, 90°
     4.32, thickness 0.1, E = 1e7, ν = 0.25";
 
 fn curved(level: usize) -> Result<([usize; 3], Problem), VerifyError> {
-    let n = [[1, 24, 1], [2, 48, 2], [4, 96, 4]][level];
+    let n = [[2, 24, 2], [4, 48, 4], [6, 72, 6]][level];
     let mesh = Blocks::new(1e-6)
         .block(n, |p| {
             let (r, phi) = (4.12 + 0.2 * p.x, FRAC_PI_2 * p.y);

@@ -3,7 +3,7 @@
 use hapdef_mesh::{FeNodeId, Tet10Mesh, Tri6Face, face_positions, tri6};
 use hapdef_sim::{
     ElasticModel, ElasticParams, HeldMotion, Hold, IsotropicMaterial, NodalLoad, Supports,
-    nodal_stress,
+    patch_stress,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -135,7 +135,7 @@ impl Solution<'_> {
     ) -> Result<Matrix3<f64>, VerifyError> {
         let node = self.node(point)?;
         let problem = self.problem;
-        let all = nodal_stress(&problem.mesh, &problem.material, &self.u, initial)?;
+        let all = patch_stress(&problem.mesh, &problem.material, &self.u, initial)?;
         Ok(all[node.index()])
     }
 
