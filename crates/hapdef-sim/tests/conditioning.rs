@@ -181,7 +181,6 @@ proptest! {
         prop_assert!(error <= bound, "plain: error {error:e}, bound {bound:e}");
         let (error_extended, info) = series.error(extended()).unwrap();
         let bound = info.forward_error_bound();
-        println!("κ {:e}: error {error:e} → {error_extended:e}, bound {bound:e}", info.condition.unwrap());
         prop_assert!(error_extended <= bound, "extended: error {error_extended:e}, bound {bound:e}");
         // what is left is the rounding of the stiffness, which no residual sees
         prop_assert!(

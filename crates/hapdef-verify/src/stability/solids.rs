@@ -66,12 +66,18 @@ pub(super) fn trials() -> Vec<Trial> {
             Wanted::Either
         };
         let extreme = format!("t/L {t:e}");
-        trials.extend(both("thin plate in bending, solid", &extreme, wanted, move || {
-            plate(t, true)
-        }));
-        trials.extend(both("thin plate stretched, solid", &extreme, wanted, move || {
-            plate(t, false)
-        }));
+        trials.extend(both(
+            "thin plate in bending, solid",
+            &extreme,
+            wanted,
+            move || plate(t, true),
+        ));
+        trials.extend(both(
+            "thin plate stretched, solid",
+            &extreme,
+            wanted,
+            move || plate(t, false),
+        ));
     }
     for height in [0.1, 0.01, 1e-3, 1e-4] {
         let wanted = if height >= 0.01 {
@@ -87,9 +93,12 @@ pub(super) fn trials() -> Vec<Trial> {
     }
     for e in [1e3, 1e6, 1e11, 1e13] {
         let extreme = format!("E {e:e} Pa");
-        trials.extend(both("a block, soft to stiff", &extreme, Wanted::Solution, move || {
-            block(e, NU, 1.0, 1.0)
-        }));
+        trials.extend(both(
+            "a block, soft to stiff",
+            &extreme,
+            Wanted::Solution,
+            move || block(e, NU, 1.0, 1.0),
+        ));
     }
     for nu in [0.0, 0.3, 0.49, 0.4999, 0.49999, 0.4999999] {
         let wanted = if nu < 0.4999 {
@@ -98,23 +107,37 @@ pub(super) fn trials() -> Vec<Trial> {
             Wanted::Either
         };
         let extreme = format!("ν {nu}");
-        trials.extend(both("a block, to incompressible", &extreme, wanted, move || {
-            block(E_PA, nu, 1.0, 1.0)
-        }));
+        trials.extend(both(
+            "a block, to incompressible",
+            &extreme,
+            wanted,
+            move || block(E_PA, nu, 1.0, 1.0),
+        ));
     }
     for (words, size) in [("1 µm", 1e-6), ("1 mm", 1e-3), ("1 km", 1e3)] {
         let extreme = format!("{words} wide");
-        trials.extend(both("a block, small to large", &extreme, Wanted::Solution, move || {
-            block(E_PA, NU, size, 1.0)
-        }));
+        trials.extend(both(
+            "a block, small to large",
+            &extreme,
+            Wanted::Solution,
+            move || block(E_PA, NU, size, 1.0),
+        ));
     }
     for force in [1e-12, 1.0, 1e12] {
         let extreme = format!("about {force:e} N");
-        trials.extend(both("a block, light to heavy load", &extreme, Wanted::Solution, move || {
-            block(E_PA, NU, 1.0, force / (1e-3 * E_PA))
-        }));
+        trials.extend(both(
+            "a block, light to heavy load",
+            &extreme,
+            Wanted::Solution,
+            move || block(E_PA, NU, 1.0, force / (1e-3 * E_PA)),
+        ));
     }
-    trials.extend(both("one element", "ten nodes", Wanted::Solution, one_element));
+    trials.extend(both(
+        "one element",
+        "ten nodes",
+        Wanted::Solution,
+        one_element,
+    ));
     trials
 }
 
@@ -170,7 +193,9 @@ fn one_sliver(height: f64) -> Result<Block, VerifyError> {
     let (element, corner) = inner_corner(&mesh)?;
     let element = mesh.elements()[element];
     let apex = element[corner];
-    let base = (0..4).filter(|&k| k != corner).map(|k| mesh.position(element[k]).coords);
+    let base = (0..4)
+        .filter(|&k| k != corner)
+        .map(|k| mesh.position(element[k]).coords);
     let foot = base.sum::<nalgebra::Vector3<f64>>() / 3.0;
     let mesh = moved(&mesh, |node, p| {
         if node == apex {
