@@ -60,10 +60,7 @@ pub(super) fn series(e: f64, cuts: Vec<f64>, compliances: Vec<f64>) -> Field {
         u: Box::new(move |point| {
             let (mut p, mut slope, mut w) = (0.0, 0.0, 0.0);
             for (ends, part) in cuts.windows(2).zip(&compliances) {
-                let length = point.x.min(ends[1]) - ends[0];
-                if length <= 0.0 {
-                    break;
-                }
+                let length = (point.x.min(ends[1]) - ends[0]).max(0.0);
                 p += part * pull * length;
                 w += slope * length - 0.5 * part * curvature * length * length;
                 slope -= part * curvature * length;
