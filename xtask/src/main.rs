@@ -12,6 +12,7 @@ mod ci;
 mod docs;
 mod fixtures;
 mod pipeline;
+mod stability;
 mod tidy;
 mod tool;
 mod verify;
@@ -49,6 +50,8 @@ enum Task {
     Ci,
     /// Is the elasticity solver right: the verification table, or one deck.
     Verify(verify::VerifyArgs),
+    /// Is a solver ever silently wrong: its extremes, against known solutions.
+    Stability(stability::StabilityArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -77,6 +80,7 @@ fn run(task: Task) -> Result<()> {
         Task::Eval(args) => pipeline::stage("eval", &args),
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
+        Task::Stability(args) => stability::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

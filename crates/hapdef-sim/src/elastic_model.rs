@@ -4,19 +4,23 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::Vector3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::assembly::{BlockMatrix, BlockPattern, StiffnessExtremes, assemble, motions_of};
+use crate::assembly::{
+    Assembled, BlockMatrix, BlockPattern, StiffnessExtremes, assemble, motions_of,
+};
 use crate::dissection::{Ordering, sequence};
 use crate::elements::{Elements, SolidElements};
 use crate::iterative::{Solver, SolverChoice, SolverInfo, SolverPlan};
 use crate::ordering::{Cliques, NodeGraph};
 use crate::rigid_modes::{Restraints, check_supports};
-use crate::solve::{SolveInfo, SolveParams, solve_all};
-use crate::supports::{FaceSpring, Held};
+use crate::solve::solve_all;
+use crate::supports::{FaceSpring, Held, bedded_directions};
 use crate::unknowns::{Link, Unknowns};
-use crate::{IsotropicMaterial, MaterialRegion, NodalLoad, SimError, Supports};
+use crate::{
+    IsotropicMaterial, MaterialRegion, NodalLoad, SimError, SolveInfo, SolveParams, Supports,
+};
 
 /// What a solid elastic model is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +89,8 @@ pub struct ElasticModel {
     pub(crate) solver: Solver,
     /// ‖K̂‖∞ of the Jacobi-scaled stiffness.
     pub(crate) scaled_norm: f64,
+    /// The rounding of the stiffness, as a share of [`Self::scaled_norm`].
+    pub(crate) rounding: f64,
     pub(crate) pool: Arc<ThreadPool>,
     pub(crate) condition: OnceLock<f64>,
     info: FactorInfo,
@@ -176,8 +182,11 @@ impl ElasticModel {
         let started = Instant::now();
         let (pattern, unknowns) = (Arc::clone(&structure.pattern), &structure.unknowns);
         let springs = &structure.springs;
-        let (stiffness, extremes) =
-            pool.install(|| assemble(elements, springs, unknowns, pattern))?;
+        let Assembled {
+            matrix: stiffness,
+            extremes,
+            rigid_force,
+        } = pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let solver = pool.install(|| structure.plan.solver(&stiffness, unknowns))?;
@@ -190,6 +199,7 @@ impl ElasticModel {
             stiffness,
             solver,
             scaled_norm,
+            rounding: f64::EPSILON + rigid_force / scaled_norm,
             pool,
             condition: OnceLock::new(),
             info,
@@ -358,27 +368,6 @@ fn cliques(elements: &dyn Elements, springs: &[FaceSpring], unknowns: &Unknowns)
         cliques.push(links.flat_map(Link::places));
     }
     cliques
-}
-
-/// The directions in which a bed holds each of its nodes.
-fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
-    let mut bedded = Vec::new();
-    for spring in springs {
-        let sum: Matrix3<f64> = spring.blocks.iter().sum();
-        let eigen = SymmetricEigen::new(sum);
-        let largest = eigen.eigenvalues.amax();
-        for (value, direction) in eigen
-            .eigenvalues
-            .iter()
-            .zip(eigen.eigenvectors.column_iter())
-        {
-            if *value > 1e-12 * largest {
-                let direction = direction.into_owned();
-                bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));
-            }
-        }
-    }
-    bedded
 }
 
 pub(crate) fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError> {

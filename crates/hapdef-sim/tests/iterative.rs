@@ -1,4 +1,5 @@
 //! The iterative path keeps the direct one's promises.
+#![expect(clippy::print_stdout, reason = "figures beside the assertions")]
 
 mod common;
 
