@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, tidy, verify};
+use crate::{docs, fixtures, stability, tidy, verify};
 
 /// Runs every check; stops at the first that fails.
 fn run_all() -> Result<Vec<(String, f64)>> {
@@ -50,6 +50,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
         ]))
     })?;
     step(&mut times, "verification table", verify::check)?;
+    step(&mut times, "stability table", stability::check)?;
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;

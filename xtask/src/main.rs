@@ -13,6 +13,7 @@ mod ci;
 mod docs;
 mod fixtures;
 mod pipeline;
+mod stability;
 mod tidy;
 mod tool;
 mod verify;
@@ -52,6 +53,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
     Bench(bench::BenchArgs),
+    /// Is a solver ever silently wrong: its extremes, against known solutions.
+    Stability(stability::StabilityArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -81,6 +84,7 @@ fn run(task: Task) -> Result<()> {
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Stability(args) => stability::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -8,6 +8,7 @@ use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::SimError;
+use crate::element_rounding::rigid_force;
 use crate::elements::Elements;
 use crate::ordering::NodeGraph;
 use crate::supports::FaceSpring;
@@ -77,31 +78,43 @@ impl BlockPattern {
     }
 }
 
+/// An assembled matrix, and what was seen of its elements.
+pub(crate) struct Assembled {
+    pub(crate) matrix: BlockMatrix,
+    pub(crate) extremes: StiffnessExtremes,
+    /// The largest [`rigid_force`] of an element.
+    pub(crate) rigid_force: f64,
+}
+
 /// Assembles the stiffness of `elements` and `springs`; call inside the thread pool.
 pub(crate) fn assemble(
     elements: &dyn Elements,
     springs: &[FaceSpring],
     unknowns: &Unknowns,
     pattern: Arc<BlockPattern>,
-) -> Result<(BlockMatrix, StiffnessExtremes), SimError> {
+) -> Result<Assembled, SimError> {
     let blocks = vec![[0.0; 9]; pattern.columns.len()];
     let mut matrix = BlockMatrix { pattern, blocks };
     let mut extremes = StiffnessExtremes::none();
+    let mut largest_rigid_force = 0.0_f64;
     let n_elements = elements.n_elements();
     let mut buffers: Vec<Vec<f64>> = vec![Vec::new(); CHUNK.min(n_elements)];
     for start in (0..n_elements).step_by(CHUNK) {
         let chunk = &mut buffers[..CHUNK.min(n_elements - start)];
-        let made: Vec<Result<(), SimError>> = chunk
+        let made: Vec<Result<f64, SimError>> = chunk
             .par_iter_mut()
             .enumerate()
             .map(|(i, k)| {
                 let n = 3 * elements.motions_per_node() * elements.nodes(start + i).len();
                 k.resize(n * n, 0.0);
-                elements.stiffness(start + i, k)
+                elements.stiffness(start + i, k)?;
+                let nodes = elements.nodes(start + i).iter();
+                let nodes: Vec<_> = nodes.map(|n| elements.positions()[n.index()]).collect();
+                Ok(rigid_force(k, &nodes, elements.has_rotations()))
             })
             .collect();
         for ((element, k), made) in (start..).zip(chunk).zip(made) {
-            made?;
+            largest_rigid_force = largest_rigid_force.max(made?);
             extremes.take(k, element);
             let nodes = elements.nodes(element);
             let motions = motions_of(nodes, elements.motions_per_node());
@@ -116,7 +129,11 @@ pub(crate) fn assemble(
         matrix.add_spring(spring, unknowns);
     }
     matrix.fill_held(unknowns);
-    Ok((matrix, extremes))
+    Ok(Assembled {
+        matrix,
+        extremes,
+        rigid_force: largest_rigid_force,
+    })
 }
 
 /// The motions of an element's nodes.

@@ -6,8 +6,8 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::Vector3;
 
 use crate::load::check_node;
-use crate::solve::{SolveInfo, SolveParams, SolvedBlock, solve_all};
-use crate::{ElasticModel, NodalLoad, SimError};
+use crate::solve::{SolvedBlock, solve_all};
+use crate::{ElasticModel, NodalLoad, SimError, SolveInfo, SolveParams};
 
 /// Limits of a compliance computation.
 #[derive(Clone, Copy, Debug, PartialEq)]

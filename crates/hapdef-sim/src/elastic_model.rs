@@ -7,13 +7,15 @@ use hapdef_mesh::{FeNodeId, Tet10Mesh};
 use nalgebra::Vector3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::assembly::{BlockMatrix, StiffnessExtremes, assemble};
+use crate::assembly::{Assembled, BlockMatrix, StiffnessExtremes, assemble};
 use crate::dissection::Ordering;
 use crate::elements::{Elements, SolidElements};
 use crate::iterative::{Solver, SolverChoice, SolverInfo};
-use crate::solve::{SolveInfo, SolveParams, solve_all};
+use crate::solve::solve_all;
 use crate::structure::Structure;
-use crate::{IsotropicMaterial, MaterialRegion, NodalLoad, SimError, Supports};
+use crate::{
+    IsotropicMaterial, MaterialRegion, NodalLoad, SimError, SolveInfo, SolveParams, Supports,
+};
 
 /// What a solid elastic model is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +84,8 @@ pub struct ElasticModel {
     pub(crate) solver: Solver,
     /// ‖K̂‖∞ of the Jacobi-scaled stiffness.
     pub(crate) scaled_norm: f64,
+    /// The rounding of the stiffness, as a share of [`Self::scaled_norm`].
+    pub(crate) rounding: f64,
     pub(crate) pool: Arc<ThreadPool>,
     pub(crate) condition: OnceLock<f64>,
     info: FactorInfo,
@@ -164,8 +168,11 @@ impl ElasticModel {
         let started = Instant::now();
         let (pattern, unknowns) = (Arc::clone(&structure.pattern), &structure.unknowns);
         let springs = &structure.springs;
-        let (stiffness, extremes) =
-            pool.install(|| assemble(elements, springs, unknowns, pattern))?;
+        let Assembled {
+            matrix: stiffness,
+            extremes,
+            rigid_force,
+        } = pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let solver = pool.install(|| structure.plan.solver(&stiffness, unknowns))?;
@@ -178,6 +185,7 @@ impl ElasticModel {
             stiffness,
             solver,
             scaled_norm,
+            rounding: f64::EPSILON + rigid_force / scaled_norm,
             pool,
             condition: OnceLock::new(),
             info,

@@ -3,7 +3,8 @@
 use hapdef_mesh::GaugeId;
 use nalgebra::Vector3;
 
-use crate::solve::{SolveInfo, SolveParams, solve_all};
+use crate::solve::solve_all;
+use crate::solve_info::{SolveInfo, SolveParams};
 use crate::{ElasticModel, GaugeStrain, NodalLoad, SimError};
 
 /// Readings of all gauges for a unit force at any FE node in any direction.

@@ -19,6 +19,7 @@ mod condition;
 mod dissection;
 mod elastic_model;
 mod element;
+mod element_rounding;
 mod elements;
 mod error;
 mod export;
@@ -44,6 +45,7 @@ mod rigidity;
 mod shell;
 mod solve;
 mod solve_block;
+mod solve_info;
 mod stress;
 mod structure;
 mod supports;
@@ -75,7 +77,7 @@ pub use shell::{
     ShellMeshParams, ShellParams, ShellResultants, ShellStrain, shell_pressure_load,
     shell_stiffness, shell_traction_load,
 };
-pub use solve::{SolveInfo, SolveParams};
+pub use solve_info::{SolveInfo, SolveParams};
 pub use stress::{nodal_stress, stress};
 pub use supports::{
     Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,

@@ -3,7 +3,8 @@
 use hapdef_mesh::FeNodeId;
 
 use crate::load::check_node;
-use crate::solve::{SolveInfo, SolveParams, solve_all};
+use crate::solve::solve_all;
+use crate::solve_info::{SolveInfo, SolveParams};
 use crate::{ElasticModel, NodalLoad, SimError};
 
 impl ElasticModel {

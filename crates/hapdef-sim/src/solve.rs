@@ -10,94 +10,9 @@ use crate::elastic_model::Motion;
 use crate::iterative::{Solver, solve_loads};
 use crate::panel::Columns;
 use crate::solve_block::{Reached, System, Workspace};
+use crate::solve_info::{SolveInfo, SolveParams, check_forward_error};
 use crate::unknowns::{Link, Unknowns};
 use crate::{ElasticModel, NodalLoad, SimError};
-
-/// When a solution is refined, and when it is refused.
-///
-/// The measure is the backward error of the Jacobi-scaled system K̂ û = b̂,
-/// η = ‖b̂ − K̂ û‖∞ / (‖K̂‖∞ ‖û‖∞ + ‖b̂‖∞): the size of the change to K̂ and b̂ that would make û exact
-/// (Rigal and Gaches, J. ACM 14, 1967). The plain residual ‖b − K u‖ / ‖b‖ can't fall below
-/// ‖K‖ ‖u‖ / ‖b‖ roundings, which on a soft limb is 1e-9, however good the solution.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolveParams {
-    /// A backward error above this asks for a refinement step.
-    pub refine_above: f64,
-    /// Refinement steps at most.
-    pub max_refinements: usize,
-    /// A backward error above this after refinement is an error.
-    pub fail_above: f64,
-    /// Above this condition number residuals are taken in twice the precision, and every solution
-    /// is refined.
-    pub extend_above_condition: f64,
-    /// A bound on the forward error ([`SolveInfo::forward_error_bound`]) above this is an error. The
-    /// bound is a pessimist: slender shells are right to many more digits than it promises.
-    pub max_forward_error: f64,
-}
-
-impl Default for SolveParams {
-    fn default() -> Self {
-        Self {
-            refine_above: 1e-14,
-            max_refinements: 2,
-            fail_above: 1e-11,
-            extend_above_condition: 1e9,
-            max_forward_error: 0.1,
-        }
-    }
-}
-
-/// What a solve took and reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolveInfo {
-    /// Right-hand sides solved.
-    pub n_loads: usize,
-    /// The largest relative residual ‖b − K u‖₂ / ‖b‖₂ over all of them, after refinement.
-    pub worst_relative_residual: f64,
-    /// The largest backward error (see [`SolveParams`]) over all of them, after refinement.
-    pub worst_backward_error: f64,
-    /// The load with the largest backward error.
-    pub worst_load: usize,
-    /// The estimated condition number of the Jacobi-scaled stiffness; none without loads.
-    pub condition: Option<f64>,
-    /// The most refinement steps that a block of right-hand sides asked for.
-    pub n_refinements: usize,
-    /// The most iterations that a right-hand side took; 0 on the direct path.
-    pub n_iterations: usize,
-    /// The largest estimated relative error in energy (see [`crate::IterativeParams`]); 0 on the
-    /// direct path, which makes no estimate.
-    pub worst_energy_error: f64,
-    /// Seconds.
-    pub elapsed_s: f64,
-}
-
-impl SolveInfo {
-    /// A bound on the relative error of any displacement field, in the norm of the Jacobi-scaled
-    /// system: κ (η + ε), with the condition number κ, the backward error η, and the rounding ε of
-    /// the assembled stiffness itself (N. J. Higham, Accuracy and Stability of Numerical
-    /// Algorithms, 2nd ed., section 7.1). 0 without loads.
-    #[must_use]
-    pub fn forward_error_bound(&self) -> f64 {
-        self.condition.map_or(0.0, |condition| {
-            condition * (self.worst_backward_error + f64::EPSILON)
-        })
-    }
-
-    /// Nothing reached yet.
-    pub(crate) fn new(n_loads: usize) -> Self {
-        Self {
-            n_loads,
-            worst_relative_residual: 0.0,
-            worst_backward_error: 0.0,
-            worst_load: 0,
-            condition: None,
-            n_refinements: 0,
-            n_iterations: 0,
-            worst_energy_error: 0.0,
-            elapsed_s: 0.0,
-        }
-    }
-}
 
 /// Right-hand sides solved together. Fixed, so that results do not depend on the thread count.
 pub(crate) const BLOCK: usize = 64;
@@ -208,6 +123,7 @@ pub(crate) fn solve_all<T: Send>(
     }
     let info = SolveInfo {
         condition: Some(condition),
+        stiffness_rounding: model.rounding,
         worst_relative_residual: reached.relative_residual,
         worst_backward_error: reached.backward_error,
         worst_load: reached.load,
@@ -217,19 +133,6 @@ pub(crate) fn solve_all<T: Send>(
     };
     check_forward_error(&info, params)?;
     Ok(info)
-}
-
-pub(crate) fn check_forward_error(info: &SolveInfo, params: &SolveParams) -> Result<(), SimError> {
-    let (bound, condition) = (info.forward_error_bound(), info.condition);
-    if info.n_loads == 0 || bound <= params.max_forward_error {
-        return Ok(());
-    }
-    Err(SimError::IllConditioned {
-        condition: condition.unwrap_or(f64::NAN),
-        backward_error: info.worst_backward_error,
-        bound,
-        limit: params.max_forward_error,
-    })
 }
 
 /// Few loads are split in two halves, so that a second thread has work.

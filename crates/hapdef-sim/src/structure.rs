@@ -4,7 +4,6 @@
 use std::sync::Arc;
 
 use hapdef_mesh::FeNodeId;
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::assembly::{BlockPattern, motions_of};
 use crate::dissection::{Ordering, sequence};
@@ -12,7 +11,7 @@ use crate::elements::Elements;
 use crate::iterative::{SolverChoice, SolverPlan};
 use crate::ordering::{Cliques, NodeGraph};
 use crate::rigid_modes::{Restraints, check_supports};
-use crate::supports::{FaceSpring, Held};
+use crate::supports::{FaceSpring, Held, bedded_directions};
 use crate::unknowns::{Link, Unknowns};
 use crate::{FactorInfo, MaterialRegion, SimError, Supports};
 
@@ -102,25 +101,4 @@ fn cliques(elements: &dyn Elements, springs: &[FaceSpring], unknowns: &Unknowns)
         cliques.push(links.flat_map(Link::places));
     }
     cliques
-}
-
-/// The directions in which a bed holds each of its nodes.
-fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
-    let mut bedded = Vec::new();
-    for spring in springs {
-        let sum: Matrix3<f64> = spring.blocks.iter().sum();
-        let eigen = SymmetricEigen::new(sum);
-        let largest = eigen.eigenvalues.amax();
-        for (value, direction) in eigen
-            .eigenvalues
-            .iter()
-            .zip(eigen.eigenvectors.column_iter())
-        {
-            if *value > 1e-12 * largest {
-                let direction = direction.into_owned();
-                bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));
-            }
-        }
-    }
-    bedded
 }

@@ -1,7 +1,7 @@
 //! What holds a limb beside clamped nodes, and what ties parts of it together.
 
 use hapdef_mesh::{FeNodeId, Tri6Face, tri6};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
 use crate::load::check_node;
 use crate::patch_load::unit;
@@ -247,4 +247,25 @@ pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let first = axis - normal * axis.dot(normal);
     let first = first / first.norm();
     [first, normal.cross(&first)]
+}
+
+/// The directions in which a bed holds each of its nodes.
+pub(crate) fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
+    let mut bedded = Vec::new();
+    for spring in springs {
+        let sum: Matrix3<f64> = spring.blocks.iter().sum();
+        let eigen = SymmetricEigen::new(sum);
+        let largest = eigen.eigenvalues.amax();
+        for (value, direction) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+        {
+            if *value > 1e-12 * largest {
+                let direction = direction.into_owned();
+                bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));
+            }
+        }
+    }
+    bedded
 }

@@ -1,5 +1,5 @@
 //! The iterative path keeps the direct one's promises.
-#![allow(clippy::print_stdout, reason = "measured figures")]
+#![expect(clippy::print_stdout, reason = "figures beside the assertions")]
 
 mod common;
 

@@ -8,7 +8,8 @@ use super::{CornerInterpolation, Multigrid, NearNull};
 use crate::assembly::BlockMatrix;
 use crate::factor::Factor;
 use crate::panel::Columns;
-use crate::solve::{BLOCK, SolvedBlock, check_forward_error, unknown_forces};
+use crate::solve::{BLOCK, SolvedBlock, unknown_forces};
+use crate::solve_info::check_forward_error;
 use crate::unknowns::Unknowns;
 use crate::{ElasticModel, NodalLoad, SimError, SolveInfo, SolveParams};
 
@@ -130,6 +131,7 @@ pub(crate) fn solve_loads<T: Send>(
     }
     if !loads.is_empty() {
         info.condition = Some(model.condition());
+        info.stiffness_rounding = model.rounding;
     }
     info.elapsed_s = started.elapsed().as_secs_f64();
     check_forward_error(&info, params)?;

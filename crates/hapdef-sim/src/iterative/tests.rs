@@ -78,9 +78,9 @@ fn problem(n_cells: usize, clamped_at: f64) -> Problem {
     }
     let graph = NodeGraph::build(unknowns.n_places(), &cliques);
     let pattern = Arc::new(BlockPattern::build(&graph));
-    let (matrix, _) = assemble(&elements, &[], &unknowns, pattern).expect("assembled");
+    let assembled = assemble(&elements, &[], &unknowns, pattern).expect("assembled");
     Problem {
-        matrix,
+        matrix: assembled.matrix,
         modes: rigid_modes(mesh.nodes(), &unknowns),
         corners: CornerInterpolation::build(&elements, &unknowns).expect("ten-node tetrahedra"),
     }

@@ -125,10 +125,11 @@ pub fn stability_line(row: &StabilityRow) -> String {
     );
     match &row.outcome {
         Ok(f) => format!(
-            "{head} {:>5} equations  error {:.1e}  bound {:.1e}  backward {:.1e}  residual {:.1e}  condition {}",
+            "{head} {:>5} equations  error {:.1e}  bound {:.1e}  rounding {:.1e}  backward {:.1e}  residual {:.1e}  condition {}",
             f.n_equations,
             f.error,
             f.bound(),
+            f.info.stiffness_rounding,
             f.info.worst_backward_error,
             f.info.worst_relative_residual,
             f.info
@@ -178,4 +179,54 @@ fn comparable(text: &str) -> Vec<String> {
     };
     let lines = text.lines().map(strip);
     lines.filter(|line| !line.trim().is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::row::{Refusal, Wanted};
+
+    fn refused(kind: &str, text: &str) -> StabilityRow {
+        StabilityRow {
+            case: "a case",
+            extreme: "f = 1e9".to_owned(),
+            path: "direct",
+            outcome: Err(Refusal {
+                kind: kind.to_owned(),
+                text: text.to_owned(),
+            }),
+            wanted: Wanted::Either,
+        }
+    }
+
+    #[test]
+    fn figures_may_differ_and_words_may_not() {
+        let row = |error, verdict| {
+            format!(
+                "| case | f = 1 | direct | 30 | {error} | 1e-16 | 1e5 | 1e-9 | ok | {verdict} |"
+            )
+        };
+        assert_eq!(
+            comparable(&row("1e-13", "accurate")),
+            comparable(&row("1e-12", "accurate"))
+        );
+        assert_ne!(
+            comparable(&row("1e-13", "accurate")),
+            comparable(&row("1e-13", "refused"))
+        );
+        let rows = [refused("AllClamped", "all 4 nodes")];
+        let text = stability_markdown(&rows);
+        assert_eq!(stability_differences(&rows, &text), Vec::<String>::new());
+        let others = [refused("AllClamped", "all 5 nodes")];
+        assert_eq!(stability_differences(&others, &text).len(), 2);
+    }
+
+    #[test]
+    fn words_with_rounded_numbers_stay_out() {
+        let text = stability_markdown(&[refused("IllConditioned", "a condition of 1.234e13")]);
+        assert!(
+            text.contains("IllConditioned") && !text.contains("1.234e13"),
+            "{text}"
+        );
+    }
 }

@@ -9,10 +9,14 @@ use crate::VerifyError;
 /// A displacement field and its stress.
 pub(super) struct Field {
     /// The displacement at a point.
-    pub(super) u: Box<dyn Fn(&Point3<f64>) -> Vector3<f64>>,
+    pub(super) u: Displacement,
     /// The stress at a point of an element, given the factor on its modulus.
-    pub(super) stress: Box<dyn Fn(&Point3<f64>, f64) -> Matrix3<f64>>,
+    pub(super) stress: Stress,
 }
+
+type Displacement = Box<dyn Fn(&Point3<f64>) -> Vector3<f64>>;
+
+type Stress = Box<dyn Fn(&Point3<f64>, f64) -> Matrix3<f64>>;
 
 /// The material of modulus `e` and Poisson's ratio `nu`.
 pub(super) fn material(e: f64, nu: f64) -> Result<IsotropicMaterial, VerifyError> {
@@ -73,4 +77,38 @@ pub(super) fn series(e: f64, cuts: Vec<f64>, compliances: Vec<f64>) -> Field {
 
 fn along_x(value: f64) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(value, 0.0, 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The stress of the displacement's central differences is the field's own.
+    #[track_caller]
+    fn agrees(field: &Field, material: &IsotropicMaterial, at: [f64; 3], factor: f64) {
+        let (at, h) = (Point3::from(at), 1e-5);
+        let mut gradient = Matrix3::zeros();
+        for axis in 0..3 {
+            let step = Vector3::ith(axis, h);
+            let slope = ((field.u)(&(at + step)) - (field.u)(&(at - step))) / (2.0 * h);
+            gradient.set_column(axis, &slope);
+        }
+        let strain = (gradient + gradient.transpose()) * 0.5;
+        let found = stress(material, &strain) * factor;
+        let expected = (field.stress)(&at, factor);
+        let error = (found - expected).amax() / expected.amax();
+        assert!(error < 1e-8, "{error:e} at {at}");
+    }
+
+    #[test]
+    fn stress_belongs_to_displacement() {
+        let soft = material(2e9, 0.3).unwrap();
+        agrees(&stretch(soft), &soft, [0.2, 0.3, 0.4], 7.0);
+        agrees(&bend(soft, [1.0, 1.0, 0.1]), &soft, [0.2, 0.3, 0.04], 1.0);
+        let plain = material(2e9, 0.0).unwrap();
+        let bars = series(2e9, vec![0.0, 0.5, 1.5, 2.0], vec![1.0, 0.25, 1.0]);
+        agrees(&bars, &plain, [0.3, 0.2, 0.6], 1.0);
+        agrees(&bars, &plain, [1.2, 0.2, 0.6], 4.0);
+        agrees(&bars, &plain, [1.8, 0.2, 0.6], 1.0);
+    }
 }

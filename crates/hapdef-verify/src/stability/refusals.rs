@@ -12,105 +12,116 @@ use super::solids::{inner_corner, paths};
 use crate::VerifyError;
 use crate::meshes::nodes_where;
 
-/// Rows of refusals.
-pub(super) fn trials() -> Vec<Trial> {
-    let mut trials = Vec::new();
-    let mut add = |case, extreme, kind, words, run: Make| {
-        for (path, solver) in paths() {
-            trials.push(Trial {
-                case,
-                extreme: String::from(extreme),
-                path,
-                wanted: Wanted::Refusal { kind, words },
-                run: Box::new(move || run(solver)),
-            });
-        }
-    };
-    let free = "FreeRigidModes";
-    add(
+type Make = fn(SolverChoice) -> Result<StabilityFigures, VerifyError>;
+
+/// Case, what is extreme, the error wanted, words of its text, and the problem.
+type Refused = (&'static str, &'static str, &'static str, &'static str, Make);
+
+const FREE: &str = "FreeRigidModes";
+
+const HELD_BADLY: [Refused; 6] = [
+    (
         "no supports",
         "none",
-        free,
+        FREE,
         "has 6 free motions",
         |solver| clamped(&cube()?, |_| false, solver),
-    );
-    add(
+    ),
+    (
         "one clamped node",
         "1",
-        free,
+        FREE,
         "has 3 free motions",
         |solver| clamped(&cube()?, |p| *p == Point3::origin(), solver),
-    );
-    add(
+    ),
+    (
         "two clamped nodes",
         "2",
-        free,
+        FREE,
         "rotation about (1.000",
         |solver| {
-            clamped(
-                &cube()?,
-                |p| p.y == 0.0 && p.z == 0.0 && [0.0, 1.0].contains(&p.x),
-                solver,
-            )
+            let ends = |p: &Point3<f64>| p.y == 0.0 && p.z == 0.0 && (p.x == 0.0 || p.x == 1.0);
+            clamped(&cube()?, ends, solver)
         },
-    );
-    add("a fully clamped model", "all", "AllClamped", "", |solver| {
-        clamped(&cube()?, |_| true, solver)
-    });
-    add(
+    ),
+    (
+        "a fully clamped model",
+        "all",
+        "AllClamped",
+        "125",
+        |solver| clamped(&cube()?, |_| true, solver),
+    ),
+    (
         "a disconnected piece",
         "one of two held",
-        free,
+        FREE,
         "1 of 2",
         |solver| clamped(&two_pieces(2.0)?, |p| p.x == 0.0, solver),
-    );
-    add(
+    ),
+    (
         "parts that touch with double nodes",
         "not joined",
-        free,
+        FREE,
         "1 of 2",
         |solver| clamped(&two_pieces(1.0)?, |p| p.x == 0.0, solver),
-    );
-    add(
+    ),
+];
+
+const BAD_INPUT: [Refused; 5] = [
+    (
         "a load that is no number",
         "NaN",
         "LoadNotFinite",
         "NaN",
         |solver| loaded(f64::NAN, solver),
-    );
-    add(
+    ),
+    (
         "a load that is no number",
         "∞",
         "LoadNotFinite",
         "inf",
         |solver| loaded(f64::INFINITY, solver),
-    );
-    add(
+    ),
+    (
         "an element without volume",
         "corner in its face",
         "CornerVolume",
-        "",
+        "element 0",
         |solver| clamped(&pushed(0.0)?, |p| p.x == 0.0, solver),
-    );
-    add(
+    ),
+    (
         "an element turned inside out",
         "corner through its face",
         "CornerVolume",
-        "",
+        "element 0",
         |solver| clamped(&pushed(-0.1)?, |p| p.x == 0.0, solver),
-    );
-    add(
+    ),
+    (
         "an element folded by a mid-side node",
         "det J < 0",
         "ElementInverted",
-        "element",
+        "element 0",
         |solver| clamped(&folded()?, |p| p.x == 0.0, solver),
-    );
+    ),
+];
+
+/// Rows of refusals.
+pub(super) fn trials() -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for (case, extreme, kind, words, run) in HELD_BADLY.into_iter().chain(BAD_INPUT) {
+        for (path, solver) in paths() {
+            trials.push(Trial {
+                case,
+                extreme: extreme.to_owned(),
+                path,
+                wanted: Wanted::Refusal { kind, words },
+                run: Box::new(move || run(solver)),
+            });
+        }
+    }
     trials.extend(shells());
     trials
 }
-
-type Make = fn(SolverChoice) -> Result<StabilityFigures, VerifyError>;
 
 fn shells() -> [Trial; 3] {
     let shell = |case, extreme: &str, kind, words, run: fn() -> _| {

@@ -169,3 +169,63 @@ impl Trial {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hapdef_mesh::FeNodeId;
+    use hapdef_sim::NodalLoad;
+    use nalgebra::Vector3;
+
+    /// A solved row with another error.
+    fn row(error: f64, wanted: Wanted) -> StabilityRow {
+        let block = crate::stability::solids::block(1e9, 0.3, 1.0, 1.0).unwrap();
+        let model = hapdef_sim::ElasticModel::build(&block.mesh, &block.params).unwrap();
+        let load = NodalLoad::nodal(FeNodeId::from_index(40), Vector3::x());
+        let (_, info) = model.solve(&load).unwrap();
+        let figures = StabilityFigures {
+            n_equations: model.info().n_equations,
+            error,
+            info,
+        };
+        StabilityRow {
+            case: "a block",
+            extreme: String::new(),
+            path: "direct",
+            outcome: Ok(figures),
+            wanted,
+        }
+    }
+
+    #[test]
+    fn an_error_beyond_the_bound_is_silently_wrong() {
+        assert_eq!(
+            row(1e-15, Wanted::Solution).verdict(),
+            StabilityVerdict::Accurate
+        );
+        for error in [1e-3, f64::INFINITY, f64::NAN] {
+            let row = row(error, Wanted::Either);
+            assert_eq!(row.verdict(), StabilityVerdict::SilentlyWrong);
+            assert!(row.is_failed());
+        }
+    }
+
+    #[test]
+    fn what_should_be_refused_and_is_not_fails() {
+        let wanted = Wanted::Refusal {
+            kind: "AllClamped",
+            words: "125",
+        };
+        assert!(row(1e-15, wanted).is_failed());
+        let refused = |kind: &str, text: &str| StabilityRow {
+            outcome: Err(Refusal {
+                kind: kind.to_owned(),
+                text: text.to_owned(),
+            }),
+            ..row(0.0, wanted)
+        };
+        assert!(!refused("AllClamped", "all 125 nodes").is_failed());
+        assert!(refused("AllClamped", "all nodes").is_failed());
+        assert!(refused("Residual", "125").is_failed());
+    }
+}
