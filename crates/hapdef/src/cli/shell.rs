@@ -79,6 +79,9 @@ pub(crate) struct ShellArgs {
     /// Compare with a solid extruded from the same skin and wall.
     #[arg(long)]
     solid: bool,
+    /// Halve the edges of that solid this often; from 1 on the change by the last halving is told.
+    #[arg(long, default_value_t = 1, value_parser = RangedU64ValueParser::<usize>::new().range(..=3))]
+    halve_solid: usize,
     /// Compare with the solid limb of this scene.
     #[arg(long, value_name = "SCENE")]
     against: Option<PathBuf>,
@@ -127,7 +130,8 @@ enum Kind {
     Thick,
 }
 
-/// Makes the shell, compares it with the solids asked for, prints and writes everything.
+/// Makes the shell, compares it with the solids asked for, prints and writes everything; where a
+/// comparison fails, what there is without it.
 pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
     let given = read_surface(args)?;
     let params = args.params()?;
@@ -136,17 +140,18 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
         Ok(limb) => limb,
         Err(error) => return refused(error, &given, &params, &out),
     };
-    let comparisons = compare(args, &limb)?;
-    limb.write(&out, &comparisons)?;
+    let compared = compare(args, &limb);
+    let comparisons = compared.as_deref().unwrap_or_default();
+    limb.write(&out, comparisons)?;
     if args.json {
-        let report = limb.report(&comparisons);
+        let report = limb.report(comparisons);
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {
         println!("{}", args.file.display());
-        show(&limb, &comparisons);
+        show(&limb, comparisons);
         println!("written to        {}", out.display());
     }
-    Ok(())
+    compared.map(|_| ())
 }
 
 fn read_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
@@ -243,6 +248,7 @@ impl ShellArgs {
                 Kind::Thick => ShellKind::Thick,
             },
             tip_radius_m: metres(self.tip),
+            n_solid_halvings: self.halve_solid,
             n_threads: self.threads,
             ..ShellLimbParams::new(self.wall, material)
         })

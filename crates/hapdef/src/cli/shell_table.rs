@@ -1,7 +1,7 @@
 //! What `hapdef shell` prints for people.
 
 use hapdef::shell_limb::{
-    GaugeInfo, MeasuredWall, ShellComparison, ShellLimb, SurfaceCounts, WallInfo,
+    Answered, GaugeInfo, MeasuredWall, ShellComparison, ShellLimb, SurfaceCounts, WallInfo,
 };
 
 /// Prints everything that was found.
@@ -72,6 +72,13 @@ fn show_wall(wall: &WallInfo) {
     }
     if let Some(measured) = &wall.measured {
         show_measured(measured);
+    }
+    for refused in &wall.edges_refused {
+        println!(
+            "                  edges of {:.2} mm don't do: {}",
+            refused.edge_m * 1e3,
+            refused.cause
+        );
     }
     println!(
         "remeshed          {}; edges {} mm, wanted {:.2}",
@@ -169,18 +176,11 @@ fn show_comparison(comparison: &ShellComparison) {
         comparison.n_touches,
         comparison.n_touches_left_out
     );
-    println!("                    median %    worst %  overall %  shell/solid (median)");
-    for (name, row) in [
-        ("gauge readings", &comparison.readings),
-        ("under the tip", &comparison.tip),
-    ] {
-        println!(
-            "{name:16} {:11.1} {:10.1} {:10.1} {:12.2}",
-            100.0 * row.median,
-            100.0 * row.worst,
-            100.0 * row.overall,
-            row.median_ratio
-        );
+    println!("                    median %    worst %  overall %  ratio (median)");
+    show_answered(&comparison.shell);
+    if let Some(coarser) = &comparison.coarser_solid {
+        println!("the solid with edges twice as long instead of the shell:");
+        show_answered(coarser);
     }
     println!("press at, mm              shell µm/N  solid µm/N   displ. %  readings %");
     for press in &comparison.presses {
@@ -195,4 +195,19 @@ fn show_comparison(comparison: &ShellComparison) {
         );
     }
     println!("{comparison}");
+}
+
+fn show_answered(answered: &Answered) {
+    for (name, row) in [
+        ("gauge readings", &answered.readings),
+        ("under the tip", &answered.tip),
+    ] {
+        println!(
+            "{name:16} {:11.1} {:10.1} {:10.1} {:15.2}",
+            100.0 * row.median,
+            100.0 * row.worst,
+            100.0 * row.overall,
+            row.median_ratio
+        );
+    }
 }

@@ -4,7 +4,8 @@ use hapdef_mesh::PointIndex;
 use nalgebra::Point3;
 
 use super::ShellLimb;
-use super::compare::{ShellComparison, Solid};
+use super::compare::ShellComparison;
+use super::press::{Comparison, Solid};
 use super::sites::gauge_at;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -24,21 +25,26 @@ impl ShellLimb {
             let nearest = index.nearest(point);
             0.5 * nearest.map_or(0.0, |(node, _)| self.mesh.thickness_m()[node])
         };
-        let mut gauges = Vec::new();
-        for (site, on_solid) in solid.sites.iter().zip(&solid.gauges) {
+        let (mut on_shell, mut on_solid) = (Vec::new(), Vec::new());
+        for (site, gauge) in solid.sites.iter().zip(&solid.gauges) {
             let depth_m = depth_m(&site.position);
-            let on_shell = gauge_at(&self.mesh, site, depth_m, &self.params)?;
-            gauges.extend(on_shell.map(|on_shell| (on_shell, on_solid.clone())));
+            if let Some(same) = gauge_at(&self.mesh, site, depth_m, &self.params)? {
+                on_shell.push(same);
+                on_solid.push(gauge.clone());
+            }
         }
         let points = solid.surface_points();
         let places = points.iter().zip(&solid.directions);
-        self.compare(&Solid {
+        self.compare(&Comparison {
             name: name.to_owned(),
-            mesh: &solid.mesh,
-            skin: &solid.skin,
-            clamped: solid.clamped.clone(),
-            n_gauges_left_out: solid.gauges.len() - gauges.len(),
-            gauges,
+            n_gauges_left_out: solid.gauges.len() - on_shell.len(),
+            gauges: on_shell,
+            solids: vec![Solid {
+                mesh: &solid.mesh,
+                skin: &solid.skin,
+                clamped: solid.clamped.clone(),
+                gauges: on_solid,
+            }],
             places: places.map(|(p, d)| [*p, p + d * depth_m(p)]).collect(),
             directions: solid.directions.clone(),
             picture: solid.skin.surface(&solid.mesh)?,

@@ -68,6 +68,8 @@ pub struct WallInfo {
     pub remeshed: SurfaceCounts,
     /// The edge length wanted, m.
     pub target_edge_m: f64,
+    /// Longer edge lengths that were tried first, where none was asked for.
+    pub edges_refused: Vec<EdgeRefused>,
     /// Shortest, 5 %, median, 95 % and longest edge reached, m.
     pub edge_quantiles_m: [f64; 5],
     /// Largest sampled distance between the skin before and after remeshing, m.
@@ -80,6 +82,15 @@ pub struct WallInfo {
     pub thickness_quantiles_m: [f64; 5],
     /// Area times thickness of the middle surface, m³.
     pub wall_volume_m3: f64,
+}
+
+/// An edge length that doesn't do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EdgeRefused {
+    /// The edge length, m.
+    pub edge_m: f64,
+    /// Why it doesn't.
+    pub cause: String,
 }
 
 /// How far a solid is a shell. Shares are of the outer skin's area.

@@ -11,15 +11,16 @@ mod info;
 mod mount;
 mod output;
 mod params;
+mod press;
 mod response;
 mod sites;
 mod stopwatch;
 mod wall;
 
-pub use compare::{Differences, PressDifference, ShellComparison};
+pub use compare::{Answered, Differences, PressDifference, ShellComparison, ShellVerdict};
 pub use info::{
-    GaugeInfo, MeasuredWall, ModelInfo, MountInfo, ShellLimbInfo, StageTime, SurfaceCounts,
-    WallInfo,
+    EdgeRefused, GaugeInfo, MeasuredWall, ModelInfo, MountInfo, ShellLimbInfo, StageTime,
+    SurfaceCounts, WallInfo,
 };
 pub use output::write_measured_wall;
 pub use params::{MountChoice, MountEnd, ShellLimbParams, WallChoice};

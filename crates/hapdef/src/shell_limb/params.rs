@@ -42,7 +42,7 @@ pub struct ShellLimbParams {
     /// Which side of a constant wall the surface is; a measured one has its outside there.
     pub side: SkinSide,
     /// The edge length to which the skin is remeshed, m; a fortieth of the longest extent when not
-    /// given.
+    /// given, halved at most twice where that strays or folds.
     pub edge_m: Option<f64>,
     /// Where the limb is held.
     pub mount: MountChoice,
@@ -58,13 +58,16 @@ pub struct ShellLimbParams {
     pub tip_radius_m: f64,
     /// Presses whose displacement is compared with a solid's.
     pub n_presses: usize,
+    /// How often the edges of the extruded solid are halved; from 1 on the change by the last
+    /// halving is told.
+    pub n_solid_halvings: usize,
     /// Worker threads; results don't depend on it.
     pub n_threads: usize,
 }
 
 impl ShellLimbParams {
     /// The surface is the outside of `wall`; ten gauges of 8 × 5 mm, the default shell, a tip of
-    /// 2 mm, 24 presses, one thread, held at the low end of the longest axis.
+    /// 2 mm, 24 presses, a solid with half the shell's edges, one thread, held at the low end of the longest axis.
     #[must_use]
     pub fn new(wall: WallChoice, material: IsotropicMaterial) -> Self {
         Self {
@@ -83,6 +86,7 @@ impl ShellLimbParams {
             kind: ShellKind::default(),
             tip_radius_m: 2e-3,
             n_presses: 24,
+            n_solid_halvings: 1,
             n_threads: 1,
         }
     }
