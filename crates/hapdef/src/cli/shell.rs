@@ -80,8 +80,9 @@ pub(crate) struct ShellArgs {
     #[arg(long)]
     solid: bool,
     /// Halve the edges of that solid this often; from 1 on the change by the last halving is told.
-    #[arg(long, default_value_t = 1, value_parser = RangedU64ValueParser::<usize>::new().range(..=3))]
-    halve_solid: usize,
+    /// Once when not given, if that makes no more than 150,000 nodes.
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(..=3))]
+    halve_solid: Option<usize>,
     /// Compare with the solid limb of this scene.
     #[arg(long, value_name = "SCENE")]
     against: Option<PathBuf>,

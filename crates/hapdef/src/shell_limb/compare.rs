@@ -156,7 +156,10 @@ impl fmt::Display for ShellComparison {
             percent(tip.worst),
         )?;
         match (self.verdict, &self.coarser_solid) {
-            (ShellVerdict::ShellIsGood, _) => f.write_str("the shell is good here"),
+            (ShellVerdict::ShellIsGood, Some(_)) => f.write_str("the shell is good here"),
+            (ShellVerdict::ShellIsGood, None) => {
+                f.write_str("the shell is good here, as far as this solid is fine enough")
+            }
             (ShellVerdict::SolidTooCoarse, Some(coarser)) => write!(
                 f,
                 "no verdict, the solid is too coarse itself: halving its edges changed readings by \
@@ -165,7 +168,10 @@ impl fmt::Display for ShellComparison {
                 percent(coarser.readings.median),
                 percent(coarser.tip.median)
             ),
-            _ => f.write_str("more than 10 %, use the solid"),
+            (_, Some(_)) => f.write_str("more than 10 %, use the solid"),
+            (_, None) => f.write_str(
+                "more than 10 %, use the solid, as far as this one is fine enough itself",
+            ),
         }
     }
 }

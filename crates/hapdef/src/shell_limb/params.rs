@@ -59,15 +59,15 @@ pub struct ShellLimbParams {
     /// Presses whose displacement is compared with a solid's.
     pub n_presses: usize,
     /// How often the edges of the extruded solid are halved; from 1 on the change by the last
-    /// halving is told.
-    pub n_solid_halvings: usize,
+    /// halving is told. Once when not given, if that makes no more than 150,000 nodes.
+    pub n_solid_halvings: Option<usize>,
     /// Worker threads; results don't depend on it.
     pub n_threads: usize,
 }
 
 impl ShellLimbParams {
     /// The surface is the outside of `wall`; ten gauges of 8 × 5 mm, the default shell, a tip of
-    /// 2 mm, 24 presses, a solid with half the shell's edges, one thread, held at the low end of the longest axis.
+    /// 2 mm, 24 presses, one thread, held at the low end of the longest axis.
     #[must_use]
     pub fn new(wall: WallChoice, material: IsotropicMaterial) -> Self {
         Self {
@@ -86,7 +86,7 @@ impl ShellLimbParams {
             kind: ShellKind::default(),
             tip_radius_m: 2e-3,
             n_presses: 24,
-            n_solid_halvings: 1,
+            n_solid_halvings: None,
             n_threads: 1,
         }
     }
