@@ -176,17 +176,21 @@ fn tube() -> SurfaceMesh {
     SurfaceMesh::new(vertices, triangles).unwrap()
 }
 
+fn measured_tube(edge_m: f64, n_solid_halvings: usize) -> ShellLimb {
+    let params = ShellLimbParams {
+        edge_m: Some(edge_m),
+        n_gauges: 4,
+        n_threads: 2,
+        n_solid_halvings: Some(n_solid_halvings),
+        ..ShellLimbParams::new(WallChoice::Measured, pa2200())
+    };
+    shell_limb(&tube(), &params).unwrap()
+}
+
 /// The wall of a double-walled solid is found, and its shell answers as the solid extruded from it.
 #[test]
 fn a_tube_is_measured_and_its_shell_is_good() {
-    let params = ShellLimbParams {
-        edge_m: Some(6e-3),
-        n_gauges: 4,
-        n_threads: 2,
-        n_solid_halvings: Some(1),
-        ..ShellLimbParams::new(WallChoice::Measured, pa2200())
-    };
-    let limb = shell_limb(&tube(), &params).unwrap();
+    let limb = measured_tube(5e-3, 0);
     let wall = &limb.info.wall;
     let [_, low, median, high, _] = wall.thickness_quantiles_m;
     for thickness_m in [low, median, high] {
@@ -202,6 +206,16 @@ fn a_tube_is_measured_and_its_shell_is_good() {
         "{comparison}"
     );
     assert_eq!(comparison.n_gauges, 4);
+}
+
+/// The displacements of the finer mesh hold those of the coarser, so it gives way more.
+#[test]
+fn halving_the_solids_edges_softens_it() {
+    let comparison = measured_tube(9e-3, 1).against_extruded().unwrap();
+    let coarser = comparison.coarser_solid.unwrap();
+    println!("{coarser:?}");
+    assert!(coarser.tip.median_ratio < 1.0, "{coarser:?}");
+    assert!(coarser.tip.median_ratio > 0.5, "{coarser:?}");
 }
 
 /// A moment of 1 N m at the free end of a tube turns it by L / (E I).

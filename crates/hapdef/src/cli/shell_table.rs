@@ -86,10 +86,15 @@ fn show_wall(wall: &WallInfo) {
         millimetres(&wall.edge_quantiles_m),
         wall.target_edge_m * 1e3
     );
+    let change = if wall.remeshed.is_closed {
+        format!("volume changed by {:+.2} %", 100.0 * wall.volume_change)
+    } else {
+        let ratio = wall.remeshed.area_m2 / wall.area_before_remesh_m2;
+        format!("area changed by {:+.2} %", 100.0 * (ratio - 1.0))
+    };
     println!(
-        "                  at most {:.3} mm from the surface before, volume changed by {:+.2} %",
-        wall.distance_m * 1e3,
-        100.0 * wall.volume_change
+        "                  at most {:.3} mm from the surface before, {change}",
+        wall.distance_m * 1e3
     );
     println!(
         "wall              {} mm (smallest, quartiles, largest), the skin is its {} side; {:.3} cm³",

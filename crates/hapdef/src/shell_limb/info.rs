@@ -74,6 +74,8 @@ pub struct WallInfo {
     pub edge_quantiles_m: [f64; 5],
     /// Largest sampled distance between the skin before and after remeshing, m.
     pub distance_m: f64,
+    /// Area of the skin before remeshing, m².
+    pub area_before_remesh_m2: f64,
     /// Relative change of the volume by remeshing; 0 for an open surface.
     pub volume_change: f64,
     /// Where the skin lies in the wall: `outer`, `middle` or `inner`.

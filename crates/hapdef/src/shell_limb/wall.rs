@@ -59,6 +59,7 @@ impl Wall {
             edges_refused,
             edge_quantiles_m: made.info.edge_quantiles_m,
             distance_m: made.info.distance.largest_m(),
+            area_before_remesh_m2: made.info.area_m2[0],
             volume_change: made.info.volume_change(),
             side: name_of(source.side),
             thickness_quantiles_m: quartiles(made.shell.thickness_m().iter().copied()),
