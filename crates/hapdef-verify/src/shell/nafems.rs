@@ -80,9 +80,9 @@ fn patch(
     Ok(s.measured(value, grid.cells(), 1.0 / n as f64))
 }
 
-/// 1 kN m per metre about −z: tension outside.
+/// 1 kN m per metre about z.
 fn patch_moment(grid: &Grid, p: &mut Problem) {
-    p.line_load(&grid.side_u(true), 5, -1000.0 * 0.5);
+    p.line_load(&grid.side_u(true), 5, 1000.0 * 0.5);
 }
 
 fn patch_pressure(grid: &Grid, p: &mut Problem) {
@@ -128,8 +128,8 @@ fn z_section(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
     let mut p = Problem::new(&grid, 0.1, 210e9, 0.3)?;
     p.clamp(&grid.side_u(false));
     let end = grid.side_u(true);
-    p.line_load(&end[..=n], 1, 0.6e6);
-    p.line_load(&end[3 * n..], 1, -0.6e6);
+    p.line_load(&end[..=n], 1, -0.6e6);
+    p.line_load(&end[3 * n..], 1, 0.6e6);
     let s = p.solve(kind)?;
     let node = grid.id(10 * n / 4, 0);
     let value = s.stress(node, 0.0, |_| Vector3::x())?.x / 1e6;
