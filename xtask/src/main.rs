@@ -8,6 +8,7 @@
     reason = "a command line program prints"
 )]
 
+mod bench;
 mod ci;
 mod docs;
 mod fixtures;
@@ -49,6 +50,8 @@ enum Task {
     Ci,
     /// Is the elasticity solver right: the verification table, or one deck.
     Verify(verify::VerifyArgs),
+    /// Times against other programs, as ratios in one run.
+    Bench(bench::BenchArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -77,6 +80,7 @@ fn run(task: Task) -> Result<()> {
         Task::Eval(args) => pipeline::stage("eval", &args),
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
+        Task::Bench(args) => bench::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

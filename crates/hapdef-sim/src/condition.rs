@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SymmetricEigen};
 
 use crate::ElasticModel;
 use crate::factor::Factor;
-use crate::iterative::Solver;
+use crate::iterative::{Iterative, Solver};
 use crate::panel::Columns;
 
 /// Vectors iterated together: what one padded row of right-hand sides holds.
@@ -16,34 +16,40 @@ const N_ROUNDS: usize = 3;
 impl ElasticModel {
     /// The condition number of the Jacobi-scaled stiffness K̂, estimated: ‖K̂‖∞, which is at least the
     /// largest eigenvalue, over the smallest eigenvalue that subspace iteration on K̂⁻¹ finds (B. N.
-    /// Parlett, The Symmetric Eigenvalue Problem, chapter 14). None on the iterative path.
+    /// Parlett, The Symmetric Eigenvalue Problem, chapter 14).
     ///
-    /// The first call takes three solves of eight right-hand sides; solves make it by themselves.
+    /// The first call takes three solves of eight right-hand sides, to two digits on the iterative
+    /// path; solves make it by themselves.
     #[must_use]
-    pub fn condition(&self) -> Option<f64> {
-        match &self.solver {
-            Solver::Direct(factor) => Some(self.condition_of(factor)),
-            Solver::Iterative(_) => None,
-        }
-    }
-
-    pub(crate) fn condition_of(&self, factor: &Factor) -> f64 {
-        *self
-            .condition
-            .get_or_init(|| self.scaled_norm * largest_inverse_eigenvalue(factor))
+    pub fn condition(&self) -> f64 {
+        *self.condition.get_or_init(|| {
+            let scale = self.solver.scale();
+            let largest = match &self.solver {
+                Solver::Direct(factor) => {
+                    let mut x = Columns::default();
+                    let everywhere = vec![true; factor.analysis.n_supernodes()];
+                    largest_inverse_eigenvalue(scale, |v| direct(factor, v, &mut x, &everywhere))
+                }
+                Solver::Iterative(iterative) => self.pool.install(|| {
+                    largest_inverse_eigenvalue(scale, |v| roughly(iterative, v, self.scaled_norm))
+                }),
+            };
+            self.scaled_norm * largest
+        })
     }
 }
 
-/// The largest eigenvalue of K̂⁻¹, from below.
-fn largest_inverse_eigenvalue(factor: &Factor) -> f64 {
-    let n = factor.scale().len();
-    let mut v = starting_vectors(n);
-    let mut x = Columns::default();
-    let everywhere = vec![true; factor.analysis.n_supernodes()];
+/// The largest eigenvalue of K̂⁻¹ = S⁻¹ K⁻¹ S⁻¹, from below, with S the Jacobi scale; `solve` makes
+/// K⁻¹ v of v.
+fn largest_inverse_eigenvalue(scale: &[f64], mut solve: impl FnMut(&mut [Row])) -> f64 {
+    let mut v = starting_vectors(scale.len());
     let mut largest = 0.0;
     for _ in 0..N_ROUNDS {
         orthonormalise(&mut v);
-        let w = apply_inverse(factor, &v, &mut x, &everywhere);
+        let mut w = v.clone();
+        unscale(&mut w, scale);
+        solve(&mut w);
+        unscale(&mut w, scale);
         largest = largest_ritz_value(&v, &w);
         v = w;
     }
@@ -65,19 +71,26 @@ fn starting_vectors(n: usize) -> Vec<Row> {
         .collect()
 }
 
-/// K̂⁻¹ v = S⁻¹ K⁻¹ S⁻¹ v with S the Jacobi scale.
-fn apply_inverse(factor: &Factor, v: &[Row], x: &mut Columns, everywhere: &[bool]) -> Vec<Row> {
-    let scale = factor.scale();
+fn unscale(v: &mut [Row], scale: &[f64]) {
+    for (row, s) in v.iter_mut().zip(scale) {
+        *row = row.map(|v| v / s);
+    }
+}
+
+fn direct(factor: &Factor, v: &mut [Row], x: &mut Columns, everywhere: &[bool]) {
     x.reshape(v.len(), N_VECTORS);
     let rows = x.values_mut().chunks_exact_mut(N_VECTORS);
-    for ((row, v), s) in rows.zip(v).zip(scale) {
-        row.copy_from_slice(&v.map(|v| v / s));
+    for (row, v) in rows.zip(&*v) {
+        row.copy_from_slice(v);
     }
     factor.solve_in_place(x, everywhere);
-    let rows = x.values().chunks_exact(N_VECTORS);
-    rows.zip(scale)
-        .map(|(row, s)| std::array::from_fn(|k| row[k] / s))
-        .collect()
+    for (v, row) in v.iter_mut().zip(x.values().chunks_exact(N_VECTORS)) {
+        v.copy_from_slice(row);
+    }
+}
+
+fn roughly(iterative: &Iterative, v: &mut [Row], scaled_norm: f64) {
+    iterative.solve_roughly(v.as_flattened_mut(), N_VECTORS, scaled_norm);
 }
 
 /// Gram and Schmidt, column after column, twice over.

@@ -1,4 +1,5 @@
 //! The iterative path keeps the direct one's promises.
+#![allow(clippy::print_stdout, reason = "measured figures")]
 
 mod common;
 

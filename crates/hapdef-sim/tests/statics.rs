@@ -246,6 +246,7 @@ fn a_backward_error_above_the_limit_is_refused() {
         refine_above: 0.0,
         max_refinements: 1,
         fail_above: 0.0,
+        ..SolveParams::default()
     };
     let error = model
         .rigidity_map(&nodes[..1], &loads, &strict)

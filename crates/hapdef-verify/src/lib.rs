@@ -3,6 +3,7 @@
 //!
 //! - [`Case`]: one problem, its reference with the source, and the target it is judged by.
 //! - [`run_cases`]: solves cases and judges them, giving a [`Report`].
+//! - [`stability_rows`]: the solver at extremes, the table of docs/stability-fe.md.
 //! - [`all_cases`]: the table of docs/verification.md.
 //!
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
@@ -20,6 +21,7 @@ mod metrics;
 mod run;
 mod shell;
 mod solid;
+mod stability;
 mod table;
 
 pub use case::{Case, KnownMiss, Measured, Reference, Target};
@@ -30,4 +32,8 @@ pub use error::VerifyError;
 pub(crate) use inputs::shared;
 pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
+pub use stability::{
+    Refusal, StabilityFigures, StabilityRow, StabilityVerdict, Wanted, stability_differences,
+    stability_line, stability_markdown, stability_rows,
+};
 pub use table::{markdown, people_table};

@@ -29,5 +29,4 @@ pub use multigrid::{MultigridInfo, MultigridParams};
 use near_null::rigid_modes;
 pub use pcg::IterativeParams;
 pub(crate) use plan::SolverPlan;
-use solver::Iterative;
-pub(crate) use solver::{Solver, solve_loads};
+pub(crate) use solver::{Iterative, Solver, solve_loads};

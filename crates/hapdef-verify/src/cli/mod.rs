@@ -3,6 +3,7 @@
 mod bench;
 mod context;
 mod deck;
+mod stability;
 mod verify;
 
 use anyhow::Result;
@@ -25,6 +26,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times the solver against other solvers.
     Bench(bench::BenchArgs),
+    /// Tries the solver at its extremes: accurate to its bound, or a clear error.
+    Stability(stability::StabilityArgs),
     /// Solves a deck's own load and compares it with known figures.
     Deck(deck::DeckArgs),
 }
@@ -34,6 +37,7 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
     match &cli.task {
         Task::Verify(args) => verify::run(args),
         Task::Bench(args) => bench::run(args).map(|()| true),
+        Task::Stability(args) => stability::run(args),
         Task::Deck(args) => deck::run(args).map(|()| true),
     }
 }

@@ -1,0 +1,108 @@
+//! `hapdef-verify stability`: the solver at its extremes.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use hapdef_mesh::atomic_write;
+use hapdef_verify::{
+    MetricLog, StabilityRow, StabilityVerdict, stability_differences, stability_line,
+    stability_markdown, stability_rows,
+};
+
+use super::context::context;
+
+/// Arguments of `stability`.
+#[derive(clap::Args)]
+pub(crate) struct StabilityArgs {
+    /// What is tried.
+    #[arg(value_enum)]
+    part: Part,
+    /// Write the table to this file.
+    #[arg(long)]
+    write: Option<PathBuf>,
+    /// Compare what was said and the verdicts with this file; fail where they differ.
+    #[arg(long, conflicts_with = "write")]
+    check: Option<PathBuf>,
+    /// Print the rows as one JSON array instead of text.
+    #[arg(long)]
+    json: bool,
+    /// Draws which elements are stiff where they are scattered at random.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Where metrics are appended.
+    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    metrics: PathBuf,
+}
+
+/// What is tried at its extremes.
+#[derive(Clone, Copy, ValueEnum)]
+enum Part {
+    /// The elasticity solver.
+    Fe,
+}
+
+/// Solves, prints and judges; false where a row is silently wrong or not what it should be.
+pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
+    let Part::Fe = args.part;
+    let rows = stability_rows(args.seed, |row| {
+        if !args.json {
+            println!("{}", stability_line(row));
+        }
+    })?;
+    if args.json {
+        println!("{}", rows.iter().map(json).collect::<serde_json::Value>());
+    }
+    if let Some(path) = &args.write {
+        let text = stability_markdown(&rows);
+        atomic_write(path, |file| file.write_all(text.as_bytes()))
+            .with_context(|| format!("writing {}", path.display()))?;
+    }
+    let n_failed = rows.iter().filter(|row| row.is_failed()).count();
+    metrics(args, &rows, n_failed)?;
+    Ok(agrees(args, &rows)? && n_failed == 0)
+}
+
+fn agrees(args: &StabilityArgs, rows: &[StabilityRow]) -> Result<bool> {
+    let Some(path) = &args.check else {
+        return Ok(true);
+    };
+    let committed =
+        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    let faults = stability_differences(rows, &committed);
+    for fault in &faults {
+        eprintln!("{}: {fault}", path.display());
+    }
+    Ok(faults.is_empty())
+}
+
+fn json(row: &StabilityRow) -> serde_json::Value {
+    let figures = row.outcome.as_ref().ok();
+    serde_json::json!({
+        "case": row.case,
+        "extreme": row.extreme,
+        "path": row.path,
+        "equations": figures.map(|f| f.n_equations),
+        "error": figures.map(|f| f.error),
+        "relative_residual": figures.map(|f| f.info.worst_relative_residual),
+        "backward_error": figures.map(|f| f.info.worst_backward_error),
+        "condition": figures.and_then(|f| f.info.condition),
+        "bound": figures.map(|f| f.bound()),
+        "said": row.said(),
+        "text": row.outcome.as_ref().err().map(|refusal| &refusal.text),
+        "verdict": row.verdict().word(),
+        "failed": row.is_failed(),
+    })
+}
+
+fn metrics(args: &StabilityArgs, rows: &[StabilityRow], n_failed: usize) -> Result<()> {
+    let wrong = |row: &&StabilityRow| row.verdict() == StabilityVerdict::SilentlyWrong;
+    let n_wrong = rows.iter().filter(wrong).count();
+    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    log.value("stability.rows", rows.len() as f64, "1")?;
+    log.value("stability.failed", n_failed as f64, "1")?;
+    log.value("stability.silently_wrong", n_wrong as f64, "1")?;
+    log.append_to(&args.metrics)?;
+    Ok(())
+}

@@ -1,0 +1,252 @@
+//! Problems without a solution, which must be refused with their cause; and their neighbours that
+//! have one.
+
+use hapdef_mesh::{FeNodeId, Tet10Mesh};
+use hapdef_sim::{ElasticModel, ElasticParams, NodalLoad, ShellMesh, ShellParams, SolverChoice};
+use nalgebra::{Point3, Vector3};
+
+use super::field::material;
+use super::row::{Run, StabilityFigures, Trial, Wanted};
+use super::solid::{grid, moved};
+use super::solids::{inner_corner, paths};
+use crate::VerifyError;
+use crate::meshes::nodes_where;
+
+/// Rows of refusals.
+pub(super) fn trials() -> Vec<Trial> {
+    let mut trials = Vec::new();
+    let mut add = |case, extreme, kind, words, run: Make| {
+        for (path, solver) in paths() {
+            trials.push(Trial {
+                case,
+                extreme: String::from(extreme),
+                path,
+                wanted: Wanted::Refusal { kind, words },
+                run: Box::new(move || run(solver)),
+            });
+        }
+    };
+    let free = "FreeRigidModes";
+    add(
+        "no supports",
+        "none",
+        free,
+        "has 6 free motions",
+        |solver| clamped(&cube()?, |_| false, solver),
+    );
+    add(
+        "one clamped node",
+        "1",
+        free,
+        "has 3 free motions",
+        |solver| clamped(&cube()?, |p| *p == Point3::origin(), solver),
+    );
+    add(
+        "two clamped nodes",
+        "2",
+        free,
+        "rotation about (1.000",
+        |solver| {
+            clamped(
+                &cube()?,
+                |p| p.y == 0.0 && p.z == 0.0 && [0.0, 1.0].contains(&p.x),
+                solver,
+            )
+        },
+    );
+    add("a fully clamped model", "all", "AllClamped", "", |solver| {
+        clamped(&cube()?, |_| true, solver)
+    });
+    add(
+        "a disconnected piece",
+        "one of two held",
+        free,
+        "1 of 2",
+        |solver| clamped(&two_pieces(2.0)?, |p| p.x == 0.0, solver),
+    );
+    add(
+        "parts that touch with double nodes",
+        "not joined",
+        free,
+        "1 of 2",
+        |solver| clamped(&two_pieces(1.0)?, |p| p.x == 0.0, solver),
+    );
+    add(
+        "a load that is no number",
+        "NaN",
+        "LoadNotFinite",
+        "NaN",
+        |solver| loaded(f64::NAN, solver),
+    );
+    add(
+        "a load that is no number",
+        "∞",
+        "LoadNotFinite",
+        "inf",
+        |solver| loaded(f64::INFINITY, solver),
+    );
+    add(
+        "an element without volume",
+        "corner in its face",
+        "CornerVolume",
+        "",
+        |solver| clamped(&pushed(0.0)?, |p| p.x == 0.0, solver),
+    );
+    add(
+        "an element turned inside out",
+        "corner through its face",
+        "CornerVolume",
+        "",
+        |solver| clamped(&pushed(-0.1)?, |p| p.x == 0.0, solver),
+    );
+    add(
+        "an element folded by a mid-side node",
+        "det J < 0",
+        "ElementInverted",
+        "element",
+        |solver| clamped(&folded()?, |p| p.x == 0.0, solver),
+    );
+    trials.extend(shells());
+    trials
+}
+
+type Make = fn(SolverChoice) -> Result<StabilityFigures, VerifyError>;
+
+fn shells() -> [Trial; 3] {
+    let shell = |case, extreme: &str, kind, words, run: fn() -> _| {
+        let run: Run = Box::new(run);
+        Trial {
+            case,
+            extreme: extreme.to_owned(),
+            path: "shell",
+            wanted: Wanted::Refusal { kind, words },
+            run,
+        }
+    };
+    [
+        shell(
+            "no supports",
+            "none",
+            "FreeRigidModes",
+            "has 6 free motions",
+            || square([1.0, 1.0], &[]),
+        ),
+        shell("a fully clamped model", "all", "AllClamped", "", || {
+            square([1.0, 1.0], &[0, 1, 2, 3])
+        }),
+        shell(
+            "an element without area",
+            "corner on its side",
+            "Flat",
+            "shell element 1",
+            || square([0.5, 0.5], &[0]),
+        ),
+    ]
+}
+
+fn cube() -> Result<Tet10Mesh, VerifyError> {
+    grid([2; 3], |p| p)
+}
+
+/// What `mesh` does under a force at its far end, held where `take`; not compared with anything,
+/// as it should not be solved.
+fn clamped(
+    mesh: &Tet10Mesh,
+    take: impl Fn(&Point3<f64>) -> bool,
+    solver: SolverChoice,
+) -> Result<StabilityFigures, VerifyError> {
+    solve(mesh, take, Vector3::new(1.0, 2.0, 3.0), solver)
+}
+
+fn loaded(force: f64, solver: SolverChoice) -> Result<StabilityFigures, VerifyError> {
+    solve(
+        &cube()?,
+        |p| p.x == 0.0,
+        Vector3::new(0.0, force, 0.0),
+        solver,
+    )
+}
+
+fn solve(
+    mesh: &Tet10Mesh,
+    take: impl Fn(&Point3<f64>) -> bool,
+    force: Vector3<f64>,
+    solver: SolverChoice,
+) -> Result<StabilityFigures, VerifyError> {
+    let params = ElasticParams {
+        solver,
+        ..ElasticParams::new(material(2e9, 0.3)?, nodes_where(mesh, take))
+    };
+    let model = ElasticModel::build(mesh, &params)?;
+    let last = FeNodeId::from_index(mesh.nodes().len() - 1);
+    let (_, info) = model.solve(&NodalLoad::nodal(last, force))?;
+    Ok(unknown(&model, info))
+}
+
+/// Nothing is known of the solution, so that it counts as wrong.
+fn unknown(model: &ElasticModel, info: hapdef_sim::SolveInfo) -> StabilityFigures {
+    StabilityFigures {
+        n_equations: model.info().n_equations,
+        error: f64::INFINITY,
+        info,
+    }
+}
+
+/// Two cubes, the second from x = `from`, without a common node.
+fn two_pieces(from: f64) -> Result<Tet10Mesh, VerifyError> {
+    let cube = cube()?;
+    let n = cube.nodes().len();
+    let second = cube.nodes().iter().map(|p| p + Vector3::x() * from);
+    let nodes = cube.nodes().iter().copied().chain(second).collect();
+    let shifted = cube
+        .elements()
+        .iter()
+        .map(|element| element.map(|node| FeNodeId::from_index(node.index() + n)));
+    let elements = cube.elements().iter().copied().chain(shifted).collect();
+    Ok(Tet10Mesh::new(nodes, elements)?)
+}
+
+/// A grid with an inner node moved to `height` times its height over a face of an element.
+fn pushed(height: f64) -> Result<Tet10Mesh, VerifyError> {
+    let mesh = grid([3; 3], |p| p)?;
+    let (element, corner) = inner_corner(&mesh)?;
+    let element = mesh.elements()[element];
+    let base = (0..4)
+        .filter(|&k| k != corner)
+        .map(|k| mesh.position(element[k]).coords);
+    let foot = base.sum::<Vector3<f64>>() / 3.0;
+    moved(&mesh, |node, p| {
+        if node == element[corner] {
+            Point3::from(foot + (p.coords - foot) * height)
+        } else {
+            p
+        }
+    })
+}
+
+/// A cube with a mid-side node moved to a corner and beyond.
+fn folded() -> Result<Tet10Mesh, VerifyError> {
+    let cube = cube()?;
+    let element = cube.elements()[0];
+    let mut nodes = cube.nodes().to_vec();
+    let [a, b] = [element[0], element[1]].map(|n| cube.position(n));
+    nodes[element[4].index()] = a + (b - a) * 1.2;
+    Ok(Tet10Mesh::new(nodes, cube.elements().to_vec())?)
+}
+
+/// Two triangles, the last corner at `at`, held at `clamped`.
+fn square(at: [f64; 2], clamped: &[usize]) -> Result<StabilityFigures, VerifyError> {
+    let nodes = vec![
+        Point3::origin(),
+        Point3::new(1.0, 0.0, 0.0),
+        Point3::new(0.0, 1.0, 0.0),
+        Point3::new(at[0], at[1], 0.0),
+    ];
+    let triangles = [[0, 1, 2], [1, 3, 2]].map(|t| t.map(FeNodeId::from_index));
+    let mesh = ShellMesh::new(nodes, triangles.to_vec(), vec![0.01; 4])?;
+    let ids = clamped.iter().map(|&n| FeNodeId::from_index(n)).collect();
+    let model = ElasticModel::build_shell(&mesh, &ShellParams::new(material(2e9, 0.3)?, ids))?;
+    let force = NodalLoad::nodal(FeNodeId::from_index(3), Vector3::z());
+    let (_, info) = model.solve(&force)?;
+    Ok(unknown(&model, info))
+}
