@@ -45,6 +45,15 @@ impl Benchmark {
         vec![self.case(ShellKind::Thin), self.case(ShellKind::Thick)]
     }
 
+    /// A case for each kind, which is known to miss its target by `rel_err` where that is given.
+    pub(super) fn missed(&self, rel_err: [Option<f64>; 2], why: &'static str) -> Vec<Case> {
+        let miss = |(case, rel_err): (Case, Option<f64>)| Case {
+            known_miss: rel_err.map(|rel_err| KnownMiss { rel_err, why }),
+            ..case
+        };
+        self.both().into_iter().zip(rel_err).map(miss).collect()
+    }
+
     /// The case of one kind.
     pub(super) fn case(&self, kind: ShellKind) -> Case {
         let thick = usize::from(kind == ShellKind::Thick);
@@ -80,13 +89,5 @@ impl Benchmark {
         }
         let worst = worst.map(|(_, measured)| measured);
         worst.ok_or_else(|| VerifyError::not_run("the case has no mesh"))
-    }
-}
-
-/// `case` with a miss that is known.
-pub(super) fn known(case: Case, rel_err: f64, why: &'static str) -> Case {
-    Case {
-        known_miss: Some(KnownMiss { rel_err, why }),
-        ..case
     }
 }

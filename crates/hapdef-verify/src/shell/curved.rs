@@ -14,7 +14,11 @@ use crate::{Case, Measured, Reference, Target, VerifyError};
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = roof().both();
-    cases.extend(cylinder().both());
+    cases.extend(cylinder().missed(
+        [None, Some(0.0127)],
+        "with transverse shear the displacement under a point force grows with every refinement, past the \
+            thin shell's value",
+    ));
     cases.extend(hemisphere().both());
     cases.extend(le3().both());
     cases

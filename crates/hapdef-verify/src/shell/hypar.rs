@@ -21,6 +21,9 @@ const ENERGIES: [(f64, f64); 4] = [
 const PUBLISHED: &str = "Bathe, Iosilevich and Chapelle, Comput. Struct. 75, 2000: MITC16 on 48 × 24 cells \
     (value from memory)";
 
+const LOCKS: &str = "a very thin shell that bends without stretching locks on coarse meshes: flat facets stretch \
+    when they bend, by a share that falls with the fourth power of the cell's size";
+
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     let rows = [
@@ -49,9 +52,14 @@ pub(super) fn cases() -> Vec<Case> {
             patterns: &[Pattern::Up],
             solve: Rc::new(move |kind, mesh| hypar(kind, mesh, thickness)),
         };
-        cases.extend(benchmark.both());
+        let missed = if thickness < 5e-5 {
+            [Some(0.0492), Some(0.0440)]
+        } else {
+            [None; 2]
+        };
+        cases.extend(benchmark.missed(missed, LOCKS));
     }
-    cases.extend(uniformity().both());
+    cases.extend(uniformity().missed([Some(162.4), Some(215.7)], LOCKS));
     cases
 }
 

@@ -26,8 +26,15 @@ pub(super) fn cases() -> Vec<Case> {
             0.6 MPa inside and 60 MPa on the edge",
         patch_pressure,
     ));
-    cases.extend(le5().both());
-    cases.extend(le6().both());
+    cases.extend(le5().missed(
+        [Some(0.0205), Some(0.0339)],
+        "the target is a thin-walled beam's; shells of other programs end at −109.7 to −110.4 MPa",
+    ));
+    cases.extend(le6().missed(
+        [None, Some(0.0189)],
+        "only the deflection is held, and the stress still grows with refinement; the target is a plate's \
+            without transverse shear",
+    ));
     cases
 }
 
@@ -63,7 +70,7 @@ fn patch(
     load: fn(&Grid, &mut Problem),
 ) -> Result<Measured, VerifyError> {
     let n = mesh.n;
-    let grid = Grid::new(n, n, mesh.pattern, |u, v| {
+    let grid = Grid::new(4 * n, n, mesh.pattern, |u, v| {
         let (sin, cos) = (u * ARC).sin_cos();
         Point3::new(cos, sin, 0.5 * v)
     });
@@ -74,7 +81,7 @@ fn patch(
     }
     load(&grid, &mut p);
     let s = p.solve(kind)?;
-    let middle = grid.id(n / 2, n / 2);
+    let middle = grid.id(2 * n, n / 2);
     let hoop = |p: &Point3<f64>| Vector3::new(-p.y, p.x, 0.0);
     let value = s.stress(middle, 0.005, hoop)?.x / 1e6;
     Ok(s.measured(value, grid.cells(), 1.0 / n as f64))
