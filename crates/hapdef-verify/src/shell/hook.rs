@@ -26,7 +26,7 @@ pub(super) fn cases() -> Vec<Case> {
         target: Target::within(0.02),
         n: &[4, 8, 16],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh| hook(kind, mesh)),
+        solve: Rc::new(hook),
     };
     let to_solid = Benchmark {
         ids: ids!("raasch_solid"),

@@ -114,7 +114,7 @@ fn le5() -> Benchmark {
         target: Target::within(0.02),
         n: &[4, 8, 16],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh| z_section(kind, mesh)),
+        solve: Rc::new(z_section),
     }
 }
 
@@ -164,7 +164,7 @@ fn le6() -> Benchmark {
         target: Target::within(0.01),
         n: &[16, 32, 64],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh| skew_plate(kind, mesh)),
+        solve: Rc::new(skew_plate),
     }
 }
 
