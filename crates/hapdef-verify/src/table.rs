@@ -18,8 +18,8 @@ The observed order comes from errors against an exact value, and from the differ
 meshes against a published one, where they are refined by one ratio. Stress at a node is that of
 `hapdef_sim::patch_stress` for solids, and for shells a linear fit to the section forces of the
 triangles around it. A shell row on a grid is the worst of three meshes: all diagonals one way, all
-the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a relative error below 1e-9. Times and time ratios
-depend on the machine: `cargo xtask verify` prints them.
+the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a relative error below
+1e-9. Times and time ratios depend on the machine: `cargo xtask verify` prints them.
 
 ";
 

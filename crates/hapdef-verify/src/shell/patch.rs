@@ -16,35 +16,39 @@ const THICKNESSES: [f64; 2] = [0.02, 0.001];
 /// Displacement gradient (11, 12, 21, 22) and curvature (11, 22, 12).
 type Field = ([f64; 4], [f64; 3]);
 
+/// Ids, title and fields.
+type Patch = ([&'static str; 2], &'static str, &'static [Field]);
+
+const PATCHES: [Patch; 4] = [
+    (
+        ids!("patch.membrane"),
+        "Patch test, membrane strain",
+        &[
+            ([1e-3, 0.0, 0.0, 0.0], [0.0; 3]),
+            ([1e-3, 0.5e-3, 0.5e-3, 1e-3], [0.0; 3]),
+        ],
+    ),
+    (
+        ids!("patch.shear"),
+        "Patch test, membrane shear",
+        &[([0.0, 1e-3, 0.0, 0.0], [0.0; 3])],
+    ),
+    (
+        ids!("patch.bending"),
+        "Patch test, bending",
+        &[([0.0; 4], [1e-2, 0.0, 0.0]), ([0.0; 4], [0.0, 1e-2, 0.0])],
+    ),
+    (
+        ids!("patch.twist"),
+        "Patch test, twist",
+        &[([0.0; 4], [0.0, 0.0, 1e-2])],
+    ),
+];
+
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    let patches: [([&'static str; 2], &'static str, &'static [Field]); 4] = [
-        (
-            ids!("patch.membrane"),
-            "Patch test, membrane strain",
-            &[
-                ([1e-3, 0.0, 0.0, 0.0], [0.0; 3]),
-                ([1e-3, 0.5e-3, 0.5e-3, 1e-3], [0.0; 3]),
-            ],
-        ),
-        (
-            ids!("patch.shear"),
-            "Patch test, membrane shear",
-            &[([0.0, 1e-3, 0.0, 0.0], [0.0; 3])],
-        ),
-        (
-            ids!("patch.bending"),
-            "Patch test, bending",
-            &[([0.0; 4], [1e-2, 0.0, 0.0]), ([0.0; 4], [0.0, 1e-2, 0.0])],
-        ),
-        (
-            ids!("patch.twist"),
-            "Patch test, twist",
-            &[([0.0; 4], [0.0, 0.0, 1e-2])],
-        ),
-    ];
     let mut cases = Vec::new();
-    for (ids, title, fields) in patches {
+    for (ids, title, fields) in PATCHES {
         let quantity = "largest error of displacement, rotation or strain / largest value";
         let source = "MacNeal and Harder, 1985, figure 1: a constant strain is met on any mesh";
         cases.extend(both(ids, title, quantity, source, move |kind| {
