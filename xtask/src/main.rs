@@ -8,6 +8,7 @@
     reason = "a command line program prints"
 )]
 
+mod bench;
 mod ci;
 mod docs;
 mod fixtures;
@@ -50,6 +51,8 @@ enum Task {
     Ci,
     /// Is the elasticity solver right: the verification table, or one deck.
     Verify(verify::VerifyArgs),
+    /// Times against other programs, as ratios in one run.
+    Bench(bench::BenchArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
@@ -80,6 +83,7 @@ fn run(task: Task) -> Result<()> {
         Task::Eval(args) => pipeline::stage("eval", &args),
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
+        Task::Bench(args) => bench::run(&args),
         Task::Stability(args) => stability::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

@@ -83,7 +83,7 @@ pub(crate) fn check() -> Result<()> {
 }
 
 /// The solid deck that a scene names.
-fn deck_of(scene: &PathBuf) -> Result<PathBuf> {
+pub(crate) fn deck_of(scene: &PathBuf) -> Result<PathBuf> {
     let text = std::fs::read(scene).with_context(|| format!("reading {}", scene.display()))?;
     let json: serde_json::Value =
         serde_json::from_slice(&text).with_context(|| scene.display().to_string())?;

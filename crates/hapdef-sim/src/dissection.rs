@@ -32,20 +32,23 @@ pub enum Ordering {
 /// Below so many nodes minimum degree is not worth a second opinion.
 const DISSECT_FROM: usize = 500;
 
-/// The places of `graph` in elimination order, the elimination tree in postorder.
+/// The places of `graph` in elimination order, the elimination tree in postorder; call inside the
+/// thread pool.
 pub(crate) fn sequence(graph: &NodeGraph) -> Result<(Vec<u32>, Ordering), SimError> {
     let n = graph.row_ptr.len() - 1;
-    let by_degree = Tree::of(graph, minimum_degree(graph)?)?;
-    let mut best = (by_degree, Ordering::MinimumDegree);
-    if n >= DISSECT_FROM
-        && let Some(sequence) = nested_dissection(graph)
-    {
-        let dissected = Tree::of(graph, sequence)?;
-        if dissected.fill() < best.0.fill() {
-            best = (dissected, Ordering::NestedDissection);
-        }
-    }
-    Ok((best.0.postordered(), best.1))
+    let by_degree = || Tree::of(graph, minimum_degree(graph)?);
+    let dissected = || {
+        let sequence = (n >= DISSECT_FROM).then(|| nested_dissection(graph));
+        let tree = sequence.flatten().map(|sequence| Tree::of(graph, sequence));
+        tree.transpose()
+    };
+    let (by_degree, dissected) = rayon::join(by_degree, dissected);
+    let by_degree = by_degree?;
+    let (best, ordering) = match dissected? {
+        Some(tree) if tree.fill() < by_degree.fill() => (tree, Ordering::NestedDissection),
+        _ => (by_degree, Ordering::MinimumDegree),
+    };
+    Ok((best.postordered(), ordering))
 }
 
 /// An elimination sequence with its tree.

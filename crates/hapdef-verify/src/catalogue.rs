@@ -1,9 +1,12 @@
 //! The table of docs/verification.md.
 
-use crate::{Case, solid};
+use crate::{Case, shell, solid};
 
 /// Every case, in the order of the table.
 #[must_use]
 pub fn all_cases() -> Vec<Case> {
-    solid::cases()
+    [solid::cases(), shell::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
 }

@@ -19,11 +19,12 @@ mod inputs;
 pub mod meshes;
 mod metrics;
 mod run;
+mod shell;
 mod solid;
 mod stability;
 mod table;
 
-pub use case::{Case, Measured, Reference, Target};
+pub use case::{Case, KnownMiss, Measured, Reference, Target};
 pub use catalogue::all_cases;
 pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};

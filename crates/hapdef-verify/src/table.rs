@@ -16,7 +16,9 @@ that says so is quoted from memory or from a secondary text.
 
 The observed order comes from errors against an exact value, and from the differences between three
 meshes against a published one, where they are refined by one ratio. Stress at a node is that of
-`hapdef_sim::patch_stress`. `round-off` is a relative error below 1e-9. Times and time ratios
+`hapdef_sim::patch_stress` for solids, and for shells a linear fit to the section forces of the
+triangles around it. A shell row on a grid is the worst of three meshes: all diagonals one way, all
+the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a relative error below 1e-9. Times and time ratios
 depend on the machine: `cargo xtask verify` prints them.
 
 ";
@@ -45,7 +47,9 @@ pub fn people_table(report: &CaseReport) -> String {
             row.elapsed_s
         );
     }
-    if let Verdict::Fail(reason) | Verdict::NotRun(reason) = &report.verdict {
+    if let Verdict::Fail(reason) | Verdict::NotRun(reason) | Verdict::KnownMiss(reason) =
+        &report.verdict
+    {
         let _ = writeln!(text, "       {reason}");
     }
     text
@@ -57,8 +61,9 @@ pub fn markdown(report: &Report) -> String {
     let mut text = PREAMBLE.to_owned();
     let _ = writeln!(
         text,
-        "{} cases are judged, {} of them miss their target, {} were not run.\n",
+        "{} cases are judged, {} of them miss their target for a known reason, {} fail; {} were not run.\n",
         report.n_judged(),
+        report.n_known_misses(),
         report.n_failed(),
         report
             .cases
@@ -66,12 +71,41 @@ pub fn markdown(report: &Report) -> String {
             .filter(|c| matches!(c.verdict, Verdict::NotRun(_)))
             .count()
     );
+    known_misses(&mut text, report);
     summary(&mut text, report);
     text.push_str("\n## Meshes\n");
     for case in report.cases.iter().filter(|case| committed(case)) {
         details(&mut text, case);
     }
     text
+}
+
+fn known_misses(text: &mut String, report: &Report) {
+    if report.n_known_misses() == 0 {
+        return;
+    }
+    text.push_str(
+        "Known misses; CI fails if one grows, and if one vanishes until its mark is gone:\n\n",
+    );
+    for case in &report.cases {
+        if let (Verdict::KnownMiss(why), Some(last)) = (&case.verdict, case.rows.last()) {
+            let _ = writeln!(
+                text,
+                "- [{}, {}](#{}): {} against a target of {}: {why}.",
+                case.title,
+                case.element,
+                anchor(case.id),
+                error(last),
+                target(case)
+            );
+        }
+    }
+    text.push('\n');
+}
+
+/// The heading's place in the page.
+fn anchor(id: &str) -> String {
+    id.replace('.', "")
 }
 
 /// Told values depend on the machine.
@@ -89,7 +123,7 @@ fn summary(text: &mut String, report: &Report) {
             text,
             "| [{}](#{}) | {} | {} | {} | {} | {} | {} | {} |",
             case.title,
-            case.id.replace('.', ""),
+            anchor(case.id),
             case.element,
             cell(&|row| value(case.reference, row.measured.value)),
             against(case.reference),
@@ -118,6 +152,9 @@ fn details(text: &mut String, case: &CaseReport) {
     );
     if let Verdict::Fail(reason) = &case.verdict {
         let _ = writeln!(text, "**Misses its target**: {reason}.\n");
+    }
+    if let Verdict::KnownMiss(why) = &case.verdict {
+        let _ = writeln!(text, "Misses its target (known): {why}.\n");
     }
     if let Verdict::NotRun(reason) = &case.verdict {
         let _ = writeln!(text, "Not run: {reason}.");

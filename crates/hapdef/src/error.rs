@@ -125,6 +125,42 @@ pub enum HapdefError {
         /// Tries made.
         tries: usize,
     },
+    /// A surface's unit was not said.
+    #[error("{path}: the file doesn't say its unit; it is {guess}: say it with --unit")]
+    UnitNotStated {
+        /// The file.
+        path: PathBuf,
+        /// Its length, and the units that fit.
+        guess: hapdef_mesh::UnitGuess,
+    },
+    /// The wall doesn't fit inside its skin.
+    #[error("{0}; or, if the skin may stand for the middle of the wall, say so (--side middle)")]
+    WallFolds(#[source] MeshError),
+    /// Gauges don't fit on the inner side of a shell.
+    #[error(
+        "{n_gauges} gauges are wanted, but only {n_found} fit: of {n_candidates} nodes clear of \
+         the mount and of rims, {n_passed_over} were passed over because the footprint doesn't lie \
+         on the wall; ask for fewer gauges, a shorter edge or a shorter mount"
+    )]
+    TooFewGaugeSites {
+        /// Gauges wanted.
+        n_gauges: usize,
+        /// Gauges placed.
+        n_found: usize,
+        /// Nodes to choose from.
+        n_candidates: usize,
+        /// Nodes where a gauge was refused.
+        n_passed_over: usize,
+    },
+    /// A shell and a solid have no place in common.
+    #[error(
+        "none of {n_places} places on the solid's skin lies on the shell, off its mount: are both \
+         in metres and in the same place?"
+    )]
+    NothingToPress {
+        /// Places looked at.
+        n_places: usize,
+    },
     /// A file of the pipeline could not be written or read.
     #[error("{path}: {source}; check the disk's space and rights, or run again with another --out")]
     File {

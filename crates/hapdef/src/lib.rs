@@ -22,6 +22,7 @@ mod run;
 mod sampling;
 pub mod scene;
 mod scoring;
+pub mod shell_limb;
 pub mod stages;
 mod stats;
 

@@ -3,13 +3,19 @@
 use std::process::Command;
 use std::time::SystemTime;
 
+use hapdef::convergence::Convergence;
 use hapdef::{Limb, Pipeline, Profile, Run, Schedule, Stage};
 use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
 
 /// The lines at the head of the report.
-pub(crate) fn facts(run: &Run, done: &Pipeline, svr: &SvrScore) -> Vec<NamedText> {
+pub(crate) fn facts(
+    run: &Run,
+    done: &Pipeline,
+    svr: &SvrScore,
+    mesh_check: &Convergence,
+) -> Vec<NamedText> {
     let profile = &run.profile;
     let limb = &done.compliance.record.info;
     let rig = &done.rig.record.info;
@@ -33,6 +39,7 @@ pub(crate) fn facts(run: &Run, done: &Pipeline, svr: &SvrScore) -> Vec<NamedText
                 limb["n_fe_nodes"], limb["n_equations"], limb["nnz_l"], limb["n_loads"]
             ),
         ),
+        named("mesh", mesh_check.to_string()),
         named(
             "rig",
             format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"]),

@@ -10,8 +10,9 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
-use hapdef::stages::EvalReport;
-use hapdef::{ContactStats, Limb, Pipeline, Run, SceneArgs, Until};
+use hapdef::convergence::{Convergence, ConvergenceParams};
+use hapdef::stages::{self, EvalReport};
+use hapdef::{ContactStats, Limb, Pipeline, Run, SceneArgs, Stage, Until};
 use hapdef_repro::{
     MetricLog, OwnAccuracy, Report, ReportTable, Table1, Table2, TextCell, TextTable, message_1,
     message_2, write_report,
@@ -45,15 +46,16 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
     let (_, scores) = done.eval.as_ref().context("the scene was not scored")?;
     let (table1, table1_stage) = table1::table1(&run, &done)?;
     let (svr, svr_stage) = svr::svr(&run, &done)?;
+    let (mesh_check, mesh_stage) = mesh_check(&run, &limb)?;
     let table2 = table2(scores, &svr);
     let mut report = Report {
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
-        facts: facts::facts(&run, &done, &svr),
+        facts: facts::facts(&run, &done, &svr, &mesh_check),
         verdicts: vec![message_1(&table1), message_2(&table1)],
         tables: tables(&table1, &table2, scores)?,
         figures: figures::figures(&run, &limb, &done, &table1)?,
-        stages: facts::stage_times(&done, &[&table1_stage, &svr_stage]),
+        stages: facts::stage_times(&done, &[&table1_stage, &svr_stage, &mesh_stage]),
         skipped: facts::skipped(&run),
         hashes: facts::hashes(&run, &limb, &done),
         ..Report::default()
@@ -71,6 +73,12 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         println!("{}", path.display());
     }
     Ok(())
+}
+
+/// Whether the limb's mesh is fine enough.
+fn mesh_check(run: &Run, limb: &Limb) -> Result<(Convergence, Stage)> {
+    let (stage, study) = stages::mesh_check(run, limb, &ConvergenceParams::default())?;
+    Ok((study, stage))
 }
 
 /// Table 2: HapDef 2018's support vectors, the direct net, the chain on one and two contacts.

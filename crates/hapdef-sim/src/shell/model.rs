@@ -8,9 +8,10 @@ use nalgebra::Point3;
 
 use super::{ShellKind, ShellMesh, shell_stiffness};
 use crate::SolverChoice;
-use crate::elastic_model::{Structure, thread_pool};
+use crate::elastic_model::thread_pool;
 use crate::elements::Elements;
 use crate::parts::DisjointSets;
+use crate::structure::Structure;
 use crate::{ElasticModel, IsotropicMaterial, SimError, Supports};
 
 /// What an elastic shell model is made of.

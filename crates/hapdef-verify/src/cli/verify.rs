@@ -99,6 +99,7 @@ fn json(report: &Report) -> serde_json::Value {
 fn metrics(args: &VerifyArgs, report: &Report) -> Result<()> {
     let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
     log.value("verify.rows", report.n_judged() as f64, "1")?;
+    log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
     log.value("verify.failed", report.n_failed() as f64, "1")?;
     match report.worst() {
         Some((_, error)) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,

@@ -35,6 +35,7 @@ pub(super) fn cases() -> Vec<Case> {
                 source,
                 target: Target::within(rel_err),
                 n_levels: 1,
+                known_miss: None,
                 run: Box::new(move |_| decks.skin()?.measured(value)),
             }
         };
@@ -121,6 +122,7 @@ fn every_node(decks: Rc<Decks>) -> Case {
         source: CALCULIX,
         target: Target::within(1e-5),
         n_levels: 1,
+        known_miss: None,
         run: Box::new(move |_| {
             let reference = read_displacements(&input("ccx_shin_node2984.dat.gz")?)?;
             let solved = decks.skin()?;
@@ -148,6 +150,7 @@ fn weight(
         source: CALCULIX,
         target: Target::within(1e-5),
         n_levels: 1,
+        known_miss: None,
         run: Box::new(move |_| decks.weight()?.measured(value)),
     }
 }

@@ -13,24 +13,11 @@ const SOURCE: &str = "CalculiX test suite, reference result beside the deck";
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    vec![
-        case("solid.calculix.beam10p", "CalculiX beam10p", "beam10p"),
-        case(
-            "solid.calculix.cook",
-            "CalculiX Cook's beam",
-            "lin_stat_cooks_beam_128",
-        ),
-        case(
-            "solid.calculix.pressure",
-            "CalculiX plate with pressure",
-            "lin_stat_pres_load",
-        ),
-        case(
-            "solid.calculix.twisted",
-            "CalculiX twisted beam",
-            "lin_stat_twisted_beam",
-        ),
-    ]
+    vec![case(
+        "solid.calculix.beam10p",
+        "CalculiX beam10p",
+        "beam10p",
+    )]
 }
 
 fn case(id: &'static str, title: &'static str, file: &'static str) -> Case {
@@ -45,6 +32,7 @@ fn case(id: &'static str, title: &'static str, file: &'static str) -> Case {
         // the reference prints seven digits
         target: Target::within(1e-6),
         n_levels: 1,
+        known_miss: None,
         run: Box::new(move |_| {
             let deck = shared(&format!("fe/calculix/{file}.inp"))?;
             let reference = shared(&format!("fe/calculix/{file}.dat.ref"))?;
@@ -60,7 +48,6 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
         cause,
     };
     let text = std::fs::read_to_string(path).map_err(|cause| io("reading", cause))?;
-    refuse_other_elements(&text)?;
     // the deck reader wants whole nodes held; single directions are read here
     let (rest, held) = split_boundary(&text);
     let folder = tempfile::tempdir().map_err(|cause| io("making a folder beside", cause))?;
@@ -101,27 +88,6 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
     Ok(solution.measured(value, format!("the deck's {n_elements} elements"), 1.0))
 }
 
-/// The deck's element type must be the ten-node tetrahedron.
-fn refuse_other_elements(text: &str) -> Result<(), VerifyError> {
-    for line in text
-        .lines()
-        .filter(|line| line.to_uppercase().starts_with("*ELEMENT"))
-    {
-        let upper = line.to_uppercase().replace(' ', "");
-        let kind = upper
-            .split("TYPE=")
-            .nth(1)
-            .and_then(|rest| rest.split(',').next());
-        if kind != Some("C3D10") {
-            let kind = kind.unwrap_or("without a type").to_owned();
-            return Err(VerifyError::not_run(format!(
-                "element {kind} is CalculiX's own shell"
-            )));
-        }
-    }
-    Ok(())
-}
-
 /// The deck without its `*BOUNDARY` block, and what that holds: node or set name, and axis.
 fn split_boundary(text: &str) -> (String, Vec<(String, usize)>) {
     let (mut rest, mut held, mut inside) = (String::new(), Vec::new(), false);
@@ -157,15 +123,5 @@ mod tests {
             .map(|(name, axis)| (name.as_str(), *axis))
             .collect();
         assert_eq!(names, [("1", 0), ("1", 1), ("FIX", 2)]);
-    }
-
-    #[test]
-    fn another_element_is_not_run() {
-        let error = refuse_other_elements("*Element, type=us3, ELSET=Eall\n").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "not run: element US3 is CalculiX's own shell"
-        );
-        assert!(refuse_other_elements("*ELEMENT, TYPE=C3D10, ELSET=E\n").is_ok());
     }
 }

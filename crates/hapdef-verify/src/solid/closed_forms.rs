@@ -77,6 +77,7 @@ fn sphere(id: &'static str, title: &'static str, nu: f64) -> Case {
         source: "Lamé, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 136",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(move |level| {
             let n = [2, 4, 6][level];
             let problem = octant_holds(hollow_octant(n)?, nu)?;
@@ -130,6 +131,7 @@ fn cylinder_displacement() -> Case {
         source: LAME_CYLINDER,
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let (n, problem) = cylinder(level)?;
             let value = |solution: &super::problem::Solution<'_>| {
@@ -152,6 +154,7 @@ fn cylinder_stress() -> Case {
         source: LAME_CYLINDER,
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let (n, problem) = cylinder(level)?;
             let value = |solution: &super::problem::Solution<'_>| {
@@ -209,6 +212,7 @@ fn kirsch() -> Case {
         source: "Kirsch 1898, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 35, eq. 61",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let n = [[6, 8, 1], [12, 16, 1], [24, 32, 1]][level];
             // the radius runs from the hole to the square, finer at the hole; the corner of the
@@ -265,6 +269,7 @@ fn plate() -> Case {
             Woinowsky-Krieger, article 27) gives 5 % less at this thickness",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let n = [[4, 4, 2], [8, 8, 2], [16, 16, 4]][level];
             let map = |p: Point3<f64>| {

@@ -24,6 +24,7 @@ pub(super) fn cases() -> Vec<Case> {
             element has order 3 in L² and 2 in energy",
         target,
         n_levels: 3,
+        known_miss: None,
         run: Box::new(run),
     };
     vec![

@@ -28,6 +28,7 @@ fn cook() -> Case {
             later papers, here from memory",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let n = [[4, 4, 1], [8, 8, 1], [16, 16, 1]][level];
             let mesh = Blocks::new(1e-6)
@@ -86,6 +87,7 @@ fn le1() -> Case {
             OptiStruct OS-V:0010 and FeenoX",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let n = [[8, 12, 1], [16, 24, 1], [32, 48, 1]][level];
             let problem = elliptic(n, 0.05, 0.3)?.hold(2, |p| same(p.z, 0.0));
@@ -110,6 +112,7 @@ fn le10() -> Case {
             (Fino, FeenoX) and CoFEA",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let n = [[4, 6, 2], [8, 12, 4], [16, 24, 8]][level];
             let problem = elliptic(n, 0.6, 0.3)?

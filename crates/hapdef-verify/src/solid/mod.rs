@@ -7,7 +7,7 @@ mod closed_forms;
 mod manufactured;
 mod membranes;
 mod patch;
-mod problem;
+pub(crate) mod problem;
 mod side_by_side;
 mod thermal;
 

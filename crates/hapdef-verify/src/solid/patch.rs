@@ -76,6 +76,7 @@ fn case(
         source,
         target: Target::within(1e-10),
         n_levels: 1,
+        known_miss: None,
         run: Box::new(move |_| run()),
     }
 }

@@ -29,6 +29,7 @@ pub(super) fn cases() -> Vec<Case> {
         source: "the program ccx on the deck that hapdef_mesh::write_inp writes",
         target,
         n_levels: MESHES.len(),
+        known_miss: None,
         run: Box::new(move |level| run(level, pick)),
     };
     vec![

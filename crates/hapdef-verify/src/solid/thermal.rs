@@ -25,6 +25,7 @@ pub(super) fn cases() -> Vec<Case> {
             and FeenoX, whose key points are taken; FeenoX prints −105.04",
         target: Target::within(0.01),
         n_levels: 3,
+        known_miss: None,
         run: Box::new(|level| {
             let refine = [1, 2, 4][level];
             let n = [2 * refine, 3 * refine, 8 * refine];

@@ -3,6 +3,8 @@
 mod converge;
 mod deck;
 mod inspect;
+mod shell;
+mod shell_table;
 mod stage;
 
 use std::path::PathBuf;
@@ -41,6 +43,8 @@ enum Command {
     Check(SceneArgs),
     /// Whether the limb's mesh is fine enough: the same presses on finer and finer meshes.
     Converge(converge::ConvergeArgs),
+    /// From a glTF surface to gauge readings with a shell model, and how far it is from a solid.
+    Shell(shell::ShellArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -68,6 +72,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
         Command::Check(args) => stage::check(args),
         Command::Converge(args) => converge::converge(args),
+        Command::Shell(args) => shell::shell(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),

@@ -1,20 +1,44 @@
 //! Triangulated rectangles mapped into space.
 
-use super::{Mesh, Pattern};
 use nalgebra::Point3;
+
+/// How a benchmark is meshed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mesh {
+    /// Cells along the shortest direction that the case divides.
+    pub(super) n: usize,
+    /// Where the diagonals run.
+    pub(super) pattern: Pattern,
+}
+
+/// Where the diagonals run, and whether nodes are moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pattern {
+    /// From a cell's lowest to its highest corner.
+    Up,
+    /// The other way.
+    Down,
+    /// Inner nodes moved by up to 0.18 of a cell, diagonals in both ways.
+    Moved,
+}
+
+impl Pattern {
+    /// All of them.
+    pub(super) const ALL: [Self; 3] = [Self::Up, Self::Down, Self::Moved];
+}
 
 /// A mapped grid of `nu` × `nv` cells; node (i, j) is `j * (nu + 1) + i`.
 #[derive(Clone, Debug)]
-pub struct Grid {
-    pub nodes: Vec<Point3<f64>>,
-    pub triangles: Vec<[usize; 3]>,
-    pub nu: usize,
-    pub nv: usize,
+pub(super) struct Grid {
+    pub(super) nodes: Vec<Point3<f64>>,
+    pub(super) triangles: Vec<[usize; 3]>,
+    pub(super) nu: usize,
+    pub(super) nv: usize,
 }
 
 impl Grid {
     /// Cells of the unit square, two triangles each, mapped by `map(u, v)`.
-    pub fn new(
+    pub(super) fn new(
         nu: usize,
         nv: usize,
         pattern: Pattern,
@@ -35,7 +59,7 @@ impl Grid {
                 let up = match pattern {
                     Pattern::Up => true,
                     Pattern::Down => false,
-                    Pattern::Distorted => (i * 7 + j * 3) % 5 < 2,
+                    Pattern::Moved => (i * 7 + j * 3) % 5 < 2,
                 };
                 if up {
                     triangles.extend([[a, b, c], [a, c, d]]);
@@ -53,35 +77,48 @@ impl Grid {
     }
 
     /// The node at grid position (i, j).
-    pub fn id(&self, i: usize, j: usize) -> usize {
+    pub(super) fn id(&self, i: usize, j: usize) -> usize {
         j * (self.nu + 1) + i
     }
 
     /// Nodes at the side `u = 0` or `u = 1`, in order of v.
-    pub fn side_u(&self, end: bool) -> Vec<usize> {
+    pub(super) fn side_u(&self, end: bool) -> Vec<usize> {
         let i = if end { self.nu } else { 0 };
         (0..=self.nv).map(|j| self.id(i, j)).collect()
     }
 
     /// Nodes at the side `v = 0` or `v = 1`, in order of u.
-    pub fn side_v(&self, end: bool) -> Vec<usize> {
+    pub(super) fn side_v(&self, end: bool) -> Vec<usize> {
         let j = if end { self.nv } else { 0 };
         (0..=self.nu).map(|i| self.id(i, j)).collect()
     }
+
+    /// Nodes on all four sides, each once.
+    pub(super) fn sides(&self) -> Vec<usize> {
+        let ends = [false, true];
+        let mut all: Vec<usize> = ends
+            .into_iter()
+            .flat_map(|end| [self.side_u(end), self.side_v(end)].concat())
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// The cells in words.
+    pub(super) fn cells(&self) -> String {
+        format!("{} × {} cells", self.nu, self.nv)
+    }
 }
 
-/// `n` times a whole factor, for a mesh.
-pub fn cells(mesh: Mesh, factor: usize) -> usize {
-    mesh.n * factor
-}
-
-/// Parameters of a node; distorted ones wander by 0.18 of a cell, and sides stay straight.
+/// Parameters of a node; moved ones wander by 0.18 of a cell, and sides stay straight.
 fn place(i: usize, j: usize, nu: usize, nv: usize, pattern: Pattern) -> [f64; 2] {
     let [u, v] = [i as f64 / nu as f64, j as f64 / nv as f64];
-    if pattern != Pattern::Distorted {
+    if pattern != Pattern::Moved {
         return [u, v];
     }
     let (x, y) = (i as f64, j as f64);
+    // nodes on a side move along it only
     let du = if i == 0 || i == nu {
         0.0
     } else {
@@ -92,6 +129,5 @@ fn place(i: usize, j: usize, nu: usize, nv: usize, pattern: Pattern) -> [f64; 2]
     } else {
         (1.9 * x - 2.7 * y + 1.3).sin()
     };
-    // corners' neighbours on a side move along it only
     [u + 0.18 * du / nu as f64, v + 0.18 * dv / nv as f64]
 }

@@ -1,0 +1,223 @@
+//! What a comparison of a shell with a solid model of the same limb says.
+
+use std::fmt;
+
+use hapdef_mesh::SurfaceMesh;
+use serde::Serialize;
+
+use super::info::quartiles;
+
+/// Median difference up to which a shell is good enough, and a solid fine enough.
+const GOOD: f64 = 0.1;
+
+/// What a shell and a solid answer to the same presses.
+#[derive(Clone, Debug, Serialize)]
+pub struct ShellComparison {
+    /// The solid.
+    pub solid: String,
+    /// Nodes of the solid.
+    pub n_fe_nodes: usize,
+    /// Equations of the solid.
+    pub n_equations: usize,
+    /// Gauges compared.
+    pub n_gauges: usize,
+    /// Gauges that not all models can carry.
+    pub n_gauges_left_out: usize,
+    /// Places where readings are compared.
+    pub n_touches: usize,
+    /// Places passed over: held, or not wholly on the shell.
+    pub n_touches_left_out: usize,
+    /// How far the shell is from the solid.
+    pub shell: Answered,
+    /// How far the solid with edges twice as long is from the solid, where there is one.
+    pub coarser_solid: Option<Answered>,
+    /// The presses whose displacement is compared.
+    pub presses: Vec<PressDifference>,
+    /// What follows.
+    pub verdict: ShellVerdict,
+    /// Seconds.
+    pub elapsed_s: f64,
+    /// The solid's skin, m.
+    #[serde(skip)]
+    pub skin: SurfaceMesh,
+    /// The readings' difference at the nearest place, `[n_vertices]` of [`Self::skin`].
+    #[serde(skip)]
+    pub reading_difference: Vec<f64>,
+}
+
+/// How far a model's answers are from the solid's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Answered {
+    /// Gauge readings at every place.
+    pub readings: Differences,
+    /// Displacement under the tip along the force at every press.
+    pub tip: Differences,
+}
+
+/// Relative differences from a solid's answers; those of one place or press are
+/// ‖a − solid‖ / ‖solid‖, over the gauges or of the one displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Differences {
+    /// The median.
+    pub median: f64,
+    /// The largest.
+    pub worst: f64,
+    /// The norm of all differences over the norm of all the solid's answers.
+    pub overall: f64,
+    /// The median of ‖a‖ / ‖solid‖.
+    pub median_ratio: f64,
+}
+
+/// One press on both models.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PressDifference {
+    /// Where on the solid's skin, m.
+    pub position_m: [f64; 3],
+    /// Displacement under the tip of the shell, µm/N.
+    pub shell_tip_um_per_n: f64,
+    /// The same of the solid, µm/N.
+    pub solid_tip_um_per_n: f64,
+    /// The readings' relative difference.
+    pub reading_difference: f64,
+}
+
+/// What to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShellVerdict {
+    /// Both median differences are at most 10 %.
+    ShellIsGood,
+    /// One is more.
+    UseTheSolid,
+    /// The solid's own answers change by more than that when its edges are halved.
+    SolidTooCoarse,
+}
+
+impl ShellVerdict {
+    pub(super) fn new(shell: &Answered, coarser_solid: Option<&Answered>) -> Self {
+        if coarser_solid.is_some_and(|coarser| !coarser.is_good()) {
+            Self::SolidTooCoarse
+        } else if shell.is_good() {
+            Self::ShellIsGood
+        } else {
+            Self::UseTheSolid
+        }
+    }
+}
+
+impl Answered {
+    fn is_good(&self) -> bool {
+        self.readings.median <= GOOD && self.tip.median <= GOOD
+    }
+}
+
+impl Differences {
+    /// Of answers `[n][m]` from the solid's.
+    pub(super) fn of(answers: &[Vec<f64>], solid: &[Vec<f64>]) -> Self {
+        let pairs = || answers.iter().zip(solid);
+        let [_, _, median, _, worst] = quartiles(pairs().map(|(a, b)| relative(a, b)));
+        let ratio = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(a) / norm(b).max(f64::MIN_POSITIVE);
+        Self {
+            median,
+            worst,
+            overall: relative(&answers.concat(), &solid.concat()),
+            median_ratio: quartiles(pairs().map(ratio))[2],
+        }
+    }
+}
+
+/// ‖a − solid‖ / ‖solid‖; 0 where both are 0.
+pub(super) fn relative(a: &[f64], solid: &[f64]) -> f64 {
+    let difference: Vec<f64> = a.iter().zip(solid).map(|(a, b)| a - b).collect();
+    match (norm(&difference), norm(solid)) {
+        (0.0, _) => 0.0,
+        (difference, whole) => difference / whole.max(f64::MIN_POSITIVE),
+    }
+}
+
+fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+impl fmt::Display for ShellComparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |x: f64| 100.0 * x;
+        let Answered { readings, tip } = &self.shell;
+        write!(
+            f,
+            "shell against {}: gauge readings within {:.1} % (median; worst of {} places {:.0} %), \
+             displacement under the tip within {:.1} % (median; worst of {} presses {:.0} %): ",
+            self.solid,
+            percent(readings.median),
+            self.n_touches,
+            percent(readings.worst),
+            percent(tip.median),
+            self.presses.len(),
+            percent(tip.worst),
+        )?;
+        match (self.verdict, &self.coarser_solid) {
+            (ShellVerdict::ShellIsGood, Some(_)) => f.write_str("the shell is good here"),
+            (ShellVerdict::ShellIsGood, None) => {
+                f.write_str("the shell is good here, as far as this solid is fine enough")
+            }
+            (ShellVerdict::SolidTooCoarse, Some(coarser)) => write!(
+                f,
+                "no verdict, the solid is too coarse itself: halving its edges changed readings by \
+                 {:.1} % and displacements by {:.1} % (median); take shorter edges (--edge) or \
+                 halve more often (--halve-solid)",
+                percent(coarser.readings.median),
+                percent(coarser.tip.median)
+            ),
+            (_, Some(_)) => f.write_str("more than 10 %, use the solid"),
+            (_, None) => f.write_str(
+                "more than 10 %, use the solid, as far as this one is fine enough itself",
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn answered(readings: f64, tip: f64) -> Answered {
+        let differences = |solid: f64| Differences::of(&[vec![1.0 + solid]], &[vec![1.0]]);
+        Answered {
+            readings: differences(readings),
+            tip: differences(tip),
+        }
+    }
+
+    #[track_caller]
+    fn check(shell: (f64, f64), coarser: Option<(f64, f64)>, expected: ShellVerdict) {
+        let coarser = coarser.map(|(a, b)| answered(a, b));
+        let found = ShellVerdict::new(&answered(shell.0, shell.1), coarser.as_ref());
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn ten_percent_is_the_limit() {
+        check((0.09, 0.05), None, ShellVerdict::ShellIsGood);
+        check((0.11, 0.05), None, ShellVerdict::UseTheSolid);
+        check((0.05, -0.11), None, ShellVerdict::UseTheSolid);
+        check((0.05, 0.05), Some((0.02, 0.02)), ShellVerdict::ShellIsGood);
+    }
+
+    #[test]
+    fn a_coarse_solid_is_no_judge() {
+        check(
+            (0.05, 0.05),
+            Some((0.02, 0.3)),
+            ShellVerdict::SolidTooCoarse,
+        );
+    }
+
+    #[test]
+    fn differences_are_relative_to_the_solid() {
+        let shell = [vec![3.0, 4.0], vec![2.0, 0.0], vec![0.0, 0.0]];
+        let solid = [vec![0.0, 4.0], vec![1.0, 0.0], vec![0.0, 0.0]];
+        let found = Differences::of(&shell, &solid);
+        assert_eq!((found.median, found.worst), (0.75, 1.0));
+        assert!((found.overall - (10.0_f64 / 17.0).sqrt()).abs() < 1e-15);
+    }
+}

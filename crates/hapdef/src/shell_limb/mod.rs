@@ -1,0 +1,27 @@
+//! From a surface to gauge readings by a shell model: for limbs of which there is a glTF skin but
+//! no solid mesh.
+//!
+//! [`shell_limb`] makes the model and its readings, [`ShellLimb::against_extruded`] and
+//! [`ShellLimb::against_solid`] tell how far it is from a solid one.
+
+mod against;
+mod compare;
+mod extruded;
+mod info;
+mod mount;
+mod output;
+mod params;
+mod press;
+mod response;
+mod sites;
+mod stopwatch;
+mod wall;
+
+pub use compare::{Answered, Differences, PressDifference, ShellComparison, ShellVerdict};
+pub use info::{
+    EdgeRefused, GaugeInfo, MeasuredWall, ModelInfo, MountInfo, ShellLimbInfo, StageTime,
+    SurfaceCounts, WallInfo,
+};
+pub use output::write_measured_wall;
+pub use params::{MountChoice, MountEnd, ShellLimbParams, WallChoice};
+pub use response::{ShellLimb, shell_limb};

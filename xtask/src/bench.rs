@@ -1,0 +1,65 @@
+//! Times against other programs.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::pipeline::finish;
+use crate::tool::{release_binary, root, target_dir};
+use crate::verify::deck_of;
+
+/// Arguments of `bench`.
+#[derive(clap::Args)]
+pub(crate) struct BenchArgs {
+    /// What is timed.
+    what: Subject,
+    /// The solid deck; the authors' limb where the shared inputs are, else the bundled limb.
+    #[arg(long)]
+    deck: Option<PathBuf>,
+    /// The solid deck of this scene.
+    #[arg(long, conflicts_with = "deck")]
+    scene: Option<PathBuf>,
+    /// The seed the metrics carry; nothing is drawn at random.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Everything else goes to `hapdef-verify` as it is, such as `--skip-large`.
+    #[arg(last = true)]
+    rest: Vec<String>,
+}
+
+/// What `bench` can time.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Subject {
+    /// The elasticity solver against faer's plain call and, where they are installed, CHOLMOD
+    /// (libsuitesparse-dev) and CalculiX (calculix-ccx).
+    Fe,
+}
+
+/// `cargo xtask bench fe`.
+pub(crate) fn run(args: &BenchArgs) -> Result<()> {
+    let Subject::Fe = args.what;
+    let deck = match (&args.deck, &args.scene) {
+        (Some(deck), _) => deck.clone(),
+        (None, Some(scene)) => deck_of(scene)?,
+        (None, None) => default_deck(),
+    };
+    let metrics = target_dir()?.join("hapdef/metrics.json");
+    let mut command = Command::new(release_binary("hapdef-verify")?);
+    command.arg("bench").arg("--deck").arg(deck);
+    command.arg("--metrics").arg(metrics);
+    command
+        .args(["--seed", &args.seed.to_string()])
+        .args(&args.rest);
+    finish(&mut command)
+}
+
+fn default_deck() -> PathBuf {
+    let shared = std::env::var_os("HAPDEF_SHARED").map_or(root().join("../shared"), PathBuf::from);
+    let authors = shared.join("inputs/hapdef-shin/02_skin_ds.dat.gz");
+    if authors.exists() {
+        authors
+    } else {
+        root().join("fixtures/shin/shin.inp.gz")
+    }
+}
