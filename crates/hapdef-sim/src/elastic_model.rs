@@ -215,7 +215,8 @@ impl ElasticModel {
     ///
     /// # Errors
     /// [`SimError::NodeOutOfRange`], [`SimError::LoadNotFinite`], [`SimError::NoRotations`],
-    /// [`SimError::Residual`].
+    /// [`SimError::Residual`], [`SimError::IllConditioned`]; on the iterative
+    /// path [`SimError::NotConverged`].
     pub fn solve(&self, load: &NodalLoad) -> Result<(Vec<Vector3<f64>>, SolveInfo), SimError> {
         let (motion, info) = self.solve_motion(load)?;
         Ok((motion.displacement, info))

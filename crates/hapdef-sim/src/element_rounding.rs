@@ -70,15 +70,12 @@ mod tests {
         for (i, j, value) in [(0, 0, 1.0), (3, 3, 1.0), (0, 3, -1.0), (3, 0, -1.0 + error)] {
             k[6 * i + j] = value;
         }
-        for i in [1, 2, 4, 5] {
-            k[7 * i] = 1e-30;
-        }
         rigid_force(&k, &[Point3::origin(), Point3::new(2.0, 0.0, 0.0)], false)
     }
 
     #[test]
     fn only_what_holds_a_rigid_motion_back_counts() {
-        assert!(spring(0.0) < 1e-14);
+        assert_eq!(spring(0.0), 0.0);
         assert!((spring(1e-6) / 1e-6 - 1.0).abs() < 1e-6);
     }
 }

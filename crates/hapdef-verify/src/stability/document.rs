@@ -60,11 +60,8 @@ pub fn stability_markdown(rows: &[StabilityRow]) -> String {
         let _ = writeln!(text, "{}", line(row));
     }
     text.push_str("\n## What refusals say\n\n");
-    for row in rows {
-        let _ = writeln!(text, "{}", row_words(row).unwrap_or_default());
-    }
-    while text.ends_with("\n\n") {
-        text.pop();
+    for words in rows.iter().filter_map(row_words) {
+        let _ = writeln!(text, "{words}");
     }
     text
 }
@@ -94,12 +91,20 @@ fn line(row: &StabilityRow) -> String {
 fn row_words(row: &StabilityRow) -> Option<String> {
     let refusal = row.outcome.as_ref().err()?;
     let told = !ROUNDED.contains(&refusal.kind.as_str());
-    // a coordinate that rounds to zero has no sign worth telling
-    let text = refusal
-        .text
-        .replace("-0.0000", "0.0000")
-        .replace("-0.000,", "0.000,");
+    let text = refusal.text.split(' ').map(short).collect::<Vec<_>>();
+    let text = text.join(" ");
     told.then(|| format!("- {}, {} ({}): {text}", row.case, row.extreme, row.path))
+}
+
+/// A word without the digits that rounding moves, and without the sign of a zero.
+fn short(word: &str) -> String {
+    let is_number = |c: char| c.is_ascii_digit() || "-+.e".contains(c);
+    let number = word.trim_matches(|c| !is_number(c)).trim_end_matches('.');
+    match number.parse::<f64>() {
+        Ok(0.0) => word.replace("-0", "0"),
+        Ok(value) if number.len() > 8 => word.replace(number, &format!("{value:.2e}")),
+        _ => word.to_owned(),
+    }
 }
 
 fn magnitude(value: f64) -> String {
@@ -219,6 +224,14 @@ mod tests {
         assert_eq!(stability_differences(&rows, &text), Vec::<String>::new());
         let others = [refused("AllClamped", "all 5 nodes")];
         assert_eq!(stability_differences(&others, &text).len(), 2);
+    }
+
+    #[test]
+    fn words_keep_the_digits_that_hold_everywhere() {
+        assert_eq!(short("-3.1524758424985325e-2"), "-3.15e-2");
+        assert_eq!(short("(-0.0000,"), "(0.0000,");
+        assert_eq!(short("(2.5000,"), "(2.5000,");
+        assert_eq!(short("remesh."), "remesh.");
     }
 
     #[test]
