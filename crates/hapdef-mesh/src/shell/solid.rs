@@ -74,9 +74,10 @@ pub struct SolidShellInfo {
 /// Finds the outer skin of `solid` and its wall, and refuses what is not a shell.
 ///
 /// A triangle is outer skin if most rays from it within a cone about its normal leave the solid
-/// ([`OuterSkinParams`]), or clearly more than from the surface behind it. The thickness is measured inward from points near a triangle's corners
-/// and at its middle: the median, over a narrow cone of rays, of the distance to the first surface
-/// parallel to the skin, times the cosine of the ray's angle, in the manner of the shape diameter
+/// ([`SolidShellParams::outer`]), or clearly more than from the surface behind it. The thickness is
+/// measured inward from points near a triangle's corners and at its middle: the median, over a
+/// narrow cone of rays, of the distance to the first surface parallel to the skin, times the cosine
+/// of the ray's angle, in the manner of the shape diameter
 /// function (Shapira, Shamir and Cohen-Or, The Visual Computer 24, 2008). Ribs count to the wall.
 /// Self-intersections are not looked for, and the inner side of a solid ring counts as inside where
 /// the ring's far side hides it.
