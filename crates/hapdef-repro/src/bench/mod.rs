@@ -1,6 +1,8 @@
 //! Times of the networks.
 
+mod clock;
 mod inference;
+mod peers;
 
 use std::path::PathBuf;
 
