@@ -16,7 +16,7 @@ use super::{Active, ActiveGroup, avx2};
 type Vector = __m512;
 
 /// Active inputs whose lines are asked for ahead of their use.
-const AHEAD: usize = 8;
+const AHEAD: usize = 24;
 
 float_kernels!(16, #[target_feature(enable = "avx512f,avx2,fma")]);
 
