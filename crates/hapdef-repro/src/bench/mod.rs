@@ -1,16 +1,25 @@
 //! Times of the networks.
 
 mod clock;
+mod frontier;
 mod inference;
+mod measure;
+mod methods;
+mod narrow;
 mod peers;
+mod testset;
+mod variants;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
+use hapdef::{Profile, Progress, Run};
 use hapdef_repro::MetricLog;
 
 use crate::run::facts;
+
+pub(crate) use frontier::{FrontierArgs, run as run_frontier};
 
 /// Arguments of `bench-nets`.
 #[derive(Args, Clone, Debug)]
@@ -39,5 +48,20 @@ pub(crate) struct BenchNetsArgs {
 pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.seed));
     inference::run(args, &mut log)?;
+    if args.skip_trained {
+        for name in ["nets.reduced_p50_us", "nets.reduced_error_ratio"] {
+            log.skipped(name, "--skip-trained")?;
+        }
+    } else {
+        frontier::log_reduced(&reduced(args)?, &mut log)?;
+    }
     Ok(log.append_to(&args.out.join("metrics.json"))?)
+}
+
+/// Every variant of the scene's nets, those of the quick profile.
+fn reduced(args: &BenchNetsArgs) -> Result<Vec<measure::Point>> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let (profile, progress) = (Profile::quick(), Progress::on_stderr());
+    let run = Run::new(&args.scene, profile, &args.out, threads, progress)?;
+    Ok(measure::measure(&run, args.rounds.min(20))?.1)
 }

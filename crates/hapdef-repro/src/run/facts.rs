@@ -70,6 +70,20 @@ pub(crate) fn facts(
     ]
 }
 
+/// The lines that every page over a run has.
+pub(crate) fn of_run(run: &Run) -> Vec<NamedText> {
+    let named = |name: &str, text: String| NamedText {
+        name: name.into(),
+        text,
+    };
+    let profile = format!("{}, seed {}", run.profile.name, run.scene.seed);
+    vec![
+        named("profile", profile),
+        named("training", training(&run.profile)),
+        named("machine", machine()),
+    ]
+}
+
 /// Steps, learning rate and L2 weight of every net.
 fn training(profile: &Profile) -> String {
     let nets = [

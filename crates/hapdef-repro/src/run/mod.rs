@@ -2,7 +2,7 @@
 
 pub(crate) mod facts;
 mod figures;
-mod samples;
+pub(crate) mod samples;
 mod svr;
 mod table1;
 
@@ -18,7 +18,7 @@ use hapdef_repro::{
     message_2, write_report,
 };
 
-use crate::bench::{self, BenchNetsArgs};
+use crate::bench::{self, BenchNetsArgs, FrontierArgs};
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
@@ -38,6 +38,8 @@ enum Command {
     Report(SceneArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     BenchNets(BenchNetsArgs),
+    /// Error against run time: every method, precision, rank and width in one table and plot.
+    FrontierNets(FrontierArgs),
 }
 
 /// Does what the arguments say.
@@ -45,6 +47,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Report(args) => report(args),
         Command::BenchNets(args) => bench::run(args),
+        Command::FrontierNets(args) => bench::run_frontier(args),
     }
 }
 
@@ -259,7 +262,8 @@ fn print_summary(report: &Report) {
     println!();
 }
 
-fn terminal_table(text: &TextTable) -> comfy_table::Table {
+/// A table as a terminal shows it.
+pub(crate) fn terminal_table(text: &TextTable) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     table
         .load_style(comfy_table::presets::NOTHING)

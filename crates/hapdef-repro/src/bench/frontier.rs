@@ -1,0 +1,183 @@
+//! `frontier-nets`: error against run time, as a table, plots and JSON.
+
+use anyhow::Result;
+use clap::Args;
+use hapdef::SceneArgs;
+use hapdef_repro::{
+    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
+    lines_svg, write_report,
+};
+
+use super::measure::{Point, best_reduced, measure};
+use super::variants::Family;
+use crate::run::{facts, terminal_table};
+
+/// Arguments of `frontier-nets`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct FrontierArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Rounds in which every variant is timed.
+    #[arg(long, default_value_t = 20)]
+    rounds: usize,
+}
+
+/// Measures every variant and writes the report.
+pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let (done, points) = measure(&run, args.rounds)?;
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(&run));
+    log.value("frontier.points", points.len() as f64, "1")?;
+    log_reduced(&points, &mut log)?;
+    let table = table(&points);
+    println!("{}", terminal_table(&table));
+    let report = Report {
+        title: format!("hapdef: error against run time, {}", run.scene.name),
+        scene: run.scene.name.clone(),
+        facts: facts::of_run(&run),
+        tables: vec![ReportTable {
+            title: "Every way from readings to the map".into(),
+            note: NOTE.into(),
+            text: table,
+            data: serde_json::to_value(&points)?,
+        }],
+        figures: figures(&points)?,
+        stages: facts::stage_times(&done, &[]),
+        metrics: log.records().to_vec(),
+        ..Report::default()
+    };
+    let folder = args.scene.out.join(&run.scene.name).join("frontier-nets");
+    let paths = write_report(&folder, &report)?;
+    hapdef::write_json(&folder.join("frontier.json"), &points)?;
+    log.append_to(&args.scene.out.join("metrics.json"))?;
+    for path in paths.iter().rev().take(3) {
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// The metrics of the best reduced net.
+pub(super) fn log_reduced(points: &[Point], log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
+    let (point, ratio) = best_reduced(points)?;
+    println!("best reduced net: {}", point.name);
+    log.value("nets.reduced_p50_us", point.times.p50_us, "µs")?;
+    Ok(log.value("nets.reduced_error_ratio", ratio, "1")?)
+}
+
+const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one core. Map: mean \
+    absolute error on simulated test samples of one to four contacts, from exact virtual gauges. \
+    Contacts: mean position error on the simulated rig, the mean of single presses and of double \
+    presses (the paper's lenient rule with T + 1), through F_T, the way of the row, k-Max and F_S. \
+    Front: no other way to the whole map is both faster and better by the map (M), by contacts (C). \
+    Training: of the part behind F_T. FNN is F_R trained on I–IV; ranks replace its last layer (or \
+    its last two) by two thin ones, from the modes of 500 training samples; parts of the map are \
+    the outputs nearest to one node, and their error is over those alone.";
+
+fn table(points: &[Point]) -> TextTable {
+    let header = [
+        "way",
+        "p50, µs",
+        "p99, µs",
+        "MB",
+        "map, µm",
+        "contacts, mm",
+        "single, mm",
+        "double, mm",
+        "found",
+        "training, s",
+        "front",
+    ];
+    let mut sorted: Vec<&Point> = points.iter().collect();
+    sorted.sort_by(|a, b| a.times.p50_us.total_cmp(&b.times.p50_us));
+    let row = |p: &&Point| {
+        let number = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.2}"));
+        let front = match (p.on_map_front, p.on_contact_front) {
+            (true, true) => "M C",
+            (true, false) => "M",
+            (false, true) => "C",
+            (false, false) => "",
+        };
+        let cells = [
+            p.name.clone(),
+            format!("{:.0}", p.times.p50_us),
+            format!("{:.0}", p.times.p99_us),
+            format!("{:.2}", p.bytes as f64 * 1e-6),
+            format!("{:.2}", p.errors.map_um),
+            number(p.errors.contact_mm),
+            number(p.errors.single_mm),
+            number(p.errors.double_mm),
+            p.errors
+                .found
+                .map_or("–".to_owned(), |f| format!("{:.0} %", f * 100.0)),
+            format!("{:.1}", p.training_s),
+            front.to_owned(),
+        ];
+        cells.map(TextCell::plain).to_vec()
+    };
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: sorted.iter().map(row).collect(),
+    }
+}
+
+fn figures(points: &[Point]) -> Result<Vec<Figure>> {
+    let map = chart(
+        points,
+        "Map error against run time",
+        "mean |error| of the map, µm",
+        |p| Some(p.errors.map_um),
+        |p| p.on_map_front,
+    )?;
+    let contacts = chart(
+        points,
+        "Contact error against run time",
+        "mean position error, mm",
+        |p| p.errors.contact_mm,
+        |p| p.on_contact_front,
+    )?;
+    let figure = |file: &str, what: &str, svg: String| Figure {
+        file: file.into(),
+        caption: format!(
+            "{what} against the median time of a frame, logarithmic. Dots of a family are joined \
+             from fast to slow; the front is what nothing beats."
+        ),
+        content: FigureContent::Svg(svg),
+    };
+    Ok(vec![
+        figure("frontier_map.svg", "Map error", map),
+        figure("frontier_contacts.svg", "Contact error", contacts),
+    ])
+}
+
+fn chart(
+    points: &[Point],
+    title: &str,
+    y_label: &str,
+    error: impl Fn(&Point) -> Option<f64>,
+    is_on_front: impl Fn(&Point) -> bool,
+) -> Result<String> {
+    let series = |name: &str, chosen: &dyn Fn(&Point) -> bool| {
+        let chosen = points.iter().filter(|p| chosen(p));
+        let place = |p: &Point| Some((p.times.p50_us.log10(), error(p)?));
+        let mut places: Vec<(f64, f64)> = chosen.filter_map(place).collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Series {
+            name: name.into(),
+            points: places,
+        }
+    };
+    let families = Family::ALL.into_iter();
+    let mut all: Vec<Series> = families
+        .map(|family| series(family.name(), &|p: &Point| p.family == family))
+        .collect();
+    all.push(series("front", &|p| is_on_front(p)));
+    all.retain(|series| !series.points.is_empty());
+    Ok(lines_svg(&LineChart {
+        title: title.into(),
+        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        y_label: y_label.into(),
+        log_y: true,
+        dots: true,
+        series: all,
+    })?)
+}

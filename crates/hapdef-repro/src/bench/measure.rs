@@ -1,0 +1,163 @@
+//! Errors and times of every variant of a scene.
+
+use std::hint::black_box;
+
+use anyhow::{Context, Result};
+use hapdef::{Limb, Pipeline, Run, Until};
+use hapdef_nets::infer::InferScratch;
+use serde::Serialize;
+
+use super::clock::Quantiles;
+use super::testset::{Errors, TestSet};
+use super::variants::{Family, Variant, variants};
+
+/// A variant, measured.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Point {
+    pub(super) name: String,
+    pub(super) family: Family,
+    #[serde(flatten)]
+    pub(super) errors: Errors,
+    /// From readings to the map.
+    #[serde(flatten)]
+    pub(super) times: Quantiles,
+    pub(super) training_s: f64,
+    /// Bytes of both nets, or of what the method keeps.
+    pub(super) bytes: usize,
+    /// No other way to the whole map is both faster and better: by the map, and by contacts.
+    pub(super) on_map_front: bool,
+    pub(super) on_contact_front: bool,
+}
+
+/// Runs what is missing of the scene, then measures every variant in `rounds` rounds.
+pub(super) fn measure(run: &Run, rounds: usize) -> Result<(Pipeline, Vec<Point>)> {
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let done = Pipeline::run(run, &limb, Until::Train)?;
+    let tests = TestSet::read(run, &limb, &done)?;
+    let mut variants = variants(run, &limb, &done)?;
+    run.say(&format!("{} variants: errors", variants.len()));
+    let mut errors = Vec::with_capacity(variants.len());
+    for variant in &mut variants {
+        run.check_stop("the frontier")?;
+        let outputs = variant.outputs.as_deref();
+        errors.push(tests.errors(&variant.transfer, variant.method.as_mut(), outputs)?);
+    }
+    run.say("times, one core");
+    time(run, &tests, &mut variants, rounds)?;
+    let mut points: Vec<Point> = variants.iter().zip(errors).map(point).collect();
+    mark_fronts(&mut points);
+    Ok((done, points))
+}
+
+/// All variants in turn, on one thread; each frame is another press.
+fn time(run: &Run, tests: &TestSet, variants: &mut [Variant], rounds: usize) -> Result<()> {
+    let mut virtual_um = vec![0.0; tests.n_virtual];
+    let mut scratch = InferScratch::default();
+    let mut map = vec![0.0; tests.n_surface];
+    let presses = tests.presses();
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut frame = 0;
+    for _ in 0..rounds {
+        run.check_stop("the frontier")?;
+        for variant in &mut *variants {
+            let n_outputs = variant.outputs.as_ref().map_or(map.len(), Vec::len);
+            let mut times = std::mem::take(&mut variant.times);
+            let map = &mut map[..n_outputs];
+            let mut work = || -> Result<()> {
+                let press = &presses[frame % presses.len()];
+                frame += 1;
+                let transfer = &variant.transfer;
+                transfer.forward(&press.readings_ue, &mut scratch, &mut virtual_um)?;
+                variant.method.map(&virtual_um, map)?;
+                black_box(&*map);
+                Ok(())
+            };
+            match variant.family {
+                // Their products would spread over all threads.
+                Family::Baseline => times.round_in(&alone, &mut work)?,
+                _ => times.round(work)?,
+            }
+            variant.times = times;
+        }
+    }
+    Ok(())
+}
+
+fn point((variant, errors): (&Variant, Errors)) -> Point {
+    Point {
+        name: variant.name.clone(),
+        family: variant.family,
+        errors,
+        times: variant.times.quantiles(),
+        training_s: variant.training_s,
+        bytes: variant.transfer.bytes() + variant.method.bytes(),
+        on_map_front: false,
+        on_contact_front: false,
+    }
+}
+
+fn mark_fronts(points: &mut [Point]) {
+    let whole = |p: &Point| p.family != Family::Part;
+    let of_map: Vec<_> = points
+        .iter()
+        .map(|p| whole(p).then_some((p.times.p50_us, p.errors.map_um)))
+        .collect();
+    let of_contacts: Vec<_> = points
+        .iter()
+        .map(|p| Some((p.times.p50_us, p.errors.contact_mm?)))
+        .collect();
+    for (i, point) in points.iter_mut().enumerate() {
+        point.on_map_front = is_on_front(&of_map, i);
+        point.on_contact_front = is_on_front(&of_contacts, i);
+    }
+}
+
+/// Whether no other place is at least as good in both and better in one.
+fn is_on_front(places: &[Option<(f64, f64)>], i: usize) -> bool {
+    let Some((time, error)) = places[i] else {
+        return false;
+    };
+    let beats = |&(t, e): &(f64, f64)| t <= time && e <= error && (t < time || e < error);
+    !places.iter().flatten().any(beats)
+}
+
+/// The fastest reduced way within 10 % of the whole f32 net's contact error; without any, that of
+/// least error. And the ratio of its error to the whole net's.
+pub(super) fn best_reduced(points: &[Point]) -> Result<(&Point, f64)> {
+    let whole = points
+        .iter()
+        .find(|p| p.family == Family::Whole && p.name.ends_with("f32"));
+    let whole = whole.and_then(|p| p.errors.contact_mm);
+    let whole = whole.context("the whole net found no contact")?;
+    let ratio = |p: &Point| p.errors.contact_mm.map(|mm| mm / whole);
+    let reduced = points
+        .iter()
+        .filter(|p| matches!(p.family, Family::LowRank | Family::Narrow));
+    let reduced: Vec<(&Point, f64)> = reduced.filter_map(|p| Some((p, ratio(p)?))).collect();
+    let within = reduced.iter().filter(|(_, ratio)| *ratio <= 1.1);
+    let fastest = within.min_by(|a, b| a.0.times.p50_us.total_cmp(&b.0.times.p50_us));
+    let least = reduced.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    fastest
+        .or(least)
+        .copied()
+        .context("no reduced net found a contact")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_is_what_nothing_beats() {
+        let places = [
+            Some((10.0, 5.0)),
+            Some((20.0, 4.0)),
+            Some((15.0, 5.0)),
+            None,
+            Some((30.0, 4.5)),
+            Some((10.0, 5.0)),
+        ];
+        let front: Vec<bool> = (0..places.len()).map(|i| is_on_front(&places, i)).collect();
+        assert_eq!(front, [true, true, false, false, false, true]);
+    }
+}

@@ -1,0 +1,228 @@
+//! Frames that every way is tested on, and its errors there.
+
+use anyhow::{Context, Result};
+use hapdef::stages::{Datasets, NetKind, samples_path};
+use hapdef::{
+    ContactPair, ContactStats, FoundContact, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline,
+    Run, ScoredContact, Stage, score_lenient,
+};
+use hapdef_data::{DatasetReader, Split};
+use hapdef_nets::infer::{InferScratch, PreparedNet};
+use serde::{Deserialize, Serialize};
+
+use super::methods::MapMethod;
+use crate::run::samples::SampleSet;
+
+/// Most simulated samples of each set, and most presses of each kind on the rig.
+const MOST_SIMULATED: usize = 200;
+const MOST_PRESSES: usize = 400;
+
+/// What is tested on.
+pub(super) struct TestSet {
+    /// Virtual gauges `[n, n_virtual]` and maps `[n, n_surface]` of simulated samples, µm.
+    simulated: (Vec<f32>, Vec<f32>),
+    single: Vec<Press>,
+    double: Vec<Press>,
+    chain: Hapdefx,
+    pub(super) n_virtual: usize,
+    pub(super) n_surface: usize,
+}
+
+/// A press on the rig.
+pub(super) struct Press {
+    pub(super) readings_ue: Vec<f32>,
+    truth: Vec<ScoredContact>,
+}
+
+/// Errors of a way.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+pub(super) struct Errors {
+    /// Mean absolute error of the map on simulated samples of one to four contacts, µm.
+    pub(super) map_um: f64,
+    /// Position error on the rig, mean of `single_mm` and, where the scene has them, `double_mm`;
+    /// none for a way that gives a part of the map.
+    pub(super) contact_mm: Option<f64>,
+    /// Mean position error of single presses, mm.
+    pub(super) single_mm: Option<f64>,
+    /// Mean position error of double presses by the paper's lenient rule with T + 1, mm.
+    pub(super) double_mm: Option<f64>,
+    /// Share of the contacts that were found.
+    pub(super) found: Option<f64>,
+}
+
+impl TestSet {
+    /// Reads test samples: an even choice of those that no net was trained on.
+    pub(super) fn read(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Self> {
+        let data = done.data.as_ref().context("no datasets")?;
+        let sets = SampleSet::open_all(data)?;
+        let (n_virtual, n_surface) = (sets[0].n_virtual, sets[0].n_surface);
+        let mut simulated = (Vec::new(), Vec::new());
+        for mut set in sets {
+            for row in evenly(set.split.test.clone(), MOST_SIMULATED) {
+                simulated.0.extend(set.inputs(row..row + 1)?);
+                simulated.1.extend(set.maps(row..row + 1)?);
+            }
+        }
+        let single = presses(&data.rig_single, true)?;
+        let double = match &data.rig_double {
+            Some(stage) => presses(stage, false)?,
+            None => Vec::new(),
+        };
+        Ok(Self {
+            simulated,
+            single,
+            double,
+            chain: chain(run, limb, data, done)?,
+            n_virtual,
+            n_surface,
+        })
+    }
+
+    /// Readings of some presses, for the clock.
+    pub(super) fn presses(&self) -> &[Press] {
+        &self.single
+    }
+
+    /// Errors of `method` behind `transfer`; `outputs` are the nodes of the map it gives, all of
+    /// them if none.
+    pub(super) fn errors(
+        &self,
+        transfer: &PreparedNet,
+        method: &mut dyn MapMethod,
+        outputs: Option<&[usize]>,
+    ) -> Result<Errors> {
+        let map_um = self.map_error(method, outputs)?;
+        if outputs.is_some() {
+            return Ok(Errors {
+                map_um,
+                contact_mm: None,
+                single_mm: None,
+                double_mm: None,
+                found: None,
+            });
+        }
+        let single = self.contact_errors(transfer, method, &self.single, 1)?;
+        let double = self.contact_errors(transfer, method, &self.double, 2)?;
+        let parts = [single, double];
+        let measured: Vec<f64> = parts
+            .iter()
+            .filter(|s| s.n > 0)
+            .map(|s| s.mean_mm)
+            .collect();
+        let n_expected: usize = parts.iter().map(|s| s.n_expected).sum();
+        let n: usize = parts.iter().map(|s| s.n).sum();
+        let mean = |stats: &ContactStats| (stats.n > 0).then_some(stats.mean_mm);
+        Ok(Errors {
+            map_um,
+            contact_mm: (!measured.is_empty())
+                .then(|| measured.iter().sum::<f64>() / measured.len() as f64),
+            single_mm: mean(&single),
+            double_mm: mean(&double),
+            found: (n_expected > 0).then(|| n as f64 / n_expected as f64),
+        })
+    }
+
+    fn map_error(&self, method: &mut dyn MapMethod, outputs: Option<&[usize]>) -> Result<f64> {
+        let n_outputs = outputs.map_or(self.n_surface, <[usize]>::len);
+        let (mut sum, mut map) = (MapErrorSum::new(n_outputs), vec![0.0; n_outputs]);
+        let maps = self.simulated.1.chunks_exact(self.n_surface);
+        for (x, truth) in self.simulated.0.chunks_exact(self.n_virtual).zip(maps) {
+            method.map(x, &mut map)?;
+            match outputs {
+                Some(outputs) => {
+                    let wanted: Vec<f32> = outputs.iter().map(|&node| truth[node]).collect();
+                    sum.add(&wanted, &map);
+                }
+                None => sum.add(truth, &map),
+            }
+        }
+        Ok(sum.finish().mean_abs_um)
+    }
+
+    fn contact_errors(
+        &self,
+        transfer: &PreparedNet,
+        method: &mut dyn MapMethod,
+        presses: &[Press],
+        n_contacts: usize,
+    ) -> Result<ContactStats> {
+        let mut pairs: Vec<ContactPair> = Vec::new();
+        let (mut scratch, mut own) = (HapdefxScratch::default(), InferScratch::default());
+        let mut virtual_um = vec![0.0; self.n_virtual];
+        let mut map = vec![0.0; self.n_surface];
+        for press in presses {
+            transfer.forward(&press.readings_ue, &mut own, &mut virtual_um)?;
+            method.map(&virtual_um, &mut map)?;
+            let found = self.chain.candidates(&map, &mut scratch)?;
+            let chosen = match n_contacts {
+                1 => self.chain.top(&found, 1),
+                n => self.chain.top_with_spread(&found, n)?,
+            };
+            let chosen: Vec<ScoredContact> = chosen.iter().map(scored).collect();
+            pairs.extend(score_lenient(&chosen, &press.truth)?);
+        }
+        Ok(ContactStats::of(&pairs, n_contacts * presses.len()))
+    }
+}
+
+fn scored(contact: &FoundContact) -> ScoredContact {
+    (contact.position_m, contact.force_n)
+}
+
+/// k-Max and F_S behind any map.
+fn chain(run: &Run, limb: &Limb, data: &Datasets, done: &Pipeline) -> Result<Hapdefx> {
+    let nets = done.nets.as_ref().context("no nets")?;
+    let points = limb.surface_points();
+    let n_sets = data.simulated.len();
+    Ok(Hapdefx::new(
+        nets.load(NetKind::Transfer)?,
+        nets.load(NetKind::Reconstruction { n_sets })?,
+        nets.load(NetKind::Sensitivity)?,
+        points.iter().map(|p| p.coords.into()).collect(),
+        &run.scene.estimator,
+    )?)
+}
+
+fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {
+    let mut reader = DatasetReader::open(&samples_path(stage))?;
+    let rows = match test_only {
+        true => Split::of(reader.n())?.test,
+        false => 0..reader.n(),
+    };
+    let mut presses = Vec::new();
+    for row in evenly(rows, MOST_PRESSES) {
+        let mut read = |tensor: &str| -> Result<Vec<f32>> {
+            let mut values = vec![0.0; reader.width(tensor)?];
+            reader.read_rows(tensor, row..row + 1, &mut values)?;
+            Ok(values)
+        };
+        let readings_ue = read("readings")?;
+        let (positions, forces) = (read("contact_positions")?, read("contact_forces")?);
+        let truth = positions.as_chunks::<3>().0.iter().zip(&forces);
+        let truth = truth.map(|(p, &f)| (p.map(f64::from), f64::from(f)));
+        presses.push(Press {
+            readings_ue,
+            truth: truth.collect(),
+        });
+    }
+    Ok(presses)
+}
+
+/// At most `most` of `rows`, evenly apart.
+fn evenly(rows: std::ops::Range<usize>, most: usize) -> impl Iterator<Item = usize> {
+    let n = rows.len().min(most);
+    let (start, all) = (rows.start, rows.len());
+    (0..n).map(move |i| start + i * all / n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_chosen_evenly_and_none_twice() {
+        assert_eq!(evenly(10..20, 4).collect::<Vec<_>>(), [10, 12, 15, 17]);
+        assert_eq!(evenly(3..5, 9).collect::<Vec<_>>(), [3, 4]);
+        assert_eq!(evenly(3..3, 9).count(), 0);
+    }
+}

@@ -1,0 +1,252 @@
+//! Every way from readings to the map that the frontier compares.
+
+use anyhow::{Context, Result};
+use hapdef::stages::{Datasets, NetKind, TrainedNets};
+use hapdef::{Limb, Pipeline, Run};
+use hapdef_nets::Net;
+use hapdef_nets::infer::{InferParams, LowRank, Precision, PreparedNet};
+use hapdef_repro::{Knn, LinearAccumulator, LinearParams};
+use std::time::Instant;
+
+use super::clock::Times;
+use super::methods::{Fnn, Linear, MapMethod, Neighbourhood};
+use super::narrow::{TrainingRows, narrow};
+
+/// Hidden layers of narrow F_Rs.
+const NARROW: [&[usize]; 3] = [&[256, 256, 64], &[400, 400, 128], &[600, 600, 128]];
+
+/// Ranks of the last layer, and of the last two.
+const RANKS: [usize; 3] = [32, 64, 128];
+const RANK_OF_TWO: usize = 128;
+
+/// Samples that tell the modes of a layer.
+const N_MODE_SAMPLES: usize = 500;
+
+/// Outputs near one point, for a scene that wants one patch.
+const N_WANTED: usize = 800;
+
+/// A way from readings to the map.
+pub(super) struct Variant {
+    pub(super) name: String,
+    pub(super) family: Family,
+    pub(super) transfer: PreparedNet,
+    pub(super) method: Box<dyn MapMethod>,
+    /// Nodes of the map it gives; all of them if none.
+    pub(super) outputs: Option<Vec<usize>>,
+    /// Training of the part from virtual gauges to the map, s.
+    pub(super) training_s: f64,
+    pub(super) times: Times,
+}
+
+/// What a variant is a variant of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Family {
+    Baseline,
+    Whole,
+    LowRank,
+    Narrow,
+    Part,
+}
+
+impl Family {
+    pub(super) const ALL: [Self; 5] = [
+        Self::Baseline,
+        Self::Whole,
+        Self::LowRank,
+        Self::Narrow,
+        Self::Part,
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baselines",
+            Self::Whole => "the paper's nets",
+            Self::LowRank => "low rank",
+            Self::Narrow => "narrow nets",
+            Self::Part => "part of the map",
+        }
+    }
+}
+
+/// What variants are made from.
+struct Maker<'a> {
+    run: &'a Run,
+    data: &'a Datasets,
+    transfer: Net,
+    reconstruction: Net,
+    training_s: f64,
+    rows: TrainingRows,
+}
+
+/// Makes every variant; narrow nets come from the cache or are trained.
+pub(super) fn variants(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Variant>> {
+    let data = done.data.as_ref().context("no datasets")?;
+    let nets = done.nets.as_ref().context("no nets")?;
+    let whole = NetKind::Reconstruction {
+        n_sets: data.simulated.len(),
+    };
+    let maker = Maker {
+        run,
+        data,
+        transfer: nets.load(NetKind::Transfer)?,
+        reconstruction: nets.load(whole)?,
+        training_s: training_s(nets, whole)?,
+        rows: TrainingRows::read(data)?,
+    };
+    let mut variants = vec![maker.linear()?, maker.neighbours()?];
+    maker.whole(&mut variants)?;
+    maker.low_rank(&mut variants)?;
+    maker.narrow(&mut variants)?;
+    maker.part(limb, &mut variants)?;
+    Ok(variants)
+}
+
+fn training_s(nets: &TrainedNets, kind: NetKind) -> Result<f64> {
+    let net = nets.nets.iter().find(|net| net.kind == kind);
+    Ok(net.context("F_R is not trained")?.stage.record.elapsed_s)
+}
+
+impl Maker<'_> {
+    fn variant(
+        &self,
+        name: String,
+        family: Family,
+        precision: Precision,
+        method: Box<dyn MapMethod>,
+    ) -> Result<Variant> {
+        Ok(Variant {
+            name,
+            family,
+            transfer: PreparedNet::new(&self.transfer, &InferParams::of(precision))?,
+            method,
+            outputs: None,
+            training_s: self.training_s,
+            times: Times::default(),
+        })
+    }
+
+    fn fnn(&self, name: &str, family: Family, net: &Net, params: &InferParams) -> Result<Variant> {
+        let net = PreparedNet::new(net, params)?;
+        let scratch = net.scratch();
+        let name = format!("{name}, {}", params.precision.name());
+        let method = Box::new(Fnn { net, scratch });
+        self.variant(name, family, params.precision, method)
+    }
+
+    fn linear(&self) -> Result<Variant> {
+        let start = Instant::now();
+        let mut fit = LinearAccumulator::new(self.rows.n_virtual, self.rows.n_surface);
+        fit.add_block(&self.rows.x, &self.rows.y)?;
+        let (regression, _) = fit.solve(&LinearParams::default())?;
+        let method = Box::new(Linear { regression });
+        let variant = self.variant("LR".into(), Family::Baseline, Precision::F32, method)?;
+        Ok(Variant {
+            training_s: start.elapsed().as_secs_f64(),
+            ..variant
+        })
+    }
+
+    fn neighbours(&self) -> Result<Variant> {
+        let start = Instant::now();
+        let scale = self.reconstruction.input_scale();
+        let mut x = self.rows.x.clone();
+        for row in x.chunks_exact_mut(self.rows.n_virtual) {
+            for ((value, mean), std) in row.iter_mut().zip(scale.mean()).zip(scale.std()) {
+                *value = (*value - mean) / std;
+            }
+        }
+        let method = Box::new(Neighbourhood {
+            knn: Knn::new(&x, self.rows.n_virtual)?,
+            mean: scale.mean().to_vec(),
+            std: scale.std().to_vec(),
+            maps: self.rows.y.clone(),
+        });
+        let variant = self.variant("k-NN".into(), Family::Baseline, Precision::F32, method)?;
+        Ok(Variant {
+            training_s: start.elapsed().as_secs_f64(),
+            ..variant
+        })
+    }
+
+    fn whole(&self, variants: &mut Vec<Variant>) -> Result<()> {
+        for precision in Precision::ALL {
+            let params = InferParams::of(precision);
+            variants.push(self.fnn("FNN", Family::Whole, &self.reconstruction, &params)?);
+        }
+        Ok(())
+    }
+
+    fn low_rank(&self, variants: &mut Vec<Variant>) -> Result<()> {
+        let net = &self.reconstruction;
+        let last = net.mlp().layers().len() - 1;
+        let x = self.rows.some_inputs(N_MODE_SAMPLES);
+        let most = (x.len() / self.rows.n_virtual).min(self.rows.n_surface);
+        let mut add = |name: &str, low_rank: Vec<LowRank>, precisions: &[Precision]| {
+            for &precision in precisions {
+                let params = InferParams {
+                    low_rank: low_rank.clone(),
+                    ..InferParams::of(precision)
+                };
+                variants.push(self.fnn(name, Family::LowRank, net, &params)?);
+            }
+            anyhow::Ok(())
+        };
+        let both = [Precision::Bf16, Precision::Int8];
+        let mut of_last = None;
+        for rank in RANKS.into_iter().filter(|&rank| rank <= most) {
+            let (low_rank, _) = LowRank::of_samples(net, last, &x, rank)?;
+            add(&format!("FNN rank {rank}"), vec![low_rank.clone()], &both)?;
+            of_last = Some(low_rank);
+        }
+        let width = net.mlp().layers()[last - 1].bias.len();
+        if let Some(of_last) = of_last
+            && RANK_OF_TWO <= most.min(width)
+        {
+            let (before, _) = LowRank::of_samples(net, last - 1, &x, RANK_OF_TWO)?;
+            let name = format!("FNN rank {RANK_OF_TWO}, last two layers");
+            add(&name, vec![before, of_last], &both)?;
+        }
+        Ok(())
+    }
+
+    fn narrow(&self, variants: &mut Vec<Variant>) -> Result<()> {
+        for hidden in NARROW {
+            let (net, stage) = narrow(self.run, self.data, &self.rows, hidden)?;
+            let widths: Vec<String> = hidden.iter().map(ToString::to_string).collect();
+            let name = format!("FNN {}", widths.join("-"));
+            for precision in [Precision::F32, Precision::Bf16, Precision::Int8] {
+                let params = InferParams::of(precision);
+                let variant = self.fnn(&name, Family::Narrow, &net, &params)?;
+                variants.push(Variant {
+                    training_s: stage.record.elapsed_s,
+                    ..variant
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The outputs nearest to the first surface node.
+    fn part(&self, limb: &Limb, variants: &mut Vec<Variant>) -> Result<()> {
+        let points = limb.surface_points();
+        let mut nodes: Vec<usize> = (0..self.rows.n_surface).collect();
+        let distance = |node: &usize| (points[*node] - points[0]).norm();
+        nodes.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
+        nodes.truncate(N_WANTED);
+        nodes.sort_unstable();
+        for precision in Precision::ALL {
+            let params = InferParams {
+                wanted: Some(nodes.clone()),
+                ..InferParams::of(precision)
+            };
+            let name = format!("FNN, {} outputs", nodes.len());
+            let variant = self.fnn(&name, Family::Part, &self.reconstruction, &params)?;
+            variants.push(Variant {
+                outputs: Some(nodes.clone()),
+                ..variant
+            });
+        }
+        Ok(())
+    }
+}
