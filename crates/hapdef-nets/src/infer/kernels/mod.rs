@@ -119,9 +119,8 @@ macro_rules! dispatch {
             SimdLevel::Avx512 => unsafe { avx512::$name($($argument),*) },
             #[cfg(target_arch = "x86_64")]
             SimdLevel::Avx2 => unsafe { avx2::$name($($argument),*) },
-            // NEON belongs to every processor this arm is compiled for.
             #[cfg(target_arch = "aarch64")]
-            SimdLevel::Neon => neon::$name($($argument),*),
+            SimdLevel::Neon => unsafe { neon::$name($($argument),*) },
             _ => portable::$name($($argument),*),
         }
     };
