@@ -4,12 +4,12 @@
 //! one input (or of one group of [`GROUP`] inputs) for some units lie side by side, and the inputs
 //! follow each other; then comes the next panel.
 
-/// Units of a panel by what a unit is: the sums of 16 lines of results fit the registers of AVX-512,
-/// and the lines that are read together are many enough for the memory to hand over at its full
-/// speed.
-const F32_PANEL: usize = 16;
-const BF16_PANEL: usize = 8;
-const INT8_PANEL: usize = 4;
+/// Units of a panel by what a unit is. With f32 sums a row of a panel is 2 or 4 KiB, for the reason that
+/// the kernels give, and the sums of a panel fit the first cache. With whole sums it is what the
+/// registers of AVX-512 hold.
+const F32_PANEL: usize = 64;
+const BF16_PANEL: usize = 64;
+const INT8_PANEL: usize = 32;
 const GROUP_PANEL: usize = 16;
 
 /// Inputs whose weights share a line in [`int8_groups`].

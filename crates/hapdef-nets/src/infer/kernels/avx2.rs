@@ -1,25 +1,21 @@
 //! 256-bit vectors with fused multiply-add.
 
 use std::arch::x86_64::{
-    __m256, __m256i, _MM_HINT_T0, _mm_load_si128, _mm_loadl_epi64, _mm_prefetch, _mm256_add_epi32,
-    _mm256_and_si256, _mm256_castsi256_ps, _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32,
-    _mm256_cvtepi32_ps, _mm256_fmadd_ps, _mm256_hadd_epi32, _mm256_load_ps, _mm256_load_si256,
-    _mm256_madd_epi16, _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256, _mm256_slli_epi32, _mm256_store_ps,
-    _mm256_store_si256,
+    __m256, __m256i, _mm_load_si128, _mm_loadl_epi64, _mm256_add_epi32, _mm256_and_si256,
+    _mm256_castsi256_ps, _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps,
+    _mm256_fmadd_ps, _mm256_hadd_epi32, _mm256_load_ps, _mm256_load_si256, _mm256_madd_epi16,
+    _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps,
+    _mm256_setzero_si256, _mm256_slli_epi32, _mm256_store_ps, _mm256_store_si256,
 };
 
 use crate::activation::Activation;
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Panels};
+use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
 use super::{Active, ActiveGroup};
 
 type Vector = [__m256; 2];
 
-/// Active inputs whose lines are asked for ahead of their use.
-const AHEAD: usize = 8;
-
-float_kernels!(4, #[target_feature(enable = "avx2,fma")]);
+float_kernels!(#[target_feature(enable = "avx2,fma")]);
 
 /// Sums of byte products, by way of 16 bits, which hold every product of two.
 #[target_feature(enable = "avx2,fma")]
@@ -86,12 +82,6 @@ fn wide_quarter(line: &Int8Line, quarter: usize) -> __m256i {
     let bytes = &line.0.as_chunks::<16>().0[quarter];
     // SAFETY: a quarter of a line is 16 readable bytes, and aligned to 16, as a line is to 64.
     _mm256_cvtepi8_epi16(unsafe { _mm_load_si128(bytes.as_ptr().cast()) })
-}
-
-#[target_feature(enable = "avx2")]
-#[inline]
-fn zero() -> Vector {
-    [_mm256_setzero_ps(); 2]
 }
 
 #[target_feature(enable = "avx2")]
@@ -184,10 +174,4 @@ fn store(vector: Vector, line: &mut F32Line) {
 fn halves<T>(line: &[T; 16]) -> [&[T; 8]; 2] {
     let halves = line.as_chunks::<8>().0;
     [&halves[0], &halves[1]]
-}
-
-#[inline]
-fn prefetch<L>(line: &L) {
-    // SAFETY: a prefetch reads nothing that the program sees; the address is a valid reference's.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(line).cast()) }
 }

@@ -1,24 +1,20 @@
 //! 512-bit vectors.
 
 use std::arch::x86_64::{
-    __m512, __m512i, _MM_HINT_T0, _mm_load_si128, _mm_prefetch, _mm512_and_si512,
-    _mm512_castsi512_ps, _mm512_cvtepi8_epi32, _mm512_cvtepi32_ps, _mm512_dpbusd_epi32,
-    _mm512_fmadd_ps, _mm512_load_ps, _mm512_load_si512, _mm512_set1_epi32, _mm512_set1_ps,
-    _mm512_setzero_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_store_ps,
+    __m512, __m512i, _mm_load_si128, _mm512_and_si512, _mm512_castsi512_ps, _mm512_cvtepi8_epi32,
+    _mm512_cvtepi32_ps, _mm512_dpbusd_epi32, _mm512_fmadd_ps, _mm512_load_ps, _mm512_load_si512,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_store_ps,
     _mm512_store_si512,
 };
 
 use crate::activation::Activation;
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Panels};
+use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
 use super::{Active, ActiveGroup, avx2};
 
 type Vector = __m512;
 
-/// Active inputs whose lines are asked for ahead of their use.
-const AHEAD: usize = 24;
-
-float_kernels!(16, #[target_feature(enable = "avx512f,avx2,fma")]);
+float_kernels!(#[target_feature(enable = "avx512f,avx2,fma")]);
 
 /// Sums of byte products without the instruction for them.
 #[target_feature(enable = "avx512f,avx2,fma")]
@@ -58,15 +54,9 @@ fn group_units<const U: usize>(
     out: &mut [I32Line],
 ) {
     let mut sums = [_mm512_setzero_si512(); U];
-    for (i, active) in x.iter().enumerate() {
+    for active in x {
         let start = active.row as usize * width + first;
         let row = &lines[start..start + U];
-        if let Some(ahead) = x.get(i + AHEAD) {
-            let start = ahead.row as usize * width + first;
-            for line in &lines[start..start + U] {
-                prefetch(line);
-            }
-        }
         let bytes = _mm512_set1_epi32(i32::from_le_bytes(active.bytes));
         for u in 0..U {
             sums[u] = _mm512_dpbusd_epi32(sums[u], bytes, int8_line(&row[u]));
@@ -77,12 +67,6 @@ fn group_units<const U: usize>(
         // SAFETY: the line is 64 bytes of whole numbers, aligned to 64, and borrowed mutably.
         unsafe { _mm512_store_si512(line.cast(), sums[u]) };
     }
-}
-
-#[target_feature(enable = "avx512f")]
-#[inline]
-fn zero() -> Vector {
-    _mm512_setzero_ps()
 }
 
 #[target_feature(enable = "avx512f")]
@@ -144,10 +128,4 @@ fn int8_line(line: &Int8Line) -> __m512i {
 fn store(vector: Vector, line: &mut F32Line) {
     // SAFETY: a line is 64 bytes, aligned to 64, and borrowed mutably.
     unsafe { _mm512_store_ps(line.0.as_mut_ptr(), vector) }
-}
-
-#[inline]
-fn prefetch<L>(line: &L) {
-    // SAFETY: a prefetch reads nothing that the program sees; the address is a valid reference's.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(line).cast()) }
 }

@@ -8,26 +8,17 @@ use std::arch::aarch64::{
 
 use crate::activation::Activation;
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Panels};
+use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
 use super::{Active, ActiveGroup, portable};
 
 type Vector = [float32x4_t; 4];
 
-/// Active inputs whose lines are asked for ahead of their use; the processor's own prefetcher does.
-const AHEAD: usize = usize::MAX / 2;
-
-float_kernels!(4, #[target_feature(enable = "neon")]);
+float_kernels!(#[target_feature(enable = "neon")]);
 
 /// Sums of byte products.
 #[target_feature(enable = "neon")]
 pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
     portable::groups(w, x, out);
-}
-
-#[target_feature(enable = "neon")]
-#[inline]
-fn zero() -> Vector {
-    [vdupq_n_f32(0.0); 4]
 }
 
 #[target_feature(enable = "neon")]
@@ -65,7 +56,7 @@ fn f32_line(line: &F32Line) -> Vector {
 #[target_feature(enable = "neon")]
 #[inline]
 fn bf16_low(line: &Bf16Line) -> Vector {
-    let mut out = zero();
+    let mut out = splat(0.0);
     for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
         // SAFETY: four readable words.
         let words = unsafe { vld1q_u32(words.as_ptr()) };
@@ -77,7 +68,7 @@ fn bf16_low(line: &Bf16Line) -> Vector {
 #[target_feature(enable = "neon")]
 #[inline]
 fn bf16_high(line: &Bf16Line) -> Vector {
-    let mut out = zero();
+    let mut out = splat(0.0);
     for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
         // SAFETY: four readable words.
         let words = unsafe { vld1q_u32(words.as_ptr()) };
@@ -90,7 +81,7 @@ fn bf16_high(line: &Bf16Line) -> Vector {
 #[inline]
 fn int8_quarter<const Q: usize>(line: &Int8Line) -> Vector {
     let eighths = line.0.as_chunks::<8>().0;
-    let mut out = zero();
+    let mut out = splat(0.0);
     for half in 0..2 {
         // SAFETY: eight readable bytes.
         let words = vmovl_s8(unsafe { vld1_s8(eighths[2 * Q + half].as_ptr()) });
@@ -114,6 +105,3 @@ fn quarters<T>(line: &[T; 16]) -> [&[T; 4]; 4] {
     let quarters = line.as_chunks::<4>().0;
     [&quarters[0], &quarters[1], &quarters[2], &quarters[3]]
 }
-
-#[inline]
-fn prefetch<L>(_line: &L) {}

@@ -7,10 +7,7 @@ use super::{Active, ActiveGroup};
 
 type Vector = [f32; 16];
 
-/// Active inputs whose lines are asked for ahead of their use.
-const AHEAD: usize = 8;
-
-float_kernels!(4,);
+float_kernels!();
 
 /// Sums of byte products.
 pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
@@ -28,11 +25,6 @@ pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line
             }
         }
     }
-}
-
-#[inline]
-fn zero() -> Vector {
-    [0.0; 16]
 }
 
 #[inline]
@@ -69,6 +61,3 @@ fn int8_quarter<const Q: usize>(line: &Int8Line) -> Vector {
 fn store(vector: Vector, line: &mut F32Line) {
     line.0 = vector;
 }
-
-#[inline]
-fn prefetch<L>(_line: &L) {}
