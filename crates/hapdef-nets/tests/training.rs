@@ -10,7 +10,7 @@ use hapdef_nets::train::{
     BatchSource, MemorySource, Progress, SourceError, TrainInfo, resume, train, validation_loss,
 };
 use hapdef_nets::{
-    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Scale, Scratch, TrainParams, load,
+    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Precision, Scale, Scratch, TrainParams, load,
 };
 
 const PARAMS: TrainParams = TrainParams {
@@ -18,10 +18,14 @@ const PARAMS: TrainParams = TrainParams {
     batch: 32,
     learning_rate: 1e-3,
     final_learning_rate: Some(1e-5),
+    warmup_steps: 0,
     l2: 1e-4,
+    precision: Precision::F32,
     seed: 9,
     checkpoint_every: 0,
     validate_every: 0,
+    keep_best: false,
+    patience: 0,
 };
 
 fn net(hidden: &[usize], activation: Activation) -> Net {
@@ -209,6 +213,124 @@ fn checkpoints_on_the_way_can_be_resumed() {
     let mut straight = net(&[16], Activation::Tanh);
     run(&mut straight, &params);
     assert_eq!(resumed, straight);
+}
+
+/// Few samples and a high rate: the validation loss falls and rises again.
+const OVERFITS: TrainParams = TrainParams {
+    steps: 400,
+    learning_rate: 1e-2,
+    final_learning_rate: Some(1e-3),
+    warmup_steps: 10,
+    l2: 0.0,
+    validate_every: 20,
+    keep_best: true,
+    ..PARAMS
+};
+
+/// Trains on 30 samples, stopping at some steps and going on from the checkpoint.
+fn overfit(params: &TrainParams, stops: &[u64]) -> (Net, TrainInfo) {
+    let (_folder, path) = checkpoint();
+    let (mut few, mut unseen) = (samples(30, 0.0), samples(200, 0.5));
+    let mut net = net(&[32, 32], Activation::Relu);
+    let mut stop = |p: &Progress| match stops.contains(&p.step) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    let first = Some(&mut unseen as &mut dyn BatchSource);
+    let mut info = train(&mut net, &mut few, first, params, Some(&path), &mut stop).unwrap();
+    while info.stopped_early {
+        (net, info) = resume(&path, &mut few, Some(&mut unseen), params, &mut stop).unwrap();
+    }
+    assert_eq!(
+        load(&path).unwrap().0,
+        net,
+        "the checkpoint's net is the kept one"
+    );
+    let loss = validation_loss(&net, &mut unseen).unwrap();
+    assert_eq!(info.validation_loss, Some(loss));
+    (net, info)
+}
+
+#[test]
+fn the_best_weights_are_kept() {
+    let (_, info) = overfit(&OVERFITS, &[]);
+    let lowest = info.looks.iter().map(|l| l.validation_loss);
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    assert_eq!(info.validation_loss, Some(lowest));
+    assert!(info.kept_step < 400, "it should have overfitted: {info:?}");
+    assert_eq!(info.looks.len(), 20);
+}
+
+#[test]
+fn training_ends_when_the_validation_loss_no_longer_falls() {
+    let params = TrainParams {
+        patience: 3,
+        ..OVERFITS
+    };
+    let (net, info) = overfit(&params, &[]);
+    assert!(info.out_of_patience && !info.stopped_early);
+    assert_eq!(info.step, info.kept_step + 3 * 20);
+    let (resumed, again) = overfit(&params, &[30, info.kept_step, info.step]);
+    assert_eq!((resumed, again.looks), (net, info.looks));
+}
+
+#[test]
+fn breaks_change_neither_the_best_weights_nor_the_looks() {
+    let (net, info) = overfit(&OVERFITS, &[]);
+    let (resumed, again) = overfit(&OVERFITS, &[7, 40, info.kept_step, 333]);
+    assert_eq!(resumed, net);
+    assert_eq!(again.looks, info.looks);
+}
+
+/// An endless source: row n is x = n, y = (n, 2 n).
+#[derive(Default)]
+struct Counting(Vec<usize>);
+
+impl BatchSource for Counting {
+    fn n_samples(&self) -> usize {
+        10
+    }
+
+    fn is_endless(&self) -> bool {
+        true
+    }
+
+    fn n_inputs(&self) -> usize {
+        3
+    }
+
+    fn n_outputs(&self) -> usize {
+        2
+    }
+
+    fn fill(&mut self, rows: &[usize], x: &mut [f32], y: &mut [f32]) -> Result<(), SourceError> {
+        x.fill(10.0);
+        y.fill(0.0);
+        self.0.extend(rows);
+        Ok(())
+    }
+}
+
+#[test]
+fn an_endless_source_gives_every_row_once() {
+    let (_folder, path) = checkpoint();
+    let mut net = net(&[16], Activation::Relu);
+    let mut source = Counting::default();
+    let mut stop_at_7 = |p: &Progress| match p.step {
+        7 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    train(
+        &mut net,
+        &mut source,
+        None,
+        &PARAMS,
+        Some(&path),
+        &mut stop_at_7,
+    )
+    .unwrap();
+    resume(&path, &mut source, None, &PARAMS, &mut go_on).unwrap();
+    assert!(source.0.into_iter().eq(0..20 * 32));
 }
 
 #[test]
