@@ -36,5 +36,5 @@ pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::{Precision, TrainParams};
+pub use params::{TrainParams, TrainPrecision};
 pub use spec::MlpSpec;

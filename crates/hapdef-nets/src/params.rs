@@ -4,14 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::NetsError;
 
-/// Precision of the matrix products of a training.
+/// TrainPrecision of the matrix products of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Precision {
+pub enum TrainPrecision {
     /// 32 bits throughout.
     F32,
     /// Factors rounded to bfloat16 where the processor multiplies those itself (AVX-512 BF16), else
-    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed Precision
+    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed TrainPrecision
     /// Training", ICLR 2018, arXiv 1710.03740).
     Mixed,
 }
@@ -36,8 +36,8 @@ pub struct TrainParams {
     /// The paper states 1e-3 for F_T, 1e-4 for F_R, 6e-4 for F_S; the authors' published code,
     /// read closely, applies next to none of it, and 0 agrees best with what they report.
     pub l2: f64,
-    /// Precision of the matrix products; weights, moments, sums and validation are in 32 bits.
-    pub precision: Precision,
+    /// TrainPrecision of the matrix products; weights, moments, sums and validation are in 32 bits.
+    pub precision: TrainPrecision,
     /// Seed of the order in which samples are drawn.
     pub seed: u64,
     /// Steps between checkpoints; 0 writes one at the end alone.
@@ -63,7 +63,7 @@ impl TrainParams {
             final_learning_rate: None,
             warmup_steps: 0,
             l2: 0.0,
-            precision: Precision::F32,
+            precision: TrainPrecision::F32,
             seed,
             checkpoint_every: 10_000,
             validate_every: 10_000,

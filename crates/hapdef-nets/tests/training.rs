@@ -10,7 +10,8 @@ use hapdef_nets::train::{
     BatchSource, MemorySource, Progress, SourceError, TrainInfo, resume, train, validation_loss,
 };
 use hapdef_nets::{
-    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Precision, Scale, Scratch, TrainParams, load,
+    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Scale, Scratch, TrainParams, TrainPrecision,
+    load,
 };
 
 const PARAMS: TrainParams = TrainParams {
@@ -20,7 +21,7 @@ const PARAMS: TrainParams = TrainParams {
     final_learning_rate: Some(1e-5),
     warmup_steps: 0,
     l2: 1e-4,
-    precision: Precision::F32,
+    precision: TrainPrecision::F32,
     seed: 9,
     checkpoint_every: 0,
     validate_every: 0,

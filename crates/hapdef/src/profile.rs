@@ -1,6 +1,6 @@
 //! How much of everything a run makes: the paper's amounts, or a quick look.
 
-use hapdef_nets::Precision;
+use hapdef_nets::TrainPrecision;
 use serde::{Deserialize, Serialize};
 
 /// Amounts of data and training.
@@ -59,8 +59,8 @@ pub struct Schedule {
     pub final_learning_rate: f64,
     /// Weight of the L2 term on the weights.
     pub l2: f64,
-    /// Precision of the matrix products.
-    pub precision: Precision,
+    /// TrainPrecision of the matrix products.
+    pub precision: TrainPrecision,
     /// Looks at the validation set, of 20, without a lower loss after which the training ends; 0
     /// goes on to the end. The weights with the lowest loss are kept in any case.
     pub patience: u64,
@@ -102,7 +102,7 @@ impl Profile {
             reconstruction: Schedule {
                 batch: 256,
                 warmup_steps: 200,
-                precision: Precision::Mixed,
+                precision: TrainPrecision::Mixed,
                 ..schedule(8_000, 2e-3)
             },
             sensitivity: schedule(10_000, 1e-3),
@@ -120,7 +120,7 @@ fn schedule(steps: usize, learning_rate: f64) -> Schedule {
         learning_rate,
         final_learning_rate: learning_rate * 1e-2,
         l2: 0.0,
-        precision: Precision::F32,
+        precision: TrainPrecision::F32,
         patience: 0,
     }
 }

@@ -9,7 +9,7 @@ use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
 use crate::optimiser::Moments;
-use crate::params::Precision;
+use crate::params::TrainPrecision;
 use crate::train::adam::{Part, Update};
 use crate::train::products::{Products, ROW_BLOCK};
 use crate::train::view::View;
@@ -32,7 +32,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    pub(super) fn new(mlp: &Mlp, precision: Precision) -> Self {
+    pub(super) fn new(mlp: &Mlp, precision: TrainPrecision) -> Self {
         let shapes = mlp.spec().layer_shapes();
         Self {
             layers: mlp.layers().to_vec(),
@@ -47,7 +47,7 @@ impl Network {
     }
 
     /// The precision of its products.
-    pub(super) fn precision(&self) -> Precision {
+    pub(super) fn precision(&self) -> TrainPrecision {
         self.products.precision()
     }
 

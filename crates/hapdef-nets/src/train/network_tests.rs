@@ -44,7 +44,7 @@ impl Update for Keep {
 }
 
 /// Loss and derivatives, weights then bias, first layer first.
-fn gradients(mlp: &Mlp, x: &[f32], y: &[f32], precision: Precision) -> (f64, Vec<Vec<f32>>) {
+fn gradients(mlp: &Mlp, x: &[f32], y: &[f32], precision: TrainPrecision) -> (f64, Vec<Vec<f32>>) {
     let mut network = Network::new(mlp, precision);
     let loss = network.forward(x, y);
     let mut found = Moments::zeros(mlp);
@@ -111,7 +111,7 @@ proptest! {
     fn derivatives_are_those_of_candle_s_autograd(seed in 0..1000u64, relu in any::<bool>()) {
         let activation = if relu { Activation::Relu } else { Activation::Tanh };
         let (mlp, x, y) = example(activation, seed);
-        let (loss, found) = gradients(&mlp, &x, &y, Precision::F32);
+        let (loss, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
         let (expected_loss, expected) = autograd(&mlp, &x, &y);
         prop_assert!((loss / expected_loss - 1.0).abs() < 1e-6, "{loss} against {expected_loss}");
         assert_close(&found, &expected, 1e-5);
@@ -125,14 +125,14 @@ proptest! {
         of_bias in any::<bool>(),
     ) {
         let (mlp, x, y) = example(Activation::Tanh, seed);
-        let (_, found) = gradients(&mlp, &x, &y, Precision::F32);
+        let (_, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
         let derivative = &found[2 * layer + usize::from(of_bias)];
         let index = pick.index(derivative.len());
         let loss_at = |shift: f32| {
             let mut layers = mlp.layers().to_vec();
             let values = if of_bias { &mut layers[layer].bias } else { &mut layers[layer].weights };
             values[index] += shift;
-            gradients(&Mlp::from_layers(mlp.spec(), layers).unwrap(), &x, &y, Precision::F32).0
+            gradients(&Mlp::from_layers(mlp.spec(), layers).unwrap(), &x, &y, TrainPrecision::F32).0
         };
         let h = 4e-3;
         let difference = (loss_at(h) - loss_at(-h)) / (2.0 * f64::from(h));
@@ -148,7 +148,7 @@ proptest! {
         let (mlp, x, _) = example(activation, seed);
         let mut lean = vec![0.0; 6 * 4];
         mlp.forward_batch(&x, &mut crate::Scratch::default(), &mut lean).unwrap();
-        let mut network = Network::new(&mlp, Precision::F32);
+        let mut network = Network::new(&mlp, TrainPrecision::F32);
         assert_close(&[network.predict(&x).to_vec()], &[lean], 1e-5);
     }
 }
@@ -156,8 +156,8 @@ proptest! {
 #[test]
 fn a_perfect_fit_has_no_gradient() {
     let (mlp, x, _) = example(Activation::Relu, 1);
-    let y = Network::new(&mlp, Precision::F32).predict(&x).to_vec();
-    let (loss, found) = gradients(&mlp, &x, &y, Precision::F32);
+    let y = Network::new(&mlp, TrainPrecision::F32).predict(&x).to_vec();
+    let (loss, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
     assert_eq!(loss, 0.0);
     assert!(found.iter().flatten().all(|g| *g == 0.0));
 }
@@ -179,8 +179,8 @@ fn mixed_precision_differs_by_its_rounding_alone() {
             .collect()
     };
     let (x, y) = (values(75 * 57, 0.0), values(75 * 131, 1.0));
-    let (loss, mixed) = gradients(&mlp, &x, &y, Precision::Mixed);
-    let (exact_loss, exact) = gradients(&mlp, &x, &y, Precision::F32);
+    let (loss, mixed) = gradients(&mlp, &x, &y, TrainPrecision::Mixed);
+    let (exact_loss, exact) = gradients(&mlp, &x, &y, TrainPrecision::F32);
     assert!(
         (loss / exact_loss - 1.0).abs() < 2e-3,
         "{loss} against {exact_loss}"

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::params::Precision;
+use crate::params::TrainPrecision;
 use crate::train::bf16::{Bf16Unit, Left, Right, TILE_ROWS};
 use crate::train::gemm32;
 use crate::train::view::View;
@@ -20,10 +20,10 @@ pub(super) struct Products {
 
 impl Products {
     /// Products in the precision asked for, or in 32 bits where the processor has no other.
-    pub(super) fn new(precision: Precision) -> Self {
+    pub(super) fn new(precision: TrainPrecision) -> Self {
         let unit = match precision {
-            Precision::F32 => None,
-            Precision::Mixed => Bf16Unit::detect(),
+            TrainPrecision::F32 => None,
+            TrainPrecision::Mixed => Bf16Unit::detect(),
         };
         Self {
             unit,
@@ -33,10 +33,10 @@ impl Products {
     }
 
     /// The precision that the products have.
-    pub(super) fn precision(&self) -> Precision {
+    pub(super) fn precision(&self) -> TrainPrecision {
         match self.unit {
-            Some(_) => Precision::Mixed,
-            None => Precision::F32,
+            Some(_) => TrainPrecision::Mixed,
+            None => TrainPrecision::F32,
         }
     }
 
@@ -115,7 +115,7 @@ mod tests {
             let (a, b) = (whole(m * k, 1), whole(k * n, 2));
             let left = view(&a, m, k, left_transposed);
             let right = view(&b, k, n, right_transposed);
-            let precision = if mixed { Precision::Mixed } else { Precision::F32 };
+            let precision = if mixed { TrainPrecision::Mixed } else { TrainPrecision::F32 };
             let mut out = vec![f32::NAN; m * n];
             let blocks = (0..m.div_ceil(ROW_BLOCK)).into_par_iter();
             let mut products = Products::new(precision);

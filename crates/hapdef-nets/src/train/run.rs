@@ -8,7 +8,7 @@ use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::net::Net;
 use crate::optimiser::Moments;
-use crate::params::{Precision, TrainParams};
+use crate::params::{TrainParams, TrainPrecision};
 use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
 use crate::train::clock::Clock;
@@ -49,8 +49,8 @@ pub struct TrainInfo {
     pub validation_loss: Option<f64>,
     /// Step whose weights are the net's: the last, or the best.
     pub kept_step: u64,
-    /// Precision of the products: 32 bits where the processor has not the one asked for.
-    pub precision: Precision,
+    /// TrainPrecision of the products: 32 bits where the processor has not the one asked for.
+    pub precision: TrainPrecision,
     /// Every look at the validation set, those before a resume included.
     pub looks: Vec<Look>,
     /// Samples per second, validation and checkpoints included.
@@ -284,7 +284,7 @@ fn mean_loss(
     source: &mut dyn BatchSource,
     step: u64,
 ) -> Result<f64, NetsError> {
-    let mut network = Network::new(mlp, Precision::F32);
+    let mut network = Network::new(mlp, TrainPrecision::F32);
     let (mut batch, mut sum) = (Batch::default(), 0.0);
     let n = source.n_samples();
     for first in (0..n).step_by(VALIDATION_BATCH) {
