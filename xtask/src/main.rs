@@ -9,9 +9,11 @@
 )]
 
 mod bench;
+mod bench_nets;
 mod ci;
 mod docs;
 mod fixtures;
+mod frontier;
 mod pipeline;
 mod stability;
 mod tidy;
@@ -53,6 +55,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
     Bench(bench::BenchArgs),
+    /// Error against run time: every method and variant in one table and plot.
+    Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
@@ -84,6 +88,7 @@ fn run(task: Task) -> Result<()> {
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Frontier(args) => frontier::run(&args),
         Task::Stability(args) => stability::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

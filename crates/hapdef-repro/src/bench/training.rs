@@ -57,8 +57,8 @@ pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Resul
         log.value(&name("train_torch_bf16"), torch_bf16, "samples/s")?;
         log.value(&name("train"), own_f32, "samples/s")?;
         log.value(&name("train_mixed"), own_mixed, "samples/s")?;
-        log.value(&name("train_vs_torch"), ratio(&rates[2]), "")?;
-        log.value(&name("train_mixed_vs_torch"), ratio(&rates[3]), "")?;
+        log.value(&name("train_vs_torch"), ratio(&rates[2]), "1")?;
+        log.value(&name("train_mixed_vs_torch"), ratio(&rates[3]), "1")?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The program: stages from the cache, baselines beside them, the report.
 
-mod facts;
+pub(crate) mod facts;
 mod figures;
 mod samples;
 mod svr;
@@ -18,6 +18,8 @@ use hapdef_repro::{
     message_2, write_report,
 };
 
+use crate::bench::{self, BenchNetsArgs};
+
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
 #[command(
@@ -34,11 +36,20 @@ pub(crate) struct Cli {
 enum Command {
     /// Runs what is missing and writes the report: Markdown, JSON, HTML, figures.
     Report(SceneArgs),
+    /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
+    BenchNets(BenchNetsArgs),
 }
 
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
-    let Command::Report(args) = &cli.command;
+    match &cli.command {
+        Command::Report(args) => report(args),
+        Command::BenchNets(args) => bench::run(args),
+    }
+}
+
+/// The tables and figures of a scene.
+fn report(args: &SceneArgs) -> Result<()> {
     let start = Instant::now();
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
