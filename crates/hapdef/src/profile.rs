@@ -86,7 +86,7 @@ impl Profile {
         }
     }
 
-    /// The paper's data for every net but F_R, whose training samples are drawn, 2 million of them.
+    /// The paper's data for every net but F_R, whose training samples are drawn, 3 million of them.
     /// Training is shorter than the paper's million steps and starts at a higher learning rate.
     #[must_use]
     pub fn full() -> Self {
@@ -103,7 +103,7 @@ impl Profile {
                 batch: 256,
                 warmup_steps: 200,
                 precision: TrainPrecision::Mixed,
-                ..schedule(8_000, 2e-3)
+                ..schedule(12_000, 2e-3)
             },
             sensitivity: schedule(10_000, 1e-3),
             direct: schedule(10_000, 1e-3),
