@@ -1,7 +1,7 @@
 //! The figures as documents: well-formed, labelled, with a mark for each value.
 
 use hapdef_repro::{
-    LineChart, Method, Scatter, Series, Table1, TestSet, TrainSet, Unrolled, UnrolledArrow,
+    LineChart, Mark, Method, Scatter, Series, Table1, TestSet, TrainSet, Unrolled, UnrolledArrow,
     UnrolledMarker, lines_svg, scatter_svg, table1_svg, unroll, unrolled_svg,
 };
 
@@ -134,17 +134,19 @@ fn unrolled_surface_shows_nodes_contacts_and_errors() {
         markers: &[
             UnrolledMarker {
                 at: points[2],
-                truth: true,
+                mark: Mark::True,
             },
             UnrolledMarker {
                 at: points[3],
-                truth: false,
+                mark: Mark::Found,
             },
         ],
         arrows: &[UnrolledArrow {
             from: points[2],
             to: points[3],
+            series: 0,
         }],
+        arrow_names: &[],
     };
     let (texts, count) = parse(&unrolled_svg(&figure).unwrap());
     assert_says(
@@ -164,7 +166,7 @@ fn unrolled_surface_shows_nodes_contacts_and_errors() {
     let lost = Unrolled {
         markers: &[UnrolledMarker {
             at: [f64::NAN, 0.0],
-            truth: true,
+            mark: Mark::True,
         }],
         ..figure.clone()
     };

@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::{Figure, FigureContent, Report, record_tables};
+use crate::tables::claims_text;
 use crate::tables::text::escape_html as escape;
 
 const STYLE: &str = "
@@ -39,13 +40,9 @@ pub(super) fn page(report: &Report) -> String {
         ));
     }
     text.push_str("</dl>\n");
-    if !report.verdicts.is_empty() {
-        text.push_str("<h2>What the paper claims</h2>\n<ul>\n");
-        for verdict in &report.verdicts {
-            let (claim, fate) = (escape(verdict.claim), escape(&verdict.fate()));
-            text.push_str(&format!("<li>{claim}: <b>{fate}</b></li>\n"));
-        }
-        text.push_str("</ul>\n");
+    if !report.claims.is_empty() {
+        let claims = claims_text(&report.claims).to_html();
+        text.push_str(&section("What the paper claims", &claims));
     }
     for table in &report.tables {
         text.push_str(&section(&table.title, &table.text.to_html()));
