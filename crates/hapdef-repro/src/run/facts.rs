@@ -95,8 +95,8 @@ fn training(profile: &Profile) -> String {
 }
 
 /// Time of every stage, from the run that made it.
-pub(crate) fn stage_times(done: &Pipeline, more: &[&Stage]) -> Vec<StageTime> {
-    let stages = done.stages().into_iter().chain(more.iter().copied());
+pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
+    let stages = done.stages().into_iter().chain(more);
     stages
         .map(|stage| {
             let record = &stage.record;

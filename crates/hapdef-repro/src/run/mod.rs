@@ -27,11 +27,14 @@ use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
 use hapdef_repro::{
-    Golden, MetricLog, Report, results_markdown, table1_claims, write_report, write_text,
+    Golden, MetricLog, Report, Table1, results_markdown, table1_claims, write_report, write_text,
 };
 
+use self::frames::Frames;
 use self::patches::SizePoint;
+use self::singles::Singles;
 use self::summary::Printed;
+use self::svr::SvrScore;
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
@@ -130,6 +133,52 @@ fn report(args: &SceneArgs, with_nets: bool) -> Result<Report> {
     Ok(report)
 }
 
+/// What was measured, before it is judged and drawn.
+struct Parts {
+    table1: Vec<Table1>,
+    svr: SvrScore,
+    mesh_check: Convergence,
+    singles: Singles,
+    frames: Frames,
+    sizes: Option<Vec<SizePoint>>,
+    stages: Vec<Stage>,
+}
+
+/// Runs every stage of this crate that is not in the cache.
+fn measure(run: &Run, limb: &Limb, done: &Pipeline, with_nets: bool) -> Result<Parts> {
+    let (table1, table1_stage) = table1::table1(run, done)?;
+    let (svr, svr_stage) = svr::svr(run, done)?;
+    let (mesh_check, mesh_stage) = mesh_check(run, limb)?;
+    let (singles, singles_stage) = singles::singles(run, limb, done, &svr)?;
+    let (frames, frames_stage) = frames::frames(run, limb, done)?;
+    let mut parts = Parts {
+        table1,
+        svr,
+        mesh_check,
+        singles,
+        frames,
+        sizes: None,
+        stages: vec![
+            table1_stage,
+            svr_stage,
+            mesh_stage,
+            singles_stage,
+            frames_stage,
+        ],
+    };
+    if with_nets {
+        let (answers, stages) = ablation::ablations(run, limb, done)?;
+        parts.singles.ablations.extend(answers);
+        parts.stages.extend(stages);
+        if !parts.frames.rig_double.is_empty() {
+            let (points, stages) = patches::sweep(run, done)?;
+            parts.stages.extend(stages);
+            parts.sizes = Some(points);
+        }
+    }
+    Ok(parts)
+}
+
 /// Everything that the report says, and its metrics.
 fn assemble(
     run: &Run,
@@ -139,39 +188,18 @@ fn assemble(
     start: Instant,
 ) -> Result<(Report, MetricLog<std::io::Stdout>)> {
     let (_, scores) = done.eval.as_ref().context("the scene was not scored")?;
-    let (table1, table1_stage) = table1::table1(run, done)?;
-    let (svr, svr_stage) = svr::svr(run, done)?;
-    let (mesh_check, mesh_stage) = mesh_check(run, limb)?;
-    let (mut singles, singles_stage) = singles::singles(run, limb, done, &svr)?;
-    let (frames, frames_stage) = frames::frames(run, limb, done)?;
-    let mut more = vec![
-        table1_stage,
-        svr_stage,
-        mesh_stage,
-        singles_stage,
-        frames_stage,
-    ];
-    let mut sizes: Option<Vec<SizePoint>> = None;
-    if with_nets {
-        let (answers, stages) = ablation::ablations(run, limb, done)?;
-        singles.ablations.extend(answers);
-        more.extend(stages);
-        if !frames.rig_double.is_empty() {
-            let (points, stages) = patches::sweep(run, done)?;
-            more.extend(stages);
-            sizes = Some(points);
-        }
-    }
+    let parts = measure(run, limb, done, with_nets)?;
     let chain = chain::chain(run, limb, done)?;
-    let both = scores::Scores::of(&chain, &frames)?;
-    let table2 = contents::table2(scores, &svr.stats);
-    let mut claims = table1_claims(&table1);
+    let both = scores::Scores::of(&chain, &parts.frames)?;
+    let table2 = contents::table2(scores, &parts.svr.stats);
+    let sizes = parts.sizes.as_deref();
+    let mut claims = table1_claims(&parts.table1);
     claims.extend(claims::claims(&claims::Measured {
         scores,
-        singles: &singles,
+        singles: &parts.singles,
         both: &both,
-        doubles: &frames.rig_double,
-        sizes: sizes.as_deref(),
+        doubles: &parts.frames.rig_double,
+        sizes,
         strongest_n: run.scene.contact.force_range_n[1],
     }));
     let figures = figures::figures(&figures::Shown {
@@ -179,39 +207,35 @@ fn assemble(
         limb,
         done,
         chain: &chain,
-        table1: &table1[0],
-        singles: &singles,
-        frames: &frames,
+        table1: &parts.table1[0],
+        singles: &parts.singles,
+        frames: &parts.frames,
         examples: &examples::examples(run, limb, done)?,
-        sizes: sizes.as_deref(),
+        sizes,
     })?;
     let mut report = Report {
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
         seed: run.scene.seed,
-        facts: facts::facts(run, done, &svr, &mesh_check),
+        facts: facts::facts(run, done, &parts.svr, &parts.mesh_check),
         claims,
-        tables: contents::tables(&table1, &table2, scores, &both, sizes.as_deref())?,
+        tables: contents::tables(&parts.table1, &table2, scores, &both, sizes)?,
         figures,
-        stages: facts::stage_times(done, &more.iter().collect::<Vec<_>>()),
+        stages: facts::stage_times(done, &parts.stages),
         skipped: facts::skipped(run, with_nets),
         hashes: facts::hashes(run, limb, done),
         ..Report::default()
     };
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(run));
     let printed = Printed {
-        table1: &table1[0],
+        table1: &parts.table1[0],
         table2: &table2,
         claims: &report.claims,
         done,
         wall_s: facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64()),
     };
-    if with_nets {
-        summary::log_repro(&mut log, &printed)?;
-    } else {
-        summary::log_demo(&mut log, &printed)?;
-    }
+    summary::log(&mut log, &printed, with_nets)?;
     report.metrics = log.records().to_vec();
     Ok((report, log))
 }

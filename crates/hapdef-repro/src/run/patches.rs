@@ -5,6 +5,9 @@
 //! serves every size, as the smaller are the beginnings of the larger.
 
 mod source;
+mod transfer;
+
+use std::ops::Range;
 
 use anyhow::{Context, Result};
 use hapdef::stages::compliance;
@@ -12,14 +15,15 @@ use hapdef::{
     ComplianceTable, DrawnContact, HapdefError, Limb, MapError, MapErrorSum, Pipeline, Progress,
     Run, Stage,
 };
-use hapdef_data::{Split, StandardiserFit};
-use hapdef_nets::MlpSpec;
+use hapdef_data::Split;
 use hapdef_nets::train::MemorySource;
-use hapdef_repro::{Knn, KnnParams, LinearAccumulator, LinearParams};
+use hapdef_nets::{MlpSpec, Net};
+use hapdef_repro::{LinearAccumulator, LinearParams};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use self::source::{Patches, SuperposedSource};
+use self::transfer::Transfer;
 use super::chain::forward;
 use super::fit::{Brief, fit};
 use super::presses::Presses;
@@ -30,8 +34,8 @@ const VERSION: u32 = 1;
 const SIZES: [usize; 11] = [1, 2, 4, 8, 12, 16, 24, 32, 40, 50, 60];
 const QUICK_SIZES: [usize; 4] = [1, 8, 24, 60];
 
-/// Most presses of a test set.
-const MAX_TEST: usize = 1500;
+/// One in so many of the profile's single samples is the most presses of a test set.
+const TEST_SHARE: usize = 20;
 
 /// Presses computed together.
 const BLOCK: usize = 250;
@@ -176,28 +180,38 @@ impl<'a> AtSize<'a> {
         let transfers = self.transfers(&mut singles)?;
         let mut doubles = Presses::open(doubles(self.done)?)?;
         let all = 0..doubles.n();
-        let none = MapErrorSum::new(singles.n_surface);
-        let mut errors: [[MapErrorSum; 2]; 3] =
-            std::array::from_fn(|_| [none.clone(), none.clone()]);
-        for (i, (presses, rows)) in [(&mut singles, test), (&mut doubles, all)]
-            .into_iter()
-            .enumerate()
-        {
-            let rows = rows.start..rows.end.min(rows.start + MAX_TEST);
-            for rows in super::samples::blocks(rows, BLOCK) {
-                self.run.check_stop("figure 5A")?;
-                let readings = presses.read("readings", rows.clone())?;
-                let truth = presses.read("deformation", rows)?;
-                for (sums, transfer) in errors.iter_mut().zip(&transfers) {
-                    let maps = forward(&map_net, &transfer.predict(&readings)?)?;
-                    sums[i].add(&truth, &maps);
-                }
-            }
-        }
+        let on_singles = self.errors(&mut singles, test, &transfers, &map_net)?;
+        let on_doubles = self.errors(&mut doubles, all, &transfers, &map_net)?;
         Ok(SizePoint {
             size,
-            errors: errors.map(|sums| sums.map(|sum| sum.finish())),
+            errors: std::array::from_fn(|method| [on_singles[method], on_doubles[method]]),
         })
+    }
+
+    /// Map error of each of [`METHODS`] over presses spread evenly over `rows`.
+    fn errors(
+        &self,
+        presses: &mut Presses,
+        rows: Range<usize>,
+        transfers: &[Transfer; 3],
+        map_net: &Net,
+    ) -> Result<[MapError; 3]> {
+        let most = (self.run.profile.n_single / TEST_SHARE).max(1);
+        let rows: Vec<usize> = rows.clone().step_by(rows.len().div_ceil(most)).collect();
+        let none = MapErrorSum::new(presses.n_surface);
+        let mut sums = [none.clone(), none.clone(), none];
+        for rows in rows.chunks(BLOCK) {
+            self.run.check_stop("figure 5A")?;
+            let (mut readings, mut truth) = (vec![], vec![]);
+            for &row in rows {
+                readings.extend(presses.read("readings", row..row + 1)?);
+                truth.extend(presses.read("deformation", row..row + 1)?);
+            }
+            for (sum, transfer) in sums.iter_mut().zip(transfers) {
+                sum.add(&truth, &forward(map_net, &transfer.predict(&readings)?)?);
+            }
+        }
+        Ok(sums.map(|sum| sum.finish()))
     }
 
     /// F_T by each of [`METHODS`], on the rig's single training presses.
@@ -246,68 +260,4 @@ fn training_contacts(done: &Pipeline) -> Result<Vec<Vec<DrawnContact>>> {
         contacts.extend(presses.drawn(train)?);
     }
     Ok(contacts)
-}
-
-/// From readings to virtual gauges.
-enum Transfer {
-    Linear(hapdef_repro::LinearRegression),
-    Nearest {
-        knn: Knn,
-        mean: Vec<f32>,
-        std: Vec<f32>,
-        y: Vec<f32>,
-        width: usize,
-    },
-    Net(hapdef_nets::Net),
-}
-
-impl Transfer {
-    /// k nearest presses by standardised readings, k = 6, weights 1/distance.
-    fn nearest(x: &[f32], y: Vec<f32>, n_gauges: usize) -> Result<Self> {
-        let mut fit = StandardiserFit::new(n_gauges);
-        fit.push(x)?;
-        let (scale, _) = fit.finish()?;
-        let mut x = x.to_vec();
-        super::table1::standardise(&mut x, &scale.mean, &scale.std);
-        Ok(Self::Nearest {
-            width: y.len() / (x.len() / n_gauges),
-            knn: Knn::new(&x, n_gauges)?,
-            mean: scale.mean,
-            std: scale.std,
-            y,
-        })
-    }
-
-    /// Virtual gauges, `[n, n_virtual]`, µm, of readings, `[n, n_gauges]`, µε.
-    fn predict(&self, readings: &[f32]) -> Result<Vec<f32>> {
-        match self {
-            Self::Net(net) => forward(net, readings),
-            Self::Linear(linear) => {
-                let n = readings.len() / linear.n_inputs();
-                let mut out = vec![0.0; n * linear.n_outputs()];
-                linear.predict(readings, &mut out)?;
-                Ok(out)
-            }
-            Self::Nearest {
-                knn,
-                mean,
-                std,
-                y,
-                width,
-            } => {
-                let mut x = readings.to_vec();
-                super::table1::standardise(&mut x, mean, std);
-                let found = knn.neighbours(&x, &KnnParams::default())?;
-                let mut out = vec![0.0; found.n_queries() * width];
-                for (query, out) in out.chunks_exact_mut(*width).enumerate() {
-                    let fetch = |row: usize, buffer: &mut [f32]| {
-                        buffer.copy_from_slice(&y[row * width..(row + 1) * width]);
-                        Ok::<(), std::convert::Infallible>(())
-                    };
-                    found.predict(query, fetch, out)?;
-                }
-                Ok(out)
-            }
-        }
-    }
 }

@@ -19,8 +19,20 @@ pub(crate) struct Printed<'a> {
     pub(crate) wall_s: f64,
 }
 
-/// Metrics of the whole reproduction.
-pub(crate) fn log_repro(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
+/// The metrics of the demo or of the whole reproduction.
+pub(crate) fn log(
+    log: &mut MetricLog<Stdout>,
+    printed: &Printed<'_>,
+    is_repro: bool,
+) -> Result<()> {
+    if is_repro {
+        log_repro(log, printed)
+    } else {
+        log_demo(log, printed)
+    }
+}
+
+fn log_repro(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
     let (n_claims, n_held) = claims::count(printed.claims);
     log.value("repro.wall_s", printed.wall_s, "s")?;
     log.value("repro.claims", n_claims as f64, "1")?;
@@ -35,8 +47,7 @@ pub(crate) fn log_repro(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> R
     Ok(())
 }
 
-/// Metrics of the demo.
-pub(crate) fn log_demo(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
+fn log_demo(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
     let (cells1, cells2) = (printed.table1.cells(), printed.table2.cells());
     log.value("demo.wall_s", printed.wall_s, "s")?;
     log.value("demo.table1_cells", cells1.measured as f64, "1")?;
