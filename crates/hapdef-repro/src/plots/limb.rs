@@ -23,6 +23,9 @@ pub struct LimbMarker {
     pub mark: Mark,
 }
 
+/// Where there is no value.
+const NO_VALUE: [u8; 3] = [205; 3];
+
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbPicture<'a> {
@@ -130,8 +133,11 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
         });
         let light = view.light(nodes.map(|n| picture.positions[n as usize]));
         canvas.fill(&corners, |value| {
-            viridis((value - scale[0]) / (scale[1] - scale[0]))
-                .map(|c| (f64::from(c) * light).round() as u8)
+            let colour = match value.is_finite() {
+                true => viridis((value - scale[0]) / (scale[1] - scale[0])),
+                false => NO_VALUE,
+            };
+            colour.map(|c| (f64::from(c) * light).round() as u8)
         });
     }
     let mut pixmap = IntSize::from_wh(params.width_px, params.height_px)
@@ -145,7 +151,9 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
         let hidden = canvas.depth_at(at.x, at.y) > at.depth + 0.02 * view.size_m;
         draw_marker(&mut pixmap, (at.x as f32, at.y as f32), marker.mark, hidden);
     }
-    draw_bar(&mut pixmap, scale);
+    if picture.values.iter().any(|value| value.is_finite()) {
+        draw_bar(&mut pixmap, scale);
+    }
     Ok(pixmap)
 }
 

@@ -8,6 +8,8 @@ use super::style::{self, Marked, font, message, tick};
 use crate::ReproError;
 use crate::error::check_len;
 
+/// Nodes without a value.
+const NO_VALUE: RGBColor = RGBColor(205, 205, 205);
 const GOLD: RGBColor = RGBColor(240, 180, 0);
 
 /// A mark on the unrolled surface.
@@ -102,13 +104,13 @@ pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReproError> {
     })
 }
 
-/// The same for several surfaces side by side, 560 × 380 px each.
+/// The same for several surfaces side by side, 450 × 330 px each.
 ///
 /// # Errors
 /// As [`unrolled_svg`], and no surface at all.
 pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReproError> {
     let scales: Vec<[f64; 2]> = figures.iter().map(check).collect::<Result<_, _>>()?;
-    let size = (560 * figures.len() as u32, 380);
+    let size = (450 * figures.len() as u32, 330);
     style::svg("unrolled surfaces", size, |root| {
         let areas = root.split_evenly((1, figures.len()));
         for ((area, figure), scale) in areas.iter().zip(figures).zip(&scales) {
@@ -205,13 +207,19 @@ fn draw_surface(
         .build_cartesian_2d(angles, height.0..height.1)
         .map_err(message)?;
     style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
+    let radius = if area.dim_in_pixel().0 > 500 { 4 } else { 3 };
     let dots = figure
         .points
         .iter()
         .zip(figure.values)
         .map(|(point, value)| {
-            let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
-            Circle::new(printed(*point), 4, RGBColor(r, g, b).filled())
+            let colour = if value.is_finite() {
+                let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
+                RGBColor(r, g, b)
+            } else {
+                NO_VALUE
+            };
+            Circle::new(printed(*point), radius, colour.filled())
         });
     plot.draw_series(dots).map_err(message)?;
     let arrows = figure.arrows.iter().map(|arrow| {
@@ -226,6 +234,8 @@ fn draw_surface(
         .map(|a| Circle::new(printed(a.to), 3, arrow_colour(figure, a).filled()));
     plot.draw_series(heads).map_err(message)?;
     let of = |mark| figure.markers.iter().filter(move |m| m.mark == mark);
+    let rims = of(Mark::Dot).map(|m| Circle::new(printed(m.at), 4, WHITE.filled()));
+    plot.draw_series(rims).map_err(message)?;
     let dots = of(Mark::Dot).map(|m| Circle::new(printed(m.at), 3, BLUE.filled()));
     plot.draw_series(dots).map_err(message)?;
     let gauges = of(Mark::Gauge).map(|m| TriangleMarker::new(printed(m.at), 7, GOLD.filled()));
@@ -264,7 +274,7 @@ fn printed(point: [f64; 2]) -> (f64, f64) {
 }
 
 fn draw_bar(area: &style::Area<'_>, label: &str, scale: [f64; 2]) -> Result<(), String> {
-    let (top, step, n) = (50, 5, 64);
+    let (top, step, n) = (50, 4, 56);
     for k in 0..n {
         let [r, g, b] = viridis(1.0 - f64::from(k) / f64::from(n - 1));
         let y = top + step * k;

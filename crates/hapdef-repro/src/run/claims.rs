@@ -292,3 +292,32 @@ pub(crate) fn count(claims: &[Claim]) -> (usize, usize) {
         .count();
     (claims.len(), n_held)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(doubles_um: &[(usize, f64)]) -> Vec<SizePoint> {
+        let error = |um: f64| MapError {
+            mean_abs_um: um,
+            rms_um: 2.0 * um,
+            fvu: 0.01 * um,
+        };
+        let point = |&(size, um): &(usize, f64)| SizePoint {
+            size,
+            errors: [[error(1.0); 2], [error(1.0); 2], [error(1.0), error(um)]],
+        };
+        doubles_um.iter().map(point).collect()
+    }
+
+    #[test]
+    fn the_best_size_is_that_of_the_net_on_two_contacts() {
+        let best = best_size(&points(&[(1, 9.0), (24, 5.0), (60, 7.0)]));
+        assert_eq!(best.fate(), Fate::Holds);
+        let reason = &best.verdicts[0].reason;
+        assert_eq!(reason, "24 gauges: 5.0, best of the others, 60: 7.0 µm");
+        let other = best_size(&points(&[(1, 4.0), (24, 5.0), (60, 7.0)]));
+        assert_eq!(other.fate(), Fate::Fails);
+        assert_eq!(best_size(&points(&[(1, 4.0)])).fate(), Fate::NotMeasured);
+    }
+}

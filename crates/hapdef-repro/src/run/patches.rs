@@ -28,7 +28,7 @@ use super::chain::forward;
 use super::fit::{Brief, fit};
 use super::presses::Presses;
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Virtual gauges around each gauge, full and quick profile.
 const SIZES: [usize; 11] = [1, 2, 4, 8, 12, 16, 24, 32, 40, 50, 60];
