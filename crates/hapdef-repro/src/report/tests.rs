@@ -34,7 +34,7 @@ fn report() -> Report {
         facts: vec![named("seed", "1")],
         profile: "quick".to_owned(),
         seed: 1,
-        claims: table1_claims(&[table.clone()]),
+        claims: table1_claims(std::slice::from_ref(&table)),
         tables: vec![ReportTable {
             title: "Table 1".to_owned(),
             note: "µm".to_owned(),

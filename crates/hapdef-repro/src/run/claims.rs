@@ -53,17 +53,20 @@ fn newton(stats: &ContactStats) -> Option<f64> {
     (stats.n > 0).then_some(stats.mean_n)
 }
 
+/// An accuracy with a name for it.
+type Named<'a> = (&'a str, &'a ContactStats);
+
 /// A claim that one accuracy is below another, in position and in force.
 fn compared(
     id: &'static str,
     text: &'static str,
     paper: &'static str,
-    pairs: &[((&str, &ContactStats), (&str, &ContactStats))],
+    pairs: &[[Named<'_>; 2]],
 ) -> Claim {
     let judge = |metric: &str, unit: &str, value: fn(&ContactStats) -> Option<f64>| {
         let checks: Vec<Check> = pairs
             .iter()
-            .map(|(low, high)| Check::below("", (low.0, value(low.1)), (high.0, value(high.1))))
+            .map(|[low, high]| Check::below("", (low.0, value(low.1)), (high.0, value(high.1))))
             .collect();
         MetricVerdict::of(metric, unit, &checks)
     };
@@ -82,8 +85,8 @@ fn figure_4(of: &Measured<'_>) -> Claim {
         "single contacts, straight from readings: FNN better than k-NN, k-NN better than SVR",
         "figure 4A: by a small and by a big margin",
         &[
-            (("FNN", &fnn), ("k-NN", &knn)),
-            (("k-NN", &knn), ("SVR", &svr)),
+            [("FNN", &fnn), ("k-NN", &knn)],
+            [("k-NN", &knn), ("SVR", &svr)],
         ],
     )
 }
@@ -94,7 +97,7 @@ fn direct_or_chain(of: &Measured<'_>) -> Claim {
         "direct_beats_chain",
         "single contacts: the direct FNN better than the whole chain",
         "3 mm, 1.5 N against 5 mm, 3 N",
-        &[(("direct", &single.direct), ("chain", &single.hapdefx))],
+        &[[("direct", &single.direct), ("chain", &single.hapdefx)]],
     )
 }
 
@@ -104,7 +107,7 @@ fn single_or_2018(of: &Measured<'_>) -> Claim {
         "chain_locates_better_than_2018",
         "single contacts: the chain locates better than HapDef 2018 (SVR)",
         "5 mm against 8 mm",
-        &[(("chain", &of.scores.single.hapdefx), ("HapDef 2018", &svr))],
+        &[[("chain", &of.scores.single.hapdefx), ("HapDef 2018", &svr)]],
     );
     claim.verdicts.truncate(1);
     claim
@@ -120,7 +123,7 @@ fn double_or_single(of: &Measured<'_>) -> Claim {
         "double_harder_than_single",
         "the chain: one contact better than two",
         "5 mm, 3 N against 10 mm, 6 N",
-        &[(("single", &of.scores.single.hapdefx), ("double", &double))],
+        &[[("single", &of.scores.single.hapdefx), ("double", &double)]],
     )
 }
 

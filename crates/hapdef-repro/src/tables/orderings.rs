@@ -192,7 +192,7 @@ mod tests {
             .test(Method::Linear, TrainSet::I, TestSet::III)
             .unwrap();
         table.set_test(Method::Knn, TrainSet::I, TestSet::III, linear);
-        let claims = table1_claims(&[table.clone()]);
+        let claims = table1_claims(std::slice::from_ref(&table));
         assert_eq!(claims[0].verdicts[0].n_held, 2, "a draw is no win");
         let reason = &claims[0].verdicts[0].reason;
         assert_eq!(reason, "2 of 3; worst I on III: LR 60.3, k-NN 60.3 µm");
