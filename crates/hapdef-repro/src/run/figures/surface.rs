@@ -4,7 +4,7 @@ use anyhow::Result;
 use hapdef::{Limb, Run};
 use hapdef_repro::{
     Figure, FigureContent, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker,
-    render_limb_row_png, unroll, unrolled_row_svg,
+    render_limb_row_png, unroll, unrolled_row_svg, unrolled_svg,
 };
 use nalgebra::Vector3;
 
@@ -101,7 +101,11 @@ impl Surface {
                 arrow_names: &[],
             });
         let figures: Vec<_> = figures.collect();
-        Ok(svg(file, caption, unrolled_row_svg(&figures)?))
+        let text = match &figures[..] {
+            [one] => unrolled_svg(one)?,
+            row => unrolled_row_svg(row)?,
+        };
+        Ok(svg(file, caption, text))
     }
 
     fn unrolled_marks(&self, marks: &[LimbMarker]) -> Result<Vec<UnrolledMarker>> {
