@@ -62,7 +62,7 @@ pub(crate) fn finish(command: &mut Command) -> Result<()> {
     }
 }
 
-/// The scene, the profile and the rest as the binaries take them.
+/// The words that every program over a scene takes.
 pub(crate) fn common(args: &PipelineArgs) -> Vec<String> {
     let bundled = root().join("fixtures/shin/scene.json");
     let scene = args.scene.clone().unwrap_or(bundled);
