@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, stability, tidy, verify};
+use crate::{docs, fixtures, repro, stability, tidy, verify};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -92,7 +92,8 @@ fn crates() -> Result<Vec<String>> {
         .collect())
 }
 
-/// A quick run of the main job; its figures must show every cell of both tables and none NaN.
+/// A quick run of the main job; its figures must show every cell of both tables, none NaN, and none
+/// farther from the golden values than they allow.
 fn quick_demo() -> Result<()> {
     let program = std::env::current_exe().context("own program")?;
     let mut command = Command::new(program);
@@ -113,7 +114,7 @@ fn quick_demo() -> Result<()> {
             bail!("{name}: expected {expected}, the demo printed {value}");
         }
     }
-    Ok(())
+    repro::check_golden(&root().join("target/hapdef/shin/report/report.json"))
 }
 
 /// The value of a `METRIC:name:value:unit` line.

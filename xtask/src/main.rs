@@ -15,6 +15,7 @@ mod docs;
 mod fixtures;
 mod frontier;
 mod pipeline;
+mod repro;
 mod stability;
 mod tidy;
 mod tool;
@@ -43,6 +44,8 @@ struct Cli {
 enum Task {
     /// Everything from the limb to the report with the paper's tables.
     Demo(PipelineArgs),
+    /// The paper's tables and figures in full, with verdicts on its claims.
+    Repro(repro::ReproArgs),
     /// The limb's compliance and the datasets only.
     Dataset(PipelineArgs),
     /// Everything up to the trained nets.
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
 fn run(task: Task) -> Result<()> {
     match task {
         Task::Demo(args) => pipeline::demo(&args),
+        Task::Repro(args) => repro::repro(&args),
         Task::Dataset(args) => pipeline::stage("dataset", &args),
         Task::Train(args) => pipeline::stage("train", &args),
         Task::Eval(args) => pipeline::stage("eval", &args),

@@ -102,6 +102,12 @@ pub enum ReproError {
         /// What is allowed, in words.
         expected: &'static str,
     },
+    /// A report differs from its golden values, or is no report.
+    #[error("golden values: {what}; if the change is meant, write them again (golden/README.md)")]
+    Golden {
+        /// Every value that is off.
+        what: String,
+    },
     /// A figure could not be drawn.
     #[error("drawing {figure}: {message}")]
     Draw {

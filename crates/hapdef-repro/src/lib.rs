@@ -25,15 +25,16 @@ pub use baselines::{
 pub use error::ReproError;
 pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
 pub use plots::{
-    BarChart, BarPanel, LimbMarker, LimbPicture, LineChart, RenderParams, Scatter, Series,
-    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, render_limb_png, scatter_svg,
-    table1_svg, unroll, unrolled_svg,
+    BarChart, BarPanel, LimbMarker, LimbPicture, LineChart, Mark, RenderParams, Scatter, Series,
+    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, render_limb_png,
+    render_limb_row_png, scatter_svg, table1_svg, unroll, unrolled_row_svg, unrolled_svg,
 };
 pub use report::{
-    Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, write_report,
+    Figure, FigureContent, Golden, GoldenValue, NamedText, Report, ReportTable, SkippedStage,
+    StageTime, results_markdown, write_report, write_text,
 };
 pub use tables::{
-    BrokenCell, CellCount, CellState, Method, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,
-    PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2, TestSet, TextCell, TextTable,
-    TrainSet, Verdict, VerdictState, message_1, message_2,
+    CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,
+    PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2,
+    TestSet, TextCell, TextTable, TrainSet, claims_text, fnn_over_lr, table1_claims,
 };

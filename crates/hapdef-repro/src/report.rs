@@ -1,6 +1,11 @@
 //! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
 
+mod golden;
 mod html;
+mod markdown;
+
+pub use golden::{Golden, GoldenValue};
+pub use markdown::results_markdown;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,7 +15,7 @@ use serde::Serialize;
 
 use crate::ReproError;
 use crate::metrics::{MetricOutcome, MetricRecord};
-use crate::tables::{TextCell, TextTable, Verdict};
+use crate::tables::{Claim, TextCell, TextTable};
 
 /// A name and what it stands for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -49,7 +54,6 @@ pub struct ReportTable {
     /// What the reader needs to know; may be empty.
     pub note: String,
     /// For people.
-    #[serde(skip)]
     pub text: TextTable,
     /// For machines.
     pub data: serde_json::Value,
@@ -83,10 +87,14 @@ pub struct Report {
     pub title: String,
     /// Name of the scene.
     pub scene: String,
+    /// How much was made: `quick` or `full`.
+    pub profile: String,
+    /// Seed of the training side.
+    pub seed: u64,
     /// What the run rests on: profile, seed, commit, machine, sample counts, thinning.
     pub facts: Vec<NamedText>,
     /// Claims of the paper and how they fared.
-    pub verdicts: Vec<Verdict>,
+    pub claims: Vec<Claim>,
     /// Tables, in order.
     pub tables: Vec<ReportTable>,
     /// Figures, in order.
@@ -136,9 +144,21 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repr
         }
     }
     write("report.json", &json)?;
-    write("report.md", markdown(report).as_bytes())?;
+    write("report.md", markdown::page(report).as_bytes())?;
     write("report.html", html::page(report).as_bytes())?;
     Ok(paths)
+}
+
+/// Writes a text file, whole or not at all; its folder must exist.
+///
+/// # Errors
+/// [`ReproError::Io`] when the disk refuses.
+pub fn write_text(path: &Path, text: &str) -> Result<(), ReproError> {
+    atomic_write(path, |file| file.write_all(text.as_bytes())).map_err(|source| ReproError::Io {
+        action: "writing",
+        path: path.to_owned(),
+        source,
+    })
 }
 
 fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
@@ -167,39 +187,6 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
         }
     }
     Ok(())
-}
-
-fn markdown(report: &Report) -> String {
-    let mut text = format!("# {}\n\nScene: {}\n", report.title, report.scene);
-    for fact in &report.facts {
-        text.push_str(&format!("- {}: {}\n", fact.name, fact.text));
-    }
-    if !report.verdicts.is_empty() {
-        text.push_str("\n## What the paper claims\n\n");
-    }
-    for verdict in &report.verdicts {
-        text.push_str(&format!("- {}: **{}**\n", verdict.claim, verdict.fate()));
-    }
-    for table in &report.tables {
-        text.push_str(&format!(
-            "\n## {}\n\n{}",
-            table.title,
-            table.text.to_markdown()
-        ));
-        if !table.note.is_empty() {
-            text.push_str(&format!("\n{}\n", table.note));
-        }
-    }
-    if !report.figures.is_empty() {
-        text.push_str("\n## Figures\n");
-    }
-    for figure in &report.figures {
-        text.push_str(&format!("\n![]({})\n\n{}\n", figure.file, figure.caption));
-    }
-    for (title, table) in record_tables(report) {
-        text.push_str(&format!("\n## {title}\n\n{}", table.to_markdown()));
-    }
-    text
 }
 
 /// Stages, skipped stages, metrics and hashes as tables; empty ones are left out.

@@ -1,4 +1,4 @@
-//! One seed gives one result, on one and on two threads: datasets, nets, scores and tables.
+//! One seed gives one result, on one and on two threads: datasets, nets, scores, tables and verdicts.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ fn results(threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     let out = tempfile::tempdir().unwrap();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/scene.json");
     let output = Command::new(env!("CARGO_BIN_EXE_hapdef-repro"))
-        .arg("report")
+        .arg("repro")
         .arg(scene)
         .args([
             "--profile",
@@ -51,10 +51,12 @@ fn results(threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     let report = fs::read(out.path().join("shin/report/report.json")).unwrap();
     let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
     assert!(
-        report["tables"].as_array().unwrap().len() >= 2,
-        "no tables in the report"
+        report["tables"].as_array().unwrap().len() >= 8,
+        "too few tables in the report"
     );
-    found.insert("tables".into(), report["tables"].to_string().into_bytes());
+    for part in ["tables", "claims"] {
+        found.insert(part.into(), report[part].to_string().into_bytes());
+    }
     found
 }
 

@@ -1,8 +1,9 @@
 //! The figures as documents: well-formed, labelled, with a mark for each value.
 
 use hapdef_repro::{
-    LineChart, Method, Scatter, Series, Table1, TestSet, TrainSet, Unrolled, UnrolledArrow,
-    UnrolledMarker, lines_svg, scatter_svg, table1_svg, unroll, unrolled_svg,
+    BarChart, BarPanel, LineChart, Mark, Method, Scatter, Series, Table1, TestSet, TrainSet,
+    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, scatter_svg, table1_svg, unroll,
+    unrolled_row_svg, unrolled_svg,
 };
 
 /// Parses the SVG; returns its texts and how often each element occurs.
@@ -63,6 +64,30 @@ fn table1_has_a_bar_per_cell() {
         ],
     );
     assert!(count("polyline") >= 48, "{} polylines", count("polyline"));
+}
+
+/// The error bar of the second bar reaches above every bar: the axis has room for it.
+#[test]
+fn error_bars_widen_the_axis() {
+    let chart = |spread: Vec<Vec<Option<f64>>>| {
+        let text = bars_svg(&BarChart {
+            y_label: "mm".to_owned(),
+            x_label: "error".to_owned(),
+            log_y: false,
+            groups: vec!["position".to_owned(), "force".to_owned()],
+            series: vec!["SVR".to_owned()],
+            panels: vec![BarPanel {
+                title: "single".to_owned(),
+                values: vec![vec![Some(1.0), Some(2.0)]],
+                paper: vec![],
+                spread,
+            }],
+        });
+        parse(&text.unwrap())
+    };
+    let has_ten = |spread| chart(spread).0.iter().any(|t| t == "10");
+    assert!(!has_ten(vec![]));
+    assert!(has_ten(vec![vec![Some(0.5), Some(8.0)]]));
 }
 
 #[test]
@@ -134,17 +159,19 @@ fn unrolled_surface_shows_nodes_contacts_and_errors() {
         markers: &[
             UnrolledMarker {
                 at: points[2],
-                truth: true,
+                mark: Mark::True,
             },
             UnrolledMarker {
                 at: points[3],
-                truth: false,
+                mark: Mark::Found,
             },
         ],
         arrows: &[UnrolledArrow {
             from: points[2],
             to: points[3],
+            series: 0,
         }],
+        arrow_names: &[],
     };
     let (texts, count) = parse(&unrolled_svg(&figure).unwrap());
     assert_says(
@@ -161,10 +188,20 @@ fn unrolled_surface_shows_nodes_contacts_and_errors() {
         ],
     );
     assert_eq!(count("circle"), 40 + 1 + 1, "nodes, arrow head, ring");
+    let row = unrolled_row_svg(&[figure.clone(), figure.clone()]).unwrap();
+    assert_eq!(parse(&row).1("circle"), 2 * 42, "both surfaces are there");
+    let named = Unrolled {
+        value_label: "",
+        arrow_names: &["SVR", "FNN"],
+        ..figure.clone()
+    };
+    let (texts, _) = parse(&unrolled_svg(&named).unwrap());
+    assert_says(&texts, &["SVR", "FNN"]);
+    assert!(!texts.iter().any(|t| t == "39"), "no colour bar");
     let lost = Unrolled {
         markers: &[UnrolledMarker {
             at: [f64::NAN, 0.0],
-            truth: true,
+            mark: Mark::True,
         }],
         ..figure.clone()
     };

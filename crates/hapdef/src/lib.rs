@@ -40,7 +40,7 @@ pub use progress::{Progress, TrainingBar};
 pub use run::Run;
 pub use sampling::{DrawnContact, draw_contacts, draw_numbered};
 pub use scoring::{
-    ContactPair, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, score_lenient,
-    score_one_to_one,
+    ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
+    score_lenient, score_one_to_one,
 };
 pub use stats::ContactStats;

@@ -3,7 +3,11 @@
 //! A contact is a position, m, and a normal force, N. Two rules: the paper's lenient one, where
 //! each detected point is measured to the closest true contact however often that is used, and
 //! the strict one, where detected and true contacts are paired one to one at least total
-//! distance.
+//! distance. [`gospa`] puts positions and counts into one metric.
+
+mod gospa;
+
+pub use gospa::{Gospa, GospaParams, gospa};
 
 /// A position, m, and a force, N.
 pub type ScoredContact = ([f64; 3], f64);
@@ -61,6 +65,16 @@ pub enum ScoringError {
         found: usize,
         /// Contacts allowed.
         most: usize,
+    },
+    /// A knob of GOSPA is out of its range.
+    #[error(
+        "GOSPA: cut-off {cutoff_m} m and p = {p}; expected a positive cut-off and p of at least 1"
+    )]
+    Gospa {
+        /// The cut-off found, m.
+        cutoff_m: f64,
+        /// The exponent found.
+        p: f64,
     },
 }
 

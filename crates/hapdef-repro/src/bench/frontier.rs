@@ -10,7 +10,8 @@ use hapdef_repro::{
 
 use super::measure::{Point, best_reduced, measure};
 use super::variants::Family;
-use crate::run::{facts, terminal_table};
+use crate::run::facts;
+use crate::run::summary::terminal_table;
 
 /// Arguments of `frontier-nets`.
 #[derive(Args, Clone, Debug)]

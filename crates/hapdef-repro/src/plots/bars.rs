@@ -17,6 +17,8 @@ pub struct BarPanel {
     pub values: Vec<Vec<Option<f64>>>,
     /// The paper's values, same shape, drawn as ticks; empty for none.
     pub paper: Vec<Vec<Option<f64>>>,
+    /// Half lengths of error bars, same shape; empty for none.
+    pub spread: Vec<Vec<Option<f64>>>,
 }
 
 /// Panels side by side that share groups, series and the y axis.
@@ -46,14 +48,15 @@ pub fn bars_svg(chart: &BarChart) -> Result<String, ReproError> {
         if !panel.paper.is_empty() {
             check_shape(chart, "bar chart paper values", &panel.paper)?;
         }
+        if !panel.spread.is_empty() {
+            check_shape(chart, "bar chart error bars", &panel.spread)?;
+        }
     }
-    let cells = || {
-        chart
-            .panels
-            .iter()
-            .flat_map(|p| p.values.iter().chain(&p.paper).flatten())
-    };
-    let Some((low, high)) = style::range(cells().flatten().copied(), chart.log_y) else {
+    let cells = chart.panels.iter().flat_map(|panel| {
+        let plain = panel.values.iter().chain(&panel.paper).flatten().flatten();
+        plain.copied().chain(error_bars(panel).map(|bar| bar.3))
+    });
+    let Some((low, high)) = style::range(cells, chart.log_y) else {
         let what = "bar chart (no bar that can be drawn)";
         return Err(ReproError::TooFewSamples {
             what,
@@ -106,6 +109,7 @@ pub fn table1_svg(table: &Table1) -> Result<String, ReproError> {
                 title: format!("trained on {}", train.name()),
                 values: cells(table, train),
                 paper: cells(&paper, train),
+                spread: vec![],
             })
             .to_vec(),
     })
@@ -182,6 +186,12 @@ where
         });
         plot.draw_series(bars).map_err(message)?;
     }
+    for (index, group, low, high) in error_bars(panel) {
+        let middle = group as f64 + 0.1 + bar * (index as f64 + 0.46);
+        let line = [(middle, low.max(base)), (middle, high)];
+        plot.draw_series(std::iter::once(PathElement::new(line, INK.stroke_width(1))))
+            .map_err(message)?;
+    }
     for (index, row) in panel.paper.iter().enumerate() {
         let ticks = drawable(row, chart.log_y).map(|(group, value)| {
             let left = group as f64 + 0.1 + bar * index as f64;
@@ -193,6 +203,19 @@ where
         plot.draw_series(ticks).map_err(message)?;
     }
     Ok(())
+}
+
+/// (series, group, lower end, upper end) of each error bar.
+fn error_bars(panel: &BarPanel) -> impl Iterator<Item = (usize, usize, f64, f64)> + '_ {
+    let rows = panel.values.iter().zip(&panel.spread).enumerate();
+    rows.flat_map(|(index, (values, spreads))| {
+        let cells = values.iter().zip(spreads).enumerate();
+        cells.filter_map(move |(group, (value, spread))| {
+            let (value, spread) = ((*value)?, (*spread)?);
+            let fit = value.is_finite() && spread.is_finite();
+            fit.then_some((index, group, value - spread, value + spread))
+        })
+    })
 }
 
 fn drawable(row: &[Option<f64>], log: bool) -> impl Iterator<Item = (usize, f64)> + '_ {

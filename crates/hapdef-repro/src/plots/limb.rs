@@ -1,9 +1,10 @@
 //! Pictures of the limb, coloured by a value, as PNG.
 
 use hapdef_mesh::colour::viridis;
-use tiny_skia::{Color, FillRule, IntSize, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
+use tiny_skia::{FillRule, IntSize, PathBuilder, Pixmap, PixmapPaint, Rect, Transform};
 
 use super::digits::draw_number;
+use super::marker::{INK, Mark, draw_marker, paint};
 use super::raster::{Canvas, Vertex};
 use super::style::tick;
 use super::unrolled::colour_range;
@@ -12,17 +13,18 @@ use crate::error::check_len;
 
 /// Pixels at the right that hold the colour bar and its numbers.
 const BAR_PX: u32 = 84;
-const INK: [u8; 3] = [34, 34, 34];
-const RED: [u8; 3] = [220, 30, 30];
 
 /// A contact on a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbMarker {
     /// Position, m.
     pub position: [f64; 3],
-    /// A true contact is a red ring, a found one a dark cross; faint where the limb hides it.
-    pub truth: bool,
+    /// What it marks; faint where the limb hides it.
+    pub mark: Mark,
 }
+
+/// Where there is no value.
+const NO_VALUE: [u8; 3] = [205; 3];
 
 /// What to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,11 +81,43 @@ pub fn render_limb_png(
     picture: &LimbPicture<'_>,
     params: &RenderParams,
 ) -> Result<Vec<u8>, ReproError> {
-    let pixmap = render(picture, params)?;
-    pixmap.encode_png().map_err(|e| ReproError::Draw {
+    render_limb_row_png(&[(*picture, *params)])
+}
+
+/// The same for several pictures side by side.
+///
+/// # Errors
+/// As [`render_limb_png`], and no picture at all.
+pub fn render_limb_row_png(
+    pictures: &[(LimbPicture<'_>, RenderParams)],
+) -> Result<Vec<u8>, ReproError> {
+    let drawn = pictures
+        .iter()
+        .map(|(picture, params)| render(picture, params));
+    let drawn: Vec<Pixmap> = drawn.collect::<Result<_, _>>()?;
+    let width = drawn.iter().map(Pixmap::width).sum();
+    let height = drawn.iter().map(Pixmap::height).max().unwrap_or(0);
+    let refuse = |message: String| ReproError::Draw {
         figure: "limb picture",
-        message: e.to_string(),
-    })
+        message,
+    };
+    let mut row = Pixmap::new(width, height)
+        .ok_or_else(|| refuse(format!("no picture of {width} x {height} px")))?;
+    row.fill(tiny_skia::Color::WHITE);
+    let mut left = 0;
+    for pixmap in &drawn {
+        let plain = PixmapPaint::default();
+        row.draw_pixmap(
+            left,
+            0,
+            pixmap.as_ref(),
+            &plain,
+            Transform::identity(),
+            None,
+        );
+        left += pixmap.width() as i32;
+    }
+    row.encode_png().map_err(|e| refuse(e.to_string()))
 }
 
 fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, ReproError> {
@@ -99,8 +133,11 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
         });
         let light = view.light(nodes.map(|n| picture.positions[n as usize]));
         canvas.fill(&corners, |value| {
-            viridis((value - scale[0]) / (scale[1] - scale[0]))
-                .map(|c| (f64::from(c) * light).round() as u8)
+            let colour = match value.is_finite() {
+                true => viridis((value - scale[0]) / (scale[1] - scale[0])),
+                false => NO_VALUE,
+            };
+            colour.map(|c| (f64::from(c) * light).round() as u8)
         });
     }
     let mut pixmap = IntSize::from_wh(params.width_px, params.height_px)
@@ -112,14 +149,11 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
     for marker in picture.markers {
         let at = view.vertex(marker.position, 0.0);
         let hidden = canvas.depth_at(at.x, at.y) > at.depth + 0.02 * view.size_m;
-        draw_marker(
-            &mut pixmap,
-            (at.x as f32, at.y as f32),
-            marker.truth,
-            hidden,
-        );
+        draw_marker(&mut pixmap, (at.x as f32, at.y as f32), marker.mark, hidden);
     }
-    draw_bar(&mut pixmap, scale);
+    if picture.values.iter().any(|value| value.is_finite()) {
+        draw_bar(&mut pixmap, scale);
+    }
     Ok(pixmap)
 }
 
@@ -288,36 +322,6 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 fn sub(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn paint([r, g, b]: [u8; 3], alpha: u8) -> Paint<'static> {
-    let mut paint = Paint::default();
-    paint.set_color(Color::from_rgba8(r, g, b, alpha));
-    paint
-}
-
-/// A red ring or a dark cross, each on a white one that sets it off from any colour.
-fn draw_marker(pixmap: &mut Pixmap, (x, y): (f32, f32), truth: bool, hidden: bool) {
-    let mut path = PathBuilder::new();
-    if truth {
-        path.push_circle(x, y, 10.0);
-    } else {
-        for side in [-1.0, 1.0] {
-            path.move_to(x - 7.0, y - 7.0 * side);
-            path.line_to(x + 7.0, y + 7.0 * side);
-        }
-    }
-    let Some(path) = path.finish() else { return };
-    let alpha = if hidden { 90 } else { 255 };
-    let colour = if truth { RED } else { INK };
-    for (colour, width) in [([255; 3], 6.0), (colour, 3.0)] {
-        let stroke = Stroke {
-            width,
-            ..Stroke::default()
-        };
-        let paint = paint(colour, alpha);
-        pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
-    }
 }
 
 fn draw_bar(pixmap: &mut Pixmap, scale: [f64; 2]) {

@@ -34,7 +34,7 @@ pub struct LineChart {
     pub series: Vec<Series>,
 }
 
-/// Draws a line chart, 640 × 400 px.
+/// Draws a line chart, 640 × 400 px, with its legend at the right, 200 px.
 ///
 /// # Errors
 /// No point that can be drawn.
@@ -51,14 +51,29 @@ pub fn lines_svg(chart: &LineChart) -> Result<String, ReproError> {
             found,
         });
     };
-    style::svg("line chart", (640, 400), |root| {
+    style::svg("line chart", (840, 400), |root| {
+        let (main, side) = root.split_horizontally(640);
+        legend(&side, chart)?;
         if chart.log_y {
-            draw_lines(root, chart, x.0..x.1, (y.0..y.1).log_scale())
+            draw_lines(&main, chart, x.0..x.1, (y.0..y.1).log_scale())
         } else {
             y.0 = y.0.min(0.0);
-            draw_lines(root, chart, x.0..x.1, y.0..y.1)
+            draw_lines(&main, chart, x.0..x.1, y.0..y.1)
         }
     })
+}
+
+fn legend(side: &style::Area<'_>, chart: &LineChart) -> Result<(), String> {
+    for (index, series) in chart.series.iter().enumerate() {
+        let y = 44 + 22 * index as i32;
+        let line = [(4, y), (24, y)];
+        let colour = series_colour(index).stroke_width(3);
+        side.draw(&PathElement::new(line, colour))
+            .map_err(message)?;
+        side.draw(&Text::new(series.name.clone(), (32, y - 6), font(12)))
+            .map_err(message)?;
+    }
+    Ok(())
 }
 
 fn draw_lines<Y>(
@@ -94,17 +109,8 @@ where
         let dots = series.points.iter().filter(|p| fit(p) && chart.dots);
         area.draw_series(dots.map(|p| Circle::new(*p, 3, colour.filled())))
             .map_err(message)?;
-        area.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())
-            .map_err(message)?
-            .label(&series.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
     }
-    area.configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font(font(12))
-        .background_style(WHITE.mix(0.8))
-        .draw()
-        .map_err(message)
+    Ok(())
 }
 
 /// Predicted against true values.

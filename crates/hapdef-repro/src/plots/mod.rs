@@ -4,11 +4,15 @@ mod bars;
 mod digits;
 mod limb;
 mod lines;
+mod marker;
 mod raster;
 mod style;
 mod unrolled;
 
 pub use bars::{BarChart, BarPanel, bars_svg, table1_svg};
-pub use limb::{LimbMarker, LimbPicture, RenderParams, render_limb_png};
+pub use limb::{LimbMarker, LimbPicture, RenderParams, render_limb_png, render_limb_row_png};
 pub use lines::{LineChart, Scatter, Series, lines_svg, scatter_svg};
-pub use unrolled::{Unrolled, UnrolledArrow, UnrolledMarker, unroll, unrolled_svg};
+pub use marker::Mark;
+pub use unrolled::{
+    Unrolled, UnrolledArrow, UnrolledMarker, unroll, unrolled_row_svg, unrolled_svg,
+};

@@ -3,17 +3,22 @@
 use hapdef_mesh::colour::viridis;
 use plotters::prelude::*;
 
+use super::marker::Mark;
 use super::style::{self, Marked, font, message, tick};
 use crate::ReproError;
 use crate::error::check_len;
 
-/// A contact on the unrolled surface.
+/// Nodes without a value.
+const NO_VALUE: RGBColor = RGBColor(205, 205, 205);
+const GOLD: RGBColor = RGBColor(240, 180, 0);
+
+/// A mark on the unrolled surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnrolledMarker {
     /// (angle, rad; height, m), as from [`unroll`].
     pub at: [f64; 2],
-    /// A true contact is a ring, a found one a cross.
-    pub truth: bool,
+    /// What it marks.
+    pub mark: Mark,
 }
 
 /// From a true to a found position.
@@ -23,6 +28,8 @@ pub struct UnrolledArrow {
     pub from: [f64; 2],
     /// (angle, rad; height, m) of the found position.
     pub to: [f64; 2],
+    /// Which of [`Unrolled::arrow_names`] it belongs to.
+    pub series: usize,
 }
 
 /// What to draw.
@@ -30,7 +37,7 @@ pub struct UnrolledArrow {
 pub struct Unrolled<'a> {
     /// Above the chart.
     pub title: &'a str,
-    /// Quantity and unit of the values, beside the colour bar.
+    /// Quantity and unit of the values, below the colour bar; no bar if empty.
     pub value_label: &'a str,
     /// (angle, rad; height, m) of each surface node, `[n]`, as from [`unroll`].
     pub points: &'a [[f64; 2]],
@@ -38,10 +45,12 @@ pub struct Unrolled<'a> {
     pub values: &'a [f64],
     /// Ends of the colour scale; `None` for 0 (or the least value if below) to the largest.
     pub range: Option<[f64; 2]>,
-    /// Contacts.
+    /// Contacts and other marks; a gauge is a triangle here.
     pub markers: &'a [UnrolledMarker],
     /// Errors.
     pub arrows: &'a [UnrolledArrow],
+    /// Who made the errors, for the legend; may be empty.
+    pub arrow_names: &'a [&'a str],
 }
 
 /// Angle about and height along a coordinate axis (0 = x, 1 = y, 2 = z) of each position, m.
@@ -89,26 +98,55 @@ pub fn unroll(
 /// # Errors
 /// Lengths that differ, no node, a position that is not finite, or a colour range that is empty.
 pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReproError> {
+    let scale = check(figure)?;
+    style::svg("unrolled surface", (720, 420), |root| {
+        draw(root, figure, scale)
+    })
+}
+
+/// The same for several surfaces side by side, 450 × 330 px each.
+///
+/// # Errors
+/// As [`unrolled_svg`], and no surface at all.
+pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReproError> {
+    let scales: Vec<[f64; 2]> = figures.iter().map(check).collect::<Result<_, _>>()?;
+    let size = (450 * figures.len() as u32, 330);
+    style::svg("unrolled surfaces", size, |root| {
+        let areas = root.split_evenly((1, figures.len()));
+        for ((area, figure), scale) in areas.iter().zip(figures).zip(&scales) {
+            draw(area, figure, *scale)?;
+        }
+        Ok(())
+    })
+}
+
+/// Refuses what can't be drawn; the ends of the colour scale.
+fn check(figure: &Unrolled<'_>) -> Result<[f64; 2], ReproError> {
     check_len(
         "values on the unrolled surface",
         figure.points.len(),
         figure.values.len(),
     )?;
     check_places(figure)?;
-    let Some(height) = style::range(figure.points.iter().map(|p| p[1] * 1e3), false) else {
+    if figure.points.is_empty() {
         let what = "points of the unrolled surface";
         return Err(ReproError::TooFewSamples {
             what,
             needed: 1,
             found: 0,
         });
-    };
-    let scale = colour_range(figure.range, figure.values)?;
-    style::svg("unrolled surface", (720, 420), |root| {
-        let (main, side) = root.split_horizontally(630);
-        draw_surface(&main, figure, height, scale)?;
-        draw_bar(&side, figure.value_label, scale)
-    })
+    }
+    colour_range(figure.range, figure.values)
+}
+
+fn draw(root: &style::Area<'_>, figure: &Unrolled<'_>, scale: [f64; 2]) -> Result<(), String> {
+    let (width, _) = root.dim_in_pixel();
+    if figure.value_label.is_empty() {
+        return draw_surface(root, figure, scale);
+    }
+    let (main, side) = root.split_horizontally(width - 90);
+    draw_surface(&main, figure, scale)?;
+    draw_bar(&side, figure.value_label, scale)
 }
 
 fn check_places(figure: &Unrolled<'_>) -> Result<(), ReproError> {
@@ -156,9 +194,10 @@ pub(super) fn colour_range(
 fn draw_surface(
     area: &style::Area<'_>,
     figure: &Unrolled<'_>,
-    height: (f64, f64),
     scale: [f64; 2],
 ) -> Result<(), String> {
+    let heights = figure.points.iter().map(|p| p[1] * 1e3);
+    let height = style::range(heights, false).unwrap_or((0.0, 1.0));
     let angles = Marked::new(-185.0..185.0, (-2..=2).map(|k| f64::from(k) * 90.0));
     let mut plot = ChartBuilder::on(area)
         .caption(figure.title, font(16))
@@ -168,31 +207,65 @@ fn draw_surface(
         .build_cartesian_2d(angles, height.0..height.1)
         .map_err(message)?;
     style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
+    let radius = if area.dim_in_pixel().0 > 500 { 4 } else { 3 };
     let dots = figure
         .points
         .iter()
         .zip(figure.values)
         .map(|(point, value)| {
-            let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
-            Circle::new(printed(*point), 4, RGBColor(r, g, b).filled())
+            let colour = if value.is_finite() {
+                let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
+                RGBColor(r, g, b)
+            } else {
+                NO_VALUE
+            };
+            Circle::new(printed(*point), radius, colour.filled())
         });
     plot.draw_series(dots).map_err(message)?;
     let arrows = figure.arrows.iter().map(|arrow| {
         let (from, mut to) = (printed(arrow.from), printed(arrow.to));
         to.0 -= 360.0 * ((to.0 - from.0) / 360.0).round();
-        PathElement::new([from, to], RED.stroke_width(2))
+        PathElement::new([from, to], arrow_colour(figure, arrow).stroke_width(2))
     });
     plot.draw_series(arrows).map_err(message)?;
     let heads = figure
         .arrows
         .iter()
-        .map(|a| Circle::new(printed(a.to), 3, RED.filled()));
+        .map(|a| Circle::new(printed(a.to), 3, arrow_colour(figure, a).filled()));
     plot.draw_series(heads).map_err(message)?;
-    let of = |truth| figure.markers.iter().filter(move |m| m.truth == truth);
-    let rings = of(true).map(|m| Circle::new(printed(m.at), 9, RED.stroke_width(3)));
+    let of = |mark| figure.markers.iter().filter(move |m| m.mark == mark);
+    let rims = of(Mark::Dot).map(|m| Circle::new(printed(m.at), 4, WHITE.filled()));
+    plot.draw_series(rims).map_err(message)?;
+    let dots = of(Mark::Dot).map(|m| Circle::new(printed(m.at), 3, BLUE.filled()));
+    plot.draw_series(dots).map_err(message)?;
+    let gauges = of(Mark::Gauge).map(|m| TriangleMarker::new(printed(m.at), 7, GOLD.filled()));
+    plot.draw_series(gauges).map_err(message)?;
+    let rings = of(Mark::True).map(|m| Circle::new(printed(m.at), 9, RED.stroke_width(3)));
     plot.draw_series(rings).map_err(message)?;
-    let crosses = of(false).map(|m| Cross::new(printed(m.at), 6, BLACK.stroke_width(3)));
+    let crosses = of(Mark::Found).map(|m| Cross::new(printed(m.at), 6, BLACK.stroke_width(3)));
     plot.draw_series(crosses).map_err(message)?;
+    draw_arrow_names(area, figure)
+}
+
+/// Red without names, else the series' colour.
+fn arrow_colour(figure: &Unrolled<'_>, arrow: &UnrolledArrow) -> RGBColor {
+    if figure.arrow_names.is_empty() {
+        RED
+    } else {
+        style::series_colour(arrow.series)
+    }
+}
+
+fn draw_arrow_names(area: &style::Area<'_>, figure: &Unrolled<'_>) -> Result<(), String> {
+    let mut x = 66;
+    for (index, name) in figure.arrow_names.iter().enumerate() {
+        let colour = style::series_colour(index);
+        area.draw(&Rectangle::new([(x, 14), (x + 16, 20)], colour.filled()))
+            .map_err(message)?;
+        area.draw(&Text::new((*name).to_owned(), (x + 22, 10), font(13)))
+            .map_err(message)?;
+        x += 40 + 8 * name.chars().count() as i32;
+    }
     Ok(())
 }
 
@@ -201,7 +274,7 @@ fn printed(point: [f64; 2]) -> (f64, f64) {
 }
 
 fn draw_bar(area: &style::Area<'_>, label: &str, scale: [f64; 2]) -> Result<(), String> {
-    let (top, step, n) = (50, 5, 64);
+    let (top, step, n) = (50, 4, 56);
     for k in 0..n {
         let [r, g, b] = viridis(1.0 - f64::from(k) / f64::from(n - 1));
         let y = top + step * k;

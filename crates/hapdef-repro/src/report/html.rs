@@ -4,15 +4,16 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::{Figure, FigureContent, Report, record_tables};
+use crate::tables::claims_text;
 use crate::tables::text::escape_html as escape;
 
 const STYLE: &str = "
 :root{color-scheme:light dark;--ink:#222;--paper:#fff;--line:#ddd;--soft:#f5f5f5;--held:#00734f}
 @media(prefers-color-scheme:dark){:root{--ink:#ddd;--paper:#16181b;--line:#3a3d42;--soft:#1f2226;--held:#4fd1a0}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:62rem;margin:0 auto;padding:1.5rem}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:70rem;margin:0 auto;padding:1.5rem}
 h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem;border-bottom:1px solid var(--line)}
 table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}
-th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:left;overflow-wrap:anywhere}
+th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{background:var(--soft)}strong{color:var(--held)}
 .scroll{overflow-x:auto}
 figure{margin:1.5rem 0}figure svg,figure img{max-width:100%;height:auto;background:#fff;border-radius:6px}
@@ -39,13 +40,9 @@ pub(super) fn page(report: &Report) -> String {
         ));
     }
     text.push_str("</dl>\n");
-    if !report.verdicts.is_empty() {
-        text.push_str("<h2>What the paper claims</h2>\n<ul>\n");
-        for verdict in &report.verdicts {
-            let (claim, fate) = (escape(verdict.claim), escape(&verdict.fate()));
-            text.push_str(&format!("<li>{claim}: <b>{fate}</b></li>\n"));
-        }
-        text.push_str("</ul>\n");
+    if !report.claims.is_empty() {
+        let claims = claims_text(&report.claims).to_html();
+        text.push_str(&section("What the paper claims", &claims));
     }
     for table in &report.tables {
         text.push_str(&section(&table.title, &table.text.to_html()));

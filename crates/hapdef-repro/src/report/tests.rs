@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::metrics::MetricContext;
-use crate::tables::{Table1, message_1};
+use crate::tables::{Table1, table1_claims};
 
 fn named(name: &str, text: &str) -> NamedText {
     NamedText {
@@ -32,7 +32,9 @@ fn report() -> Report {
         title: "Shin".to_owned(),
         scene: "shin & co".to_owned(),
         facts: vec![named("seed", "1")],
-        verdicts: vec![message_1(&table)],
+        profile: "quick".to_owned(),
+        seed: 1,
+        claims: table1_claims(std::slice::from_ref(&table)),
         tables: vec![ReportTable {
             title: "Table 1".to_owned(),
             note: "µm".to_owned(),
@@ -82,13 +84,13 @@ fn every_part_is_written() {
     let read = |i: usize| std::fs::read_to_string(&paths[i]).unwrap();
     let json: serde_json::Value = serde_json::from_str(&read(2)).unwrap();
     assert_eq!(json["tables"][0]["data"].as_array().unwrap().len(), 60);
-    assert_eq!(json["verdicts"][0]["state"], "held");
+    assert_eq!(json["claims"][0]["verdicts"][0]["fate"], "holds");
     assert_eq!(json["figures"][1]["file"], "limb.png");
     assert_eq!(json["metrics"][0]["skipped"], "no net");
     let markdown = read(3);
     for part in [
         "# Shin",
-        "held in all 3 cells",
+        "| **holds** | all 3; closest",
         "## Table 1",
         "![](bars.svg)",
         "| svr | quick |",
@@ -122,6 +124,22 @@ fn the_page_is_well_formed_and_self_contained() {
     let body = &page[page.find("<body>").unwrap()..page.find("</html>").unwrap()];
     let body = body.replace("base64,AQID\">", "base64,AQID\"/>");
     roxmltree::Document::parse(&body).unwrap();
+}
+
+#[test]
+fn the_results_page_has_verdicts_tables_and_times() {
+    let json = serde_json::to_value(report()).unwrap();
+    let page = results_markdown(&json);
+    for part in [
+        "**A quick run**",
+        "- commit: c\n",
+        "| mean \\|error\\| | holds | all 3; closest",
+        "| LR | I | 2.2 (2.2) |",
+        "| compliance | 12.3 |",
+    ] {
+        assert!(page.contains(part), "{part} is missing in\n{page}");
+    }
+    assert!(!page.contains("!["), "no pictures");
 }
 
 #[test]

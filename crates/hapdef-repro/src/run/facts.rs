@@ -118,12 +118,13 @@ fn training(profile: &Profile) -> String {
 }
 
 /// Time of every stage, from the run that made it.
-pub(crate) fn stage_times(done: &Pipeline, more: &[&Stage]) -> Vec<StageTime> {
-    let stages = done.stages().into_iter().chain(more.iter().copied());
+pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
+    let stages = done.stages().into_iter().chain(more);
     stages
         .map(|stage| {
             let record = &stage.record;
-            let what = [&record.info["net"], &record.inputs[0]["kind"]]
+            let inputs = &record.inputs;
+            let what = [&record.info["net"], &inputs[0]["kind"], &inputs["size"]]
                 .into_iter()
                 .find(|value| !value.is_null())
                 .map_or(String::new(), |value| format!(" {}", plain(value)));
@@ -157,8 +158,8 @@ pub(crate) fn since_demo_s() -> Option<f64> {
     Some(now_s - began_s)
 }
 
-/// What the scene does not need.
-pub(crate) fn skipped(run: &Run) -> Vec<SkippedStage> {
+/// What the scene does not need, and what only the whole reproduction makes.
+pub(crate) fn skipped(run: &Run, with_nets: bool) -> Vec<SkippedStage> {
     let skip = |name: &str, reason: &str| SkippedStage {
         name: name.into(),
         reason: reason.into(),
@@ -177,6 +178,10 @@ pub(crate) fn skipped(run: &Run) -> Vec<SkippedStage> {
             "only surface nodes and virtual gauges are read",
         ),
     ];
+    if !with_nets {
+        let reason = "need nets of their own: cargo xtask repro";
+        skipped.push(skip("figure 5A, ablations with nets of figure 8", reason));
+    }
     if run.scene.contact.max_contacts < 4 {
         let reason = format!(
             "the scene has {} contacts at most",

@@ -9,7 +9,7 @@ use hapdef_data::{DatasetReader, Split};
 use hapdef_repro::{Svr, SvrParams};
 use serde::{Deserialize, Serialize};
 
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// How the support-vector baseline did.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -20,6 +20,8 @@ pub(crate) struct SvrScore {
     pub(crate) n_trained: usize,
     /// Presses there were.
     pub(crate) n_offered: usize,
+    /// Position, m, and force, N, it finds for each test press.
+    pub(crate) found: Vec<[f32; 4]>,
 }
 
 /// Trains and scores it, or reads it from the cache.
@@ -75,6 +77,7 @@ fn train_and_score(run: &Run, path: &std::path::Path) -> Result<SvrScore> {
         stats: ContactStats::of(&pairs.collect::<Vec<_>>(), n_test),
         n_trained: info.n_trained,
         n_offered: info.n_offered,
+        found: found.as_chunks::<4>().0.to_vec(),
     })
 }
 

@@ -1,16 +1,20 @@
 //! The paper's tables as data, ours beside them, and what they say.
 
+mod claim;
+mod metric;
+mod orderings;
 mod table1;
 mod table2;
 pub(crate) mod text;
-mod verdict;
 
+pub use claim::{Check, Claim, Fate, MetricVerdict, claims_text};
+pub use metric::MapMetric;
+pub use orderings::{fnn_over_lr, table1_claims};
 pub use table1::{CellState, Method, Table1, Table1Record, TestSet, TrainSet};
 pub use table2::{
     OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table2,
 };
 pub use text::{TextCell, TextTable};
-pub use verdict::{BrokenCell, Verdict, VerdictState, message_1, message_2};
 
 /// How many cells of a table there are, hold a number, or hold a NaN or infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]

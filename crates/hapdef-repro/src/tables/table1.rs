@@ -1,7 +1,7 @@
 //! Table 1: displacement error of maps from virtual gauges.
 
-use super::CellCount;
 use super::text::{TextCell, TextTable, cell_text};
+use super::{CellCount, MapMetric};
 
 /// What turns virtual gauges into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -127,16 +127,19 @@ pub enum CellState {
     Skipped,
 }
 
-/// Displacement errors, m, of each method, training set and test set.
+/// Map errors of each method, training set and test set by one metric, m or a share.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table1 {
-    test_m: [[[Option<f64>; 4]; 4]; 3],
-    training_m: [[Option<f64>; 4]; 3],
+    metric: MapMetric,
+    tests: [[[Option<f64>; 4]; 4]; 3],
+    trainings: [[Option<f64>; 4]; 3],
 }
 
 /// One cell with its place, for files.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Table1Record {
+    /// What is measured.
+    pub metric: MapMetric,
     /// Row group.
     pub method: Method,
     /// Row.
@@ -145,49 +148,68 @@ pub struct Table1Record {
     pub tested_on: Option<TestSet>,
     /// Whether `ours_um` holds a number.
     pub state: CellState,
-    /// Measured here, µm.
-    pub ours_um: Option<f64>,
-    /// Printed in the paper, µm.
-    pub paper_um: f64,
+    /// Measured here, in `unit`.
+    pub ours: Option<f64>,
+    /// Printed in the paper, in `unit`; `None` where it prints none.
+    pub paper: Option<f64>,
+    /// "µm" or "%".
+    pub unit: &'static str,
 }
 
 impl Table1 {
-    /// The paper's own numbers.
+    /// An empty table of `metric`.
     #[must_use]
-    pub fn paper() -> Self {
+    pub fn new(metric: MapMetric) -> Self {
         Self {
-            test_m: PAPER_TEST_UM.map(|m| m.map(|row| row.map(|um| Some(um * 1e-6)))),
-            training_m: PAPER_TRAINING_UM.map(|m| m.map(|um| Some(um * 1e-6))),
+            metric,
+            ..Self::default()
         }
     }
 
-    /// Enters a test error, m.
-    pub fn set_test(&mut self, method: Method, train: TrainSet, test: TestSet, error_m: f64) {
-        self.test_m[method as usize][train as usize][test as usize] = Some(error_m);
+    /// What its cells measure.
+    #[must_use]
+    pub fn metric(&self) -> MapMetric {
+        self.metric
     }
 
-    /// Enters a training error, m.
-    pub fn set_training(&mut self, method: Method, train: TrainSet, error_m: f64) {
-        self.training_m[method as usize][train as usize] = Some(error_m);
+    /// The paper's own numbers. It calls them displacement errors in µm and does not say whether
+    /// absolute values or squares were averaged.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            metric: MapMetric::MeanAbs,
+            tests: PAPER_TEST_UM.map(|m| m.map(|row| row.map(|um| Some(um * 1e-6)))),
+            trainings: PAPER_TRAINING_UM.map(|m| m.map(|um| Some(um * 1e-6))),
+        }
     }
 
-    /// A test error, m; `None` if not measured.
+    /// Enters a test error, m or a share.
+    pub fn set_test(&mut self, method: Method, train: TrainSet, test: TestSet, error: f64) {
+        self.tests[method as usize][train as usize][test as usize] = Some(error);
+    }
+
+    /// Enters a training error, m or a share.
+    pub fn set_training(&mut self, method: Method, train: TrainSet, error: f64) {
+        self.trainings[method as usize][train as usize] = Some(error);
+    }
+
+    /// A test error, m or a share; `None` if not measured.
     #[must_use]
     pub fn test(&self, method: Method, train: TrainSet, test: TestSet) -> Option<f64> {
-        self.test_m[method as usize][train as usize][test as usize]
+        self.tests[method as usize][train as usize][test as usize]
     }
 
-    /// A training error, m; `None` if not measured.
+    /// A training error, m or a share; `None` if not measured.
     #[must_use]
     pub fn training(&self, method: Method, train: TrainSet) -> Option<f64> {
-        self.training_m[method as usize][train as usize]
+        self.trainings[method as usize][train as usize]
     }
 
     /// All 60 cells: 48 test errors, 12 training errors.
     #[must_use]
     pub fn cells(&self) -> CellCount {
-        let test = self.test_m.iter().flatten().flatten();
-        CellCount::of(test.chain(self.training_m.iter().flatten()).copied())
+        let test = self.tests.iter().flatten().flatten();
+        CellCount::of(test.chain(self.trainings.iter().flatten()).copied())
     }
 
     /// All 60 cells beside the paper's, training error after the test errors of its row.
@@ -203,12 +225,18 @@ impl Table1 {
                         None => table.training(method, trained_on),
                     };
                     records.push(Table1Record {
+                        metric: self.metric,
                         method,
                         trained_on,
                         tested_on,
                         state: state(cell(self)),
-                        ours_um: cell(self).filter(|v| v.is_finite()).map(|v| v * 1e6),
-                        paper_um: cell(&paper).unwrap_or(f64::NAN) * 1e6,
+                        ours: cell(self)
+                            .filter(|v| v.is_finite())
+                            .map(|v| v * self.metric.scale()),
+                        paper: cell(&paper)
+                            .filter(|_| self.metric != MapMetric::Fvu)
+                            .map(|v| v * 1e6),
+                        unit: self.metric.unit(),
                     });
                 }
             }
@@ -216,7 +244,7 @@ impl Table1 {
         records
     }
 
-    /// One row per method and training set, "ours (paper)" in µm; of each training and test set
+    /// One row per method and training set, "ours (paper)"; of each training and test set
     /// the best method is strong.
     #[must_use]
     pub fn to_text(&self) -> TextTable {
@@ -243,22 +271,13 @@ impl Table1 {
     fn text_row(&self, row: &[Table1Record]) -> Vec<TextCell> {
         let names = [row[0].method.name(), row[0].trained_on.name()].map(TextCell::plain);
         let cells = row.iter().map(|record| TextCell {
-            text: format!(
-                "{} ({})",
-                cell_text(self.in_um(record)),
-                cell_text(Some(record.paper_um))
-            ),
+            text: match record.paper {
+                Some(_) => format!("{} ({})", cell_text(ours(record)), cell_text(record.paper)),
+                None => cell_text(ours(record)),
+            },
             strong: self.is_best(record),
         });
         names.into_iter().chain(cells).collect()
-    }
-
-    fn in_um(&self, record: &Table1Record) -> Option<f64> {
-        match record.state {
-            CellState::Measured => record.ours_um,
-            CellState::NotFinite => Some(f64::NAN),
-            CellState::Skipped => None,
-        }
     }
 
     fn is_best(&self, record: &Table1Record) -> bool {
@@ -271,6 +290,14 @@ impl Table1 {
             let mine = value(record.method);
             mine.is_finite() && rivals.into_iter().all(|m| mine < value(m))
         })
+    }
+}
+
+fn ours(record: &Table1Record) -> Option<f64> {
+    match record.state {
+        CellState::Measured => record.ours,
+        CellState::NotFinite => Some(f64::NAN),
+        CellState::Skipped => None,
     }
 }
 
@@ -342,11 +369,11 @@ mod tests {
         let json = serde_json::to_value(&ours).unwrap();
         assert_eq!(json.as_array().unwrap().len(), 60);
         assert_eq!(json[1]["state"], "not_finite");
-        assert_eq!(json[1]["ours_um"], serde_json::Value::Null);
+        assert_eq!(json[1]["ours"], serde_json::Value::Null);
         assert_eq!(
             (&json[1]["method"], &json[1]["tested_on"]),
             (&"LR".into(), &"II".into())
         );
-        assert!((json[59]["paper_um"].as_f64().unwrap() - 8.1).abs() < 1e-12);
+        assert!((json[59]["paper"].as_f64().unwrap() - 8.1).abs() < 1e-12);
     }
 }

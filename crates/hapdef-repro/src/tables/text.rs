@@ -1,7 +1,7 @@
 //! Tables of short texts, for Markdown and HTML.
 
 /// A cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct TextCell {
     /// What it says, unescaped.
     pub text: String,
@@ -21,7 +21,7 @@ impl TextCell {
 }
 
 /// A header and rows of as many cells.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct TextTable {
     /// Column names.
     pub header: Vec<String>,

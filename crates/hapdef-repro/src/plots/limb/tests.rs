@@ -125,7 +125,7 @@ fn markers_show_where_they_lie_and_fade_when_hidden() {
     let ring_colour = |z: f64| {
         let markers = [LimbMarker {
             position: [0.0, 0.0, z],
-            truth: true,
+            mark: Mark::True,
         }];
         let (positions, triangles, values) = (&mesh.0, &mesh.1, &mesh.2);
         let picture = LimbPicture {

@@ -1,0 +1,85 @@
+//! Figure 8's ablations that need nets of their own, trained briefly.
+
+use anyhow::{Context, Result};
+use hapdef::{Limb, Pipeline, Run, Stage};
+use hapdef_data::Split;
+use hapdef_nets::MlpSpec;
+use hapdef_nets::train::MemorySource;
+use serde_json::json;
+
+use super::chain::{candidates, chain, forward, maps};
+use super::fit::{Brief, fit};
+use super::presses::Presses;
+use super::samples::blocks;
+use super::singles::{MethodAnswers, contacts, open, strongest};
+
+/// Presses computed together.
+const BLOCK: usize = 512;
+
+/// Readings straight to the map, and position and force straight from the predicted map.
+pub(crate) fn ablations(
+    run: &Run,
+    limb: &Limb,
+    done: &Pipeline,
+) -> Result<(Vec<MethodAnswers>, Vec<Stage>)> {
+    let data = done.data.as_ref().context("no datasets")?;
+    let brief = Brief::reconstruction(&run.profile);
+    let (to_map, map_stage) = fit(
+        run,
+        "R → D",
+        &json!({ "presses": data.rig_single.key }),
+        brief,
+        MlpSpec::reconstruction,
+        || readings_to_maps(done),
+    )?;
+    let (to_contact, contact_stage) = fit(
+        run,
+        "D → P, A",
+        &json!({ "set": data.simulated[0].key }),
+        brief,
+        |n_surface, _| MlpSpec::direct(n_surface),
+        || maps_to_contacts(&data.simulated[0]),
+    )?;
+    let mut answers = ["R → D → k-Max", "R → S → D → net"].map(|name| MethodAnswers {
+        name: name.into(),
+        found: vec![],
+    });
+    let chain = chain(run, limb, done)?;
+    let (mut presses, test) = open(done)?;
+    for rows in blocks(test, BLOCK) {
+        run.check_stop("the ablations")?;
+        let readings = presses.read("readings", rows.clone())?;
+        let found = candidates(&chain, &forward(&to_map, &readings)?, presses.n_surface)?;
+        answers[0].found.extend(found.iter().map(|c| strongest(c)));
+        let maps = maps(&chain, &readings, rows.len(), presses.n_surface)?;
+        answers[1]
+            .found
+            .extend(contacts(&forward(&to_contact, &maps)?));
+    }
+    Ok((answers.to_vec(), vec![map_stage, contact_stage]))
+}
+
+fn readings_to_maps(done: &Pipeline) -> Result<MemorySource> {
+    let (mut presses, _) = open(done)?;
+    let train = Split::of(presses.n())?.train;
+    let x = presses.read("readings", train.clone())?;
+    let y = presses.read("deformation", train.clone())?;
+    Ok(MemorySource::new(
+        x.len() / train.len(),
+        presses.n_surface,
+        x,
+        y,
+    )?)
+}
+
+fn maps_to_contacts(stage: &Stage) -> Result<MemorySource> {
+    let mut presses = Presses::open(stage)?;
+    let train = Split::of(presses.n())?.train;
+    let x = presses.read("deformation", train.clone())?;
+    let truth = presses.truth(train)?;
+    let y = truth.iter().flat_map(|contacts| {
+        let (p, force_n) = contacts[0];
+        [p[0], p[1], p[2], force_n].map(|v| v as f32)
+    });
+    Ok(MemorySource::new(presses.n_surface, 4, x, y.collect())?)
+}

@@ -1,0 +1,73 @@
+//! The trained chain and what it finds in readings and maps, in parallel.
+
+use anyhow::{Context, Result};
+use hapdef::stages::NetKind;
+use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
+use hapdef_nets::{Net, Scratch};
+use rayon::prelude::*;
+
+/// Rows that one thread takes at a time.
+const ROWS: usize = 32;
+
+/// The chain of a finished pipeline.
+pub(crate) fn chain(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Hapdefx> {
+    let nets = done.nets.as_ref().context("no nets")?;
+    let points = limb.surface_points();
+    Ok(Hapdefx::new(
+        nets.load(NetKind::Transfer)?,
+        reconstruction(done)?,
+        nets.load(NetKind::Sensitivity)?,
+        points.iter().map(|p| p.coords.into()).collect(),
+        &run.scene.estimator,
+    )?)
+}
+
+/// F_R, trained on all sets.
+pub(crate) fn reconstruction(done: &Pipeline) -> Result<Net> {
+    let nets = done.nets.as_ref().context("no nets")?;
+    let n_sets = done.data.as_ref().context("no datasets")?.simulated.len();
+    Ok(nets.load(NetKind::Reconstruction { n_sets })?)
+}
+
+/// A net's outputs for rows `x` `[n, inputs]`, `[n, outputs]`.
+pub(crate) fn forward(net: &Net, x: &[f32]) -> Result<Vec<f32>> {
+    let spec = net.mlp().spec();
+    let mut out = vec![0.0; x.len() / spec.inputs * spec.outputs];
+    out.par_chunks_mut(ROWS * spec.outputs)
+        .zip(x.par_chunks(ROWS * spec.inputs))
+        .try_for_each_init(Scratch::default, |scratch, (out, x)| {
+            net.forward_batch(x, scratch, out)
+        })?;
+    Ok(out)
+}
+
+/// Maps `[n, n_surface]`, µm, of readings `[n, n_gauges]`, µε.
+pub(crate) fn maps(
+    chain: &Hapdefx,
+    readings: &[f32],
+    n: usize,
+    n_surface: usize,
+) -> Result<Vec<f32>> {
+    let mut maps = vec![0.0; n * n_surface];
+    maps.par_chunks_mut(ROWS * n_surface)
+        .zip(readings.par_chunks(ROWS * (readings.len() / n.max(1)).max(1)))
+        .try_for_each_init(HapdefxScratch::default, |scratch, (maps, readings)| {
+            chain.maps(readings, scratch, maps)
+        })?;
+    Ok(maps)
+}
+
+/// Candidates of each of `maps` `[n, n_surface]`, µm, greatest force first.
+pub(crate) fn candidates(
+    chain: &Hapdefx,
+    maps: &[f32],
+    n_surface: usize,
+) -> Result<Vec<Vec<FoundContact>>> {
+    let found: Result<Vec<_>, _> = maps
+        .par_chunks(n_surface)
+        .map_init(HapdefxScratch::default, |scratch, map| {
+            chain.candidates(map, scratch)
+        })
+        .collect();
+    Ok(found?)
+}

@@ -1,0 +1,217 @@
+//! Errors as plots: figures 4, 5A, 8, 9B and 9C.
+
+use anyhow::Result;
+use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
+use hapdef_repro::{
+    BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow, bars_svg, lines_svg,
+    unrolled_svg,
+};
+
+use super::super::frames::Frame;
+use super::super::patches::{METHODS, SizePoint};
+use super::super::scores::{Rule, choose, scored};
+use super::super::singles::Singles;
+use super::surface::Surface;
+use super::svg;
+
+/// Presses whose errors figure 4B shows.
+const N_ARROWS: usize = 24;
+
+/// Bins of the varied force in figures 9B and 9C.
+const N_BINS: usize = 8;
+
+/// Mean and standard deviation.
+fn mean_and_spread(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+    (mean, variance.sqrt())
+}
+
+/// Errors of SVR, k-NN and FNN on single presses.
+pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
+    let (mut values, mut spread) = (vec![], vec![]);
+    for method in &singles.direct {
+        let errors: Vec<ContactPair> = singles.errors(method).into_iter().flatten().collect();
+        let mm: Vec<f64> = errors.iter().map(|e| e.position_error_m * 1e3).collect();
+        let newtons: Vec<f64> = errors.iter().map(|e| e.force_error_n.abs()).collect();
+        let cells = [mean_and_spread(&mm), mean_and_spread(&newtons)];
+        values.push(cells.map(|c| Some(c.0)).to_vec());
+        spread.push(cells.map(|c| Some(c.1)).to_vec());
+    }
+    let text = bars_svg(&BarChart {
+        y_label: "mm, N".into(),
+        x_label: "error".into(),
+        log_y: false,
+        groups: vec!["position, mm".into(), "force, N".into()],
+        series: singles.direct.iter().map(|m| m.name.clone()).collect(),
+        panels: vec![BarPanel {
+            title: "single contacts".into(),
+            values,
+            paper: vec![],
+            spread,
+        }],
+    })?;
+    let caption = "Figure 4A: mean errors on single test presses of the rig, straight from \
+                   readings; error bars: standard deviation over presses.";
+    Ok(svg("figure4a.svg", caption, text))
+}
+
+/// Error arrows of the same methods on the unrolled surface.
+pub(super) fn figure_4b(surface: &Surface, singles: &Singles) -> Result<Figure> {
+    let stride = (singles.truth.len() / N_ARROWS).max(1);
+    let place = |c: &[f32; 4]| [c[0], c[1], c[2]].map(f64::from);
+    let mut arrows = vec![];
+    for (series, method) in singles.direct.iter().enumerate() {
+        let shown = singles.truth.iter().zip(&method.found).step_by(stride);
+        for (truth, found) in shown.filter_map(|(truth, found)| Some((truth, (*found)?))) {
+            let [from, to] = [*truth, found].map(|c| surface.unroll(&[place(&c)]));
+            let (from, to) = (from?[0], to?[0]);
+            arrows.push(UnrolledArrow { from, to, series });
+        }
+    }
+    let points = surface.unroll(&surface.positions)?;
+    let names: Vec<&str> = singles.direct.iter().map(|m| m.name.as_str()).collect();
+    let text = unrolled_svg(&Unrolled {
+        title: "",
+        value_label: "",
+        points: &points,
+        values: &vec![f64::NAN; points.len()],
+        range: Some([0.0, 1.0]),
+        markers: &[],
+        arrows: &arrows,
+        arrow_names: &names,
+    })?;
+    let caption = format!(
+        "Figure 4B: from the true to the found position (dot) for every {stride}th single test \
+         press."
+    );
+    Ok(svg("figure4b.svg", &caption, text))
+}
+
+/// Map error against the number of virtual gauges, on one and on two contacts.
+pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
+    let chart = |i: usize, file: &str, name: &str| {
+        let series = METHODS.iter().enumerate().map(|(m, method)| Series {
+            name: (*method).to_owned(),
+            points: points
+                .iter()
+                .map(|point| (point.size as f64, point.errors[m][i].mean_abs_um))
+                .collect(),
+        });
+        let text = lines_svg(&LineChart {
+            title: format!("{name} presses of the rig"),
+            x_label: "virtual gauges around each gauge".into(),
+            y_label: "mean |error| of the map, µm".into(),
+            log_y: false,
+            dots: true,
+            series: series.collect(),
+        })?;
+        let caption = format!(
+            "Figure 5A, {name} contacts: F_T by three methods, then F_R. Every net here is trained \
+             briefly; the paper's optimum on two contacts is 24."
+        );
+        anyhow::Ok(svg(file, &caption, text))
+    };
+    Ok(vec![
+        chart(0, "figure5a_single.svg", "single")?,
+        chart(1, "figure5a_double.svg", "double")?,
+    ])
+}
+
+/// Errors of the ablations on single presses against the force.
+pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure>> {
+    let methods = || singles.direct.iter().skip(2).chain(&singles.ablations);
+    let chart = |y_label: &str, value: fn(&super::super::singles::Bin) -> f64| {
+        lines_svg(&LineChart {
+            title: "single presses of the rig".into(),
+            x_label: "force, N".into(),
+            y_label: y_label.into(),
+            log_y: false,
+            dots: true,
+            series: methods()
+                .map(|method| Series {
+                    name: method.name.clone(),
+                    points: singles
+                        .by_force(method, strongest_n)
+                        .iter()
+                        .map(|bin| (bin.force_n, value(bin)))
+                        .collect(),
+                })
+                .collect(),
+        })
+    };
+    let position = chart("position error, mm", |bin| bin.position_mm)?;
+    let force = chart("force error, N", |bin| bin.error_n)?;
+    Ok(vec![
+        svg(
+            "figure8a.svg",
+            "Figure 8A: position error with parts of the chain left out. R: readings, S: virtual \
+             gauges, D: map; \"net\": position and force straight from the map.",
+            position,
+        ),
+        svg("figure8b.svg", "Figure 8B: force error of the same.", force),
+    ])
+}
+
+/// Errors on double presses against the varied force, by both rules.
+pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> Result<Vec<Figure>> {
+    if frames.is_empty() {
+        return Ok(vec![]);
+    }
+    let names = [
+        "lenient, both contacts",
+        "one-to-one, varied contact",
+        "one-to-one, held contact",
+    ];
+    let mut errors: [Vec<(f64, ContactPair)>; 3] = Default::default();
+    for frame in frames {
+        let found = scored(&choose(chain, frame, Rule::TopWithSpread)?);
+        let varied_n = frame.truth[1].1;
+        let lenient = score_lenient(&found, &frame.truth)?;
+        errors[0].extend(lenient.into_iter().map(|pair| (varied_n, pair)));
+        for pair in score_one_to_one(&found, &frame.truth)?.pairs {
+            errors[if pair.truth == 1 { 1 } else { 2 }].push((varied_n, pair));
+        }
+    }
+    let chart = |y_label: &str, value: fn(&ContactPair) -> f64| {
+        let series = names.iter().zip(&errors).map(|(name, errors)| Series {
+            name: (*name).to_owned(),
+            points: binned(errors, strongest_n, value),
+        });
+        lines_svg(&LineChart {
+            title: "double presses of the rig, T given, T + 1".into(),
+            x_label: "force of the varied contact, N".into(),
+            y_label: y_label.into(),
+            log_y: false,
+            dots: true,
+            series: series.collect(),
+        })
+    };
+    let position = chart("position error, mm", |pair| pair.position_error_m * 1e3)?;
+    let force = chart("force error, N", |pair| pair.force_error_n.abs())?;
+    let caption = |letter: &str, what: &str| {
+        format!("Figure 9{letter}: {what} error of two contacts, one held at about 30 N.")
+    };
+    Ok(vec![
+        svg("figure9b.svg", &caption("B", "position"), position),
+        svg("figure9c.svg", &caption("C", "force"), force),
+    ])
+}
+
+/// (middle of the bin, mean) over bins of equal width that hold anything.
+fn binned(
+    errors: &[(f64, ContactPair)],
+    strongest_n: f64,
+    value: fn(&ContactPair) -> f64,
+) -> Vec<(f64, f64)> {
+    let width = strongest_n / N_BINS as f64;
+    let mut sums = [(0.0, 0.0); N_BINS];
+    for (force_n, pair) in errors {
+        let sum = &mut sums[((force_n / width) as usize).min(N_BINS - 1)];
+        *sum = (sum.0 + 1.0, sum.1 + value(pair));
+    }
+    let bins = sums.iter().enumerate().filter(|(_, sum)| sum.0 > 0.0);
+    bins.map(|(i, (n, sum))| ((i as f64 + 0.5) * width, sum / n))
+        .collect()
+}

@@ -1,0 +1,263 @@
+//! Figure 5A: map error against the number of virtual gauges around each gauge.
+//!
+//! For each size F_R is trained briefly on the simulated sets, and F_T is linear regression, k
+//! nearest neighbours or a net, on single presses. A compliance table with the largest patches
+//! serves every size, as the smaller are the beginnings of the larger.
+
+mod source;
+mod transfer;
+
+use std::ops::Range;
+
+use anyhow::{Context, Result};
+use hapdef::stages::compliance;
+use hapdef::{
+    ComplianceTable, DrawnContact, HapdefError, Limb, MapError, MapErrorSum, Pipeline, Progress,
+    Run, Stage,
+};
+use hapdef_data::Split;
+use hapdef_nets::train::MemorySource;
+use hapdef_nets::{MlpSpec, Net};
+use hapdef_repro::{LinearAccumulator, LinearParams};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use self::source::{Patches, SuperposedSource};
+use self::transfer::Transfer;
+use super::chain::forward;
+use super::fit::{Brief, fit};
+use super::presses::Presses;
+
+const VERSION: u32 = 2;
+
+/// Virtual gauges around each gauge, full and quick profile.
+const SIZES: [usize; 11] = [1, 2, 4, 8, 12, 16, 24, 32, 40, 50, 60];
+const QUICK_SIZES: [usize; 4] = [1, 8, 24, 60];
+
+/// One in so many of the profile's single samples is the most presses of a test set.
+const TEST_SHARE: usize = 20;
+
+/// Presses computed together.
+const BLOCK: usize = 250;
+
+/// The methods for F_T, in the order of [`SizePoint::errors`].
+pub(crate) const METHODS: [&str; 3] = ["LR", "k-NN", "FNN"];
+
+/// Errors at one size.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(crate) struct SizePoint {
+    /// Virtual gauges around each gauge.
+    pub(crate) size: usize,
+    /// Single and double presses for each of [`METHODS`].
+    pub(crate) errors: [[MapError; 2]; 3],
+}
+
+/// Errors at every size, and the stages that made them.
+pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<Stage>)> {
+    let sizes: &[usize] = match run.profile.name.as_str() {
+        "quick" => &QUICK_SIZES,
+        _ => &SIZES,
+    };
+    let (wide, limb, stage) = widest(run, sizes)?;
+    let mut stages = vec![stage];
+    let mut points = vec![];
+    let mut table = None;
+    for &size in sizes
+        .iter()
+        .filter(|size| **size <= wide.scene.gauges.patch_nodes)
+    {
+        run.check_stop("figure 5A")?;
+        let briefs = [
+            Brief::reconstruction(&run.profile),
+            Brief::transfer(&run.profile),
+        ];
+        let inputs = json!({
+            "version": VERSION, "limb": stages[0].key, "size": size, "briefs": briefs,
+            "keys": super::keys_of(run, done), "doubles": doubles(done)?.key,
+        });
+        let stage = run.cache.stage("patch-size", &inputs, |_| {
+            let at = AtSize::open(run, done, &limb, &stages[0], &mut table, size);
+            let point = at.and_then(|at| Ok(serde_json::to_value(at.point()?)?));
+            point.map_err(|error| match error.downcast::<HapdefError>() {
+                Ok(error) => error,
+                Err(error) => HapdefError::Stale {
+                    path: "figure 5A".into(),
+                    what: format!("{error:#}"),
+                },
+            })
+        })?;
+        points.push(SizePoint::deserialize(&stage.record.info).context("the patch-size stage")?);
+        stages.push(stage);
+    }
+    Ok((points, stages))
+}
+
+fn doubles(done: &Pipeline) -> Result<&Stage> {
+    let data = done.data.as_ref().context("no datasets")?;
+    data.rig_double.as_ref().context("no double presses")
+}
+
+/// The scene with the largest patches that the limb has room for.
+fn widest(run: &Run, sizes: &[usize]) -> Result<(Run, Limb, Stage)> {
+    let mut refused = None;
+    for &size in sizes.iter().rev() {
+        let mut scene = run.scene.clone();
+        scene.gauges.patch_nodes = size;
+        match Limb::load(&scene, &run.scene_dir) {
+            Ok(limb) => {
+                let wide = with_scene(run, scene);
+                let stage = compliance(&wide, &limb)?;
+                return Ok((wide, limb, stage));
+            }
+            Err(error) => refused = Some(error),
+        }
+    }
+    Err(refused.map_or_else(|| anyhow::anyhow!("no patch size to try"), Into::into))
+}
+
+fn with_scene(run: &Run, scene: hapdef::scene::Scene) -> Run {
+    Run {
+        scene,
+        scene_dir: run.scene_dir.clone(),
+        scene_hash: run.scene_hash.clone(),
+        profile: run.profile.clone(),
+        cache: run.cache.clone(),
+        threads: run.threads,
+        progress: Progress::clone(&run.progress),
+        stop: run.stop.clone(),
+    }
+}
+
+/// Everything at one size.
+struct AtSize<'a> {
+    run: &'a Run,
+    done: &'a Pipeline,
+    patches: Patches<'a>,
+    key: &'a str,
+}
+
+impl<'a> AtSize<'a> {
+    fn open(
+        run: &'a Run,
+        done: &'a Pipeline,
+        limb: &Limb,
+        stage: &'a Stage,
+        table: &'a mut Option<ComplianceTable>,
+        size: usize,
+    ) -> Result<Self> {
+        if table.is_none() {
+            let path = stage.dir.join("compliance.safetensors");
+            *table = Some(ComplianceTable::read(&path, limb.n_surface_nodes())?);
+        }
+        let table = table.as_ref().context("the compliance table")?;
+        Ok(Self {
+            run,
+            done,
+            patches: Patches::new(table, limb.gauges.len(), size),
+            key: &stage.key,
+        })
+    }
+
+    fn point(&self) -> Result<SizePoint> {
+        let size = self.patches.size;
+        let data = self.done.data.as_ref().context("no datasets")?;
+        let keys: Vec<&str> = data.simulated.iter().map(|s| s.key.as_str()).collect();
+        let of = json!({ "limb": self.key, "size": size, "sets": keys });
+        let (map_net, _) = fit(
+            self.run,
+            &format!("F_R for {size} virtual gauges"),
+            &of,
+            Brief::reconstruction(&self.run.profile),
+            MlpSpec::reconstruction,
+            || {
+                Ok(SuperposedSource::new(
+                    self.patches,
+                    training_contacts(self.done)?,
+                ))
+            },
+        )?;
+        let (mut singles, test) = super::singles::open(self.done)?;
+        let transfers = self.transfers(&mut singles)?;
+        let mut doubles = Presses::open(doubles(self.done)?)?;
+        let all = 0..doubles.n();
+        let on_singles = self.errors(&mut singles, test, &transfers, &map_net)?;
+        let on_doubles = self.errors(&mut doubles, all, &transfers, &map_net)?;
+        Ok(SizePoint {
+            size,
+            errors: std::array::from_fn(|method| [on_singles[method], on_doubles[method]]),
+        })
+    }
+
+    /// Map error of each of [`METHODS`] over presses spread evenly over `rows`.
+    fn errors(
+        &self,
+        presses: &mut Presses,
+        rows: Range<usize>,
+        transfers: &[Transfer; 3],
+        map_net: &Net,
+    ) -> Result<[MapError; 3]> {
+        let most = (self.run.profile.n_single / TEST_SHARE).max(1);
+        let rows: Vec<usize> = rows.clone().step_by(rows.len().div_ceil(most)).collect();
+        let none = MapErrorSum::new(presses.n_surface);
+        let mut sums = [none.clone(), none.clone(), none];
+        for rows in rows.chunks(BLOCK) {
+            self.run.check_stop("figure 5A")?;
+            let (mut readings, mut truth) = (vec![], vec![]);
+            for &row in rows {
+                readings.extend(presses.read("readings", row..row + 1)?);
+                truth.extend(presses.read("deformation", row..row + 1)?);
+            }
+            for (sum, transfer) in sums.iter_mut().zip(transfers) {
+                sum.add(&truth, &forward(map_net, &transfer.predict(&readings)?)?);
+            }
+        }
+        Ok(sums.map(|sum| sum.finish()))
+    }
+
+    /// F_T by each of [`METHODS`], on the rig's single training presses.
+    fn transfers(&self, presses: &mut Presses) -> Result<[Transfer; 3]> {
+        let train = Split::of(presses.n())?.train;
+        let x = presses.read("readings", train.clone())?;
+        let n_gauges = x.len() / train.len();
+        let contacts = presses.drawn(train)?;
+        let y = self.patches.virtual_gauges(&contacts);
+        let mut linear = LinearAccumulator::new(n_gauges, self.patches.width());
+        linear.add_block(&x, &y)?;
+        let (linear, _) = linear.solve(&LinearParams::default())?;
+        let data = self.done.data.as_ref().context("no datasets")?;
+        let size = self.patches.size;
+        let of = json!({ "limb": self.key, "size": size, "presses": data.rig_single.key });
+        let (net, _) = fit(
+            self.run,
+            &format!("F_T for {size} virtual gauges"),
+            &of,
+            Brief::transfer(&self.run.profile),
+            MlpSpec::transfer,
+            || {
+                Ok(MemorySource::new(
+                    n_gauges,
+                    self.patches.width(),
+                    x.clone(),
+                    y.clone(),
+                )?)
+            },
+        )?;
+        Ok([
+            Transfer::Linear(linear),
+            Transfer::nearest(&x, y, n_gauges)?,
+            Transfer::Net(net),
+        ])
+    }
+}
+
+/// Contacts of the training samples of all simulated sets.
+fn training_contacts(done: &Pipeline) -> Result<Vec<Vec<DrawnContact>>> {
+    let data = done.data.as_ref().context("no datasets")?;
+    let mut contacts = vec![];
+    for stage in &data.simulated {
+        let mut presses = Presses::open(stage)?;
+        let train = Split::of(presses.n())?.train;
+        contacts.extend(presses.drawn(train)?);
+    }
+    Ok(contacts)
+}
