@@ -1,0 +1,20 @@
+//! Contacts from gauge readings by superposition, with their covariance and what is not known.
+//!
+//! Linear elasticity makes readings add up: y = Σ Aᵢ g(pᵢ) + n with forces Aᵢ ≥ 0 at points pᵢ of
+//! the skin. A [`Skin`] is the surface that contacts sit on.
+//!
+//! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
+
+mod basis;
+mod chi_square;
+mod dense;
+mod error;
+mod nearest;
+mod skin;
+mod skin_point;
+mod walk;
+
+pub use error::InverseError;
+pub use skin::{Skin, SkinFaces, SkinParams};
+pub use skin_point::SkinPoint;
+pub use walk::{AtWall, Walk, WalkEnd};
