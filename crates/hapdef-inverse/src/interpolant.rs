@@ -164,6 +164,21 @@ impl Interpolant {
             add_scaled(out, weights[i], &rows[at..at + width]);
         }
     }
+
+    /// Column `column` of [`Interpolant::combine`].
+    pub(crate) fn combine_one(
+        &self,
+        rows: &[f64],
+        width: usize,
+        point: &SkinPoint,
+        weights: &[f64; N_CUBIC],
+        column: usize,
+    ) -> f64 {
+        let ids = &self.rows_of_face[point.face()];
+        (0..self.n_basis)
+            .map(|i| weights[i] * rows[ids[i] as usize * width + column])
+            .sum()
+    }
 }
 
 fn widened(six: &[f64; 6]) -> [f64; N_CUBIC] {

@@ -9,6 +9,7 @@ mod basis;
 mod chi_square;
 mod dense;
 mod error;
+mod estimator;
 mod interpolant;
 mod nearest;
 mod node_gradient;
@@ -21,6 +22,10 @@ mod skin_point;
 mod walk;
 
 pub use error::InverseError;
+pub use estimator::{
+    Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
+    MAX_CONTACTS, RunnerUp, Verdict, WhyNot,
+};
 pub use noise::{ModelError, NoiseParams};
 pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;

@@ -151,6 +151,14 @@ impl ResponseMap {
             .map(|slope| self.as_vectors(&self.combined(&self.vector, 3 * width, point, &slope)))
     }
 
+    /// g(p) of one gauge.
+    pub(crate) fn normal_of(&self, point: &SkinPoint, gauge: usize) -> f64 {
+        let weights = self.interpolant.value_weights(&point.bary());
+        let width = padded(self.n_gauges);
+        self.interpolant
+            .combine_one(&self.normal, width, point, &weights, gauge)
+    }
+
     pub(crate) fn interpolant(&self) -> &Interpolant {
         &self.interpolant
     }

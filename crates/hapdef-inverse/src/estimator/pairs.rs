@@ -1,0 +1,155 @@
+//! The exhaustive scan of all pairs of sites, on the Gram matrix.
+
+use crate::estimator::Model;
+
+/// Squared sine below which two atoms are too alike to be told apart on the scan.
+const LEAST_SINE_2: f32 = 1e-4;
+
+/// Two sites and the χ² they explain with both forces positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) sites: [u32; 2],
+    pub(crate) energy: f32,
+}
+
+/// Buffers of the scan `[n_sites]`.
+#[derive(Clone, Debug)]
+pub(crate) struct PairBuffers {
+    c: Vec<f32>,
+    energies: Vec<f32>,
+    best: Vec<f32>,
+    partner: Vec<f32>,
+    order: Vec<Pair>,
+}
+
+impl PairBuffers {
+    pub(crate) fn new(n_sites: usize) -> Self {
+        let zeros = vec![0.0; n_sites];
+        Self {
+            c: zeros.clone(),
+            energies: zeros.clone(),
+            best: zeros.clone(),
+            partner: zeros,
+            order: Vec::with_capacity(n_sites),
+        }
+    }
+}
+
+impl Model {
+    /// The best pairs for atom products `c` `[n_sites]` = u·z: for each site its best partner among
+    /// all others; of these the `n` best that are in different places, best first. The energy of a
+    /// pair with product γ is (c₁² + c₂² − 2γ c₁c₂) / (1 − γ²); it counts only where both forces,
+    /// which go with c₁ − γ c₂ and c₂ − γ c₁, are positive.
+    pub(crate) fn best_pairs(
+        &self,
+        c: &[f64],
+        n: usize,
+        buffers: &mut PairBuffers,
+        out: &mut Vec<Pair>,
+    ) {
+        let n_sites = self.n_sites();
+        let largest = c.iter().fold(0.0_f64, |a, &b| a.max(b.abs()));
+        let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+        for (to, from) in buffers.c.iter_mut().zip(c) {
+            *to = (from * scale) as f32;
+        }
+        buffers.best.fill(0.0);
+        buffers.partner.fill(-1.0);
+        for s in 0..n_sites {
+            let tail = s + 1..n_sites;
+            let row = &self.gram[s * n_sites..(s + 1) * n_sites];
+            scan_row(
+                buffers.c[s],
+                s as f32,
+                &row[tail.clone()],
+                &buffers.c[tail.clone()],
+                Best {
+                    energies: &mut buffers.energies[tail.clone()],
+                    best: &mut buffers.best[tail.clone()],
+                    partner: &mut buffers.partner[tail.clone()],
+                },
+            );
+            let energies = &buffers.energies[tail];
+            let top = max(energies);
+            if top > buffers.best[s] {
+                let place = energies.iter().position(|&e| e == top).unwrap_or(0);
+                buffers.best[s] = top;
+                buffers.partner[s] = (s + 1 + place) as f32;
+            }
+        }
+        self.distinct_pairs(n, buffers, out);
+    }
+
+    fn distinct_pairs(&self, n: usize, buffers: &mut PairBuffers, out: &mut Vec<Pair>) {
+        buffers.order.clear();
+        for (s, (&energy, &partner)) in buffers.best.iter().zip(&buffers.partner).enumerate() {
+            if partner >= 0.0 {
+                let sites = [s as u32, partner as u32];
+                buffers.order.push(Pair { sites, energy });
+            }
+        }
+        buffers
+            .order
+            .sort_unstable_by(|a, b| b.energy.total_cmp(&a.energy).then(a.sites.cmp(&b.sites)));
+        out.clear();
+        let near = 1.2 * self.sites.spacing_m();
+        for pair in &buffers.order {
+            if out.len() == n {
+                break;
+            }
+            if out.iter().all(|other| !self.is_near(pair, other, near)) {
+                out.push(*pair);
+            }
+        }
+    }
+
+    fn is_near(&self, a: &Pair, b: &Pair, distance_m: f64) -> bool {
+        let x = self.sites.positions();
+        let close = |i: u32, j: u32| {
+            (x[i as usize] - x[j as usize]).norm_squared() <= distance_m * distance_m
+        };
+        let ([a0, a1], [b0, b1]) = (a.sites, b.sites);
+        (close(a0, b0) && close(a1, b1)) || (close(a0, b1) && close(a1, b0))
+    }
+}
+
+struct Best<'a> {
+    energies: &'a mut [f32],
+    best: &'a mut [f32],
+    partner: &'a mut [f32],
+}
+
+/// Energies of one site with those after it, and their best partners so far.
+fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
+    let n = gram.len();
+    let (c, energies) = (&c[..n], &mut out.energies[..n]);
+    let (best, partner) = (&mut out.best[..n], &mut out.partner[..n]);
+    for t in 0..n {
+        let (gamma, c_t) = (gram[t], c[t]);
+        let (a, b) = (c_s - gamma * c_t, c_t - gamma * c_s);
+        let sine_2 = 1.0 - gamma * gamma;
+        let energy = (c_s * a + c_t * b) / sine_2.max(LEAST_SINE_2);
+        let worst = a.min(b).min(sine_2 - LEAST_SINE_2);
+        let energy = if worst > 0.0 { energy } else { 0.0 };
+        energies[t] = energy;
+        let is_better = energy > best[t];
+        best[t] = if is_better { energy } else { best[t] };
+        partner[t] = if is_better { s } else { partner[t] };
+    }
+}
+
+fn max(values: &[f32]) -> f32 {
+    let mut lanes = [0.0_f32; 8];
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for lane in 0..8 {
+            lanes[lane] = if chunk[lane] > lanes[lane] {
+                chunk[lane]
+            } else {
+                lanes[lane]
+            };
+        }
+    }
+    rest.iter().chain(&lanes).fold(0.0, |a, &b| a.max(b))
+}
