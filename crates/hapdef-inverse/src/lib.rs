@@ -11,6 +11,7 @@ mod dense;
 mod error;
 mod estimator;
 mod interpolant;
+mod limits;
 mod nearest;
 mod node_gradient;
 mod noise;
@@ -25,6 +26,9 @@ pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
     MAX_CONTACTS, RunnerUp, Verdict, WhyNot,
+};
+pub use limits::{
+    Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
 };
 pub use noise::{ModelError, NoiseParams};
 pub use response::{ResponseMap, ResponseParams};

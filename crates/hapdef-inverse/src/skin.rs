@@ -203,9 +203,11 @@ impl Skin {
                     n_nodes,
                 });
             }
+            let at = |i: usize| self.nodes[nodes[i] as usize];
+            let flat = (at(1) - at(0)).cross(&(at(2) - at(0)));
             let middle = self.area_vector(face as u32, &[1.0 / 3.0; 3]);
-            let ahead = |b| self.area_vector(face as u32, b).dot(&middle) > 0.0;
-            if !NODES.iter().all(ahead) {
+            // towards a corner a curved face may bend far, as at the edge of a drilled hole
+            if middle.dot(&flat).is_nan() || middle.dot(&flat) <= 0.0 {
                 return Err(InverseError::BadFace { face });
             }
         }

@@ -114,8 +114,11 @@ impl Frame {
 
     /// The unit tangent at right angles to edge `edge` that points into the face.
     pub(crate) fn inward(&self, edge: usize) -> Vector3<f64> {
-        let normal = self.tangents[0].cross(&self.tangents[1]);
-        normal.cross(&self.edge_direction(edge))
+        let [a, b] = self.by_parent;
+        let along = self.edge_direction(edge);
+        let to_corner = [b, -(a + b), a][edge];
+        let across = to_corner - along * along.dot(&to_corner);
+        across / across.norm().max(f64::MIN_POSITIVE)
     }
 }
 

@@ -20,4 +20,6 @@ pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
 pub use search::ContactEstimator;
 
+pub(crate) use explanation::Explanation;
 pub(crate) use model::Model;
+pub(crate) use normal_equations::Linear;

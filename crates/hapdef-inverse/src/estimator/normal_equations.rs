@@ -117,6 +117,15 @@ impl Linear {
         }
     }
 
+    /// JᵀJ at the points and forces of `e`, whatever the frame.
+    pub(crate) fn inform(&mut self, model: &Model, e: &mut Explanation) {
+        self.set_covariance(model, e);
+        for i in 0..e.n {
+            self.fill_rows(model, e, i);
+        }
+        self.linearise(model, e);
+    }
+
     /// JᵀJ and Jᵀr where [`Linear::evaluate`] was called last.
     pub(crate) fn linearise(&mut self, model: &Model, e: &Explanation) {
         let (width, n) = (model.width, 3 * e.n);

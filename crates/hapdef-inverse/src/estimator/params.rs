@@ -7,6 +7,8 @@ use crate::error::{InverseError, check_not_negative, check_positive};
 pub struct EstimatorParams {
     /// Contacts looked for at most; the live gauges carry one for every three of them.
     pub max_contacts: usize,
+    /// The number of contacts where it is known, which then is not estimated.
+    pub known_count: Option<usize>,
     /// Below this probability of the readings without any contact, something touches.
     pub touch_p: f64,
     /// An explanation whose residual has at least this probability is good enough not to look for
@@ -49,6 +51,7 @@ impl Default for EstimatorParams {
     fn default() -> Self {
         Self {
             max_contacts: 4,
+            known_count: None,
             touch_p: 1e-3,
             accept_p: 0.02,
             misfit_p: 1e-6,
@@ -73,8 +76,8 @@ impl Default for EstimatorParams {
 impl EstimatorParams {
     pub(crate) fn check(&self) -> Result<(), InverseError> {
         let most = super::MAX_CONTACTS;
-        if self.max_contacts == 0 || self.max_contacts > most {
-            let found = self.max_contacts;
+        let found = self.known_count.unwrap_or(1).max(self.max_contacts);
+        if self.max_contacts == 0 || found > most {
             return Err(InverseError::TooManyContacts { found, most });
         }
         for (what, p) in [

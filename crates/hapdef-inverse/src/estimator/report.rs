@@ -22,7 +22,7 @@ pub(crate) fn report(
     let model = &estimator.model;
     let mut best = choose(estimator, untouched, &scratch.found);
     sort_by_force(&mut best);
-    let mut refiner = Refiner {
+    let refiner = Refiner {
         model,
         params: &estimator.params,
         linear: &mut scratch.linear,
@@ -57,8 +57,14 @@ fn choose(
 ) -> Explanation {
     let margin = estimator.params.count_margin;
     let cost = |e: &Explanation| e.evidence() + margin * e.n as f64;
+    let most = estimator.most_contacts();
+    // where a contact's force vanishes fewer are left than asked for
+    let is_allowed = |e: &&Explanation| {
+        estimator.params.known_count.is_none() || e.n == most || found.len() == 1
+    };
     found
         .iter()
+        .filter(is_allowed)
         .min_by(|a, b| cost(a).total_cmp(&cost(b)))
         .filter(|best| best.n > 0)
         .unwrap_or(untouched)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::chi_square::upper_tail;
 use crate::dense::dot;
 use crate::error::InverseError;
-use crate::estimator::explanation::Explanation;
+use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
 use crate::estimator::grow::grow;
 use crate::estimator::output::{ContactEstimate, EstimateInfo};
 use crate::estimator::refine::Refiner;
@@ -14,6 +14,7 @@ use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
+use crate::skin_point::SkinPoint;
 
 /// Finds the contacts behind readings.
 #[derive(Clone, Debug)]
@@ -68,7 +69,8 @@ impl ContactEstimator {
     /// carry one for every three of them.
     #[must_use]
     pub fn most_contacts(&self) -> usize {
-        self.params.max_contacts.min(self.model.m / 3)
+        let wanted = self.params.known_count.unwrap_or(self.params.max_contacts);
+        wanted.min(self.model.m / 3)
     }
 
     /// Buffers for [`ContactEstimator::estimate_into`].
@@ -99,25 +101,69 @@ impl ContactEstimator {
         scratch: &mut EstimatorScratch,
         estimate: &mut ContactEstimate,
     ) -> Result<(), InverseError> {
-        if !scratch.fits(&self.model) {
-            *scratch = self.scratch();
-        }
-        self.model.whiten(readings, &mut scratch.linear.z)?;
-        scratch.found.clear();
+        self.begin(readings, scratch)?;
         let mut info = EstimateInfo::default();
         let untouched = self.untouched(scratch);
-        if upper_tail(untouched.chi2, self.model.m) < self.params.touch_p {
+        let is_count_known = self.params.known_count.is_some();
+        if is_count_known || upper_tail(untouched.chi2, self.model.m) < self.params.touch_p {
             for n in 1..=self.most_contacts() {
                 self.search(n, scratch, &mut info);
                 info.most_contacts = n;
                 let is_good = |e: &Explanation| e.n == n && self.p_value(e) >= self.params.accept_p;
-                if scratch.found.iter().any(is_good) {
+                if !is_count_known && scratch.found.iter().any(is_good) {
                     break;
                 }
             }
         }
         report(self, readings, &untouched, scratch, &mut info, estimate);
         Ok(())
+    }
+
+    /// Contacts that start at `points` and only move downhill: no scan, no count. For following
+    /// contacts from frame to frame, and for asking what readings say about a given place.
+    ///
+    /// # Errors
+    /// As [`ContactEstimator::estimate`]; [`InverseError::TooManyContacts`] if the live gauges don't
+    /// carry as many.
+    pub fn refine_into(
+        &self,
+        readings: &[f64],
+        points: &[SkinPoint],
+        scratch: &mut EstimatorScratch,
+        estimate: &mut ContactEstimate,
+    ) -> Result<(), InverseError> {
+        let (found, most) = (points.len(), (self.model.m / 3).min(MAX_CONTACTS));
+        if found > most {
+            return Err(InverseError::TooManyContacts { found, most });
+        }
+        self.begin(readings, scratch)?;
+        let untouched = self.untouched(scratch);
+        let mut start = Explanation::new(points);
+        let mut refiner = Refiner {
+            model: &self.model,
+            params: &self.params,
+            linear: &mut scratch.linear,
+            n_steps: 0,
+        };
+        refiner.weigh(&mut start);
+        refiner.settle(&mut start);
+        let mut info = EstimateInfo {
+            n_refined: 1,
+            n_steps: refiner.n_steps,
+            most_contacts: found,
+            ..EstimateInfo::default()
+        };
+        scratch.found.push(start);
+        report(self, readings, &untouched, scratch, &mut info, estimate);
+        Ok(())
+    }
+
+    fn begin(&self, readings: &[f64], scratch: &mut EstimatorScratch) -> Result<(), InverseError> {
+        if !scratch.fits(&self.model) {
+            *scratch = self.scratch();
+        }
+        scratch.found.clear();
+        self.model.whiten(readings, &mut scratch.linear.z)
     }
 
     pub(crate) fn p_value(&self, e: &Explanation) -> f64 {
