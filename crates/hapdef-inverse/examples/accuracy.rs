@@ -43,10 +43,15 @@ fn row(k: usize, n_frames: usize, noise_ue: f64, n_gauges: usize) -> String {
             .collect();
         let mut y = world.readings(&contacts);
         world::add_noise(&mut y, noise_ue, &mut rng);
-        let start = Instant::now();
-        let result = estimator.estimate_into(&y, &mut scratch, &mut out);
-        times.push(start.elapsed().as_secs_f64() * 1e6);
-        assert!(result.is_ok(), "{result:?}");
+        // the least of three runs, since other programs share the machine
+        let mut least_us = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            let result = estimator.estimate_into(&y, &mut scratch, &mut out);
+            least_us = least_us.min(start.elapsed().as_secs_f64() * 1e6);
+            assert!(result.is_ok(), "{result:?}");
+        }
+        times.push(least_us);
         let skin = world.map.skin();
         let truth: Vec<_> = points.iter().map(|p| skin.position(p)).collect();
         let found: Vec<_> = out.contacts.iter().map(|c| c.position_m).collect();

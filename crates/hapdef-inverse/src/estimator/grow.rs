@@ -1,7 +1,7 @@
 //! One contact more: a scan beside each explanation, then contacts moved in turn.
 
 use crate::dense::dot;
-use crate::estimator::explanation::Explanation;
+use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 
 /// Times that all contacts are moved in turn.
@@ -17,15 +17,28 @@ pub(crate) fn grow(
 ) -> usize {
     let mut n_scanned = 0;
     scratch.starts.clear();
+    let mut peaks = std::mem::take(&mut scratch.peaks);
     for index in 0..scratch.bases.len() {
         let base = scratch.bases[index];
-        scan_beside(model, &base, None, scratch);
+        for j in 0..base.n {
+            atom_at(model, &base, j, &mut scratch.atom);
+            scratch
+                .base_company
+                .set_atom(model, j, &scratch.atom, &scratch.unit_z);
+        }
+        let held = others(base.n, None);
+        let company = &scratch.base_company;
+        company.gains(model, &scratch.c, &held[..base.n], &mut scratch.gains);
         n_scanned += model.n_sites();
-        let mut peaks = std::mem::take(&mut scratch.peaks);
         model.peaks(&scratch.gains, params.n_per_base, &mut peaks);
         for peak in &peaks {
             let mut start = base;
             start.push(model.sites.points()[peak.site]);
+            for j in 0..base.n {
+                scratch.company.copy(&scratch.base_company, j);
+            }
+            let z = &scratch.unit_z;
+            scratch.company.set_site(model, base.n, peak.site, z);
             n_scanned += alternate(model, &mut start, scratch);
             let skin = model.skin();
             let is_new = |other: &Explanation| !other.is_same(&start, skin, 1e-4);
@@ -33,26 +46,9 @@ pub(crate) fn grow(
                 scratch.starts.push(start);
             }
         }
-        scratch.peaks = peaks;
     }
+    scratch.peaks = peaks;
     n_scanned
-}
-
-/// Gains of one contact more beside those of `e`, or in place of contact `without`.
-fn scan_beside(
-    model: &Model,
-    e: &Explanation,
-    without: Option<usize>,
-    scratch: &mut EstimatorScratch,
-) {
-    scratch.held.clear();
-    for i in (0..e.n).filter(|&i| Some(i) != without) {
-        atom_at(model, e, i, &mut scratch.atom);
-        scratch.held.push(&scratch.atom);
-    }
-    scratch.r.copy_from_slice(&scratch.linear.z);
-    scratch.held.project(&mut scratch.r);
-    model.gains(&scratch.r, &scratch.held, &mut scratch.gains);
 }
 
 fn alternate(model: &Model, e: &mut Explanation, scratch: &mut EstimatorScratch) -> usize {
@@ -64,13 +60,18 @@ fn alternate(model: &Model, e: &mut Explanation, scratch: &mut EstimatorScratch)
             break;
         }
         let i = turn % e.n;
-        scan_beside(model, e, Some(i), scratch);
+        let held = others(e.n, Some(i));
+        let held = &held[..e.n - 1];
+        scratch
+            .company
+            .gains(model, &scratch.c, held, &mut scratch.gains);
         n_scanned += model.n_sites();
-        atom_at(model, e, i, &mut scratch.atom);
-        let own = own_gain(model, scratch);
+        let own = scratch.company.own_gain(i, held);
         let best = Model::best_site(&scratch.gains);
-        if best.gain > own * (1.0 + 1e-6) {
+        if f64::from(best.gain) > own * (1.0 + 1e-4) {
             e.points[i] = model.sites.points()[best.site];
+            let z = &scratch.unit_z;
+            scratch.company.set_site(model, i, best.site, z);
             n_settled = 1;
         } else {
             n_settled += 1;
@@ -79,18 +80,14 @@ fn alternate(model: &Model, e: &mut Explanation, scratch: &mut EstimatorScratch)
     n_scanned
 }
 
-/// What the atom in `scratch.atom` explains beside those held.
-fn own_gain(model: &Model, scratch: &EstimatorScratch) -> f64 {
-    let along = dot(&scratch.atom, &scratch.r);
-    let mut left = 1.0;
-    for i in 0..scratch.held.n() {
-        left -= dot(scratch.held.row(i, model.width), &scratch.atom).powi(2);
+/// 0..n without one.
+fn others(n: usize, without: Option<usize>) -> [usize; MAX_CONTACTS] {
+    let mut list = [0; MAX_CONTACTS];
+    let kept = (0..n).filter(|&i| Some(i) != without);
+    for (place, i) in list.iter_mut().zip(kept) {
+        *place = i;
     }
-    if along > 0.0 && left > 1e-4 {
-        along * along / left
-    } else {
-        0.0
-    }
+    list
 }
 
 /// The unit atom of contact `i`.

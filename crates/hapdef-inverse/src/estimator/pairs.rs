@@ -15,7 +15,6 @@ pub(crate) struct Pair {
 /// Buffers of the scan `[n_sites]`.
 #[derive(Clone, Debug)]
 pub(crate) struct PairBuffers {
-    c: Vec<f32>,
     energies: Vec<f32>,
     best: Vec<f32>,
     partner: Vec<f32>,
@@ -26,7 +25,6 @@ impl PairBuffers {
     pub(crate) fn new(n_sites: usize) -> Self {
         let zeros = vec![0.0; n_sites];
         Self {
-            c: zeros.clone(),
             energies: zeros.clone(),
             best: zeros.clone(),
             partner: zeros,
@@ -42,41 +40,15 @@ impl Model {
     /// which go with c₁ − γ c₂ and c₂ − γ c₁, are positive.
     pub(crate) fn best_pairs(
         &self,
-        c: &[f64],
+        c: &[f32],
         n: usize,
         buffers: &mut PairBuffers,
         out: &mut Vec<Pair>,
     ) {
         let n_sites = self.n_sites();
-        let largest = c.iter().fold(0.0_f64, |a, &b| a.max(b.abs()));
-        let scale = if largest > 0.0 { 1.0 / largest } else { 0.0 };
-        for (to, from) in buffers.c.iter_mut().zip(c) {
-            *to = (from * scale) as f32;
-        }
         buffers.best.fill(0.0);
         buffers.partner.fill(-1.0);
-        for s in 0..n_sites {
-            let tail = s + 1..n_sites;
-            let row = &self.gram[s * n_sites..(s + 1) * n_sites];
-            scan_row(
-                buffers.c[s],
-                s as f32,
-                &row[tail.clone()],
-                &buffers.c[tail.clone()],
-                Best {
-                    energies: &mut buffers.energies[tail.clone()],
-                    best: &mut buffers.best[tail.clone()],
-                    partner: &mut buffers.partner[tail.clone()],
-                },
-            );
-            let energies = &buffers.energies[tail];
-            let top = max(energies);
-            if top > buffers.best[s] {
-                let place = energies.iter().position(|&e| e == top).unwrap_or(0);
-                buffers.best[s] = top;
-                buffers.partner[s] = (s + 1 + place) as f32;
-            }
-        }
+        pulp::Arch::new().dispatch(|| scan_all(&self.gram, c, n_sites, buffers));
         self.distinct_pairs(n, buffers, out);
     }
 
@@ -119,7 +91,29 @@ struct Best<'a> {
     partner: &'a mut [f32],
 }
 
+#[inline(always)]
+fn scan_all(gram: &[f32], c: &[f32], n_sites: usize, buffers: &mut PairBuffers) {
+    for s in 0..n_sites {
+        let tail = s + 1..n_sites;
+        let row = &gram[s * n_sites..(s + 1) * n_sites];
+        let out = Best {
+            energies: &mut buffers.energies[tail.clone()],
+            best: &mut buffers.best[tail.clone()],
+            partner: &mut buffers.partner[tail.clone()],
+        };
+        scan_row(c[s], s as f32, &row[tail.clone()], &c[tail.clone()], out);
+        let energies = &buffers.energies[tail];
+        let top = max(energies);
+        if top > buffers.best[s] {
+            let place = energies.iter().position(|&e| e == top).unwrap_or(0);
+            buffers.best[s] = top;
+            buffers.partner[s] = (s + 1 + place) as f32;
+        }
+    }
+}
+
 /// Energies of one site with those after it, and their best partners so far.
+#[inline(always)]
 fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
     let n = gram.len();
     let (c, energies) = (&c[..n], &mut out.energies[..n]);
@@ -138,6 +132,7 @@ fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
     }
 }
 
+#[inline(always)]
 fn max(values: &[f32]) -> f32 {
     let mut lanes = [0.0_f32; 8];
     let chunks = values.chunks_exact(8);

@@ -28,6 +28,8 @@ pub struct EstimatorParams {
     pub n_probe_steps: usize,
     /// Starts that are refined to the end.
     pub n_finalists: usize,
+    /// Rounds of new starts around the best explanation's contacts.
+    pub n_hops: usize,
     /// Steps at most of a refinement.
     pub max_steps: usize,
     /// Longest step of a contact, m.
@@ -53,7 +55,7 @@ impl Default for EstimatorParams {
             max_contacts: 4,
             known_count: None,
             touch_p: 1e-3,
-            accept_p: 0.02,
+            accept_p: 0.01,
             misfit_p: 1e-6,
             n_single_starts: 6,
             n_pair_starts: 150,
@@ -61,6 +63,7 @@ impl Default for EstimatorParams {
             n_per_base: 2,
             n_probe_steps: 3,
             n_finalists: 16,
+            n_hops: 1,
             max_steps: 40,
             max_step_m: 0.01,
             chi2_tolerance: 1e-6,

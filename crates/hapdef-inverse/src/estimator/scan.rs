@@ -1,105 +1,228 @@
-//! Full scans of the sites: the best place for one contact, given others.
+//! Full scans of the sites: the best place for one contact, beside others that are held.
 
-use crate::dense::{add_scaled, dot};
+use crate::dense::{cholesky, dot};
 use crate::estimator::Model;
 use crate::estimator::explanation::MAX_CONTACTS;
+
+/// Squared sine of the angle to the held atoms below which a site can't be told from them.
+const LEAST_SINE_2: f32 = 1e-4;
 
 /// A site and the χ² that a contact there explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gain {
     pub(crate) site: usize,
-    pub(crate) gain: f64,
+    pub(crate) gain: f32,
 }
 
-/// Unit atoms of contacts that are held, made orthogonal.
+/// Contacts beside which a site is looked for: products of their unit atoms with every site's.
 #[derive(Clone, Debug)]
-pub(crate) struct Held {
-    basis: Vec<f64>,
+pub(crate) struct Company {
+    /// u_j·u_t `[MAX_CONTACTS, n_sites]`.
+    rows: Vec<f32>,
+    atoms: Vec<f64>,
+    /// u_j·z.
+    along: [f64; MAX_CONTACTS],
+    n_sites: usize,
+}
+
+impl Company {
+    pub(crate) fn new(model: &Model) -> Self {
+        Self {
+            rows: vec![0.0; MAX_CONTACTS * model.n_sites()],
+            atoms: vec![0.0; MAX_CONTACTS * model.width],
+            along: [0.0; MAX_CONTACTS],
+            n_sites: model.n_sites(),
+        }
+    }
+
+    /// Puts the unit atom `atom` in place `j`.
+    pub(crate) fn set_atom(&mut self, model: &Model, j: usize, atom: &[f64], z: &[f64]) {
+        let row = &mut self.rows[j * self.n_sites..(j + 1) * self.n_sites];
+        for (site, product) in row.iter_mut().enumerate() {
+            *product = dot(model.atom(site), atom) as f32;
+        }
+        self.keep(model, j, atom, z);
+    }
+
+    /// Puts `site` in place `j`.
+    pub(crate) fn set_site(&mut self, model: &Model, j: usize, site: usize, z: &[f64]) {
+        let n = self.n_sites;
+        self.rows[j * n..(j + 1) * n].copy_from_slice(&model.gram[site * n..(site + 1) * n]);
+        self.keep(model, j, model.atom(site), z);
+    }
+
+    /// Copies contact `j` of `other`.
+    pub(crate) fn copy(&mut self, other: &Self, j: usize) {
+        let (n, width) = (self.n_sites, self.atoms.len() / MAX_CONTACTS);
+        let (row, atom) = (j * n..(j + 1) * n, j * width..(j + 1) * width);
+        self.rows[row.clone()].copy_from_slice(&other.rows[row]);
+        self.atoms[atom.clone()].copy_from_slice(&other.atoms[atom]);
+        self.along[j] = other.along[j];
+    }
+
+    fn keep(&mut self, model: &Model, j: usize, atom: &[f64], z: &[f64]) {
+        self.atoms[j * model.width..(j + 1) * model.width].copy_from_slice(atom);
+        self.along[j] = dot(atom, z);
+    }
+
+    fn atom(&self, j: usize) -> &[f64] {
+        let width = self.atoms.len() / MAX_CONTACTS;
+        &self.atoms[j * width..(j + 1) * width]
+    }
+
+    /// What a pushing contact at each site explains when the forces of contacts `held` are solved
+    /// again: (c_t − Σ bᵢ q_ti)² / (1 − Σ q_ti²) where the first is positive, with q the coordinates
+    /// of u_t in the held atoms made orthogonal, b those of z, c_t = u_t·z.
+    pub(crate) fn gains(&self, model: &Model, c: &[f32], held: &[usize], gains: &mut [f32]) {
+        let (inverse, kept) = self.orthogonal(held);
+        let rows = |i: usize| &self.rows[held[kept[i.min(kept.len() - 1)]] * self.n_sites..];
+        let b = |i: usize| -> f32 {
+            (0..=i)
+                .map(|j| inverse[i][j] * self.along[held[kept[j]]])
+                .sum::<f64>() as f32
+        };
+        let t = inverse.map(|row| row.map(|v| v as f32));
+        let arch = pulp::Arch::new();
+        match kept.len() {
+            0 => plain(c, gains),
+            1 => arch.dispatch(|| beside(c, [rows(0)], [b(0)], &t, gains)),
+            2 => arch.dispatch(|| beside(c, [rows(0), rows(1)], [b(0), b(1)], &t, gains)),
+            3 => {
+                let (rows, b) = (std::array::from_fn(rows), std::array::from_fn(b));
+                arch.dispatch(|| beside::<3>(c, rows, b, &t, gains));
+            }
+            4 => {
+                let (rows, b) = (std::array::from_fn(rows), std::array::from_fn(b));
+                arch.dispatch(|| beside::<4>(c, rows, b, &t, gains));
+            }
+            _ => {
+                let (rows, b) = (std::array::from_fn(rows), std::array::from_fn(b));
+                arch.dispatch(|| beside::<5>(c, rows, b, &t, gains));
+            }
+        }
+        debug_assert_eq!(gains.len(), model.n_sites());
+    }
+
+    /// What contact `j`'s own atom explains beside `held`.
+    pub(crate) fn own_gain(&self, j: usize, held: &[usize]) -> f64 {
+        let (inverse, kept) = self.orthogonal(held);
+        let (mut along, mut left) = (self.along[j], 1.0);
+        for i in 0..kept.len() {
+            let of = |f: &dyn Fn(usize) -> f64| -> f64 {
+                (0..=i).map(|p| inverse[i][p] * f(held[kept[p]])).sum()
+            };
+            let q = of(&|p| dot(self.atom(p), self.atom(j)));
+            along -= of(&|p| self.along[p]) * q;
+            left -= q * q;
+        }
+        if along > 0.0 && left > f64::from(LEAST_SINE_2) {
+            along * along / left
+        } else {
+            0.0
+        }
+    }
+
+    /// L⁻¹ of the held atoms' Gram matrix L Lᵀ, and which of them were kept: those in the span of
+    /// the ones before are left out.
+    fn orthogonal(&self, held: &[usize]) -> ([[f64; MAX_CONTACTS]; MAX_CONTACTS], Kept) {
+        let mut kept = Kept::default();
+        let mut inverse = [[0.0; MAX_CONTACTS]; MAX_CONTACTS];
+        for place in 0..held.len() {
+            kept.push(place);
+            let n = kept.len();
+            let mut l = [0.0; MAX_CONTACTS * MAX_CONTACTS];
+            for i in 0..n {
+                for j in 0..n {
+                    l[i * n + j] = dot(self.atom(held[kept[i]]), self.atom(held[kept[j]]));
+                }
+            }
+            if !cholesky(&mut l[..n * n], n, 1e-8) {
+                kept.pop();
+                continue;
+            }
+            for j in 0..n {
+                for i in j..n {
+                    let unit = if i == j { 1.0 } else { 0.0 };
+                    let sum: f64 = (j..i).map(|p| l[i * n + p] * inverse[p][j]).sum();
+                    inverse[i][j] = (unit - sum) / l[i * n + i];
+                }
+            }
+        }
+        (inverse, kept)
+    }
+}
+
+/// A short list without allocation.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kept {
+    places: [usize; MAX_CONTACTS],
     n: usize,
 }
 
-impl Held {
-    pub(crate) fn with_width(width: usize) -> Self {
-        Self {
-            basis: vec![0.0; MAX_CONTACTS * width],
-            n: 0,
-        }
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.n = 0;
-    }
-
-    pub(crate) fn n(&self) -> usize {
-        self.n
-    }
-
-    pub(crate) fn row(&self, i: usize, width: usize) -> &[f64] {
-        &self.basis[i * width..(i + 1) * width]
-    }
-
-    /// Adds `atom`; nothing if it is in the span of those before.
-    pub(crate) fn push(&mut self, atom: &[f64]) {
-        let width = atom.len();
-        if self.n == MAX_CONTACTS {
-            return;
-        }
-        let (before, rest) = self.basis.split_at_mut(self.n * width);
-        let new = &mut rest[..width];
-        new.copy_from_slice(atom);
-        let full = dot(new, new);
-        for _ in 0..2 {
-            for row in before.chunks_exact(width) {
-                let share = dot(row, new);
-                add_scaled(new, -share, row);
-            }
-        }
-        let left = dot(new, new);
-        if left > 1e-8 * full && left > 0.0 {
-            let scale = 1.0 / left.sqrt();
-            new.iter_mut().for_each(|v| *v *= scale);
+impl Kept {
+    fn push(&mut self, place: usize) {
+        if self.n < MAX_CONTACTS {
+            self.places[self.n] = place;
             self.n += 1;
         }
     }
 
-    /// Takes the span out of `r`.
-    pub(crate) fn project(&self, r: &mut [f64]) {
-        for i in 0..self.n {
-            let row = self.row(i, r.len());
-            let share = dot(row, r);
-            add_scaled(r, -share, row);
+    fn pop(&mut self) {
+        self.n = self.n.saturating_sub(1);
+    }
+}
+
+impl std::ops::Deref for Kept {
+    type Target = [usize];
+
+    fn deref(&self) -> &[usize] {
+        &self.places[..self.n]
+    }
+}
+
+fn plain(c: &[f32], gains: &mut [f32]) {
+    for (gain, c) in gains.iter_mut().zip(c) {
+        let c = c.max(0.0);
+        *gain = c * c;
+    }
+}
+
+#[inline(always)]
+fn beside<const K: usize>(
+    c: &[f32],
+    rows: [&[f32]; K],
+    b: [f32; K],
+    t: &[[f32; MAX_CONTACTS]; MAX_CONTACTS],
+    gains: &mut [f32],
+) {
+    let n = gains.len();
+    let (c, rows) = (&c[..n], rows.map(|row| &row[..n]));
+    for site in 0..n {
+        let (mut along, mut left) = (c[site], 1.0);
+        for i in 0..K {
+            let mut q = 0.0;
+            for j in 0..=i {
+                q += t[i][j] * rows[j][site];
+            }
+            along -= b[i] * q;
+            left -= q * q;
         }
+        let gain = along * along / left.max(LEAST_SINE_2);
+        let worst = along.min(left - LEAST_SINE_2);
+        gains[site] = if worst > 0.0 { gain } else { 0.0 };
     }
 }
 
 impl Model {
-    /// What a pushing contact at each site explains of `r`, from which the span of `held` has been
-    /// taken out, when the held forces are solved again: (u·r)² / (1 − |Qu|²) if u·r > 0.
-    pub(crate) fn gains(&self, r: &[f64], held: &Held, gains: &mut [f64]) {
-        for (site, gain) in gains.iter_mut().enumerate() {
-            let atom = self.atom(site);
-            let along = dot(atom, r);
-            let mut left = 1.0;
-            for i in 0..held.n() {
-                let share = dot(held.row(i, self.width), atom);
-                left -= share * share;
-            }
-            let is_usable = along > 0.0 && left > 1e-4;
-            *gain = if is_usable { along * along / left } else { 0.0 };
-        }
-    }
-
     /// The largest local maxima of `gains`, largest first, at most `n`.
-    pub(crate) fn peaks(&self, gains: &[f64], n: usize, out: &mut Vec<Gain>) {
+    pub(crate) fn peaks(&self, gains: &[f32], n: usize, out: &mut Vec<Gain>) {
         out.clear();
         for (site, &gain) in gains.iter().enumerate() {
-            let is_peak = gain > 0.0
-                && self
-                    .sites
-                    .near(site)
-                    .iter()
-                    .all(|&other| gains[other as usize] <= gain);
-            if !is_peak || (out.len() == n && gain <= out[n - 1].gain) {
+            if gain <= 0.0 || (out.len() == n && gain <= out[n - 1].gain) {
+                continue;
+            }
+            let near = self.sites.near(site);
+            if !near.iter().all(|&other| gains[other as usize] <= gain) {
                 continue;
             }
             let place = out.partition_point(|other| other.gain >= gain);
@@ -111,7 +234,7 @@ impl Model {
     }
 
     /// The site with the largest gain.
-    pub(crate) fn best_site(gains: &[f64]) -> Gain {
+    pub(crate) fn best_site(gains: &[f32]) -> Gain {
         let mut best = Gain { site: 0, gain: 0.0 };
         for (site, &gain) in gains.iter().enumerate() {
             if gain > best.gain {

@@ -15,6 +15,18 @@ use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
 use crate::skin_point::SkinPoint;
+use crate::walk::AtWall;
+
+/// After the first steps a start is dropped if its χ² exceeds the best one's by this ratio and more
+/// than this.
+const HOPELESS_RATIO: f64 = 5.0;
+const HOPELESS_CHI2: f64 = 100.0;
+
+/// Directions of a hop.
+const N_DIRECTIONS: u32 = 6;
+
+/// A hop is refined to the end if its first steps come this near the best.
+const HOP_MARGIN: f64 = 5.0;
 
 /// Finds the contacts behind readings.
 #[derive(Clone, Debug)]
@@ -188,9 +200,6 @@ impl ContactEstimator {
             }
             2 => {
                 self.pair_starts(params.n_pair_starts, scratch);
-                std::mem::swap(&mut scratch.starts, &mut scratch.bases);
-                scratch.starts.clear();
-                scratch.starts.extend_from_slice(&scratch.bases);
                 info.n_scanned += n_sites * (n_sites - 1) / 2;
             }
             _ => {
@@ -203,9 +212,14 @@ impl ContactEstimator {
 
     fn single_starts(&self, scratch: &mut EstimatorScratch) {
         let model = &self.model;
+        let size = dot(&scratch.linear.z, &scratch.linear.z).sqrt();
+        let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
+        for (unit, z) in scratch.unit_z.iter_mut().zip(&scratch.linear.z) {
+            *unit = z * scale;
+        }
         for site in 0..model.n_sites() {
-            let product = dot(model.atom(site), &scratch.linear.z);
-            scratch.products[site] = product;
+            let product = dot(model.atom(site), &scratch.unit_z) as f32;
+            scratch.c[site] = product;
             scratch.gains[site] = product.max(0.0).powi(2);
         }
         let n = self.params.n_single_starts;
@@ -219,7 +233,7 @@ impl ContactEstimator {
 
     fn pair_starts(&self, n: usize, scratch: &mut EstimatorScratch) {
         let (model, buffers) = (&self.model, &mut scratch.pair_buffers);
-        model.best_pairs(&scratch.products, n, buffers, &mut scratch.pairs);
+        model.best_pairs(&scratch.c, n, buffers, &mut scratch.pairs);
         scratch.starts.clear();
         let points = model.sites.points();
         for pair in &scratch.pairs {
@@ -267,7 +281,9 @@ impl ContactEstimator {
             .starts
             .sort_by(|a, b| a.misfit().total_cmp(&b.misfit()));
         scratch.kept.clear();
-        for start in &scratch.starts {
+        let best = scratch.starts.first().map_or(0.0, |e| e.chi2);
+        let hopeless = |e: &Explanation| e.chi2 > HOPELESS_RATIO * best + HOPELESS_CHI2;
+        for start in scratch.starts.iter().filter(|e| !hopeless(e)) {
             let near = 0.2 * params.distinct_m;
             let is_new = |other: &Explanation| !other.is_same(start, skin, near);
             if scratch.kept.len() < params.n_finalists && scratch.kept.iter().all(is_new) {
@@ -276,10 +292,47 @@ impl ContactEstimator {
         }
         for kept in &mut scratch.kept {
             refiner.settle(kept);
-            if kept.n == n {
-                scratch.found.push(*kept);
-            }
         }
+        for _ in 0..params.n_hops {
+            hop(
+                &mut refiner,
+                &mut scratch.kept,
+                self.model.sites.spacing_m(),
+            );
+        }
+        scratch
+            .found
+            .extend(scratch.kept.iter().filter(|e| e.n == n));
         info.n_steps += refiner.n_steps;
     }
+}
+
+/// Starts again from places around the contacts of the best explanation, one contact moved at a
+/// time: the map's slope jumps at edges of faces, and a descent may end at a kink.
+fn hop(refiner: &mut Refiner<'_>, kept: &mut [Explanation], distance_m: f64) {
+    let best = (0..kept.len()).min_by(|&a, &b| kept[a].misfit().total_cmp(&kept[b].misfit()));
+    let Some(best) = best else {
+        return;
+    };
+    let from = kept[best];
+    let mut found = from;
+    for i in 0..from.n {
+        let [t1, t2] = refiner.model.skin().tangents(&from.points[i]);
+        for turn in 0..N_DIRECTIONS {
+            let (s, c) =
+                (f64::from(turn) / f64::from(N_DIRECTIONS) * std::f64::consts::TAU).sin_cos();
+            let step = (t1 * c + t2 * s) * distance_m;
+            let mut start = from;
+            let skin = refiner.model.skin();
+            start.points[i] = skin.walk(&from.points[i], &step, AtWall::Slide).point;
+            refiner.descend(&mut start, refiner.params.n_probe_steps);
+            if start.misfit() < found.misfit() + HOP_MARGIN {
+                refiner.settle(&mut start);
+                if start.n == from.n && start.misfit() < found.misfit() {
+                    found = start;
+                }
+            }
+        }
+    }
+    kept[best] = found;
 }

@@ -51,9 +51,14 @@ impl Row {
             let n: f64 = StandardNormal.sample(rng);
             *y += sd * n;
         }
-        let start = Instant::now();
-        estimator.estimate_into(&y, scratch, out)?;
-        self.times_us.push(start.elapsed().as_secs_f64() * 1e6);
+        // the least of three runs, since other programs share the machine
+        let mut least_us = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            estimator.estimate_into(&y, scratch, out)?;
+            least_us = least_us.min(start.elapsed().as_secs_f64() * 1e6);
+        }
+        self.times_us.push(least_us);
         self.n_right += usize::from(out.contacts.len() == k);
         self.n_unsure += usize::from(matches!(out.verdict, Verdict::NotIdentifiable(_)));
         let found_misfit = (out.contacts.len(), out.chi2);
