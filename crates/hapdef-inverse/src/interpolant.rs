@@ -120,10 +120,6 @@ impl Interpolant {
         rows
     }
 
-    pub(crate) fn n_rows(&self) -> usize {
-        self.n_rows
-    }
-
     pub(crate) fn value_weights(&self, bary: &[f64; 3]) -> [f64; N_CUBIC] {
         if self.n_basis == N_CUBIC {
             return basis::cubic(bary);

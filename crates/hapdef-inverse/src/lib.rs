@@ -25,7 +25,7 @@ mod walk;
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
-    MAX_CONTACTS, RunnerUp, Verdict, WhyNot,
+    MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
 };
 pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,

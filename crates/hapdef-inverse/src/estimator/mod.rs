@@ -13,9 +13,10 @@ mod report;
 mod scan;
 mod scratch;
 mod search;
+mod shear;
 
 pub use explanation::MAX_CONTACTS;
-pub use output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
+pub use output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, ShearContact, Verdict, WhyNot};
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
 pub use search::ContactEstimator;

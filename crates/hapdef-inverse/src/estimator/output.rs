@@ -20,6 +20,21 @@ pub struct Contact {
     pub covariance: Matrix3<f64>,
 }
 
+/// One contact with its force in three directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShearContact {
+    /// Where on the skin.
+    pub point: SkinPoint,
+    /// Where in space, m.
+    pub position_m: Point3<f64>,
+    /// The force on the limb, N.
+    pub force_vector_n: Vector3<f64>,
+    /// Covariance of the position along the two tangents, m².
+    pub position_covariance_m2: [[f64; 2]; 2],
+    /// Covariance of the force, N².
+    pub force_covariance_n2: Matrix3<f64>,
+}
+
 /// Another explanation of the same frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunnerUp {

@@ -130,9 +130,13 @@ impl Gauge {
         let out = Vector3::new(x.x, 0.0, x.z) / x.x.hypot(x.z);
         let around = Vector3::new(-out.z, 0.0, out.x);
         let g = self.normal(x);
-        -out * g
-            + around * (0.4 * self.normal(&(x + around * 0.01)) - 0.2 * g)
-            + Vector3::y() * (0.02 * x.y / LENGTH_M + 0.1 * g)
+        // a push along the skin acts like other pushes elsewhere
+        let turned = |angle: f64, up_m: f64| {
+            let (s, c) = angle.sin_cos();
+            Point3::new(c * x.x - s * x.z, x.y + up_m, s * x.x + c * x.z)
+        };
+        let (far, near) = (turned(0.9, 0.02), turned(-1.3, -0.015));
+        -out * g + around * (0.5 * self.normal(&far)) + Vector3::y() * (0.4 * self.normal(&near))
     }
 
     /// Reading per newton against the normal at `x`.
