@@ -16,6 +16,7 @@ mod nearest;
 mod node_gradient;
 mod noise;
 mod patch;
+mod placement;
 mod response;
 mod sites;
 mod skin;
@@ -31,6 +32,10 @@ pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
 };
 pub use noise::{ModelError, NoiseParams};
+pub use placement::{
+    Candidates, PlacementParams, PlacementScore, exchange, place_greedy, place_pca_qr,
+    place_random, placement_score,
+};
 pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;
 pub use skin::{Skin, SkinFaces, SkinParams};

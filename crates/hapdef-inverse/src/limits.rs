@@ -3,6 +3,7 @@
 use crate::dense::{cholesky, inverse, log_det};
 use crate::error::{InverseError, check_positive};
 use crate::estimator::{ContactEstimator, Explanation, Linear, MAX_CONTACTS};
+use crate::placement::Draws;
 use crate::skin_point::SkinPoint;
 
 /// Relative pivot of the scaled information below which it counts as singular.
@@ -117,7 +118,7 @@ pub fn carried_contacts(
     check_positive("usable_sd_m", params.usable_sd_m)?;
     let most = (estimator.model.m / 3).min(MAX_CONTACTS);
     let mut linear = Linear::new(&estimator.model);
-    let mut rng = SplitMix(params.seed);
+    let mut rng = Draws::new(params.seed);
     let carried = (1..=most).map(|n| carried_by(estimator, n, params, &mut rng, &mut linear));
     Ok(carried.collect())
 }
@@ -126,7 +127,7 @@ fn carried_by(
     estimator: &ContactEstimator,
     n_contacts: usize,
     params: &LimitParams,
-    rng: &mut SplitMix,
+    rng: &mut Draws,
     linear: &mut Linear,
 ) -> Carried {
     let mut sds = Vec::with_capacity(params.n_draws * n_contacts);
@@ -157,7 +158,7 @@ fn draw(
     estimator: &ContactEstimator,
     n: usize,
     params: &LimitParams,
-    rng: &mut SplitMix,
+    rng: &mut Draws,
 ) -> Vec<(SkinPoint, f64)> {
     let sites = &estimator.model.sites;
     let mut chosen: Vec<usize> = Vec::new();
@@ -165,7 +166,7 @@ fn draw(
         if chosen.len() == n {
             break;
         }
-        let site = (rng.next() % sites.len() as u64) as usize;
+        let site = rng.below(sites.len());
         let x = sites.positions()[site];
         let gap = |other: &usize| (sites.positions()[*other] - x).norm();
         let is_apart = chosen.iter().all(|other| gap(other) >= params.min_gap_m);
@@ -221,17 +222,4 @@ fn inverted(a: &[f64], n: usize) -> Option<(Vec<f64>, f64)> {
     }
     let of_scale: f64 = scale.iter().map(|s| 2.0 * s.ln()).sum();
     Some((covariance, log_det(&l, n) + of_scale))
-}
-
-/// SplitMix64 (Steele, Lea and Flood 2014): enough for drawing sites.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
 }
