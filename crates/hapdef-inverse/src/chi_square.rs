@@ -62,7 +62,7 @@ fn upper_fraction(a: f64, x: f64) -> f64 {
 
 /// ln Γ(n/2), by the recurrence from Γ(½) = √π and Γ(1) = 1.
 fn ln_gamma_half(n: usize) -> f64 {
-    let (start, mut ln) = if n % 2 == 0 {
+    let (start, mut ln) = if n.is_multiple_of(2) {
         (1.0, 0.0)
     } else {
         (0.5, 0.5 * std::f64::consts::PI.ln())

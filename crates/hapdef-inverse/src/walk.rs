@@ -66,7 +66,7 @@ impl Skin {
             walker.left = Vector3::zeros();
         }
         for _ in 0..MAX_CROSSINGS {
-            let Some(edge) = walker.to_edge() else {
+            let Some(edge) = walker.go_straight() else {
                 break;
             };
             if !walker.cross(edge, at_wall) {
@@ -99,7 +99,7 @@ struct Walker<'a> {
 
 impl Walker<'_> {
     /// Goes straight until the step is used up (`None`) or an edge is met.
-    fn to_edge(&mut self) -> Option<usize> {
+    fn go_straight(&mut self) -> Option<usize> {
         let frame = self.skin.frame(&self.point);
         let length = self.left.norm();
         if length == 0.0 {

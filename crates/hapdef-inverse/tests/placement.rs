@@ -1,5 +1,4 @@
 //! Placement keeps its constraints and beats chance.
-#![expect(clippy::unwrap_used, reason = "a placement that fails fails the test")]
 
 mod world;
 

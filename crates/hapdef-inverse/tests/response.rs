@@ -1,8 +1,4 @@
 //! The response map: smooth, right at second and third order, its gradient the derivative.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a map that can't be made fails the test"
-)]
 
 mod world;
 

@@ -148,7 +148,7 @@ impl Model {
             *z = found;
         }
         solve_lower(&self.l, self.m, &mut z[..self.m]);
-        match z.iter().position(|v| !(v.abs() < 1e100)) {
+        match z.iter().position(|v| v.is_nan() || v.abs() >= 1e100) {
             Some(place) => {
                 let gauge = self.live[place.min(self.m - 1)];
                 let found = readings[gauge];
