@@ -5,6 +5,9 @@ use crate::estimator::Model;
 /// Squared sine below which two atoms are too alike to be told apart on the scan.
 const LEAST_SINE_2: f32 = 1e-4;
 
+/// Pairs looked at together.
+const LANES: usize = 16;
+
 /// Two sites and the χ² they explain with both forces positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pair {
@@ -115,35 +118,53 @@ fn scan_all(gram: &[f32], c: &[f32], n_sites: usize, buffers: &mut PairBuffers) 
 /// Energies of one site with those after it, and their best partners so far.
 #[inline(always)]
 fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
-    let n = gram.len();
-    let (c, energies) = (&c[..n], &mut out.energies[..n]);
-    let (best, partner) = (&mut out.best[..n], &mut out.partner[..n]);
-    for t in 0..n {
-        let (gamma, c_t) = (gram[t], c[t]);
-        let (a, b) = (c_s - gamma * c_t, c_t - gamma * c_s);
-        let sine_2 = 1.0 - gamma * gamma;
-        let energy = (c_s * a + c_t * b) / sine_2.max(LEAST_SINE_2);
-        let worst = a.min(b).min(sine_2 - LEAST_SINE_2);
-        let energy = if worst > 0.0 { energy } else { 0.0 };
-        energies[t] = energy;
-        let is_better = energy > best[t];
-        best[t] = if is_better { energy } else { best[t] };
-        partner[t] = if is_better { s } else { partner[t] };
+    let (grams, gram_rest) = gram.as_chunks::<LANES>();
+    let (cs, c_rest) = c.as_chunks::<LANES>();
+    let (energies, energy_rest) = out.energies.as_chunks_mut::<LANES>();
+    let (bests, best_rest) = out.best.as_chunks_mut::<LANES>();
+    let (partners, partner_rest) = out.partner.as_chunks_mut::<LANES>();
+    for i in 0..grams.len() {
+        let e = pair_energies(c_s, &grams[i], &cs[i]);
+        energies[i] = e;
+        let (mut best, mut partner) = (bests[i], partners[i]);
+        for lane in 0..LANES {
+            let is_better = e[lane] > best[lane];
+            best[lane] = if is_better { e[lane] } else { best[lane] };
+            partner[lane] = if is_better { s } else { partner[lane] };
+        }
+        (bests[i], partners[i]) = (best, partner);
+    }
+    for t in 0..gram_rest.len() {
+        let [energy] = pair_energies(c_s, &[gram_rest[t]], &[c_rest[t]]);
+        energy_rest[t] = energy;
+        if energy > best_rest[t] {
+            (best_rest[t], partner_rest[t]) = (energy, s);
+        }
     }
 }
 
 #[inline(always)]
+fn pair_energies<const N: usize>(c_s: f32, gram: &[f32; N], c: &[f32; N]) -> [f32; N] {
+    let mut energies = [0.0; N];
+    for lane in 0..N {
+        let (gamma, c_t) = (gram[lane], c[lane]);
+        let (a, b) = (c_s - gamma * c_t, c_t - gamma * c_s);
+        let sine_2 = 1.0 - gamma * gamma;
+        let is_usable = (a > 0.0) & (b > 0.0) & (sine_2 > LEAST_SINE_2);
+        let energy = (c_s * a + c_t * b) / sine_2;
+        energies[lane] = if is_usable { energy } else { 0.0 };
+    }
+    energies
+}
+
+#[inline(always)]
 fn max(values: &[f32]) -> f32 {
-    let mut lanes = [0.0_f32; 8];
-    let chunks = values.chunks_exact(8);
-    let rest = chunks.remainder();
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let mut lanes = [0.0_f32; LANES];
     for chunk in chunks {
-        for lane in 0..8 {
-            lanes[lane] = if chunk[lane] > lanes[lane] {
-                chunk[lane]
-            } else {
-                lanes[lane]
-            };
+        for lane in 0..LANES {
+            let is_more = chunk[lane] > lanes[lane];
+            lanes[lane] = if is_more { chunk[lane] } else { lanes[lane] };
         }
     }
     rest.iter().chain(&lanes).fold(0.0, |a, &b| a.max(b))

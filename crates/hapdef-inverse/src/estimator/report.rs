@@ -144,7 +144,7 @@ fn set_runner_ups(
         }
     }
     out.runner_ups
-        .sort_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
+        .sort_unstable_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
 }
 
 fn verdict(

@@ -7,6 +7,9 @@ use crate::estimator::explanation::MAX_CONTACTS;
 /// Squared sine of the angle to the held atoms below which a site can't be told from them.
 const LEAST_SINE_2: f32 = 1e-4;
 
+/// Sites looked at together.
+const LANES: usize = 16;
+
 /// A site and the χ² that a contact there explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gain {
@@ -197,20 +200,42 @@ fn beside<const K: usize>(
 ) {
     let n = gains.len();
     let (c, rows) = (&c[..n], rows.map(|row| &row[..n]));
-    for site in 0..n {
-        let (mut along, mut left) = (c[site], 1.0);
-        for i in 0..K {
-            let mut q = 0.0;
-            for j in 0..=i {
-                q += t[i][j] * rows[j][site];
-            }
-            along -= b[i] * q;
-            left -= q * q;
-        }
-        let gain = along * along / left.max(LEAST_SINE_2);
-        let worst = along.min(left - LEAST_SINE_2);
-        gains[site] = if worst > 0.0 { gain } else { 0.0 };
+    let n_whole = n - n % LANES;
+    for first in (0..n_whole).step_by(LANES) {
+        let at = |row: &[f32]| std::array::from_fn::<f32, LANES, _>(|lane| row[first + lane]);
+        let found = gains_of(&at(c), &rows.map(at), &b, t);
+        gains[first..first + LANES].copy_from_slice(&found);
     }
+    for site in n_whole..n {
+        [gains[site]] = gains_of(&[c[site]], &rows.map(|row| [row[site]]), &b, t);
+    }
+}
+
+#[inline(always)]
+fn gains_of<const K: usize, const N: usize>(
+    c: &[f32; N],
+    rows: &[[f32; N]; K],
+    b: &[f32; K],
+    t: &[[f32; MAX_CONTACTS]; MAX_CONTACTS],
+) -> [f32; N] {
+    let (mut along, mut left) = (*c, [1.0; N]);
+    for i in 0..K {
+        let mut q = [0.0; N];
+        for j in 0..=i {
+            for lane in 0..N {
+                q[lane] += t[i][j] * rows[j][lane];
+            }
+        }
+        for lane in 0..N {
+            along[lane] -= b[i] * q[lane];
+            left[lane] -= q[lane] * q[lane];
+        }
+    }
+    std::array::from_fn(|lane| {
+        let is_usable = (along[lane] > 0.0) & (left[lane] > LEAST_SINE_2);
+        let gain = along[lane] * along[lane] / left[lane];
+        if is_usable { gain } else { 0.0 }
+    })
 }
 
 impl Model {

@@ -251,7 +251,7 @@ impl ContactEstimator {
         scratch.bases.extend(less);
         scratch
             .bases
-            .sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+            .sort_unstable_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         scratch.bases.truncate(params.n_bases);
         if n == 3 {
             let free = params.n_bases.saturating_sub(scratch.bases.len());
@@ -279,7 +279,7 @@ impl ContactEstimator {
         info.n_refined += scratch.starts.len();
         scratch
             .starts
-            .sort_by(|a, b| a.misfit().total_cmp(&b.misfit()));
+            .sort_unstable_by(|a, b| a.misfit().total_cmp(&b.misfit()));
         scratch.kept.clear();
         let best = scratch.starts.first().map_or(0.0, |e| e.chi2);
         let hopeless = |e: &Explanation| e.chi2 > HOPELESS_RATIO * best + HOPELESS_CHI2;
