@@ -201,8 +201,14 @@ impl Skin {
             let origin = at(0);
             return [at(1) - origin, at(2) - origin];
         }
-        basis::quadratic_gradient(bary)
-            .map(|weights| (0..6).map(|i| at(i) * weights[i]).sum::<Vector3<f64>>())
+        let weights = basis::quadratic_gradient(bary);
+        let mut sums = [Vector3::zeros(); 2];
+        for i in 0..6 {
+            let x = at(i);
+            sums[0] += x * weights[0][i];
+            sums[1] += x * weights[1][i];
+        }
+        sums
     }
 
     /// Whether `point` lies on an edge that no walk crosses and `step` points over it: the edge's

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::skin::{Side, Skin};
-use crate::skin_point::SkinPoint;
+use crate::skin_point::{Frame, SkinPoint};
 
 /// Edges crossed at most in one walk; a walk around a corner of many faces crosses each once.
 const MAX_CROSSINGS: usize = 512;
@@ -52,19 +52,19 @@ impl Skin {
     /// If `start` is of another, larger skin.
     #[must_use]
     pub fn walk(&self, start: &SkinPoint, step: &Vector3<f64>, at_wall: AtWall) -> Walk {
+        let frame = self.frame(start);
+        let [t1, t2] = frame.tangents;
+        let along = t1 * t1.dot(step) + t2 * t2.dot(step);
+        let is_finite = along.iter().all(|c| c.is_finite());
         let mut walker = Walker {
             skin: self,
             point: *start,
-            left: Vector3::zeros(),
+            frame,
+            left: if is_finite { along } else { Vector3::zeros() },
             held: None,
             walked_m: 0.0,
             end: WalkEnd::Done,
         };
-        let frame = self.frame(start);
-        walker.left = frame.tangents.map(|t| t * t.dot(step)).iter().sum();
-        if !walker.left.iter().all(|c| c.is_finite()) {
-            walker.left = Vector3::zeros();
-        }
         for _ in 0..MAX_CROSSINGS {
             let Some(edge) = walker.go_straight() else {
                 break;
@@ -90,6 +90,8 @@ impl Skin {
 struct Walker<'a> {
     skin: &'a Skin,
     point: SkinPoint,
+    /// At `point`.
+    frame: Frame,
     left: Vector3<f64>,
     /// The edge that is followed, which bounds the walk no more.
     held: Option<usize>,
@@ -100,12 +102,11 @@ struct Walker<'a> {
 impl Walker<'_> {
     /// Goes straight until the step is used up (`None`) or an edge is met.
     fn go_straight(&mut self) -> Option<usize> {
-        let frame = self.skin.frame(&self.point);
         let length = self.left.norm();
         if length == 0.0 {
             return None;
         }
-        let [dxi, deta] = frame.parent_step(&self.left);
+        let [dxi, deta] = self.frame.parent_step(&self.left);
         let mut rate = [-dxi - deta, dxi, deta];
         let mut bary = self.point.bary();
         if let Some(edge) = self.held {
@@ -131,8 +132,8 @@ impl Walker<'_> {
         self.point = SkinPoint::trusted(self.point.face_id(), bary.map(|b| b / sum));
         self.walked_m += share * length;
         let met = met?;
-        let here = self.skin.frame(&self.point);
-        let [a, b] = here.by_parent;
+        self.frame = self.skin.frame(&self.point);
+        let [a, b] = self.frame.by_parent;
         let ahead = a * rate[1] + b * rate[2];
         let unit = ahead.try_normalize(0.0)?;
         self.left = unit * (length * (1.0 - share));
@@ -163,7 +164,7 @@ impl Walker<'_> {
         if at_wall == AtWall::Stop || self.held == Some(edge) {
             return false;
         }
-        let along = self.skin.frame(&self.point).edge_direction(edge);
+        let along = self.frame.edge_direction(edge);
         let is_backwards = self.held.is_some();
         self.left = along * along.dot(&self.left);
         self.held = Some(edge);
@@ -171,16 +172,16 @@ impl Walker<'_> {
     }
 
     fn unfold(&mut self, edge: usize, next: u32, its_edge: usize) {
-        let here = self.skin.frame(&self.point);
-        let along = here.edge_direction(edge);
-        let outward = -here.inward(edge);
+        let along = self.frame.edge_direction(edge);
+        let outward = -self.frame.inward(edge);
         let (ahead, across) = (self.left.dot(&along), self.left.dot(&outward).max(0.0));
         let bary = self.point.bary();
         let mut turned = [0.0; 3];
         turned[its_edge] = bary[(edge + 1) % 3];
         turned[(its_edge + 1) % 3] = bary[edge];
         self.point = SkinPoint::trusted(next, turned);
-        self.left = along * ahead + self.skin.frame(&self.point).inward(its_edge) * across;
+        self.frame = self.skin.frame(&self.point);
+        self.left = along * ahead + self.frame.inward(its_edge) * across;
         self.held = None;
     }
 }

@@ -25,11 +25,11 @@ pub(crate) struct Refiner<'a> {
 }
 
 impl Refiner<'_> {
-    /// Forces and χ² of `e` where it is, under the noise with the map's error at those forces.
+    /// Forces of `e` where it is, for the covariance that a descent starts with.
     pub(crate) fn weigh(&mut self, e: &mut Explanation) {
         e.forces = [0.0; MAX_CONTACTS];
-        let n_rounds = if self.model.base.is_some() { 2 } else { 1 };
-        for _ in 0..n_rounds {
+        // with an exact map the covariance does not depend on the forces
+        for _ in 0..if self.model.base.is_some() { 2 } else { 0 } {
             self.linear.set_covariance(self.model, e);
             self.linear.evaluate(self.model, e);
         }

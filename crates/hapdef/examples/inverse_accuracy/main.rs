@@ -68,8 +68,10 @@ fn main() -> Result<()> {
             let skin = map.skin();
             Ok(real.response_ue_per_n(&skin.position(p), &-skin.normal(p))?)
         };
+        let relative = relative_error(&map, &sites, &perturbed)?;
+        println!("relative error of the map: {:.0} %", relative * 100.0);
         let model_error = ModelError {
-            relative: 0.12,
+            relative,
             ..ModelError::default()
         };
         let noise = NoiseParams {
@@ -105,6 +107,18 @@ fn response_map(limb: &Limb, tip_radius_m: f64) -> Result<ResponseMap> {
     )?;
     let params = ResponseParams { tip_radius_m };
     Ok(ResponseMap::from_nodal(skin, n_gauges, &adjoint, &params)?)
+}
+
+/// Root mean square of the map's error over that of the response, at the scan sites.
+fn relative_error(map: &ResponseMap, sites: &ScanSites, truth: Response<'_>) -> Result<f64> {
+    let (mut error, mut all) = (0.0, 0.0);
+    for point in sites.points() {
+        for (t, g) in truth(point)?.iter().zip(map.normal(point)) {
+            error += (t - g).powi(2);
+            all += t * t;
+        }
+    }
+    Ok(f64::sqrt(error / all))
 }
 
 /// A rig perturbed like the bundled scene's, with seeds of its own.
