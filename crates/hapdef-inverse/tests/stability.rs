@@ -296,7 +296,7 @@ proptest! {
     #[test]
     fn any_readings(y in proptest::collection::vec(-1e4_f64..1e4, 10)) {
         let world = World::new(10, 60, 5);
-        let params = EstimatorParams { n_pair_starts: 20, n_bases: 10, ..EstimatorParams::default() };
+        let params = EstimatorParams { n_starts: 20, n_bases: 10, ..EstimatorParams::default() };
         let estimator = world.estimator(NoiseParams::uniform(10, 1.0), params);
         check_numbers(&estimator.estimate(&y).unwrap());
     }

@@ -40,15 +40,31 @@ pub(crate) fn grow(
             let z = &scratch.unit_z;
             scratch.company.set_site(model, base.n, peak.site, z);
             n_scanned += alternate(model, &mut start, scratch);
-            let skin = model.skin();
-            let is_new = |other: &Explanation| !other.is_same(&start, skin, 1e-4);
-            if scratch.starts.iter().all(is_new) {
-                scratch.starts.push(start);
-            }
+            let all = others(start.n, None);
+            start.chi2 = -scratch.company.explained(&all[..start.n]);
+            scratch.starts.push(start);
         }
     }
     scratch.peaks = peaks;
+    keep_best(model, params.n_starts, scratch);
     n_scanned
+}
+
+/// Leaves the `n` starts that explain most and are in different places.
+fn keep_best(model: &Model, n: usize, scratch: &mut EstimatorScratch) {
+    let EstimatorScratch { starts, bases, .. } = scratch;
+    starts.sort_unstable_by(|a, b| a.chi2.total_cmp(&b.chi2));
+    bases.clear();
+    let near = 0.5 * model.sites.spacing_m();
+    for start in starts.iter() {
+        if bases.len() == n {
+            break;
+        }
+        if bases.iter().all(|o| !o.is_same(start, model.skin(), near)) {
+            bases.push(*start);
+        }
+    }
+    std::mem::swap(starts, bases);
 }
 
 fn alternate(model: &Model, e: &mut Explanation, scratch: &mut EstimatorScratch) -> usize {

@@ -55,7 +55,8 @@ impl Model {
         self.distinct_pairs(n, buffers, out);
     }
 
-    fn distinct_pairs(&self, n: usize, buffers: &mut PairBuffers, out: &mut Vec<Pair>) {
+    /// The `n` best pairs in different places of the scan that `buffers` holds.
+    pub(crate) fn distinct_pairs(&self, n: usize, buffers: &mut PairBuffers, out: &mut Vec<Pair>) {
         buffers.order.clear();
         for (s, (&energy, &partner)) in buffers.best.iter().zip(&buffers.partner).enumerate() {
             if partner >= 0.0 {

@@ -18,8 +18,8 @@ pub struct EstimatorParams {
     pub misfit_p: f64,
     /// Single-contact starts that are refined.
     pub n_single_starts: usize,
-    /// Pairs from the exhaustive scan that are refined.
-    pub n_pair_starts: usize,
+    /// Starts with two contacts and more that are refined.
+    pub n_starts: usize,
     /// Explanations that a further contact is added to, for three contacts and more.
     pub n_bases: usize,
     /// Further contacts tried for each of them.
@@ -58,9 +58,9 @@ impl Default for EstimatorParams {
             accept_p: 0.01,
             misfit_p: 1e-6,
             n_single_starts: 6,
-            n_pair_starts: 150,
-            n_bases: 60,
-            n_per_base: 2,
+            n_starts: 150,
+            n_bases: 300,
+            n_per_base: 3,
             n_probe_steps: 3,
             n_finalists: 16,
             n_hops: 1,
@@ -98,7 +98,7 @@ impl EstimatorParams {
         }
         for (what, n) in [
             ("n_single_starts", self.n_single_starts),
-            ("n_pair_starts", self.n_pair_starts),
+            ("n_starts", self.n_starts),
             ("n_bases", self.n_bases),
             ("n_per_base", self.n_per_base),
             ("n_finalists", self.n_finalists),

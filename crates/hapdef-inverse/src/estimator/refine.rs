@@ -95,7 +95,7 @@ impl Refiner<'_> {
                 *damping = (*damping * 0.1).max(1e-9);
                 return true;
             }
-            *damping *= 10.0;
+            *damping = (*damping * 10.0).max(1e-2);
         }
         false
     }

@@ -125,6 +125,17 @@ impl Company {
         }
     }
 
+    /// What the contacts `held` explain together, signs of their forces left free.
+    pub(crate) fn explained(&self, held: &[usize]) -> f64 {
+        let (inverse, kept) = self.orthogonal(held);
+        let b = |i: usize| -> f64 {
+            (0..=i)
+                .map(|j| inverse[i][j] * self.along[held[kept[j]]])
+                .sum()
+        };
+        (0..kept.len()).map(|i| b(i) * b(i)).sum()
+    }
+
     /// L⁻¹ of the held atoms' Gram matrix L Lᵀ, and which of them were kept: those in the span of
     /// the ones before are left out.
     fn orthogonal(&self, held: &[usize]) -> ([[f64; MAX_CONTACTS]; MAX_CONTACTS], Kept) {

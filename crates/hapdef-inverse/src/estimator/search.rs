@@ -199,7 +199,7 @@ impl ContactEstimator {
                 info.n_scanned += n_sites;
             }
             2 => {
-                self.pair_starts(params.n_pair_starts, scratch);
+                self.pair_starts(params.n_starts, scratch);
                 info.n_scanned += n_sites * (n_sites - 1) / 2;
             }
             _ => {
@@ -210,6 +210,7 @@ impl ContactEstimator {
         self.refine(n, scratch, info);
     }
 
+    /// The best local maxima of the scan, and the sites around the best.
     fn single_starts(&self, scratch: &mut EstimatorScratch) {
         let model = &self.model;
         let size = dot(&scratch.linear.z, &scratch.linear.z).sqrt();
@@ -225,8 +226,11 @@ impl ContactEstimator {
         let n = self.params.n_single_starts;
         model.peaks(&scratch.gains, n, &mut scratch.peaks);
         scratch.starts.clear();
-        for peak in &scratch.peaks {
-            let point = model.sites.points()[peak.site];
+        let top = scratch.peaks.first().map(|peak| peak.site);
+        let near = top.map_or(&[][..], |site| &model.sites.near(site)[..]);
+        let around = near.iter().map(|&site| site as usize);
+        for site in scratch.peaks.iter().map(|peak| peak.site).chain(around) {
+            let point = model.sites.points()[site];
             scratch.starts.push(Explanation::new(&[point]));
         }
     }
@@ -255,6 +259,8 @@ impl ContactEstimator {
         scratch.bases.truncate(params.n_bases);
         if n == 3 {
             let free = params.n_bases.saturating_sub(scratch.bases.len());
+            let (buffers, pairs) = (&mut scratch.pair_buffers, &mut scratch.pairs);
+            self.model.distinct_pairs(free, buffers, pairs);
             let points = self.model.sites.points();
             for pair in scratch.pairs.iter().take(free) {
                 let pair = pair.sites.map(|site| points[site as usize]);
