@@ -1,0 +1,26 @@
+//! Contacts from one frame of readings.
+
+mod explanation;
+mod forces;
+mod grow;
+mod model;
+mod normal_equations;
+mod output;
+mod pairs;
+mod params;
+mod refine;
+mod report;
+mod scan;
+mod scratch;
+mod search;
+mod shear;
+
+pub use explanation::MAX_CONTACTS;
+pub use output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, ShearContact, Verdict, WhyNot};
+pub use params::EstimatorParams;
+pub use scratch::EstimatorScratch;
+pub use search::ContactEstimator;
+
+pub(crate) use explanation::Explanation;
+pub(crate) use model::Model;
+pub(crate) use normal_equations::Linear;

@@ -1,0 +1,270 @@
+//! The response map in whitened readings, and its atoms at the scan sites.
+
+use std::sync::Arc;
+
+use crate::dense::{cholesky, dot, padded, solve_lower};
+use crate::error::{InverseError, check_length};
+use crate::interpolant::Interpolant;
+use crate::noise::NoiseParams;
+use crate::response::ResponseMap;
+use crate::sites::ScanSites;
+use crate::skin::Skin;
+use crate::skin_point::SkinPoint;
+
+/// Everything that depends on the map, the noise and the live gauges, not on the frame.
+///
+/// Readings y of the live gauges become z = L⁻¹ y with L Lᵀ = R + A² C̄, the noise with the map's
+/// mean error at a typical force A; without map error z has unit covariance.
+#[derive(Clone, Debug)]
+pub(crate) struct Model {
+    pub(crate) map: Arc<ResponseMap>,
+    pub(crate) sites: Arc<ScanSites>,
+    /// Gauges whose readings count, ascending.
+    pub(crate) live: Vec<usize>,
+    /// Live gauges.
+    pub(crate) m: usize,
+    pub(crate) width: usize,
+    /// `[m, m]`.
+    pub(crate) l: Vec<f64>,
+    /// Whitened control values `[n_rows, width]`.
+    rows: Vec<f64>,
+    /// Whitened control values for forces along x, y, z `[n_rows, 3, width]`.
+    vector_rows: Vec<f64>,
+    /// Whitened atoms of unit length `[n_sites, width]`; zero where a site moves no gauge.
+    pub(crate) atoms: Vec<f64>,
+    /// Their length before `[n_sites]`, per newton.
+    pub(crate) lengths: Vec<f64>,
+    /// Products of unit atoms `[n_sites, n_sites]`.
+    pub(crate) gram: Vec<f32>,
+    /// Whitened noise covariance `[m, m]`; `None` where it is the unit matrix and the map exact.
+    pub(crate) base: Option<Vec<f64>>,
+    /// Whitened map error per N² `[n_sites, m, m]`.
+    errors: Vec<f64>,
+}
+
+impl Model {
+    pub(crate) fn new(
+        map: Arc<ResponseMap>,
+        sites: Arc<ScanSites>,
+        noise: &NoiseParams,
+        live: &[bool],
+    ) -> Result<Self, InverseError> {
+        check_length("the mask of live gauges", map.n_gauges(), live.len())?;
+        noise.check(map.n_gauges(), sites.len())?;
+        let live: Vec<usize> = (0..live.len()).filter(|&g| live[g]).collect();
+        let m = live.len();
+        if m < 3 {
+            let (n_live, needed) = (m, 3);
+            return Err(InverseError::TooFewGauges { n_live, needed });
+        }
+        let errors = site_errors(&map, &sites, noise, &live);
+        let mut r = vec![0.0; m * m];
+        for i in 0..m {
+            r[i * m + i] = noise.variance(live[i]);
+        }
+        let mut l = r.clone();
+        for error in errors.chunks_exact(m * m) {
+            let scale = noise.typical_force_n.powi(2) / sites.len() as f64;
+            for (l, e) in l.iter_mut().zip(error) {
+                *l += scale * e;
+            }
+        }
+        if !cholesky(&mut l, m, 1e-14) {
+            let what = "the noise with the map's error";
+            return Err(InverseError::NotPositiveDefinite { what });
+        }
+        let mut model = Self {
+            width: padded(m),
+            rows: Vec::new(),
+            vector_rows: Vec::new(),
+            atoms: Vec::new(),
+            lengths: Vec::new(),
+            gram: Vec::new(),
+            base: None,
+            errors: Vec::new(),
+            map,
+            sites,
+            live,
+            m,
+            l,
+        };
+        let full = padded(model.map.n_gauges());
+        model.rows = model.whitened_rows(model.map.normal_rows(), full);
+        model.vector_rows = model.whitened_rows(model.map.vector_rows(), full);
+        if !noise.model_error.is_none() {
+            model.base = Some(model.whitened_covariance(&r));
+            model.errors = errors
+                .chunks_exact(m * m)
+                .flat_map(|error| model.whitened_covariance(error))
+                .collect();
+        }
+        model.set_atoms();
+        Ok(model)
+    }
+
+    pub(crate) fn skin(&self) -> &Skin {
+        self.map.skin()
+    }
+
+    pub(crate) fn interpolant(&self) -> &Interpolant {
+        self.map.interpolant()
+    }
+
+    pub(crate) fn rows(&self) -> &[f64] {
+        &self.rows
+    }
+
+    pub(crate) fn vector_rows(&self) -> &[f64] {
+        &self.vector_rows
+    }
+
+    pub(crate) fn n_sites(&self) -> usize {
+        self.sites.len()
+    }
+
+    pub(crate) fn atom(&self, site: usize) -> &[f64] {
+        &self.atoms[site * self.width..(site + 1) * self.width]
+    }
+
+    /// Whitened map error per N² near `point` `[m, m]`.
+    pub(crate) fn error_at(&self, point: &SkinPoint) -> &[f64] {
+        let site = self.sites.of_point(self.skin(), point);
+        let size = self.m * self.m;
+        &self.errors[site * size..(site + 1) * size]
+    }
+
+    /// z of all gauges' readings, into `z` `[width]`.
+    ///
+    /// # Errors
+    /// [`InverseError::Length`]; [`InverseError::Reading`] naming a live gauge.
+    pub(crate) fn whiten(&self, readings: &[f64], z: &mut [f64]) -> Result<(), InverseError> {
+        check_length("the readings", self.map.n_gauges(), readings.len())?;
+        z.fill(0.0);
+        for (z, &gauge) in z.iter_mut().zip(&self.live) {
+            let found = readings[gauge];
+            if !found.is_finite() {
+                return Err(InverseError::Reading { gauge, found });
+            }
+            *z = found;
+        }
+        solve_lower(&self.l, self.m, &mut z[..self.m]);
+        match z.iter().position(|v| v.is_nan() || v.abs() >= 1e100) {
+            Some(place) => {
+                let gauge = self.live[place.min(self.m - 1)];
+                let found = readings[gauge];
+                Err(InverseError::Reading { gauge, found })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn whitened_rows(&self, rows: &[f64], full: usize) -> Vec<f64> {
+        let mut out = vec![0.0; rows.len() / full * self.width];
+        for (row, out) in rows
+            .chunks_exact(full)
+            .zip(out.chunks_exact_mut(self.width))
+        {
+            for (out, &gauge) in out.iter_mut().zip(&self.live) {
+                *out = row[gauge];
+            }
+            solve_lower(&self.l, self.m, &mut out[..self.m]);
+        }
+        out
+    }
+
+    /// L⁻¹ C L⁻ᵀ.
+    fn whitened_covariance(&self, c: &[f64]) -> Vec<f64> {
+        let m = self.m;
+        let half = |c: &[f64]| {
+            let mut out = vec![0.0; m * m];
+            for j in 0..m {
+                let mut column: Vec<f64> = (0..m).map(|i| c[i * m + j]).collect();
+                solve_lower(&self.l, m, &mut column);
+                // transposed on the way out
+                out[j * m..(j + 1) * m].copy_from_slice(&column);
+            }
+            out
+        };
+        half(&half(c))
+    }
+
+    fn set_atoms(&mut self) {
+        let (n, width) = (self.n_sites(), self.width);
+        let mut atoms = vec![0.0; n * width];
+        let mut lengths = vec![0.0; n];
+        for (site, atom) in atoms.chunks_exact_mut(width).enumerate() {
+            let point = &self.sites.points()[site];
+            let weights = self.interpolant().value_weights(&point.bary());
+            self.interpolant()
+                .combine(&self.rows, point, &weights, atom);
+            lengths[site] = dot(atom, atom).sqrt();
+        }
+        let longest = lengths.iter().fold(0.0, |a: f64, &b| a.max(b));
+        for (site, atom) in atoms.chunks_exact_mut(width).enumerate() {
+            let is_blind = lengths[site] <= 1e-9 * longest;
+            let scale = if is_blind { 0.0 } else { 1.0 / lengths[site] };
+            atom.iter_mut().for_each(|v| *v *= scale);
+        }
+        let mut gram = vec![0.0_f32; n * n];
+        for s in 0..n {
+            for t in s..n {
+                let product = dot(
+                    &atoms[s * width..(s + 1) * width],
+                    &atoms[t * width..(t + 1) * width],
+                ) as f32;
+                gram[s * n + t] = product;
+                gram[t * n + s] = product;
+            }
+        }
+        (self.atoms, self.lengths, self.gram) = (atoms, lengths, gram);
+    }
+}
+
+/// The map's error per N² at each site for the live gauges `[n_sites, m, m]`; empty if exact.
+fn site_errors(
+    map: &ResponseMap,
+    sites: &ScanSites,
+    noise: &NoiseParams,
+    live: &[usize],
+) -> Vec<f64> {
+    let error = &noise.model_error;
+    if error.is_none() {
+        return Vec::new();
+    }
+    let (m, n_gauges) = (live.len(), map.n_gauges());
+    let values: Vec<Vec<f64>> = sites.points().iter().map(|p| map.normal(p)).collect();
+    let mean_square = |gauge: usize| {
+        let sum: f64 = values.iter().map(|g| g[gauge] * g[gauge]).sum();
+        (sum / values.len() as f64).max(f64::MIN_POSITIVE)
+    };
+    let s2: Vec<f64> = live.iter().map(|&gauge| mean_square(gauge)).collect();
+    let mut errors = vec![0.0; sites.len() * m * m];
+    for (site, c) in errors.chunks_exact_mut(m * m).enumerate() {
+        let g: Vec<f64> = live.iter().map(|&gauge| values[site][gauge]).collect();
+        let q = (0..m).map(|i| g[i] * g[i] / s2[i]).sum::<f64>() / m as f64;
+        for i in 0..m {
+            c[i * m + i] += 0.5 * error.relative.powi(2) * (g[i] * g[i] + s2[i] * q);
+        }
+        if error.friction_rms > 0.0 {
+            let point = &sites.points()[site];
+            let vectors = map.vector(point);
+            for tangent in map.skin().tangents(point) {
+                let along: Vec<f64> = live.iter().map(|&g| vectors[g].dot(&tangent)).collect();
+                for i in 0..m {
+                    for j in 0..m {
+                        c[i * m + j] += error.friction_rms.powi(2) * along[i] * along[j];
+                    }
+                }
+            }
+        }
+        if !error.per_site.is_empty() {
+            let given = &error.per_site[site * n_gauges * n_gauges..];
+            for i in 0..m {
+                for j in 0..m {
+                    c[i * m + j] += given[live[i] * n_gauges + live[j]];
+                }
+            }
+        }
+    }
+    errors
+}

@@ -1,0 +1,140 @@
+//! What is known after a frame, and what is not.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::skin_point::SkinPoint;
+
+/// One contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Where on the skin.
+    pub point: SkinPoint,
+    /// Where in space, m.
+    pub position_m: Point3<f64>,
+    /// Its normal force, 0 or more, N.
+    pub force_n: f64,
+    /// The force on the limb, N.
+    pub force_vector_n: Vector3<f64>,
+    /// Covariance of (position along tangent 1, along tangent 2, force), m and N; the tangents are
+    /// [`crate::Skin::tangents`] at `point`.
+    pub covariance: Matrix3<f64>,
+}
+
+/// One contact with its force in three directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShearContact {
+    /// Where on the skin.
+    pub point: SkinPoint,
+    /// Where in space, m.
+    pub position_m: Point3<f64>,
+    /// The force on the limb, N.
+    pub force_vector_n: Vector3<f64>,
+    /// Covariance of the position along the two tangents, m².
+    pub position_covariance_m2: [[f64; 2]; 2],
+    /// Covariance of the force, N².
+    pub force_covariance_n2: Matrix3<f64>,
+}
+
+/// Another explanation of the same frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunnerUp {
+    pub(crate) n: usize,
+    pub(crate) points: [SkinPoint; super::MAX_CONTACTS],
+    pub(crate) forces: [f64; super::MAX_CONTACTS],
+    /// χ² less the best's.
+    pub delta_chi2: f64,
+    /// −2 ln evidence less the best's; below 0 only for another number of contacts that the
+    /// count's margin rejects.
+    pub delta_evidence: f64,
+}
+
+impl RunnerUp {
+    /// Its contacts' places.
+    #[must_use]
+    pub fn points(&self) -> &[SkinPoint] {
+        &self.points[..self.n]
+    }
+
+    /// Its contacts' normal forces, N.
+    #[must_use]
+    pub fn forces_n(&self) -> &[f64] {
+        &self.forces[..self.n]
+    }
+}
+
+/// Why the contacts are not identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhyNot {
+    /// The readings leave a contact's place open: its standard deviation is that of the whole skin.
+    SingularInformation,
+    /// Another explanation in a different place is as good.
+    TiedExplanations,
+    /// Even as many contacts as may be do not explain the readings.
+    Misfit,
+}
+
+/// What the frame decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing touches.
+    Untouched,
+    /// The contacts are those reported.
+    Identified,
+    /// The contacts reported are the best guess, but the frame does not decide.
+    NotIdentifiable(WhyNot),
+}
+
+/// What the search did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EstimateInfo {
+    /// Sites and pairs of sites looked at.
+    pub n_scanned: usize,
+    /// Starts that were refined, at least for a few steps.
+    pub n_refined: usize,
+    /// Trial steps of all refinements.
+    pub n_steps: usize,
+    /// The most contacts that were searched for.
+    pub most_contacts: usize,
+}
+
+/// Contacts found in one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactEstimate {
+    /// The contacts of the best explanation, the strongest first.
+    pub contacts: Vec<Contact>,
+    /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N.
+    pub joint_covariance: Vec<f64>,
+    /// Other explanations within the margin, the best first.
+    pub runner_ups: Vec<RunnerUp>,
+    /// What the frame decides.
+    pub verdict: Verdict,
+    /// rᵀ S⁻¹ r of the best explanation, S the noise with the map's error at its forces.
+    pub chi2: f64,
+    /// Live gauges less unknowns.
+    pub n_dof: usize,
+    /// P(χ² of `n_dof` > `chi2`): the quality of the fit; 1 without degrees of freedom.
+    pub p_value: f64,
+    /// χ² without any contact.
+    pub chi2_untouched: f64,
+    /// Readings less what the contacts explain `[n_gauges]`, in their unit; 0 for dead gauges.
+    pub residual: Vec<f64>,
+    /// What the search did.
+    pub info: EstimateInfo,
+}
+
+impl Default for ContactEstimate {
+    fn default() -> Self {
+        Self {
+            contacts: Vec::new(),
+            joint_covariance: Vec::new(),
+            runner_ups: Vec::new(),
+            verdict: Verdict::Untouched,
+            chi2: 0.0,
+            n_dof: 0,
+            p_value: 1.0,
+            chi2_untouched: 0.0,
+            residual: Vec::new(),
+            info: EstimateInfo::default(),
+        }
+    }
+}

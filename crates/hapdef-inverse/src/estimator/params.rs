@@ -1,0 +1,123 @@
+//! Knobs of the estimator.
+
+use crate::error::{InverseError, check_not_negative, check_positive};
+
+/// How hard to search and when to believe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorParams {
+    /// Contacts looked for at most; the live gauges carry one for every three of them.
+    pub max_contacts: usize,
+    /// The number of contacts where it is known, which then is not estimated.
+    pub known_count: Option<usize>,
+    /// Below this probability of the readings without any contact, something touches.
+    pub touch_p: f64,
+    /// An explanation whose residual has at least this probability is good enough not to look for
+    /// one with more contacts.
+    pub accept_p: f64,
+    /// A misfit less probable than this, with as many contacts as may be, is reported.
+    pub misfit_p: f64,
+    /// Single-contact starts that are refined.
+    pub n_single_starts: usize,
+    /// Starts with two contacts and more that are refined.
+    pub n_starts: usize,
+    /// Explanations that a further contact is added to, for three contacts and more.
+    pub n_bases: usize,
+    /// Further contacts tried for each of them.
+    pub n_per_base: usize,
+    /// Steps of every start before the worse ones are dropped.
+    pub n_probe_steps: usize,
+    /// Starts that are refined to the end.
+    pub n_finalists: usize,
+    /// Rounds of new starts around the best explanation's contacts.
+    pub n_hops: usize,
+    /// Steps at most of a refinement.
+    pub max_steps: usize,
+    /// Longest step of a contact, m.
+    pub max_step_m: f64,
+    /// A refinement ends when χ² falls by less than this.
+    pub chi2_tolerance: f64,
+    /// Forces are expected to be of this size, N: the standard deviation of their prior.
+    pub force_scale_n: f64,
+    /// A further contact has to improve −2 ln evidence by this.
+    pub count_margin: f64,
+    /// Explanations with a contact farther than this from its match are different, m.
+    pub distinct_m: f64,
+    /// Different explanations within this of the best in −2 ln evidence are reported.
+    pub runner_up_delta: f64,
+    /// Different explanations within this of the best tie with it.
+    pub tie_delta: f64,
+}
+
+impl Default for EstimatorParams {
+    /// Effort for a cold pair of a few milliseconds on 800 sites.
+    fn default() -> Self {
+        Self {
+            max_contacts: 4,
+            known_count: None,
+            touch_p: 1e-3,
+            accept_p: 0.01,
+            misfit_p: 1e-6,
+            n_single_starts: 6,
+            n_starts: 150,
+            n_bases: 300,
+            n_per_base: 3,
+            n_probe_steps: 3,
+            n_finalists: 16,
+            n_hops: 1,
+            max_steps: 40,
+            max_step_m: 0.01,
+            chi2_tolerance: 1e-6,
+            force_scale_n: 20.0,
+            count_margin: 0.0,
+            distinct_m: 0.005,
+            runner_up_delta: 9.0,
+            tie_delta: 1.0,
+        }
+    }
+}
+
+impl EstimatorParams {
+    pub(crate) fn check(&self) -> Result<(), InverseError> {
+        let most = super::MAX_CONTACTS;
+        let found = self.known_count.unwrap_or(1).max(self.max_contacts);
+        if self.max_contacts == 0 || found > most {
+            return Err(InverseError::TooManyContacts { found, most });
+        }
+        for (what, p) in [
+            ("touch_p", self.touch_p),
+            ("accept_p", self.accept_p),
+            ("misfit_p", self.misfit_p),
+        ] {
+            if !(0.0..=1.0).contains(&p) {
+                return Err(InverseError::Parameter {
+                    what,
+                    found: p,
+                    expected: "a probability, 0 to 1",
+                });
+            }
+        }
+        for (what, n) in [
+            ("n_single_starts", self.n_single_starts),
+            ("n_starts", self.n_starts),
+            ("n_bases", self.n_bases),
+            ("n_per_base", self.n_per_base),
+            ("n_finalists", self.n_finalists),
+        ] {
+            check_positive(what, n as f64)?;
+        }
+        check_positive("max_step_m", self.max_step_m)?;
+        check_positive("force_scale_n", self.force_scale_n)?;
+        check_positive("distinct_m", self.distinct_m)?;
+        check_not_negative("chi2_tolerance", self.chi2_tolerance)?;
+        check_not_negative("runner_up_delta", self.runner_up_delta)?;
+        check_not_negative("tie_delta", self.tie_delta)?;
+        if self.count_margin.is_finite() {
+            return Ok(());
+        }
+        Err(InverseError::Parameter {
+            what: "count_margin",
+            found: self.count_margin,
+            expected: "a finite number",
+        })
+    }
+}

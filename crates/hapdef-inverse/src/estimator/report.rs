@@ -1,0 +1,179 @@
+//! From explanations to an answer: the count, covariances, runners-up, the verdict.
+
+use nalgebra::Matrix3;
+
+use crate::estimator::explanation::Explanation;
+use crate::estimator::output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
+use crate::estimator::refine::Refiner;
+use crate::estimator::{ContactEstimator, EstimatorScratch};
+
+/// A place is open if its standard deviation exceeds this share of the prior's.
+const OPEN_SHARE: f64 = 0.5;
+
+/// Puts the answer together from `scratch.found`.
+pub(crate) fn report(
+    estimator: &ContactEstimator,
+    readings: &[f64],
+    untouched: &Explanation,
+    scratch: &mut EstimatorScratch,
+    info: &mut EstimateInfo,
+    out: &mut ContactEstimate,
+) {
+    let model = &estimator.model;
+    let mut best = choose(estimator, untouched, &scratch.found);
+    sort_by_force(&mut best);
+    let refiner = Refiner {
+        model,
+        params: &estimator.params,
+        linear: &mut scratch.linear,
+        n_steps: 0,
+    };
+    refiner.linear.set_covariance(model, &mut best);
+    refiner.linear.evaluate(model, &mut best);
+    refiner.linear.linearise(model, &best);
+    refiner.covariance(&best, &mut out.joint_covariance);
+    let prior_sd_m = refiner.prior_sd(0);
+    out.contacts.clear();
+    for i in 0..best.n {
+        out.contacts
+            .push(contact(estimator, &best, i, &out.joint_covariance));
+    }
+    out.chi2 = best.chi2;
+    out.n_dof = model.m.saturating_sub(3 * best.n);
+    out.p_value = estimator.p_value(&best);
+    out.chi2_untouched = untouched.chi2;
+    out.info = *info;
+    set_residual(estimator, readings, &best, out);
+    set_runner_ups(estimator, &best, &scratch.found, out);
+    out.verdict = verdict(estimator, &best, out, prior_sd_m);
+}
+
+/// The best explanation of each count, and of these the one with the best evidence, each further
+/// contact charged the margin.
+fn choose(
+    estimator: &ContactEstimator,
+    untouched: &Explanation,
+    found: &[Explanation],
+) -> Explanation {
+    let margin = estimator.params.count_margin;
+    let cost = |e: &Explanation| e.evidence() + margin * e.n as f64;
+    let most = estimator.most_contacts();
+    // where a contact's force vanishes fewer are left than asked for
+    let is_allowed = |e: &&Explanation| {
+        estimator.params.known_count.is_none() || e.n == most || found.len() == 1
+    };
+    found
+        .iter()
+        .filter(is_allowed)
+        .min_by(|a, b| cost(a).total_cmp(&cost(b)))
+        .filter(|best| best.n > 0)
+        .unwrap_or(untouched)
+        .to_owned()
+}
+
+fn sort_by_force(e: &mut Explanation) {
+    for i in 1..e.n {
+        for j in (1..=i).rev() {
+            if e.forces[j] > e.forces[j - 1] {
+                e.forces.swap(j, j - 1);
+                e.points.swap(j, j - 1);
+            }
+        }
+    }
+}
+
+fn contact(estimator: &ContactEstimator, e: &Explanation, i: usize, joint: &[f64]) -> Contact {
+    let skin = estimator.model.skin();
+    let (point, force_n, n) = (e.points[i], e.forces[i], 3 * e.n);
+    Contact {
+        point,
+        position_m: skin.position(&point),
+        force_n,
+        force_vector_n: -skin.normal(&point) * force_n,
+        covariance: Matrix3::from_fn(|p, q| joint[(3 * i + p) * n + 3 * i + q]),
+    }
+}
+
+fn set_residual(
+    estimator: &ContactEstimator,
+    readings: &[f64],
+    best: &Explanation,
+    out: &mut ContactEstimate,
+) {
+    let model = &estimator.model;
+    out.residual.clear();
+    out.residual.resize(readings.len(), 0.0);
+    for &gauge in &model.live {
+        let explained: f64 = (0..best.n)
+            .map(|i| best.forces[i] * model.map.normal_of(&best.points[i], gauge))
+            .sum();
+        out.residual[gauge] = readings[gauge] - explained;
+    }
+}
+
+fn set_runner_ups(
+    estimator: &ContactEstimator,
+    best: &Explanation,
+    found: &[Explanation],
+    out: &mut ContactEstimate,
+) {
+    let (params, skin) = (&estimator.params, estimator.model.skin());
+    out.runner_ups.clear();
+    for e in found {
+        let delta_evidence = e.evidence() - best.evidence();
+        let is_far = |other: &Explanation| !e.is_same(other, skin, params.distinct_m);
+        if delta_evidence > params.runner_up_delta || best.n == 0 || !is_far(best) {
+            continue;
+        }
+        let new = RunnerUp {
+            n: e.n,
+            points: e.points,
+            forces: e.forces,
+            delta_chi2: e.chi2 - best.chi2,
+            delta_evidence,
+        };
+        let twin = out.runner_ups.iter_mut().find(|other| {
+            let mut explained = Explanation::new(other.points());
+            explained.forces = other.forces;
+            !is_far(&explained)
+        });
+        match twin {
+            Some(twin) if new.delta_evidence < twin.delta_evidence => *twin = new,
+            Some(_) => {}
+            None => out.runner_ups.push(new),
+        }
+    }
+    out.runner_ups
+        .sort_unstable_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
+}
+
+fn verdict(
+    estimator: &ContactEstimator,
+    best: &Explanation,
+    out: &ContactEstimate,
+    prior_sd_m: f64,
+) -> Verdict {
+    if best.n == 0 {
+        return Verdict::Untouched;
+    }
+    let open = |c: &Contact| {
+        let (a, b, d) = (
+            c.covariance[(0, 0)],
+            c.covariance[(0, 1)],
+            c.covariance[(1, 1)],
+        );
+        let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
+        largest.sqrt() > OPEN_SHARE * prior_sd_m
+    };
+    let params = &estimator.params;
+    let ties = |other: &RunnerUp| other.delta_evidence.abs() <= params.tie_delta;
+    if out.p_value < params.misfit_p {
+        Verdict::NotIdentifiable(WhyNot::Misfit)
+    } else if out.contacts.iter().any(open) {
+        Verdict::NotIdentifiable(WhyNot::SingularInformation)
+    } else if out.runner_ups.iter().any(ties) {
+        Verdict::NotIdentifiable(WhyNot::TiedExplanations)
+    } else {
+        Verdict::Identified
+    }
+}

@@ -1,0 +1,43 @@
+//! Contacts from gauge readings by superposition, with their covariance and what is not known.
+//!
+//! Linear elasticity makes readings add up: y = Σ Aᵢ g(pᵢ) + n with forces Aᵢ ≥ 0 at points pᵢ of
+//! the skin. A [`Skin`] is the surface that contacts sit on.
+//!
+//! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
+
+mod basis;
+mod chi_square;
+mod dense;
+mod error;
+mod estimator;
+mod interpolant;
+mod limits;
+mod nearest;
+mod node_gradient;
+mod noise;
+mod patch;
+mod placement;
+mod response;
+mod sites;
+mod skin;
+mod skin_point;
+mod walk;
+
+pub use error::InverseError;
+pub use estimator::{
+    Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
+    MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
+};
+pub use limits::{
+    Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
+};
+pub use noise::{ModelError, NoiseParams};
+pub use placement::{
+    Candidates, PlacementParams, PlacementScore, exchange, place_greedy, place_pca_qr,
+    place_random, placement_score,
+};
+pub use response::{ResponseMap, ResponseParams};
+pub use sites::ScanSites;
+pub use skin::{Skin, SkinFaces, SkinParams};
+pub use skin_point::SkinPoint;
+pub use walk::{AtWall, Walk, WalkEnd};

@@ -1,0 +1,77 @@
+//! What readings and the response map are worth: covariances.
+
+use crate::error::{InverseError, check_finite, check_length, check_not_negative, check_positive};
+
+/// Noise of the readings and error of the response map. All in the unit of the readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseParams {
+    /// Standard deviation of each gauge's noise `[n_gauges]`.
+    pub gauge_sd: Vec<f64>,
+    /// Step of each gauge's converter `[n_gauges]`, which adds step²/12; empty for none.
+    pub quantisation_step: Vec<f64>,
+    /// Error of the response map.
+    pub model_error: ModelError,
+    /// The force at which the error of the map is put into the scan's whitening, N.
+    pub typical_force_n: f64,
+}
+
+/// Error of the response map: a contact of force A adds A² C(p) to the covariance of the readings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelError {
+    /// ρ: C gets a diagonal ½ ρ² (gᵢ² + sᵢ² q), where sᵢ² is the mean square of gᵢ over the skin
+    /// and q the mean of gⱼ²/sⱼ² over the gauges: relative, and nowhere zero.
+    pub relative: f64,
+    /// Root mean square of tangential over normal force, each tangent: C gets μ² (g_t₁ g_t₁ᵀ +
+    /// g_t₂ g_t₂ᵀ). A friction coefficient uniform in 0…μ in a random direction has μ/√6.
+    pub friction_rms: f64,
+    /// A covariance for each scan site `[n_sites, n_gauges, n_gauges]`, per N²; empty for none.
+    pub per_site: Vec<f64>,
+}
+
+impl NoiseParams {
+    /// The same standard deviation on every gauge, nothing else.
+    #[must_use]
+    pub fn uniform(n_gauges: usize, sd: f64) -> Self {
+        Self {
+            gauge_sd: vec![sd; n_gauges],
+            quantisation_step: Vec::new(),
+            model_error: ModelError::default(),
+            typical_force_n: 10.0,
+        }
+    }
+
+    pub(crate) fn check(&self, n_gauges: usize, n_sites: usize) -> Result<(), InverseError> {
+        check_length("gauge_sd", n_gauges, self.gauge_sd.len())?;
+        for &sd in &self.gauge_sd {
+            check_positive("gauge_sd", sd)?;
+        }
+        if !self.quantisation_step.is_empty() {
+            check_length("quantisation_step", n_gauges, self.quantisation_step.len())?;
+        }
+        for &step in &self.quantisation_step {
+            check_not_negative("quantisation_step", step)?;
+        }
+        check_positive("typical_force_n", self.typical_force_n)?;
+        let error = &self.model_error;
+        check_not_negative("model_error.relative", error.relative)?;
+        check_not_negative("model_error.friction_rms", error.friction_rms)?;
+        if !error.per_site.is_empty() {
+            let expected = n_sites * n_gauges * n_gauges;
+            check_length("model_error.per_site", expected, error.per_site.len())?;
+            check_finite("model_error.per_site", &error.per_site)?;
+        }
+        Ok(())
+    }
+
+    /// Variance of a gauge's noise with its converter's.
+    pub(crate) fn variance(&self, gauge: usize) -> f64 {
+        let step = self.quantisation_step.get(gauge).copied().unwrap_or(0.0);
+        self.gauge_sd[gauge].powi(2) + step * step / 12.0
+    }
+}
+
+impl ModelError {
+    pub(crate) fn is_none(&self) -> bool {
+        self.relative == 0.0 && self.friction_rms == 0.0 && self.per_site.is_empty()
+    }
+}

@@ -1,0 +1,200 @@
+//! The response map: what every gauge reads for a newton anywhere on the skin.
+
+use nalgebra::Vector3;
+
+use crate::dense::padded;
+use crate::error::{InverseError, check_finite, check_length, check_not_negative};
+use crate::interpolant::Interpolant;
+use crate::patch::patch_means;
+use crate::skin::Skin;
+use crate::skin_point::SkinPoint;
+
+/// How nodal values become a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ResponseParams {
+    /// Radius of the round tip whose pressure the response is averaged under, m; 0 is a point force.
+    pub tip_radius_m: f64,
+}
+
+/// Gauge readings per newton, smooth over the skin, for forces against the outward normal and in
+/// any direction. The unit of a reading is the caller's, the same throughout.
+#[derive(Clone, Debug)]
+pub struct ResponseMap {
+    skin: Skin,
+    n_gauges: usize,
+    interpolant: Interpolant,
+    /// `[n_rows, padded(n_gauges)]`: for a newton against the normal.
+    normal: Vec<f64>,
+    /// `[n_rows, 3, padded(n_gauges)]`: for a newton along x, y, z.
+    vector: Vec<f64>,
+}
+
+impl ResponseMap {
+    /// The map from nodal values of the adjoint fields `[n_nodes, n_gauges]`: reading per newton in
+    /// each direction at each node of the skin. A unit normal force at a node goes against the
+    /// node's normal. On six-node faces values are interpolated quadratically, on three-node faces
+    /// by cubics that follow fitted nodal gradients.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a wrong length, a value that is not finite, a negative tip radius.
+    pub fn from_nodal(
+        skin: Skin,
+        n_gauges: usize,
+        adjoint: &[Vector3<f64>],
+        params: &ResponseParams,
+    ) -> Result<Self, InverseError> {
+        check_not_negative("tip_radius_m", params.tip_radius_m)?;
+        check_length(
+            "the adjoint fields",
+            skin.n_nodes() * n_gauges,
+            adjoint.len(),
+        )?;
+        if n_gauges == 0 {
+            let (needed, n_live) = (3, 0);
+            return Err(InverseError::TooFewGauges { n_live, needed });
+        }
+        let width = padded(n_gauges);
+        let mut vector = vec![0.0; skin.n_nodes() * 3 * width];
+        for (i, force) in adjoint.iter().enumerate() {
+            check_finite("the adjoint fields", force.as_slice())?;
+            let (node, gauge) = (i / n_gauges, i % n_gauges);
+            for axis in 0..3 {
+                vector[(3 * node + axis) * width + gauge] = force[axis];
+            }
+        }
+        if params.tip_radius_m > 0.0 {
+            vector = patch_means(&skin, &vector, 3 * width, params.tip_radius_m);
+        }
+        let mut normal = vec![0.0; skin.n_nodes() * width];
+        for (node, direction) in skin.normals().iter().enumerate() {
+            for gauge in 0..n_gauges {
+                let along = |axis: usize| vector[(3 * node + axis) * width + gauge];
+                normal[node * width + gauge] =
+                    -(0..3).map(|a| along(a) * direction[a]).sum::<f64>();
+            }
+        }
+        let interpolant = Interpolant::new(&skin);
+        Ok(Self {
+            n_gauges,
+            normal: interpolant.control(&normal, width),
+            vector: interpolant.control(&vector, 3 * width),
+            interpolant,
+            skin,
+        })
+    }
+
+    /// The skin that the map is on.
+    #[must_use]
+    pub fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    /// Number of gauges.
+    #[must_use]
+    pub fn n_gauges(&self) -> usize {
+        self.n_gauges
+    }
+
+    /// g(p) `[n_gauges]`: readings for a newton against the normal at `point`.
+    ///
+    /// # Panics
+    /// If `point` is of another, larger skin.
+    #[must_use]
+    pub fn normal(&self, point: &SkinPoint) -> Vec<f64> {
+        self.value(&self.normal, padded(self.n_gauges), point)
+    }
+
+    /// `[n_gauges]`: readings for a newton along x, y and z at `point`.
+    ///
+    /// # Panics
+    /// If `point` is of another, larger skin.
+    #[must_use]
+    pub fn vector(&self, point: &SkinPoint) -> Vec<Vector3<f64>> {
+        let width = padded(self.n_gauges);
+        let flat = self.combined(
+            &self.vector,
+            3 * width,
+            point,
+            &self.interpolant.value_weights(&point.bary()),
+        );
+        self.as_vectors(&flat)
+    }
+
+    /// ∂g/∂t₁ and ∂g/∂t₂ `[n_gauges]`, per metre along [`Skin::tangents`] of the skin at `point`.
+    ///
+    /// # Panics
+    /// If `point` is of another, larger skin.
+    #[must_use]
+    pub fn normal_gradient(&self, point: &SkinPoint) -> [Vec<f64>; 2] {
+        let weights = self
+            .interpolant
+            .weights(&point.bary(), &self.skin.frame(point));
+        weights.slope.map(|slope| {
+            let mut row = self.combined(&self.normal, padded(self.n_gauges), point, &slope);
+            row.truncate(self.n_gauges);
+            row
+        })
+    }
+
+    /// ∂/∂t₁ and ∂/∂t₂ of [`ResponseMap::vector`] `[n_gauges]`, per metre.
+    ///
+    /// # Panics
+    /// If `point` is of another, larger skin.
+    #[must_use]
+    pub fn vector_gradient(&self, point: &SkinPoint) -> [Vec<Vector3<f64>>; 2] {
+        let width = padded(self.n_gauges);
+        let weights = self
+            .interpolant
+            .weights(&point.bary(), &self.skin.frame(point));
+        weights
+            .slope
+            .map(|slope| self.as_vectors(&self.combined(&self.vector, 3 * width, point, &slope)))
+    }
+
+    /// g(p) of one gauge.
+    pub(crate) fn normal_of(&self, point: &SkinPoint, gauge: usize) -> f64 {
+        let weights = self.interpolant.value_weights(&point.bary());
+        let width = padded(self.n_gauges);
+        self.interpolant
+            .combine_one(&self.normal, width, point, &weights, gauge)
+    }
+
+    pub(crate) fn interpolant(&self) -> &Interpolant {
+        &self.interpolant
+    }
+
+    /// Control values for normal forces, `[n_rows, padded(n_gauges)]`.
+    pub(crate) fn normal_rows(&self) -> &[f64] {
+        &self.normal
+    }
+
+    /// Control values for forces along x, y, z, `[n_rows, 3, padded(n_gauges)]`.
+    pub(crate) fn vector_rows(&self) -> &[f64] {
+        &self.vector
+    }
+
+    fn value(&self, rows: &[f64], width: usize, point: &SkinPoint) -> Vec<f64> {
+        let weights = self.interpolant.value_weights(&point.bary());
+        let mut out = self.combined(rows, width, point, &weights);
+        out.truncate(self.n_gauges);
+        out
+    }
+
+    fn combined(
+        &self,
+        rows: &[f64],
+        width: usize,
+        point: &SkinPoint,
+        weights: &[f64; crate::basis::N_CUBIC],
+    ) -> Vec<f64> {
+        let mut out = vec![0.0; width];
+        self.interpolant.combine(rows, point, weights, &mut out);
+        out
+    }
+
+    fn as_vectors(&self, flat: &[f64]) -> Vec<Vector3<f64>> {
+        let width = padded(self.n_gauges);
+        let at = |gauge: usize| std::array::from_fn::<f64, 3, _>(|axis| flat[axis * width + gauge]);
+        (0..self.n_gauges).map(|g| Vector3::from(at(g))).collect()
+    }
+}

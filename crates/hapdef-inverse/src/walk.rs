@@ -1,0 +1,291 @@
+//! Steps over the skin: straight lines that unfold the faces they cross.
+
+use nalgebra::Vector3;
+
+use crate::skin::{Side, Skin};
+use crate::skin_point::{Frame, SkinPoint};
+
+/// Edges crossed at most in one walk; a walk around a corner of many faces crosses each once.
+const MAX_CROSSINGS: usize = 512;
+
+/// What a walk does where it may not go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AtWall {
+    /// Stop there.
+    Stop,
+    /// Follow the edge with the part of the step that is left along it.
+    Slide,
+}
+
+/// How a walk ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WalkEnd {
+    /// The whole step was walked.
+    Done,
+    /// At the rim of the skin.
+    Rim,
+    /// At a fold.
+    Fold,
+    /// At a face that no contact may enter.
+    Forbidden,
+}
+
+/// Where a walk led.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// The point reached.
+    pub point: SkinPoint,
+    /// Distance walked, m.
+    pub walked_m: f64,
+    /// Why it ended; with [`AtWall::Slide`] the first wall met.
+    pub end: WalkEnd,
+}
+
+impl Skin {
+    /// Walks from `start` along the tangential part of `step` (m): straight in each face, and at an
+    /// edge the rest of the step is turned about the edge into the next face, as if both were
+    /// unfolded into a plane. On flat faces this is the discrete geodesic (Polthier and Schmies,
+    /// Straightest Geodesics on Polyhedral Surfaces, 1998); on curved ones it agrees with the
+    /// geodesic to first order in the step.
+    ///
+    /// # Panics
+    /// If `start` is of another, larger skin.
+    #[must_use]
+    pub fn walk(&self, start: &SkinPoint, step: &Vector3<f64>, at_wall: AtWall) -> Walk {
+        let frame = self.frame(start);
+        let [t1, t2] = frame.tangents;
+        let along = t1 * t1.dot(step) + t2 * t2.dot(step);
+        let is_finite = along.iter().all(|c| c.is_finite());
+        let mut walker = Walker {
+            skin: self,
+            point: *start,
+            frame,
+            left: if is_finite { along } else { Vector3::zeros() },
+            held: None,
+            walked_m: 0.0,
+            end: WalkEnd::Done,
+        };
+        for _ in 0..MAX_CROSSINGS {
+            let Some(edge) = walker.go_straight() else {
+                break;
+            };
+            if !walker.cross(edge, at_wall) {
+                break;
+            }
+        }
+        let Walker {
+            point,
+            walked_m,
+            end,
+            ..
+        } = walker;
+        Walk {
+            point,
+            walked_m,
+            end,
+        }
+    }
+}
+
+struct Walker<'a> {
+    skin: &'a Skin,
+    point: SkinPoint,
+    /// At `point`.
+    frame: Frame,
+    left: Vector3<f64>,
+    /// The edge that is followed, which bounds the walk no more.
+    held: Option<usize>,
+    walked_m: f64,
+    end: WalkEnd,
+}
+
+impl Walker<'_> {
+    /// Goes straight until the step is used up (`None`) or an edge is met.
+    fn go_straight(&mut self) -> Option<usize> {
+        let length = self.left.norm();
+        if length == 0.0 {
+            return None;
+        }
+        let [dxi, deta] = self.frame.parent_step(&self.left);
+        let mut rate = [-dxi - deta, dxi, deta];
+        let mut bary = self.point.bary();
+        if let Some(edge) = self.held {
+            // along the edge the opposite corner's coordinate stays 0
+            rate[(edge + 2) % 3] = 0.0;
+            rate[(edge + 1) % 3] = -rate[edge];
+        }
+        let mut share = 1.0;
+        let mut met = None;
+        for i in 0..3 {
+            if rate[i] < 0.0 && bary[i] + rate[i] * share < 0.0 {
+                share = (-bary[i] / rate[i]).clamp(0.0, 1.0);
+                met = Some(i);
+            }
+        }
+        for i in 0..3 {
+            bary[i] = (bary[i] + share * rate[i]).max(0.0);
+        }
+        if let Some(i) = met {
+            bary[i] = 0.0;
+        }
+        let sum: f64 = bary.iter().sum();
+        self.point = SkinPoint::trusted(self.point.face_id(), bary.map(|b| b / sum));
+        self.walked_m += share * length;
+        let met = met?;
+        self.frame = self.skin.frame(&self.point);
+        let [a, b] = self.frame.by_parent;
+        let ahead = a * rate[1] + b * rate[2];
+        let unit = ahead.try_normalize(0.0)?;
+        self.left = unit * (length * (1.0 - share));
+        // the edge opposite corner i starts at corner i + 1
+        Some((met + 1) % 3)
+    }
+
+    /// Steps over `edge`, or stops or slides there; whether the walk goes on.
+    fn cross(&mut self, edge: usize, at_wall: AtWall) -> bool {
+        let face = self.point.face_id();
+        let wall = match self.skin.side(face, edge) {
+            Side::Rim => WalkEnd::Rim,
+            Side::Fold => WalkEnd::Fold,
+            Side::Across { face: next, .. } if self.skin.is_forbidden(next as usize) => {
+                WalkEnd::Forbidden
+            }
+            Side::Across {
+                face: next,
+                edge: its_edge,
+            } => {
+                self.unfold(edge, next, its_edge as usize);
+                return true;
+            }
+        };
+        if self.end == WalkEnd::Done {
+            self.end = wall;
+        }
+        if at_wall == AtWall::Stop || self.held == Some(edge) {
+            return false;
+        }
+        let along = self.frame.edge_direction(edge);
+        let is_backwards = self.held.is_some();
+        self.left = along * along.dot(&self.left);
+        self.held = Some(edge);
+        !is_backwards || self.left.norm() > 0.0
+    }
+
+    fn unfold(&mut self, edge: usize, next: u32, its_edge: usize) {
+        let along = self.frame.edge_direction(edge);
+        let outward = -self.frame.inward(edge);
+        let (ahead, across) = (self.left.dot(&along), self.left.dot(&outward).max(0.0));
+        let bary = self.point.bary();
+        let mut turned = [0.0; 3];
+        turned[its_edge] = bary[(edge + 1) % 3];
+        turned[(its_edge + 1) % 3] = bary[edge];
+        self.point = SkinPoint::trusted(next, turned);
+        self.frame = self.skin.frame(&self.point);
+        self.left = along * ahead + self.frame.inward(its_edge) * across;
+        self.held = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::skin::{SkinFaces, SkinParams};
+    use nalgebra::Point3;
+
+    /// A strip of 2 × n unit squares, each of two triangles, bent by `fold_rad` at x = 1.
+    fn strip(n: u32, fold_rad: f64) -> Skin {
+        let mut nodes = Vec::new();
+        for i in 0..=n {
+            for j in 0..3 {
+                let x = f64::from(i);
+                let beyond = (x - 1.0).max(0.0);
+                let (s, c) = fold_rad.sin_cos();
+                nodes.push(Point3::new(
+                    x.min(1.0) + beyond * c,
+                    f64::from(j),
+                    -beyond * s,
+                ));
+            }
+        }
+        let mut faces = Vec::new();
+        for i in 0..n {
+            for j in 0..2 {
+                let at = |i: u32, j: u32| 3 * i + j;
+                faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        Skin::new(
+            nodes,
+            SkinFaces::Linear(&faces),
+            None,
+            &SkinParams::default(),
+        )
+        .unwrap()
+    }
+
+    fn start(skin: &Skin) -> SkinPoint {
+        SkinPoint::new(skin, 0, [0.5, 0.3, 0.2]).unwrap()
+    }
+
+    #[test]
+    fn a_straight_line_unfolds() {
+        let flat = strip(4, 0.0);
+        let bent = strip(4, 0.6);
+        let step = Vector3::new(2.3, 0.7, 0.0);
+        let from = start(&flat);
+        let on_flat = flat.walk(&from, &step, AtWall::Stop);
+        let on_bent = bent.walk(&from, &step, AtWall::Stop);
+        assert_eq!((on_flat.end, on_bent.end), (WalkEnd::Done, WalkEnd::Done));
+        let reached = flat.position(&on_flat.point);
+        let wanted = flat.position(&from) + step;
+        assert!((reached - wanted).norm() < 1e-12, "{reached} {wanted}");
+        assert_eq!(on_flat.point.face(), on_bent.point.face());
+        for i in 0..3 {
+            let miss = on_flat.point.bary()[i] - on_bent.point.bary()[i];
+            assert!(miss.abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn walls_stop_or_deflect() {
+        let skin = strip(4, 0.0);
+        let step = Vector3::new(1.0, 9.0, 0.0);
+        let stopped = skin.walk(&start(&skin), &step, AtWall::Stop);
+        assert_eq!(stopped.end, WalkEnd::Rim);
+        assert!((skin.position(&stopped.point).y - 2.0).abs() < 1e-12);
+        let slid = skin.walk(&start(&skin), &step, AtWall::Slide);
+        let (from, to) = (skin.position(&start(&skin)), skin.position(&slid.point));
+        assert!(
+            (to.y - 2.0).abs() < 1e-12 && (to.x - from.x - 1.0).abs() < 1e-12,
+            "{to}"
+        );
+    }
+
+    #[test]
+    fn folds_and_forbidden_faces_are_walls() {
+        let step = Vector3::new(1.5, 0.0, 0.0);
+        let folded = strip(3, 1.2);
+        assert_eq!(
+            folded.walk(&start(&folded), &step, AtWall::Stop).end,
+            WalkEnd::Fold
+        );
+        let barred = strip(3, 0.0).forbid(&[4, 5]).unwrap();
+        let walk = barred.walk(&start(&barred), &step, AtWall::Stop);
+        assert_eq!(walk.end, WalkEnd::Forbidden);
+        assert!((barred.position(&walk.point).x - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn there_and_back() {
+        let skin = strip(5, 0.7);
+        let from = start(&skin);
+        let there = skin.walk(&from, &Vector3::new(1.9, 0.9, 0.0), AtWall::Stop);
+        assert_eq!(there.end, WalkEnd::Done);
+        let (s, c) = 0.7_f64.sin_cos();
+        let back = Vector3::new(-1.9 * c, -0.9, 1.9 * s);
+        let again = skin.walk(&there.point, &back, AtWall::Stop);
+        let miss = skin.position(&again.point) - skin.position(&from);
+        assert!(miss.norm() < 1e-12, "{miss}");
+    }
+}
