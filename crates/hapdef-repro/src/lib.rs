@@ -7,8 +7,11 @@
 //! - [`render_limb_png`], [`unrolled_svg`] and the charts: figures as bytes and text.
 //! - [`write_report`], [`MetricLog`]: what is left on disk and printed.
 //!
-//! Knows nothing of how samples arise, how nets are trained or where datasets lie: rows come in
-//! as slices or through closures. Lengths are metres and forces newtons; micrometres and
+//! - [`Learner`]: one method with its settings, on samples in memory; [`tactile_scores`]: the
+//!   methods on a real tactile skin.
+//!
+//! Knows nothing of how samples arise or where datasets lie: rows come in as slices or through
+//! closures. Lengths are metres and forces newtons; micrometres and
 //! millimetres appear only in what is printed.
 
 mod baselines;
@@ -16,7 +19,9 @@ mod error;
 mod metrics;
 mod plots;
 mod report;
+mod search;
 mod tables;
+mod tactile;
 
 pub use baselines::{
     Knn, KnnParams, LinearAccumulator, LinearInfo, LinearParams, LinearRegression, Neighbours,
@@ -32,8 +37,17 @@ pub use plots::{
 pub use report::{
     Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, write_report,
 };
+pub use search::{
+    Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
+    TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
+    propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
+};
 pub use tables::{
     BrokenCell, CellCount, CellState, Method, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,
     PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2, TestSet, TextCell, TextTable,
     TrainSet, Verdict, VerdictState, message_1, message_2,
+};
+pub use tactile::{
+    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
+    seeded_permutation, tactile_distances_mm, tactile_folder, tactile_scores,
 };

@@ -184,11 +184,16 @@ pub(crate) fn hashes(run: &Run, limb: &Limb, done: &Pipeline) -> Vec<NamedText> 
 
 /// What every metric carries.
 pub(crate) fn metric_context(run: &Run) -> MetricContext {
+    metric_context_of(run.scene.seed)
+}
+
+/// The same for a command without a scene.
+pub(crate) fn metric_context_of(seed: u64) -> MetricContext {
     let commit = output("git", &["rev-parse", "--short", "HEAD"]);
     MetricContext {
         commit: commit.unwrap_or_else(|| "unknown".into()),
         machine: machine(),
-        seed: run.scene.seed,
+        seed,
         time: now(),
     }
 }

@@ -3,8 +3,10 @@
 mod facts;
 mod figures;
 mod samples;
+mod search;
 mod svr;
 mod table1;
+mod tactile;
 
 use std::time::Instant;
 
@@ -34,11 +36,28 @@ pub(crate) struct Cli {
 enum Command {
     /// Runs what is missing and writes the report: Markdown, JSON, HTML, figures.
     Report(SceneArgs),
+    /// The baselines and a net on a real tactile skin that nobody here built.
+    Tactile(tactile::TactileArgs),
+    /// Settings of a method by Bayesian optimisation on validation samples; goes on where it was.
+    Search(search::SearchArgs),
+    /// Joins the trials of several shards.
+    SearchMerge(search::MergeArgs),
+    /// The paper's settings beside the search's best, on test samples.
+    SearchCompare(search::CompareArgs),
 }
 
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
-    let Command::Report(args) = &cli.command;
+    match &cli.command {
+        Command::Report(args) => report(args),
+        Command::Tactile(args) => tactile::run(args),
+        Command::Search(args) => search::search(args),
+        Command::SearchMerge(args) => search::merge(args),
+        Command::SearchCompare(args) => search::compare(args),
+    }
+}
+
+fn report(args: &SceneArgs) -> Result<()> {
     let start = Instant::now();
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
