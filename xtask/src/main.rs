@@ -13,6 +13,7 @@ mod ci;
 mod docs;
 mod fixtures;
 mod pipeline;
+mod search;
 mod stability;
 mod tidy;
 mod tool;
@@ -55,6 +56,10 @@ enum Task {
     Bench(bench::BenchArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
+    /// Settings of a net or a baseline by Bayesian optimisation.
+    Search(search::SearchArgs),
+    /// The baselines and a net on a real tactile skin that nobody here built.
+    Tactile(search::TactileArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -85,6 +90,8 @@ fn run(task: Task) -> Result<()> {
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Stability(args) => stability::run(&args),
+        Task::Search(args) => search::run(&args),
+        Task::Tactile(args) => search::tactile(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -20,6 +20,7 @@ mod metrics;
 mod plots;
 mod report;
 mod search;
+mod stability;
 mod tables;
 mod tactile;
 
@@ -41,6 +42,10 @@ pub use search::{
     Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
     TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
     propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
+};
+pub use stability::{
+    NetsFigure, NetsRefusal, NetsRow, NetsVerdict, NetsWanted, nets_differences, nets_line,
+    nets_markdown, nets_rows,
 };
 pub use tables::{
     BrokenCell, CellCount, CellState, Method, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,

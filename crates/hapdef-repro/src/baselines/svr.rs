@@ -127,6 +127,12 @@ impl Svr {
         Ok((svr, info))
     }
 
+    /// Values in one output row.
+    #[must_use]
+    pub fn n_outputs(&self) -> usize {
+        self.machines.len()
+    }
+
     /// Predicts `out` `[n, n_outputs]` from `x` `[n, n_inputs]`, row-major, in training units.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ mod facts;
 mod figures;
 mod samples;
 mod search;
+mod stability;
 mod svr;
 mod table1;
 mod tactile;
@@ -44,6 +45,8 @@ enum Command {
     SearchMerge(search::MergeArgs),
     /// The paper's settings beside the search's best, on test samples.
     SearchCompare(search::CompareArgs),
+    /// Nets and baselines with data and settings at their extremes.
+    Stability(stability::StabilityArgs),
 }
 
 /// Does what the arguments say.
@@ -54,6 +57,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Search(args) => search::search(args),
         Command::SearchMerge(args) => search::merge(args),
         Command::SearchCompare(args) => search::compare(args),
+        Command::Stability(args) => stability::run(args),
     }
 }
 

@@ -4,19 +4,22 @@
 use std::ops::ControlFlow;
 
 use hapdef_data::{Standardiser, StandardiserFit};
-use hapdef_nets::train::{BatchSource, Progress, SourceError, train};
+use hapdef_nets::train::{BatchSource, Progress, SourceError, train, validation_loss};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch, TrainParams};
 use rayon::prelude::*;
 
 use crate::baselines::{
     Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, Svr, SvrParams,
 };
-use crate::error::{ReproError, check_len, whole_rows};
+use crate::error::{ReproError, check_finite, check_len, whole_rows};
 
 /// Rows that are added to a linear regression, or predicted by nearest neighbours, together.
 const BLOCK: usize = 512;
 /// Rows that one thread sends through a net.
 const NET_ROWS: usize = 32;
+/// Largest √MSE, standardised outputs, of a net that has learned something: no constant is below
+/// 1, which each output's mean has.
+const WORST_LOSS: f64 = 0.999;
 
 /// Inputs and outputs of samples, in raw units.
 #[derive(Clone, Copy, Debug)]
@@ -112,14 +115,27 @@ impl Fitted {
     /// Predicts `out` `[n, n_outputs]` for `x` `[n, n_inputs]`, raw units, row-major.
     ///
     /// # Errors
-    /// Bad shapes, or inputs that are not finite.
+    /// Bad shapes, inputs that are not finite, or so far off that a prediction overflows.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
-        match self {
-            Self::Linear(regression) => regression.predict(x, out),
-            Self::Knn(knn) => knn.predict(x, out),
-            Self::Svr(svr, _) => svr.predict(x, out),
-            Self::Net(net) => predict_net(net, x, out),
-        }
+        let n_outputs = match self {
+            Self::Linear(regression) => {
+                regression.predict(x, out)?;
+                regression.n_outputs()
+            }
+            Self::Knn(knn) => {
+                knn.predict(x, out)?;
+                knn.n_outputs
+            }
+            Self::Svr(svr, _) => {
+                svr.predict(x, out)?;
+                svr.n_outputs()
+            }
+            Self::Net(net) => {
+                predict_net(net, x, out)?;
+                net.mlp().spec().outputs
+            }
+        };
+        check_finite("predictions", n_outputs, out)
     }
 }
 
@@ -151,9 +167,10 @@ fn fit_linear(
 
 impl FittedKnn {
     fn new(samples: &Samples<'_>, k: usize) -> Result<Self, ReproError> {
-        let standardiser = standardiser(samples.x, samples.n_inputs)?;
+        let standardiser = standardiser(samples.x, samples.n_inputs, Constant::Ignored)?;
         let mut x = samples.x.to_vec();
         standardiser.apply(&mut x).map_err(ReproError::Data)?;
+        check_finite("k-NN training outputs", samples.n_outputs, samples.y)?;
         Ok(Self {
             knn: Knn::new(&x, samples.n_inputs)?,
             k,
@@ -171,6 +188,7 @@ impl FittedKnn {
         let (n_in, n_out) = (self.standardiser.width(), self.n_outputs);
         let n = whole_rows("k-NN queries", n_in, x.len())?;
         check_len("k-NN predictions", n * n_out, out.len())?;
+        check_finite("k-NN queries", n_in, x)?;
         for (x, out) in x.chunks(BLOCK * n_in).zip(out.chunks_mut(BLOCK * n_out)) {
             let mut x = x.to_vec();
             self.standardiser.apply(&mut x).map_err(ReproError::Data)?;
@@ -200,39 +218,69 @@ fn fit_net(
         activation: settings.activation,
     };
     let mlp = Mlp::random(&spec, settings.training.seed).map_err(ReproError::Nets)?;
-    let scale = |rows: &[f32], width| -> Result<Scale, ReproError> {
-        let fitted = standardiser(rows, width)?;
-        Scale::new(fitted.mean, fitted.std).map_err(ReproError::Nets)
-    };
-    let input = scale(samples.x, samples.n_inputs)?;
-    let output = scale(samples.y, samples.n_outputs)?;
+    let input = standardiser(samples.x, samples.n_inputs, Constant::Ignored)?;
+    let output = standardiser(samples.y, samples.n_outputs, Constant::Kept)?;
+    let [input, output] = [input, output].map(|s| Scale::new(s.mean, s.std));
+    let (input, output) = (
+        input.map_err(ReproError::Nets)?,
+        output.map_err(ReproError::Nets)?,
+    );
     let mut net = Net::new(mlp, input, output).map_err(ReproError::Nets)?;
     let mut rows = *samples;
-    let mut on_progress = |_: &Progress| {
-        if stop() {
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
+    let before = validation_loss(&net, &mut rows).map_err(ReproError::Nets)?;
+    let on_progress = &mut |_: &Progress| match stop() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     };
     let params = &settings.training;
-    let info = train(&mut net, &mut rows, None, params, None, &mut on_progress)
-        .map_err(ReproError::Nets)?;
+    let info =
+        train(&mut net, &mut rows, None, params, None, on_progress).map_err(ReproError::Nets)?;
     if info.stopped_early {
         return Err(ReproError::Stopped);
+    }
+    let after = validation_loss(&net, &mut rows).map_err(ReproError::Nets)?;
+    if after > WORST_LOSS {
+        return Err(ReproError::NothingLearned {
+            before,
+            after,
+            learning_rate: params.learning_rate,
+            steps: params.steps,
+        });
     }
     Ok(net)
 }
 
-fn standardiser(rows: &[f32], width: usize) -> Result<Standardiser, ReproError> {
+/// What a column that never varies becomes.
+#[derive(Clone, Copy)]
+enum Constant {
+    /// An input: whatever it shows later, it has no say.
+    Ignored,
+    /// An output: predictions stay at its value, up to rounding.
+    Kept,
+}
+
+fn standardiser(
+    rows: &[f32],
+    width: usize,
+    constant: Constant,
+) -> Result<Standardiser, ReproError> {
     let mut fit = StandardiserFit::new(width);
     fit.push(rows).map_err(ReproError::Data)?;
-    Ok(fit.finish().map_err(ReproError::Data)?.0)
+    let (mut fitted, info) = fit.finish().map_err(ReproError::Data)?;
+    for column in info.constant_columns {
+        fitted.std[column] = match constant {
+            Constant::Ignored => f32::MAX,
+            Constant::Kept => (fitted.mean[column].abs() * f32::EPSILON).max(f32::MIN_POSITIVE),
+        };
+    }
+    Ok(fitted)
 }
 
 fn predict_net(net: &Net, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
     let spec = net.mlp().spec();
     let n = whole_rows("inputs of a net", spec.inputs, x.len())?;
     check_len("predictions of a net", n * spec.outputs, out.len())?;
+    check_finite("inputs of a net", spec.inputs, x)?;
     out.par_chunks_mut(NET_ROWS * spec.outputs)
         .zip(x.par_chunks(NET_ROWS * spec.inputs))
         .try_for_each_init(Scratch::default, |scratch, (out, x)| {

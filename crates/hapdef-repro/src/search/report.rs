@@ -83,10 +83,13 @@ fn table(knobs: &[Knob], trials: &[&Trial]) -> TextTable {
             format!("{:.1}", trial.elapsed_s),
             trial.note.clone().unwrap_or_default(),
         ]);
-        let strong = trial.source == TrialSource::Paper;
+        let is_paper = trial.source == TrialSource::Paper;
         cells
             .into_iter()
-            .map(|text| TextCell { text, strong })
+            .map(|text| TextCell {
+                strong: is_paper && !text.is_empty(),
+                text,
+            })
             .collect()
     };
     TextTable {

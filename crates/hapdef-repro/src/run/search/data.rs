@@ -181,7 +181,6 @@ impl MethodData {
         for first in (0..rows.n).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(rows.n);
             let of = |width: usize| block.start * width..block.end * width;
-
             let (x, _) = self.inputs(&rows.x[of(self.n_inputs)], values);
             let mut found = vec![0.0; block.len() * self.n_outputs];
             fitted.predict(&x, &mut found)?;
