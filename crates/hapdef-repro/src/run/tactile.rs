@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use hapdef::Progress;
 use hapdef_repro::{
-    MetricLog, TactileMethod, TactileParams, TactileScore, TextCell, TextTable, numpy_permutations,
-    read_tactile_runs, seeded_permutation, tactile_folder, tactile_scores,
+    MetricLog, TactileMethod, TactileParams, TactileRun, TactileScore, TextCell, TextTable,
+    numpy_permutations, read_tactile_runs, seeded_permutation, tactile_folder, tactile_scores,
 };
 
 use super::facts;
@@ -49,15 +50,10 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
         return Ok(());
     }
     let runs = read_tactile_runs(&folder)?;
-    let sizes: Vec<usize> = runs.iter().map(hapdef_repro::TactileRun::n).collect();
+    let sizes: Vec<usize> = runs.iter().map(TactileRun::n).collect();
     let orders = match args.split_seed {
         None => numpy_permutations(0, &sizes),
         Some(seed) => sizes.iter().map(|&n| seeded_permutation(seed, n)).collect(),
-    };
-    let params = TactileParams {
-        steps: args.steps,
-        n_svr: args.svr_presses,
-        seed: args.seed,
     };
     let header = [
         "run",
@@ -73,45 +69,56 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
         header: header.map(str::to_owned).to_vec(),
         rows: Vec::new(),
     };
-    for (((run, order), name), reference) in runs
-        .iter()
-        .zip(&orders)
-        .zip(["first", "second"])
-        .zip(REFERENCE_KNN_MM)
-    {
-        let mut knn_mm = f64::NAN;
-        for method in TactileMethod::ALL {
-            let scores = tactile_scores(run, order, method, &params)?;
-            for score in &scores {
-                table.rows.push(row(name, score));
-                eprintln!("{name} run: {} {}", score.method.name(), score.settings);
-            }
-            let [paper, chosen] = [scores[0].mean_mm, scores[1].mean_mm];
-            let word = method.name().to_lowercase().replace('-', "");
-            log.value(&format!("tactile.{word}_{name}_mm"), paper, "mm")?;
-            log.value(&format!("tactile.{word}_{name}_chosen_mm"), chosen, "mm")?;
-            match method {
-                TactileMethod::Knn => {
-                    knn_mm = paper;
-                    log.value(
-                        &format!("tactile.knn_{name}_vs_reference"),
-                        paper / reference,
-                        "1",
-                    )?;
-                }
-                TactileMethod::Fnn => {
-                    log.value(
-                        &format!("tactile.fnn_{name}_over_knn"),
-                        chosen / knn_mm,
-                        "1",
-                    )?;
-                }
-                _ => {}
-            }
-        }
+    for ((run, order), which) in runs.iter().zip(&orders).zip([0, 1]) {
+        score_run(args, run, order, which, &mut table, &mut log)?;
     }
     println!("\n{}", super::terminal_table(&table));
     log.append_to(&args.metrics)?;
+    Ok(())
+}
+
+/// Scores every method on one run, the reference's first or second.
+fn score_run(
+    args: &TactileArgs,
+    run: &TactileRun,
+    order: &[usize],
+    which: usize,
+    table: &mut TextTable,
+    log: &mut MetricLog<std::io::Stdout>,
+) -> Result<()> {
+    let params = TactileParams {
+        steps: args.steps,
+        n_svr: args.svr_presses,
+        seed: args.seed,
+    };
+    let (name, progress) = (["first", "second"][which], Progress::on_stderr());
+    let mut knn_mm = f64::NAN;
+    for method in TactileMethod::ALL {
+        progress.say(&format!("{name} run: {}", method.name()));
+        let scores = tactile_scores(run, order, method, &params)?;
+        table
+            .rows
+            .extend(scores.iter().map(|score| row(name, score)));
+        let [paper, chosen] = [scores[0].mean_mm, scores[1].mean_mm];
+        let word = method.name().to_lowercase().replace('-', "");
+        log.value(&format!("tactile.{word}_{name}_mm"), paper, "mm")?;
+        log.value(&format!("tactile.{word}_{name}_chosen_mm"), chosen, "mm")?;
+        match method {
+            TactileMethod::Knn => {
+                knn_mm = paper;
+                let ratio = paper / REFERENCE_KNN_MM[which];
+                log.value(&format!("tactile.knn_{name}_vs_reference"), ratio, "1")?;
+            }
+            TactileMethod::Fnn => {
+                log.value(
+                    &format!("tactile.fnn_{name}_over_knn"),
+                    chosen / knn_mm,
+                    "1",
+                )?;
+            }
+            _ => {}
+        }
+    }
     Ok(())
 }
 

@@ -210,7 +210,8 @@ fn outliers(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
 }
 
 fn not_finite(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
-    let spoilt: [(&'static str, fn(&mut Plant, f32)); 3] = [
+    type Spoil = fn(&mut Plant, f32);
+    let spoilt: [(&'static str, Spoil); 3] = [
         ("training channel", |plant, v| plant.x[4 * 17 + 2] = v),
         ("training output", |plant, v| plant.y[N_OUT * 17 + 2] = v),
         ("test channel", |plant, v| plant.test_x[4 * 57 + 2] = v),
