@@ -110,11 +110,12 @@ mod tests {
         (best, trials)
     }
 
+    /// A sign test: a proposer no better than chance wins 15 of 20 seeds in 2.1 % of all cases.
     #[test]
     fn it_finds_lower_points_than_drawing_blindly() {
-        let mean = |blind| (0..20).map(|seed| best_of(40, seed, blind).0).sum::<f64>() / 20.0;
-        let (guided, blind) = (mean(false), mean(true));
-        assert!(guided < 0.5 * blind, "mean best {guided} against {blind}");
+        let is_won = |seed: &u64| best_of(40, *seed, false).0 < best_of(40, *seed, true).0;
+        let won = (0..20).filter(is_won).count();
+        assert!(won >= 15, "better in {won} of 20 searches");
     }
 
     #[test]
