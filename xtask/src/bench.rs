@@ -5,6 +5,7 @@ use std::process::Command;
 
 use anyhow::Result;
 
+use crate::bench_nets;
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
 use crate::verify::deck_of;
@@ -17,13 +18,15 @@ pub(crate) struct BenchArgs {
     /// The solid deck; the authors' limb where the shared inputs are, else the bundled limb.
     #[arg(long)]
     deck: Option<PathBuf>,
-    /// The solid deck of this scene.
+    /// Of this scene: its solid deck, or its nets.
     #[arg(long, conflicts_with = "deck")]
     scene: Option<PathBuf>,
-    /// The seed the metrics carry; nothing is drawn at random.
+    /// The seed the metrics carry. With `nets` it also draws the random weights; with `fe` nothing
+    /// is drawn at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Everything else goes to `hapdef-verify` as it is, such as `--skip-large`.
+    /// Everything else goes to the program as it is: `--skip-large` to `hapdef-verify`, `--rounds 20`
+    /// to `hapdef-repro` (see `hapdef-repro bench-nets --help`).
     #[arg(last = true)]
     rest: Vec<String>,
 }
@@ -34,11 +37,19 @@ enum Subject {
     /// The elasticity solver against faer's plain call and, where they are installed, CHOLMOD
     /// (libsuitesparse-dev) and CalculiX (calculix-ccx).
     Fe,
+    /// The networks, inference and training, against PyTorch and ONNX Runtime where Python has them.
+    Nets,
 }
 
-/// `cargo xtask bench fe`.
+/// `cargo xtask bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
-    let Subject::Fe = args.what;
+    match args.what {
+        Subject::Fe => fe(args),
+        Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
+    }
+}
+
+fn fe(args: &BenchArgs) -> Result<()> {
     let deck = match (&args.deck, &args.scene) {
         (Some(deck), _) => deck.clone(),
         (None, Some(scene)) => deck_of(scene)?,

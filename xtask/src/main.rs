@@ -9,9 +9,11 @@
 )]
 
 mod bench;
+mod bench_nets;
 mod ci;
 mod docs;
 mod fixtures;
+mod frontier;
 mod pipeline;
 mod search;
 mod stability;
@@ -54,6 +56,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
     Bench(bench::BenchArgs),
+    /// Error against run time: every method and variant in one table and plot.
+    Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
     /// Settings of a net or a baseline by Bayesian optimisation.
@@ -89,6 +93,7 @@ fn run(task: Task) -> Result<()> {
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Frontier(args) => frontier::run(&args),
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),

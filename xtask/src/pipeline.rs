@@ -16,7 +16,7 @@ pub(crate) struct PipelineArgs {
     scene: Option<PathBuf>,
     /// Fewer samples and short training: minutes instead of hours.
     #[arg(long)]
-    quick: bool,
+    pub(crate) quick: bool,
     /// Seed of the training side instead of the scene's.
     #[arg(long)]
     seed: Option<u64>,
@@ -62,7 +62,8 @@ pub(crate) fn finish(command: &mut Command) -> Result<()> {
     }
 }
 
-fn common(args: &PipelineArgs) -> Vec<String> {
+/// The words that every program over a scene takes.
+pub(crate) fn common(args: &PipelineArgs) -> Vec<String> {
     let bundled = root().join("fixtures/shin/scene.json");
     let scene = args.scene.clone().unwrap_or(bundled);
     let profile = if args.quick { "quick" } else { "full" };

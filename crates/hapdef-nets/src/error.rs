@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::infer::SimdLevel;
+
 /// Why a net could not be made, run, trained, written or read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -204,6 +206,62 @@ pub enum NetsError {
         /// Index of the weight.
         index: usize,
         /// The weight.
+        value: f32,
+    },
+    /// The processor lacks the instructions that were asked for.
+    #[error("the processor has no {asked:?} instructions; its best are {best:?}")]
+    Simd {
+        /// The level asked for.
+        asked: SimdLevel,
+        /// The best there is.
+        best: SimdLevel,
+    },
+    /// A wanted output that the net does not have.
+    #[error("output {output} is wanted, the net has {n_outputs}: outputs count from 0")]
+    NoSuchOutput {
+        /// The output.
+        output: usize,
+        /// Outputs of the net.
+        n_outputs: usize,
+    },
+    /// A list of wanted outputs with nothing in it.
+    #[error("no output is wanted: name at least one, or leave the list out for all of them")]
+    NoOutputs,
+    /// A layer that the net does not have.
+    #[error("layer {layer} is to be replaced, the net has {n_layers}: layers count from 0")]
+    NoSuchLayer {
+        /// The layer.
+        layer: usize,
+        /// Layers of the net.
+        n_layers: usize,
+    },
+    /// A rank that is not below the widths of its layer, or more than there are samples.
+    #[error("rank {rank}: it must be 1 to {most}, the layer's widths and the number of samples")]
+    Rank {
+        /// The rank.
+        rank: usize,
+        /// The largest that works.
+        most: usize,
+    },
+    /// A layer too wide for sums of bytes in 32 bits.
+    #[error("a layer of {n_in} inputs: with activations in bytes {most} are the most")]
+    TooManyInputs {
+        /// Inputs of the layer.
+        n_in: usize,
+        /// The most that work.
+        most: usize,
+    },
+    /// A value inside a net left the range of f32.
+    #[error(
+        "value {index} after layer {layer} became {value}: the input is far outside what the net \
+         was trained on (layer 0 is the input after its scale)"
+    )]
+    Overflow {
+        /// Layers passed.
+        layer: usize,
+        /// Index of the value.
+        index: usize,
+        /// The value.
         value: f32,
     },
     /// The tensor library failed.

@@ -6,6 +6,9 @@
 //! default) `train::train` fits a net to samples and `train::resume` continues from a checkpoint
 //! as if there had been no break.
 //!
+//! For run time, [`infer`] prepares a net: fewer bytes a weight, only the outputs that are wanted,
+//! layers of low rank, the best vector instructions of the processor at hand.
+//!
 //! Knows nothing of meshes, ports, or where samples come from.
 //!
 //! Without default features: the forward pass and the files, with serde and safetensors alone.
@@ -19,6 +22,7 @@ mod checkpoint;
 mod error;
 mod files;
 mod forward;
+pub mod infer;
 mod mlp;
 mod net;
 mod optimiser;

@@ -1,6 +1,7 @@
 //! `hapdef-repro`: the paper's tables and figures for a scene.
 #![expect(clippy::print_stdout, reason = "a command line program prints")]
 
+mod bench;
 mod run;
 
 use std::process::ExitCode;

@@ -187,7 +187,7 @@ pub(crate) fn metric_context(run: &Run) -> MetricContext {
     metric_context_of(run.scene.seed)
 }
 
-/// The same for a command without a scene.
+/// What every metric of a run with this seed carries.
 pub(crate) fn metric_context_of(seed: u64) -> MetricContext {
     let commit = output("git", &["rev-parse", "--short", "HEAD"]);
     MetricContext {

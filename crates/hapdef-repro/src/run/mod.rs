@@ -1,6 +1,6 @@
 //! The program: stages from the cache, baselines beside them, the report.
 
-mod facts;
+pub(crate) mod facts;
 mod figures;
 mod samples;
 mod search;
@@ -20,6 +20,8 @@ use hapdef_repro::{
     MetricLog, OwnAccuracy, Report, ReportTable, Table1, Table2, TextCell, TextTable, message_1,
     message_2, write_report,
 };
+
+use crate::bench::{self, BenchNetsArgs};
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
@@ -47,6 +49,8 @@ enum Command {
     SearchCompare(search::CompareArgs),
     /// Nets and baselines with data and settings at their extremes.
     Stability(stability::StabilityArgs),
+    /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
+    BenchNets(BenchNetsArgs),
 }
 
 /// Does what the arguments say.
@@ -58,9 +62,11 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::SearchMerge(args) => search::merge(args),
         Command::SearchCompare(args) => search::compare(args),
         Command::Stability(args) => stability::run(args),
+        Command::BenchNets(args) => bench::run(args),
     }
 }
 
+/// The tables and figures of a scene.
 fn report(args: &SceneArgs) -> Result<()> {
     let start = Instant::now();
     let run = args.prepare()?;

@@ -1,0 +1,119 @@
+//! 128-bit vectors of 64-bit ARM, where they are always there.
+
+use std::arch::aarch64::{
+    float32x4_t, vandq_u32, vcvtq_f32_s32, vdupq_n_f32, vdupq_n_u32, vfmaq_f32, vget_high_s16,
+    vget_low_s16, vld1_s8, vld1q_f32, vld1q_u32, vmovl_s8, vmovl_s16, vreinterpretq_f32_u32,
+    vshlq_n_u32, vst1q_f32,
+};
+
+use crate::activation::Activation;
+
+use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Panels};
+use super::{Active, ActiveGroup, portable};
+
+type Vector = [float32x4_t; 4];
+
+/// Active inputs whose lines are asked for ahead of their use; the processor's own prefetcher does.
+const AHEAD: usize = usize::MAX / 2;
+
+float_kernels!(4, #[target_feature(enable = "neon")]);
+
+/// Sums of byte products.
+#[target_feature(enable = "neon")]
+pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
+    portable::groups(w, x, out);
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn zero() -> Vector {
+    [vdupq_n_f32(0.0); 4]
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn splat(value: f32) -> Vector {
+    [vdupq_n_f32(value); 4]
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn fma(a: Vector, b: Vector, c: Vector) -> Vector {
+    [
+        vfmaq_f32(c[0], a[0], b[0]),
+        vfmaq_f32(c[1], a[1], b[1]),
+        vfmaq_f32(c[2], a[2], b[2]),
+        vfmaq_f32(c[3], a[3], b[3]),
+    ]
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn f32_line(line: &F32Line) -> Vector {
+    let [a, b, c, d] = quarters(&line.0);
+    // SAFETY: each is four readable numbers.
+    unsafe {
+        [
+            vld1q_f32(a.as_ptr()),
+            vld1q_f32(b.as_ptr()),
+            vld1q_f32(c.as_ptr()),
+            vld1q_f32(d.as_ptr()),
+        ]
+    }
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn bf16_low(line: &Bf16Line) -> Vector {
+    let mut out = zero();
+    for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
+        // SAFETY: four readable words.
+        let words = unsafe { vld1q_u32(words.as_ptr()) };
+        *out = vreinterpretq_f32_u32(vshlq_n_u32::<16>(words));
+    }
+    out
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn bf16_high(line: &Bf16Line) -> Vector {
+    let mut out = zero();
+    for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
+        // SAFETY: four readable words.
+        let words = unsafe { vld1q_u32(words.as_ptr()) };
+        *out = vreinterpretq_f32_u32(vandq_u32(words, vdupq_n_u32(0xffff_0000)));
+    }
+    out
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn int8_quarter<const Q: usize>(line: &Int8Line) -> Vector {
+    let eighths = line.0.as_chunks::<8>().0;
+    let mut out = zero();
+    for half in 0..2 {
+        // SAFETY: eight readable bytes.
+        let words = vmovl_s8(unsafe { vld1_s8(eighths[2 * Q + half].as_ptr()) });
+        out[2 * half] = vcvtq_f32_s32(vmovl_s16(vget_low_s16(words)));
+        out[2 * half + 1] = vcvtq_f32_s32(vmovl_s16(vget_high_s16(words)));
+    }
+    out
+}
+
+#[target_feature(enable = "neon")]
+#[inline]
+fn store(vector: Vector, line: &mut F32Line) {
+    for (vector, out) in vector.into_iter().zip(line.0.as_chunks_mut::<4>().0) {
+        // SAFETY: four numbers, borrowed mutably.
+        unsafe { vst1q_f32(out.as_mut_ptr(), vector) }
+    }
+}
+
+#[inline]
+fn quarters<T>(line: &[T; 16]) -> [&[T; 4]; 4] {
+    let quarters = line.as_chunks::<4>().0;
+    [&quarters[0], &quarters[1], &quarters[2], &quarters[3]]
+}
+
+#[inline]
+fn prefetch<L>(_line: &L) {}

@@ -1,0 +1,155 @@
+//! Weights as the kernels read them.
+//!
+//! A *line* is 64 bytes, a cache line; a *unit* is the outputs that one line serves. The lines of
+//! one input (or of one group of [`GROUP`] inputs) for some units lie side by side, and the inputs
+//! follow each other; then comes the next panel.
+
+/// Units of a panel by what a unit is: the sums of 16 lines of results fit the registers of AVX-512,
+/// and the lines that are read together are many enough for the memory to hand over at its full
+/// speed.
+const F32_PANEL: usize = 16;
+const BF16_PANEL: usize = 8;
+const INT8_PANEL: usize = 4;
+const GROUP_PANEL: usize = 16;
+
+/// Inputs whose weights share a line in [`int8_groups`].
+pub(super) const GROUP: usize = 4;
+
+/// 64 bytes that start where a cache line starts.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Line<T, const N: usize>(pub(super) [T; N]);
+
+/// 16 numbers: one input's weights for 16 outputs, or 16 results.
+pub(super) type F32Line = Line<f32, 16>;
+/// Two bf16 in each word: the lower half serves outputs 0 to 15 of its unit, the upper 16 to 31.
+pub(super) type Bf16Line = Line<u32, 16>;
+/// 64 whole numbers.
+pub(super) type Int8Line = Line<i8, 64>;
+/// 16 sums of whole numbers.
+pub(super) type I32Line = Line<i32, 16>;
+
+/// A layer's weights in panels.
+#[derive(Debug, Clone)]
+pub(super) struct Panels<L> {
+    lines: Vec<L>,
+    /// Inputs, or groups of inputs.
+    n_rows: usize,
+    n_units: usize,
+    /// Units of every panel but the last.
+    panel: usize,
+}
+
+impl<L: Copy> Panels<L> {
+    /// Lays out `n_rows × n_units` lines, each made by `line(row, unit)`, in panels of `panel`.
+    fn new([n_rows, n_units]: [usize; 2], panel: usize, line: impl Fn(usize, usize) -> L) -> Self {
+        let mut lines = Vec::with_capacity(n_rows * n_units);
+        for first in (0..n_units).step_by(panel) {
+            let units = first..(first + panel).min(n_units);
+            for row in 0..n_rows {
+                lines.extend(units.clone().map(|unit| line(row, unit)));
+            }
+        }
+        Self {
+            lines,
+            n_rows,
+            n_units,
+            panel,
+        }
+    }
+
+    /// Each panel: its first unit, its number of units, its lines `[n_rows, n_units_of_panel]`.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, usize, &[L])> {
+        (0..self.n_units).step_by(self.panel).map(|first| {
+            let width = self.panel.min(self.n_units - first);
+            let start = first * self.n_rows;
+            let lines = &self.lines[start..start + width * self.n_rows];
+            (first, width, lines)
+        })
+    }
+
+    /// Bytes of all lines.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.lines[..])
+    }
+
+    /// Bytes of the lines of one input, or of one group of inputs.
+    pub(super) fn row_bytes(&self) -> usize {
+        self.n_units * size_of::<L>()
+    }
+}
+
+/// f32: 16 outputs a unit. `weight(output, input)`.
+pub(super) fn f32_lines(
+    [n_out, n_in]: [usize; 2],
+    weight: impl Fn(usize, usize) -> f32,
+) -> Panels<F32Line> {
+    Panels::new([n_in, n_out.div_ceil(16)], F32_PANEL, |input, unit| {
+        Line(std::array::from_fn(|lane| {
+            let output = unit * 16 + lane;
+            if output < n_out {
+                weight(output, input)
+            } else {
+                0.0
+            }
+        }))
+    })
+}
+
+/// bf16: 32 outputs a unit. `weight(output, input)` gives the bits.
+pub(super) fn bf16_lines(
+    [n_out, n_in]: [usize; 2],
+    weight: impl Fn(usize, usize) -> u16,
+) -> Panels<Bf16Line> {
+    let bits = |output: usize, input: usize| {
+        if output < n_out {
+            u32::from(weight(output, input))
+        } else {
+            0
+        }
+    };
+    Panels::new([n_in, n_out.div_ceil(32)], BF16_PANEL, |input, unit| {
+        Line(std::array::from_fn(|lane| {
+            let output = unit * 32 + lane;
+            bits(output, input) | bits(output + 16, input) << 16
+        }))
+    })
+}
+
+/// int8, one input a line: 64 outputs a unit. `weight(output, input)`.
+pub(super) fn int8_lines(
+    [n_out, n_in]: [usize; 2],
+    weight: impl Fn(usize, usize) -> i8,
+) -> Panels<Int8Line> {
+    Panels::new([n_in, n_out.div_ceil(64)], INT8_PANEL, |input, unit| {
+        Line(std::array::from_fn(|lane| {
+            let output = unit * 64 + lane;
+            if output < n_out {
+                weight(output, input)
+            } else {
+                0
+            }
+        }))
+    })
+}
+
+/// int8, [`GROUP`] inputs a line: 16 outputs a unit, the inputs of an output side by side.
+pub(super) fn int8_groups(
+    [n_out, n_in]: [usize; 2],
+    weight: impl Fn(usize, usize) -> i8,
+) -> Panels<Int8Line> {
+    Panels::new(
+        [n_in.div_ceil(GROUP), n_out.div_ceil(16)],
+        GROUP_PANEL,
+        |group, unit| {
+            Line(std::array::from_fn(|byte| {
+                let (output, input) = (unit * 16 + byte / GROUP, group * GROUP + byte % GROUP);
+                if output < n_out && input < n_in {
+                    weight(output, input)
+                } else {
+                    0
+                }
+            }))
+        },
+    )
+}

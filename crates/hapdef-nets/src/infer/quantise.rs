@@ -1,0 +1,153 @@
+//! Numbers in fewer bits.
+
+/// Largest finite bf16.
+const BF16_MAX: u16 = 0x7f7f;
+
+/// Largest magnitude of a weight in one byte.
+const WEIGHT_STEPS: f32 = 127.0;
+
+/// What a signed activation's byte is shifted by.
+pub(super) const SIGNED_OFFSET: i32 = 128;
+
+/// The upper half of a finite f32, rounded to nearest, halves to even; never infinite.
+pub(super) fn bf16_bits(value: f32) -> u16 {
+    let bits = value.to_bits();
+    let even = (bits >> 16) & 1;
+    let rounded = (bits.wrapping_add(0x7fff + even) >> 16) as u16;
+    if rounded & 0x7fff > BF16_MAX {
+        (rounded & 0x8000) | BF16_MAX
+    } else {
+        rounded
+    }
+}
+
+/// The scale of a row of finite weights: its largest magnitude is 127 of it; 0 for a row of zeros.
+pub(super) fn row_scale(row: &[f32]) -> f32 {
+    let largest = row.iter().fold(0.0f32, |m, w| m.max(w.abs()));
+    scale(largest, WEIGHT_STEPS)
+}
+
+/// A weight in steps of its row's scale.
+pub(super) fn quantised_weight(weight: f32, scale: f32) -> i8 {
+    if scale > 0.0 {
+        // `as` saturates; the scale is such that nothing is beyond ±127.
+        (weight / scale).round() as i8
+    } else {
+        0
+    }
+}
+
+/// `largest / steps`, so that `largest / scale` rounds to no more than `steps`, also where f32 runs
+/// out of digits.
+fn scale(largest: f32, steps: f32) -> f32 {
+    let scale = largest / steps;
+    if largest > 0.0 && (scale == 0.0 || (largest / scale).round() > steps) {
+        scale.next_up()
+    } else {
+        scale
+    }
+}
+
+/// How a vector of activations was turned to bytes: `x = scale · (byte − offset)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ByteScale {
+    /// Value of a step.
+    pub(super) scale: f32,
+    /// The byte of 0.
+    pub(super) offset: i32,
+}
+
+/// Turns finite activations to bytes, `bytes` as long as `x` or padded with the byte of 0.
+pub(super) fn quantise_activations(x: &[f32], bytes: &mut [u8]) -> ByteScale {
+    let (lowest, largest) = x.iter().fold((0.0f32, 0.0f32), |(low, high), &x| {
+        (low.min(x), high.max(x.abs()))
+    });
+    let (offset, steps) = if lowest < 0.0 {
+        (SIGNED_OFFSET, 127.0)
+    } else {
+        (0, 255.0)
+    };
+    let scale = scale(largest, steps);
+    let shift = offset as f32;
+    bytes.fill(offset as u8);
+    if scale > 0.0 {
+        let inverse = 1.0 / scale;
+        if inverse.is_finite() {
+            for (byte, x) in bytes.iter_mut().zip(x) {
+                *byte = nearest(x * inverse + shift);
+            }
+        } else {
+            for (byte, x) in bytes.iter_mut().zip(x) {
+                *byte = nearest(x / scale + shift);
+            }
+        }
+    }
+    ByteScale { scale, offset }
+}
+
+/// The nearest byte. Adding 2²³ leaves the rounded number in the low bits of the mantissa, which a
+/// loop over many numbers does in vectors.
+fn nearest(value: f32) -> u8 {
+    const ROUND: f32 = 8_388_608.0;
+    (value.clamp(0.0, 255.0) + ROUND).to_bits() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn bf16(value: f32) -> f32 {
+        f32::from_bits(u32::from(bf16_bits(value)) << 16)
+    }
+
+    proptest! {
+        #[test]
+        fn bf16_is_within_its_bound(bits in any::<u32>()) {
+            let value = f32::from_bits(bits);
+            prop_assume!(value.is_finite());
+            let error = (f64::from(bf16(value)) - f64::from(value)).abs();
+            prop_assert!(error <= f64::from(value.abs()) / 256.0 + 1e-40, "{value:e} {error:e}");
+        }
+
+        #[test]
+        fn bytes_are_within_half_a_step(
+            exponent in -150..127i32,
+            shares in prop::collection::vec(-1.0..1.0f32, 1..40),
+            signed in any::<bool>(),
+        ) {
+            let unit = 2f64.powi(exponent);
+            let x: Vec<f32> = shares.iter().map(|s| {
+                (f64::from(if signed { *s } else { s.abs() }) * unit) as f32
+            }).collect();
+            let mut bytes = vec![0; x.len() + 3];
+            let ByteScale { scale, offset } = quantise_activations(&x, &mut bytes);
+            for (x, &byte) in x.iter().zip(&bytes) {
+                let back = f64::from(scale) * f64::from(i32::from(byte) - offset);
+                let error = (back - f64::from(*x)).abs();
+                prop_assert!(error <= 0.5001 * f64::from(scale), "{x:e} {back:e} {scale:e}");
+            }
+            prop_assert!(bytes[x.len()..].iter().all(|&b| i32::from(b) == offset));
+            let row = row_scale(&x);
+            for x in &x {
+                let error = (f64::from(row) * f64::from(quantised_weight(*x, row)) - f64::from(*x)).abs();
+                prop_assert!(error <= 0.5001 * f64::from(row), "{x:e} {row:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn bf16_never_becomes_infinite() {
+        assert!(bf16(f32::MAX).is_finite() && bf16(f32::MIN).is_finite());
+        assert_eq!(bf16(-1.0), -1.0);
+        assert_eq!(bf16(0.0), 0.0);
+    }
+
+    #[test]
+    fn zeros_have_no_scale() {
+        assert_eq!(row_scale(&[0.0, -0.0]), 0.0);
+        let mut bytes = [7; 2];
+        assert_eq!(quantise_activations(&[0.0; 2], &mut bytes).scale, 0.0);
+        assert_eq!(bytes, [0; 2]);
+    }
+}

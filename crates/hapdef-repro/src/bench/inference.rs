@@ -1,0 +1,278 @@
+//! Inference: F_T and F_R at the paper's sizes on random weights, one frame, one core.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use hapdef_nets::infer::{InferParams, InferScratch, LowRank, Precision, PreparedNet};
+use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch};
+use hapdef_repro::MetricLog;
+use serde::Serialize;
+
+use super::BenchNetsArgs;
+use super::clock::{Quantiles, Stream, Times};
+use super::peers::Peers;
+
+/// Gauges, virtual gauges and surface nodes of the paper's limb.
+const WIDTHS: [usize; 3] = [10, 240, 3211];
+
+/// Rank of the thin last layer, and outputs of a scene that wants one patch.
+const RANK: usize = 64;
+const N_WANTED: usize = 800;
+
+/// A row of the table.
+#[derive(Debug, Serialize)]
+struct Row {
+    path: String,
+    #[serde(flatten)]
+    times: Quantiles,
+    /// Largest error over the largest output, against the plain f32 forward pass.
+    relative_error: Option<f64>,
+    weight_bytes: Option<usize>,
+    floor_us: Option<f64>,
+}
+
+/// A way through both nets.
+struct Chain {
+    name: String,
+    nets: [PreparedNet; 2],
+    scratch: InferScratch,
+    middle: Vec<f32>,
+    out: Vec<f32>,
+    times: Times,
+    floor: Stream,
+    weight_bytes: usize,
+    relative_error: Option<f64>,
+}
+
+/// Times every path, prints the table, logs the metrics.
+pub(super) fn run(args: &BenchNetsArgs, log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
+    let (rows, missing) = measure(args)?;
+    println!("{}", table(&rows));
+    hapdef::write_json(&args.out.join("bench-nets-inference.json"), &rows)?;
+    log_metrics(log, &rows, &missing)
+}
+
+fn measure(args: &BenchNetsArgs) -> Result<(Vec<Row>, String)> {
+    let [n_gauges, n_virtual, n_surface] = WIDTHS;
+    let transfer = random(&MlpSpec::transfer(n_gauges, n_virtual), args.seed)?;
+    let reconstruction = random(&MlpSpec::reconstruction(n_virtual, n_surface), args.seed)?;
+    let x: Vec<f32> = (0..n_gauges).map(|i| (1.0 + i as f32).sin()).collect();
+    let (mut scratch, mut s) = (Scratch::default(), vec![0.0; n_virtual]);
+    let mut y = vec![0.0; n_surface];
+    transfer.forward(&x, &mut scratch, &mut s)?;
+    reconstruction.forward(&s, &mut scratch, &mut y)?;
+    let mut paths = paths([&transfer, &reconstruction], args.seed, &x, &y)?;
+    let folder = args.out.join("bench-nets-peers");
+    let nets = [&transfer, &reconstruction];
+    let (mut peers, missing) = start_peers(&args.python, &folder, nets, &x, &y);
+    let mut plain = Times::default();
+    for _ in 0..args.rounds {
+        plain.round(|| {
+            transfer.forward(&x, &mut scratch, &mut s)?;
+            Ok(reconstruction.forward(&s, &mut scratch, &mut y)?)
+        })?;
+        for path in &mut paths {
+            path.round(&x)?;
+        }
+        if let Some(peers) = &mut peers {
+            peers.round()?;
+        }
+    }
+    let mut rows = vec![Row {
+        path: "plain forward f32".into(),
+        times: plain.quantiles(),
+        relative_error: Some(0.0),
+        weight_bytes: None,
+        floor_us: None,
+    }];
+    rows.extend(paths.iter().map(Chain::row));
+    rows.extend(peers.iter().flat_map(|peers| {
+        peers.rows.iter().map(|(name, peer)| Row {
+            path: format!("{name} ({})", peer.program),
+            times: peer.times.quantiles(),
+            relative_error: Some(peer.relative_error),
+            weight_bytes: None,
+            floor_us: None,
+        })
+    }));
+    Ok((rows, missing))
+}
+
+/// Python, or why there is none.
+fn start_peers(
+    python: &Path,
+    folder: &Path,
+    nets: [&Net; 2],
+    x: &[f32],
+    y: &[f32],
+) -> (Option<Peers>, String) {
+    match Peers::start(python, folder, nets, x, y) {
+        Ok(peers) => {
+            let missing = peers.missing.iter();
+            let missing = missing.map(|(name, why)| format!("{name}: {why}"));
+            let missing = missing.collect::<Vec<_>>().join("; ");
+            (Some(peers), missing)
+        }
+        Err(error) => (None, format!("{}: {error}", python.display())),
+    }
+}
+
+fn random(spec: &MlpSpec, seed: u64) -> Result<Net> {
+    let scales = [spec.inputs, spec.outputs].map(Scale::identity);
+    let [input, output] = scales;
+    Ok(Net::new(Mlp::random(spec, seed)?, input, output)?)
+}
+
+/// All ways through the nets that are timed.
+fn paths(nets: [&Net; 2], seed: u64, x: &[f32], y: &[f32]) -> Result<Vec<Chain>> {
+    let mut paths = Vec::new();
+    for precision in Precision::ALL {
+        let params = InferParams::of(precision);
+        let name = precision.name().to_owned();
+        paths.push(Chain::new(name, nets, &params, x, Some(y))?);
+    }
+    let last = nets[1].mlp().layers().len() - 1;
+    let (low_rank, _) = LowRank::of_weights(nets[1], last, RANK)?;
+    let narrow = MlpSpec {
+        inputs: WIDTHS[1],
+        hidden: vec![256, 256, 64],
+        outputs: WIDTHS[2],
+        activation: Activation::Relu,
+    };
+    let narrow = random(&narrow, seed)?;
+    for precision in [Precision::Bf16, Precision::Int8] {
+        let whole = InferParams::of(precision);
+        let name = |what: &str| format!("{}, {what}", precision.name());
+        let params = InferParams {
+            wanted: Some((0..N_WANTED).collect()),
+            ..whole.clone()
+        };
+        let title = name(&format!("{N_WANTED} outputs"));
+        paths.push(Chain::new(title, nets, &params, x, Some(&y[..N_WANTED]))?);
+        let params = InferParams {
+            low_rank: vec![low_rank.clone()],
+            ..whole.clone()
+        };
+        let title = name(&format!("rank {RANK}"));
+        paths.push(Chain::new(title, nets, &params, x, None)?);
+        let title = name("240-256-256-64-3211");
+        paths.push(Chain::new(title, [nets[0], &narrow], &whole, x, None)?);
+    }
+    Ok(paths)
+}
+
+impl Chain {
+    /// `params` are for the second net; the first is whole, in the same precision. `y` are the
+    /// outputs to compare with; none for a net of other weights.
+    fn new(
+        name: String,
+        nets: [&Net; 2],
+        params: &InferParams,
+        x: &[f32],
+        y: Option<&[f32]>,
+    ) -> Result<Self> {
+        let first = PreparedNet::new(nets[0], &InferParams::of(params.precision))?;
+        let second = PreparedNet::new(nets[1], params)?;
+        let mut path = Self {
+            name,
+            scratch: InferScratch::default(),
+            middle: vec![0.0; first.n_outputs()],
+            out: vec![0.0; second.n_outputs()],
+            nets: [first, second],
+            times: Times::default(),
+            floor: Stream::new(0),
+            weight_bytes: 0,
+            relative_error: None,
+        };
+        path.weight_bytes = path.pass(x)?;
+        path.floor = Stream::new(path.weight_bytes);
+        path.relative_error = y.map(|y| relative_error(&path.out, y));
+        Ok(path)
+    }
+
+    fn pass(&mut self, x: &[f32]) -> Result<usize> {
+        let [first, second] = &self.nets;
+        let bytes = first.forward(x, &mut self.scratch, &mut self.middle)?;
+        let more = second.forward(&self.middle, &mut self.scratch, &mut self.out)?;
+        Ok(bytes.weight_bytes + more.weight_bytes)
+    }
+
+    fn round(&mut self, x: &[f32]) -> Result<()> {
+        let mut times = std::mem::take(&mut self.times);
+        times.round(|| self.pass(x).map(|_| ()))?;
+        self.times = times;
+        self.floor.round()
+    }
+
+    fn row(&self) -> Row {
+        Row {
+            path: self.name.clone(),
+            times: self.times.quantiles(),
+            relative_error: self.relative_error,
+            weight_bytes: Some(self.weight_bytes),
+            floor_us: Some(self.floor.times.quantiles().p50_us),
+        }
+    }
+}
+
+fn relative_error(found: &[f32], expected: &[f32]) -> f64 {
+    let largest = expected.iter().fold(0.0f32, |m, v| m.max(v.abs()));
+    let pairs = found.iter().zip(expected);
+    let worst = pairs.fold(0.0f32, |m, (f, e)| m.max((f - e).abs()));
+    f64::from(worst) / f64::from(largest)
+}
+
+impl Row {
+    fn floor_ratio(&self) -> Option<f64> {
+        Some(self.times.p50_us / self.floor_us?)
+    }
+}
+
+fn table(rows: &[Row]) -> comfy_table::Table {
+    let mut table = comfy_table::Table::new();
+    let header = [
+        "F_T + F_R, one frame, one core",
+        "p50, µs",
+        "p99, µs",
+        "error",
+        "MB read",
+        "floor, µs",
+        "p50 / floor",
+    ];
+    table
+        .load_style(comfy_table::presets::NOTHING)
+        .set_header(header);
+    for row in rows {
+        let text = |value: Option<String>| value.unwrap_or_else(|| "–".into());
+        table.add_row([
+            row.path.clone(),
+            format!("{:.0}", row.times.p50_us),
+            format!("{:.0}", row.times.p99_us),
+            text(row.relative_error.map(|e| format!("{e:.1e}"))),
+            text(row.weight_bytes.map(|b| format!("{:.2}", b as f64 * 1e-6))),
+            text(row.floor_us.map(|f| format!("{f:.0}"))),
+            text(row.floor_ratio().map(|r| format!("{r:.2}"))),
+        ]);
+    }
+    table
+}
+
+fn log_metrics(log: &mut MetricLog<std::io::Stdout>, rows: &[Row], missing: &str) -> Result<()> {
+    let row = |start: &str| rows.iter().find(|row| row.path.starts_with(start));
+    for (name, own, other) in [
+        ("nets.infer_f32_vs_ort", "f32", "ort f32"),
+        ("nets.infer_int8_vs_ort", "int8", "ort int8"),
+    ] {
+        let own = rows.iter().find(|row| row.path == own).context(own)?;
+        match row(other) {
+            Some(other) => log.value(name, own.times.p50_us / other.times.p50_us, "1")?,
+            None if missing.is_empty() => log.skipped(name, "no row of ONNX Runtime")?,
+            None => log.skipped(name, &missing.replace(char::is_control, " "))?,
+        }
+    }
+    let int8 = rows.iter().find(|row| row.path == "int8").context("int8")?;
+    log.value("nets.infer_int8_p99_us", int8.times.p99_us, "µs")?;
+    let ratios = rows.iter().filter_map(Row::floor_ratio);
+    log.value("nets.infer_floor_ratio", ratios.fold(0.0, f64::max), "1")?;
+    Ok(())
+}

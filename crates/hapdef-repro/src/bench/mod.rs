@@ -1,0 +1,43 @@
+//! Times of the networks.
+
+mod clock;
+mod inference;
+mod peers;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+use hapdef_repro::MetricLog;
+
+use crate::run::facts;
+
+/// Arguments of `bench-nets`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct BenchNetsArgs {
+    /// The scene whose nets are reduced; those of the quick profile, trained if they are not there.
+    #[arg(long, default_value = "fixtures/shin/scene.json")]
+    pub(crate) scene: PathBuf,
+    /// Folder for everything that is written.
+    #[arg(long, default_value = "target/hapdef")]
+    pub(crate) out: PathBuf,
+    /// Draws the random weights.
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Rounds in which every path has its turn.
+    #[arg(long, default_value_t = 40)]
+    pub(crate) rounds: usize,
+    /// Python with onnxruntime, onnx, torch and numpy, for the rows of other programs.
+    #[arg(long, env = "HAPDEF_PYTHON", default_value = "python3")]
+    pub(crate) python: PathBuf,
+    /// Random weights only: no scene, no reduced nets.
+    #[arg(long)]
+    pub(crate) skip_trained: bool,
+}
+
+/// Prints a METRIC line for each figure and adds it to `metrics.json`.
+pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.seed));
+    inference::run(args, &mut log)?;
+    Ok(log.append_to(&args.out.join("metrics.json"))?)
+}
