@@ -49,7 +49,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
         run(cargo(&words).env("PROPTEST_RNG_SEED", PROPTEST_SEED))
     })?;
     step(&mut times, "verification table", verify::check)?;
-    step(&mut times, "stability table", stability::check)?;
+    step(&mut times, "stability tables", stability::check)?;
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;

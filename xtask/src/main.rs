@@ -16,6 +16,7 @@ mod fixtures;
 mod frontier;
 mod pipeline;
 mod repro;
+mod search;
 mod stability;
 mod tidy;
 mod tool;
@@ -62,6 +63,10 @@ enum Task {
     Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
+    /// Settings of a net or a baseline by Bayesian optimisation.
+    Search(search::SearchArgs),
+    /// The baselines and a net on a real tactile skin that nobody here built.
+    Tactile(search::TactileArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -94,6 +99,8 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(args) => bench::run(&args),
         Task::Frontier(args) => frontier::run(&args),
         Task::Stability(args) => stability::run(&args),
+        Task::Search(args) => search::run(&args),
+        Task::Tactile(args) => search::tactile(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -1,8 +1,8 @@
-//! Solvers at their extremes.
+//! Solvers, nets and baselines at their extremes.
 
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
@@ -14,54 +14,77 @@ pub(crate) struct StabilityArgs {
     /// What is tried.
     #[arg(value_enum, default_value = "fe")]
     part: Part,
-    /// Write docs/stability-fe.md.
+    /// Write the table in docs/.
     #[arg(long)]
     write: bool,
-    /// Fail where docs/stability-fe.md says something else.
+    /// Fail where the table in docs/ says something else.
     #[arg(long)]
     check: bool,
-    /// Rows as JSON.
+    /// Rows as JSON; `fe` only.
     #[arg(long)]
     json: bool,
-    /// Draws which elements are stiff where they are scattered at random; the file has seed 0.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Draws which elements are stiff where they are scattered at random; the file has seed 0;
+    /// `fe` only.
+    #[arg(long)]
+    seed: Option<u64>,
 }
 
 /// What is tried at its extremes.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// The elasticity solver.
     Fe,
+    /// Training, baselines and inference.
+    Nets,
 }
 
 /// `cargo xtask stability`.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
-    let Part::Fe = args.part;
-    let mut command = fe()?;
+    if args.part == Part::Nets && (args.json || args.seed.is_some()) {
+        bail!("--json and --seed are for `stability fe`");
+    }
+    let mut command = args.part.command()?;
     for (flag, on) in [("--write", args.write), ("--check", args.check)] {
         if on {
-            command.arg(flag).arg(root().join(DOCUMENT));
+            command.arg(flag).arg(root().join(args.part.document()));
         }
     }
     if args.json {
         command.arg("--json");
     }
-    command.args(["--seed", &args.seed.to_string()]);
+    if let Some(seed) = args.seed {
+        command.args(["--seed", &seed.to_string()]);
+    }
     finish(&mut command)
 }
 
-/// The table, compared with docs/stability-fe.md.
+/// Both tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    crate::tool::run(fe()?.arg("--check").arg(root().join(DOCUMENT)))
+    for part in [Part::Fe, Part::Nets] {
+        let mut command = part.command()?;
+        crate::tool::run(command.arg("--check").arg(root().join(part.document())))?;
+    }
+    Ok(())
 }
 
-const DOCUMENT: &str = "docs/stability-fe.md";
+impl Part {
+    fn document(self) -> &'static str {
+        match self {
+            Self::Fe => "docs/stability-fe.md",
+            Self::Nets => "docs/stability-nets.md",
+        }
+    }
 
-fn fe() -> Result<Command> {
-    let mut command = Command::new(release_binary("hapdef-verify")?);
-    command
-        .args(["stability", "fe", "--metrics"])
-        .arg(target_dir()?.join("hapdef/metrics.json"));
-    Ok(command)
+    fn command(self) -> Result<Command> {
+        let (program, words): (_, &[&str]) = match self {
+            Self::Fe => ("hapdef-verify", &["stability", "fe"]),
+            Self::Nets => ("hapdef-repro", &["stability"]),
+        };
+        let mut command = Command::new(release_binary(program)?);
+        command
+            .args(words)
+            .arg("--metrics")
+            .arg(target_dir()?.join("hapdef/metrics.json"));
+        Ok(command)
+    }
 }

@@ -36,6 +36,18 @@ pub enum ReproError {
         /// The value found.
         value: f64,
     },
+    /// A value of a table of samples is NaN or infinite.
+    #[error("{what}: row {row}, column {column} is {value}; every value must be finite")]
+    RowNotFinite {
+        /// The argument.
+        what: &'static str,
+        /// Row of the sample.
+        row: usize,
+        /// Column of the value.
+        column: usize,
+        /// The value found.
+        value: f64,
+    },
     /// There are fewer samples than the method needs.
     #[error("{what}: {found} samples, at least {needed} are needed")]
     TooFewSamples {
@@ -92,6 +104,47 @@ pub enum ReproError {
         /// What the source said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// A line of a table does not read as numbers of the known columns.
+    #[error("{path}, line {line}: {what}", path = path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What was expected and found.
+        what: String,
+    },
+    /// A net could not be made, trained or used.
+    #[error(transparent)]
+    Nets(hapdef_nets::NetsError),
+    /// Samples could not be standardised.
+    #[error(transparent)]
+    Data(hapdef_data::DataError),
+    /// A net is worse after its training than predicting means.
+    #[error(
+        "the training learned nothing: √MSE of the standardised outputs {before:.3} before, \
+         {after:.3} after (the mean has 1), with learning rate {learning_rate} and {steps} steps; \
+         if it grew, use a smaller learning rate, else more steps"
+    )]
+    NothingLearned {
+        /// √MSE over the training samples before, standardised outputs.
+        before: f64,
+        /// The same after; 1 is as good as the mean.
+        after: f64,
+        /// Learning rate at the start.
+        learning_rate: f64,
+        /// Steps of the training.
+        steps: u64,
+    },
+    /// A search can't go on with the trials it has.
+    #[error("{message}")]
+    Search {
+        /// What was found and what to do.
+        message: String,
+    },
+    /// The person stopped it.
+    #[error("stopped; the same command goes on from here")]
+    Stopped,
     /// A name is not fit for the place it goes to.
     #[error("{what} {name:?}: {expected}")]
     Name {
@@ -165,13 +218,28 @@ pub(crate) fn whole_rows(
     Ok(found / width)
 }
 
-/// Refuses a slice with a NaN or an infinity in it.
-pub(crate) fn check_finite(what: &'static str, values: &[f32]) -> Result<(), ReproError> {
+/// Refuses rows of `width` with a NaN or an infinity in them.
+pub(crate) fn check_finite(
+    what: &'static str,
+    width: usize,
+    values: &[f32],
+) -> Result<(), ReproError> {
+    check_finite_from(what, width, 0, values)
+}
+
+/// The same for rows that follow `first` others.
+pub(crate) fn check_finite_from(
+    what: &'static str,
+    width: usize,
+    first: usize,
+    values: &[f32],
+) -> Result<(), ReproError> {
     match values.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(index) => Err(ReproError::NotFinite {
+        Some(index) => Err(ReproError::RowNotFinite {
             what,
-            index,
+            row: first + index / width.max(1),
+            column: index % width.max(1),
             value: f64::from(values[index]),
         }),
     }

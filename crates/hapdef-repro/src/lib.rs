@@ -7,8 +7,11 @@
 //! - [`render_limb_png`], [`unrolled_svg`] and the charts: figures as bytes and text.
 //! - [`write_report`], [`MetricLog`]: what is left on disk and printed.
 //!
-//! Knows nothing of how samples arise, how nets are trained or where datasets lie: rows come in
-//! as slices or through closures. Lengths are metres and forces newtons; micrometres and
+//! - [`Learner`]: one method with its settings, on samples in memory; [`tactile_scores`]: the
+//!   methods on a real tactile skin.
+//!
+//! Knows nothing of how samples arise or where datasets lie: rows come in as slices or through
+//! closures. Lengths are metres and forces newtons; micrometres and
 //! millimetres appear only in what is printed.
 
 mod baselines;
@@ -16,7 +19,10 @@ mod error;
 mod metrics;
 mod plots;
 mod report;
+mod search;
+mod stability;
 mod tables;
+mod tactile;
 
 pub use baselines::{
     Knn, KnnParams, LinearAccumulator, LinearInfo, LinearParams, LinearRegression, Neighbours,
@@ -33,8 +39,21 @@ pub use report::{
     Figure, FigureContent, Golden, GoldenValue, NamedText, Report, ReportTable, SkippedStage,
     StageTime, results_markdown, write_report, write_text,
 };
+pub use search::{
+    Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
+    TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
+    propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
+};
+pub use stability::{
+    NetsFigure, NetsRefusal, NetsRow, NetsVerdict, NetsWanted, nets_differences, nets_line,
+    nets_markdown, nets_rows,
+};
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,
     PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2,
     TestSet, TextCell, TextTable, TrainSet, claims_text, fnn_over_lr, table1_claims,
+};
+pub use tactile::{
+    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
+    seeded_permutation, tactile_distances_mm, tactile_folder, tactile_scores,
 };

@@ -80,7 +80,7 @@ impl Knn {
     /// No row, not whole rows, more rows than 32 bits count, or a value that is not finite.
     pub fn new(x: &[f32], n_inputs: usize) -> Result<Self, ReproError> {
         let n = whole_rows("k-NN training inputs", n_inputs, x.len())?;
-        check_finite("k-NN training inputs", x)?;
+        check_finite("k-NN training inputs", n_inputs, x)?;
         if n == 0 || u32::try_from(n).is_err() {
             let what = "k-NN (at most 2³² − 1 samples)";
             return Err(ReproError::TooFewSamples {
@@ -128,7 +128,7 @@ impl Knn {
         params: &KnnParams,
     ) -> Result<Neighbours, ReproError> {
         let n = whole_rows("k-NN queries", self.n_inputs, queries.len())?;
-        check_finite("k-NN queries", queries)?;
+        check_finite("k-NN queries", self.n_inputs, queries)?;
         self.check(params, n)?;
         let tiles: Vec<Vec<(f64, u32)>> = queries
             .par_chunks(QUERY_TILE * self.n_inputs)

@@ -17,7 +17,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
 use self::solve::{normal_residual, pseudo_solve};
-use crate::error::{ReproError, check_finite, check_len, whole_rows};
+use crate::error::{ReproError, check_finite, check_finite_from, check_len, whole_rows};
 
 /// Columns of Y that one task accumulates; fixed, so that results do not depend on threads.
 const COLUMN_TILE: usize = 256;
@@ -116,8 +116,8 @@ impl LinearAccumulator {
         let (p, q) = (self.x_shift.len(), self.y_shift.len());
         let n = whole_rows("linear regression inputs", p, x.len())?;
         check_len("linear regression outputs", n * q, y.len())?;
-        check_finite("linear regression inputs", x)?;
-        check_finite("linear regression outputs", y)?;
+        check_finite_from("linear regression inputs", p, self.n_samples, x)?;
+        check_finite_from("linear regression outputs", q, self.n_samples, y)?;
         if n == 0 {
             return Ok(());
         }
@@ -280,11 +280,12 @@ impl LinearRegression {
     /// Predicts `out` `[rows, n_outputs]` from `x` `[rows, n_inputs]`, both row-major.
     ///
     /// # Errors
-    /// Lengths that do not agree with the shapes.
+    /// Lengths that do not agree with the shapes, or an input that is not finite.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
         let (p, q) = (self.n_inputs(), self.n_outputs());
         let n = whole_rows("linear regression inputs", p, x.len())?;
         check_len("linear regression predictions", n * q, out.len())?;
+        check_finite("linear regression inputs", p, x)?;
         if q == 0 {
             return Ok(());
         }

@@ -85,8 +85,8 @@ impl Svr {
         let start = std::time::Instant::now();
         let n = whole_rows("SVR inputs", n_inputs, x.len())?;
         check_len("SVR outputs", n * n_outputs, y.len())?;
-        check_finite("SVR inputs", x)?;
-        check_finite("SVR outputs", y)?;
+        check_finite("SVR inputs", n_inputs, x)?;
+        check_finite("SVR outputs", n_outputs, y)?;
         params.check()?;
         let picked = draw(n, params.max_samples, params.seed);
         if picked.len() < 2 {
@@ -127,6 +127,12 @@ impl Svr {
         Ok((svr, info))
     }
 
+    /// Values in one output row.
+    #[must_use]
+    pub fn n_outputs(&self) -> usize {
+        self.machines.len()
+    }
+
     /// Predicts `out` `[n, n_outputs]` from `x` `[n, n_inputs]`, row-major, in training units.
     ///
     /// # Errors
@@ -135,7 +141,7 @@ impl Svr {
         let (p, q) = (self.x_scaling.len(), self.machines.len());
         let n = whole_rows("SVR inputs", p, x.len())?;
         check_len("SVR predictions", n * q, out.len())?;
-        check_finite("SVR inputs", x)?;
+        check_finite("SVR inputs", p, x)?;
         if q == 0 {
             return Ok(());
         }

@@ -13,10 +13,13 @@ mod patches;
 mod presses;
 pub(crate) mod samples;
 mod scores;
+mod search;
 mod singles;
+mod stability;
 pub(crate) mod summary;
 mod svr;
 mod table1;
+mod tactile;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -53,6 +56,16 @@ pub(crate) struct Cli {
 enum Command {
     /// Runs what is missing and writes the report: Markdown, JSON, HTML, figures.
     Report(SceneArgs),
+    /// The baselines and a net on a real tactile skin that nobody here built.
+    Tactile(tactile::TactileArgs),
+    /// Settings of a method by Bayesian optimisation on validation samples; goes on where it was.
+    Search(search::SearchArgs),
+    /// Joins the trials of several shards.
+    SearchMerge(search::MergeArgs),
+    /// The paper's settings beside the search's best, on test samples.
+    SearchCompare(search::CompareArgs),
+    /// Nets and baselines with data and settings at their extremes.
+    Stability(stability::StabilityArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     BenchNets(BenchNetsArgs),
     /// Error against run time: every method, precision, rank and width in one table and plot.
@@ -89,6 +102,11 @@ struct GoldenArgs {
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
+        Command::Tactile(args) => tactile::run(args),
+        Command::Search(args) => search::search(args),
+        Command::SearchMerge(args) => search::merge(args),
+        Command::SearchCompare(args) => search::compare(args),
+        Command::Stability(args) => stability::run(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
         Command::Report(args) => report(args, false).map(drop),

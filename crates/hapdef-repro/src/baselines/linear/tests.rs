@@ -166,7 +166,14 @@ fn what_cannot_be_regressed_is_refused() {
     let mut sums = LinearAccumulator::new(2, 1);
     let refused = sums.add_block(&[1.0, f32::NAN], &[1.0]);
     assert!(
-        matches!(refused, Err(ReproError::NotFinite { index: 1, .. })),
+        matches!(
+            refused,
+            Err(ReproError::RowNotFinite {
+                row: 0,
+                column: 1,
+                ..
+            })
+        ),
         "{refused:?}"
     );
     assert!(matches!(

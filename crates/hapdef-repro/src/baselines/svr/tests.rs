@@ -109,7 +109,14 @@ fn bad_arguments_are_refused() {
     );
     let error = Svr::train(&[0.0, f32::INFINITY], &[0.0, 1.0], 1, 1, &ok).unwrap_err();
     assert!(
-        matches!(error, ReproError::NotFinite { index: 1, .. }),
+        matches!(
+            error,
+            ReproError::RowNotFinite {
+                row: 1,
+                column: 0,
+                ..
+            }
+        ),
         "{error}"
     );
 }

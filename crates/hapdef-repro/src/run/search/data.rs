@@ -1,0 +1,284 @@
+//! The samples of a search, in memory, and the error of a fitted method on them.
+
+use std::ops::Range;
+
+use anyhow::{Context, Result};
+use hapdef::MapErrorSum;
+use hapdef::stages::samples_path;
+use hapdef_data::{DatasetReader, Split};
+use hapdef_repro::{Fitted, KnobValues, Learner, ReproError, Samples, SearchMethod};
+
+use super::Prepared;
+use crate::run::samples::SampleSet;
+
+/// Most validation samples of all sets together.
+const MAX_VALIDATION: usize = 1000;
+/// Rows predicted together.
+const BLOCK: usize = 256;
+/// The paper's virtual gauges per gauge (Sun & Martius 2019, figure 5A).
+const PAPER_PATCH: usize = 24;
+
+/// Inputs and outputs of some samples.
+#[derive(Default)]
+pub(crate) struct Rows {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    n: usize,
+}
+
+/// The samples of one method.
+pub(crate) struct MethodData {
+    method: SearchMethod,
+    n_inputs: usize,
+    n_outputs: usize,
+    max_patch: usize,
+    /// Keys of the datasets.
+    pub(crate) keys: String,
+    /// What methods are fitted to.
+    pub(crate) train: Rows,
+    /// What settings are chosen by.
+    pub(crate) validation: Rows,
+    /// What the chosen settings are scored on, by name; empty during a search.
+    pub(crate) tests: Vec<(String, Rows)>,
+}
+
+/// Errors of a fitted method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MethodError {
+    /// Mean absolute error of map or virtual gauges, µm; mean distance of contacts, mm.
+    pub(crate) main: f64,
+    /// Mean absolute error of the force, N, where there is one.
+    pub(crate) force_n: Option<f64>,
+}
+
+impl Rows {
+    /// Samples.
+    pub(crate) fn n(&self) -> usize {
+        self.n
+    }
+}
+
+impl MethodData {
+    /// Reads what `method` needs; test samples only where they are asked for.
+    pub(crate) fn load(
+        method: SearchMethod,
+        prepared: &Prepared,
+        with_tests: bool,
+    ) -> Result<Self> {
+        let empty = Self {
+            method,
+            n_inputs: 0,
+            n_outputs: 0,
+            max_patch: prepared.max_patch,
+            keys: String::new(),
+            train: Rows::default(),
+            validation: Rows::default(),
+            tests: Vec::new(),
+        };
+        match method {
+            SearchMethod::Reconstruction | SearchMethod::Linear | SearchMethod::Knn => {
+                empty.with_maps(prepared, with_tests)
+            }
+            SearchMethod::Transfer | SearchMethod::Direct | SearchMethod::Svr => {
+                empty.with_presses(prepared, with_tests)
+            }
+        }
+    }
+
+    fn with_maps(mut self, prepared: &Prepared, with_tests: bool) -> Result<Self> {
+        let data = prepared.done.data.as_ref().context("no datasets")?;
+        let keys = data.simulated.iter().map(|stage| stage.key.as_str());
+        self.keys = keys.collect::<Vec<_>>().join(" ");
+        let mut sets = SampleSet::open_all(data)?;
+        let most = MAX_VALIDATION / sets.len();
+        for (i, set) in sets.iter_mut().enumerate() {
+            (self.n_inputs, self.n_outputs) = (set.n_virtual, set.n_surface);
+            let Range { start, end } = set.split.validation.clone();
+            add_maps(&mut self.train, set, set.split.train.clone())?;
+            add_maps(&mut self.validation, set, start..end.min(start + most))?;
+            if with_tests {
+                let mut rows = Rows::default();
+                add_maps(&mut rows, set, set.split.test.clone())?;
+                self.tests.push((format!("{} contacts", i + 1), rows));
+            }
+        }
+        Ok(self)
+    }
+
+    fn with_presses(mut self, prepared: &Prepared, with_tests: bool) -> Result<Self> {
+        let stage = &prepared
+            .done
+            .data
+            .as_ref()
+            .context("no datasets")?
+            .rig_single;
+        self.keys = stage.key.clone();
+        let mut reader = DatasetReader::open(&samples_path(stage))?;
+        let split = Split::of(reader.n())?;
+        self.n_inputs = reader.width("readings")?;
+        self.n_outputs = match self.method {
+            SearchMethod::Transfer => self.n_inputs * PAPER_PATCH.min(self.max_patch),
+            _ => 4,
+        };
+        let validation = split.validation;
+        let validation = validation.start..validation.end.min(validation.start + MAX_VALIDATION);
+        self.train = self.presses(&mut reader, split.train)?;
+        self.validation = self.presses(&mut reader, validation)?;
+        if with_tests {
+            let rows = self.presses(&mut reader, split.test)?;
+            self.tests.push(("single presses".to_owned(), rows));
+        }
+        Ok(self)
+    }
+
+    fn presses(&self, reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows> {
+        let n = rows.len();
+        let mut read = |tensor: &str| -> Result<Vec<f32>> {
+            let mut values = vec![0.0; n * reader.width(tensor)?];
+            reader.read_rows(tensor, rows.clone(), &mut values)?;
+            Ok(values)
+        };
+        let y = if self.method == SearchMethod::Transfer {
+            let patch = PAPER_PATCH.min(self.max_patch);
+            first_of_patches(&read("virtual_gauges")?, self.max_patch, patch)
+        } else {
+            let (places, forces) = (read("contact_positions")?, read("contact_forces")?);
+            let places = places.chunks_exact(3).zip(&forces);
+            places.flat_map(|(p, f)| [p[0], p[1], p[2], *f]).collect()
+        };
+        Ok(Rows {
+            x: read("readings")?,
+            y,
+            n,
+        })
+    }
+
+    /// Fits a method to the training samples.
+    pub(crate) fn fit(
+        &self,
+        learner: &Learner,
+        values: &KnobValues,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Fitted, ReproError> {
+        let (x, n_inputs) = self.inputs(&self.train.x, values);
+        let samples = Samples {
+            x: &x,
+            n_inputs,
+            y: &self.train.y,
+            n_outputs: self.n_outputs,
+        };
+        learner.fit(&samples, stop)
+    }
+
+    /// The error of a fitted method on some samples.
+    pub(crate) fn error(
+        &self,
+        fitted: &Fitted,
+        values: &KnobValues,
+        rows: &Rows,
+    ) -> Result<MethodError, ReproError> {
+        let mut sums = ErrorSums::new(self.method, self.n_outputs);
+        for first in (0..rows.n).step_by(BLOCK) {
+            let block = first..(first + BLOCK).min(rows.n);
+            let of = |width: usize| block.start * width..block.end * width;
+            let (x, _) = self.inputs(&rows.x[of(self.n_inputs)], values);
+            let mut found = vec![0.0; block.len() * self.n_outputs];
+            fitted.predict(&x, &mut found)?;
+            sums.add(&rows.y[of(self.n_outputs)], &found);
+        }
+        Ok(sums.finish(rows.n))
+    }
+
+    /// The inputs that the settings ask for, and their width.
+    fn inputs<'a>(
+        &self,
+        x: &'a [f32],
+        values: &KnobValues,
+    ) -> (std::borrow::Cow<'a, [f32]>, usize) {
+        match values.get("patch") {
+            Some(&patch) => {
+                let patch = (patch as usize).clamp(1, self.max_patch);
+                let width = self.n_inputs / self.max_patch * patch;
+                (first_of_patches(x, self.max_patch, patch).into(), width)
+            }
+            None => (x.into(), self.n_inputs),
+        }
+    }
+}
+
+/// The `patch` virtual gauges nearest to each gauge, of `max_patch` that lie in ascending distance.
+fn first_of_patches(x: &[f32], max_patch: usize, patch: usize) -> Vec<f32> {
+    let each = x.chunks_exact(max_patch);
+    each.flat_map(|gauge| &gauge[..patch]).copied().collect()
+}
+
+fn add_maps(rows: &mut Rows, set: &mut SampleSet, picked: Range<usize>) -> Result<()> {
+    rows.n += picked.len();
+    rows.x.extend(set.inputs(picked.clone())?);
+    rows.y.extend(set.maps(picked)?);
+    Ok(())
+}
+
+/// Sums of errors over blocks.
+enum ErrorSums {
+    Map(MapErrorSum),
+    Contact { distance_m: f64, force_n: f64 },
+}
+
+impl ErrorSums {
+    fn new(method: SearchMethod, width: usize) -> Self {
+        match method {
+            SearchMethod::Direct | SearchMethod::Svr => Self::Contact {
+                distance_m: 0.0,
+                force_n: 0.0,
+            },
+            _ => Self::Map(MapErrorSum::new(width)),
+        }
+    }
+
+    fn add(&mut self, truth: &[f32], found: &[f32]) {
+        match self {
+            Self::Map(sum) => sum.add(truth, found),
+            Self::Contact {
+                distance_m,
+                force_n,
+            } => {
+                for (y, z) in truth.chunks_exact(4).zip(found.chunks_exact(4)) {
+                    let square = |i: usize| f64::from(y[i] - z[i]).powi(2);
+                    *distance_m += (0..3).map(square).sum::<f64>().sqrt();
+                    *force_n += f64::from(y[3] - z[3]).abs();
+                }
+            }
+        }
+    }
+
+    fn finish(&self, n: usize) -> MethodError {
+        match self {
+            Self::Map(sum) => MethodError {
+                main: sum.finish().mean_abs_um,
+                force_n: None,
+            },
+            Self::Contact {
+                distance_m,
+                force_n,
+            } => MethodError {
+                main: distance_m / n as f64 * 1e3,
+                force_n: Some(force_n / n as f64),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smaller_patch_is_the_first_part_of_each_gauges() {
+        let two_samples_of_two_gauges = [1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12.];
+        assert_eq!(
+            first_of_patches(&two_samples_of_two_gauges, 3, 2),
+            [1., 2., 4., 5., 7., 8., 10., 11.]
+        );
+    }
+}

@@ -1,0 +1,18 @@
+//! Settings found by Bayesian optimisation, the paper's beside them.
+//!
+//! A [`SearchMethod`] has [`Knob`]s and makes a [`Learner`] of their values; [`propose`] gives the
+//! next point from the trials so far; a [`TrialLog`] keeps them, [`merge_trials`] joins shards.
+
+mod learner;
+mod optimiser;
+mod report;
+mod space;
+mod trials;
+
+pub use learner::{Fitted, FittedKnn, Learner, NetSettings, Samples};
+pub use optimiser::propose;
+pub use report::{search_figures, search_markdown, values_in_words};
+pub use space::{Knob, KnobValues, SearchMethod, TrialBudget, paper_values};
+pub use trials::{
+    Trial, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, read_trials, trials_text,
+};
