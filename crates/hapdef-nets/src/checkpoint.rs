@@ -18,7 +18,7 @@ use crate::params::TrainParams;
 use crate::spec::MlpSpec;
 
 /// Version of the JSON file's fields that this crate writes and reads.
-pub const CHECKPOINT_FORMAT_VERSION: u32 = 1;
+pub const CHECKPOINT_FORMAT_VERSION: u32 = 2;
 
 /// How a net came to be what it is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,6 +32,64 @@ pub struct TrainRecord {
     pub train_loss: Option<f64>,
     /// √MSE of the validation set when last looked at, standardised outputs.
     pub validation_loss: Option<f64>,
+    /// Every look at the validation set, the first one first.
+    pub looks: Vec<Look>,
+    /// Step of the look whose weights are kept as the best, if the parameters ask for that.
+    pub best_step: Option<u64>,
+}
+
+/// A look at the validation set.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Look {
+    /// Steps done before it.
+    pub step: u64,
+    /// √MSE of the batch of the last step plus the penalty, standardised outputs; none before the
+    /// first step.
+    pub train_loss: Option<f64>,
+    /// √MSE of the validation set, standardised outputs.
+    pub validation_loss: f64,
+}
+
+/// A training at a point from which it can go on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resumable {
+    /// The net with the weights of the last step.
+    pub net: Net,
+    /// How it came to be what it is.
+    pub record: TrainRecord,
+    /// The optimiser's moments, one per layer.
+    pub moments: Vec<Moments>,
+    /// The weights of [`TrainRecord::best_step`], where those are not the net's own.
+    pub best: Option<Mlp>,
+}
+
+impl TrainRecord {
+    /// Before the first step.
+    pub fn new(params: TrainParams) -> Self {
+        Self {
+            step: 0,
+            params,
+            train_loss: None,
+            validation_loss: None,
+            looks: vec![],
+            best_step: None,
+        }
+    }
+
+    /// The look with the lowest validation loss, the first of equals.
+    pub fn lowest(&self) -> Option<&Look> {
+        let by_loss = |a: &&Look, b: &&Look| a.validation_loss.total_cmp(&b.validation_loss);
+        self.looks.iter().min_by(by_loss)
+    }
+
+    /// Looks since the one with the lowest validation loss.
+    pub fn looks_since_lowest(&self) -> u64 {
+        let Some(lowest) = self.lowest() else {
+            return 0;
+        };
+        self.looks.iter().filter(|l| l.step > lowest.step).count() as u64
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -44,6 +102,16 @@ struct CheckpointFile {
     record: TrainRecord,
     weights_file: String,
     moments_file: Option<String>,
+    /// The best weights, where they are not those of `weights_file`.
+    best_file: Option<String>,
+}
+
+impl CheckpointFile {
+    /// Names of the safetensors files.
+    fn files(&self) -> [Option<&String>; 3] {
+        let weights = Some(&self.weights_file);
+        [weights, self.moments_file.as_ref(), self.best_file.as_ref()]
+    }
 }
 
 /// Writes a net to `path` (the JSON file) and safetensors files beside it, with the optimiser's
@@ -56,14 +124,30 @@ pub fn save(
     record: &TrainRecord,
     moments: Option<&[Moments]>,
 ) -> Result<(), NetsError> {
+    save_all(path, net, record, moments, None)
+}
+
+/// Writes a net as [`save`] does, and the weights `best` of [`TrainRecord::best_step`], which
+/// [`load`] then gives instead of the net's own.
+pub(crate) fn save_all(
+    path: &Path,
+    net: &Net,
+    record: &TrainRecord,
+    moments: Option<&[Moments]>,
+    best: Option<&Mlp>,
+) -> Result<(), NetsError> {
     let replaced = parse(path).ok();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let weights_file = format!("{stem}-{}.safetensors", record.step);
     let moments_file = moments.map(|_| format!("{stem}-{}.moments.safetensors", record.step));
+    let best_file = best.map(|_| format!("{stem}-{}.best.safetensors", record.step));
     write_tensors(
         &path.with_file_name(&weights_file),
         &weight_tensors(net.mlp()),
     )?;
+    if let (Some(best), Some(name)) = (best, &best_file) {
+        write_tensors(&path.with_file_name(name), &weight_tensors(best))?;
+    }
     if let (Some(moments), Some(name)) = (moments, &moments_file) {
         let tensors = moment_tensors(net.mlp().spec(), moments)?;
         write_tensors(&path.with_file_name(name), &tensors)?;
@@ -76,6 +160,7 @@ pub fn save(
         record: record.clone(),
         weights_file,
         moments_file,
+        best_file,
     };
     let mut json = serde_json::to_vec_pretty(&file).map_err(invalid(path))?;
     json.push(b'\n');
@@ -86,16 +171,22 @@ pub fn save(
     Ok(())
 }
 
-/// Reads the net of a checkpoint, and how it came to be.
+/// Reads the net of a checkpoint, with the best weights if it has them, and how it came to be.
 pub fn load(path: &Path) -> Result<(Net, TrainRecord), NetsError> {
     let file = parse(path)?;
-    Ok((read_net(path, &file)?, file.record))
+    let weights = file.best_file.as_ref().unwrap_or(&file.weights_file);
+    let mlp = read_mlp(path, &file.spec, weights)?;
+    Ok((net_of(mlp, &file)?, file.record))
 }
 
-/// Reads a checkpoint with the optimiser's moments, one per layer. Fails if it has none.
-pub fn load_for_resume(path: &Path) -> Result<(Net, TrainRecord, Vec<Moments>), NetsError> {
+/// Reads a checkpoint with what a training needs to go on. Fails if it has no moments.
+pub fn load_for_resume(path: &Path) -> Result<Resumable, NetsError> {
     let file = parse(path)?;
-    let net = read_net(path, &file)?;
+    let net = net_of(read_mlp(path, &file.spec, &file.weights_file)?, &file)?;
+    let best = match &file.best_file {
+        Some(name) => Some(read_mlp(path, &file.spec, name)?),
+        None => None,
+    };
     let Some(name) = &file.moments_file else {
         return Err(NetsError::NotResumable {
             path: path.to_path_buf(),
@@ -116,7 +207,12 @@ pub fn load_for_resume(path: &Path) -> Result<(Net, TrainRecord, Vec<Moments>), 
             bias_v,
         });
     }
-    Ok((net, file.record, moments))
+    Ok(Resumable {
+        net,
+        record: file.record,
+        moments,
+        best,
+    })
 }
 
 fn parse(path: &Path) -> Result<CheckpointFile, NetsError> {
@@ -136,18 +232,20 @@ fn parse(path: &Path) -> Result<CheckpointFile, NetsError> {
     serde_json::from_slice(&json).map_err(invalid(path))
 }
 
-fn read_net(path: &Path, file: &CheckpointFile) -> Result<Net, NetsError> {
-    file.spec.check()?;
+fn net_of(mlp: Mlp, file: &CheckpointFile) -> Result<Net, NetsError> {
     file.input_scale.check()?;
     file.output_scale.check()?;
-    let weights_path = sibling(path, &file.weights_file)?;
-    let mut tensors = read_tensors(&weights_path, &weight_shapes(&file.spec))?.into_iter();
+    Net::new(mlp, file.input_scale.clone(), file.output_scale.clone())
+}
+
+fn read_mlp(path: &Path, spec: &MlpSpec, name: &str) -> Result<Mlp, NetsError> {
+    spec.check()?;
+    let mut tensors = read_tensors(&sibling(path, name)?, &weight_shapes(spec))?.into_iter();
     let mut layers = vec![];
     while let (Some(weights), Some(bias)) = (tensors.next(), tensors.next()) {
         layers.push(Layer { weights, bias });
     }
-    let mlp = Mlp::from_layers(&file.spec, layers)?;
-    Net::new(mlp, file.input_scale.clone(), file.output_scale.clone())
+    Mlp::from_layers(spec, layers)
 }
 
 fn weight_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
@@ -226,8 +324,7 @@ fn sibling(path: &Path, name: &str) -> Result<PathBuf, NetsError> {
 }
 
 fn remove_replaced(path: &Path, replaced: &CheckpointFile, kept: &CheckpointFile) {
-    let old = [Some(&replaced.weights_file), replaced.moments_file.as_ref()];
-    let new = [Some(&kept.weights_file), kept.moments_file.as_ref()];
+    let (old, new) = (replaced.files(), kept.files());
     for name in old.into_iter().flatten() {
         if !new.contains(&Some(name))
             && let Ok(stale) = sibling(path, name)

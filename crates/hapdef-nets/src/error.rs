@@ -264,10 +264,6 @@ pub enum NetsError {
         /// The value.
         value: f32,
     },
-    /// The tensor library failed.
-    #[cfg(feature = "train")]
-    #[error("candle: {0}")]
-    Candle(#[from] candle_core::Error),
 }
 
 /// Fails unless `got` is `expected`.

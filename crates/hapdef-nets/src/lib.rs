@@ -32,11 +32,13 @@ mod spec;
 pub mod train;
 
 pub use activation::Activation;
-pub use checkpoint::{CHECKPOINT_FORMAT_VERSION, TrainRecord, load, load_for_resume, save};
+pub use checkpoint::{
+    CHECKPOINT_FORMAT_VERSION, Look, Resumable, TrainRecord, load, load_for_resume, save,
+};
 pub use error::NetsError;
 pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::TrainParams;
+pub use params::{TrainParams, TrainPrecision};
 pub use spec::MlpSpec;

@@ -4,6 +4,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::NetsError;
 
+/// TrainPrecision of the matrix products of a training.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrainPrecision {
+    /// 32 bits throughout.
+    F32,
+    /// Factors rounded to bfloat16 where the processor multiplies those itself (AVX-512 BF16), else
+    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed TrainPrecision
+    /// Training", ICLR 2018, arXiv 1710.03740).
+    Mixed,
+}
+
 /// How a net is trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -16,17 +28,28 @@ pub struct TrainParams {
     pub learning_rate: f64,
     /// Step size at the end, reached along half a cosine; none keeps it constant.
     pub final_learning_rate: Option<f64>,
+    /// Steps over which the step size first rises, in proportion, to the start of the cosine; 0
+    /// for none.
+    pub warmup_steps: u64,
     /// λ of the penalty λ Σ w² over the weights, biases left out, that is added to the loss √MSE.
     ///
     /// The paper states 1e-3 for F_T, 1e-4 for F_R, 6e-4 for F_S; the authors' published code,
     /// read closely, applies next to none of it, and 0 agrees best with what they report.
     pub l2: f64,
+    /// TrainPrecision of the matrix products; weights, moments, sums and validation are in 32 bits.
+    pub precision: TrainPrecision,
     /// Seed of the order in which samples are drawn.
     pub seed: u64,
     /// Steps between checkpoints; 0 writes one at the end alone.
     pub checkpoint_every: u64,
     /// Steps between looks at the validation set; 0 looks at the end alone.
     pub validate_every: u64,
+    /// Whether the weights of the look with the lowest validation loss are the result, rather than
+    /// those of the last step.
+    pub keep_best: bool,
+    /// Looks at the validation set in a row without a new lowest loss after which the training
+    /// ends (early stopping); 0 goes on to the last step.
+    pub patience: u64,
 }
 
 impl TrainParams {
@@ -38,10 +61,14 @@ impl TrainParams {
             batch: 100,
             learning_rate: 1e-4,
             final_learning_rate: None,
+            warmup_steps: 0,
             l2: 0.0,
+            precision: TrainPrecision::F32,
             seed,
             checkpoint_every: 10_000,
             validate_every: 10_000,
+            keep_best: false,
+            patience: 0,
         }
     }
 
@@ -67,14 +94,20 @@ impl TrainParams {
 
     /// Step size of `step`, counted from 0.
     ///
-    /// With a final value: `last + ½ (first − last)(1 + cos(π step/(steps − 1)))` (I. Loshchilov
-    /// and F. Hutter, "SGDR", ICLR 2017, arXiv 1608.03983, equation 5, without restarts).
+    /// During the warm-up of w steps: `first (step + 1)/(w + 1)` (P. Goyal et al., "Accurate,
+    /// Large Minibatch SGD", arXiv 1706.02677, section 2.2). After it, with a final value:
+    /// `last + ½ (first − last)(1 + cos(π s))`, s running from 0 after the warm-up to 1 at the last
+    /// step (I. Loshchilov and F. Hutter, "SGDR", ICLR 2017, arXiv 1608.03983, equation 5, without
+    /// restarts).
     pub fn learning_rate_at(&self, step: u64) -> f64 {
+        if step < self.warmup_steps {
+            return self.learning_rate * (step + 1) as f64 / (self.warmup_steps + 1) as f64;
+        }
         let Some(last) = self.final_learning_rate else {
             return self.learning_rate;
         };
-        let end = self.steps.saturating_sub(1).max(1);
-        let share = step.min(end) as f64 / end as f64;
+        let end = self.steps.saturating_sub(1 + self.warmup_steps).max(1);
+        let share = (step - self.warmup_steps).min(end) as f64 / end as f64;
         last + 0.5 * (self.learning_rate - last) * (1.0 + (std::f64::consts::PI * share).cos())
     }
 }
@@ -95,6 +128,23 @@ mod tests {
             .map(|i| params.learning_rate_at(i * 10_000))
             .collect();
         assert!(rates.is_sorted_by(|a, b| a > b));
+    }
+
+    #[test]
+    fn the_step_size_rises_to_the_cosine_and_then_falls() {
+        let params = TrainParams {
+            steps: 1000,
+            warmup_steps: 99,
+            final_learning_rate: Some(1e-6),
+            ..TrainParams::paper(0)
+        };
+        assert!((params.learning_rate_at(0) / 1e-6 - 1.0).abs() < 1e-9);
+        assert!((params.learning_rate_at(49) / 0.5e-4 - 1.0).abs() < 1e-9);
+        assert_eq!(params.learning_rate_at(99), 1e-4);
+        assert!((params.learning_rate_at(999) / 1e-6 - 1.0).abs() < 1e-9);
+        let rates: Vec<_> = (0..1000).map(|i| params.learning_rate_at(i)).collect();
+        assert!(rates[..=99].is_sorted_by(|a, b| a < b));
+        assert!(rates[99..].is_sorted_by(|a, b| a > b));
     }
 
     #[test]

@@ -6,8 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use hapdef_nets::{
-    Activation, Layer, Mlp, MlpSpec, Moments, Net, NetsError, Scale, Scratch, TrainParams,
-    TrainRecord, load, load_for_resume, save,
+    Activation, Layer, Mlp, MlpSpec, Moments, Net, NetsError, Resumable, Scale, Scratch,
+    TrainParams, TrainRecord, load, load_for_resume, save,
 };
 use proptest::prelude::*;
 
@@ -30,9 +30,8 @@ fn net() -> Net {
 fn record(step: u64) -> TrainRecord {
     TrainRecord {
         step,
-        params: TrainParams::paper(3),
         train_loss: Some(0.1),
-        validation_loss: None,
+        ..TrainRecord::new(TrainParams::paper(3))
     }
 }
 
@@ -217,7 +216,13 @@ fn a_checkpoint_comes_back_bit_for_bit() {
     moments[1].weights_v[3] = 1e-30;
     save(&path, &net, &record(7), Some(&moments)).unwrap();
     assert_eq!(load(&path).unwrap(), (net.clone(), record(7)));
-    assert_eq!(load_for_resume(&path).unwrap(), (net, record(7), moments));
+    let expected = Resumable {
+        net,
+        record: record(7),
+        moments,
+        best: None,
+    };
+    assert_eq!(load_for_resume(&path).unwrap(), expected);
     let expected = [
         "transfer-7.moments.safetensors",
         "transfer-7.safetensors",
@@ -296,12 +301,12 @@ fn a_checkpoint_of_another_architecture_version_or_folder_is_told() {
     check_edited("\"seed\"", "\"sead\"", |e| {
         matches!(e, NetsError::Json { .. })
     });
-    check_edited("\"format_version\": 1", "\"format_version\": 9", |e| {
+    check_edited("\"format_version\": 2", "\"format_version\": 9", |e| {
         matches!(
             e,
             NetsError::FormatVersion {
                 found: 9,
-                known: 1,
+                known: 2,
                 ..
             }
         )

@@ -1,61 +1,19 @@
-//! Training: that it learns, repeats itself, resumes, stops and says what is wrong.
+//! Training: that it learns, repeats itself, stops and says what is wrong.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod training_common;
+
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::process::Command;
 
 use hapdef_nets::train::{
-    BatchSource, MemorySource, Progress, SourceError, TrainInfo, resume, train, validation_loss,
+    BatchSource, MemorySource, Progress, SourceError, train, validation_loss,
 };
 use hapdef_nets::{
-    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Scale, Scratch, TrainParams, load,
+    Activation, Layer, Mlp, MlpSpec, Net, NetsError, Scale, Scratch, TrainParams, TrainPrecision,
 };
-
-const PARAMS: TrainParams = TrainParams {
-    steps: 20,
-    batch: 32,
-    learning_rate: 1e-3,
-    final_learning_rate: Some(1e-5),
-    l2: 1e-4,
-    seed: 9,
-    checkpoint_every: 0,
-    validate_every: 0,
-};
-
-fn net(hidden: &[usize], activation: Activation) -> Net {
-    let spec = MlpSpec {
-        inputs: 3,
-        hidden: hidden.to_vec(),
-        outputs: 2,
-        activation,
-    };
-    let input = Scale::new(vec![10.0; 3], vec![2.0; 3]).unwrap();
-    let output = Scale::new(vec![0.0; 2], vec![100.0; 2]).unwrap();
-    Net::new(Mlp::random(&spec, 1).unwrap(), input, output).unwrap()
-}
-
-/// Two smooth functions of three numbers.
-fn samples(n: usize, phase: f32) -> MemorySource {
-    let x: Vec<f32> = (0..3 * n)
-        .map(|i| 10.0 + 3.0 * (1.618 * (i * i % 9973) as f32 + phase).sin())
-        .collect();
-    let y = x.chunks(3).flat_map(|p| {
-        let [a, b, c] = [p[0] - 10.0, p[1] - 10.0, p[2] - 10.0];
-        [20.0 * a * b + 30.0 * c, 100.0 * (0.5 * a - b).sin()]
-    });
-    let y = y.collect();
-    MemorySource::new(3, 2, x, y).unwrap()
-}
-
-fn go_on(_: &Progress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
-fn run(net: &mut Net, params: &TrainParams) -> TrainInfo {
-    train(net, &mut samples(500, 0.0), None, params, None, &mut go_on).unwrap()
-}
+use training_common::{PARAMS, go_on, net, run, samples};
 
 fn refused(net: &mut Net, source: &mut dyn BatchSource, params: &TrainParams) -> NetsError {
     let before = net.clone();
@@ -139,107 +97,6 @@ fn the_penalty_makes_weights_smaller() {
     };
     let (without, with) = (size(0.0), size(0.1));
     assert!(with < 0.5 * without, "{with} against {without}");
-}
-
-fn checkpoint() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("net.json");
-    (folder, path)
-}
-
-#[test]
-fn a_break_and_a_resume_change_no_bit() {
-    let (_folder, path) = checkpoint();
-    let mut straight = net(&[16, 12], Activation::Relu);
-    let straight_info = run(&mut straight, &PARAMS);
-
-    let mut first = net(&[16, 12], Activation::Relu);
-    let mut stop_at_10 = |p: &Progress| match p.step {
-        10 => ControlFlow::Break(()),
-        _ => ControlFlow::Continue(()),
-    };
-    let mut source = samples(500, 0.0);
-    let info = train(
-        &mut first,
-        &mut source,
-        None,
-        &PARAMS,
-        Some(&path),
-        &mut stop_at_10,
-    )
-    .unwrap();
-    assert_eq!((info.step, info.stopped_early), (10, true));
-    assert_eq!(load(&path).unwrap().0, first);
-
-    let (resumed, info) = resume(&path, &mut source, None, &PARAMS, &mut go_on).unwrap();
-    assert_eq!((info.step, info.stopped_early), (20, false));
-    assert_eq!(info.train_loss, straight_info.train_loss);
-    assert_eq!(resumed, straight);
-    assert_eq!(load(&path).unwrap().0, straight);
-
-    let (again, info) = resume(&path, &mut source, None, &PARAMS, &mut go_on).unwrap();
-    assert_eq!((again, info.step), (straight, 20), "nothing is left to do");
-}
-
-#[test]
-fn checkpoints_on_the_way_can_be_resumed() {
-    let (_folder, path) = checkpoint();
-    let params = TrainParams {
-        checkpoint_every: 7,
-        ..PARAMS
-    };
-    let mut crash_at_16 = |p: &Progress| {
-        assert!(p.step < 16, "as if the power failed");
-        ControlFlow::Continue(())
-    };
-    let crashed = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        let mut net = net(&[16], Activation::Tanh);
-        train(
-            &mut net,
-            &mut samples(500, 0.0),
-            None,
-            &params,
-            Some(&path),
-            &mut crash_at_16,
-        )
-    }));
-    assert!(crashed.is_err());
-    assert_eq!(load(&path).unwrap().1.step, 14);
-    let (resumed, _) = resume(&path, &mut samples(500, 0.0), None, &params, &mut go_on).unwrap();
-    let mut straight = net(&[16], Activation::Tanh);
-    run(&mut straight, &params);
-    assert_eq!(resumed, straight);
-}
-
-#[test]
-fn a_resume_with_other_knobs_is_refused() {
-    let (_folder, path) = checkpoint();
-    let mut net = net(&[16], Activation::Tanh);
-    let mut source = samples(500, 0.0);
-    train(
-        &mut net,
-        &mut source,
-        None,
-        &PARAMS,
-        Some(&path),
-        &mut go_on,
-    )
-    .unwrap();
-    let mut name_refused =
-        |params: TrainParams| match resume(&path, &mut source, None, &params, &mut go_on) {
-            Err(NetsError::ResumeParams { name, .. }) => name,
-            other => panic!("{other:?}"),
-        };
-    assert_eq!(name_refused(TrainParams { seed: 1, ..PARAMS }), "seed");
-    assert_eq!(name_refused(TrainParams { batch: 1, ..PARAMS }), "batch");
-    assert_eq!(name_refused(TrainParams { l2: 0.0, ..PARAMS }), "l2");
-    assert_eq!(
-        name_refused(TrainParams {
-            steps: 40,
-            ..PARAMS
-        }),
-        "steps"
-    );
 }
 
 #[test]
@@ -352,29 +209,38 @@ fn trained_weights_are_finite_and_moved() {
         activation: Activation::Relu,
     };
     let start = Mlp::random(&spec, 1).unwrap();
-    let mut net = Net::new(start.clone(), Scale::identity(64), Scale::identity(700)).unwrap();
+    let net = Net::new(start.clone(), Scale::identity(64), Scale::identity(700)).unwrap();
     let wave = |n: usize| {
         (0..n)
             .map(|i| (0.37 * (i * i % 7919) as f32).sin())
             .collect()
     };
     let mut source = MemorySource::new(64, 700, wave(200 * 64), wave(200 * 700)).unwrap();
-    let params = TrainParams {
-        steps: 6,
-        batch: 100,
-        ..PARAMS
-    };
-    train(&mut net, &mut source, None, &params, None, &mut go_on).unwrap();
-    assert_ne!(net.mlp(), &start);
+    let mut hashes = vec![];
+    for precision in [TrainPrecision::F32, TrainPrecision::Mixed] {
+        let params = TrainParams {
+            steps: 6,
+            batch: 100,
+            precision,
+            ..PARAMS
+        };
+        let mut net = net.clone();
+        train(&mut net, &mut source, None, &params, None, &mut go_on).unwrap();
+        assert_ne!(net.mlp(), &start);
+        hashes.push(hash(net.mlp()));
+    }
+    println!("weights: {hashes:016x?}");
+}
+
+/// FNV-1a over the bits of all weights and biases, which must be finite.
+fn hash(mlp: &Mlp) -> u64 {
     let all_finite = |l: &Layer| l.weights.iter().chain(&l.bias).all(|v| v.is_finite());
-    assert!(net.mlp().layers().iter().all(all_finite));
-    // FNV-1a over the bits of all weights and biases.
-    let layers = net.mlp().layers().iter();
+    assert!(mlp.layers().iter().all(all_finite));
+    let layers = mlp.layers().iter();
     let values = layers.flat_map(|l| l.weights.iter().chain(&l.bias));
-    let hash = values.fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {
+    values.fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {
         (hash ^ u64::from(v.to_bits())).wrapping_mul(0x0100_0000_01b3)
-    });
-    println!("weights: {hash:016x}");
+    })
 }
 
 #[test]

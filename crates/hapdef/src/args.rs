@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use clap::{Args, ValueEnum};
 
 use crate::error::HapdefError;
-use crate::profile::Profile;
+use crate::profile::{Profile, Samples};
 use crate::progress::Progress;
 use crate::run::Run;
 
@@ -39,6 +39,12 @@ pub struct SceneArgs {
     /// Weight of the L2 term of each F_R instead of the profile's; the paper states 1e-4.
     #[arg(long)]
     pub l2: Option<f64>,
+    /// Samples of each step of F_R instead of the profile's; the paper has 100.
+    #[arg(long, value_parser = at_least::<1>)]
+    pub batch: Option<usize>,
+    /// Where the training samples of F_R come from, instead of the profile's choice.
+    #[arg(long)]
+    pub samples: Option<Samples>,
     /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
     #[arg(long, value_parser = at_least::<1>)]
     pub other_steps: Option<usize>,
@@ -99,6 +105,8 @@ impl SceneArgs {
         };
         profile.reconstruction.steps = self.steps.unwrap_or(profile.reconstruction.steps);
         profile.reconstruction.l2 = self.l2.unwrap_or(profile.reconstruction.l2);
+        profile.reconstruction.batch = self.batch.unwrap_or(profile.reconstruction.batch);
+        profile.samples = self.samples.unwrap_or(profile.samples);
         if let Some(steps) = self.other_steps {
             for schedule in [
                 &mut profile.transfer,

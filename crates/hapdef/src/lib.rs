@@ -35,10 +35,10 @@ pub use estimator::{FoundContact, Hapdefx, HapdefxScratch};
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};
 pub use pipeline::{Pipeline, Until};
-pub use profile::{Profile, Schedule};
+pub use profile::{Profile, Samples, Schedule};
 pub use progress::{Progress, TrainingBar};
 pub use run::Run;
-pub use sampling::{DrawnContact, draw_contacts};
+pub use sampling::{DrawnContact, draw_contacts, draw_numbered};
 pub use scoring::{
     ContactPair, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, score_lenient,
     score_one_to_one,

@@ -54,7 +54,7 @@ impl Pipeline {
         }
         let data = datasets(run, limb, &done.compliance, &done.rig)?;
         if until >= Until::Train {
-            let nets = train(run, &data)?;
+            let nets = train(run, limb, &done.compliance, &data)?;
             if until >= Until::Eval {
                 done.eval = Some(eval(run, limb, &data, &nets)?);
             }

@@ -1,5 +1,6 @@
 //! How much of everything a run makes: the paper's amounts, or a quick look.
 
+use hapdef_nets::TrainPrecision;
 use serde::{Deserialize, Serialize};
 
 /// Amounts of data and training.
@@ -18,6 +19,8 @@ pub struct Profile {
     pub n_pairs: usize,
     /// Amplitudes per pair; the paper has 25.
     pub n_amplitudes: usize,
+    /// Where each F_R's training samples come from.
+    pub samples: Samples,
     /// Training of F_T.
     pub transfer: Schedule,
     /// Training of each F_R.
@@ -30,18 +33,37 @@ pub struct Profile {
     pub n_svr: usize,
 }
 
+/// Where an F_R's training samples come from. Validation and test samples are those of the sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Samples {
+    /// The training parts of the sets, as in the paper.
+    Fixed,
+    /// Drawn when needed, in equal shares of every contact count, none twice.
+    Drawn,
+}
+
 /// How long and how fast one net is trained.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Schedule {
-    /// Optimiser steps of 100 samples; the paper has 1,000,000.
+    /// Optimiser steps; the paper has 1,000,000.
     pub steps: usize,
-    /// Learning rate at the first step; the paper has 1e-4 throughout.
+    /// Samples of a step; the paper has 100.
+    pub batch: usize,
+    /// Steps over which the learning rate first rises.
+    pub warmup_steps: usize,
+    /// Learning rate after that; the paper has 1e-4 throughout.
     pub learning_rate: f64,
     /// Learning rate at the last step, reached along a cosine.
     pub final_learning_rate: f64,
     /// Weight of the L2 term on the weights.
     pub l2: f64,
+    /// TrainPrecision of the matrix products.
+    pub precision: TrainPrecision,
+    /// Looks at the validation set, of 20, without a lower loss after which the training ends; 0
+    /// goes on to the end. The weights with the lowest loss are kept in any case.
+    pub patience: u64,
 }
 
 impl Profile {
@@ -55,6 +77,7 @@ impl Profile {
             n_real_single: 8_000,
             n_pairs: 60,
             n_amplitudes: 25,
+            samples: Samples::Fixed,
             transfer: schedule(2_000, 1e-3),
             reconstruction: schedule(500, 5e-4),
             sensitivity: schedule(2_000, 1e-3),
@@ -63,8 +86,8 @@ impl Profile {
         }
     }
 
-    /// The paper's data; training is shorter than the paper's million steps and starts at a higher
-    /// learning rate.
+    /// The paper's data for every net but F_R, whose training samples are drawn, 3 million of them.
+    /// Training is shorter than the paper's million steps and starts at a higher learning rate.
     #[must_use]
     pub fn full() -> Self {
         Self {
@@ -74,8 +97,14 @@ impl Profile {
             n_real_single: 27_000,
             n_pairs: 270,
             n_amplitudes: 25,
+            samples: Samples::Drawn,
             transfer: schedule(10_000, 1e-3),
-            reconstruction: schedule(8_000, 1e-3),
+            reconstruction: Schedule {
+                batch: 256,
+                warmup_steps: 200,
+                precision: TrainPrecision::Mixed,
+                ..schedule(12_000, 2e-3)
+            },
             sensitivity: schedule(10_000, 1e-3),
             direct: schedule(10_000, 1e-3),
             n_svr: 4_000,
@@ -86,8 +115,12 @@ impl Profile {
 fn schedule(steps: usize, learning_rate: f64) -> Schedule {
     Schedule {
         steps,
+        batch: 100,
+        warmup_steps: 0,
         learning_rate,
         final_learning_rate: learning_rate * 1e-2,
         l2: 0.0,
+        precision: TrainPrecision::F32,
+        patience: 0,
     }
 }

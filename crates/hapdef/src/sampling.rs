@@ -10,6 +10,10 @@ use crate::scene::ContactSpec;
 /// Tries for one sample before the spacing is called too large.
 const MAX_TRIES: usize = 10_000;
 
+/// First stream of the generator that numbered samples take; sets take the streams of their
+/// contact counts.
+const NUMBERED_STREAMS: u64 = 1 << 32;
+
 /// One contact of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnContact {
@@ -17,6 +21,14 @@ pub struct DrawnContact {
     pub node: usize,
     /// Force, N.
     pub force_n: f64,
+}
+
+impl DrawnContact {
+    /// No force at the first node: what a sample holds before it is drawn.
+    pub const NONE: Self = Self {
+        node: 0,
+        force_n: 0.0,
+    };
 }
 
 /// Draws `n_samples` samples of `n_contacts` contacts each, at least the scene's spacing apart.
@@ -34,30 +46,52 @@ pub fn draw_contacts(
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(n_contacts as u64);
     (0..n_samples)
-        .map(|_| draw_one(points, contact, n_contacts, &mut rng))
+        .map(|_| {
+            let mut sample = vec![DrawnContact::NONE; n_contacts];
+            draw_one(points, contact, &mut sample, &mut rng)?;
+            Ok(sample)
+        })
         .collect()
+}
+
+/// Draws sample `number` of an endless sequence of samples of as many contacts as `sample` has.
+/// The sample depends on `seed`, its number and its count only, so any can be drawn without the
+/// ones before it; none is one that [`draw_contacts`] draws.
+///
+/// # Errors
+/// [`HapdefError::TooCrowded`] when the sample finds no room on the skin.
+pub fn draw_numbered(
+    points: &[Point3<f64>],
+    contact: &ContactSpec,
+    seed: u64,
+    number: u64,
+    sample: &mut [DrawnContact],
+) -> Result<(), HapdefError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(NUMBERED_STREAMS + number);
+    draw_one(points, contact, sample, &mut rng)
 }
 
 fn draw_one(
     points: &[Point3<f64>],
     contact: &ContactSpec,
-    n_contacts: usize,
+    sample: &mut [DrawnContact],
     rng: &mut ChaCha8Rng,
-) -> Result<Vec<DrawnContact>, HapdefError> {
+) -> Result<(), HapdefError> {
     for _ in 0..MAX_TRIES {
-        let nodes: Vec<usize> = (0..n_contacts)
-            .map(|_| rng.random_range(0..points.len()))
-            .collect();
-        if !spaced(points, &nodes, contact.min_spacing_m) {
+        for contact in &mut *sample {
+            contact.node = rng.random_range(0..points.len());
+        }
+        if !spaced(points, sample, contact.min_spacing_m) {
             continue;
         }
         let [low, high] = contact.force_range_n;
-        let with_force = |node| DrawnContact {
-            node,
-            force_n: rng.random_range(low..=high),
-        };
-        return Ok(nodes.into_iter().map(with_force).collect());
+        for contact in sample {
+            contact.force_n = rng.random_range(low..=high);
+        }
+        return Ok(());
     }
+    let n_contacts = sample.len();
     Err(HapdefError::TooCrowded {
         n_contacts,
         n_nodes: points.len(),
@@ -66,11 +100,11 @@ fn draw_one(
     })
 }
 
-fn spaced(points: &[Point3<f64>], nodes: &[usize], spacing_m: f64) -> bool {
-    (0..nodes.len()).all(|i| {
+fn spaced(points: &[Point3<f64>], sample: &[DrawnContact], spacing_m: f64) -> bool {
+    (0..sample.len()).all(|i| {
         (0..i).all(|j| {
-            let distance = (points[nodes[i]] - points[nodes[j]]).norm();
-            nodes[i] != nodes[j] && distance >= spacing_m
+            let (a, b) = (sample[i].node, sample[j].node);
+            a != b && (points[a] - points[b]).norm() >= spacing_m
         })
     })
 }
@@ -117,6 +151,33 @@ mod tests {
         assert_eq!(draw(2, 1), draw(2, 1));
         assert_ne!(draw(2, 1), draw(2, 2));
         assert_ne!(draw(1, 1)[0][0], draw(2, 1)[0][0]);
+    }
+
+    #[test]
+    fn a_number_decides_its_sample_and_follows_the_rules() {
+        let (points, contact) = (line(), contact(0.01));
+        let draw = |seed, number| {
+            let mut sample = [DrawnContact::NONE; 3];
+            draw_numbered(&points, &contact, seed, number, &mut sample).unwrap();
+            sample
+        };
+        let sets: Vec<_> = (0..500).map(|number| draw(7, number)).collect();
+        for (number, sample) in sets.iter().enumerate() {
+            for (i, a) in sample.iter().enumerate() {
+                assert!((0.0..=34.0).contains(&a.force_n));
+                let room = |b: &DrawnContact| (points[a.node] - points[b.node]).norm() >= 0.01;
+                assert!(sample[..i].iter().all(room));
+            }
+            assert!(!sets[..number].contains(sample));
+        }
+        assert_eq!(draw(7, 123), sets[123]);
+        assert_ne!(draw(8, 123), sets[123]);
+        let fixed = draw_contacts(&points, &contact, 3, 500, 7).unwrap();
+        assert!(
+            fixed
+                .iter()
+                .all(|sample| !sets.iter().any(|s| s[..] == sample[..]))
+        );
     }
 
     #[test]

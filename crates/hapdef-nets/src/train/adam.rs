@@ -1,11 +1,6 @@
 //! Adam, in one pass over the weights.
 
-use rayon::prelude::*;
-
-use crate::error::NetsError;
-use crate::optimiser::Moments;
-use crate::train::network::{TrainLayer, sum_of_squares};
-use crate::train::tensors::edit_with;
+use crate::train::network::sum_of_squares;
 
 /// One step of Adam (D. P. Kingma and J. Ba, "Adam: A Method for Stochastic Optimization", ICLR
 /// 2015, arXiv 1412.6980, algorithm 1, in the order of operations that its section 2 proposes).
@@ -23,9 +18,43 @@ const BETA_1: f32 = 0.9;
 const BETA_2: f32 = 0.999;
 const EPSILON: f64 = 1e-8;
 
-/// Weights per block of work. Blocks do not depend on the number of threads, and neither does a
-/// sum over them.
-const BLOCK: usize = 1 << 15;
+/// Some weights or biases with their moments.
+pub(super) struct Part<'a> {
+    pub(super) w: &'a mut [f32],
+    pub(super) m: &'a mut [f32],
+    pub(super) v: &'a mut [f32],
+}
+
+/// What becomes of the derivatives of a backward pass.
+pub(super) trait Update: Sync {
+    /// Takes the derivatives by some weights.
+    fn weights(&self, part: Part<'_>, gradient: &[f32]) -> f64;
+
+    /// Takes the derivatives by a layer's biases.
+    fn biases(&self, part: Part<'_>, gradient: &[f32]) -> f64;
+}
+
+impl Update for AdamStep {
+    /// Changes the weights, and returns Σ w² of them as they were; 0 where there is no penalty.
+    fn weights(&self, part: Part<'_>, gradient: &[f32]) -> f64 {
+        let sum = match self.decay > 0.0 {
+            true => sum_of_squares(part.w),
+            false => 0.0,
+        };
+        self.change(part.w, gradient, part.m, part.v);
+        sum
+    }
+
+    /// Changes the biases, which carry no penalty.
+    fn biases(&self, part: Part<'_>, gradient: &[f32]) -> f64 {
+        let without_decay = Self {
+            decay: 0.0,
+            ..*self
+        };
+        without_decay.change(part.w, gradient, part.m, part.v);
+        0.0
+    }
+}
 
 impl AdamStep {
     /// The step after `n_done` steps, with step size `learning_rate` and the penalty `l2` Σ w².
@@ -38,47 +67,6 @@ impl AdamStep {
             epsilon: (EPSILON * correction_2) as f32,
             decay: (2.0 * l2) as f32,
         }
-    }
-
-    /// Changes a layer by its derivatives, and returns Σ w² of the weights as they were; biases
-    /// carry no penalty. The sum is left out, as 0, where there is no penalty at all.
-    pub(super) fn apply(
-        &self,
-        layer: &mut TrainLayer,
-        moments: &mut Moments,
-        d_weights: &candle_core::Tensor,
-        d_bias: &[f32],
-    ) -> Result<f64, NetsError> {
-        let without_decay = Self {
-            decay: 0.0,
-            ..*self
-        };
-        let (m, v) = (&mut moments.bias_m, &mut moments.bias_v);
-        without_decay.change(&mut layer.bias, d_bias, m, v);
-        let (m, v) = (&mut moments.weights_m, &mut moments.weights_v);
-        let mut penalty = 0.0;
-        edit_with(&layer.weights, d_weights, |w, g| {
-            penalty = self.change_in_blocks(w, g, m, v);
-        })?;
-        Ok(penalty)
-    }
-
-    fn change_in_blocks(&self, w: &mut [f32], g: &[f32], m: &mut [f32], v: &mut [f32]) -> f64 {
-        let blocks = w.par_chunks_mut(BLOCK).zip(g.par_chunks(BLOCK));
-        let moments = m.par_chunks_mut(BLOCK).zip(v.par_chunks_mut(BLOCK));
-        let sums: Vec<f64> = blocks
-            .zip(moments)
-            .map(|((w, g), (m, v))| {
-                let sum = if self.decay > 0.0 {
-                    sum_of_squares(w)
-                } else {
-                    0.0
-                };
-                self.change(w, g, m, v);
-                sum
-            })
-            .collect();
-        sums.into_iter().sum()
     }
 
     fn change(&self, w: &mut [f32], g: &[f32], m: &mut [f32], v: &mut [f32]) {
@@ -146,10 +134,16 @@ mod tests {
 
     #[test]
     fn the_penalty_pulls_weights_to_zero_and_is_summed() {
-        let n = 2 * BLOCK + 17;
+        let n = 1017;
         let (mut w, mut m, mut v) = (vec![0.5f32; n], vec![0.0; n], vec![0.0; n]);
+        let zeros = vec![0.0; n];
         let step = AdamStep::new(0, 1e-2, 1e-3);
-        let sum = step.change_in_blocks(&mut w, &vec![0.0; n], &mut m, &mut v);
+        let part = Part {
+            w: &mut w,
+            m: &mut m,
+            v: &mut v,
+        };
+        let sum = step.weights(part, &zeros);
         assert_eq!(sum, 0.25 * n as f64);
         assert!(w.iter().all(|w| (w - 0.49).abs() < 1e-6), "{}", w[0]);
     }

@@ -1,8 +1,9 @@
 //! Batches on their way from a source to the network.
 
-use candle_core::{Device, Tensor};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use rayon::prelude::*;
 
 use crate::error::NetsError;
 use crate::net::{Net, Scale};
@@ -20,9 +21,20 @@ pub(super) struct Batch {
 const DRAW_STREAM: u64 = 1;
 
 impl Batch {
-    /// Draws `size` of `n` rows with replacement. The draw depends on seed and step alone, so a
-    /// resumed training needs no state of a generator.
-    pub(super) fn draw(&mut self, seed: u64, step: u64, size: usize, n: usize) {
+    /// Chooses the rows of a step's batch. The choice depends on seed and step alone, so a resumed
+    /// training needs no state of a generator.
+    pub(super) fn choose(&mut self, seed: u64, step: u64, size: usize, source: &dyn BatchSource) {
+        if source.is_endless() {
+            let first = step as usize * size;
+            self.rows.clear();
+            self.rows.extend(first..first + size);
+        } else {
+            self.draw(seed, step, size, source.n_samples());
+        }
+    }
+
+    /// Draws `size` of `n` rows with replacement.
+    fn draw(&mut self, seed: u64, step: u64, size: usize, n: usize) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(DRAW_STREAM);
         rng.set_word_pos(2 * u128::from(step) * size as u128);
@@ -32,42 +44,54 @@ impl Batch {
         self.rows.extend((0..size).map(|_| below_n(rng.next_u64())));
     }
 
-    /// The standardised inputs and outputs of the rows, as `[rows, inputs]` and `[rows, outputs]`.
+    /// The standardised inputs and outputs of the rows, `[rows, inputs]` and `[rows, outputs]`.
     pub(super) fn load(
         &mut self,
         source: &mut dyn BatchSource,
         net: &Net,
         step: u64,
-    ) -> Result<(Tensor, Tensor), NetsError> {
+    ) -> Result<(&[f32], &[f32]), NetsError> {
         let n = self.rows.len();
         self.x.resize(n * source.n_inputs(), 0.0);
         self.y.resize(n * source.n_outputs(), 0.0);
         source
             .fill(&self.rows, &mut self.x, &mut self.y)
             .map_err(|source| NetsError::Samples { step, source })?;
-        check_samples("input", &self.rows, &self.x)?;
-        check_samples("output", &self.rows, &self.y)?;
-        Ok((
-            standardised(&mut self.x, n, net.input_scale())?,
-            standardised(&mut self.y, n, net.output_scale())?,
-        ))
+        standardise("input", &self.rows, &mut self.x, net.input_scale())?;
+        standardise("output", &self.rows, &mut self.y, net.output_scale())?;
+        Ok((&self.x, &self.y))
     }
 }
 
-fn standardised(values: &mut [f32], n: usize, scale: &Scale) -> Result<Tensor, NetsError> {
-    scale.apply(values);
-    Ok(Tensor::from_slice(
-        values,
-        (n, scale.width()),
-        &Device::Cpu,
-    )?)
+/// Rows that one thread standardises together.
+const ROW_BLOCK: usize = 32;
+
+/// Standardises samples, and fails on the first value that is not finite.
+fn standardise(
+    what: &'static str,
+    rows: &[usize],
+    values: &mut [f32],
+    scale: &Scale,
+) -> Result<(), NetsError> {
+    let size = ROW_BLOCK * scale.width();
+    let blocks = values.par_chunks_mut(size).zip(rows.par_chunks(ROW_BLOCK));
+    let first_error = blocks
+        .map(|(values, rows)| {
+            check_samples(what, rows, values)?;
+            scale.apply(values);
+            Ok(())
+        })
+        .find_first(Result::is_err);
+    first_error.unwrap_or(Ok(()))
 }
 
 fn check_samples(what: &'static str, rows: &[usize], values: &[f32]) -> Result<(), NetsError> {
-    let Some(at) = values.iter().position(|v| !v.is_finite()) else {
+    // Without a way out, the loop becomes vector code.
+    if values.iter().fold(true, |all, v| all & v.is_finite()) {
         return Ok(());
-    };
+    }
     let width = values.len() / rows.len();
+    let at = values.iter().position(|v| !v.is_finite()).unwrap_or(0);
     Err(NetsError::SampleNotFinite {
         sample: rows[at / width],
         what,

@@ -4,16 +4,22 @@
 //! minimises √MSE + λ Σ w² with Adam; [`resume`] continues from a checkpoint, bit for bit as if
 //! there had been no break. The same seed gives the same weights on any number of threads.
 //!
-//! Only the matrix products go through candle. The rest of the forward and backward pass and Adam
-//! are loops over slices, run in place: candle's own gradients and its AdamW spend most of a step
-//! on making and clearing temporaries.
+//! The passes are written out for fully connected layers, on slices that are allocated once: three
+//! matrix products a layer, and what follows them (activation, its derivative, Adam) on each block
+//! of rows as soon as it is there.
 
 mod adam;
 mod batch;
+#[cfg_attr(not(target_arch = "x86_64"), path = "no_bf16.rs")]
+mod bf16;
+mod clock;
+mod gemm32;
 mod network;
+mod products;
 mod run;
+mod same;
 mod source;
-mod tensors;
+mod view;
 
 pub use run::{Progress, TrainInfo, resume, train, validation_loss};
 pub use source::{BatchSource, MemorySource, SourceError};

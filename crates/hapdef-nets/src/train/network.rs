@@ -3,144 +3,202 @@
 //! Letters: `a` is the input of a layer `[batch, inputs]`, `z = a Wᵀ + b` its sum
 //! `[batch, outputs]`, `dx` the derivative of the loss by x.
 
-use candle_core::{Device, Tensor};
+use rayon::prelude::*;
 
 use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
-use crate::train::tensors::{edit, edit_with, read};
+use crate::optimiser::Moments;
+use crate::params::TrainPrecision;
+use crate::train::adam::{Part, Update};
+use crate::train::products::{Products, ROW_BLOCK};
+use crate::train::view::View;
 
-/// A network whose weights candle can multiply and Adam can change in place.
+/// A network whose weights change in place, with room for a batch.
 pub(super) struct Network {
-    pub(super) layers: Vec<TrainLayer>,
+    layers: Vec<Layer>,
+    shapes: Vec<(usize, usize)>,
     activation: Activation,
-}
-
-pub(super) struct TrainLayer {
-    /// W, `[outputs, inputs]`.
-    pub(super) weights: Tensor,
-    /// b, `[outputs]`.
-    pub(super) bias: Vec<f32>,
-}
-
-/// A batch that has passed forward.
-pub(super) struct Pass {
-    /// Input of every layer.
-    layer_inputs: Vec<Tensor>,
-    /// Derivative of the loss by the outputs.
-    d_outputs: Tensor,
-    /// √MSE over the batch and all outputs.
-    pub(super) loss: f64,
+    products: Products,
+    /// Output of every layer; after [`Network::forward`] the last holds the derivative of the loss
+    /// by the outputs.
+    outputs: Vec<Vec<f32>>,
+    /// Derivative by the input of a layer.
+    d_input: Vec<f32>,
+    /// Derivative by the weights of a layer.
+    d_weights: Vec<f32>,
+    /// Derivative by the biases of a layer.
+    d_bias: Vec<f32>,
 }
 
 impl Network {
-    pub(super) fn new(mlp: &Mlp) -> Result<Self, NetsError> {
+    pub(super) fn new(mlp: &Mlp, precision: TrainPrecision) -> Self {
         let shapes = mlp.spec().layer_shapes();
-        let layers = mlp.layers().iter().zip(shapes);
-        let layers = layers.map(|(layer, (n_in, n_out))| {
-            Ok(TrainLayer {
-                weights: Tensor::from_slice(&layer.weights, (n_out, n_in), &Device::Cpu)?,
-                bias: layer.bias.clone(),
-            })
-        });
-        Ok(Self {
-            layers: layers.collect::<Result<_, NetsError>>()?,
+        Self {
+            layers: mlp.layers().to_vec(),
+            outputs: vec![vec![]; shapes.len()],
+            shapes,
             activation: mlp.spec().activation,
-        })
+            products: Products::new(precision),
+            d_input: vec![],
+            d_weights: vec![],
+            d_bias: vec![],
+        }
+    }
+
+    /// The precision of its products.
+    pub(super) fn precision(&self) -> TrainPrecision {
+        self.products.precision()
     }
 
     /// The weights as they are now, in the architecture of `mlp`.
     pub(super) fn to_mlp(&self, mlp: &Mlp) -> Result<Mlp, NetsError> {
-        let layers = self.layers.iter().map(|layer| {
-            Ok(Layer {
-                weights: read(&layer.weights, <[f32]>::to_vec)?,
-                bias: layer.bias.clone(),
-            })
-        });
-        Mlp::from_layers(mlp.spec(), layers.collect::<Result<_, NetsError>>()?)
+        Mlp::from_layers(mlp.spec(), self.layers.clone())
     }
 
     /// Outputs, `[batch, outputs]`, of inputs `[batch, inputs]`.
-    pub(super) fn predict(&self, x: &Tensor) -> Result<Tensor, NetsError> {
-        let mut a = x.clone();
+    pub(super) fn predict(&mut self, x: &[f32]) -> &mut [f32] {
         for i in 0..self.layers.len() {
-            a = self.layer_output(i, &a)?;
+            self.layer_output(i, x);
         }
-        Ok(a)
+        match self.outputs.last_mut() {
+            Some(last) => last,
+            None => &mut [],
+        }
     }
 
-    /// Forward, and the derivative of the loss by the outputs.
-    pub(super) fn forward(&self, x: &Tensor, y: &Tensor) -> Result<Pass, NetsError> {
-        let mut layer_inputs = vec![x.clone()];
-        let mut a = self.layer_output(0, x)?;
-        for i in 1..self.layers.len() {
-            layer_inputs.push(a.clone());
-            a = self.layer_output(i, &a)?;
-        }
-        let mut loss = 0.0;
-        edit_with(&a, y, |p, y| loss = root_mean_square(p, y))?;
-        Ok(Pass {
-            layer_inputs,
-            d_outputs: a,
-            loss,
-        })
+    /// Forward, and the derivative of the loss by the outputs; returns the loss, √MSE over the
+    /// batch and all outputs.
+    pub(super) fn forward(&mut self, x: &[f32], y: &[f32]) -> f64 {
+        root_mean_square(self.predict(x), y)
     }
 
-    /// Backward, last layer first. `on_layer` gets each layer's index and its derivatives dW,
-    /// `[outputs, inputs]`, and db, `[outputs]`; by then the layer's weights are free to change.
+    /// Backward after [`Network::forward`] of `x`, last layer first. `update` gets the derivatives
+    /// by all weights and biases, part by part; by then the layer's weights are free to change.
+    /// Returns the sum of what it returned.
     pub(super) fn backward(
         &mut self,
-        pass: Pass,
-        mut on_layer: impl FnMut(usize, &mut TrainLayer, &Tensor, &[f32]) -> Result<(), NetsError>,
-    ) -> Result<(), NetsError> {
-        let Pass {
-            mut layer_inputs,
-            d_outputs: mut dz,
-            ..
-        } = pass;
+        x: &[f32],
+        moments: &mut [Moments],
+        update: &impl Update,
+    ) -> f64 {
+        let mut sum = 0.0;
         for i in (0..self.layers.len()).rev() {
-            let Some(a) = layer_inputs.pop() else { break };
-            let d_weights = dz.t()?.matmul(&a)?;
-            let d_bias = column_sums(&dz, self.layers[i].bias.len())?;
+            let (n_in, n_out) = self.shapes[i];
+            let mut dz = std::mem::take(&mut self.outputs[i]);
+            let batch = dz.len() / n_out;
+            column_sums(&dz, &mut self.d_bias, n_out);
             if i > 0 {
-                let da = dz.matmul(&self.layers[i].weights)?;
-                edit_with(&da, &a, |da, a| self.activation.apply_derivative(da, a))?;
-                dz = da;
+                self.input_derivative(i, &dz);
             }
-            on_layer(i, &mut self.layers[i], &d_weights, &d_bias)?;
+            let a = match i {
+                0 => x,
+                _ => &self.outputs[i - 1],
+            };
+            self.d_weights.resize(n_in * n_out, 0.0);
+            let layer = &mut self.layers[i];
+            let (dz_t, a) = (View::new(&dz, batch, n_out).t(), View::new(a, batch, n_in));
+            sum += update.biases(bias_part(layer, &mut moments[i]), &self.d_bias);
+            let parts = weight_parts(layer, &mut moments[i], ROW_BLOCK * n_in);
+            let gradient = &mut self.d_weights;
+            let each = |g: &mut [f32], part: Part<'_>| update.weights(part, g);
+            let sums = self.products.multiply(dz_t, a, gradient, parts, each);
+            sum += sums.into_iter().sum::<f64>();
+            if i > 0 {
+                std::mem::swap(&mut self.d_input, &mut self.outputs[i - 1]);
+            }
+            std::mem::swap(&mut dz, &mut self.outputs[i]);
         }
-        Ok(())
+        sum
     }
 
-    fn layer_output(&self, i: usize, a: &Tensor) -> Result<Tensor, NetsError> {
+    /// Derivative by the sum of the layer before, from that by the sum of layer `i`.
+    fn input_derivative(&mut self, i: usize, dz: &[f32]) {
+        let (n_in, n_out) = self.shapes[i];
+        let batch = dz.len() / n_out;
+        self.d_input.resize(batch * n_in, 0.0);
+        let activation = self.activation;
+        let a = self.outputs[i - 1].par_chunks(ROW_BLOCK * n_in);
+        let (dz, weights) = (
+            View::new(dz, batch, n_out),
+            View::new(&self.layers[i].weights, n_out, n_in),
+        );
+        let finish = |da: &mut [f32], a: &[f32]| activation.apply_derivative(da, a);
+        self.products
+            .multiply(dz, weights, &mut self.d_input, a, finish);
+    }
+
+    fn layer_output(&mut self, i: usize, x: &[f32]) {
+        let (n_in, n_out) = self.shapes[i];
+        let (before, rest) = self.outputs.split_at_mut(i);
+        let a = before.last().map_or(x, |a| a);
+        let batch = a.len() / n_in;
         let layer = &self.layers[i];
-        let z = a.matmul(&layer.weights.t()?)?;
-        let is_hidden = i + 1 < self.layers.len();
-        edit(&z, |z| {
-            for row in z.chunks_exact_mut(layer.bias.len()) {
-                if is_hidden {
-                    self.activation.apply(row, &layer.bias);
-                } else {
-                    row.iter_mut().zip(&layer.bias).for_each(|(z, b)| *z += b);
+        let activation = (i + 1 < self.layers.len()).then_some(self.activation);
+        let finish = |rows: &mut [f32], _: usize| {
+            for row in rows.chunks_exact_mut(n_out) {
+                match activation {
+                    Some(activation) => activation.apply(row, &layer.bias),
+                    None => row.iter_mut().zip(&layer.bias).for_each(|(z, b)| *z += b),
                 }
             }
-        })?;
-        Ok(z)
+        };
+        let z = &mut rest[0];
+        z.resize(batch * n_out, 0.0);
+        let weights = View::new(&layer.weights, n_out, n_in).t();
+        let blocks = (0..batch.div_ceil(ROW_BLOCK)).into_par_iter();
+        let a = View::new(a, batch, n_in);
+        self.products.multiply(a, weights, z, blocks, finish);
     }
 }
 
+/// The weights of a layer and their moments in blocks of `size`.
+fn weight_parts<'a>(
+    layer: &'a mut Layer,
+    moments: &'a mut Moments,
+    size: usize,
+) -> impl IndexedParallelIterator<Item = Part<'a>> {
+    let means = moments.weights_m.par_chunks_mut(size);
+    let both = means.zip(moments.weights_v.par_chunks_mut(size));
+    let parts = layer.weights.par_chunks_mut(size).zip(both);
+    parts.map(|(w, (m, v))| Part { w, m, v })
+}
+
+fn bias_part<'a>(layer: &'a mut Layer, moments: &'a mut Moments) -> Part<'a> {
+    Part {
+        w: &mut layer.bias,
+        m: &mut moments.bias_m,
+        v: &mut moments.bias_v,
+    }
+}
+
+/// Values that one thread adds up. Blocks do not depend on the number of threads.
+const SUM_BLOCK: usize = 1 << 15;
+
 /// L = √(Σ (p − y)²/n), and in place of p its derivative (p − y)/(n L); 0 where L is 0.
 fn root_mean_square(p: &mut [f32], y: &[f32]) -> f64 {
-    p.iter_mut().zip(y).for_each(|(p, y)| *p -= y);
     let n = p.len() as f64;
-    let loss = (sum_of_squares(p) / n).sqrt();
+    let loss = (subtract(p, y) / n).sqrt();
     let factor = if loss > 0.0 {
         (1.0 / (n * loss)) as f32
     } else {
         0.0
     };
-    p.iter_mut().for_each(|p| *p *= factor);
+    let blocks = p.par_chunks_mut(SUM_BLOCK);
+    blocks.for_each(|p| p.iter_mut().for_each(|p| *p *= factor));
     loss
+}
+
+/// `p ← p − y`; returns Σ (p − y)².
+pub(super) fn subtract(p: &mut [f32], y: &[f32]) -> f64 {
+    let blocks = p.par_chunks_mut(SUM_BLOCK).zip(y.par_chunks(SUM_BLOCK));
+    let sums: Vec<f64> = blocks
+        .map(|(p, y)| {
+            p.iter_mut().zip(y).for_each(|(p, y)| *p -= y);
+            sum_of_squares(p)
+        })
+        .collect();
+    sums.into_iter().sum()
 }
 
 /// Σ v² in f64, as eight independent sums added in a fixed order.
@@ -156,14 +214,20 @@ pub(super) fn sum_of_squares(values: &[f32]) -> f64 {
     sums.into_iter().chain(rest).sum()
 }
 
-fn column_sums(rows: &Tensor, width: usize) -> Result<Vec<f32>, NetsError> {
-    let mut sums = vec![0.0; width];
-    read(rows, |values| {
-        for row in values.chunks_exact(width) {
+/// Columns that one thread adds up.
+const COLUMN_BLOCK: usize = 256;
+
+fn column_sums(rows: &[f32], sums: &mut Vec<f32>, width: usize) {
+    sums.clear();
+    sums.resize(width, 0.0);
+    let blocks = sums.par_chunks_mut(COLUMN_BLOCK).enumerate();
+    blocks.for_each(|(i, sums)| {
+        let at = i * COLUMN_BLOCK;
+        for row in rows.chunks_exact(width) {
+            let row = &row[at..at + sums.len()];
             sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += v);
         }
-    })?;
-    Ok(sums)
+    });
 }
 
 #[cfg(test)]

@@ -2,18 +2,19 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::Instant;
 
-use crate::checkpoint::{TrainRecord, load_for_resume, save};
+use crate::checkpoint::{Look, Resumable, TrainRecord, load_for_resume, save_all};
 use crate::error::NetsError;
+use crate::mlp::Mlp;
 use crate::net::Net;
 use crate::optimiser::Moments;
-use crate::params::TrainParams;
+use crate::params::{TrainParams, TrainPrecision};
 use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
-use crate::train::network::{Network, sum_of_squares};
+use crate::train::clock::Clock;
+use crate::train::network::{Network, subtract};
+use crate::train::same::check_same;
 use crate::train::source::BatchSource;
-use crate::train::tensors::{edit_with, read};
 
 /// How far a training has come, told after every step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,16 +34,25 @@ pub struct Progress {
 }
 
 /// How a training ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrainInfo {
     /// Steps done, those before a resume included.
     pub step: u64,
-    /// Whether the caller stopped it before the last step.
+    /// Whether the caller stopped it before the end.
     pub stopped_early: bool,
+    /// Whether it ended before the last step because the validation loss no longer fell.
+    pub out_of_patience: bool,
     /// √MSE of the last batch plus the penalty, standardised outputs; none if no step was done.
     pub train_loss: Option<f64>,
-    /// √MSE of the validation set at the end, standardised outputs; none without such a set.
+    /// √MSE of the validation set with the net as it is returned, standardised outputs; none
+    /// without such a set, or when the caller stopped it.
     pub validation_loss: Option<f64>,
+    /// Step whose weights are the net's: the last, or the best.
+    pub kept_step: u64,
+    /// TrainPrecision of the products: 32 bits where the processor has not the one asked for.
+    pub precision: TrainPrecision,
+    /// Every look at the validation set, those before a resume included.
+    pub looks: Vec<Look>,
     /// Samples per second, validation and checkpoints included.
     pub samples_per_s: f64,
     /// Seconds, since the resume if it was one.
@@ -66,17 +76,12 @@ pub fn train(
     checkpoint: Option<&Path>,
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<TrainInfo, NetsError> {
-    let record = TrainRecord {
-        step: 0,
-        params: params.clone(),
-        train_loss: None,
-        validation_loss: None,
-    };
     let run = Run {
-        network: Network::new(net.mlp())?,
+        network: Network::new(net.mlp(), params.precision),
         moments: Moments::zeros(net.mlp()),
         net,
-        record,
+        record: TrainRecord::new(params.clone()),
+        best: None,
         checkpoint,
     };
     run.finish(samples, validation, on_progress)
@@ -95,14 +100,23 @@ pub fn resume(
     params: &TrainParams,
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<(Net, TrainInfo), NetsError> {
-    let (mut net, mut record, moments) = load_for_resume(checkpoint)?;
+    let Resumable {
+        mut net,
+        mut record,
+        moments,
+        mut best,
+    } = load_for_resume(checkpoint)?;
     check_same(checkpoint, &record.params, params)?;
+    if record.best_step == Some(record.step) {
+        best = Some(net.mlp().clone());
+    }
     record.params = params.clone();
     let run = Run {
-        network: Network::new(net.mlp())?,
+        network: Network::new(net.mlp(), params.precision),
         moments,
         net: &mut net,
         record,
+        best,
         checkpoint: Some(checkpoint),
     };
     let info = run.finish(samples, validation, on_progress)?;
@@ -112,7 +126,7 @@ pub fn resume(
 /// √MSE of a net over all samples, on standardised outputs. Fails as [`train`] does.
 pub fn validation_loss(net: &Net, samples: &mut dyn BatchSource) -> Result<f64, NetsError> {
     check_source("validation", net, samples)?;
-    mean_loss(&Network::new(net.mlp())?, net, samples, 0)
+    mean_loss(net, net.mlp(), samples, 0)
 }
 
 struct Run<'a> {
@@ -120,6 +134,8 @@ struct Run<'a> {
     network: Network,
     moments: Vec<Moments>,
     record: TrainRecord,
+    /// The weights of the best look, where they are not the network's own.
+    best: Option<Mlp>,
     checkpoint: Option<&'a Path>,
 }
 
@@ -142,10 +158,10 @@ impl Run<'_> {
         let (mut batch, mut clock) = (Batch::default(), Clock::start(params.batch));
         let is_due = |every: u64, step: u64| every > 0 && step.is_multiple_of(every);
         let mut stopped = false;
-        while self.record.step < params.steps && !stopped {
+        while !self.is_over() && !stopped {
             let progress = self.step(samples, &mut batch)?;
             let step = self.record.step;
-            if is_due(params.validate_every, step) && step < params.steps {
+            if is_due(params.validate_every, step) || step == params.steps {
                 self.validate(&mut validation)?;
             }
             let progress = Progress {
@@ -154,22 +170,49 @@ impl Run<'_> {
                 ..progress
             };
             stopped = on_progress(&progress).is_break();
-            if is_due(params.checkpoint_every, step) && step < params.steps && !stopped {
-                self.write_checkpoint(&self.trained_net()?)?;
+            if is_due(params.checkpoint_every, step) && !self.is_over() && !stopped {
+                self.write_checkpoint()?;
             }
         }
-        self.validate(&mut validation)?;
-        let net = self.trained_net()?;
-        self.write_checkpoint(&net)?;
-        *self.net = net;
-        Ok(TrainInfo {
+        if params.steps == 0 {
+            self.validate(&mut validation)?;
+        }
+        self.write_checkpoint()?;
+        self.end(&clock)
+    }
+
+    /// Whether every step is done, or the validation loss has long not fallen.
+    fn is_over(&self) -> bool {
+        self.record.step >= self.record.params.steps || self.is_out_of_patience()
+    }
+
+    fn is_out_of_patience(&self) -> bool {
+        let patience = self.record.params.patience;
+        patience > 0 && self.record.looks_since_lowest() >= patience
+    }
+
+    /// Hands the net to the caller.
+    fn end(self, clock: &Clock) -> Result<TrainInfo, NetsError> {
+        let is_over = self.is_over();
+        let (kept_step, mlp) = match (self.record.best_step, &self.best) {
+            (Some(step), Some(best)) if is_over => (step, best.clone()),
+            _ => (self.record.step, self.network.to_mlp(self.net.mlp())?),
+        };
+        let look = self.record.looks.iter().find(|l| l.step == kept_step);
+        let info = TrainInfo {
             step: self.record.step,
-            stopped_early: self.record.step < params.steps,
+            stopped_early: !is_over,
+            out_of_patience: self.record.step < self.record.params.steps && is_over,
             train_loss: self.record.train_loss,
-            validation_loss: self.record.validation_loss,
+            validation_loss: look.map(|l| l.validation_loss),
+            kept_step,
+            precision: self.network.precision(),
             samples_per_s: clock.mean_rate(),
             elapsed_s: clock.elapsed_s(),
-        })
+            looks: self.record.looks,
+        };
+        self.net.set_mlp(mlp);
+        Ok(info)
     }
 
     fn step(
@@ -178,11 +221,10 @@ impl Run<'_> {
         batch: &mut Batch,
     ) -> Result<Progress, NetsError> {
         let (params, done) = (&self.record.params, self.record.step);
-        batch.draw(params.seed, done, params.batch, samples.n_samples());
+        batch.choose(params.seed, done, params.batch, samples);
         let (x, y) = batch.load(samples, self.net, done)?;
         let learning_rate = params.learning_rate_at(done);
-        let pass = self.network.forward(&x, &y)?;
-        let mut loss = pass.loss;
+        let mut loss = self.network.forward(x, y);
         if !loss.is_finite() {
             return Err(NetsError::Diverged {
                 step: done,
@@ -191,11 +233,7 @@ impl Run<'_> {
             });
         }
         let adam = AdamStep::new(done, learning_rate, params.l2);
-        let moments = &mut self.moments;
-        self.network.backward(pass, |i, layer, d_weights, d_bias| {
-            loss += params.l2 * adam.apply(layer, &mut moments[i], d_weights, d_bias)?;
-            Ok(())
-        })?;
+        loss += params.l2 * self.network.backward(x, &mut self.moments, &adam);
         self.record.step += 1;
         self.record.train_loss = Some(loss);
         Ok(Progress {
@@ -208,46 +246,52 @@ impl Run<'_> {
         })
     }
 
+    /// Looks at the validation set, and keeps the weights if they are the best so far.
     fn validate(&mut self, source: &mut Option<&mut dyn BatchSource>) -> Result<(), NetsError> {
-        if let Some(source) = source {
-            let loss = mean_loss(&self.network, self.net, *source, self.record.step)?;
-            self.record.validation_loss = Some(loss);
+        let Some(source) = source else { return Ok(()) };
+        let step = self.record.step;
+        let mlp = self.network.to_mlp(self.net.mlp())?;
+        let loss = mean_loss(self.net, &mlp, *source, step)?;
+        self.record.validation_loss = Some(loss);
+        self.record.looks.push(Look {
+            step,
+            train_loss: self.record.train_loss,
+            validation_loss: loss,
+        });
+        if self.record.params.keep_best && self.record.lowest().is_some_and(|l| l.step == step) {
+            self.record.best_step = Some(step);
+            self.best = Some(mlp);
         }
         Ok(())
     }
 
-    /// The net with the weights as they are now.
-    fn trained_net(&self) -> Result<Net, NetsError> {
+    fn write_checkpoint(&self) -> Result<(), NetsError> {
+        let Some(path) = self.checkpoint else {
+            return Ok(());
+        };
         let mut net = self.net.clone();
         net.set_mlp(self.network.to_mlp(self.net.mlp())?);
-        Ok(net)
-    }
-
-    fn write_checkpoint(&self, net: &Net) -> Result<(), NetsError> {
-        match self.checkpoint {
-            Some(path) => save(path, net, &self.record, Some(&self.moments)),
-            None => Ok(()),
-        }
+        let is_apart = self.record.best_step != Some(self.record.step);
+        let best = self.best.as_ref().filter(|_| is_apart);
+        save_all(path, &net, &self.record, Some(&self.moments), best)
     }
 }
 
+/// √MSE of the weights `mlp` between the scales of `net`, in 32 bits.
 fn mean_loss(
-    network: &Network,
     net: &Net,
+    mlp: &Mlp,
     source: &mut dyn BatchSource,
     step: u64,
 ) -> Result<f64, NetsError> {
+    let mut network = Network::new(mlp, TrainPrecision::F32);
     let (mut batch, mut sum) = (Batch::default(), 0.0);
     let n = source.n_samples();
     for first in (0..n).step_by(VALIDATION_BATCH) {
         batch.rows.clear();
         batch.rows.extend(first..(first + VALIDATION_BATCH).min(n));
         let (x, y) = batch.load(source, net, step)?;
-        let p = network.predict(&x)?;
-        edit_with(&p, &y, |p, y| {
-            p.iter_mut().zip(y).for_each(|(p, y)| *p -= y);
-        })?;
-        sum += read(&p, sum_of_squares)?;
+        sum += subtract(network.predict(x), y);
     }
     Ok((sum / (n * source.n_outputs()) as f64).sqrt())
 }
@@ -270,78 +314,4 @@ fn check_source(
         return Err(NetsError::NoSamples { role });
     }
     Ok(())
-}
-
-fn check_same(path: &Path, saved: &TrainParams, asked: &TrainParams) -> Result<(), NetsError> {
-    let knobs = |p: &TrainParams| {
-        let steps = p.final_learning_rate.map(|_| p.steps);
-        [
-            ("seed", p.seed.to_string()),
-            ("batch", p.batch.to_string()),
-            ("learning_rate", p.learning_rate.to_string()),
-            (
-                "final_learning_rate",
-                format!("{:?}", p.final_learning_rate),
-            ),
-            ("l2", p.l2.to_string()),
-            ("steps", format!("{steps:?}")),
-        ]
-    };
-    for ((name, saved), (_, asked)) in knobs(saved).into_iter().zip(knobs(asked)) {
-        if saved != asked {
-            return Err(NetsError::ResumeParams {
-                path: path.to_path_buf(),
-                name,
-                saved,
-                asked,
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Counts samples per second.
-struct Clock {
-    batch: f64,
-    start: Instant,
-    n_steps: u64,
-    window_start: Instant,
-    window_steps: u64,
-    rate: f64,
-}
-
-impl Clock {
-    fn start(batch: usize) -> Self {
-        let now = Instant::now();
-        Self {
-            batch: batch as f64,
-            start: now,
-            n_steps: 0,
-            window_start: now,
-            window_steps: 0,
-            rate: 0.0,
-        }
-    }
-
-    /// Counts a step, and returns the rate of the last second or so.
-    fn tick(&mut self) -> f64 {
-        self.n_steps += 1;
-        self.window_steps += 1;
-        let window_s = self.window_start.elapsed().as_secs_f64();
-        if window_s > 1.0 || self.rate == 0.0 {
-            self.rate = self.window_steps as f64 * self.batch / window_s.max(1e-9);
-        }
-        if window_s > 1.0 {
-            (self.window_start, self.window_steps) = (Instant::now(), 0);
-        }
-        self.rate
-    }
-
-    fn mean_rate(&self) -> f64 {
-        self.n_steps as f64 * self.batch / self.elapsed_s().max(1e-9)
-    }
-
-    fn elapsed_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
 }

@@ -7,8 +7,15 @@ pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A set of samples that hands out any rows, in raw units.
 pub trait BatchSource {
-    /// Number of samples.
+    /// Number of samples; those that count as one pass where the source is endless.
     fn n_samples(&self) -> usize;
+
+    /// Whether every row number gives a sample of its own, those past [`BatchSource::n_samples`]
+    /// too. A training then takes rows 0, 1, 2, … in turn and never sees one twice; otherwise it
+    /// draws with replacement.
+    fn is_endless(&self) -> bool {
+        false
+    }
 
     /// Inputs of a sample.
     fn n_inputs(&self) -> usize;
@@ -16,8 +23,8 @@ pub trait BatchSource {
     /// Outputs of a sample.
     fn n_outputs(&self) -> usize;
 
-    /// Writes the samples of the given rows (below [`BatchSource::n_samples`], repeats possible)
-    /// to `x`, `[rows.len(), n_inputs]`, and `y`, `[rows.len(), n_outputs]`, row-major. The same
+    /// Writes the samples of the given rows (below [`BatchSource::n_samples`] unless the source is
+    /// endless, repeats possible) to `x`, `[rows.len(), n_inputs]`, and `y`, `[rows.len(), n_outputs]`, row-major. The same
     /// rows must always give the same values.
     fn fill(&mut self, rows: &[usize], x: &mut [f32], y: &mut [f32]) -> Result<(), SourceError>;
 }

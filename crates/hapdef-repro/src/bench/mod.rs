@@ -8,6 +8,7 @@ mod methods;
 mod narrow;
 mod peers;
 mod testset;
+mod training;
 mod variants;
 
 use std::path::PathBuf;
@@ -55,6 +56,7 @@ pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
     } else {
         frontier::log_reduced(&reduced(args)?, &mut log)?;
     }
+    training::training(&args.python, &mut log)?;
     Ok(log.append_to(&args.out.join("metrics.json"))?)
 }
 

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::SystemTime;
 
 use hapdef::convergence::Convergence;
-use hapdef::{Limb, Pipeline, Profile, Run, Schedule, Stage};
+use hapdef::{Limb, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
@@ -84,7 +84,7 @@ pub(crate) fn of_run(run: &Run) -> Vec<NamedText> {
     ]
 }
 
-/// Steps, learning rate and L2 weight of every net.
+/// Steps, batch, learning rate and L2 weight of every net, and where F_R's samples come from.
 fn training(profile: &Profile) -> String {
     let nets = [
         ("F_R", profile.reconstruction),
@@ -95,15 +95,24 @@ fn training(profile: &Profile) -> String {
     let each = nets.map(|(name, schedule)| {
         let Schedule {
             steps,
+            batch,
             learning_rate,
             final_learning_rate,
             l2,
+            ..
         } = schedule;
-        format!("{name} {steps} steps from {learning_rate} to {final_learning_rate:.0e}, L2 {l2}")
+        format!(
+            "{name} {steps} steps of {batch} from {learning_rate} to {final_learning_rate:.0e}, \
+             L2 {l2}"
+        )
     });
+    let samples = match profile.samples {
+        Samples::Fixed => "F_R trained on the fixed sets",
+        Samples::Drawn => "F_R trained on samples drawn as they are needed, none twice",
+    };
     format!(
-        "√MSE + L2, Adam, batch 100, learning rate along a cosine: {} (paper: 1,000,000 steps at \
-         1e-4)",
+        "√MSE + L2, Adam, learning rate along a cosine, best validation loss kept; {samples}: {} \
+         (paper: 1,000,000 steps of 100 at 1e-4, fixed sets)",
         each.join("; ")
     )
 }

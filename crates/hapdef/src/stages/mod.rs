@@ -1,6 +1,7 @@
 //! The pipeline's stages, in order. Each is a function from what it needs to a cached folder.
 
 mod dataset;
+mod drawn;
 mod eval;
 mod mesh_check;
 mod nets;
@@ -10,6 +11,7 @@ mod simulate;
 mod train;
 
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
+pub use drawn::DrawnSamples;
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval};
 pub use mesh_check::mesh_check;
 pub use nets::NetKind;

@@ -1,30 +1,36 @@
 //! Stage: the networks, each trained on its own and resumable.
 
+use std::cell::OnceCell;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
 use hapdef_nets::{Mlp, Net, TrainParams, load};
+use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use super::dataset::Datasets;
+use super::drawn::DrawnSamples;
 use super::nets::{NetKind, fit_scales};
+use super::simulate::COMPLIANCE_FILE;
 use crate::cache::Stage;
+use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
-use crate::profile::Schedule;
+use crate::limb::Limb;
+use crate::profile::{Samples, Schedule};
 use crate::run::Run;
 
 const CHECKPOINT_FILE: &str = "net.json";
-const VERSION: u32 = 1;
-
-/// Samples of a batch; the paper's.
-const BATCH: usize = 100;
+const VERSION: u32 = 2;
 
 /// Steps between checkpoints.
 const CHECKPOINT_EVERY: u64 = 1000;
 
 /// Looks at the validation set during a training.
 const N_VALIDATIONS: u64 = 20;
+
+/// Set into the seed of a net's training to get the seed of the samples that are drawn for it.
+const DRAWN_SEED: u64 = 0x6472_6177;
 
 /// A trained net's stage.
 #[derive(Clone, Debug)]
@@ -74,11 +80,23 @@ impl TrainedNets {
 /// # Errors
 /// [`HapdefError::Stopped`] when the person stopped it (a checkpoint is kept),
 /// [`HapdefError::Net`] when a loss is no number.
-pub fn train(run: &Run, data: &Datasets) -> Result<TrainedNets, HapdefError> {
+pub fn train(
+    run: &Run,
+    limb: &Limb,
+    compliance: &Stage,
+    data: &Datasets,
+) -> Result<TrainedNets, HapdefError> {
     let unions = (1..=data.simulated.len()).map(|n_sets| NetKind::Reconstruction { n_sets });
     let others = [NetKind::Transfer, NetKind::Sensitivity, NetKind::Direct];
+    let trainer = Trainer {
+        run,
+        data,
+        compliance,
+        points: limb.surface_points(),
+        table: OnceCell::new(),
+    };
     let nets = unions.chain(others).map(|kind| {
-        let stage = train_one(run, data, kind)?;
+        let stage = trainer.stage(kind)?;
         Ok(TrainedNet { kind, stage })
     });
     Ok(TrainedNets {
@@ -86,85 +104,159 @@ pub fn train(run: &Run, data: &Datasets) -> Result<TrainedNets, HapdefError> {
     })
 }
 
-fn train_one(run: &Run, data: &Datasets, kind: NetKind) -> Result<Stage, HapdefError> {
-    let params = params(run, kind);
-    let keys: Vec<&str> = kind
-        .datasets(data)
-        .iter()
-        .map(|stage| stage.key.as_str())
-        .collect();
-    let inputs = json!({
-        "version": VERSION, "kind": kind, "datasets": keys, "params": params,
-    });
-    run.cache.stage("net", &inputs, |dir| {
-        let checkpoint = dir.join(CHECKPOINT_FILE);
-        let [mut samples, mut validation] = kind.samples(data)?;
-        run.say(&format!(
-            "training {}: {} samples, {} steps of {BATCH}",
-            kind.name(),
-            samples.n_samples(),
-            params.steps
-        ));
-        let bar = run.progress.training(&kind.name(), params.steps);
-        let mut history = History::default();
+/// Trains nets; the compliance table is read when the first net wants samples drawn.
+struct Trainer<'a> {
+    run: &'a Run,
+    data: &'a Datasets,
+    compliance: &'a Stage,
+    points: Vec<Point3<f64>>,
+    table: OnceCell<ComplianceTable>,
+}
+
+impl Trainer<'_> {
+    fn stage(&self, kind: NetKind) -> Result<Stage, HapdefError> {
+        let (run, params) = (self.run, params(self.run, kind));
+        run.cache.stage("net", &self.inputs(kind, &params), |dir| {
+            let [mut fixed, mut validation] = kind.samples(self.data)?;
+            let mut drawn = self.drawn(kind, &params, fixed.n_samples())?;
+            let n_samples = match drawn {
+                Some(_) => params.steps as usize * params.batch,
+                None => fixed.n_samples(),
+            };
+            run.say(&format!(
+                "training {}: {n_samples} samples{}, {} steps of {}",
+                kind.name(),
+                if drawn.is_some() { " drawn" } else { "" },
+                params.steps,
+                params.batch,
+            ));
+            let training = Training {
+                kind,
+                params: &params,
+                checkpoint: dir.join(CHECKPOINT_FILE),
+            };
+            let info = training.run(run, fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
+            if info.stopped_early {
+                return Err(HapdefError::Stopped {
+                    stage: format!("training {}", kind.name()),
+                });
+            }
+            Ok(record(kind, n_samples, &info))
+        })
+    }
+
+    fn is_drawn(&self, kind: NetKind) -> bool {
+        let is_map = matches!(kind, NetKind::Reconstruction { .. });
+        is_map && self.run.profile.samples == Samples::Drawn
+    }
+
+    fn inputs(&self, kind: NetKind, params: &TrainParams) -> Value {
+        let sets = kind.datasets(self.data);
+        let keys: Vec<&str> = sets.iter().map(|stage| stage.key.as_str()).collect();
+        let contact = &self.run.scene.contact;
+        let drawn = self.is_drawn(kind).then(|| {
+            json!({
+                "limb": self.compliance.key,
+                "forces": contact.force_range_n,
+                "spacing": contact.min_spacing_m,
+            })
+        });
+        json!({
+            "version": VERSION, "kind": kind, "datasets": keys, "params": params, "drawn": drawn,
+        })
+    }
+
+    /// The samples that a net's training draws, if it does; `n_pass` count as a pass.
+    fn drawn(
+        &self,
+        kind: NetKind,
+        params: &TrainParams,
+        n_pass: usize,
+    ) -> Result<Option<DrawnSamples<'_>>, HapdefError> {
+        let NetKind::Reconstruction { n_sets } = kind else {
+            return Ok(None);
+        };
+        if !self.is_drawn(kind) {
+            return Ok(None);
+        }
+        let (contact, seed) = (&self.run.scene.contact, params.seed ^ DRAWN_SEED);
+        let (table, points) = (self.table()?, &self.points);
+        let samples = DrawnSamples::new(table, points, contact, n_sets, seed, n_pass);
+        Ok(Some(samples))
+    }
+
+    fn table(&self) -> Result<&ComplianceTable, HapdefError> {
+        if let Some(table) = self.table.get() {
+            return Ok(table);
+        }
+        let path = self.compliance.dir.join(COMPLIANCE_FILE);
+        let table = ComplianceTable::read(&path, self.points.len())?;
+        Ok(self.table.get_or_init(|| table))
+    }
+}
+
+/// The training of one net.
+struct Training<'a> {
+    kind: NetKind,
+    params: &'a TrainParams,
+    checkpoint: PathBuf,
+}
+
+impl Training<'_> {
+    /// Trains the net from the start, or goes on from its checkpoint, with a bar that shows how far
+    /// it is. Samples come from `drawn` where that is given; the scales fit the `fixed` ones.
+    fn run(
+        &self,
+        run: &Run,
+        fixed: &mut dyn BatchSource,
+        drawn: Option<&mut DrawnSamples<'_>>,
+        validation: &mut dyn BatchSource,
+    ) -> Result<TrainInfo, HapdefError> {
+        let (params, checkpoint) = (self.params, &self.checkpoint);
+        let bar = run.progress.training(&self.kind.name(), params.steps);
         let mut on_progress = |progress: &Progress| {
-            history.note(progress);
-            let validation = progress.validation_loss.unwrap_or(f64::NAN);
-            bar.set(
-                progress.step,
-                format!(
-                    "loss {:.4} val {validation:.4}  {:.0}/s",
-                    progress.train_loss, progress.samples_per_s
-                ),
-            );
+            bar.set(progress.step, state(progress));
             if run.stopping() {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
             }
         };
-        let [samples, validation] = [samples.as_mut(), validation.as_mut()];
-        let info = fit(
-            kind,
-            samples,
-            validation,
-            &params,
-            &checkpoint,
-            &mut on_progress,
-        )?;
-        if info.stopped_early {
-            return Err(HapdefError::Stopped {
-                stage: format!("training {}", kind.name()),
-            });
+        let go_on = &mut on_progress;
+        let validation = Some(validation);
+        if checkpoint.exists() {
+            let samples = either(drawn, fixed);
+            return Ok(resume(checkpoint, samples, validation, params, go_on)?.1);
         }
-        Ok(record(kind, samples.n_samples(), &info, &history))
-    })
+        let [input, output] = fit_scales(fixed)?;
+        let spec = self.kind.spec(fixed.n_inputs(), fixed.n_outputs());
+        let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
+        let samples = either(drawn, fixed);
+        let path = Some(checkpoint.as_path());
+        Ok(train_net(
+            &mut net, samples, validation, params, path, go_on,
+        )?)
+    }
 }
 
-/// Trains a net from the start, or goes on from its checkpoint.
-fn fit(
-    kind: NetKind,
-    samples: &mut dyn BatchSource,
-    validation: &mut dyn BatchSource,
-    params: &TrainParams,
-    checkpoint: &Path,
-    on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-) -> Result<TrainInfo, HapdefError> {
-    let validation = Some(validation);
-    if checkpoint.exists() {
-        return Ok(resume(checkpoint, samples, validation, params, on_progress)?.1);
+fn either<'a>(
+    first: Option<&'a mut DrawnSamples<'_>>,
+    second: &'a mut dyn BatchSource,
+) -> &'a mut dyn BatchSource {
+    match first {
+        Some(first) => first,
+        None => second,
     }
-    let [input, output] = fit_scales(samples)?;
-    let spec = kind.spec(samples.n_inputs(), samples.n_outputs());
-    let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
-    Ok(train_net(
-        &mut net,
-        samples,
-        validation,
-        params,
-        Some(checkpoint),
-        on_progress,
-    )?)
+}
+
+/// What a progress bar says.
+fn state(progress: &Progress) -> String {
+    format!(
+        "loss {:.4} val {:.4}  {:.0}/s",
+        progress.train_loss,
+        progress.validation_loss.unwrap_or(f64::NAN),
+        progress.samples_per_s
+    )
 }
 
 fn params(run: &Run, kind: NetKind) -> TrainParams {
@@ -177,59 +269,45 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
     };
     let Schedule {
         steps,
+        batch,
+        warmup_steps,
         learning_rate,
         final_learning_rate,
         l2,
+        precision,
+        patience,
     } = schedule;
     TrainParams {
         steps: steps as u64,
-        batch: BATCH,
+        batch,
         learning_rate,
         final_learning_rate: Some(final_learning_rate),
+        warmup_steps: warmup_steps as u64,
         l2,
+        precision,
         seed: run.scene.seed.wrapping_mul(1000).wrapping_add(stream),
         checkpoint_every: CHECKPOINT_EVERY,
         validate_every: (steps as u64 / N_VALIDATIONS).max(1),
+        keep_best: true,
+        patience,
     }
 }
 
-/// Losses over a training, for the report's curves.
-#[derive(Default)]
-struct History {
-    steps: Vec<u64>,
-    train: Vec<f64>,
-    validation: Vec<f64>,
-    last_validation: Option<f64>,
-}
-
-impl History {
-    /// Keeps a point whenever the validation set was looked at.
-    fn note(&mut self, progress: &Progress) {
-        if let Some(validation) = progress.validation_loss
-            && self
-                .last_validation
-                .is_none_or(|last| last.total_cmp(&validation).is_ne())
-        {
-            self.steps.push(progress.step);
-            self.train.push(progress.train_loss);
-            self.validation.push(validation);
-            self.last_validation = Some(validation);
-        }
-    }
-}
-
-fn record(kind: NetKind, n_samples: usize, info: &TrainInfo, history: &History) -> Value {
+fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
+    let looks = || info.looks.iter();
     json!({
         "net": kind.name(),
         "n_samples": n_samples,
         "steps": info.step,
+        "kept_step": info.kept_step,
         "train_loss": info.train_loss,
         "validation_loss": info.validation_loss,
+        "precision": info.precision,
         "samples_per_s": info.samples_per_s,
         "history": {
-            "step": history.steps,
-            "train_loss": history.train,
-            "validation_loss": history.validation,
+            "step": looks().map(|look| look.step).collect::<Vec<_>>(),
+            "train_loss": looks().map(|look| look.train_loss).collect::<Vec<_>>(),
+            "validation_loss": looks().map(|look| look.validation_loss).collect::<Vec<_>>(),
         },
     })
 }

@@ -1,0 +1,187 @@
+//! Training speed beside PyTorch's, in turns, so that both meet the same state of the machine.
+
+use std::io::{BufRead, BufReader, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use hapdef_nets::train::{MemorySource, Progress, train};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
+use hapdef_repro::MetricLog;
+
+/// The script, as it was when this program was built.
+const SCRIPT: &str = include_str!("../../scripts/torch_training.py");
+
+/// Threads of both.
+const THREADS: usize = 2;
+
+/// Samples of a turn, whatever the batch.
+const SAMPLES: u64 = 4096;
+
+/// Turns of each; the median ratio counts.
+const ROUNDS: usize = 5;
+
+/// Samples that batches are drawn from.
+const N_SAMPLES: usize = 2048;
+
+const BATCHES: [usize; 2] = [1024, 256];
+
+/// Samples per second of F_R's training (240-600-1200-1800-3211; forward, backward, Adam) and the
+/// ratio to PyTorch's in 32 bits on as many threads, where `python` has it.
+///
+/// # Errors
+/// When Python ends before it should, and when a training fails.
+pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Result<()> {
+    let spec = MlpSpec::reconstruction(240, 3211);
+    let mut torch = match Torch::start(python, &spec) {
+        Ok(torch) => torch,
+        Err(error) => {
+            log.skipped("nets.train_vs_torch", &format!("{error:#}"))?;
+            return Ok(());
+        }
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(THREADS)
+        .build()?;
+    for batch in BATCHES {
+        let rates = rates(&pool, &mut torch, &spec, batch)?;
+        let [torch_f32, torch_bf16, own_f32, own_mixed] = rates.each_ref().map(|r| median(r));
+        let ratio = |own: &[f64]| median_ratio(own, &rates[0]);
+        let name = |text: &str| match batch {
+            1024 => format!("nets.{text}"),
+            _ => format!("nets.{text}_b{batch}"),
+        };
+        log.value(&name("train_torch"), torch_f32, "samples/s")?;
+        log.value(&name("train_torch_bf16"), torch_bf16, "samples/s")?;
+        log.value(&name("train"), own_f32, "samples/s")?;
+        log.value(&name("train_mixed"), own_mixed, "samples/s")?;
+        log.value(&name("train_vs_torch"), ratio(&rates[2]), "1")?;
+        log.value(&name("train_mixed_vs_torch"), ratio(&rates[3]), "1")?;
+    }
+    Ok(())
+}
+
+/// Samples per second of every turn: PyTorch in 32 bits and in bfloat16, ours in 32 bits and mixed.
+fn rates(
+    pool: &rayon::ThreadPool,
+    torch: &mut Torch,
+    spec: &MlpSpec,
+    batch: usize,
+) -> Result<[Vec<f64>; 4]> {
+    let steps = SAMPLES / batch as u64;
+    let own = |precision| pool.install(|| own_seconds(spec, batch, steps, precision));
+    let mut rates = [const { Vec::new() }; 4];
+    torch.seconds("f32", batch, 2)?;
+    torch.seconds("bf16", batch, 2)?;
+    for _ in 0..ROUNDS {
+        let seconds = [
+            torch.seconds("f32", batch, steps)?,
+            torch.seconds("bf16", batch, steps)?,
+            own(TrainPrecision::F32)?,
+            own(TrainPrecision::Mixed)?,
+        ];
+        for (rates, seconds) in rates.iter_mut().zip(seconds) {
+            rates.push(SAMPLES as f64 / seconds);
+        }
+    }
+    Ok(rates)
+}
+
+/// Seconds that so many steps take, the first not counted: it makes the buffers.
+fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64, precision: TrainPrecision) -> Result<f64> {
+    let wave = |n: usize| (0..n).map(|i| (0.37 * i as f32).sin()).collect();
+    let (x, y) = (
+        wave(N_SAMPLES * spec.inputs),
+        wave(N_SAMPLES * spec.outputs),
+    );
+    let mut samples = MemorySource::new(spec.inputs, spec.outputs, x, y)?;
+    let scales = [spec.inputs, spec.outputs].map(Scale::identity);
+    let [input, output] = scales;
+    let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
+    let params = TrainParams {
+        steps: steps + 1,
+        batch,
+        precision,
+        ..TrainParams::paper(1)
+    };
+    let mut times = [None; 2];
+    let mut note = |progress: &Progress| {
+        let at = usize::from(progress.step > 1);
+        times[at] = Some(Instant::now());
+        ControlFlow::Continue(())
+    };
+    train(&mut net, &mut samples, None, &params, None, &mut note)?;
+    match times {
+        [Some(first), Some(last)] => Ok((last - first).as_secs_f64()),
+        _ => bail!("a training of {steps} steps did not get past its first"),
+    }
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Median over the rounds of the ratio within a round.
+fn median_ratio(own: &[f64], torch: &[f64]) -> f64 {
+    let ratios: Vec<f64> = own
+        .iter()
+        .zip(torch)
+        .map(|(own, torch)| own / torch)
+        .collect();
+    median(&ratios)
+}
+
+/// PyTorch in a Python that takes steps when told to.
+struct Torch {
+    child: Child,
+    to: Option<ChildStdin>,
+    from: BufReader<ChildStdout>,
+}
+
+impl Torch {
+    fn start(python: &Path, spec: &MlpSpec) -> Result<Self> {
+        let widths = [&[spec.inputs], spec.hidden.as_slice(), &[spec.outputs]].concat();
+        let mut child = Command::new(python)
+            .args(["-c", SCRIPT, &THREADS.to_string()])
+            .args(widths.iter().map(usize::to_string))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .with_context(|| format!("starting {}", python.display()))?;
+        let to = child.stdin.take();
+        let from = BufReader::new(child.stdout.take().context("Python's output")?);
+        let mut torch = Self { child, to, from };
+        let line = torch.line()?;
+        if !line.starts_with("ready") {
+            bail!("no PyTorch: {}", line.trim());
+        }
+        Ok(torch)
+    }
+
+    fn seconds(&mut self, precision: &str, batch: usize, steps: u64) -> Result<f64> {
+        let to = self.to.as_mut().context("Python's input")?;
+        writeln!(to, "{precision} {batch} {steps}").context("telling Python")?;
+        Ok(self.line()?.trim().parse()?)
+    }
+
+    fn line(&mut self) -> Result<String> {
+        let mut line = String::new();
+        if self.from.read_line(&mut line).context("hearing Python")? == 0 {
+            bail!("Python ended: {}", self.child.wait()?);
+        }
+        Ok(line)
+    }
+}
+
+impl Drop for Torch {
+    /// Python ends when its input does.
+    fn drop(&mut self) {
+        self.to = None;
+        let _ = self.child.wait();
+    }
+}
