@@ -1,7 +1,13 @@
 //! Contacts from gauge readings by superposition, with their covariance and what is not known.
 //!
 //! Linear elasticity makes readings add up: y = Σ Aᵢ g(pᵢ) + n with forces Aᵢ ≥ 0 at points pᵢ of
-//! the skin. A [`Skin`] is the surface that contacts sit on.
+//! the skin. A [`Skin`] is the surface that contacts sit and move on, a [`ResponseMap`] g(p) smooth
+//! over it, [`NoiseParams`] what readings and map are worth. [`ContactEstimator`] searches: one contact
+//! by a scan of [`ScanSites`], pairs by an exhaustive scan of the sites' Gram matrix, more by adding
+//! to the best pairs, all refined over the skin; the count follows from the evidence, and the
+//! [`ContactEstimate`] says how sure it is and what else would explain the frame. [`single_bounds`],
+//! [`joint_bounds`] and [`carried_contacts`] are the limits of a layout; [`place_greedy`] and
+//! [`exchange`] choose one.
 //!
 //! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
 

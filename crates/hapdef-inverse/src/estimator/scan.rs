@@ -252,21 +252,17 @@ fn gains_of<const K: usize, const N: usize>(
 impl Model {
     /// The largest local maxima of `gains`, largest first, at most `n`.
     pub(crate) fn peaks(&self, gains: &[f32], n: usize, out: &mut Vec<Gain>) {
-        out.clear();
-        for (site, &gain) in gains.iter().enumerate() {
-            if gain <= 0.0 || (out.len() == n && gain <= out[n - 1].gain) {
-                continue;
-            }
+        let is_peak = |site: usize| {
             let near = self.sites.near(site);
-            if !near.iter().all(|&other| gains[other as usize] <= gain) {
-                continue;
-            }
-            let place = out.partition_point(|other| other.gain >= gain);
-            if out.len() == n {
-                out.pop();
-            }
-            out.insert(place, Gain { site, gain });
-        }
+            near.iter()
+                .all(|&other| gains[other as usize] <= gains[site])
+        };
+        ranked(gains, n, is_peak, out);
+    }
+
+    /// The sites with the largest `gains`, largest first, at most `n`.
+    pub(crate) fn largest(&self, gains: &[f32], n: usize, out: &mut Vec<Gain>) {
+        ranked(gains, n, |_| true, out);
     }
 
     /// The site with the largest gain.
@@ -278,5 +274,21 @@ impl Model {
             }
         }
         best
+    }
+}
+
+/// The largest of those `gains` that are above 0 and `wanted`, largest first, at most `n`.
+fn ranked(gains: &[f32], n: usize, wanted: impl Fn(usize) -> bool, out: &mut Vec<Gain>) {
+    out.clear();
+    for (site, &gain) in gains.iter().enumerate() {
+        let is_low = gain <= 0.0 || (out.len() == n && gain <= out[n - 1].gain);
+        if is_low || !wanted(site) {
+            continue;
+        }
+        let place = out.partition_point(|other| other.gain >= gain);
+        if out.len() == n {
+            out.pop();
+        }
+        out.insert(place, Gain { site, gain });
     }
 }

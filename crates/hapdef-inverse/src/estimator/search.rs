@@ -22,6 +22,9 @@ use crate::walk::AtWall;
 const HOPELESS_RATIO: f64 = 5.0;
 const HOPELESS_CHI2: f64 = 100.0;
 
+/// Sites that a wider search for one contact starts from.
+const N_WIDER: usize = 60;
+
 /// Directions of a hop.
 const N_DIRECTIONS: u32 = 6;
 
@@ -122,6 +125,9 @@ impl ContactEstimator {
                 self.search(n, scratch, &mut info);
                 info.most_contacts = n;
                 let is_good = |e: &Explanation| e.n == n && self.p_value(e) >= self.params.accept_p;
+                if n == 1 && !scratch.found.iter().any(is_good) {
+                    self.search_wider(scratch, &mut info);
+                }
                 if !is_count_known && scratch.found.iter().any(is_good) {
                     break;
                 }
@@ -233,6 +239,22 @@ impl ContactEstimator {
             let point = model.sites.points()[site];
             scratch.starts.push(Explanation::new(&[point]));
         }
+    }
+
+    /// One contact from many of the best sites, for frames that the usual starts don't explain: on a
+    /// coarse mesh descents end at kinks of the map.
+    fn search_wider(&self, scratch: &mut EstimatorScratch, info: &mut EstimateInfo) {
+        let model = &self.model;
+        for (gain, c) in scratch.gains.iter_mut().zip(&scratch.c) {
+            *gain = c.max(0.0).powi(2);
+        }
+        model.largest(&scratch.gains, N_WIDER, &mut scratch.peaks);
+        scratch.starts.clear();
+        for best in &scratch.peaks {
+            let point = model.sites.points()[best.site];
+            scratch.starts.push(Explanation::new(&[point]));
+        }
+        self.refine(1, scratch, info);
     }
 
     fn pair_starts(&self, n: usize, scratch: &mut EstimatorScratch) {
