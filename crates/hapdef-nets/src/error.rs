@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::infer::SimdLevel;
+use crate::params::TrainBackend;
 
 /// Why a net could not be made, run, trained, written or read.
 #[derive(Debug, Error)]
@@ -44,6 +45,18 @@ pub enum NetsError {
         /// Its deviation.
         std: f32,
     },
+    /// A backend of training that this build has not.
+    #[error(
+        "this build of hapdef-nets cannot train on {backend:?}; build it with the feature `candle`, or `cuda` for a GPU, or train on slices"
+    )]
+    NoBackend {
+        /// The backend asked for.
+        backend: TrainBackend,
+    },
+    /// Candle failed: no such device, no memory.
+    #[cfg(feature = "candle")]
+    #[error("candle: {0}")]
+    Candle(#[from] candle_core::Error),
     /// A knob of the training outside its range.
     #[error("training: {name} is {value}, it must be {range}")]
     Param {

@@ -4,7 +4,8 @@
 //! plain slices, and a [`Net`] puts the scales of raw inputs and outputs around it: raw units in,
 //! raw units out. [`save`] and [`load`] keep a net in files. Behind the feature `train` (on by
 //! default) `train::train` fits a net to samples and `train::resume` continues from a checkpoint
-//! as if there had been no break.
+//! as if there had been no break; with the feature `candle` (also on by default) it does so on candle's
+//! tensors where that is asked for, and with `cuda` on a GPU.
 //!
 //! For run time, [`infer`] prepares a net: fewer bytes a weight, only the outputs that are wanted,
 //! layers of low rank, the best vector instructions of the processor at hand.
@@ -40,5 +41,5 @@ pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::{TrainParams, TrainPrecision};
+pub use params::{TrainBackend, TrainParams, TrainPrecision};
 pub use spec::MlpSpec;

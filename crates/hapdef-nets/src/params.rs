@@ -4,16 +4,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::NetsError;
 
-/// TrainPrecision of the matrix products of a training.
+/// Precision of the matrix products of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrainPrecision {
     /// 32 bits throughout.
     F32,
     /// Factors rounded to bfloat16 where the processor multiplies those itself (AVX-512 BF16), else
-    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed TrainPrecision
+    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed Precision
     /// Training", ICLR 2018, arXiv 1710.03740).
     Mixed,
+}
+
+/// What does the arithmetic of a training.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrainBackend {
+    /// Passes written out on slices: the fastest on a processor, the same bits on any number of
+    /// threads.
+    #[default]
+    Slices,
+    /// Candle's tensors and automatic derivatives on the processor, in 32 bits. Needs the feature
+    /// `candle`.
+    Candle,
+    /// The same on a GPU of NVIDIA. Needs the feature `cuda`.
+    Cuda {
+        /// Which GPU, from 0.
+        ordinal: usize,
+    },
 }
 
 /// How a net is trained.
@@ -36,8 +54,11 @@ pub struct TrainParams {
     /// The paper states 1e-3 for F_T, 1e-4 for F_R, 6e-4 for F_S; the authors' published code,
     /// read closely, applies next to none of it, and 0 agrees best with what they report.
     pub l2: f64,
-    /// TrainPrecision of the matrix products; weights, moments, sums and validation are in 32 bits.
+    /// Precision of the matrix products; weights, moments, sums and validation are in 32 bits.
     pub precision: TrainPrecision,
+    /// What does the arithmetic.
+    #[serde(default)]
+    pub backend: TrainBackend,
     /// Seed of the order in which samples are drawn.
     pub seed: u64,
     /// Steps between checkpoints; 0 writes one at the end alone.
@@ -64,6 +85,7 @@ impl TrainParams {
             warmup_steps: 0,
             l2: 0.0,
             precision: TrainPrecision::F32,
+            backend: TrainBackend::default(),
             seed,
             checkpoint_every: 10_000,
             validate_every: 10_000,

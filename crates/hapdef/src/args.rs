@@ -5,6 +5,8 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 
+use hapdef_nets::TrainBackend;
+
 use crate::error::HapdefError;
 use crate::profile::{Profile, Samples};
 use crate::progress::Progress;
@@ -45,6 +47,10 @@ pub struct SceneArgs {
     /// Where the training samples of F_R come from, instead of the profile's choice.
     #[arg(long)]
     pub samples: Option<Samples>,
+    /// What trains the nets: `slices`, `candle`, or `cuda` and `cuda:1` for a GPU in a build with
+    /// the feature `cuda`.
+    #[arg(long, default_value = "slices", value_parser = backend)]
+    pub backend: TrainBackend,
     /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
     #[arg(long, value_parser = at_least::<1>)]
     pub other_steps: Option<usize>,
@@ -106,6 +112,7 @@ impl SceneArgs {
         profile.reconstruction.steps = self.steps.unwrap_or(profile.reconstruction.steps);
         profile.reconstruction.l2 = self.l2.unwrap_or(profile.reconstruction.l2);
         profile.reconstruction.batch = self.batch.unwrap_or(profile.reconstruction.batch);
+        profile.backend = self.backend;
         profile.samples = self.samples.unwrap_or(profile.samples);
         if let Some(steps) = self.other_steps {
             for schedule in [
@@ -121,6 +128,17 @@ impl SceneArgs {
             (profile.n_single, profile.n_real_single) = (singles, singles);
         }
         profile
+    }
+}
+
+fn backend(text: &str) -> Result<TrainBackend, String> {
+    let ordinal = |number: &str| number.parse().map(|ordinal| TrainBackend::Cuda { ordinal });
+    match text.split_once(':') {
+        None if text == "slices" => Ok(TrainBackend::Slices),
+        None if text == "candle" => Ok(TrainBackend::Candle),
+        None if text == "cuda" => Ok(TrainBackend::Cuda { ordinal: 0 }),
+        Some(("cuda", number)) => ordinal(number).map_err(|e| format!("cuda:{number}: {e}")),
+        _ => Err("expected slices, candle, cuda or cuda:N".into()),
     }
 }
 

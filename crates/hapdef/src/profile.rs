@@ -1,6 +1,6 @@
 //! How much of everything a run makes: the paper's amounts, or a quick look.
 
-use hapdef_nets::TrainPrecision;
+use hapdef_nets::{TrainBackend, TrainPrecision};
 use serde::{Deserialize, Serialize};
 
 /// Amounts of data and training.
@@ -29,6 +29,8 @@ pub struct Profile {
     pub sensitivity: Schedule,
     /// Training of the direct net.
     pub direct: Schedule,
+    /// What trains the nets.
+    pub backend: TrainBackend,
     /// Samples the support-vector baseline is trained on; its cost grows with the square.
     pub n_svr: usize,
 }
@@ -59,7 +61,7 @@ pub struct Schedule {
     pub final_learning_rate: f64,
     /// Weight of the L2 term on the weights.
     pub l2: f64,
-    /// TrainPrecision of the matrix products.
+    /// Precision of the matrix products.
     pub precision: TrainPrecision,
     /// Looks at the validation set, of 20, without a lower loss after which the training ends; 0
     /// goes on to the end. The weights with the lowest loss are kept in any case.
@@ -82,6 +84,7 @@ impl Profile {
             reconstruction: schedule(500, 5e-4),
             sensitivity: schedule(2_000, 1e-3),
             direct: schedule(1_500, 1e-3),
+            backend: TrainBackend::Slices,
             n_svr: 1_000,
         }
     }
@@ -107,6 +110,7 @@ impl Profile {
             },
             sensitivity: schedule(10_000, 1e-3),
             direct: schedule(10_000, 1e-3),
+            backend: TrainBackend::Slices,
             n_svr: 4_000,
         }
     }

@@ -3,7 +3,7 @@
 //! A contact is a position, m, and a normal force, N. Two rules: the paper's lenient one, where
 //! each detected point is measured to the closest true contact however often that is used, and
 //! the strict one, where detected and true contacts are paired one to one at least total
-//! distance. [`gospa`] puts positions and counts into one metric.
+//! distance. [`gospa()`] puts positions and counts into one metric.
 
 mod gospa;
 

@@ -7,15 +7,17 @@ use crate::train::network::sum_of_squares;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AdamStep {
     /// α √(1 − β₂ᵗ)/(1 − β₁ᵗ).
-    step_size: f32,
+    pub(super) step_size: f32,
     /// ε √(1 − β₂ᵗ).
-    epsilon: f32,
+    pub(super) epsilon: f32,
     /// 2 λ, the derivative of λ w² by w, over w.
-    decay: f32,
+    pub(super) decay: f32,
 }
 
-const BETA_1: f32 = 0.9;
-const BETA_2: f32 = 0.999;
+/// β₁.
+pub(super) const BETA_1: f32 = 0.9;
+/// β₂.
+pub(super) const BETA_2: f32 = 0.999;
 const EPSILON: f64 = 1e-8;
 
 /// Some weights or biases with their moments.

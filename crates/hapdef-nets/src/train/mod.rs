@@ -4,15 +4,19 @@
 //! minimises √MSE + λ Σ w² with Adam; [`resume`] continues from a checkpoint, bit for bit as if
 //! there had been no break. The same seed gives the same weights on any number of threads.
 //!
-//! The passes are written out for fully connected layers, on slices that are allocated once: three
+//! With [`crate::TrainBackend::Slices`], the default, the passes are written out for fully connected layers, on slices that are allocated once: three
 //! matrix products a layer, and what follows them (activation, its derivative, Adam) on each block
-//! of rows as soon as it is there.
+//! of rows as soon as it is there. The other backends are candle's tensors, on the processor or a GPU:
+//! slower on a processor, and the way to a device that is not one.
 
 mod adam;
 mod batch;
 #[cfg_attr(not(target_arch = "x86_64"), path = "no_bf16.rs")]
 mod bf16;
+#[cfg(feature = "candle")]
+mod candle_network;
 mod clock;
+mod engine;
 mod gemm32;
 mod network;
 mod products;

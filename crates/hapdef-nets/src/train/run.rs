@@ -12,6 +12,7 @@ use crate::params::{TrainParams, TrainPrecision};
 use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
 use crate::train::clock::Clock;
+use crate::train::engine::Engine;
 use crate::train::network::{Network, subtract};
 use crate::train::same::check_same;
 use crate::train::source::BatchSource;
@@ -49,7 +50,7 @@ pub struct TrainInfo {
     pub validation_loss: Option<f64>,
     /// Step whose weights are the net's: the last, or the best.
     pub kept_step: u64,
-    /// TrainPrecision of the products: 32 bits where the processor has not the one asked for.
+    /// Precision of the products: 32 bits where the processor has not the one asked for.
     pub precision: TrainPrecision,
     /// Every look at the validation set, those before a resume included.
     pub looks: Vec<Look>,
@@ -77,8 +78,7 @@ pub fn train(
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<TrainInfo, NetsError> {
     let run = Run {
-        network: Network::new(net.mlp(), params.precision),
-        moments: Moments::zeros(net.mlp()),
+        engine: Engine::new(net.mlp(), Moments::zeros(net.mlp()), params)?,
         net,
         record: TrainRecord::new(params.clone()),
         best: None,
@@ -112,8 +112,7 @@ pub fn resume(
     }
     record.params = params.clone();
     let run = Run {
-        network: Network::new(net.mlp(), params.precision),
-        moments,
+        engine: Engine::new(net.mlp(), moments, params)?,
         net: &mut net,
         record,
         best,
@@ -131,8 +130,7 @@ pub fn validation_loss(net: &Net, samples: &mut dyn BatchSource) -> Result<f64, 
 
 struct Run<'a> {
     net: &'a mut Net,
-    network: Network,
-    moments: Vec<Moments>,
+    engine: Engine,
     record: TrainRecord,
     /// The weights of the best look, where they are not the network's own.
     best: Option<Mlp>,
@@ -196,7 +194,7 @@ impl Run<'_> {
         let is_over = self.is_over();
         let (kept_step, mlp) = match (self.record.best_step, &self.best) {
             (Some(step), Some(best)) if is_over => (step, best.clone()),
-            _ => (self.record.step, self.network.to_mlp(self.net.mlp())?),
+            _ => (self.record.step, self.engine.to_mlp(self.net.mlp())?),
         };
         let look = self.record.looks.iter().find(|l| l.step == kept_step);
         let info = TrainInfo {
@@ -206,7 +204,7 @@ impl Run<'_> {
             train_loss: self.record.train_loss,
             validation_loss: look.map(|l| l.validation_loss),
             kept_step,
-            precision: self.network.precision(),
+            precision: self.engine.precision(),
             samples_per_s: clock.mean_rate(),
             elapsed_s: clock.elapsed_s(),
             looks: self.record.looks,
@@ -224,7 +222,7 @@ impl Run<'_> {
         batch.choose(params.seed, done, params.batch, samples);
         let (x, y) = batch.load(samples, self.net, done)?;
         let learning_rate = params.learning_rate_at(done);
-        let mut loss = self.network.forward(x, y);
+        let mut loss = self.engine.forward(x, y)?;
         if !loss.is_finite() {
             return Err(NetsError::Diverged {
                 step: done,
@@ -233,7 +231,7 @@ impl Run<'_> {
             });
         }
         let adam = AdamStep::new(done, learning_rate, params.l2);
-        loss += params.l2 * self.network.backward(x, &mut self.moments, &adam);
+        loss += params.l2 * self.engine.backward(x, &adam)?;
         self.record.step += 1;
         self.record.train_loss = Some(loss);
         Ok(Progress {
@@ -250,7 +248,7 @@ impl Run<'_> {
     fn validate(&mut self, source: &mut Option<&mut dyn BatchSource>) -> Result<(), NetsError> {
         let Some(source) = source else { return Ok(()) };
         let step = self.record.step;
-        let mlp = self.network.to_mlp(self.net.mlp())?;
+        let mlp = self.engine.to_mlp(self.net.mlp())?;
         let loss = mean_loss(self.net, &mlp, *source, step)?;
         self.record.validation_loss = Some(loss);
         self.record.looks.push(Look {
@@ -270,10 +268,16 @@ impl Run<'_> {
             return Ok(());
         };
         let mut net = self.net.clone();
-        net.set_mlp(self.network.to_mlp(self.net.mlp())?);
+        net.set_mlp(self.engine.to_mlp(self.net.mlp())?);
         let is_apart = self.record.best_step != Some(self.record.step);
         let best = self.best.as_ref().filter(|_| is_apart);
-        save_all(path, &net, &self.record, Some(&self.moments), best)
+        save_all(
+            path,
+            &net,
+            &self.record,
+            Some(&self.engine.moments()?),
+            best,
+        )
     }
 }
 

@@ -30,6 +30,7 @@ pub(super) fn check_same(
             ("warmup_steps", p.warmup_steps.to_string()),
             ("l2", p.l2.to_string()),
             ("precision", format!("{:?}", p.precision)),
+            ("backend", format!("{:?}", p.backend)),
             ("validate_every", look.to_string()),
             ("keep_best", p.keep_best.to_string()),
             ("patience", p.patience.to_string()),

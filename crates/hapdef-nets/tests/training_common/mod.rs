@@ -5,7 +5,9 @@
 use std::ops::ControlFlow;
 
 use hapdef_nets::train::{MemorySource, Progress, TrainInfo, train};
-use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
+use hapdef_nets::{
+    Activation, Mlp, MlpSpec, Net, Scale, TrainBackend, TrainParams, TrainPrecision,
+};
 
 pub const PARAMS: TrainParams = TrainParams {
     steps: 20,
@@ -15,6 +17,7 @@ pub const PARAMS: TrainParams = TrainParams {
     warmup_steps: 0,
     l2: 1e-4,
     precision: TrainPrecision::F32,
+    backend: TrainBackend::Slices,
     seed: 9,
     checkpoint_every: 0,
     validate_every: 0,

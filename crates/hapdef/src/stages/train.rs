@@ -285,6 +285,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
         warmup_steps: warmup_steps as u64,
         l2,
         precision,
+        backend: profile.backend,
         seed: run.scene.seed.wrapping_mul(1000).wrapping_add(stream),
         checkpoint_every: CHECKPOINT_EVERY,
         validate_every: (steps as u64 / N_VALIDATIONS).max(1),
