@@ -14,7 +14,7 @@ use crate::train::network::Network;
 /// A network with the state of Adam, on the backend that was asked for.
 pub(super) enum Engine {
     /// On slices.
-    Slices(Network, Vec<Moments>),
+    Slices(Box<Network>, Vec<Moments>),
     /// On candle's tensors.
     #[cfg(feature = "candle")]
     Candle(CandleNetwork),
@@ -27,7 +27,10 @@ impl Engine {
         params: &TrainParams,
     ) -> Result<Self, NetsError> {
         match params.backend {
-            TrainBackend::Slices => Ok(Self::Slices(Network::new(mlp, params.precision), moments)),
+            TrainBackend::Slices => {
+                let network = Box::new(Network::new(mlp, params.precision));
+                Ok(Self::Slices(network, moments))
+            }
             #[cfg(feature = "candle")]
             backend => Ok(Self::Candle(CandleNetwork::new(mlp, &moments, backend)?)),
             #[cfg(not(feature = "candle"))]
