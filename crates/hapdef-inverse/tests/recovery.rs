@@ -108,22 +108,25 @@ fn frames(k: usize, n_frames: usize, seed: u64) -> Vec<(f64, f64, f64)> {
     results
 }
 
-/// 95 % points of χ²₃ and χ²₆: Abramowitz and Stegun, table 26.8. Regions of single contacts hold
-/// what they say. Those of pairs are the linearised problem's, and where a pair is badly determined
-/// the valley is curved: they hold about 90 %, and no less than 85 %.
+/// A region is the linearised problem's, so what it says is claimed where the bound of all positions
+/// together is below this: well inside the few millimetres over which a response changes.
+const LINEAR_M: f64 = 1e-3;
+
+/// 95 % points of χ²₃ and χ²₆: Abramowitz and Stegun, table 26.8.
 #[test]
 fn regions_hold_what_they_say_and_errors_meet_the_bound() {
-    for (k, n_frames, chi2_95, least) in [(1, 1500, 7.814_73, 0.92), (2, 250, 12.591_6, 0.85)] {
+    for (k, n_frames, chi2_95) in [(1, 1500, 7.814_73), (2, 600, 12.591_6)] {
         let results = frames(k, n_frames, 11);
-        let n_inside = results.iter().filter(|r| r.0 <= chi2_95).count();
-        let coverage = n_inside as f64 / results.len() as f64;
+        let linear = || results.iter().filter(|r| r.2 < LINEAR_M * LINEAR_M);
+        let n_inside = linear().filter(|r| r.0 <= chi2_95).count();
+        let coverage = n_inside as f64 / linear().count() as f64;
         assert!(
             results.len() * 5 > n_frames * 4,
             "{} identified",
             results.len()
         );
         assert!(
-            (least..0.98).contains(&coverage),
+            (0.92..0.98).contains(&coverage),
             "{k} contacts: 95 % regions hold {coverage:.3}"
         );
         let mut ratios: Vec<f64> = results.iter().map(|r| (r.1 / r.2).sqrt()).collect();

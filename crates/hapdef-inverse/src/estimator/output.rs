@@ -102,7 +102,8 @@ pub struct EstimateInfo {
 pub struct ContactEstimate {
     /// The contacts of the best explanation, the strongest first.
     pub contacts: Vec<Contact>,
-    /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N.
+    /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N, of the
+    /// linearised problem: where it says a millimetre or more, its 95 % regions hold less.
     pub joint_covariance: Vec<f64>,
     /// Other explanations within the margin, the best first.
     pub runner_ups: Vec<RunnerUp>,
