@@ -1,7 +1,7 @@
 //! The program: stages from the cache, baselines beside them, the report.
 
 mod ablation;
-mod chain;
+pub(crate) mod chain;
 mod claims;
 mod contents;
 mod examples;
