@@ -1,0 +1,135 @@
+//! A contact has come: its place is searched again and again as its force grows.
+
+use crate::chi_square::upper_tail;
+use crate::estimator::MAX_CONTACTS;
+use crate::tracker::follow::{ContactTracker, Mode, Whose};
+use crate::tracker::frame::Phase;
+use crate::tracker::inquiry::mobile_force;
+
+/// Least weight of a frame, N.
+const LEAST_WEIGHT: f64 = 0.05;
+
+/// Frames between refinements.
+const STRIDE: usize = 4;
+
+/// The last age at which the whole skin is scanned again, and the first.
+const SCANS: std::ops::RangeInclusive<usize> = 4..=64;
+
+/// Trial steps of a refinement.
+const N_TRIALS: usize = 6;
+
+/// The earliest age at which a contact is held.
+const LEAST_AGE: usize = 32;
+
+/// A force is steady if its averages differ by less than this share …
+const STEADY_SHARE: f64 = 0.02;
+
+/// … and this, N.
+const STEADY_N: f64 = 0.05;
+
+/// From this age on a misfit is another contact that comes, not one that came at the same time.
+const ALONE_AGE: usize = 24;
+
+/// Alarms in a row after which refining is not enough.
+const N_STUCK: usize = 3;
+
+impl ContactTracker {
+    pub(super) fn grow(&mut self, age: usize, is_alarm: bool) {
+        let force_n = mobile_force(self.hypotheses.best());
+        self.gathered.add(&self.z, force_n.max(LEAST_WEIGHT));
+        self.trace[0] += (force_n - self.trace[0]) / 4.0;
+        self.trace[1] += (force_n - self.trace[1]) / 16.0;
+        self.mode = Mode::Growing { age };
+        self.frame.info.is_refined = true;
+        let is_due = age.is_power_of_two() && SCANS.contains(&age);
+        if is_due {
+            self.compare();
+        } else if is_alarm || age.is_multiple_of(STRIDE) {
+            self.settle(Whose::Best, N_TRIALS);
+            self.refresh();
+        }
+        let is_alarm = is_alarm && self.solve();
+        self.n_stuck = if is_alarm { self.n_stuck + 1 } else { 0 };
+        if self.pair_birth.is_active() {
+            self.search_pairs();
+        } else if is_due && age <= ALONE_AGE {
+            self.consider_pairs();
+        }
+        self.consider_holding(age);
+    }
+
+    /// Whether χ² is too large for a frame in which `n` unknowns were fitted.
+    pub(super) fn is_odd(&self, chi2: f64, n: usize) -> bool {
+        upper_tail(chi2, self.n_live.saturating_sub(n)) < self.params.alarm_p
+    }
+
+    /// Scans the whole skin again for the contact that came, and lets what is found compete with
+    /// the hypotheses there are.
+    fn compare(&mut self) {
+        let best = self.hypotheses.best();
+        let newest = (0..best.n).find(|&i| best.slots[i].phase == Phase::Born);
+        let (Some(newest), 1) = (newest, best.n_mobile()) else {
+            self.settle(Whose::Best, 2 * N_TRIALS);
+            self.refresh();
+            return;
+        };
+        let slot = best.slots[newest];
+        self.hypotheses.begin();
+        for j in 0..self.hypotheses.n_alive() {
+            if let Some(c) = self.hypotheses.copy(j) {
+                self.settle(Whose::Candidate(c), N_TRIALS);
+            }
+        }
+        if let Some(base) = self.hypotheses.copy_candidate(0) {
+            self.hypotheses.candidates[base].remove(newest);
+            self.propose_births(base, slot);
+            self.pair_birth
+                .prepare(&self.hypotheses.candidates[base], &self.work.scan);
+        }
+        if let Some(winner) = self.hypotheses.winner() {
+            let delta = self.params.hypothesis_delta;
+            self.hypotheses.take(&self.model, winner, delta);
+        }
+        self.refresh();
+    }
+
+    /// Looks for two contacts at once where one does not explain the frames gathered.
+    fn consider_pairs(&mut self) {
+        let best = self.hypotheses.best();
+        let (n, is_single) = (best.n, best.n_mobile() == 1);
+        if !is_single || n + 1 > self.most_contacts().min(MAX_CONTACTS) {
+            return;
+        }
+        let fit = self.settle(Whose::Best, 0);
+        let n_dof = self.n_live.saturating_sub(n + 2);
+        if n_dof > 0 && upper_tail(fit.chi2, n_dof) < self.params.pair_p {
+            let scale = self.gathered.frame(&mut self.work.z);
+            self.pair_birth.start(&self.work.z, scale);
+        }
+    }
+
+    fn consider_holding(&mut self, age: usize) {
+        if !matches!(self.mode, Mode::Growing { .. }) {
+            return;
+        }
+        let [fast, slow] = self.trace;
+        let is_steady = (fast - slow).abs() < STEADY_SHARE * slow + STEADY_N;
+        let is_other = self.n_stuck >= N_STUCK && age >= ALONE_AGE;
+        let is_time = (is_steady && age >= LEAST_AGE) || age >= self.params.settle_frames;
+        if is_other || (is_time && !self.pair_birth.is_active()) {
+            self.pair_birth.stop();
+            self.hold_mobile();
+        }
+    }
+
+    /// Holds all contacts that move, and learns from the frames gathered.
+    pub(super) fn hold_mobile(&mut self) {
+        for belief in self.hypotheses.alive_mut() {
+            belief.score = 0.0;
+        }
+        self.learn();
+        self.gathered.clear();
+        self.n_stuck = 0;
+        self.mode = Mode::Quiet { deaf: 0 };
+    }
+}
