@@ -302,7 +302,10 @@ impl Workshop<'_> {
             evidence += log_det(&l, n);
             let mut inverted = [0.0; SIZE];
             inverse(&l, n, &mut inverted[..n * n]);
-            for i in (0..belief.n).filter(|&i| belief.slots[i].is_mobile()) {
+            for i in 0..belief.n {
+                if !belief.slots[i].is_mobile() {
+                    continue;
+                }
                 let unit = |p: usize| if p == 2 { 1.0 / target.scale } else { 1.0 };
                 let entry = |p: usize, q: usize| {
                     let (p0, q0) = (3 * i + p, 3 * i + q);
