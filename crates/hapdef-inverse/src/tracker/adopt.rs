@@ -48,6 +48,7 @@ impl ContactTracker {
         };
         self.settle(Whose::Candidate(stay), 0);
         self.hypotheses.candidates[new].n = 0;
+        self.before.copy_from(&self.hypotheses.candidates[new]);
         let first_id = self.next_id;
         for contact in found {
             let id = self.name_at(new, contact.position_m);

@@ -1,6 +1,6 @@
 //! One hypothesis: contacts, what the map misses at each of them, and how sure both are.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::estimator::{MAX_CONTACTS, Model};
 use crate::skin_point::SkinPoint;
@@ -17,11 +17,15 @@ pub(super) struct Slot {
     /// Frames in a row with hardly any force.
     pub(super) n_weak: usize,
     pub(super) covariance: Matrix3<f64>,
+    /// Where a contact that slides began to, m, and how far it may have gone since, standard
+    /// deviation, m.
+    pub(super) slide: Option<(Point3<f64>, f64)>,
 }
 
 impl Slot {
     pub(super) fn new(id: ContactId, point: SkinPoint, born: u64) -> Self {
         Self {
+            slide: None,
             id,
             point,
             phase: Phase::Born,

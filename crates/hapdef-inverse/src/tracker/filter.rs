@@ -116,6 +116,7 @@ impl Filter {
         for i in 0..belief.n {
             if belief.slots[i].is_mobile() {
                 belief.slots[i].phase = Phase::Held;
+                belief.slots[i].slide = None;
                 for a in i * belief.d..i * belief.d + 2 {
                     belief.p[a * belief.stride + a] = prior_sd_m * prior_sd_m;
                 }

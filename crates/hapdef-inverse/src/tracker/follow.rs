@@ -43,6 +43,8 @@ pub struct ContactTracker {
     pub(super) params: TrackerParams,
     pub(super) mode: Mode,
     pub(super) hypotheses: Hypotheses,
+    /// The best hypothesis before the contacts that move came or began to.
+    pub(super) before: Belief,
     pub(super) gathered: Gathered,
     /// Of the best hypothesis, for every frame.
     pub(super) metric: Metric,
@@ -156,6 +158,7 @@ impl ContactTracker {
             gathered: Gathered::new(width),
             metric: Metric::new(m, width),
             pair_birth: PairBirth::new(&model, &empty),
+            before: empty,
             work,
             z: vec![0.0; width],
             alarms: (0..=m).map(|n| tail_point(params.alarm_p, n)).collect(),
@@ -295,7 +298,7 @@ impl ContactTracker {
             Whose::Best => self.hypotheses.best_mut(),
             Whose::Candidate(c) => &mut self.hypotheses.candidates[c],
         };
-        let fit = workshop.settle(belief, &target, end, self.params.slide_sd_m);
+        let fit = workshop.settle(belief, &target, end);
         let n_trials = workshop.n_trials;
         self.steps_left += end.saturating_sub(n_trials);
         self.frame.info.n_trials += n_trials;

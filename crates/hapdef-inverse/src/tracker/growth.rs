@@ -2,8 +2,9 @@
 
 use crate::chi_square::upper_tail;
 use crate::estimator::MAX_CONTACTS;
+use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
-use crate::tracker::frame::Phase;
+use crate::tracker::frame::{ContactId, Phase};
 use crate::tracker::inquiry::mobile_force;
 
 /// Least weight of a frame, N.
@@ -13,7 +14,10 @@ const LEAST_WEIGHT: f64 = 0.05;
 const STRIDE: usize = 4;
 
 /// The last age at which the whole skin is scanned again, and the first.
-const SCANS: std::ops::RangeInclusive<usize> = 4..=64;
+pub(super) const SCANS: std::ops::RangeInclusive<usize> = 4..=64;
+
+/// The last age at which a slide may be all that happened.
+const SLIDE_AGE: usize = 32;
 
 /// Trial steps of a refinement.
 const N_TRIALS: usize = 6;
@@ -43,7 +47,7 @@ impl ContactTracker {
         self.frame.info.is_refined = true;
         let is_due = age.is_power_of_two() && SCANS.contains(&age);
         if is_due {
-            self.compare();
+            self.compare(age);
         } else if is_alarm || age.is_multiple_of(STRIDE) {
             self.settle(Whose::Best, N_TRIALS);
             self.refresh();
@@ -63,34 +67,70 @@ impl ContactTracker {
         upper_tail(chi2, self.n_live.saturating_sub(n)) < self.params.alarm_p
     }
 
-    /// Scans the whole skin again for the contact that came, and lets what is found compete with
-    /// the hypotheses there are.
-    fn compare(&mut self) {
+    /// Lets a contact that came and contacts that slide compete again on the frames gathered since
+    /// `n_frames`: the hypotheses there are, the best places of a new scan, slides.
+    pub(super) fn compare(&mut self, n_frames: usize) {
         let best = self.hypotheses.best();
-        let newest = (0..best.n).find(|&i| best.slots[i].phase == Phase::Born);
-        let (Some(newest), 1) = (newest, best.n_mobile()) else {
+        let mobile = best.slots().iter().find(|slot| slot.is_mobile());
+        let (Some(&mobile), 1) = (mobile, best.n_mobile()) else {
             self.settle(Whose::Best, 2 * N_TRIALS);
             self.refresh();
             return;
         };
-        let slot = best.slots[newest];
         self.hypotheses.begin();
         for j in 0..self.hypotheses.n_alive() {
             if let Some(c) = self.hypotheses.copy(j) {
                 self.settle(Whose::Candidate(c), N_TRIALS);
             }
         }
-        if let Some(base) = self.hypotheses.copy_candidate(0) {
-            self.hypotheses.candidates[base].remove(newest);
-            self.propose_births(base, slot);
-            self.pair_birth
-                .prepare(&self.hypotheses.candidates[base], &self.work.scan);
+        let newcomer = if mobile.phase == Phase::Born {
+            mobile
+        } else {
+            Slot::new(ContactId(self.next_id), mobile.point, self.frame.index)
+        };
+        if let Some(base) = self.hypotheses.add(&self.before) {
+            let now = self.hypotheses.candidates[0].slots;
+            let forces_now = &now[..self.hypotheses.candidates[0].n];
+            for slot in &mut self.hypotheses.candidates[base].slots {
+                let same = forces_now.iter().find(|other| other.id == slot.id);
+                slot.force_n = same.map_or(slot.force_n, |other| other.force_n);
+            }
+            if self.before.n < self.most_contacts() {
+                self.propose_births(base, newcomer);
+                self.pair_birth
+                    .prepare(&self.hypotheses.candidates[base], &self.work.scan);
+            }
+            if n_frames <= SLIDE_AGE {
+                self.propose_slides(base, n_frames);
+            }
         }
         if let Some(winner) = self.hypotheses.winner() {
             let delta = self.params.hypothesis_delta;
             self.hypotheses.take(&self.model, winner, delta);
         }
+        self.change_mode(&mobile);
         self.refresh();
+    }
+
+    /// Follows what `mobile`, the contact that moved before, has turned out to be.
+    fn change_mode(&mut self, mobile: &Slot) {
+        let best = self.hypotheses.best();
+        let Some(&now) = best.slots().iter().find(|slot| slot.is_mobile()) else {
+            return;
+        };
+        let force_n = mobile_force(best);
+        if mobile.phase == Phase::Sliding && now.phase == Phase::Born {
+            self.next_id += u64::from(now.id.0 == self.next_id);
+            self.frame.info.n_born += 1;
+            self.trace = [force_n; 2];
+            let age = *SCANS.start();
+            self.mode = Mode::Growing { age };
+        } else if mobile.phase == Phase::Born && now.phase == Phase::Sliding {
+            self.frame.released.push(mobile.id);
+            self.frame.info.n_released += 1;
+            self.pair_birth.stop();
+            self.start_slide();
+        }
     }
 
     /// Looks for two contacts at once where one does not explain the frames gathered.

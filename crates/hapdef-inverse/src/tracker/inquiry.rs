@@ -15,6 +15,9 @@ const N_TRIALS: usize = 8;
 /// What a scan counts of the budget.
 const SCAN_STEPS: usize = 8;
 
+/// How far a contact may have slid unnoticed, m.
+const LEAST_SLIDE_M: f64 = 2e-4;
+
 /// Frames in which alarms are not heard after an inquiry without result.
 const N_DEAF: usize = 16;
 
@@ -91,14 +94,14 @@ impl ContactTracker {
         self.mode = Mode::Inquiry { age };
         let first = self.params.inquiry_frames;
         let is_due = age.is_multiple_of(first) && (age / first).is_power_of_two();
-        if is_due && !self.decide() && age >= 8 * first {
+        if is_due && !self.decide(age) && age >= 8 * first {
             self.mode = Mode::Quiet { deaf: N_DEAF };
             self.gathered.clear();
         }
     }
 
     /// Lets the candidates compete on the frames gathered; whether something changed.
-    fn decide(&mut self) -> bool {
+    fn decide(&mut self, age: usize) -> bool {
         self.hypotheses.begin();
         let n_alive = self.hypotheses.n_alive();
         for j in 0..n_alive {
@@ -114,7 +117,7 @@ impl ContactTracker {
             let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
             self.propose_births(0, newcomer);
         }
-        self.propose_slides();
+        self.propose_slides(0, age);
         let stay = self.hypotheses.fits[0].evidence;
         let margin = self.params.birth_margin;
         let winner = self.hypotheses.winner().filter(|&c| {
@@ -125,6 +128,7 @@ impl ContactTracker {
         let Some(winner) = winner else {
             return false;
         };
+        self.before.copy_from(&self.hypotheses.candidates[0]);
         let delta = self.params.hypothesis_delta;
         self.hypotheses.take(&self.model, winner, delta);
         let best = self.hypotheses.best();
@@ -188,16 +192,22 @@ impl ContactTracker {
         work.scan.scan(&work.metric, &solved.forces);
     }
 
-    fn propose_slides(&mut self) {
-        for i in 0..self.hypotheses.best().n {
-            if self.hypotheses.best().slots[i].force_n < self.params.release_force_n {
+    /// Candidates in which one of the contacts of candidate `base` has slid for `n_frames`.
+    pub(super) fn propose_slides(&mut self, base: usize, n_frames: usize) {
+        let time_s = n_frames as f64 * self.params.frame_period_s;
+        let sd_m = self.params.slide_m_per_s * time_s + LEAST_SLIDE_M;
+        for i in 0..self.hypotheses.candidates[base].n {
+            let slot = self.hypotheses.candidates[base].slots[i];
+            if slot.force_n < self.params.release_force_n {
                 continue;
             }
-            let Some(c) = self.hypotheses.copy_candidate(0) else {
+            let Some(c) = self.hypotheses.copy_candidate(base) else {
                 return;
             };
+            let from = self.model.skin().position(&slot.point);
             let candidate = &mut self.hypotheses.candidates[c];
             candidate.slots[i].phase = Phase::Sliding;
+            candidate.slots[i].slide = Some((from, sd_m));
             candidate.forget(&self.model, i);
             self.settle(Whose::Candidate(c), N_TRIALS);
         }

@@ -7,7 +7,6 @@ use crate::estimator::{EstimatorParams, MAX_CONTACTS, MAX_UNKNOWNS, Model, non_n
 use crate::skin_point::SkinPoint;
 use crate::tracker::belief::Belief;
 use crate::tracker::filter::Filter;
-use crate::tracker::frame::Phase;
 use crate::tracker::metric::Metric;
 use crate::walk::AtWall;
 
@@ -90,13 +89,12 @@ impl Locator {
 impl Workshop<'_> {
     /// Moves the mobile contacts of `belief` downhill on `target` by at most `max_trials` trial steps
     /// (Levenberg–Marquardt, forces of all contacts solved again at each point) and sets all
-    /// forces. `slide_sd_m` is the prior of places that slide.
+    /// forces.
     pub(super) fn settle(
         &mut self,
         belief: &mut Belief,
         target: &Target<'_>,
         max_trials: usize,
-        slide_sd_m: f64,
     ) -> Fit {
         let end = self.n_trials + max_trials;
         let mut fit = Fit::NONE;
@@ -108,7 +106,7 @@ impl Workshop<'_> {
                 (old - new).abs() <= FORCE_CHANGE * new.max(old)
             });
             self.keep(belief, &guess, target.scale);
-            fit = self.judge(belief, &guess, target, slide_sd_m);
+            fit = self.judge(belief, &guess, target);
             if is_same || belief.d == 2 {
                 break;
             }
@@ -265,20 +263,14 @@ impl Workshop<'_> {
     }
 
     /// Evidence at `guess`, and covariances of the mobile contacts.
-    fn judge(
-        &mut self,
-        belief: &mut Belief,
-        guess: &Guess,
-        target: &Target<'_>,
-        slide_sd_m: f64,
-    ) -> Fit {
+    fn judge(&mut self, belief: &mut Belief, guess: &Guess, target: &Target<'_>) -> Fit {
         let n = 3 * belief.n;
         let skin_sd_m = (self.model.skin().area_m2() / std::f64::consts::TAU).sqrt();
         let force_sd = self.params.force_scale_n * target.scale;
-        let phases = belief.slots.map(|slot| slot.phase);
-        let prior = |q: usize| match (q % 3, phases[q / 3]) {
+        let slides = belief.slots.map(|slot| slot.slide);
+        let prior = |q: usize| match (q % 3, slides[q / 3]) {
             (2, _) => force_sd,
-            (_, Phase::Sliding) => slide_sd_m,
+            (_, Some((_, sd_m))) => sd_m,
             _ => skin_sd_m,
         };
         let mut l = [0.0; SIZE];
@@ -298,6 +290,12 @@ impl Workshop<'_> {
         evidence += (0..belief.n)
             .map(|i| (guess.forces[i] / force_sd).powi(2))
             .sum::<f64>();
+        for slot in belief.slots() {
+            if let Some((from, sd_m)) = slot.slide {
+                let gone = self.model.skin().position(&slot.point) - from;
+                evidence += gone.norm_squared() / (sd_m * sd_m);
+            }
+        }
         if cholesky(&mut l[..n * n], n, 0.0) {
             evidence += log_det(&l, n);
             let mut inverted = [0.0; SIZE];

@@ -119,8 +119,7 @@ impl ContactTracker {
             locator: &mut self.work.locator,
             n_trials: 0,
         };
-        let slide_sd_m = self.params.slide_sd_m;
-        let fit = workshop.settle(&mut pair_birth.trial, &target, N_TRIALS, slide_sd_m);
+        let fit = workshop.settle(&mut pair_birth.trial, &target, N_TRIALS);
         let n_trials = workshop.n_trials;
         if fit.evidence < pair_birth.best_fit.evidence {
             pair_birth.best_fit = fit;

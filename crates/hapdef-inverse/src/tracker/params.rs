@@ -32,8 +32,8 @@ pub struct TrackerParams {
     pub release_force_n: f64,
     /// … for so many frames.
     pub release_frames: usize,
-    /// How far a slide may have gone when it is noticed, standard deviation, m.
-    pub slide_sd_m: f64,
+    /// How fast contacts slide, standard deviation, m/s.
+    pub slide_m_per_s: f64,
     /// Held contacts are not believed to stay where they are better than this, m/√s.
     pub drift_m_per_sqrt_s: f64,
     /// No contact comes nearer than this to another, m.
@@ -65,7 +65,7 @@ impl Default for TrackerParams {
             pair_p: 1e-4,
             release_force_n: 0.3,
             release_frames: 8,
-            slide_sd_m: 0.004,
+            slide_m_per_s: 0.1,
             drift_m_per_sqrt_s: 1e-4,
             min_gap_m: 0.006,
             n_hypotheses: 4,
@@ -89,7 +89,7 @@ impl TrackerParams {
             ("inquiry_frames", self.inquiry_frames as f64),
             ("settle_frames", self.settle_frames as f64),
             ("release_frames", self.release_frames as f64),
-            ("slide_sd_m", self.slide_sd_m),
+            ("slide_m_per_s", self.slide_m_per_s),
             ("n_hypotheses", self.n_hypotheses as f64),
             ("steps_per_frame", self.steps_per_frame as f64),
             ("search_frames", self.search_frames as f64),

@@ -2,6 +2,7 @@
 
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::Phase;
+use crate::tracker::growth::SCANS;
 use crate::tracker::inquiry::mobile_force;
 
 /// What is left of the frames gathered after each frame.
@@ -36,10 +37,23 @@ impl ContactTracker {
     pub(super) fn slide(&mut self, age: usize, still: usize, is_alarm: bool) {
         self.gathered.fade(KEEP);
         self.gathered.add(&self.z, 1.0);
-        self.settle(Whose::Best, N_TRIALS);
-        self.refresh();
         self.frame.info.is_refined = true;
         self.mode = Mode::Sliding { age, still };
+        let further_m = self.params.slide_m_per_s * self.params.frame_period_s;
+        for slot in &mut self.hypotheses.best_mut().slots {
+            if let Some((_, sd_m)) = &mut slot.slide {
+                *sd_m += further_m;
+            }
+        }
+        if age.is_power_of_two() && SCANS.contains(&age) {
+            self.compare(age);
+            if !matches!(self.mode, Mode::Sliding { .. }) {
+                return;
+            }
+        } else {
+            self.settle(Whose::Best, N_TRIALS);
+            self.refresh();
+        }
         let is_alarm = is_alarm && self.solve();
         self.n_stuck = if is_alarm { self.n_stuck + 1 } else { 0 };
         if self.n_stuck >= N_STUCK {
@@ -70,11 +84,14 @@ impl ContactTracker {
         for i in 0..best.n {
             if best.slots[i].phase == Phase::Sliding {
                 best.slots[i].phase = Phase::Born;
+                best.slots[i].slide = None;
+                self.before.copy_from(best);
+                self.before.remove(i);
             }
         }
         self.trace = [mobile_force(self.hypotheses.best()); 2];
         self.gathered.clear();
-        self.mode = Mode::Growing { age: 0 };
+        self.mode = Mode::Growing { age: BLOCK };
     }
 
     /// Where the sliding contact is, and its standard deviation, m.
