@@ -66,6 +66,7 @@ impl ContactTracker {
             self.trace = [mobile_force(self.hypotheses.best()); 2];
             let age = self.gathered.n_frames;
             self.n_stuck = 0;
+            self.was_good = true;
             self.mode = Mode::Growing { age };
             self.recent.forgive();
         } else {

@@ -58,6 +58,8 @@ pub struct ContactTracker {
     pub(super) steps_left: usize,
     /// Forces of the contacts that have come, averaged over a few frames and over more.
     pub(super) trace: [f64; 2],
+    /// Whether the contacts that move have explained what was gathered of late.
+    pub(super) was_good: bool,
     /// Frames, of late, that alarmed although the contacts that move were refined.
     pub(super) n_stuck: usize,
     /// Where a contact that slides was a while ago, m.
@@ -167,6 +169,7 @@ impl ContactTracker {
             steps_left: 0,
             trace: [0.0; 2],
             n_stuck: 0,
+            was_good: false,
             anchor_m: Point3::origin(),
             recent: Recent::new(n_gauges, width),
             frame,

@@ -5,7 +5,7 @@ use crate::estimator::MAX_CONTACTS;
 use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::{ContactId, Phase};
-use crate::tracker::inquiry::mobile_force;
+use crate::tracker::inquiry::{SCAN_STEPS, mobile_force};
 
 /// Least weight of a frame, N.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -31,8 +31,12 @@ const STEADY_SHARE: f64 = 0.02;
 /// … and this, N.
 const STEADY_N: f64 = 0.05;
 
-/// From this age on a misfit is another contact that comes, not one that came at the same time.
-const ALONE_AGE: usize = 24;
+/// Where the frames are explained from this age on, a misfit is another contact that comes, not one
+/// that came at the same time.
+const GOOD_AGE: usize = 16;
+
+/// What is not explained stays open for so many times the usual frames.
+const OPEN_FACTOR: usize = 4;
 
 /// Alarms in a row after which refining is not enough.
 const N_STUCK: usize = 3;
@@ -45,9 +49,12 @@ impl ContactTracker {
         self.trace[1] += (force_n - self.trace[1]) / 16.0;
         self.mode = Mode::Growing { age };
         self.frame.info.is_refined = true;
-        let is_due = age.is_power_of_two() && SCANS.contains(&age);
+        let is_due = age.is_power_of_two() && SCANS.contains(&age) || age.is_multiple_of(64);
         if is_due {
             self.compare(age);
+            if !matches!(self.mode, Mode::Growing { .. }) {
+                return;
+            }
         } else if is_alarm || age.is_multiple_of(STRIDE) {
             self.settle(Whose::Best, N_TRIALS);
             self.refresh();
@@ -56,8 +63,8 @@ impl ContactTracker {
         self.n_stuck = if is_alarm { self.n_stuck + 1 } else { 0 };
         if self.pair_birth.is_active() {
             self.search_pairs();
-        } else if is_due && age <= ALONE_AGE {
-            self.consider_pairs();
+        } else if is_due {
+            self.consider_pairs(age);
         }
         self.consider_holding(age);
     }
@@ -72,19 +79,31 @@ impl ContactTracker {
     pub(super) fn compare(&mut self, n_frames: usize) {
         let best = self.hypotheses.best();
         let mobile = best.slots().iter().find(|slot| slot.is_mobile());
-        let (Some(&mobile), 1) = (mobile, best.n_mobile()) else {
-            self.settle(Whose::Best, 2 * N_TRIALS);
-            self.refresh();
+        let n_mobile = best.n_mobile();
+        let Some(&mobile) = mobile else {
             return;
         };
         self.hypotheses.begin();
         for j in 0..self.hypotheses.n_alive() {
             if let Some(c) = self.hypotheses.copy(j) {
-                self.settle(Whose::Candidate(c), N_TRIALS);
+                self.settle(Whose::Candidate(c), N_TRIALS * n_mobile);
             }
         }
+        if n_mobile == 1 {
+            self.propose_again(&mobile, n_frames);
+        }
+        if let Some(winner) = self.hypotheses.winner() {
+            let delta = self.params.hypothesis_delta;
+            self.hypotheses.take(&self.model, winner, delta);
+        }
+        self.change_mode(&mobile);
+        self.refresh();
+    }
+
+    /// Candidates from the contacts there were before `mobile` moved.
+    fn propose_again(&mut self, mobile: &Slot, n_frames: usize) {
         let newcomer = if mobile.phase == Phase::Born {
-            mobile
+            *mobile
         } else {
             Slot::new(ContactId(self.next_id), mobile.point, self.frame.index)
         };
@@ -97,19 +116,11 @@ impl ContactTracker {
             }
             if self.before.n < self.most_contacts() {
                 self.propose_births(base, newcomer);
-                self.pair_birth
-                    .prepare(&self.hypotheses.candidates[base], &self.work.scan);
             }
             if n_frames <= SLIDE_AGE {
                 self.propose_slides(base, n_frames);
             }
         }
-        if let Some(winner) = self.hypotheses.winner() {
-            let delta = self.params.hypothesis_delta;
-            self.hypotheses.take(&self.model, winner, delta);
-        }
-        self.change_mode(&mobile);
-        self.refresh();
     }
 
     /// Follows what `mobile`, the contact that moved before, has turned out to be.
@@ -133,16 +144,28 @@ impl ContactTracker {
         }
     }
 
-    /// Looks for two contacts at once where one does not explain the frames gathered.
-    fn consider_pairs(&mut self) {
+    /// Looks for two contacts at once where those that came do not explain the frames gathered, and
+    /// never did.
+    fn consider_pairs(&mut self, age: usize) {
+        let fit = self.settle(Whose::Best, 0);
         let best = self.hypotheses.best();
-        let (n, is_single) = (best.n, best.n_mobile() == 1);
-        if !is_single || n + 1 > self.most_contacts().min(MAX_CONTACTS) {
+        let n_mobile = best.n_mobile();
+        let n_dof = self.n_live.saturating_sub(best.n + 2 * n_mobile);
+        let is_good = n_dof == 0 || upper_tail(fit.chi2, n_dof) >= self.params.pair_p;
+        let force_n = mobile_force(best);
+        if is_good {
+            self.was_good = age >= GOOD_AGE;
             return;
         }
-        let fit = self.settle(Whose::Best, 0);
-        let n_dof = self.n_live.saturating_sub(n + 2);
-        if n_dof > 0 && upper_tail(fit.chi2, n_dof) < self.params.pair_p {
+        let is_room = self.before.n + 2 <= self.most_contacts().min(MAX_CONTACTS);
+        if self.was_good || n_mobile > 2 || !is_room || self.spend(SCAN_STEPS) < SCAN_STEPS {
+            return;
+        }
+        self.hypotheses.begin();
+        if let Some(base) = self.hypotheses.add(&self.before) {
+            self.scan_beside(base, force_n);
+            self.pair_birth
+                .prepare(&self.hypotheses.candidates[base], &self.work.scan);
             let scale = self.gathered.frame(&mut self.work.z);
             self.pair_birth.start(&self.work.z, scale);
         }
@@ -154,9 +177,10 @@ impl ContactTracker {
         }
         let [fast, slow] = self.trace;
         let is_steady = (fast - slow).abs() < STEADY_SHARE * slow + STEADY_N;
-        let is_other = self.n_stuck >= N_STUCK && age >= ALONE_AGE;
+        let is_other = self.n_stuck >= N_STUCK && self.was_good;
         let is_time = (is_steady && age >= LEAST_AGE) || age >= self.params.settle_frames;
-        if is_other || (is_time && !self.pair_birth.is_active()) {
+        let is_explained = self.was_good || age >= OPEN_FACTOR * self.params.settle_frames;
+        if is_other || (is_time && is_explained && !self.pair_birth.is_active()) {
             self.pair_birth.stop();
             self.hold_mobile();
         }

@@ -13,7 +13,7 @@ const N_PEAKS: usize = 3;
 const N_TRIALS: usize = 8;
 
 /// What a scan counts of the budget.
-const SCAN_STEPS: usize = 8;
+pub(super) const SCAN_STEPS: usize = 8;
 
 /// How far a contact may have slid unnoticed, m.
 const LEAST_SLIDE_M: f64 = 2e-4;
@@ -133,6 +133,7 @@ impl ContactTracker {
         self.hypotheses.take(&self.model, winner, delta);
         let best = self.hypotheses.best();
         self.n_stuck = 0;
+        self.was_good = false;
         if winner < n_alive {
             self.frame.info.is_switched = true;
             self.mode = Mode::Quiet { deaf: 0 };

@@ -2,20 +2,23 @@
 
 use crate::estimator::Model;
 use crate::tracker::belief::{Belief, Slot};
-use crate::tracker::follow::{ContactTracker, Mode, Whose};
+use crate::tracker::follow::{ContactTracker, Whose};
 use crate::tracker::frame::ContactId;
 use crate::tracker::inquiry::mobile_force;
 use crate::tracker::locate::{Fit, Target, Workshop};
 use crate::tracker::scan::{PairJob, SiteScan};
 
 /// Pairs that are refined.
-const N_PAIRS: usize = 32;
+const N_PAIRS: usize = 64;
 
 /// Trial steps of each.
 const N_TRIALS: usize = 8;
 
-/// Trial steps of the best at the end.
-const N_FINAL_TRIALS: usize = 24;
+/// Pairs that are refined again at the end.
+const N_FINALISTS: usize = 4;
+
+/// Trial steps of each of them.
+const N_FINAL_TRIALS: usize = 12;
 
 /// A search for pairs that goes on from frame to frame.
 #[derive(Clone, Debug)]
@@ -24,8 +27,9 @@ pub(super) struct PairBirth {
     /// The contacts beside which the pair came.
     base: Belief,
     trial: Belief,
-    best: Belief,
-    best_fit: Fit,
+    /// The best pairs so far, best first.
+    finalists: Vec<Belief>,
+    fits: [Fit; N_FINALISTS],
     next: usize,
     /// The frame searched.
     z: Vec<f64>,
@@ -38,8 +42,8 @@ impl PairBirth {
             job: PairJob::new(model),
             base: empty.clone(),
             trial: empty.clone(),
-            best: empty.clone(),
-            best_fit: Fit::NONE,
+            finalists: vec![empty.clone(); N_FINALISTS],
+            fits: [Fit::NONE; N_FINALISTS],
             next: 0,
             z: vec![0.0; model.width],
             scale: 0.0,
@@ -65,9 +69,21 @@ impl PairBirth {
     pub(super) fn start(&mut self, z: &[f64], scale: f64) {
         self.z.copy_from_slice(z);
         self.scale = scale;
-        self.best_fit = Fit::NONE;
+        self.fits = [Fit::NONE; N_FINALISTS];
         self.next = 0;
         self.job.start();
+    }
+
+    /// Puts the trial among the finalists if it is good enough.
+    fn rank(&mut self, fit: Fit) {
+        let place = self.fits.partition_point(|f| f.evidence <= fit.evidence);
+        if place == N_FINALISTS || !fit.evidence.is_finite() {
+            return;
+        }
+        self.fits[place..].rotate_right(1);
+        self.finalists[place..].rotate_right(1);
+        self.fits[place] = fit;
+        self.finalists[place].copy_from(&self.trial);
     }
 }
 
@@ -89,7 +105,9 @@ impl ContactTracker {
             }
             self.refine_pair();
         }
-        if self.steps_left >= N_FINAL_TRIALS {
+        if self.steps_left >= N_TRIALS + N_FINALISTS * N_FINAL_TRIALS
+            || self.steps_left == self.params.steps_per_frame
+        {
             self.finish_pairs();
             self.pair_birth.stop();
         }
@@ -121,44 +139,53 @@ impl ContactTracker {
         };
         let fit = workshop.settle(&mut pair_birth.trial, &target, N_TRIALS);
         let n_trials = workshop.n_trials;
-        if fit.evidence < pair_birth.best_fit.evidence {
-            pair_birth.best_fit = fit;
-            pair_birth.best.copy_from(&pair_birth.trial);
-        }
+        pair_birth.rank(fit);
         self.frame.info.n_trials += n_trials;
         self.spend(n_trials);
     }
 
-    /// The best pair against the single contact, on all frames so far.
+    /// The best pairs against what there is, on all frames so far.
     fn finish_pairs(&mut self) {
         let best = self.hypotheses.best();
-        let newest = best.slots().iter().find(|slot| slot.is_mobile());
-        let (Some(&newest), true) = (newest, self.pair_birth.best_fit.evidence.is_finite()) else {
+        let Some(&first) = best.slots().iter().find(|slot| slot.is_mobile()) else {
             return;
         };
+        let second = best.slots().iter().filter(|slot| slot.is_mobile()).nth(1);
+        let second = second.map_or(ContactId(self.next_id), |slot| slot.id);
         self.hypotheses.begin();
-        let (Some(single), Some(pair)) = (
-            self.hypotheses.copy(0),
-            self.hypotheses.add(&self.pair_birth.best),
-        ) else {
+        let Some(stay) = self.hypotheses.copy(0) else {
             return;
         };
-        let candidate = &mut self.hypotheses.candidates[pair];
-        let (first, second) = (candidate.n - 2, candidate.n - 1);
-        candidate.slots[first].id = newest.id;
-        candidate.slots[first].born = newest.born;
-        candidate.slots[second].id = ContactId(self.next_id);
-        self.settle(Whose::Candidate(pair), N_FINAL_TRIALS);
-        self.settle(Whose::Candidate(single), N_TRIALS);
-        let fits = &self.hypotheses.fits;
-        if fits[pair].evidence < fits[single].evidence - self.params.birth_margin {
+        self.settle(Whose::Candidate(stay), N_TRIALS);
+        for k in 0..N_FINALISTS {
+            if !self.pair_birth.fits[k].evidence.is_finite() {
+                break;
+            }
+            let Some(c) = self.hypotheses.add(&self.pair_birth.finalists[k]) else {
+                break;
+            };
+            let candidate = &mut self.hypotheses.candidates[c];
+            let n = candidate.n;
+            for (slot, id) in candidate.slots[n - 2..n].iter_mut().zip([first.id, second]) {
+                (slot.id, slot.born) = (id, first.born);
+            }
+            self.settle(Whose::Candidate(c), N_FINAL_TRIALS);
+        }
+        let stay = self.hypotheses.fits[stay].evidence;
+        let n_mobile = self.hypotheses.best().n_mobile();
+        let margin = if n_mobile == 1 {
+            self.params.birth_margin
+        } else {
+            0.0
+        };
+        let better = |&c: &usize| c > 0 && self.hypotheses.fits[c].evidence < stay - margin;
+        if let Some(winner) = self.hypotheses.winner().filter(better) {
             let delta = self.params.hypothesis_delta;
-            self.hypotheses.take(&self.model, pair, delta);
-            self.next_id += 1;
-            self.frame.info.n_born += 1;
+            self.hypotheses.take(&self.model, winner, delta);
+            self.next_id += u64::from(second.0 == self.next_id);
+            self.frame.info.n_born += usize::from(n_mobile == 1);
             self.trace = [mobile_force(self.hypotheses.best()); 2];
             self.n_stuck = 0;
-            debug_assert!(matches!(self.mode, Mode::Growing { .. }));
             self.refresh();
         }
     }

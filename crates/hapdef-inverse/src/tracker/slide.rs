@@ -91,6 +91,7 @@ impl ContactTracker {
         }
         self.trace = [mobile_force(self.hypotheses.best()); 2];
         self.gathered.clear();
+        self.was_good = true;
         self.mode = Mode::Growing { age: BLOCK };
     }
 
