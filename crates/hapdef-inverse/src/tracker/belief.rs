@@ -14,6 +14,10 @@ pub(super) struct Slot {
     pub(super) phase: Phase,
     pub(super) born: u64,
     pub(super) force_n: f64,
+    /// What the noise of one frame does to it, standard deviation, N.
+    pub(super) force_noise_n: f64,
+    /// Mean of the last frames in which it was steady, and how many.
+    pub(super) steady: (f64, usize),
     /// Frames in a row with hardly any force.
     pub(super) n_weak: usize,
     pub(super) covariance: Matrix3<f64>,
@@ -31,6 +35,8 @@ impl Slot {
             phase: Phase::Born,
             born,
             force_n: 0.0,
+            force_noise_n: 0.0,
+            steady: (0.0, 0),
             n_weak: 0,
             covariance: Matrix3::zeros(),
         }

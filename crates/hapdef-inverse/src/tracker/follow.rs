@@ -25,6 +25,9 @@ const LARGEST: f64 = 1e100;
 /// A place is open if its standard deviation exceeds this share of the skin's.
 const OPEN_SHARE: f64 = 0.5;
 
+/// A force is steady within so many standard deviations.
+const STEADY_SDS: f64 = 3.0;
+
 /// Frames averaged for a full search.
 const N_RECENT: usize = 16;
 
@@ -356,7 +359,25 @@ impl ContactTracker {
         self.refresh();
     }
 
+    /// Averages forces while all of them are steady.
+    fn average(&mut self) {
+        let most = self.params.force_frames;
+        let best = self.hypotheses.best_mut();
+        let slots = &mut best.slots[..best.n];
+        let is_steady = slots.iter().all(|slot| {
+            let (mean, n) = slot.steady;
+            let sd = slot.force_noise_n * (1.0 + 1.0 / n.max(1) as f64).sqrt();
+            n > 0 && (slot.force_n - mean).abs() <= STEADY_SDS * sd
+        });
+        for slot in slots {
+            let (mean, n) = if is_steady { slot.steady } else { (0.0, 0) };
+            let n = (n + 1).min(most);
+            slot.steady = (mean + (slot.force_n - mean) / n as f64, n);
+        }
+    }
+
     fn report(&mut self, readings: &[f64]) {
+        self.average();
         let best = self.hypotheses.best();
         let (frame, model) = (&mut self.frame, &self.model);
         let skin = model.skin();
@@ -365,8 +386,8 @@ impl ContactTracker {
             let contact = Contact {
                 point: slot.point,
                 position_m: skin.position(&slot.point),
-                force_n: slot.force_n,
-                force_vector_n: -skin.normal(&slot.point) * slot.force_n,
+                force_n: slot.steady.0,
+                force_vector_n: -skin.normal(&slot.point) * slot.steady.0,
                 covariance: slot.covariance,
             };
             frame.contacts.push(TrackedContact {
@@ -376,6 +397,7 @@ impl ContactTracker {
                 contact,
             });
         }
+        frame.contacts.sort_unstable_by_key(|contact| contact.id);
         for (g, &gauge) in model.live.iter().enumerate() {
             let explained: f64 = (0..best.n)
                 .map(|i| best.slots[i].force_n * best.atoms[i * best.width + g])

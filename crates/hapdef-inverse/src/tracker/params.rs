@@ -6,6 +6,9 @@ use crate::estimator::MAX_CONTACTS;
 /// How contacts are followed from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerParams {
+    /// Frames over which forces are averaged at most while they are steady, for what is reported; a
+    /// force that changes by more than its noise starts anew. 1 for none.
+    pub force_frames: usize,
     /// Contacts held at most. One that arrives needs two channels for its place and every contact
     /// one for its force, so that fewer are held where gauges are few.
     pub max_contacts: usize,
@@ -55,6 +58,7 @@ impl Default for TrackerParams {
     /// For 1,000 frames a second.
     fn default() -> Self {
         Self {
+            force_frames: 16,
             max_contacts: 4,
             frame_period_s: 1e-3,
             block_frames: 8,
@@ -85,6 +89,7 @@ impl TrackerParams {
         }
         for (what, found) in [
             ("frame_period_s", self.frame_period_s),
+            ("force_frames", self.force_frames as f64),
             ("block_frames", self.block_frames as f64),
             ("inquiry_frames", self.inquiry_frames as f64),
             ("settle_frames", self.settle_frames as f64),
