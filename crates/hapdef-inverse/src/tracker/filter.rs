@@ -223,7 +223,10 @@ impl Filter {
                 add_scaled(row, covariance[i * n + j], metric.atom(j));
             }
             solve_upper(&metric.l, m, &mut row[..m]);
-            let variance: f64 = (0..m).filter(|&g| self.live[g]).map(|g| row[g] * row[g]).sum();
+            let variance: f64 = (0..m)
+                .filter(|&g| self.live[g])
+                .map(|g| row[g] * row[g])
+                .sum();
             belief.slots[i].force_noise_n = variance.sqrt();
         }
     }

@@ -180,7 +180,12 @@ impl Workshop<'_> {
         self.evaluate(belief, &points, scale)
     }
 
-    fn evaluate(&mut self, belief: &Belief, points: &[SkinPoint; MAX_CONTACTS], scale: f64) -> Guess {
+    fn evaluate(
+        &mut self,
+        belief: &Belief,
+        points: &[SkinPoint; MAX_CONTACTS],
+        scale: f64,
+    ) -> Guess {
         let (n, width) = (belief.n, belief.width);
         for i in (0..n).filter(|&i| belief.slots[i].is_mobile()) {
             self.fill_rows(&points[i], i);
@@ -216,7 +221,10 @@ impl Workshop<'_> {
     }
 
     fn prior_information(&self, scale: f64) -> f64 {
-        (self.params.force_scale_n * scale).powi(2).recip().min(f64::MAX)
+        (self.params.force_scale_n * scale)
+            .powi(2)
+            .recip()
+            .min(f64::MAX)
     }
 
     fn fill_rows(&mut self, point: &SkinPoint, i: usize) {

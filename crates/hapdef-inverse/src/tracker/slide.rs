@@ -108,7 +108,13 @@ impl ContactTracker {
         let x = self.model.skin().position(&slot.point);
         let reach_m = HOP_SPACINGS * self.model.sites.spacing_m();
         let far = |y: &nalgebra::Point3<f64>| (y - x).norm() > reach_m;
-        for (gain, y) in self.work.scan.gains.iter_mut().zip(self.model.sites.positions()) {
+        for (gain, y) in self
+            .work
+            .scan
+            .gains
+            .iter_mut()
+            .zip(self.model.sites.positions())
+        {
             *gain = if far(y) { 0.0 } else { *gain };
         }
         self.model

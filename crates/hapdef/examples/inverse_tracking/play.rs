@@ -16,7 +16,7 @@ use crate::script::{Kind, Script};
 const SEARCH_FRAMES: u64 = 30;
 
 /// Times that each scene is played for its times: the least counts, other programs share the machine.
-const N_PLAYS: usize = 3;
+const N_PLAYS: usize = 5;
 
 pub(crate) struct Bench<'a> {
     pub(crate) estimator: &'a ContactEstimator,
