@@ -102,7 +102,7 @@ fn contacts_come_hold_and_go() {
                 .collect();
             let y = frame(&world, &contacts, SD, &mut rng);
             let found = tracker.step(&y, None).unwrap();
-            if index > 50 && index % 200 == 40 {
+            if index % 200 == 190 {
                 is_good &= worst_m(&world, &contacts, found) < 1e-3;
                 let now: Vec<_> = found.contacts.iter().map(|c| c.id).collect();
                 if index < 1000 {

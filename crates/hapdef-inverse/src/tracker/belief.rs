@@ -18,7 +18,7 @@ pub(super) struct Slot {
     pub(super) force_noise_n: f64,
     /// Mean of the last frames in which it was steady, and how many.
     pub(super) steady: (f64, usize),
-    /// Frames in a row with hardly any force.
+    /// Frames with hardly any force, less twice those with more.
     pub(super) n_weak: usize,
     pub(super) covariance: Matrix3<f64>,
     /// Where a contact that slides began to, m, and how far it may have gone since, standard

@@ -20,7 +20,11 @@ impl ContactTracker {
             let slot = &mut best.slots[i];
             let sd = slot.covariance[(2, 2)].sqrt();
             let is_weak = slot.force_n < least_n || (slot.force_n < 3.0 * sd && sd < 1.0);
-            slot.n_weak = if is_weak { slot.n_weak + 1 } else { 0 };
+            slot.n_weak = if is_weak {
+                slot.n_weak + 1
+            } else {
+                slot.n_weak.saturating_sub(2)
+            };
             if slot.n_weak >= patience {
                 self.frame.released.push(slot.id);
                 best.remove(i);

@@ -49,6 +49,8 @@ pub struct ContactTracker {
     pub(super) n_live: usize,
     pub(super) next_id: u64,
     pub(super) steps_left: usize,
+    /// Whether the best hypothesis changed in this frame, so that its forces have to be solved again.
+    is_changed: bool,
     /// Forces of the contacts that have come, averaged over a few frames and over more.
     pub(super) trace: [f64; 2],
     /// Whether the contacts that move have explained what was gathered of late.
@@ -144,6 +146,7 @@ impl ContactTracker {
             n_live: m,
             next_id: 0,
             steps_left: 0,
+            is_changed: false,
             trace: [0.0; 2],
             n_stuck: 0,
             was_good: false,
@@ -171,6 +174,7 @@ impl ContactTracker {
         self.frame.info = TrackInfo::default();
         self.frame.released.clear();
         let is_alarm = self.solve();
+        self.is_changed = false;
         self.recent
             .add(&self.model, readings, &self.z, &self.work.filter.live);
         self.recent.judge(is_alarm);
@@ -181,6 +185,9 @@ impl ContactTracker {
             Mode::Sliding { age, still } => self.slide(age + 1, still, is_alarm),
         }
         self.release();
+        if self.is_changed {
+            self.solve();
+        }
         self.report(readings);
         self.frame.index += 1;
         Ok(&self.frame)
@@ -254,6 +261,7 @@ impl ContactTracker {
 
     /// The metric of every frame for the best hypothesis as it is now.
     pub(super) fn refresh(&mut self) {
+        self.is_changed = true;
         let best = self.hypotheses.best_mut();
         self.work.filter.refresh(best, &mut self.metric);
     }

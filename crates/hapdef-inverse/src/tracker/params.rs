@@ -33,7 +33,7 @@ pub struct TrackerParams {
     /// A contact with less force than this is let go, N, or with less than three standard
     /// deviations …
     pub release_force_n: f64,
-    /// … for so many frames.
+    /// … for so many frames; a frame with more force takes two of them back.
     pub release_frames: usize,
     /// How fast contacts slide, standard deviation, m/s.
     pub slide_m_per_s: f64,
