@@ -4,6 +4,7 @@ use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
 use crate::tracker::belief::Belief;
 use crate::tracker::frame::Phase;
+use crate::tracker::locate::MAX_CROSSINGS;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;
 
@@ -170,7 +171,7 @@ impl Filter {
         let step = t1 * change[0] + t2 * change[1];
         let point = model
             .skin()
-            .walk(&belief.slots[i].point, &step, AtWall::Slide)
+            .walk_at_most(&belief.slots[i].point, &step, AtWall::Slide, MAX_CROSSINGS)
             .point;
         belief.carry(model, i, point);
     }

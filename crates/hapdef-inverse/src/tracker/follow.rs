@@ -291,7 +291,11 @@ impl ContactTracker {
         self.steps_left += end.saturating_sub(n_trials);
         self.frame.info.n_trials += n_trials;
         if let Whose::Candidate(c) = whose {
-            self.hypotheses.fits[c] = fit;
+            let handicap = self.hypotheses.candidates[c].handicap;
+            self.hypotheses.fits[c] = Fit {
+                evidence: fit.evidence + handicap,
+                ..fit
+            };
         }
         fit
     }

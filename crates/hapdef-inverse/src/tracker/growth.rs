@@ -5,7 +5,7 @@ use crate::estimator::MAX_CONTACTS;
 use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::{ContactId, Phase};
-use crate::tracker::inquiry::{SCAN_STEPS, mobile_force};
+use crate::tracker::inquiry::{N_BASES, SCAN_STEPS, mobile_force};
 
 /// Least weight of a frame, N.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -102,11 +102,12 @@ impl ContactTracker {
 
     /// Candidates from the contacts there were before `mobile` moved.
     fn propose_again(&mut self, mobile: &Slot, n_frames: usize) {
-        let newcomer = if mobile.phase == Phase::Born {
-            *mobile
-        } else {
-            Slot::new(ContactId(self.next_id), mobile.point, self.frame.index)
-        };
+        let newcomer = Slot::new(ContactId(self.next_id), mobile.point, self.frame.index);
+        if mobile.phase == Phase::Born {
+            for j in 0..self.hypotheses.n_alive().min(N_BASES) {
+                self.propose_elsewhere(j, mobile);
+            }
+        }
         if let Some(base) = self.hypotheses.add(&self.before) {
             let now = self.hypotheses.candidates[0].slots;
             let forces_now = &now[..self.hypotheses.candidates[0].n];
@@ -114,12 +115,24 @@ impl ContactTracker {
                 let same = forces_now.iter().find(|other| other.id == slot.id);
                 slot.force_n = same.map_or(slot.force_n, |other| other.force_n);
             }
-            if self.before.n < self.most_contacts() {
+            if mobile.phase != Phase::Born && self.before.n < self.most_contacts() {
                 self.propose_births(base, newcomer);
             }
             if n_frames <= SLIDE_AGE {
                 self.propose_slides(base, n_frames);
             }
+        }
+    }
+
+    /// Candidates with the contact `mobile` of candidate `from` in other places.
+    fn propose_elsewhere(&mut self, from: usize, mobile: &Slot) {
+        let slots = self.hypotheses.candidates[from].slots();
+        let Some(i) = slots.iter().position(|slot| slot.id == mobile.id) else {
+            return;
+        };
+        if let Some(base) = self.hypotheses.copy_candidate(from) {
+            self.hypotheses.candidates[base].remove(i);
+            self.propose_births(base, *mobile);
         }
     }
 
@@ -189,7 +202,8 @@ impl ContactTracker {
     /// Holds all contacts that move, and learns from the frames gathered.
     pub(super) fn hold_mobile(&mut self) {
         for belief in self.hypotheses.alive_mut() {
-            belief.score = 0.0;
+            belief.set_score(belief.handicap);
+            belief.handicap = 0.0;
         }
         self.learn();
         self.gathered.clear();

@@ -9,6 +9,9 @@ use crate::tracker::frame::{ContactId, Phase};
 /// Places that a new contact is refined from.
 const N_PEAKS: usize = 3;
 
+/// Hypotheses to which a contact is added.
+pub(super) const N_BASES: usize = 2;
+
 /// Trial steps of each candidate.
 const N_TRIALS: usize = 8;
 
@@ -81,6 +84,9 @@ impl ContactTracker {
             let model = &self.model;
             work.filter
                 .update(model, belief, &work.z, scale, prior_sd_m, metric);
+            let size_2: f64 = belief.forces().iter().map(|a| a * a).sum();
+            let strain = size_2 / self.settings.force_scale_n.powi(2);
+            belief.strain = belief.strain.max(strain);
             self.frame.info.n_updates += 1;
         }
         let delta = self.params.hypothesis_delta;
@@ -106,16 +112,18 @@ impl ContactTracker {
         let n_alive = self.hypotheses.n_alive();
         for j in 0..n_alive {
             if let Some(c) = self.hypotheses.copy(j) {
-                let behind = self.hypotheses.candidates[c].score - self.hypotheses.best().score;
+                let behind = self.hypotheses.candidates[c].total() - self.hypotheses.best().total();
+                self.hypotheses.candidates[c].handicap = behind;
                 self.settle(Whose::Candidate(c), 0);
-                self.hypotheses.fits[c].evidence += behind;
             }
         }
         let n_before = self.hypotheses.best().n;
-        if n_before < self.most_contacts() {
-            let nowhere = self.model.sites.points()[0];
-            let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
-            self.propose_births(0, newcomer);
+        let nowhere = self.model.sites.points()[0];
+        let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
+        for j in 0..n_alive.min(N_BASES) {
+            if self.hypotheses.candidates[j].n < self.most_contacts() {
+                self.propose_births(j, newcomer);
+            }
         }
         self.propose_slides(0, age);
         let stay = self.hypotheses.fits[0].evidence;

@@ -12,6 +12,9 @@ use crate::walk::AtWall;
 
 const SIZE: usize = MAX_UNKNOWNS * MAX_UNKNOWNS;
 
+/// Edges that a step crosses at most.
+pub(super) const MAX_CROSSINGS: usize = 24;
+
 /// Rounds in which the covariance is set anew from the forces.
 const N_ROUNDS: usize = 2;
 
@@ -174,7 +177,7 @@ impl Workshop<'_> {
             let shrink = (self.params.max_step_m / along.norm().max(f64::MIN_POSITIVE)).min(1.0);
             let skin = self.model.skin();
             points[i] = skin
-                .walk(&points[i], &(along * shrink), AtWall::Slide)
+                .walk_at_most(&points[i], &(along * shrink), AtWall::Slide, MAX_CROSSINGS)
                 .point;
         }
         self.evaluate(belief, &points, scale)

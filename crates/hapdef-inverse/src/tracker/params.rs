@@ -74,7 +74,7 @@ impl Default for TrackerParams {
             min_gap_m: 0.006,
             n_hypotheses: 4,
             hypothesis_delta: 16.0,
-            steps_per_frame: 60,
+            steps_per_frame: 100,
             search_frames: 64,
             misfit_p: 1e-6,
         }

@@ -31,6 +31,7 @@ impl Bench<'_> {
         let script = Script::draw(kind, map.skin(), seed);
         let frames = self.frames(&script, seed);
         let mut times_us = vec![f64::INFINITY; frames.len()];
+        let mut infos = Vec::new(); // DEBUG
         for play in 0..N_PLAYS {
             let mut tracker = ContactTracker::new(self.estimator, TrackerParams::default())?;
             let mut scratch = self.estimator.scratch();
@@ -95,11 +96,13 @@ impl Bench<'_> {
                     }
                 }
                 // END
+                if play == 0 { infos.push(format!("{:?} n {}", tracker.last().info, tracker.last().contacts.len())); } // DEBUG
                 if play == 0 {
                     row.frame(map.skin(), &script, index, tracker.last());
                 }
             }
         }
+        for (i, t) in times_us.iter().enumerate() { if *t > 600.0 { println!("SLOW seed {seed} frame {i} {t:.0} {}", infos[i]); } } // DEBUG
         row.end(&times_us);
         if std::env::var_os("EACH_SCENE").is_some() {
             println!("seed {seed}: {}", row.last_scene());
