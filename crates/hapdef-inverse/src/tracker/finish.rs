@@ -34,7 +34,7 @@ impl ContactTracker {
         if n_released == 0 {
             return;
         }
-        self.frame.info.n_released = n_released;
+        self.frame.info.n_released += n_released;
         for id in &self.frame.released {
             self.hypotheses.drop_contact(*id);
         }

@@ -6,6 +6,8 @@ use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::{ContactId, Phase};
 use crate::tracker::inquiry::{N_BASES, SCAN_STEPS, mobile_force};
+use crate::tracker::locate::MAX_CROSSINGS;
+use crate::walk::AtWall;
 
 /// Least weight of a frame, N.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -18,6 +20,13 @@ pub(super) const SCANS: std::ops::RangeInclusive<usize> = 4..=64;
 
 /// The last age at which a slide may be all that happened.
 const SLIDE_AGE: usize = 32;
+
+/// Places around a contact are tried where what it explains is less probable than this, …
+const HOP_P: f64 = 0.1;
+
+/// … in so many directions, this far away, in spacings of the sites.
+const N_DIRECTIONS: u32 = 6;
+const HOP_SPACINGS: f64 = 0.5;
 
 /// Trial steps of a refinement.
 const N_TRIALS: usize = 6;
@@ -91,6 +100,7 @@ impl ContactTracker {
         }
         if n_mobile == 1 {
             self.propose_again(&mobile, n_frames);
+            self.propose_hops(&mobile, n_frames);
         }
         if let Some(winner) = self.hypotheses.winner() {
             let delta = self.params.hypothesis_delta;
@@ -133,6 +143,36 @@ impl ContactTracker {
         if let Some(base) = self.hypotheses.copy_candidate(from) {
             self.hypotheses.candidates[base].remove(i);
             self.propose_births(base, *mobile);
+        }
+    }
+
+    /// Candidates that start around the place of `mobile` where it does not explain the frames well:
+    /// the map's slope jumps at edges of faces, and steps downhill may end at a kink.
+    fn propose_hops(&mut self, mobile: &Slot, n_frames: usize) {
+        let from = self.hypotheses.candidates[0].slots().iter();
+        let Some(i) = from.clone().position(|slot| slot.id == mobile.id) else {
+            return;
+        };
+        let n_dof = self
+            .n_live
+            .saturating_sub(self.hypotheses.candidates[0].n + 2);
+        let p = upper_tail(self.hypotheses.fits[0].chi2, n_dof);
+        if n_frames < GOOD_AGE || p > HOP_P {
+            return;
+        }
+        let distance_m = HOP_SPACINGS * self.model.sites.spacing_m();
+        let point = self.hypotheses.candidates[0].slots[i].point;
+        let [t1, t2] = self.model.skin().tangents(&point);
+        for turn in 0..N_DIRECTIONS {
+            let angle = f64::from(turn) / f64::from(N_DIRECTIONS) * std::f64::consts::TAU;
+            let step = (t1 * angle.cos() + t2 * angle.sin()) * distance_m;
+            let skin = self.model.skin();
+            let walk = skin.walk_at_most(&point, &step, AtWall::Slide, MAX_CROSSINGS);
+            let Some(c) = self.hypotheses.copy_candidate(0) else {
+                return;
+            };
+            self.hypotheses.candidates[c].slots[i].point = walk.point;
+            self.settle(Whose::Candidate(c), N_TRIALS);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::tracker::frame::ContactId;
 use crate::tracker::locate::Fit;
 
 /// Candidates at most: alternatives, peaks, slides.
-const N_CANDIDATES: usize = 20;
+const N_CANDIDATES: usize = 28;
 
 /// The best hypothesis has to be beaten by this in −2 ln evidence.
 const SWITCH_MARGIN: f64 = 2.0;

@@ -117,7 +117,6 @@ impl ContactTracker {
                 self.settle(Whose::Candidate(c), 0);
             }
         }
-        let n_before = self.hypotheses.best().n;
         let nowhere = self.model.sites.points()[0];
         let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
         for j in 0..n_alive.min(N_BASES) {
@@ -125,6 +124,7 @@ impl ContactTracker {
                 self.propose_births(j, newcomer);
             }
         }
+        let weakest = self.propose_replacement(newcomer);
         self.propose_slides(0, age);
         let stay = self.hypotheses.fits[0].evidence;
         let margin = self.params.birth_margin;
@@ -136,28 +136,56 @@ impl ContactTracker {
         let Some(winner) = winner else {
             return false;
         };
-        self.before.copy_from(&self.hypotheses.candidates[0]);
+        self.adopt_winner(winner, n_alive, weakest);
+        self.refresh();
+        true
+    }
+
+    fn adopt_winner(&mut self, winner: usize, n_alive: usize, weakest: Option<(usize, ContactId)>) {
+        let is_birth = self.hypotheses.candidates[winner]
+            .slots()
+            .iter()
+            .any(|slot| slot.phase == Phase::Born);
+        let replaced = weakest.filter(|_| is_birth);
+        let before = replaced.map_or(0, |(base, _)| base);
+        self.before.copy_from(&self.hypotheses.candidates[before]);
         let delta = self.params.hypothesis_delta;
         self.hypotheses.take(&self.model, winner, delta);
-        let best = self.hypotheses.best();
         self.n_stuck = 0;
         self.was_good = false;
         if winner < n_alive {
             self.frame.info.is_switched = true;
             self.mode = Mode::Quiet { deaf: 0 };
             self.gathered.clear();
-        } else if best.n > n_before {
+        } else if is_birth {
+            if let Some((_, id)) = replaced {
+                self.frame.released.push(id);
+                self.frame.info.n_released += 1;
+            }
             self.next_id += 1;
             self.frame.info.n_born += 1;
-            let force = mobile_force(best);
-            self.trace = [force; 2];
+            self.trace = [mobile_force(self.hypotheses.best()); 2];
             let age = self.gathered.n_frames;
             self.mode = Mode::Growing { age };
         } else {
             self.start_slide();
         }
-        self.refresh();
-        true
+    }
+
+    /// Where no contact more can be held: candidates with `newcomer` in place of the weakest contact.
+    /// Returns the candidate without either and who it lacks.
+    fn propose_replacement(&mut self, newcomer: Slot) -> Option<(usize, ContactId)> {
+        let first = &self.hypotheses.candidates[0];
+        if first.n < self.most_contacts() {
+            return None;
+        }
+        let forces = first.forces();
+        let weakest = (0..first.n).min_by(|&i, &j| forces[i].total_cmp(&forces[j]))?;
+        let id = first.slots[weakest].id;
+        let base = self.hypotheses.copy_candidate(0)?;
+        self.hypotheses.candidates[base].remove(weakest);
+        self.propose_births(base, newcomer);
+        Some((base, id))
     }
 
     /// Candidates with `newcomer` more than candidate `base`, at the best places of a scan for a
