@@ -24,9 +24,12 @@ const SLIDE_AGE: usize = 32;
 /// Places around a contact are tried where what it explains is less probable than this, …
 const HOP_P: f64 = 0.1;
 
-/// … in so many directions, this far away, in spacings of the sites.
+/// … from this age on, …
+const LEAST_HOP_AGE: usize = 8;
+
+/// … in so many directions, this far away at one age and the next, in spacings of the sites.
 const N_DIRECTIONS: u32 = 6;
-const HOP_SPACINGS: f64 = 0.5;
+const HOP_SPACINGS: [f64; 2] = [0.4, 0.8];
 
 /// Trial steps of a refinement.
 const N_TRIALS: usize = 6;
@@ -157,10 +160,11 @@ impl ContactTracker {
             .n_live
             .saturating_sub(self.hypotheses.candidates[0].n + 2);
         let p = upper_tail(self.hypotheses.fits[0].chi2, n_dof);
-        if n_frames < GOOD_AGE || p > HOP_P {
+        if n_frames < LEAST_HOP_AGE || p > HOP_P {
             return;
         }
-        let distance_m = HOP_SPACINGS * self.model.sites.spacing_m();
+        let spacings = HOP_SPACINGS[n_frames.trailing_zeros() as usize % 2];
+        let distance_m = spacings * self.model.sites.spacing_m();
         let point = self.hypotheses.candidates[0].slots[i].point;
         let [t1, t2] = self.model.skin().tangents(&point);
         for turn in 0..N_DIRECTIONS {

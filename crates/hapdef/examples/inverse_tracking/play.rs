@@ -31,7 +31,6 @@ impl Bench<'_> {
         let script = Script::draw(kind, map.skin(), seed);
         let frames = self.frames(&script, seed);
         let mut times_us = vec![f64::INFINITY; frames.len()];
-        let mut infos = Vec::new(); // DEBUG
         for play in 0..N_PLAYS {
             let mut tracker = ContactTracker::new(self.estimator, TrackerParams::default())?;
             let mut scratch = self.estimator.scratch();
@@ -51,62 +50,12 @@ impl Bench<'_> {
                     pending = Some(outcome);
                     row.n_searches += usize::from(play == 0);
                 }
-                // DEBUG
-                if play == 0 && std::env::var("TRACE_SEED").is_ok_and(|t| t == seed.to_string()) {
-                    let f = tracker.last();
-                    let i = f.info;
-                    if index % 25 == 0 || i.n_born + i.n_slides + i.n_released > 0 || i.is_switched
-                    {
-                        let skin = map.skin();
-                        print!("{index:>5} ");
-                        for p in script.presses.iter().filter(|p| p.start <= index) {
-                            let x = skin.position(&p.point(skin, index));
-                            let near = f.contacts.iter().min_by(|a, b| {
-                                (a.contact.position_m - x)
-                                    .norm()
-                                    .total_cmp(&(b.contact.position_m - x).norm())
-                            });
-                            if let Some(c) = near {
-                                print!(
-                                    "[{:.1}N #{} {:?} {:.2}mm({:.2}) {:.2}N({:.2})] ",
-                                    p.force_n(index),
-                                    c.id.0,
-                                    c.phase,
-                                    (c.contact.position_m - x).norm() * 1e3,
-                                    (c.contact.covariance[(0, 0)] + c.contact.covariance[(1, 1)])
-                                        .sqrt()
-                                        * 1e3,
-                                    c.contact.force_n,
-                                    c.contact.covariance[(2, 2)].sqrt()
-                                );
-                            }
-                        }
-                        println!(
-                            "n {} p {:.0e} alt {} {:?} {}",
-                            f.contacts.len(),
-                            f.p_value,
-                            f.n_runner_ups,
-                            f.verdict,
-                            if i.n_born + i.n_slides + i.n_released > 0 || i.is_switched {
-                                format!("{i:?}")
-                            } else {
-                                String::new()
-                            }
-                        );
-                    }
-                }
-                // END
-                if play == 0 { infos.push(format!("{:?} n {}", tracker.last().info, tracker.last().contacts.len())); } // DEBUG
                 if play == 0 {
                     row.frame(map.skin(), &script, index, tracker.last());
                 }
             }
         }
-        for (i, t) in times_us.iter().enumerate() { if *t > 600.0 { println!("SLOW seed {seed} frame {i} {t:.0} {}", infos[i]); } } // DEBUG
         row.end(&times_us);
-        if std::env::var_os("EACH_SCENE").is_some() {
-            println!("seed {seed}: {}", row.last_scene());
-        }
         Ok(())
     }
 
