@@ -302,7 +302,9 @@ fn a_full_search_is_adopted() {
             std::thread::yield_now();
         }
         assert_eq!(same.as_ref(), Some(&outcome));
-        tracker.adopt(&outcome);
+        let is_adopted = tracker.adopt(&outcome);
+        let y = frame(&world, &contacts, SD, &mut rng);
+        assert_eq!(tracker.step(&y, None).unwrap().info.is_adopted, is_adopted);
     }
     let found = tracker.last();
     assert!(

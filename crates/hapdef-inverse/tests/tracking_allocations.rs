@@ -1,8 +1,4 @@
 //! Following contacts allocates nothing, whatever they do.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a tracker that refuses a frame fails the test"
-)]
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 mod world;

@@ -51,6 +51,8 @@ pub struct ContactTracker {
     pub(super) steps_left: usize,
     /// Whether the best hypothesis changed in this frame, so that its forces have to be solved again.
     is_changed: bool,
+    /// Whether a full search was adopted since the last frame.
+    pub(super) is_adopted: bool,
     /// Forces of the contacts that have come, averaged over a few frames and over more.
     pub(super) trace: [f64; 2],
     /// Whether the contacts that move have explained what was gathered of late.
@@ -147,6 +149,7 @@ impl ContactTracker {
             next_id: 0,
             steps_left: 0,
             is_changed: false,
+            is_adopted: false,
             trace: [0.0; 2],
             n_stuck: 0,
             was_good: false,
@@ -171,7 +174,10 @@ impl ContactTracker {
     ) -> Result<&TrackedFrame, InverseError> {
         self.read(readings, live)?;
         self.steps_left = self.params.steps_per_frame;
-        self.frame.info = TrackInfo::default();
+        self.frame.info = TrackInfo {
+            is_adopted: std::mem::take(&mut self.is_adopted),
+            ..TrackInfo::default()
+        };
         self.frame.released.clear();
         let is_alarm = self.solve();
         self.is_changed = false;
@@ -235,7 +241,7 @@ impl ContactTracker {
         if is_changed {
             self.gathered.clear();
             self.pair_birth.stop();
-            self.recent.clear();
+            self.recent.start_over();
             self.refresh();
         }
         Ok(())
@@ -266,9 +272,13 @@ impl ContactTracker {
         self.work.filter.refresh(best, &mut self.metric);
     }
 
-    /// Refines `whose` mobile contacts on the frame gathered, at most `n` trial steps of the budget.
+    /// Refines `whose` mobile contacts on the frame gathered by about `n` trial steps.
     pub(super) fn settle(&mut self, whose: Whose, n: usize) -> Fit {
-        let end = self.spend(n);
+        let n_mobile = match whose {
+            Whose::Best => self.hypotheses.best().n_mobile(),
+            Whose::Candidate(c) => self.hypotheses.candidates[c].n_mobile(),
+        };
+        let end = self.spend(n * n_mobile);
         let scale = self.gathered.frame(&mut self.work.z);
         let target = Target {
             z: &self.work.z,

@@ -98,7 +98,7 @@ impl ContactTracker {
         self.hypotheses.begin();
         for j in 0..self.hypotheses.n_alive() {
             if let Some(c) = self.hypotheses.copy(j) {
-                self.settle(Whose::Candidate(c), N_TRIALS * n_mobile);
+                self.settle(Whose::Candidate(c), N_TRIALS);
             }
         }
         if n_mobile == 1 {

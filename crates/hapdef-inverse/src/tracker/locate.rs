@@ -74,7 +74,7 @@ pub(super) struct Workshop<'a> {
     pub(super) filter: &'a mut Filter,
     pub(super) metric: &'a mut Metric,
     pub(super) locator: &'a mut Locator,
-    /// Trial steps made.
+    /// Trial steps made, times the contacts that moved.
     pub(super) n_trials: usize,
 }
 
@@ -92,7 +92,7 @@ impl Locator {
 }
 
 impl Workshop<'_> {
-    /// Moves the mobile contacts of `belief` downhill on `target` by at most `max_trials` trial steps
+    /// Moves the mobile contacts of `belief` downhill on `target` until trial steps times contacts come to `max_trials`
     /// (Levenberg–Marquardt, forces of all contacts solved again at each point) and sets all
     /// forces.
     pub(super) fn settle(
@@ -141,10 +141,10 @@ impl Workshop<'_> {
             return best;
         }
         let mut damping = 1e-3;
-        while self.n_trials < end {
+        while self.n_trials + belief.n_mobile() <= end {
             let before = best.cost;
             let trial = self.trial(belief, &best, target.scale, damping);
-            self.n_trials += 1;
+            self.n_trials += belief.n_mobile();
             if trial.cost < best.cost {
                 best = trial;
                 self.linearise(belief, &best, target.scale);

@@ -45,8 +45,8 @@ pub struct TrackerParams {
     pub n_hypotheses: usize,
     /// Explanations worse than the best by more than this in −2 ln evidence are dropped.
     pub hypothesis_delta: f64,
-    /// Work in one frame at most: a trial step of a refinement and a row of a pair scan count one, a
-    /// scan of the sites eight. What is left over waits for the next frame.
+    /// Work in one frame at most: a trial step of a refinement counts one for each contact that moves,
+    /// a row of a pair scan one, a scan of the sites eight. What is left over waits for the next frame.
     pub steps_per_frame: usize,
     /// Frames in a row that no hypothesis explains after which a full search is wanted.
     pub search_frames: usize,

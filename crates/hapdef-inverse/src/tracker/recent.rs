@@ -53,10 +53,16 @@ impl Recent {
         self.asked = self.asked.map(|n| n + 1);
     }
 
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.sum.fill(0.0);
         self.gathering.clear();
         self.n = 0;
+    }
+
+    /// Forgets all frames; the gauges that are read have changed.
+    pub(super) fn start_over(&mut self) {
+        self.clear();
+        self.gathered.clear();
     }
 
     pub(super) fn judge(&mut self, is_alarm: bool) {
