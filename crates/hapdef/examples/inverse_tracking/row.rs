@@ -155,7 +155,7 @@ fn matched(
 }
 
 fn mean(v: &[f64]) -> f64 {
-    v.iter().sum::<f64>() / v.len().max(1) as f64
+    (v.iter().sum::<f64>() + 0.0) / v.len().max(1) as f64
 }
 
 fn percent(n: usize, of: usize) -> f64 {
