@@ -15,6 +15,9 @@ use crate::draw::Hardware;
 const CHI2_2: f64 = 5.991;
 const Z: f64 = 1.96;
 
+/// No press or contact is stronger than 34 N.
+const MAX_FORCE_N: f64 = 50.0;
+
 type Frame = (Vec<(SkinPoint, f64)>, Vec<f64>);
 
 pub(crate) struct Bench<'a, 'b> {
@@ -63,7 +66,10 @@ impl<'a, 'b> Bench<'a, 'b> {
             "  k  mean mm  median     p90   mean N  median  >10 mm  missed   count  95 %: place  force"
         );
         let noise = self.hardware.noise(model_error);
-        let params = EstimatorParams::default();
+        let params = EstimatorParams {
+            max_force_n: MAX_FORCE_N,
+            ..EstimatorParams::default()
+        };
         let estimator = ContactEstimator::new(map.clone(), self.sites.clone(), noise, params)?;
         for (k, frames) in self.frames.iter().enumerate() {
             let mut row = Row::default();
