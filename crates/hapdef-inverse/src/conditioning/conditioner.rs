@@ -311,7 +311,11 @@ impl Conditioner {
         let recovery = self.recovery(released_s);
         for (gauge, tracker) in self.trackers.iter_mut().enumerate() {
             if raw[gauge].is_finite() {
-                tracker.learn(raw[gauge], warmer_k, self.load[gauge] * recovery);
+                let creep = self.load[gauge] * recovery;
+                let before = tracker.expected(warmer_k, creep);
+                tracker.learn(raw[gauge], warmer_k, creep);
+                // what is learned has been in the running mean's readings, too
+                self.slow[gauge] -= tracker.expected(warmer_k, creep) - before;
             }
         }
     }
