@@ -36,4 +36,10 @@ pub enum DaqError {
         /// HELLO's format.
         format: SampleFormat,
     },
+    /// No thread could be started.
+    #[error("the reader's thread could not be started: {source}")]
+    Thread {
+        /// What the operating system says.
+        source: std::io::Error,
+    },
 }

@@ -280,7 +280,7 @@ impl Hello {
         }
         let (minor, n) = (payload[0], usize::from(payload[1]));
         let len = FIXED_LEN + CHANNEL_LEN * n;
-        if payload.len() < len || (minor <= MINOR_VERSION && payload.len() != len) {
+        if payload.len() < len || (minor == MINOR_VERSION && payload.len() != len) {
             return Err("HELLO's length is not 32 + 16 per channel");
         }
         let format = SampleFormat::from_code(payload[2]).ok_or("HELLO has an unknown format")?;
