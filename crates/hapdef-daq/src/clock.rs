@@ -6,6 +6,7 @@
 //! drift of the device's oscillator.
 
 use std::collections::VecDeque;
+use std::sync::OnceLock;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 const WINDOW_S: f64 = 1.0;
@@ -23,11 +24,11 @@ pub trait HostClock: Send + Sync {
     fn wall_ns(&self) -> u64;
 }
 
-/// The clocks of the operating system.
-#[derive(Clone, Copy, Debug)]
-pub struct SystemClock {
-    origin: Instant,
-}
+/// The clocks of the operating system. All of one process have the same origin.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SystemClock;
+
+static ORIGIN: OnceLock<Instant> = OnceLock::new();
 
 /// Maps the time of one device to the host's monotonic time.
 #[derive(Clone, Debug, Default)]
@@ -44,17 +45,10 @@ pub struct ClockMap {
     n_jumps: u64,
 }
 
-impl Default for SystemClock {
-    fn default() -> Self {
-        Self {
-            origin: Instant::now(),
-        }
-    }
-}
-
 impl HostClock for SystemClock {
     fn now_ns(&self) -> u64 {
-        u64::try_from(self.origin.elapsed().as_nanos()).unwrap_or(u64::MAX)
+        let origin = ORIGIN.get_or_init(Instant::now);
+        u64::try_from(origin.elapsed().as_nanos()).unwrap_or(u64::MAX)
     }
 
     fn wall_ns(&self) -> u64 {
@@ -268,7 +262,7 @@ mod tests {
 
     #[test]
     fn the_systems_clocks_run() {
-        let clock = SystemClock::default();
+        let clock = SystemClock;
         let before = clock.now_ns();
         assert!(clock.now_ns() >= before && clock.wall_ns() > 1_700_000_000_000_000_000);
     }

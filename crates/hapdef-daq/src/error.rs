@@ -42,4 +42,49 @@ pub enum DaqError {
         /// What the operating system says.
         source: std::io::Error,
     },
+    /// A file could not be used.
+    #[error("{action} {path}: {source}")]
+    File {
+        /// What was being done.
+        action: &'static str,
+        /// With which file.
+        path: std::path::PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The disk has not enough room to start with.
+    #[error(
+        "{path}: {free_bytes} bytes free, {needed_bytes} are asked for: make room, record \
+         elsewhere, or lower min_free_bytes"
+    )]
+    DiskFull {
+        /// The recording.
+        path: std::path::PathBuf,
+        /// Bytes free.
+        free_bytes: u64,
+        /// Bytes that have to be free.
+        needed_bytes: u64,
+    },
+    /// A recording broke off; what was written until then can be read.
+    #[error("recording {path} stopped: {fault}; what was written until then can be read")]
+    Recording {
+        /// The recording.
+        path: std::path::PathBuf,
+        /// What happened.
+        fault: String,
+    },
+    /// A file without anything that can be read.
+    #[error("{path}: {n_bytes} bytes and not one readable chunk: is it a recording of hapdef?")]
+    NothingToRecover {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Its length.
+        n_bytes: u64,
+    },
+    /// A calibration record that is no JSON object.
+    #[error("the calibration record is no JSON object: {message}")]
+    BadCalibration {
+        /// What the parser says.
+        message: String,
+    },
 }

@@ -19,6 +19,8 @@ pub mod faults;
 mod frame;
 pub mod hdp1;
 mod realtime;
+#[cfg(feature = "record")]
+pub mod record;
 pub mod source;
 
 pub use acquire::{AcquireParams, AcquireStats, Acquisition, Receiver, acquire};

@@ -87,12 +87,18 @@ fn check(fault: Fault) {
     for (n_channels, seed) in [(10, 1), (64, 2)] {
         let outcome = send(fault, n_channels, seed);
         let sent = u64::from(n_packets());
-        println!("{fault:?} × {n_channels}: {outcome:?}");
-        assert_eq!(outcome.n_wrong, 0);
-        assert_eq!(sent - outcome.n_received, outcome.n_lost, "{outcome:?}");
-        assert!(outcome.n_lost * 100 <= outcome.n_hit * 103, "{outcome:?}");
-        assert!(outcome.worst_relock <= 2, "{outcome:?}");
-        assert!(outcome.n_hit > 0, "{outcome:?}");
+        assert_eq!(outcome.n_wrong, 0, "{fault:?}: {outcome:?}");
+        assert_eq!(
+            sent - outcome.n_received,
+            outcome.n_lost,
+            "{fault:?}: {outcome:?}"
+        );
+        assert!(
+            outcome.n_lost * 100 <= outcome.n_hit * 103,
+            "{fault:?}: {outcome:?}"
+        );
+        assert!(outcome.worst_relock <= 2, "{fault:?}: {outcome:?}");
+        assert!(outcome.n_hit > 0, "{fault:?}: {outcome:?}");
     }
 }
 
@@ -145,7 +151,7 @@ fn garbage_is_no_frames_in_bounded_memory() {
         };
         Injector::new(fault, seed).pass(&vec![0x55; 1 << 20], &mut bytes);
         decoder.push(&bytes, &mut |event| {
-            n_data += u32::from(matches!(event, Event::Data(_)))
+            n_data += u32::from(matches!(event, Event::Data(_)));
         });
     }
     assert_eq!(n_data, 0);

@@ -63,7 +63,6 @@ struct Reader {
     stats: SourceStats,
 }
 
-#[expect(clippy::large_enum_variant, reason = "there is one of it per source")]
 enum Decoding {
     Hdp1(Decoder),
     Csv { decoder: CsvDecoder, hello: Hello },
@@ -82,7 +81,7 @@ impl Default for StreamParams {
     fn default() -> Self {
         Self {
             protocol: Protocol::Hdp1,
-            clock: Arc::new(SystemClock::default()),
+            clock: Arc::new(SystemClock),
         }
     }
 }
