@@ -17,6 +17,7 @@ mod frontier;
 mod pipeline;
 mod repro;
 mod search;
+mod soak;
 mod stability;
 mod tidy;
 mod tool;
@@ -67,6 +68,8 @@ enum Task {
     Search(search::SearchArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
     Tactile(search::TactileArgs),
+    /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
+    Soak(soak::SoakArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -101,6 +104,7 @@ fn run(task: Task) -> Result<()> {
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
+        Task::Soak(args) => soak::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -2,9 +2,11 @@
 //!
 //! HAPDEF_SOAK=1 kills 200 times instead of 5.
 
+#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
+
 mod support;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -364,7 +366,7 @@ fn kill_once(folder: &Path, run_ms: u64) -> f64 {
     killed_ns.saturating_sub(got[got.len() - 1].0) as f64 * 1e-6
 }
 
-fn frames_if_there(path: &PathBuf) -> Vec<(u64, Frame)> {
+fn frames_if_there(path: &Path) -> Vec<(u64, Frame)> {
     if path.exists() {
         frames(path)
     } else {
