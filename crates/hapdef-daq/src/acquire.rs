@@ -218,6 +218,7 @@ fn read(
             }
         });
         for outlet in &mut outlets {
+            outlet.push_waiting();
             outlet.unparker.unpark();
         }
         if published.elapsed() >= Duration::from_millis(100) {
@@ -229,17 +230,17 @@ fn read(
         }
     }
     publish(&source);
+    for outlet in &mut outlets {
+        outlet.push_waiting();
+    }
     shared.ended.store(true, Ordering::Release);
     outlets.iter().for_each(|outlet| outlet.unparker.unpark());
 }
 
 impl Outlet {
     fn push(&mut self, message: Message) {
-        while let Some(waiting) = self.backlog.pop_front() {
-            if let Err(rtrb::PushError::Full(waiting)) = self.ring.push(waiting) {
-                self.backlog.push_front(waiting);
-                return self.no_room(message);
-            }
+        if !self.push_waiting() {
+            return self.no_room(message);
         }
         let message = match message {
             Message::Frame(mut frame) => {
@@ -254,6 +255,17 @@ impl Outlet {
             Ok(()) => {}
             Err(rtrb::PushError::Full(message)) => self.no_room(message),
         }
+    }
+
+    /// Pushes what waits: true if nothing waits any more.
+    fn push_waiting(&mut self) -> bool {
+        while let Some(waiting) = self.backlog.pop_front() {
+            if let Err(rtrb::PushError::Full(waiting)) = self.ring.push(waiting) {
+                self.backlog.push_front(waiting);
+                return false;
+            }
+        }
+        true
     }
 
     /// Frames are dropped and counted; what else there is to say waits.

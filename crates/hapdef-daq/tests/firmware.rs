@@ -51,6 +51,7 @@ fn link(compiler: &str, objects: &[PathBuf], folder: &Path) -> Option<PathBuf> {
     compile(command).map(|()| to)
 }
 
+#[expect(clippy::print_stdout, reason = "a skipped test says why")]
 fn compile(mut command: Process) -> Option<()> {
     let Ok(compiled) = command.output() else {
         println!("skipped: there is no {}", command.get_program().display());
@@ -126,7 +127,7 @@ fn packets_are_the_decoders() {
     let mut push = |name| {
         for packet in shown(&text, name) {
             decoder.push(&bytes_of(packet), &mut |event| {
-                said.push(format!("{event:?}"))
+                said.push(format!("{event:?}"));
             });
         }
     };

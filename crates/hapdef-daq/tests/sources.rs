@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use hapdef_daq::clock::HostClock;
-use hapdef_daq::hdp1::{Hello, SampleFormat};
+use hapdef_daq::hdp1::{Encoder, FrameFlags, Header, Hello, SampleFormat};
 use hapdef_daq::source::{
     FrameSource, LinkFault, LinkState, Protocol, ReplaySource, SourceStatus, StreamParams,
     StreamSource, TcpLink, memory_link,
@@ -336,4 +336,55 @@ fn a_replay_keeps_its_pace() {
             "× {speed}: {took_ms} ms"
         );
     }
+}
+
+#[test]
+fn another_version_is_named_with_the_remedy() {
+    let (link, device) = memory_link();
+    let clock = Arc::new(FakeClock::default());
+    let params = StreamParams {
+        clock: clock.clone(),
+        ..StreamParams::default()
+    };
+    let mut source = StreamSource::new(link, params);
+    poll(&mut source);
+    let header = Header {
+        kind: 1,
+        major: 2,
+        flags: FrameFlags::default(),
+        schema: 0,
+        n_channels: 1,
+        seq: 0,
+        t_us: 0,
+    };
+    let mut packet = Vec::new();
+    Encoder::new().packet(header, &[0; 4], &mut packet).unwrap();
+    let mut said = Vec::new();
+    for _ in 0..2100 {
+        clock.now_ns.fetch_add(1_000_000, Ordering::Relaxed);
+        device.send(&packet);
+        said.extend(poll(&mut source));
+    }
+    let [Message::Link(state)] = &said[..] else {
+        panic!("{said:?}");
+    };
+    assert!(state.to_string().contains("HDP version 2"), "{state}");
+}
+
+#[test]
+fn real_time_is_given_or_the_refusal_says_what_to_do() {
+    let (link, device) = memory_link();
+    let source = StreamSource::new(link, StreamParams::default());
+    let params = AcquireParams {
+        realtime_priority: Some(10),
+        ..AcquireParams::default()
+    };
+    let (acquisition, mut receivers) = acquire(source, params).unwrap();
+    wait_for(&mut receivers[0], SECOND, |m| {
+        matches!(m, Message::Link(_)).then_some(())
+    });
+    device.end();
+    let stats = acquisition.stop();
+    let fault = stats.realtime_fault.as_deref().unwrap_or("raise");
+    assert!(fault.contains("raise"), "{fault}");
 }

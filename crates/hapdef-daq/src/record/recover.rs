@@ -70,6 +70,13 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
 }
 
 impl RecoverInfo {
+    /// Exit code for a program that recovers: 0 if nothing is missing, 1 if something is.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        let is_whole = self.n_missing == 0 && self.damage.n_damaged == 0;
+        u8::from(!is_whole)
+    }
+
     fn take(&mut self, frame: &Frame, log_time_ns: u64, last: Option<&Frame>) {
         self.n_frames += 1;
         let first = self.span_ns.map_or(log_time_ns, |[first, _]| first);

@@ -6,11 +6,13 @@ mod low_latency;
 mod memory;
 #[cfg(feature = "serial")]
 mod ports;
+mod reader;
 mod replay;
 #[cfg(feature = "serial")]
 mod serial;
 mod stream;
 mod tcp;
+mod watch;
 
 use std::time::Duration;
 

@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "each test uses its part")]
 #![expect(clippy::unwrap_used, reason = "test support")]
 
+pub mod recorded;
+
 use std::os::fd::OwnedFd;
 use std::time::{Duration, Instant};
 
