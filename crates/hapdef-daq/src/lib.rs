@@ -1,7 +1,7 @@
 //! Bytes to frames at 1 kHz: every lost frame is counted, no damaged frame is delivered.
 //!
 //! A [`source::Link`] carries bytes, [`source::StreamSource`] makes a [`source::FrameSource`] of it
-//! by [`hdp1`] or [`csv_line`], [`acquire`] reads it on a thread of its own and hands [`Message`]s to
+//! by [`hdp1`] or [`csv_line`], [`acquire()`] reads it on a thread of its own and hands [`Message`]s to
 //! [`Receiver`]s; [`Fanout`] passes on what viewers want, who may be slow. [`clock::ClockMap`] maps
 //! the device's time to the host's.
 //!

@@ -1,9 +1,9 @@
 //! Recordings in MCAP: raw data that survives kill -9, full disks and damaged files.
 //!
-//! [`record`] writes what a receiver gets, on threads of its own: a chunk every 80 ms, `fdatasync`
+//! [`record()`] writes what a receiver gets, on threads of its own: a chunk every 80 ms, `fdatasync`
 //! every 100 ms, CRC on, `.partial.mcap` until it is finished. [`Recording`] reads chunks whose CRC
 //! is right, wherever they are in the file, so a damaged, cut or unfinished file loses what is
-//! damaged and nothing else; [`recover`] makes a whole file of it. docs/formats.md has the topics.
+//! damaged and nothing else; [`recover()`] makes a whole file of it. docs/formats.md has the topics.
 
 mod export;
 mod file;
