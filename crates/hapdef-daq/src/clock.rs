@@ -38,7 +38,7 @@ pub struct ClockMap {
     minima: VecDeque<[f64; 2]>,
     current: Option<[f64; 2]>,
     window_end_s: f64,
-    /// y = line[0] + line[1] x.
+    /// `y = line[0] + line[1] x`.
     line: [f64; 2],
     n_late: u32,
     last_ns: u64,
