@@ -2,8 +2,6 @@
 //!
 //! Skipped without it. HAPDEF_PYTHON names the interpreter; `pip install mcap` makes one that can.
 
-#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
-
 mod support;
 
 use std::process::Command;
@@ -22,7 +20,6 @@ with open(sys.argv[1], "rb") as stream:
 "#;
 
 #[test]
-#[expect(clippy::print_stdout, reason = "a skipped test says why")]
 fn python_reads_what_was_recorded() {
     let python = std::env::var("HAPDEF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let has_mcap = Command::new(&python).args(["-c", "import mcap"]).output();

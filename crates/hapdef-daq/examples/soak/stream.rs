@@ -1,9 +1,10 @@
 //! A device of 64 × i32 at 1 kHz on a pty: acquired, computed with, recorded.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::hdp1::SampleFormat;
 use hapdef_daq::record::{RecordParams, Recording, record};
 use hapdef_daq::source::{SerialLink, SerialParams, StreamParams, StreamSource};
@@ -15,6 +16,9 @@ use crate::support::{Device, is_right, pty};
 const N_CHANNELS: usize = 64;
 /// What the device keeps when the port does not take it, as the firmware does.
 const DEVICE_QUEUE: usize = 32 << 10;
+
+/// When the device sent its last packets, ns on the host's clock, by their number.
+static SENT_NS: [AtomicU64; 4096] = [const { AtomicU64::new(0) }; 4096];
 
 /// How the stream went.
 #[derive(Debug)]
@@ -32,6 +36,8 @@ pub struct Stream {
     pub reader_cpu_pct: f64,
     pub recorder_cpu_pct: f64,
     pub round_trip_us: u64,
+    /// From the device's write to the computing thread, µs: median and 99th percentile.
+    pub latency_us: [f64; 2],
 }
 
 pub fn run(duration: Duration) -> Stream {
@@ -89,6 +95,7 @@ pub fn run(duration: Duration) -> Stream {
         reader_cpu_pct,
         recorder_cpu_pct,
         round_trip_us: source.round_trip_ns / 1000,
+        latency_us: seen.latency_us(),
     }
 }
 
@@ -97,13 +104,32 @@ struct Seen {
     n_frames: u64,
     n_wrong: u64,
     n_missed: u64,
+    /// Packets by their latency in steps of 10 µs; the last counts all that took longer.
+    latency: Vec<u64>,
 }
 
 impl Seen {
+    fn latency_us(&self) -> [f64; 2] {
+        let n: u64 = self.latency.iter().sum();
+        [0.5, 0.99].map(|share| {
+            let mut left = (share * n as f64) as u64;
+            let at = self.latency.iter().position(|count| {
+                let is_here = *count > left;
+                left = left.saturating_sub(*count);
+                is_here
+            });
+            at.map_or(f64::NAN, |at| 10.0 * (at as f64 + 0.5))
+        })
+    }
+
     fn add(&mut self, other: &Self) {
         self.n_frames += other.n_frames;
         self.n_wrong += other.n_wrong;
         self.n_missed += other.n_missed;
+        self.latency.resize(other.latency.len(), 0);
+        for (to, from) in self.latency.iter_mut().zip(&other.latency) {
+            *to += from;
+        }
     }
 }
 
@@ -112,13 +138,20 @@ fn consume(receiver: &mut Receiver, duration: Duration) -> Seen {
     let mut fanout = Fanout::new();
     let stalled = fanout.bounded(256);
     let deadline = Instant::now() + duration;
-    let mut seen = Seen::default();
+    let mut seen = Seen {
+        latency: vec![0; 2000],
+        ..Seen::default()
+    };
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {
             break;
         }
         if let Some(Message::Frame(frame)) = receiver.recv(left) {
+            let sent_ns = SENT_NS[frame.seq as usize % SENT_NS.len()].load(Ordering::Relaxed);
+            let took_us = SystemClock.now_ns().saturating_sub(sent_ns) / 1000;
+            let last = seen.latency.len() - 1;
+            seen.latency[last.min((took_us / 10) as usize)] += 1;
             seen.n_frames += 1;
             seen.n_wrong += u64::from(!is_right(&frame));
             fanout.publish(frame);
@@ -144,6 +177,8 @@ fn play(master: &std::os::fd::OwnedFd, stop: &AtomicBool) -> u64 {
     let mut n = 0u64;
     while !stop.load(Ordering::Acquire) {
         packet.clear();
+        let slot = &SENT_NS[device.encoder.seq() as usize % SENT_NS.len()];
+        slot.store(SystemClock.now_ns(), Ordering::Relaxed);
         device.tick(&mut packet);
         n += 1;
         if let Ok(n) = rustix::io::read(master, &mut asked[..]) {

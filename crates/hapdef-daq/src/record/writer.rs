@@ -123,8 +123,9 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
         source,
     };
     check_calibration(params.calibration.as_deref())?;
+    let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
+    check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
     let file = RecordFile::create(&partial).map_err(file_error)?;
-    check_space(&partial, params.min_free_bytes)?;
     let handle = file.handle().map_err(file_error)?;
     let mut writing = Writing {
         receiver,
