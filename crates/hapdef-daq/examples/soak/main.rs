@@ -20,8 +20,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-const USAGE: &str =
-    "soak [--short] [--seed N] [--seconds N] [--kills N] [--frames N] [--metrics FILE]";
+const USAGE: &str = "soak [--short] [--seed N] [--seconds N] [--kills N] [--frames N] [--metrics FILE] \
+     [--realtime PRIORITY]";
 /// Nothing older than this may be lost when the process is killed.
 const MOST_LOST_MS: f64 = 150.0;
 
@@ -32,6 +32,7 @@ struct Plan {
     n_kills: u32,
     n_frames: u32,
     metrics: Option<PathBuf>,
+    realtime: Option<u8>,
 }
 
 fn main() -> ExitCode {
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
     let plan = plan(&words);
     let wire = wire::run(plan.n_frames, plan.seed);
     println!("wire: {wire:?}");
-    let stream = stream::run(plan.stream);
+    let stream = stream::run(plan.stream, plan.realtime);
     println!("stream: {stream:?}");
     let kill9 = kill::run(plan.n_kills);
     println!("kill -9 × {}: {kill9:?}", plan.n_kills);
@@ -82,5 +83,6 @@ fn plan(words: &[String]) -> Plan {
         n_kills: number("--kills", 8, 200) as u32,
         n_frames: number("--frames", 40_000, 400_000) as u32,
         metrics: value("--metrics").map(PathBuf::from),
+        realtime: value("--realtime").map(|v| v.parse().expect(USAGE)),
     }
 }

@@ -31,6 +31,10 @@ pub struct Stream {
     pub n_lost: u64,
     pub n_wrong: u64,
     pub n_unaccounted: u64,
+    /// Of the lost ones, those that did not fit into the device's own queue.
+    pub n_dropped_by_device: u64,
+    /// Longest time that the device's thread was kept from running, and their sum.
+    pub device_held_up: [Duration; 2],
     pub n_missed_by_stalled_viewer: u64,
     pub rss_growth_mib: f64,
     pub reader_cpu_pct: f64,
@@ -40,7 +44,7 @@ pub struct Stream {
     pub latency_us: [f64; 2],
 }
 
-pub fn run(duration: Duration) -> Stream {
+pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
     let (master, path) = pty();
     let stop = Arc::new(AtomicBool::new(false));
     let theirs = Arc::clone(&stop);
@@ -50,6 +54,7 @@ pub fn run(duration: Duration) -> Stream {
     let link = SerialLink::new(&path, SerialParams::default());
     let params = AcquireParams {
         n_receivers: 2,
+        realtime_priority,
         ..AcquireParams::default()
     };
     let source = StreamSource::new(link, StreamParams::default());
@@ -75,10 +80,14 @@ pub fn run(duration: Duration) -> Stream {
     );
     let rss_growth_mib = rss_mib() - rss;
     stop.store(true, Ordering::Release);
-    let n_sent = device.join().unwrap();
+    let played = device.join().unwrap();
+    let n_sent = played.n_packets;
     seen.add(&consume(&mut compute, Duration::from_millis(300)));
     let stats = acquisition.stop();
     let recorded = recorder.finish().unwrap();
+    if let Some(fault) = &stats.realtime_fault {
+        println!("no real-time priority: {fault}");
+    }
     let source = stats.source;
     let n_lost = source.losses.n_lost + compute.n_dropped() + recorded.n_dropped;
     let (n_read, n_read_wrong) = read_back(&file);
@@ -90,6 +99,8 @@ pub fn run(duration: Duration) -> Stream {
         n_lost,
         n_wrong: seen.n_wrong + n_read_wrong,
         n_unaccounted: n_sent.abs_diff(seen.n_frames + source.losses.n_lost + compute.n_dropped()),
+        n_dropped_by_device: played.n_dropped,
+        device_held_up: [played.worst_late, played.all_late],
         n_missed_by_stalled_viewer: seen.n_missed,
         rss_growth_mib,
         reader_cpu_pct,
@@ -161,40 +172,57 @@ fn consume(receiver: &mut Receiver, duration: Duration) -> Seen {
     seen
 }
 
-/// The device: a packet every millisecond until it is stopped, never blocking. Returns how many
-/// packets it has numbered.
-fn play(master: &std::os::fd::OwnedFd, stop: &AtomicBool) -> u64 {
+/// What the device has done.
+#[derive(Clone, Copy, Default)]
+struct Played {
+    n_packets: u64,
+    n_dropped: u64,
+    /// Longest time that the device's thread was not run in its turn, and their sum.
+    worst_late: Duration,
+    all_late: Duration,
+}
+
+/// The device: a packet every millisecond until it is stopped, never blocking. A board is never
+/// kept from running; when this thread was, its time stands still, and it does not make up for it
+/// by a burst that no board would send.
+fn play(master: &std::os::fd::OwnedFd, stop: &AtomicBool) -> Played {
     let mut device = Device::new(N_CHANNELS, SampleFormat::I32);
     let (mut queue, mut packet, mut asked) = (Vec::new(), Vec::new(), [0; 256]);
     // The host opens the port and asks for a HELLO.
-    while device.encoder.seq() == 0 {
-        match rustix::io::read(master, &mut asked[..]) {
-            Ok(n) if n > 0 => break,
-            _ => std::thread::sleep(Duration::from_millis(1)),
-        }
+    while !rustix::io::read(master, &mut asked[..]).is_ok_and(|n| n > 0) {
+        std::thread::sleep(Duration::from_millis(1));
     }
-    let start = Instant::now();
-    let mut n = 0u64;
+    let mut played = Played::default();
+    let mut due = Instant::now();
     while !stop.load(Ordering::Acquire) {
         packet.clear();
         let slot = &SENT_NS[device.encoder.seq() as usize % SENT_NS.len()];
         slot.store(SystemClock.now_ns(), Ordering::Relaxed);
         device.tick(&mut packet);
-        n += 1;
+        played.n_packets += 1;
         if let Ok(n) = rustix::io::read(master, &mut asked[..]) {
             device.answer(&asked[..n], &mut packet);
         }
         if queue.len() + packet.len() <= DEVICE_QUEUE {
             queue.extend(&packet);
+        } else {
+            played.n_dropped += 1;
         }
         send(master, &mut queue);
-        std::thread::sleep((Duration::from_millis(n)).saturating_sub(start.elapsed()));
+        due += Duration::from_millis(1);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        let late = due.elapsed();
+        if late > Duration::from_millis(1) {
+            due += late;
+            played.all_late += late;
+            played.worst_late = played.worst_late.max(late);
+        }
     }
     while !queue.is_empty() {
         send(master, &mut queue);
         std::thread::sleep(Duration::from_millis(1));
     }
-    n
+    played
 }
 
 fn send(master: &std::os::fd::OwnedFd, queue: &mut Vec<u8>) {
