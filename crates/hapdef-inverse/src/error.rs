@@ -115,6 +115,12 @@ pub enum InverseError {
         /// Contacts at most.
         most: usize,
     },
+    /// The thread for searches in the background.
+    #[error("no thread for searches in the background: {reason}; search in the caller's thread")]
+    NoThread {
+        /// What the system said.
+        reason: String,
+    },
 }
 
 /// The first number that is not finite, as an error.

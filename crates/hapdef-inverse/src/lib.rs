@@ -27,6 +27,7 @@ mod response;
 mod sites;
 mod skin;
 mod skin_point;
+mod tracker;
 mod walk;
 
 pub use error::InverseError;
@@ -46,4 +47,8 @@ pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;
 pub use skin::{Skin, SkinFaces, SkinParams};
 pub use skin_point::SkinPoint;
+pub use tracker::{
+    BackgroundSearch, ContactId, ContactTracker, Phase, SearchOutcome, SearchRequest, TrackInfo,
+    TrackedContact, TrackedFrame, TrackerParams,
+};
 pub use walk::{AtWall, Walk, WalkEnd};
