@@ -12,6 +12,7 @@
 //! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
 
 mod basis;
+mod calibration;
 mod chi_square;
 mod dense;
 mod error;
@@ -30,6 +31,10 @@ mod skin_point;
 mod tracker;
 mod walk;
 
+pub use calibration::{
+    Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap, ModeScope,
+    NextPress, Press, RejectReason, RejectedPress,
+};
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
