@@ -11,6 +11,7 @@
 mod bench;
 mod bench_nets;
 mod ci;
+mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
@@ -60,6 +61,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
     Bench(bench::BenchArgs),
+    /// Contacts by superposition against the paper's pipeline, on the same frames of the same rig.
+    Compare(compare::CompareArgs),
     /// Error against run time: every method and variant in one table and plot.
     Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
@@ -100,6 +103,7 @@ fn run(task: Task) -> Result<()> {
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),

@@ -107,6 +107,56 @@ pub enum InverseError {
         /// Gauges needed.
         needed: usize,
     },
+    /// A press that is not on the skin.
+    #[error(
+        "the press at {position_m:?} m is {distance_m} m from the skin, {max_distance_m} m are \
+         allowed: check its frame and unit, or leave it out"
+    )]
+    PressOffSkin {
+        /// Where it was said to be, m.
+        position_m: [f64; 3],
+        /// How far that is from the skin, m.
+        distance_m: f64,
+        /// The distance allowed, m.
+        max_distance_m: f64,
+    },
+    /// A press whose force is not finite and above 0.
+    #[error("press {press} has a force of {found} N: give presses with a force above 0")]
+    PressForce {
+        /// Index of the press.
+        press: usize,
+        /// Its force, N.
+        found: f64,
+    },
+    /// A press with a reading that is NaN or infinite.
+    #[error("press {press}, gauge {gauge}: the reading is {found}; leave the press out")]
+    PressReading {
+        /// Index of the press.
+        press: usize,
+        /// Index of the gauge.
+        gauge: usize,
+        /// Its value.
+        found: f64,
+    },
+    /// Too few presses, or too few good ones.
+    #[error("{found} usable presses, at least {needed} are needed: record more")]
+    TooFewPresses {
+        /// Presses that can be used.
+        found: usize,
+        /// Presses needed.
+        needed: usize,
+    },
+    /// All presses in one place.
+    #[error(
+        "all presses lie within {extent_m} m of each other, on a skin of {skin_extent_m} m: spread \
+         them over the skin"
+    )]
+    PressesInOneSpot {
+        /// The largest distance between two presses, m.
+        extent_m: f64,
+        /// The diagonal of the skin's box, m.
+        skin_extent_m: f64,
+    },
     /// More contacts than the arrays of this crate hold.
     #[error("{found} contacts asked for, at most {most} can be had")]
     TooManyContacts {
@@ -114,6 +164,12 @@ pub enum InverseError {
         found: usize,
         /// Contacts at most.
         most: usize,
+    },
+    /// The thread for searches in the background.
+    #[error("no thread for searches in the background: {reason}; search in the caller's thread")]
+    NoThread {
+        /// What the system said.
+        reason: String,
     },
 }
 

@@ -12,6 +12,7 @@
 //! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.
 
 mod basis;
+mod calibration;
 mod chi_square;
 mod dense;
 mod error;
@@ -27,8 +28,13 @@ mod response;
 mod sites;
 mod skin;
 mod skin_point;
+mod tracker;
 mod walk;
 
+pub use calibration::{
+    Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap, ModeScope,
+    NextPress, Press, RejectReason, RejectedPress,
+};
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
@@ -46,4 +52,8 @@ pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;
 pub use skin::{Skin, SkinFaces, SkinParams};
 pub use skin_point::SkinPoint;
+pub use tracker::{
+    BackgroundSearch, ContactId, ContactTracker, Phase, SearchOutcome, SearchRequest, TrackInfo,
+    TrackedContact, TrackedFrame, TrackerParams,
+};
 pub use walk::{AtWall, Walk, WalkEnd};

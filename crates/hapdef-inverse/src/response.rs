@@ -83,6 +83,37 @@ impl ResponseMap {
         })
     }
 
+    /// This map and Σ M h over `terms`, each a map h of the same skin with a matrix M
+    /// `[n_gauges, n_gauges]` that mixes its gauges, and `residual` `[n_nodes, n_gauges]` for a
+    /// newton against the normal, which in forces of any direction counts along the normal.
+    pub(crate) fn plus(&self, terms: &[(&Self, Vec<f64>)], residual: &[f64]) -> Self {
+        let (m, width) = (self.n_gauges, padded(self.n_gauges));
+        let mut map = self.clone();
+        for (term, mix) in terms {
+            add_mixed(&mut map.normal, &term.normal, mix, m);
+            add_mixed(&mut map.vector, &term.vector, mix, m);
+        }
+        let mut normal = vec![0.0; self.skin.n_nodes() * width];
+        let mut vector = vec![0.0; self.skin.n_nodes() * 3 * width];
+        for (node, direction) in self.skin.normals().iter().enumerate() {
+            for (gauge, r) in residual[node * m..(node + 1) * m].iter().enumerate() {
+                normal[node * width + gauge] = *r;
+                for axis in 0..3 {
+                    vector[(3 * node + axis) * width + gauge] = -r * direction[axis];
+                }
+            }
+        }
+        let add = |to: &mut [f64], more: Vec<f64>| {
+            to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
+        };
+        add(&mut map.normal, self.interpolant.control(&normal, width));
+        add(
+            &mut map.vector,
+            self.interpolant.control(&vector, 3 * width),
+        );
+        map
+    }
+
     /// The skin that the map is on.
     #[must_use]
     pub fn skin(&self) -> &Skin {
@@ -196,5 +227,16 @@ impl ResponseMap {
         let width = padded(self.n_gauges);
         let at = |gauge: usize| std::array::from_fn::<f64, 3, _>(|axis| flat[axis * width + gauge]);
         (0..self.n_gauges).map(|g| Vector3::from(at(g))).collect()
+    }
+}
+
+/// to ← to + M from, row by row; rows are padded, `mix` `[m, m]`.
+fn add_mixed(to: &mut [f64], from: &[f64], mix: &[f64], m: usize) {
+    let width = padded(m);
+    for (to, from) in to.chunks_exact_mut(width).zip(from.chunks_exact(width)) {
+        for i in 0..m {
+            let row = &mix[i * m..(i + 1) * m];
+            to[i] += row.iter().zip(from).map(|(c, v)| c * v).sum::<f64>();
+        }
     }
 }

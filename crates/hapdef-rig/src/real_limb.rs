@@ -129,13 +129,20 @@ impl RealLimb {
         position: &Point3<f64>,
         direction: &Vector3<f64>,
     ) -> Result<Vec<f64>, RigError> {
-        let load = NodalLoad::patch(
-            &self.mesh,
-            &self.skin,
-            position,
-            self.tip_radius_m,
-            direction,
-        )?;
+        self.response_under_tip_ue_per_n(position, direction, self.tip_radius_m)
+    }
+
+    /// The same under another tip, of `tip_radius_m`.
+    ///
+    /// # Errors
+    /// As [`RealLimb::response_ue_per_n`].
+    pub fn response_under_tip_ue_per_n(
+        &self,
+        position: &Point3<f64>,
+        direction: &Vector3<f64>,
+        tip_radius_m: f64,
+    ) -> Result<Vec<f64>, RigError> {
+        let load = NodalLoad::patch(&self.mesh, &self.skin, position, tip_radius_m, direction)?;
         Ok((0..self.gains.len())
             .map(|gauge| {
                 self.gains[gauge] * self.response.reading(GaugeId::from_index(gauge), &load) * 1e6

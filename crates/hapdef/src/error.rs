@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use hapdef_data::DataError;
+use hapdef_inverse::InverseError;
 use hapdef_kmax::KMaxError;
 use hapdef_mesh::MeshError;
 use hapdef_nets::NetsError;
@@ -67,6 +68,17 @@ pub enum HapdefError {
     /// The peak search was refused.
     #[error(transparent)]
     KMax(#[from] KMaxError),
+    /// Contacts by superposition could not be set up or found.
+    #[error(transparent)]
+    Inverse(#[from] InverseError),
+    /// A frame has another number of readings than there are gauges.
+    #[error("a frame of {found} readings, but the limb has {expected} gauges; one reading each")]
+    FrameLength {
+        /// Gauges.
+        expected: usize,
+        /// Readings.
+        found: usize,
+    },
     /// Contacts could not be scored.
     #[error(transparent)]
     Scoring(#[from] ScoringError),

@@ -4,7 +4,7 @@ use hapdef_kmax::{Candidate, KMaxGraph, KMaxParams, Peak, select_top, select_top
 use hapdef_nets::{Net, Scratch};
 
 use crate::error::HapdefError;
-use crate::scene::EstimatorSpec;
+use crate::scene::HapdefxSpec;
 
 /// Candidate T + 1 is taken instead of T when its force lies within this share (section 4.4).
 const SPREAD_TOLERANCE: f32 = 0.10;
@@ -50,15 +50,11 @@ impl Hapdefx {
         reconstruction: Net,
         sensitivity: Net,
         points_m: Vec<[f64; 3]>,
-        spec: &EstimatorSpec,
+        spec: &HapdefxSpec,
     ) -> Result<Self, HapdefError> {
-        let EstimatorSpec::Hapdefx {
-            kmax_radius_m,
-            floor_um,
-        } = spec;
-        let params = KMaxParams::spanning_radius(&points_m, *kmax_radius_m)?;
+        let params = KMaxParams::spanning_radius(&points_m, spec.kmax_radius_m)?;
         let graph = KMaxGraph::new(&points_m, params)?;
-        let floor_um = *floor_um as f32;
+        let floor_um = spec.floor_um as f32;
         Ok(Self {
             transfer,
             reconstruction,

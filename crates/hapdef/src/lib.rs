@@ -25,6 +25,7 @@ mod scoring;
 pub mod shell_limb;
 pub mod stages;
 mod stats;
+pub mod touch;
 
 pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};

@@ -54,6 +54,15 @@ impl ContactStats {
     }
 }
 
+/// The value at share `q` of the sorted `values`, the nearest one; infinite if there are none.
+pub(crate) fn quantile(values: &[f64], q: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1) as f64;
+    let place = (last * q).round() as usize;
+    sorted.get(place).copied().unwrap_or(f64::INFINITY)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

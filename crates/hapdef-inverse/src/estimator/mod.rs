@@ -22,5 +22,9 @@ pub use scratch::EstimatorScratch;
 pub use search::ContactEstimator;
 
 pub(crate) use explanation::Explanation;
+pub(crate) use forces::non_negative;
 pub(crate) use model::Model;
-pub(crate) use normal_equations::Linear;
+pub(crate) use normal_equations::{Linear, MAX_UNKNOWNS};
+pub(crate) use pairs::pair_energies;
+pub(crate) use refine::solved;
+pub(crate) use scan::Gain;

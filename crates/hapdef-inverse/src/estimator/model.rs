@@ -133,6 +133,18 @@ impl Model {
         &self.errors[site * size..(site + 1) * size]
     }
 
+    /// Whitened map error per N², mean over the sites `[m, m]`; empty if the map is exact.
+    pub(crate) fn mean_error(&self) -> Vec<f64> {
+        let size = self.m * self.m;
+        let mut mean = vec![0.0; self.errors.len().min(size)];
+        for error in self.errors.chunks_exact(size) {
+            for (mean, e) in mean.iter_mut().zip(error) {
+                *mean += e / self.n_sites() as f64;
+            }
+        }
+        mean
+    }
+
     /// z of all gauges' readings, into `z` `[width]`.
     ///
     /// # Errors

@@ -145,7 +145,7 @@ fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
 }
 
 #[inline(always)]
-fn pair_energies<const N: usize>(c_s: f32, gram: &[f32; N], c: &[f32; N]) -> [f32; N] {
+pub(crate) fn pair_energies<const N: usize>(c_s: f32, gram: &[f32; N], c: &[f32; N]) -> [f32; N] {
     let mut energies = [0.0; N];
     for lane in 0..N {
         let (gamma, c_t) = (gram[lane], c[lane]);

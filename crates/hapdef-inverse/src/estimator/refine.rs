@@ -192,7 +192,7 @@ impl Refiner<'_> {
 }
 
 /// a⁻¹ b scaled by the diagonal first; zero if `a` is singular.
-fn solved(a: &[f64; SIZE], b: &[f64; MAX_UNKNOWNS], n: usize) -> [f64; MAX_UNKNOWNS] {
+pub(crate) fn solved(a: &[f64; SIZE], b: &[f64; MAX_UNKNOWNS], n: usize) -> [f64; MAX_UNKNOWNS] {
     let mut scale = [0.0; MAX_UNKNOWNS];
     for p in 0..n {
         scale[p] = 1.0 / a[p * (n + 1)].max(f64::MIN_POSITIVE).sqrt();

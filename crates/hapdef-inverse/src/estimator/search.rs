@@ -35,7 +35,7 @@ const HOP_MARGIN: f64 = 5.0;
 #[derive(Clone, Debug)]
 pub struct ContactEstimator {
     pub(crate) model: Model,
-    noise: NoiseParams,
+    pub(crate) noise: NoiseParams,
     pub(crate) params: EstimatorParams,
 }
 

@@ -1,7 +1,7 @@
 //! Frames that every way is tested on, and its errors there.
 
 use anyhow::{Context, Result};
-use hapdef::stages::{Datasets, NetKind, samples_path};
+use hapdef::stages::samples_path;
 use hapdef::{
     ContactPair, ContactStats, FoundContact, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline,
     Run, ScoredContact, Stage, score_lenient,
@@ -11,6 +11,7 @@ use hapdef_nets::infer::{InferScratch, PreparedNet};
 use serde::{Deserialize, Serialize};
 
 use super::methods::MapMethod;
+use crate::run::chain::chain;
 use crate::run::samples::SampleSet;
 
 /// Most simulated samples of each set, and most presses of each kind on the rig.
@@ -72,7 +73,7 @@ impl TestSet {
             simulated,
             single,
             double,
-            chain: chain(run, limb, data, done)?,
+            chain: chain(run, limb, done)?,
             n_virtual,
             n_surface,
         })
@@ -167,20 +168,6 @@ impl TestSet {
 
 fn scored(contact: &FoundContact) -> ScoredContact {
     (contact.position_m, contact.force_n)
-}
-
-/// k-Max and F_S behind any map.
-fn chain(run: &Run, limb: &Limb, data: &Datasets, done: &Pipeline) -> Result<Hapdefx> {
-    let nets = done.nets.as_ref().context("no nets")?;
-    let points = limb.surface_points();
-    let n_sets = data.simulated.len();
-    Ok(Hapdefx::new(
-        nets.load(NetKind::Transfer)?,
-        nets.load(NetKind::Reconstruction { n_sets })?,
-        nets.load(NetKind::Sensitivity)?,
-        points.iter().map(|p| p.coords.into()).collect(),
-        &run.scene.estimator,
-    )?)
 }
 
 fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {

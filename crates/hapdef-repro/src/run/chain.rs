@@ -1,7 +1,7 @@
 //! The trained chain and what it finds in readings and maps, in parallel.
 
 use anyhow::{Context, Result};
-use hapdef::stages::NetKind;
+use hapdef::stages::{NetKind, trained_chain};
 use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
 use hapdef_nets::{Net, Scratch};
 use rayon::prelude::*;
@@ -12,14 +12,8 @@ const ROWS: usize = 32;
 /// The chain of a finished pipeline.
 pub(crate) fn chain(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Hapdefx> {
     let nets = done.nets.as_ref().context("no nets")?;
-    let points = limb.surface_points();
-    Ok(Hapdefx::new(
-        nets.load(NetKind::Transfer)?,
-        reconstruction(done)?,
-        nets.load(NetKind::Sensitivity)?,
-        points.iter().map(|p| p.coords.into()).collect(),
-        &run.scene.estimator,
-    )?)
+    let data = done.data.as_ref().context("no datasets")?;
+    Ok(trained_chain(run, limb, data, nets)?)
 }
 
 /// F_R, trained on all sets.

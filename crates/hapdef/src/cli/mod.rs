@@ -1,8 +1,11 @@
 //! The command line.
 
+mod contacts;
 mod converge;
 mod deck;
 mod inspect;
+mod limits;
+mod place;
 mod shell;
 mod shell_table;
 mod stage;
@@ -45,6 +48,12 @@ enum Command {
     Converge(converge::ConvergeArgs),
     /// From a glTF surface to gauge readings with a shell model, and how far it is from a solid.
     Shell(shell::ShellArgs),
+    /// What the scene's gauges can tell about contacts: bounds on the limb, blind spots.
+    Limits(limits::LimitsArgs),
+    /// Where on the inner wall to put gauges.
+    Place(place::PlaceArgs),
+    /// Contacts behind a table of readings, by the scene's estimator.
+    Contacts(contacts::ContactsArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -73,6 +82,9 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Check(args) => stage::check(args),
         Command::Converge(args) => converge::converge(args),
         Command::Shell(args) => shell::shell(args),
+        Command::Limits(args) => limits::run(args),
+        Command::Place(args) => place::run(args),
+        Command::Contacts(args) => contacts::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),

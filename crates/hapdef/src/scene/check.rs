@@ -25,12 +25,28 @@ pub(super) fn check(scene: &Scene) -> Checked {
     check_contact(scene)?;
     check_gauges(scene)?;
     check_rig(scene)?;
-    let EstimatorSpec::Hapdefx {
-        kmax_radius_m,
-        floor_um,
-    } = &scene.estimator;
-    positive("estimator.kmax_radius_m", *kmax_radius_m)?;
-    not_negative("estimator.floor_um", *floor_um)
+    check_estimator(&scene.estimator)
+}
+
+fn check_estimator(estimator: &EstimatorSpec) -> Checked {
+    match estimator {
+        EstimatorSpec::Hapdefx(spec) => {
+            positive("estimator.kmax_radius_m", spec.kmax_radius_m)?;
+            not_negative("estimator.floor_um", spec.floor_um)
+        }
+        EstimatorSpec::Superposition(spec) => {
+            positive("estimator.noise_ue", spec.noise_ue)?;
+            not_negative("estimator.map_error", spec.map_error)?;
+            not_negative("estimator.friction", spec.friction)?;
+            let n = spec.n_sites;
+            require(
+                (10..=20_000).contains(&n),
+                "estimator.n_sites",
+                "10 to 20000",
+                n.to_string(),
+            )
+        }
+    }
 }
 
 fn check_name(name: &str) -> Checked {

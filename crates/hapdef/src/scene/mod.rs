@@ -4,11 +4,13 @@
 //! throughout. `docs/scene.md` walks through an example.
 
 mod check;
+mod estimator;
 mod gauges;
 mod limb;
 mod read;
 mod rig;
 
+pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
 pub use limb::{
     Axis, ContactRegion, ContactSpec, Geometry, LengthUnit, LoadDirection, MaterialSpec, Mount,
@@ -42,17 +44,4 @@ pub struct Scene {
     pub rig: RigSpec,
     /// How contacts are found from readings.
     pub estimator: EstimatorSpec,
-}
-
-/// Which estimator turns readings into contacts.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum EstimatorSpec {
-    /// The paper's chain: transfer net, reconstruction net, k-Max, sensitivity net.
-    Hapdefx {
-        /// Radius that the k nearest neighbours of k-Max span, m; the paper has about 10 mm.
-        kmax_radius_m: f64,
-        /// Displacement below which a point is no candidate, µm.
-        floor_um: f64,
-    },
 }

@@ -99,7 +99,7 @@ pub fn eval(
     let stage = run.cache.stage("eval", &inputs, |_| {
         run.check_stop("the scores")?;
         run.say("scoring the chain on the rig's test presses");
-        let chain = chain(run, limb, data, nets)?;
+        let chain = trained_chain(run, limb, data, nets)?;
         let report = EvalReport {
             single: single_scores(&chain, data, nets)?,
             double: match &data.rig_double {
@@ -121,7 +121,11 @@ fn stale(error: &serde_json::Error) -> HapdefError {
     }
 }
 
-fn chain(
+/// The paper's chain from the trained nets, F_R trained on all sets of `data`.
+///
+/// # Errors
+/// [`HapdefError::Net`] when a checkpoint can't be read; [`HapdefError::KMax`].
+pub fn trained_chain(
     run: &Run,
     limb: &Limb,
     data: &Datasets,
@@ -139,7 +143,7 @@ fn chain(
         })?,
         nets.load(NetKind::Sensitivity)?,
         points,
-        &run.scene.estimator,
+        &run.scene.estimator.hapdefx(),
     )
 }
 

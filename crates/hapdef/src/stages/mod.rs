@@ -12,9 +12,9 @@ mod train;
 
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;
-pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval};
+pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
 pub use mesh_check::mesh_check;
 pub use nets::NetKind;
-pub use rig::rig;
+pub use rig::{real_limb, rig};
 pub use simulate::compliance;
-pub use train::{TrainedNet, TrainedNets, train};
+pub use train::{TrainedNet, TrainedNets, train, train_kinds};

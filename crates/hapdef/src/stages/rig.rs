@@ -6,6 +6,7 @@ use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::{
     GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
 };
+use hapdef_sim::GaugeSite;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -24,21 +25,10 @@ const VERSION: u32 = 1;
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefError> {
-    let params = rig_params(&run.scene.rig);
     run.cache.stage("rig", &inputs(run, compliance), |dir| {
         run.check_stop("the rig")?;
         run.say("solving the simulated real limb on its refined, perturbed mesh");
-        let contact = &run.scene.contact;
-        let nominal = NominalLimb {
-            mesh: &limb.mesh,
-            clamped: &limb.clamped,
-            material: limb.material,
-            gauges: &limb.sites,
-            gauge_params: limb.gauge_params,
-            skin: &limb.skin,
-            tip_radius_m: contact.tip_radius_m,
-        };
-        let real = RealLimb::build(&nominal, &params, run.threads)?;
+        let real = real_limb(run, limb, &limb.sites)?;
         write_response(
             &dir.join(RESPONSE_FILE),
             &unit_responses(limb, &real)?,
@@ -57,6 +47,27 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
             "worst_relative_residual": info.solve.worst_relative_residual,
         }))
     })
+}
+
+/// The rig's limb with `gauges` glued on, perturbed as the scene says.
+///
+/// # Errors
+/// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
+pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLimb, HapdefError> {
+    let nominal = NominalLimb {
+        mesh: &limb.mesh,
+        clamped: &limb.clamped,
+        material: limb.material,
+        gauges,
+        gauge_params: limb.gauge_params,
+        skin: &limb.skin,
+        tip_radius_m: run.scene.contact.tip_radius_m,
+    };
+    Ok(RealLimb::build(
+        &nominal,
+        &rig_params(&run.scene.rig),
+        run.threads,
+    )?)
 }
 
 /// Reads the response `[n_surface, n_gauges]`, µε/N.

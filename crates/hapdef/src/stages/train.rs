@@ -88,6 +88,21 @@ pub fn train(
 ) -> Result<TrainedNets, HapdefError> {
     let unions = (1..=data.simulated.len()).map(|n_sets| NetKind::Reconstruction { n_sets });
     let others = [NetKind::Transfer, NetKind::Sensitivity, NetKind::Direct];
+    let kinds: Vec<NetKind> = unions.chain(others).collect();
+    train_kinds(run, limb, compliance, data, &kinds)
+}
+
+/// Trains the nets `kinds` only, in this order.
+///
+/// # Errors
+/// As [`train`].
+pub fn train_kinds(
+    run: &Run,
+    limb: &Limb,
+    compliance: &Stage,
+    data: &Datasets,
+    kinds: &[NetKind],
+) -> Result<TrainedNets, HapdefError> {
     let trainer = Trainer {
         run,
         data,
@@ -95,7 +110,7 @@ pub fn train(
         points: limb.surface_points(),
         table: OnceCell::new(),
     };
-    let nets = unions.chain(others).map(|kind| {
+    let nets = kinds.iter().map(|&kind| {
         let stage = trainer.stage(kind)?;
         Ok(TrainedNet { kind, stage })
     });

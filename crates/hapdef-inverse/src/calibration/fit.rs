@@ -1,0 +1,251 @@
+//! A calibration from beginning to end.
+
+use crate::calibration::evidence::{FIRST, choose_kernels};
+use crate::calibration::kernel::Kernel;
+use crate::calibration::next::next_presses;
+use crate::calibration::output::{
+    Calibrated, CalibrationInfo, CurvePoint, HeldOutError, RejectReason, RejectedPress,
+};
+use crate::calibration::params::{CalibrationParams, ModeMap};
+use crate::calibration::press::Press;
+use crate::calibration::reject::reject;
+use crate::calibration::samples::{Basis, Places, Samples};
+use crate::calibration::solution::{Problem, Solution};
+use crate::calibration::spread::Spread;
+use crate::error::InverseError;
+use crate::noise::ModelError;
+use crate::response::ResponseMap;
+use crate::sites::ScanSites;
+
+/// Parts of the presses at which the learning curve is taken.
+const CUTS: [f64; 4] = [0.125, 0.25, 0.5, 0.75];
+
+impl Calibrated {
+    /// Corrects `map` by `presses`; `modes` say how it may differ, gains are a mode of their own.
+    /// The error of the result is told at `sites`.
+    ///
+    /// Time grows with the cube of the number of presses, and memory with its square:
+    /// [`CalibrationParams::max_presses`].
+    ///
+    /// # Errors
+    /// [`InverseError`]: unusable parameters or modes, too few presses, all in one spot, one that
+    /// is not of this skin or has readings or a force that can't be used.
+    pub fn fit(
+        map: &ResponseMap,
+        sites: &ScanSites,
+        modes: &[ModeMap<'_>],
+        presses: &[Press],
+        params: &CalibrationParams,
+    ) -> Result<Self, InverseError> {
+        params.check(map.n_gauges())?;
+        let nodal = nodal_values(map);
+        let mean_squares = mean_squares(&nodal, map.n_gauges());
+        let basis = Basis::new(map, modes, params, &mean_squares)?;
+        let samples = Samples::new(&basis, &nodal, presses, params)?;
+        let problem = Problem {
+            samples: &samples,
+            n_own: basis.n_own(),
+            mean_squares: &mean_squares,
+            n_threads: params.n_threads,
+        };
+        let all: Vec<usize> = (0..samples.len()).collect();
+        let mut rejected = Vec::new();
+        let first = vec![FIRST; map.n_gauges()];
+        let rows = reject(&problem, &all, &first, params.reject_p, &mut rejected)?;
+        let few = &rows[..rows.len().min(params.n_evidence)];
+        let kernels = choose_kernels(&problem, few, &params.lengths_m);
+        let rows = reject(&problem, &rows, &kernels, params.reject_p, &mut rejected)?;
+        let (found, needed) = (rows.len(), 12);
+        if found < needed {
+            return Err(InverseError::TooFewPresses { found, needed });
+        }
+        let at_sites = Places::new(&basis, &nodal, sites.points().to_vec(), params.envelope_m);
+        let cuts: Vec<usize> = CUTS.map(|c| (c * found as f64) as usize).to_vec();
+        let solution = problem.solve(&rows, &kernels, Some(&at_sites), &cuts)?;
+        let residual = nodal_residual(&basis, &nodal, &problem, &solution, &kernels, params);
+        let corrected = map.plus(&basis.terms(&solution.modes.theta), &residual);
+        let extra = interpolation_errors(&corrected, &samples, &solution);
+        let spread = Spread::new(&samples, &solution, &extra);
+        not_needed(presses.len(), &samples, &mut rejected);
+        let info = info(&basis, &samples, &solution, &spread, &kernels, rejected);
+        let per_site = spread.covariances(&samples, &solution, &at_sites);
+        let next = next_presses(
+            &problem,
+            &solution,
+            &at_sites,
+            &spread.scales,
+            params.n_next,
+        );
+        Ok(Self {
+            map: corrected,
+            model_error: ModelError {
+                per_site,
+                ..ModelError::default()
+            },
+            info: CalibrationInfo { next, ..info },
+        })
+    }
+}
+
+/// g at the nodes `[n_nodes, n_gauges]`.
+fn nodal_values(map: &ResponseMap) -> Vec<f64> {
+    let width = crate::dense::padded(map.n_gauges());
+    let rows = map
+        .normal_rows()
+        .chunks_exact(width)
+        .take(map.skin().n_nodes());
+    rows.flat_map(|row| row[..map.n_gauges()].to_vec())
+        .collect()
+}
+
+fn mean_squares(nodal: &[f64], n_gauges: usize) -> Vec<f64> {
+    let n = (nodal.len() / n_gauges).max(1) as f64;
+    let mean = |gauge: usize| {
+        let column = nodal.iter().skip(gauge).step_by(n_gauges);
+        (column.map(|g| g * g).sum::<f64>() / n).max(f64::MIN_POSITIVE)
+    };
+    (0..n_gauges).map(mean).collect()
+}
+
+/// The process's mean at the nodes `[n_nodes, n_gauges]`.
+fn nodal_residual(
+    basis: &Basis<'_>,
+    nodal: &[f64],
+    problem: &Problem<'_>,
+    solution: &Solution,
+    kernels: &[Kernel],
+    params: &CalibrationParams,
+) -> Vec<f64> {
+    let skin = basis.map.skin();
+    let (m, samples) = (basis.map.n_gauges(), problem.samples);
+    let squares =
+        crate::calibration::kernel::local_squares(skin, nodal, m, skin.nodes(), params.envelope_m);
+    let by_gauge = crate::calibration::solution::by_gauge(m, params.n_threads, |gauge| {
+        let (kernel, mean_square) = (&kernels[gauge], problem.mean_squares[gauge]);
+        let weights: Vec<f64> = solution
+            .alpha(gauge)
+            .iter()
+            .zip(&solution.rows)
+            .map(|(a, &i)| a * kernel.amplitude(samples.places.square(i, gauge), mean_square))
+            .collect();
+        let at = |(node, x): (usize, &nalgebra::Point3<f64>)| {
+            let sum: f64 = weights
+                .iter()
+                .zip(&solution.rows)
+                .map(|(w, &i)| {
+                    w * kernel.correlation((x - samples.places.positions[i]).norm_squared())
+                })
+                .sum();
+            sum * kernel.amplitude(squares[node * m + gauge], mean_square)
+        };
+        skin.nodes()
+            .iter()
+            .enumerate()
+            .map(at)
+            .collect::<Vec<f64>>()
+    });
+    let n_nodes = skin.n_nodes();
+    (0..n_nodes * m).map(|i| by_gauge[i % m][i / m]).collect()
+}
+
+/// The process's mean at the presses less the interpolated map `[n, n_gauges]`.
+fn interpolation_errors(map: &ResponseMap, samples: &Samples, solution: &Solution) -> Vec<f64> {
+    let m = samples.n_gauges();
+    let alphas: Vec<Vec<f64>> = (0..m).map(|gauge| solution.alpha(gauge)).collect();
+    let mut extra = Vec::with_capacity(solution.rows.len() * m);
+    for (place, &i) in solution.rows.iter().enumerate() {
+        let found = map.normal(&samples.places.points[i]);
+        for gauge in 0..m {
+            let noise = samples.noise[i * m + gauge] * alphas[gauge][place];
+            extra.push(samples.response[i * m + gauge] - noise - found[gauge]);
+        }
+    }
+    extra
+}
+
+fn not_needed(n_presses: usize, samples: &Samples, rejected: &mut Vec<RejectedPress>) {
+    let mut is_used = vec![false; n_presses];
+    samples.index.iter().for_each(|&i| is_used[i] = true);
+    let reason = RejectReason::NotNeeded;
+    let unused = (0..n_presses).filter(|&press| !is_used[press]);
+    rejected.extend(unused.map(|press| RejectedPress { press, reason }));
+    rejected.sort_by_key(|r| r.press);
+}
+
+fn info(
+    basis: &Basis<'_>,
+    samples: &Samples,
+    solution: &Solution,
+    spread: &Spread,
+    kernels: &[Kernel],
+    rejected: Vec<RejectedPress>,
+) -> CalibrationInfo {
+    let m = samples.n_gauges();
+    let norm = |values: &[f64], i: usize| {
+        values[i * m..(i + 1) * m]
+            .iter()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt()
+    };
+    let held_out = |(place, &i): (usize, &usize)| HeldOutError {
+        press: samples.index[i],
+        error: (0..m)
+            .map(|g| spread.left_out[g].error[place].powi(2))
+            .sum::<f64>()
+            .sqrt(),
+        response: norm(&samples.response, i),
+        mean_square_z: spread.mean_square_z[place],
+    };
+    let held_out: Vec<_> = solution.rows.iter().enumerate().map(held_out).collect();
+    let sum = |f: &dyn Fn(&HeldOutError) -> f64| held_out.iter().map(|h| f(h).powi(2)).sum::<f64>();
+    let all = sum(&|h| h.response).max(f64::MIN_POSITIVE);
+    let before: f64 = solution
+        .rows
+        .iter()
+        .map(|&i| norm(&samples.residual, i).powi(2))
+        .sum();
+    CalibrationInfo {
+        n_used: solution.rows.len(),
+        rejected,
+        mode_coefficients: basis.coefficients(&solution.modes.theta),
+        gains: solution
+            .modes
+            .theta
+            .iter()
+            .map(|t| basis.gain_sd * t[0])
+            .collect(),
+        lengths_m: kernels.iter().map(|k| k.length_m).collect(),
+        residual_sizes: kernels.iter().map(|k| k.size).collect(),
+        variance_scales: spread.scales.clone(),
+        relative_error: (sum(&|h| h.error) / all).sqrt(),
+        relative_error_before: (before / all).sqrt(),
+        curve: curve(samples, solution),
+        next: Vec::new(),
+        held_out,
+    }
+}
+
+/// Errors of later presses as told from the first ones, the modes as found from all.
+fn curve(samples: &Samples, solution: &Solution) -> Vec<CurvePoint> {
+    let m = samples.n_gauges();
+    let n_cuts = solution.fits.first().map_or(0, |fit| fit.cuts.len());
+    let point = |k: usize| {
+        let (mut error, mut all) = (0.0, 0.0);
+        let cut = solution.fits[0].cuts[k].cut;
+        for (gauge, fit) in solution.fits.iter().enumerate() {
+            let errors = &fit.cuts[k];
+            for (place, y) in errors.of_y.iter().enumerate() {
+                let told = solution.modes.theta[gauge].iter().zip(&errors.of_columns);
+                let e = y - told.map(|(t, h)| t * h[place]).sum::<f64>();
+                error += e * e;
+                all += samples.response[solution.rows[cut + place] * m + gauge].powi(2);
+            }
+        }
+        CurvePoint {
+            n_presses: cut,
+            relative_error: (error / all).sqrt(),
+        }
+    };
+    (0..n_cuts).map(point).collect()
+}

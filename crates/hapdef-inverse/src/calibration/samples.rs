@@ -1,0 +1,308 @@
+//! Presses turned to residuals of the map per newton, with their noise and mode columns.
+
+use nalgebra::Point3;
+
+use crate::calibration::kernel::local_squares;
+use crate::calibration::params::{CalibrationParams, ModeMap, ModeScope};
+use crate::calibration::press::Press;
+use crate::error::{InverseError, check_length, check_not_negative};
+use crate::response::ResponseMap;
+use crate::skin_point::SkinPoint;
+
+/// Presses without which no calibration is tried.
+const LEAST_PRESSES: usize = 12;
+
+/// The presses' extent is at least this share of the skin's.
+const LEAST_EXTENT: f64 = 0.1;
+
+/// The modes as columns, scaled so that every coefficient has a prior of unit variance.
+pub(crate) struct Basis<'a> {
+    pub(crate) map: &'a ResponseMap,
+    pub(crate) modes: &'a [ModeMap<'a>],
+    pub(crate) gain_sd: f64,
+    /// `[n_gauges, n_gauges]`: scale of what gauge i takes from gauge j; empty for no mix.
+    mix: Vec<f64>,
+}
+
+impl<'a> Basis<'a> {
+    pub(crate) fn new(
+        map: &'a ResponseMap,
+        modes: &'a [ModeMap<'a>],
+        params: &CalibrationParams,
+        mean_squares: &[f64],
+    ) -> Result<Self, InverseError> {
+        for mode in modes {
+            check_length("a mode's gauges", map.n_gauges(), mode.map.n_gauges())?;
+            let (n, found) = (map.skin().n_nodes(), mode.map.skin().n_nodes());
+            check_length("a mode's nodes", n, found)?;
+            check_not_negative("a mode's prior_sd", mode.prior_sd)?;
+        }
+        let m = map.n_gauges();
+        let mut mix = Vec::new();
+        if params.mix_sd > 0.0 {
+            for i in 0..m {
+                for j in 0..m {
+                    let ratio = (mean_squares[i] / mean_squares[j]).sqrt();
+                    mix.push(if i == j { 0.0 } else { params.mix_sd * ratio });
+                }
+            }
+        }
+        Ok(Self {
+            map,
+            modes,
+            gain_sd: params.gain_sd,
+            mix,
+        })
+    }
+
+    /// Columns with a coefficient for each gauge.
+    pub(crate) fn n_own(&self) -> usize {
+        let mixed = if self.mix.is_empty() {
+            0
+        } else {
+            self.map.n_gauges()
+        };
+        1 + mixed + self.modes_of(ModeScope::EachGauge).count()
+    }
+
+    /// Columns in all.
+    pub(crate) fn n_columns(&self) -> usize {
+        self.n_own() + self.modes_of(ModeScope::Shared).count()
+    }
+
+    pub(crate) fn modes_of(&self, scope: ModeScope) -> impl Iterator<Item = (usize, &ModeMap<'a>)> {
+        let is_of = move |(_, mode): &(usize, &ModeMap<'a>)| mode.scope == scope;
+        self.modes.iter().enumerate().filter(is_of)
+    }
+
+    /// g `[n_gauges]` at `point`, and the columns `[n_gauges, n_columns]`.
+    pub(crate) fn at(&self, point: &SkinPoint) -> (Vec<f64>, Vec<f64>) {
+        let (m, n_columns) = (self.map.n_gauges(), self.n_columns());
+        let g = self.map.normal(point);
+        let mut columns = Vec::with_capacity(m * n_columns);
+        let in_order = self
+            .modes_of(ModeScope::EachGauge)
+            .chain(self.modes_of(ModeScope::Shared));
+        let values: Vec<(f64, Vec<f64>)> = in_order
+            .map(|(_, mode)| (mode.prior_sd, mode.map.normal(point)))
+            .collect();
+        for i in 0..m {
+            columns.push(self.gain_sd * g[i]);
+            if !self.mix.is_empty() {
+                columns.extend((0..m).map(|j| self.mix[i * m + j] * g[j]));
+            }
+            columns.extend(values.iter().map(|(sd, h)| sd * h[i]));
+        }
+        (g, columns)
+    }
+
+    /// The terms of a corrected map for scaled coefficients `theta` `[n_gauges][n_columns]`.
+    pub(crate) fn terms(&self, theta: &[Vec<f64>]) -> Vec<(&'a ResponseMap, Vec<f64>)> {
+        let m = self.map.n_gauges();
+        let mut own = vec![0.0; m * m];
+        for i in 0..m {
+            own[i * m + i] = self.gain_sd * theta[i][0];
+            for j in 0..if self.mix.is_empty() { 0 } else { m } {
+                own[i * m + j] += self.mix[i * m + j] * theta[i][1 + j];
+            }
+        }
+        let mut terms = vec![(self.map, own)];
+        let in_order = self
+            .modes_of(ModeScope::EachGauge)
+            .chain(self.modes_of(ModeScope::Shared));
+        let first = self.n_columns() - self.modes.len();
+        for (place, (_, mode)) in in_order.enumerate() {
+            let mut diagonal = vec![0.0; m * m];
+            for i in 0..m {
+                diagonal[i * m + i] = mode.prior_sd * theta[i][first + place];
+            }
+            terms.push((mode.map, diagonal));
+        }
+        terms
+    }
+
+    /// The coefficients in the modes' units, in the order of the modes.
+    pub(crate) fn coefficients(&self, theta: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut coefficients = vec![Vec::new(); self.modes.len()];
+        let in_order = self
+            .modes_of(ModeScope::EachGauge)
+            .chain(self.modes_of(ModeScope::Shared));
+        let first = self.n_columns() - self.modes.len();
+        for (place, (index, mode)) in in_order.enumerate() {
+            let n = if mode.scope == ModeScope::Shared {
+                1
+            } else {
+                theta.len()
+            };
+            let of_gauge = |row: &Vec<f64>| mode.prior_sd * row[first + place];
+            coefficients[index] = theta[..n].iter().map(of_gauge).collect();
+        }
+        coefficients
+    }
+}
+
+/// Places with what the kernel and the modes need there.
+pub(crate) struct Places {
+    pub(crate) points: Vec<SkinPoint>,
+    pub(crate) positions: Vec<Point3<f64>>,
+    /// Local mean square of the map `[n, n_gauges]`.
+    pub(crate) squares: Vec<f64>,
+    /// `[n, n_gauges, n_columns]`.
+    pub(crate) columns: Vec<f64>,
+    pub(crate) n_columns: usize,
+    pub(crate) n_gauges: usize,
+}
+
+impl Places {
+    pub(crate) fn new(
+        basis: &Basis<'_>,
+        nodal: &[f64],
+        points: Vec<SkinPoint>,
+        envelope_m: f64,
+    ) -> Self {
+        let skin = basis.map.skin();
+        let n_gauges = basis.map.n_gauges();
+        let positions: Vec<_> = points.iter().map(|p| skin.position(p)).collect();
+        Self {
+            squares: local_squares(skin, nodal, n_gauges, &positions, envelope_m),
+            columns: points.iter().flat_map(|p| basis.at(p).1).collect(),
+            n_columns: basis.n_columns(),
+            n_gauges,
+            points,
+            positions,
+        }
+    }
+
+    /// The columns of `gauge` at place `i` `[n_columns]`.
+    pub(crate) fn columns_of(&self, i: usize, gauge: usize) -> &[f64] {
+        let at = (i * self.n_gauges + gauge) * self.n_columns;
+        &self.columns[at..at + self.n_columns]
+    }
+
+    pub(crate) fn square(&self, i: usize, gauge: usize) -> f64 {
+        self.squares[i * self.n_gauges + gauge]
+    }
+}
+
+/// The presses in a shuffled order.
+pub(crate) struct Samples {
+    /// Index in the caller's list.
+    pub(crate) index: Vec<usize>,
+    pub(crate) places: Places,
+    /// Measured response per newton `[n, n_gauges]`.
+    pub(crate) response: Vec<f64>,
+    /// That less the map's.
+    pub(crate) residual: Vec<f64>,
+    /// Variance of their noise `[n, n_gauges]`.
+    pub(crate) noise: Vec<f64>,
+}
+
+impl Samples {
+    pub(crate) fn new(
+        basis: &Basis<'_>,
+        nodal: &[f64],
+        presses: &[Press],
+        params: &CalibrationParams,
+    ) -> Result<Self, InverseError> {
+        let m = basis.map.n_gauges();
+        check_presses(basis.map, presses)?;
+        let mut index = shuffled(presses.len());
+        index.truncate(params.max_presses);
+        let points = index.iter().map(|&i| presses[i].point).collect();
+        let places = Places::new(basis, nodal, points, params.envelope_m);
+        check_extent(basis.map, &places.positions)?;
+        let n = index.len();
+        let mut samples = Self {
+            response: Vec::with_capacity(n * m),
+            residual: Vec::with_capacity(n * m),
+            noise: Vec::with_capacity(n * m),
+            places,
+            index,
+        };
+        for i in 0..n {
+            let press = &presses[samples.index[i]];
+            let g = basis.map.normal(&press.point);
+            let slopes = basis.map.normal_gradient(&press.point);
+            for gauge in 0..m {
+                let response = press.readings[gauge] / press.force_n;
+                let slope_2 = slopes.iter().map(|s| s[gauge] * s[gauge]).sum::<f64>();
+                let force_part = (response * params.force_sd_n).powi(2);
+                let own = (params.gauge_sd[gauge].powi(2) + force_part) / press.force_n.powi(2);
+                samples.response.push(response);
+                samples.residual.push(response - g[gauge]);
+                samples
+                    .noise
+                    .push(own + slope_2 * params.position_sd_m.powi(2));
+            }
+        }
+        Ok(samples)
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.index.len()
+    }
+
+    pub(crate) fn n_gauges(&self) -> usize {
+        self.places.n_gauges
+    }
+}
+
+fn check_presses(map: &ResponseMap, presses: &[Press]) -> Result<(), InverseError> {
+    let (found, needed) = (presses.len(), LEAST_PRESSES);
+    if found < needed {
+        return Err(InverseError::TooFewPresses { found, needed });
+    }
+    for (press, p) in presses.iter().enumerate() {
+        check_length("the readings of a press", map.n_gauges(), p.readings.len())?;
+        if !(p.force_n.is_finite() && p.force_n > 0.0) {
+            let found = p.force_n;
+            return Err(InverseError::PressForce { press, found });
+        }
+        if let Some(gauge) = p.readings.iter().position(|r| !r.is_finite()) {
+            let found = p.readings[gauge];
+            return Err(InverseError::PressReading {
+                press,
+                gauge,
+                found,
+            });
+        }
+        let (face, n_faces) = (p.point.face(), map.skin().n_faces());
+        if face >= n_faces {
+            return Err(InverseError::FaceOutOfRange { face, n_faces });
+        }
+    }
+    Ok(())
+}
+
+fn check_extent(map: &ResponseMap, positions: &[Point3<f64>]) -> Result<(), InverseError> {
+    let (extent_m, skin_extent_m) = (diagonal_m(positions), diagonal_m(map.skin().nodes()));
+    if extent_m < LEAST_EXTENT * skin_extent_m {
+        return Err(InverseError::PressesInOneSpot {
+            extent_m,
+            skin_extent_m,
+        });
+    }
+    Ok(())
+}
+
+/// The diagonal of the box around `points`, m.
+fn diagonal_m(points: &[Point3<f64>]) -> f64 {
+    let first = points.first().copied().unwrap_or_default();
+    let low = points.iter().fold(first, |a, b| a.inf(b));
+    let high = points.iter().fold(first, |a, b| a.sup(b));
+    (high - low).norm()
+}
+
+/// 0…n in an order that is the same every time (splitmix64, Fisher–Yates).
+fn shuffled(n: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    for i in (1..n).rev() {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        order.swap(i, ((z ^ (z >> 31)) % (i as u64 + 1)) as usize);
+    }
+    order
+}

@@ -1,0 +1,227 @@
+//! One hypothesis: contacts, what the map misses at each of them, and how sure both are.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::estimator::{MAX_CONTACTS, Model};
+use crate::skin_point::SkinPoint;
+use crate::tracker::frame::{ContactId, Phase};
+
+/// A contact of a hypothesis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub(super) id: ContactId,
+    pub(super) point: SkinPoint,
+    pub(super) phase: Phase,
+    pub(super) born: u64,
+    pub(super) force_n: f64,
+    /// Frames in a row with hardly any force.
+    pub(super) n_weak: usize,
+    pub(super) covariance: Matrix3<f64>,
+    /// Where a contact that slides began to, m, and how far it may have gone since, standard
+    /// deviation, m.
+    pub(super) slide: Option<(Point3<f64>, f64)>,
+}
+
+impl Slot {
+    pub(super) fn new(id: ContactId, point: SkinPoint, born: u64) -> Self {
+        Self {
+            slide: None,
+            id,
+            point,
+            phase: Phase::Born,
+            born,
+            force_n: 0.0,
+            n_weak: 0,
+            covariance: Matrix3::zeros(),
+        }
+    }
+
+    pub(super) fn is_mobile(&self) -> bool {
+        self.phase != Phase::Held
+    }
+}
+
+/// Contact i has state (u₁, u₂, δ): its place along the tangents at `point`, m, and the error of the
+/// map there, whitened by the noise, per N; a frame reads Σ Aᵢ (g(pᵢ) + δᵢ). The covariance `p` is
+/// joint over the contacts. A contact that moves has u known and δ as the map's error says: its
+/// place is searched, not filtered.
+#[derive(Clone, Debug)]
+pub(super) struct Belief {
+    pub(super) n: usize,
+    pub(super) slots: [Slot; MAX_CONTACTS],
+    /// States of a contact: 2, and one for each gauge where the map has errors.
+    pub(super) d: usize,
+    pub(super) stride: usize,
+    pub(super) width: usize,
+    /// `[MAX_CONTACTS, width]`.
+    pub(super) delta: Vec<f64>,
+    /// `[stride, stride]`.
+    pub(super) p: Vec<f64>,
+    /// g + δ `[MAX_CONTACTS, width]`.
+    pub(super) atoms: Vec<f64>,
+    /// ∂g `[MAX_CONTACTS, 2, width]`.
+    pub(super) slopes: Vec<f64>,
+    pub(super) tangents: [[Vector3<f64>; 2]; MAX_CONTACTS],
+    /// −2 ln of how probable the frames so far are, up to what all hypotheses share.
+    pub(super) score: f64,
+}
+
+impl Belief {
+    pub(super) fn new(model: &Model) -> Self {
+        let d = 2 + if model.base.is_some() { model.m } else { 0 };
+        let stride = MAX_CONTACTS * d;
+        let nowhere = SkinPoint::trusted(0, [1.0, 0.0, 0.0]);
+        Self {
+            n: 0,
+            slots: [Slot::new(ContactId(0), nowhere, 0); MAX_CONTACTS],
+            d,
+            stride,
+            width: model.width,
+            delta: vec![0.0; MAX_CONTACTS * model.width],
+            p: vec![0.0; stride * stride],
+            atoms: vec![0.0; MAX_CONTACTS * model.width],
+            slopes: vec![0.0; 2 * MAX_CONTACTS * model.width],
+            tangents: [[Vector3::zeros(); 2]; MAX_CONTACTS],
+            score: 0.0,
+        }
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        let (n, width) = (other.n, self.width);
+        self.n = n;
+        self.slots = other.slots;
+        self.tangents = other.tangents;
+        self.score = other.score;
+        for (mine, theirs, each) in [
+            (&mut self.delta, &other.delta, width),
+            (&mut self.atoms, &other.atoms, width),
+            (&mut self.slopes, &other.slopes, 2 * width),
+            (&mut self.p, &other.p, self.d * self.stride),
+        ] {
+            mine[..n * each].copy_from_slice(&theirs[..n * each]);
+        }
+    }
+
+    pub(super) fn slots(&self) -> &[Slot] {
+        &self.slots[..self.n]
+    }
+
+    pub(super) fn n_mobile(&self) -> usize {
+        self.slots().iter().filter(|slot| slot.is_mobile()).count()
+    }
+
+    pub(super) fn forces(&self) -> [f64; MAX_CONTACTS] {
+        std::array::from_fn(|i| {
+            if i < self.n {
+                self.slots[i].force_n
+            } else {
+                0.0
+            }
+        })
+    }
+
+    pub(super) fn set_forces(&mut self, forces: &[f64; MAX_CONTACTS], scale: f64) {
+        for (slot, force) in self.slots[..self.n].iter_mut().zip(forces) {
+            slot.force_n = force / scale;
+        }
+    }
+
+    /// Adds a contact that moves.
+    pub(super) fn push(&mut self, model: &Model, slot: Slot) {
+        if self.n == MAX_CONTACTS {
+            return;
+        }
+        let i = self.n;
+        self.n += 1;
+        self.slots[i] = slot;
+        self.forget(model, i);
+    }
+
+    /// Lets contact `i` move: what was learnt of the map at its place holds no more.
+    pub(super) fn forget(&mut self, model: &Model, i: usize) {
+        let (d, n, width) = (self.d, self.n * self.d, self.width);
+        for a in i * d..(i + 1) * d {
+            for b in 0..n {
+                self.p[a * self.stride + b] = 0.0;
+                self.p[b * self.stride + a] = 0.0;
+            }
+        }
+        self.delta[i * width..(i + 1) * width].fill(0.0);
+        self.set_map_error(model, i);
+        self.linearise(model, i);
+    }
+
+    /// The map's error at contact `i` as the map tells it.
+    pub(super) fn set_map_error(&mut self, model: &Model, i: usize) {
+        if self.d == 2 {
+            return;
+        }
+        let m = model.m;
+        let error = model.error_at(&self.slots[i].point);
+        let first = i * self.d + 2;
+        for (a, row) in error.chunks_exact(m).enumerate() {
+            let at = (first + a) * self.stride + first;
+            self.p[at..at + m].copy_from_slice(row);
+        }
+    }
+
+    /// Atom and slopes of contact `i` where it is.
+    pub(super) fn linearise(&mut self, model: &Model, i: usize) {
+        let width = self.width;
+        let point = &self.slots[i].point;
+        let frame = model.skin().frame(point);
+        let weights = model.interpolant().weights(&point.bary(), &frame);
+        let (rows, interpolant) = (model.rows(), model.interpolant());
+        let atom = &mut self.atoms[i * width..(i + 1) * width];
+        interpolant.combine(rows, point, &weights.value, atom);
+        crate::dense::add_scaled(atom, 1.0, &self.delta[i * width..(i + 1) * width]);
+        let slopes = &mut self.slopes[2 * i * width..2 * (i + 1) * width];
+        for (slope, weights) in slopes.chunks_exact_mut(width).zip(&weights.slope) {
+            interpolant.combine(rows, point, weights, slope);
+        }
+        self.tangents[i] = frame.tangents;
+    }
+
+    /// Lets contact `i` go; the others know what they knew.
+    pub(super) fn remove(&mut self, i: usize) {
+        let (d, n, width) = (self.d, self.n * self.d, self.width);
+        for a in 0..n {
+            let row = a * self.stride;
+            self.p.copy_within(row + (i + 1) * d..row + n, row + i * d);
+        }
+        for a in (i + 1) * d..n {
+            let from = a * self.stride;
+            self.p.copy_within(from..from + n, from - d * self.stride);
+        }
+        let end = self.n * width;
+        self.delta.copy_within((i + 1) * width..end, i * width);
+        self.atoms.copy_within((i + 1) * width..end, i * width);
+        self.slopes
+            .copy_within(2 * (i + 1) * width..2 * end, 2 * i * width);
+        self.slots.copy_within(i + 1..self.n, i);
+        self.tangents.copy_within(i + 1..self.n, i);
+        self.n -= 1;
+    }
+
+    /// Moves contact `i` to `point`, its tangents' covariance with it.
+    pub(super) fn carry(&mut self, model: &Model, i: usize, point: SkinPoint) {
+        let old = self.tangents[i];
+        self.slots[i].point = point;
+        self.linearise(model, i);
+        let new = self.tangents[i];
+        let turn = |p: usize, q: usize| new[p].dot(&old[q]);
+        let (first, n, stride) = (i * self.d, self.n * self.d, self.stride);
+        for b in 0..n {
+            let [x, y] = [self.p[first * stride + b], self.p[(first + 1) * stride + b]];
+            for p in 0..2 {
+                self.p[(first + p) * stride + b] = turn(p, 0) * x + turn(p, 1) * y;
+            }
+        }
+        for a in 0..n {
+            let [x, y] = [self.p[a * stride + first], self.p[a * stride + first + 1]];
+            for p in 0..2 {
+                self.p[a * stride + first + p] = turn(p, 0) * x + turn(p, 1) * y;
+            }
+        }
+    }
+}

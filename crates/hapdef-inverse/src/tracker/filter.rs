@@ -1,0 +1,209 @@
+//! What frames say about the places of held contacts and the map's error there.
+
+use crate::dense::{add_scaled, dot, solve_lower};
+use crate::estimator::{MAX_CONTACTS, Model};
+use crate::tracker::belief::Belief;
+use crate::tracker::frame::Phase;
+use crate::tracker::metric::{Metric, Solved};
+use crate::walk::AtWall;
+
+/// Variance of a gauge that is not read, in units of its noise.
+const UNREAD: f64 = 1e14;
+
+/// Buffers of an update.
+#[derive(Clone, Debug)]
+pub(super) struct Filter {
+    /// P Hᵀ `[stride, width]`.
+    t: Vec<f64>,
+    /// `[m, m]`.
+    s: Vec<f64>,
+    /// `[MAX_CONTACTS, width]`.
+    basis: Vec<f64>,
+    change: Vec<f64>,
+    /// The map's error per N², mean over the sites `[m, m]`; empty if the map is exact.
+    mean_error: Vec<f64>,
+    /// Gauges that are read `[m]`.
+    pub(super) live: Vec<bool>,
+}
+
+impl Filter {
+    pub(super) fn new(model: &Model, stride: usize) -> Self {
+        Self {
+            t: vec![0.0; stride * model.width],
+            s: vec![0.0; model.m * model.m],
+            basis: vec![0.0; MAX_CONTACTS * model.width],
+            change: vec![0.0; stride],
+            mean_error: model.mean_error(),
+            live: vec![true; model.m],
+        }
+    }
+
+    /// S = 1 + H P Hᵀ and the atoms of `belief` for `forces` into `metric`, P Hᵀ into the buffers;
+    /// H of contact i is Aᵢ (∂₁g, ∂₂g, 1).
+    pub(super) fn weigh(
+        &mut self,
+        belief: &Belief,
+        forces: &[f64; MAX_CONTACTS],
+        metric: &mut Metric,
+    ) {
+        self.weigh_beside(belief, forces, 0.0, metric);
+    }
+
+    /// The same with the map's error for a contact anywhere of force `newcomer_n`.
+    pub(super) fn weigh_beside(
+        &mut self,
+        belief: &Belief,
+        forces: &[f64; MAX_CONTACTS],
+        newcomer_n: f64,
+        metric: &mut Metric,
+    ) {
+        let (width, m, d) = (belief.width, metric.m, belief.d);
+        for a in 0..belief.n * d {
+            let row = &belief.p[a * belief.stride..a * belief.stride + belief.n * d];
+            let t = &mut self.t[a * width..(a + 1) * width];
+            t.fill(0.0);
+            for (i, state) in row.chunks_exact(d).enumerate() {
+                let force = forces[i];
+                for (slope, p) in belief.slopes[2 * i * width..]
+                    .chunks_exact(width)
+                    .zip(&state[..2])
+                {
+                    add_scaled(t, force * p, slope);
+                }
+                for (t, p) in t.iter_mut().zip(&state[2..]) {
+                    *t += force * p;
+                }
+            }
+        }
+        self.s.fill(0.0);
+        for g in 0..m {
+            let row = &mut self.s[g * m..(g + 1) * m];
+            for (i, &force) in forces[..belief.n].iter().enumerate() {
+                let mut add = |state: usize, weight: f64| {
+                    let t = &self.t[(i * d + state) * width..(i * d + state + 1) * width];
+                    for (s, t) in row.iter_mut().zip(t) {
+                        *s += weight * t;
+                    }
+                };
+                add(0, force * belief.slopes[2 * i * width + g]);
+                add(1, force * belief.slopes[(2 * i + 1) * width + g]);
+                if d > 2 {
+                    add(2 + g, force);
+                }
+            }
+            row[g] += if self.live[g] { 1.0 } else { UNREAD };
+        }
+        for (s, c) in self.s.iter_mut().zip(&self.mean_error) {
+            *s += newcomer_n * newcomer_n * c;
+        }
+        metric.set_covariance(&self.s);
+        metric.set_atoms(&belief.atoms, belief.n);
+    }
+
+    /// Learns from the frame `z`, whose forces are about `scale` times those of `belief`: an
+    /// extended Kalman update with the forces left free (a flat prior, which projects their atoms
+    /// out of the innovation). Contacts that move are held from now on, their places known no
+    /// better than `prior_sd_m` before.
+    pub(super) fn update(
+        &mut self,
+        model: &Model,
+        belief: &mut Belief,
+        z: &[f64],
+        scale: f64,
+        prior_sd_m: f64,
+        metric: &mut Metric,
+    ) -> Solved {
+        for i in 0..belief.n {
+            if belief.slots[i].is_mobile() {
+                belief.slots[i].phase = Phase::Held;
+                belief.slots[i].slide = None;
+                for a in i * belief.d..i * belief.d + 2 {
+                    belief.p[a * belief.stride + a] = prior_sd_m * prior_sd_m;
+                }
+            }
+        }
+        self.weigh(belief, &belief.forces().map(|a| a * scale), metric);
+        let guess = metric.solve(z).forces;
+        self.weigh(belief, &guess, metric);
+        let solved = metric.solve(z);
+        self.learn(belief, &solved, metric);
+        for i in 0..belief.n {
+            self.apply(model, belief, i);
+        }
+        belief.set_forces(&solved.forces, scale);
+        belief.score += solved.chi2 + metric.log_det + metric.log_det_atoms();
+        solved
+    }
+
+    /// dx and the new covariance.
+    fn learn(&mut self, belief: &mut Belief, solved: &Solved, metric: &Metric) {
+        let (width, m, n) = (belief.width, metric.m, belief.n * belief.d);
+        let n_basis = metric.span(&solved.forces, &mut self.basis);
+        for a in 0..n {
+            let row = &mut self.t[a * width..(a + 1) * width];
+            solve_lower(&metric.l, m, &mut row[..m]);
+            for q in self.basis.chunks_exact(width).take(n_basis) {
+                let along = dot(q, row);
+                add_scaled(row, -along, q);
+            }
+            self.change[a] = dot(row, &metric.r);
+        }
+        for a in 0..n {
+            let mine = &self.t[a * width..(a + 1) * width];
+            for b in 0..=a {
+                let less = dot(mine, &self.t[b * width..(b + 1) * width]);
+                let p = belief.p[a * belief.stride + b] - less;
+                belief.p[a * belief.stride + b] = p;
+                belief.p[b * belief.stride + a] = p;
+            }
+        }
+    }
+
+    fn apply(&self, model: &Model, belief: &mut Belief, i: usize) {
+        let (d, width) = (belief.d, belief.width);
+        let change = &self.change[i * d..(i + 1) * d];
+        let delta = &mut belief.delta[i * width..(i + 1) * width];
+        for (delta, change) in delta.iter_mut().zip(&change[2..]) {
+            *delta += change;
+        }
+        let [t1, t2] = belief.tangents[i];
+        let step = t1 * change[0] + t2 * change[1];
+        let point = model
+            .skin()
+            .walk(&belief.slots[i].point, &step, AtWall::Slide)
+            .point;
+        belief.carry(model, i, point);
+    }
+
+    /// Covariances of places and forces of the held contacts of `belief` for frames with its forces,
+    /// and `metric` for them.
+    pub(super) fn refresh(&mut self, belief: &mut Belief, metric: &mut Metric) {
+        self.weigh(belief, &belief.forces(), metric);
+        let (n, width, d) = (belief.n, belief.width, belief.d);
+        let mut forces = [0.0; MAX_CONTACTS * MAX_CONTACTS];
+        let is_known = metric.force_covariance(&mut forces);
+        for i in 0..n {
+            let slot = &mut belief.slots[i];
+            if slot.is_mobile() {
+                continue;
+            }
+            slot.covariance[(2, 2)] = if is_known {
+                forces[i * n + i]
+            } else {
+                f64::MAX
+            };
+            for p in 0..2 {
+                let row = &mut self.t[(i * d + p) * width..(i * d + p + 1) * width];
+                solve_lower(&metric.l, metric.m, &mut row[..metric.m]);
+                let cross: f64 = (0..n)
+                    .map(|j| -dot(row, metric.atom(j)) * forces[j * n + i])
+                    .sum();
+                slot.covariance[(p, 2)] = cross;
+                slot.covariance[(2, p)] = cross;
+                for q in 0..2 {
+                    slot.covariance[(p, q)] = belief.p[(i * d + p) * belief.stride + i * d + q];
+                }
+            }
+        }
+    }
+}

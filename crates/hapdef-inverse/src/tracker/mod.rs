@@ -1,0 +1,23 @@
+//! Contacts followed from frame to frame.
+
+mod adopt;
+mod belief;
+mod filter;
+mod follow;
+mod frame;
+mod gathered;
+mod growth;
+mod hypotheses;
+mod inquiry;
+mod locate;
+mod metric;
+mod pair_birth;
+mod params;
+mod scan;
+mod search;
+mod slide;
+
+pub use follow::ContactTracker;
+pub use frame::{ContactId, Phase, TrackInfo, TrackedContact, TrackedFrame};
+pub use params::TrackerParams;
+pub use search::{BackgroundSearch, SearchOutcome, SearchRequest};

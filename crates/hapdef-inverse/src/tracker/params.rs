@@ -1,0 +1,124 @@
+//! Knobs of the tracker.
+
+use crate::error::{InverseError, check_not_negative, check_positive};
+use crate::estimator::MAX_CONTACTS;
+
+/// How contacts are followed from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackerParams {
+    /// Contacts held at most. One that arrives needs two channels for its place and every contact
+    /// one for its force, so that fewer are held where gauges are few.
+    pub max_contacts: usize,
+    /// Time between frames, s.
+    pub frame_period_s: f64,
+    /// Frames averaged for one update of the held contacts' places and map errors.
+    pub block_frames: usize,
+    /// A frame whose residual is less probable than this starts an inquiry: has a contact come, or
+    /// one slid?
+    pub alarm_p: f64,
+    /// Frames since the alarm after which an inquiry first decides; it looks again after twice, four
+    /// and eight times as many, and then drops the alarm.
+    pub inquiry_frames: usize,
+    /// What a new contact or a slide has to improve −2 ln evidence by.
+    pub birth_margin: f64,
+    /// A contact that has come is held when its force is steady, and at the latest after so many
+    /// frames.
+    pub settle_frames: usize,
+    /// With a residual less probable than this one contact does not explain an arrival, and pairs
+    /// are looked for.
+    pub pair_p: f64,
+    /// A contact with less force than this is let go, N, or with less than three standard
+    /// deviations …
+    pub release_force_n: f64,
+    /// … for so many frames.
+    pub release_frames: usize,
+    /// How fast contacts slide, standard deviation, m/s.
+    pub slide_m_per_s: f64,
+    /// Held contacts are not believed to stay where they are better than this, m/√s.
+    pub drift_m_per_sqrt_s: f64,
+    /// No contact comes nearer than this to another, m.
+    pub min_gap_m: f64,
+    /// Explanations kept side by side at most, the best included.
+    pub n_hypotheses: usize,
+    /// Explanations worse than the best by more than this in −2 ln evidence are dropped.
+    pub hypothesis_delta: f64,
+    /// Work in one frame at most: a trial step of a refinement and a row of a pair scan count one, a
+    /// scan of the sites eight. What is left over waits for the next frame.
+    pub steps_per_frame: usize,
+    /// Frames in a row that no hypothesis explains after which a full search is wanted.
+    pub search_frames: usize,
+    /// A residual less probable than this is a misfit.
+    pub misfit_p: f64,
+}
+
+impl Default for TrackerParams {
+    /// For 1,000 frames a second.
+    fn default() -> Self {
+        Self {
+            max_contacts: 4,
+            frame_period_s: 1e-3,
+            block_frames: 8,
+            alarm_p: 1e-5,
+            inquiry_frames: 3,
+            birth_margin: 12.0,
+            settle_frames: 120,
+            pair_p: 1e-4,
+            release_force_n: 0.3,
+            release_frames: 8,
+            slide_m_per_s: 0.1,
+            drift_m_per_sqrt_s: 1e-4,
+            min_gap_m: 0.006,
+            n_hypotheses: 4,
+            hypothesis_delta: 16.0,
+            steps_per_frame: 60,
+            search_frames: 64,
+            misfit_p: 1e-6,
+        }
+    }
+}
+
+impl TrackerParams {
+    pub(crate) fn check(&self) -> Result<(), InverseError> {
+        let (found, most) = (self.max_contacts, MAX_CONTACTS);
+        if found == 0 || found > most {
+            return Err(InverseError::TooManyContacts { found, most });
+        }
+        for (what, found) in [
+            ("frame_period_s", self.frame_period_s),
+            ("block_frames", self.block_frames as f64),
+            ("inquiry_frames", self.inquiry_frames as f64),
+            ("settle_frames", self.settle_frames as f64),
+            ("release_frames", self.release_frames as f64),
+            ("slide_m_per_s", self.slide_m_per_s),
+            ("n_hypotheses", self.n_hypotheses as f64),
+            ("steps_per_frame", self.steps_per_frame as f64),
+            ("search_frames", self.search_frames as f64),
+        ] {
+            check_positive(what, found)?;
+        }
+        for (what, found) in [
+            ("birth_margin", self.birth_margin),
+            ("release_force_n", self.release_force_n),
+            ("drift_m_per_sqrt_s", self.drift_m_per_sqrt_s),
+            ("min_gap_m", self.min_gap_m),
+            ("hypothesis_delta", self.hypothesis_delta),
+        ] {
+            check_not_negative(what, found)?;
+        }
+        for (what, found) in [
+            ("alarm_p", self.alarm_p),
+            ("pair_p", self.pair_p),
+            ("misfit_p", self.misfit_p),
+        ] {
+            if !(0.0..=1.0).contains(&found) {
+                let expected = "a probability, 0 to 1";
+                return Err(InverseError::Parameter {
+                    what,
+                    found,
+                    expected,
+                });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,180 @@
+//! Full searches beside the tracker, in the caller's thread or one in the background.
+
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::thread::JoinHandle;
+
+use crate::error::InverseError;
+use crate::estimator::{ContactEstimate, ContactEstimator, EstimatorScratch};
+
+/// A frame that the tracker wants searched from scratch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchRequest<'a> {
+    /// The frame after which it was made.
+    pub frame: u64,
+    /// Mean of the last readings `[n_gauges]`.
+    pub readings: &'a [f64],
+    /// Gauges that were read in all of them `[n_gauges]`.
+    pub live: &'a [bool],
+}
+
+/// What a full search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOutcome {
+    /// The frame of the request.
+    pub frame: u64,
+    /// Its contacts.
+    pub estimate: ContactEstimate,
+}
+
+impl SearchRequest<'_> {
+    /// Searches now, into `outcome`.
+    ///
+    /// # Errors
+    /// As [`ContactEstimator::estimate`].
+    pub fn run(
+        &self,
+        estimator: &ContactEstimator,
+        scratch: &mut EstimatorScratch,
+        outcome: &mut SearchOutcome,
+    ) -> Result<(), InverseError> {
+        outcome.frame = self.frame;
+        search(
+            estimator,
+            self.readings,
+            self.live,
+            scratch,
+            &mut outcome.estimate,
+        )
+    }
+}
+
+impl Default for SearchOutcome {
+    fn default() -> Self {
+        Self {
+            frame: 0,
+            estimate: ContactEstimate::default(),
+        }
+    }
+}
+
+/// The estimator drops gauges that were not read, which costs a new whitening.
+fn search(
+    estimator: &ContactEstimator,
+    readings: &[f64],
+    live: &[bool],
+    scratch: &mut EstimatorScratch,
+    estimate: &mut ContactEstimate,
+) -> Result<(), InverseError> {
+    let is_whole = estimator.model.live.iter().all(|&gauge| live[gauge]);
+    if is_whole {
+        return estimator.estimate_into(readings, scratch, estimate);
+    }
+    let both: Vec<bool> = (0..live.len())
+        .map(|gauge| live[gauge] && estimator.model.live.contains(&gauge))
+        .collect();
+    estimator
+        .masked(&both)?
+        .estimate_into(readings, scratch, estimate)
+}
+
+#[derive(Debug)]
+struct Job {
+    readings: Vec<f64>,
+    live: Vec<bool>,
+    outcome: SearchOutcome,
+    failure: Option<InverseError>,
+}
+
+/// One thread that searches, one request at a time. Nothing is allocated in the calling thread.
+#[derive(Debug)]
+pub struct BackgroundSearch {
+    to_thread: Option<SyncSender<Box<Job>>>,
+    from_thread: Receiver<Box<Job>>,
+    thread: Option<JoinHandle<()>>,
+    idle: Option<Box<Job>>,
+}
+
+impl BackgroundSearch {
+    /// Starts the thread, which searches with `estimator`.
+    ///
+    /// # Errors
+    /// [`InverseError::NoThread`] if the system starts none.
+    pub fn start(estimator: ContactEstimator) -> Result<Self, InverseError> {
+        let n_gauges = estimator.map().n_gauges();
+        let (to_thread, jobs) = sync_channel::<Box<Job>>(1);
+        let (results, from_thread) = sync_channel::<Box<Job>>(1);
+        let work = move || {
+            let mut scratch = estimator.scratch();
+            while let Ok(mut job) = jobs.recv() {
+                let estimate = &mut job.outcome.estimate;
+                let found = search(&estimator, &job.readings, &job.live, &mut scratch, estimate);
+                job.failure = found.err();
+                if results.send(job).is_err() {
+                    break;
+                }
+            }
+        };
+        let thread = std::thread::Builder::new()
+            .name("contact search".to_owned())
+            .spawn(work)
+            .map_err(|error| InverseError::NoThread {
+                reason: error.to_string(),
+            })?;
+        let idle = Job {
+            readings: vec![0.0; n_gauges],
+            live: vec![true; n_gauges],
+            outcome: SearchOutcome::default(),
+            failure: None,
+        };
+        Ok(Self {
+            to_thread: Some(to_thread),
+            from_thread,
+            thread: Some(thread),
+            idle: Some(Box::new(idle)),
+        })
+    }
+
+    /// Hands `request` to the thread; `false` if it is busy or the request has other gauges.
+    pub fn submit(&mut self, request: &SearchRequest<'_>) -> bool {
+        let fits = |job: &Box<Job>| job.readings.len() == request.readings.len();
+        let (Some(to_thread), Some(mut job)) = (&self.to_thread, self.idle.take_if(|j| fits(j)))
+        else {
+            return false;
+        };
+        job.readings.copy_from_slice(request.readings);
+        job.live.copy_from_slice(request.live);
+        job.outcome.frame = request.frame;
+        to_thread.try_send(job).is_ok()
+    }
+
+    /// Calls `adopt` with what was found if a search is done since the last call; whether one was.
+    ///
+    /// # Errors
+    /// What the search failed with; [`InverseError::NoThread`] if the thread is gone.
+    pub fn poll(&mut self, adopt: impl FnOnce(&SearchOutcome)) -> Result<bool, InverseError> {
+        match self.from_thread.try_recv() {
+            Ok(mut job) => {
+                let failure = job.failure.take();
+                if failure.is_none() {
+                    adopt(&job.outcome);
+                }
+                self.idle = Some(job);
+                failure.map_or(Ok(true), Err)
+            }
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(TryRecvError::Disconnected) => Err(InverseError::NoThread {
+                reason: "it ended".to_owned(),
+            }),
+        }
+    }
+}
+
+impl Drop for BackgroundSearch {
+    fn drop(&mut self) {
+        self.to_thread = None;
+        if let Some(thread) = self.thread.take() {
+            // a thread that panicked has nothing left to say
+            drop(thread.join());
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! `hapdef contacts`: contacts behind a table of readings.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use hapdef::touch::{Touch, touch_estimator};
+use hapdef::{Limb, SceneArgs};
+use serde_json::{Value, json};
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  \
+    hapdef contacts fixtures/shin/scene.json readings.csv --json\n\n\
+    The scene's estimator is used: superposition needs one solve for each gauge, the paper's chain \
+    its trained nets.")]
+pub(crate) struct ContactsArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Tared readings, µε: a frame a line, a column for each gauge, commas between.
+    readings: PathBuf,
+    /// Print a frame a line as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let frames = read_frames(&args.readings, limb.gauges.len())?;
+    let mut estimator = touch_estimator(&run, &limb)?;
+    let mut touch = Touch::default();
+    let mut out = std::io::stdout().lock();
+    for (i, frame) in frames.iter().enumerate() {
+        estimator
+            .estimate(frame, &mut touch)
+            .with_context(|| format!("{}: frame {}", args.readings.display(), i + 1))?;
+        if args.json {
+            writeln!(out, "{}", as_json(i, &touch))?;
+        } else {
+            writeln!(out, "frame {}: {}", i + 1, in_words(&touch))?;
+        }
+    }
+    Ok(())
+}
+
+fn read_frames(path: &PathBuf, n_gauges: usize) -> Result<Vec<Vec<f64>>> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("{}: reading", path.display()))?;
+    let mut frames = Vec::new();
+    for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.is_empty()) {
+        let place = || format!("{}: line {}", path.display(), i + 1);
+        let numbers: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
+        let frame = numbers.with_context(|| {
+            format!(
+                "{}: expected numbers with commas between, found {line:?}",
+                place()
+            )
+        })?;
+        if frame.len() != n_gauges {
+            bail!(
+                "{}: expected {n_gauges} readings, one for each gauge, found {}",
+                place(),
+                frame.len()
+            );
+        }
+        frames.push(frame);
+    }
+    Ok(frames)
+}
+
+fn in_words(touch: &Touch) -> String {
+    if touch.contacts.is_empty() {
+        return "nothing touches".into();
+    }
+    let contacts = touch.contacts.iter().map(|contact| {
+        let [x, y, z] = (contact.position_m.coords * 1e3).into();
+        let sure = contact.uncertainty.map_or(String::new(), |u| {
+            format!(
+                " (±{:.2} mm, ±{:.2} N)",
+                u.position_sd_m() * 1e3,
+                u.force_sd_n()
+            )
+        });
+        format!(
+            "{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}",
+            contact.force_n
+        )
+    });
+    let doubt = match touch.quality {
+        Some(quality) if !quality.is_identified => "; the frame does not decide",
+        _ => "",
+    };
+    contacts.collect::<Vec<_>>().join(", ") + doubt
+}
+
+fn as_json(frame: usize, touch: &Touch) -> Value {
+    let contacts = touch.contacts.iter().map(|contact| {
+        json!({
+            "position_m": <[f64; 3]>::from(contact.position_m.coords),
+            "force_n": contact.force_n,
+            "position_sd_m": contact.uncertainty.map(|u| u.position_sd_m()),
+            "force_sd_n": contact.uncertainty.map(|u| u.force_sd_n()),
+        })
+    });
+    let quality = touch.quality.map(|q| {
+        json!({
+            "is_identified": q.is_identified,
+            "chi2": q.chi2,
+            "n_dof": q.n_dof,
+            "p_value": q.p_value,
+            "n_alternatives": q.n_alternatives,
+        })
+    });
+    json!({"frame": frame, "contacts": contacts.collect::<Vec<_>>(), "quality": quality})
+}

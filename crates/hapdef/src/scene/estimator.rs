@@ -1,0 +1,82 @@
+//! Scene section about how contacts are found.
+
+use serde::{Deserialize, Serialize};
+
+/// Which estimator turns readings into contacts.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum EstimatorSpec {
+    /// The paper's chain: transfer net, reconstruction net, k-Max, sensitivity net.
+    Hapdefx(HapdefxSpec),
+    /// Readings add up: the contacts whose responses explain them.
+    Superposition(SuperpositionSpec),
+}
+
+/// Knobs of the paper's chain.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct HapdefxSpec {
+    /// Radius that the k nearest neighbours of k-Max span, m; the paper has about 10 mm.
+    pub kmax_radius_m: f64,
+    /// Displacement below which a point is no candidate, µm.
+    pub floor_um: f64,
+}
+
+/// Knobs of superposition.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SuperpositionSpec {
+    /// Standard deviation of a reading's noise, µε.
+    pub noise_ue: f64,
+    /// Relative error of the response map: a tenth for a limb that was only computed, a hundredth
+    /// after a calibration with thousands of presses.
+    #[serde(default = "default_map_error")]
+    pub map_error: f64,
+    /// Largest friction coefficient of what touches.
+    #[serde(default)]
+    pub friction: f64,
+    /// Sites of the scan.
+    #[serde(default = "default_sites")]
+    pub n_sites: usize,
+}
+
+impl Default for HapdefxSpec {
+    /// The paper's 10 mm, and 5 µm.
+    fn default() -> Self {
+        Self {
+            kmax_radius_m: 0.01,
+            floor_um: 5.0,
+        }
+    }
+}
+
+impl Default for SuperpositionSpec {
+    /// A microstrain of noise, a map off by a tenth, no friction.
+    fn default() -> Self {
+        Self {
+            noise_ue: 1.0,
+            map_error: default_map_error(),
+            friction: 0.0,
+            n_sites: default_sites(),
+        }
+    }
+}
+
+impl EstimatorSpec {
+    /// The knobs of the paper's chain; the defaults where the scene chooses another estimator.
+    #[must_use]
+    pub fn hapdefx(&self) -> HapdefxSpec {
+        match self {
+            Self::Hapdefx(spec) => *spec,
+            Self::Superposition(_) => HapdefxSpec::default(),
+        }
+    }
+}
+
+fn default_map_error() -> f64 {
+    0.1
+}
+
+fn default_sites() -> usize {
+    800
+}

@@ -1,0 +1,43 @@
+//! The estimator that a scene chooses.
+
+use super::{PaperChain, TouchEstimator, response_map, superposition};
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::scene::EstimatorSpec;
+use crate::stages::{NetKind, compliance, datasets, rig, train_kinds, trained_chain};
+
+/// Makes the scene's estimator, and no more than it needs: by superposition one adjoint solve for
+/// each gauge; the paper's chain the compliance, the datasets and its three nets, from the cache where they are.
+///
+/// # Errors
+/// What the first step that fails returns.
+pub fn touch_estimator(run: &Run, limb: &Limb) -> Result<Box<dyn TouchEstimator>, HapdefError> {
+    match &run.scene.estimator {
+        EstimatorSpec::Superposition(spec) => {
+            run.say("solving the gauges' response");
+            let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
+            Ok(Box::new(superposition(&run.scene, spec, map)?))
+        }
+        EstimatorSpec::Hapdefx(_) => Ok(Box::new(paper_chain(run, limb)?)),
+    }
+}
+
+fn paper_chain(run: &Run, limb: &Limb) -> Result<PaperChain, HapdefError> {
+    let compliance = compliance(run, limb)?;
+    let rig = rig(run, limb, &compliance)?;
+    let data = datasets(run, limb, &compliance, &rig)?;
+    let n_sets = data.simulated.len();
+    let kinds = [
+        NetKind::Transfer,
+        NetKind::Reconstruction { n_sets },
+        NetKind::Sensitivity,
+    ];
+    let nets = train_kinds(run, limb, &compliance, &data, &kinds)?;
+    Ok(PaperChain::new(
+        trained_chain(run, limb, &data, &nets)?,
+        limb.gauges.len(),
+        limb.n_surface_nodes(),
+        run.scene.contact.max_contacts,
+    ))
+}

@@ -1,0 +1,334 @@
+//! Where on a limb's inner wall to put gauges: layouts by several methods, scored alike.
+
+use std::time::Instant;
+
+use hapdef_inverse::{
+    Candidates, PlacementParams, PlacementScore, ResponseMap, ScanSites, exchange, place_greedy,
+    place_pca_qr, place_random, placement_score,
+};
+use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeSite, GaugeStrain};
+use nalgebra::{Point3, Unit, Vector3};
+
+use super::response::gauge_map;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::stats::quantile;
+
+/// What is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayoutParams {
+    /// Gauges in all.
+    pub n_gauges: usize,
+    /// The first so many of the scene's gauges are mounted already and stay.
+    pub n_mounted: usize,
+    /// Places on the wall that are looked at.
+    pub n_positions: usize,
+    /// Directions tried at each place, evenly over half a turn.
+    pub n_axes: usize,
+    /// Sites of contacts.
+    pub n_sites: usize,
+    /// Balls that no gauge's centre may lie in: centre and radius, m.
+    pub keep_out: Vec<(Point3<f64>, f64)>,
+    /// Least distance of two gauges, m.
+    pub min_spacing_m: f64,
+    /// Standard deviation of a reading's noise, µε.
+    pub noise_ue: f64,
+    /// Force of the contacts, N.
+    pub force_n: f64,
+    /// Random layouts that the others are compared with.
+    pub n_random: usize,
+    /// Numbers of gauges that greedy log-det is scored for beside `n_gauges`.
+    pub other_counts: Vec<usize>,
+    /// Seed of pairs and random layouts.
+    pub seed: u64,
+}
+
+impl Default for LayoutParams {
+    fn default() -> Self {
+        Self {
+            n_gauges: 10,
+            n_mounted: 0,
+            n_positions: 160,
+            n_axes: 4,
+            n_sites: 400,
+            keep_out: Vec::new(),
+            min_spacing_m: 0.01,
+            noise_ue: 5.0,
+            force_n: 10.0,
+            n_random: 20,
+            other_counts: vec![4, 6, 8, 12, 16],
+            seed: 1,
+        }
+    }
+}
+
+/// A gauge of a layout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedGauge {
+    /// Centre on the wall, m.
+    pub position_m: Point3<f64>,
+    /// Measuring direction, unit length.
+    pub axis: Vector3<f64>,
+}
+
+/// A layout and what it can tell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScoredLayout {
+    /// Method.
+    pub name: String,
+    /// Its gauges; empty for the median of random ones.
+    pub gauges: Vec<PlacedGauge>,
+    /// Cramér–Rao bounds.
+    pub score: PlacementScore,
+    /// Time of the choice, s.
+    pub elapsed_s: f64,
+}
+
+/// Layouts of a limb.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayoutStudy {
+    /// Places with an axis that a gauge fits on, the scene's own gauges not counted.
+    pub n_candidates: usize,
+    /// Places with an axis that a gauge doesn't fit on.
+    pub n_refused: usize,
+    /// Time of the candidates' adjoint solves with the factor, s.
+    pub solve_s: f64,
+    /// The layouts, the recommended one last.
+    pub layouts: Vec<ScoredLayout>,
+    /// Bounds of greedy log-det by number of gauges, rising.
+    pub by_count: Vec<(usize, PlacementScore)>,
+}
+
+/// Looks at places on the inner wall and chooses layouts.
+///
+/// # Errors
+/// [`HapdefError::TooFewGaugeSites`] when the wall has too few places;
+/// [`HapdefError::Inverse`] when spacing and keep-out leave too few; [`HapdefError::Sim`].
+pub fn study_layouts(
+    run: &Run,
+    limb: &Limb,
+    params: &LayoutParams,
+) -> Result<LayoutStudy, HapdefError> {
+    let start = Instant::now();
+    let places = Places::find(run, limb, params)?;
+    run.say(&format!("solving {} candidate gauges", places.gauges.len()));
+    let elastic = ElasticParams {
+        n_threads: run.threads,
+        ..ElasticParams::new(limb.material, limb.clamped.clone())
+    };
+    let model = ElasticModel::build(&limb.mesh, &elastic)?;
+    let tip_radius_m = run.scene.contact.tip_radius_m;
+    let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
+    let candidates = places.candidates(&map, params)?;
+    let mut study = LayoutStudy {
+        n_candidates: places.gauges.len() - places.n_own,
+        n_refused: places.n_refused,
+        solve_s: start.elapsed().as_secs_f64(),
+        layouts: Vec::new(),
+        by_count: Vec::new(),
+    };
+    choose_layouts(&places, &candidates, params, &mut study)?;
+    Ok(study)
+}
+
+fn choose_layouts(
+    places: &Places,
+    candidates: &Candidates,
+    params: &LayoutParams,
+    study: &mut LayoutStudy,
+) -> Result<(), HapdefError> {
+    let asked = placement_params(places, params, params.n_gauges);
+    let mut add = |name: &str, chosen: &[usize], start: Instant| -> Result<_, HapdefError> {
+        let elapsed_s = start.elapsed().as_secs_f64();
+        let score = placement_score(candidates, chosen, &asked)?;
+        let gauges = chosen.iter().map(|c| places.placed[*c]).collect();
+        let name = name.to_owned();
+        study.layouts.push(ScoredLayout {
+            name,
+            gauges,
+            score,
+            elapsed_s,
+        });
+        Ok(())
+    };
+    let own: Vec<usize> = places.own().collect();
+    add("the scene's own", &own, Instant::now())?;
+    let start = Instant::now();
+    add("PCA-QR", &place_pca_qr(candidates, &asked)?, start)?;
+    let start = Instant::now();
+    let greedy = place_greedy(candidates, &asked)?;
+    add("greedy log-det", &greedy, start)?;
+    let exchanged = exchange(candidates, &greedy, &asked)?;
+    add("greedy log-det, exchange", &exchanged, start)?;
+    let random = random_median(candidates, &asked, params)?;
+    study.layouts.insert(0, random);
+    let mut counts = params.other_counts.clone();
+    counts.push(params.n_gauges);
+    counts.sort_unstable();
+    counts.dedup();
+    for n in counts.into_iter().filter(|n| *n >= params.n_mounted.max(1)) {
+        let asked = placement_params(places, params, n);
+        let chosen = place_greedy(candidates, &asked)?;
+        let score = placement_score(candidates, &chosen, &asked)?;
+        study.by_count.push((n, score));
+    }
+    Ok(())
+}
+
+/// Medians over the random layouts, figure by figure.
+fn random_median(
+    candidates: &Candidates,
+    asked: &PlacementParams,
+    params: &LayoutParams,
+) -> Result<ScoredLayout, HapdefError> {
+    let start = Instant::now();
+    let mut scores = Vec::with_capacity(params.n_random);
+    for i in 0..params.n_random.max(1) as u64 {
+        let drawn = PlacementParams {
+            seed: params.seed.wrapping_add(i),
+            ..asked.clone()
+        };
+        let chosen = place_random(candidates, &drawn)?;
+        scores.push(placement_score(candidates, &chosen, asked)?);
+    }
+    let median =
+        |of: fn(&PlacementScore) -> f64| quantile(&scores.iter().map(of).collect::<Vec<_>>(), 0.5);
+    Ok(ScoredLayout {
+        name: format!("random, median of {}", scores.len()),
+        gauges: Vec::new(),
+        score: PlacementScore {
+            single_mean_m: median(|s| s.single_mean_m),
+            single_p95_m: median(|s| s.single_p95_m),
+            pair_median_m: median(|s| s.pair_median_m),
+            pair_p95_m: median(|s| s.pair_p95_m),
+        },
+        elapsed_s: start.elapsed().as_secs_f64(),
+    })
+}
+
+fn placement_params(places: &Places, params: &LayoutParams, n_gauges: usize) -> PlacementParams {
+    PlacementParams {
+        mounted: places.own().take(params.n_mounted).collect(),
+        min_spacing_m: params.min_spacing_m,
+        force_n: params.force_n,
+        seed: params.seed,
+        ..PlacementParams::new(n_gauges, params.noise_ue)
+    }
+}
+
+/// Gauges that fit on the wall, the scene's own behind them.
+struct Places {
+    gauges: Vec<GaugeStrain>,
+    placed: Vec<PlacedGauge>,
+    n_own: usize,
+    n_refused: usize,
+}
+
+impl Places {
+    fn find(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
+        let max_wall_m = run.scene.rig.max_wall_m;
+        let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, max_wall_m)?;
+        let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
+        let chosen = farthest_nodes(&limb.mesh, &nodes, params.n_positions);
+        let along = Unit::new_normalize(Vector3::from(run.scene.geometry.axis.direction));
+        let mut places = Self {
+            gauges: Vec::new(),
+            placed: Vec::new(),
+            n_own: limb.gauges.len(),
+            n_refused: 0,
+        };
+        for node in &chosen {
+            let position = limb.mesh.position(*node);
+            for i in 0..params.n_axes {
+                let turn = std::f64::consts::PI * i as f64 / params.n_axes as f64;
+                places.try_gauge(limb, run, position, &along, turn);
+            }
+        }
+        if places.gauges.len() < params.n_gauges {
+            return Err(HapdefError::TooFewGaugeSites {
+                n_gauges: params.n_gauges,
+                n_found: places.gauges.len(),
+                n_candidates: nodes.len(),
+                n_passed_over: places.n_refused,
+            });
+        }
+        for (gauge, site) in limb.gauges.iter().zip(&limb.sites) {
+            places.gauges.push(gauge.clone());
+            places.placed.push(PlacedGauge {
+                position_m: site.position,
+                axis: gauge.axis(),
+            });
+        }
+        Ok(places)
+    }
+
+    /// Adds a gauge whose axis is turned by `turn` from the limb's axis, if it fits.
+    fn try_gauge(
+        &mut self,
+        limb: &Limb,
+        run: &Run,
+        position: Point3<f64>,
+        along: &Unit<Vector3<f64>>,
+        turn: f64,
+    ) {
+        let placed = |axis| {
+            let site = GaugeSite {
+                position,
+                axis,
+                length_m: run.scene.gauges.length_m,
+                width_m: run.scene.gauges.width_m,
+            };
+            GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params)
+        };
+        let turned = placed(along.into_inner()).and_then(|gauge| {
+            let across = gauge.normal().cross(&gauge.axis());
+            placed(gauge.axis() * turn.cos() + across * turn.sin())
+        });
+        match turned {
+            Ok(gauge) => {
+                self.placed.push(PlacedGauge {
+                    position_m: position,
+                    axis: gauge.axis(),
+                });
+                self.gauges.push(gauge);
+            }
+            Err(_) => self.n_refused += 1,
+        }
+    }
+
+    fn own(&self) -> std::ops::Range<usize> {
+        self.gauges.len() - self.n_own..self.gauges.len()
+    }
+
+    fn candidates(
+        &self,
+        map: &ResponseMap,
+        params: &LayoutParams,
+    ) -> Result<Candidates, HapdefError> {
+        let sites = ScanSites::farthest(map.skin(), params.n_sites)?;
+        let n_sites = sites.len();
+        let mut responses = vec![[0.0; 3]; self.gauges.len() * n_sites];
+        for (site, point) in sites.points().iter().enumerate() {
+            let values = map.normal(point);
+            let [along, across] = map.normal_gradient(point);
+            for (c, value) in values.iter().enumerate() {
+                responses[c * n_sites + site] = [*value, along[c], across[c]];
+            }
+        }
+        let own = self.own();
+        let is_free = |(c, gauge): (usize, &PlacedGauge)| {
+            let clear = |(centre, radius): &(Point3<f64>, f64)| {
+                (gauge.position_m - centre).norm() > *radius
+            };
+            !own.contains(&c) && params.keep_out.iter().all(clear)
+        };
+        Ok(Candidates {
+            positions_m: self.placed.iter().map(|p| p.position_m).collect(),
+            sites_m: sites.positions().to_vec(),
+            responses,
+            allowed: self.placed.iter().enumerate().map(is_free).collect(),
+        })
+    }
+}

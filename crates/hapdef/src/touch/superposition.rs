@@ -1,0 +1,98 @@
+//! Contacts by superposition, as the scene asks for it.
+
+use std::sync::Arc;
+
+use hapdef_inverse::{
+    ContactEstimate, ContactEstimator, EstimatorParams, EstimatorScratch, ModelError, NoiseParams,
+    ResponseMap, ScanSites, Verdict,
+};
+
+use super::{Touch, TouchContact, TouchEstimator, TouchQuality, TouchUncertainty};
+use crate::error::HapdefError;
+use crate::scene::{Scene, SuperpositionSpec};
+
+/// [`ContactEstimator`] with its buffers.
+pub struct Superposition {
+    estimator: ContactEstimator,
+    scratch: EstimatorScratch,
+    estimate: ContactEstimate,
+}
+
+/// The estimator that the scene's section asks for, on the limb's response `map`.
+///
+/// # Errors
+/// [`HapdefError::Inverse`] when the map has fewer than three gauges or a value can't be used.
+pub fn superposition(
+    scene: &Scene,
+    spec: &SuperpositionSpec,
+    map: ResponseMap,
+) -> Result<Superposition, HapdefError> {
+    let sites = ScanSites::farthest(map.skin(), spec.n_sites)?;
+    let noise = NoiseParams {
+        model_error: ModelError {
+            relative: spec.map_error,
+            friction_rms: spec.friction / 6.0_f64.sqrt(),
+            per_site: Vec::new(),
+        },
+        ..NoiseParams::uniform(map.n_gauges(), spec.noise_ue)
+    };
+    let params = EstimatorParams {
+        max_contacts: scene.contact.max_contacts,
+        ..EstimatorParams::default()
+    };
+    let estimator = ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?;
+    Ok(Superposition::new(estimator))
+}
+
+impl Superposition {
+    /// Wraps an estimator.
+    #[must_use]
+    pub fn new(estimator: ContactEstimator) -> Self {
+        Self {
+            scratch: estimator.scratch(),
+            estimate: ContactEstimate::default(),
+            estimator,
+        }
+    }
+
+    /// The last frame's estimate in full.
+    #[must_use]
+    pub fn estimate_in_full(&self) -> &ContactEstimate {
+        &self.estimate
+    }
+}
+
+impl TouchEstimator for Superposition {
+    fn name(&self) -> &'static str {
+        "superposition"
+    }
+
+    fn n_gauges(&self) -> usize {
+        self.estimator.map().n_gauges()
+    }
+
+    fn estimate(&mut self, readings_ue: &[f64], touch: &mut Touch) -> Result<(), HapdefError> {
+        self.estimator
+            .estimate_into(readings_ue, &mut self.scratch, &mut self.estimate)?;
+        let skin = self.estimator.map().skin();
+        touch.contacts.clear();
+        touch
+            .contacts
+            .extend(self.estimate.contacts.iter().map(|contact| TouchContact {
+                position_m: contact.position_m,
+                force_n: contact.force_n,
+                uncertainty: Some(TouchUncertainty {
+                    tangents: skin.tangents(&contact.point),
+                    covariance: contact.covariance,
+                }),
+            }));
+        touch.quality = Some(TouchQuality {
+            is_identified: !matches!(self.estimate.verdict, Verdict::NotIdentifiable(_)),
+            chi2: self.estimate.chi2,
+            n_dof: self.estimate.n_dof,
+            p_value: self.estimate.p_value,
+            n_alternatives: self.estimate.runner_ups.len(),
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,95 @@
+//! Contacts on the bundled limb through the estimator that a scene chooses.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::path::{Path, PathBuf};
+
+use hapdef::touch::{
+    LimitsRequest, Touch, TouchEstimator, limits, response_map, superposition, touch_estimator,
+};
+use hapdef::{Limb, Profile, Progress, Run};
+use hapdef_inverse::{LimitParams, SkinPoint};
+
+fn placed() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json")
+}
+
+fn run_in(out: &Path) -> Run {
+    Run::new(&placed(), Profile::quick(), out, 2, Progress::silent()).unwrap()
+}
+
+/// Two contacts pressed on the map itself are found where they are; nothing but the response is
+/// computed, so the cache stays empty.
+#[test]
+fn a_superposition_scene_finds_two_contacts_and_computes_no_more() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
+    let skin = map.skin();
+    let press = |face: usize, force_n: f64| {
+        let point = SkinPoint::new(skin, face, [0.5, 0.3, 0.2]).unwrap();
+        let readings: Vec<f64> = map.normal(&point).iter().map(|g| g * force_n).collect();
+        (skin.position(&point), force_n, readings)
+    };
+    let truth = [press(100, 20.0), press(1200, 8.0)];
+    let readings: Vec<f64> = (0..10).map(|g| truth[0].2[g] + truth[1].2[g]).collect();
+    let mut estimator = touch_estimator(&run, &limb).unwrap();
+    let mut touch = Touch::default();
+    estimator.estimate(&readings, &mut touch).unwrap();
+    assert_eq!(estimator.name(), "superposition");
+    assert_eq!(touch.contacts.len(), 2, "{touch:?}");
+    for (found, (position, force_n, _)) in touch.contacts.iter().zip(&truth) {
+        let miss_mm = (found.position_m - position).norm() * 1e3;
+        assert!(miss_mm < 2.0, "{miss_mm} mm off");
+        assert!((found.force_n - force_n).abs() < 1.0, "{} N", found.force_n);
+        assert!(found.uncertainty.unwrap().position_sd_m() > 0.0);
+    }
+    estimator.estimate(&[0.0; 10], &mut touch).unwrap();
+    assert!(touch.contacts.is_empty());
+    assert!(!out.path().join("cache").exists());
+}
+
+#[test]
+fn frames_of_another_length_and_nan_are_refused() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let map = response_map(&limb, 0.0, 2).unwrap();
+    let hapdef::scene::EstimatorSpec::Superposition(spec) = run.scene.estimator.clone() else {
+        panic!("placed.json chooses superposition")
+    };
+    let mut estimator = superposition(&run.scene, &spec, map).unwrap();
+    let mut touch = Touch::default();
+    assert!(estimator.estimate(&[0.0; 9], &mut touch).is_err());
+    let mut nan = [0.0; 10];
+    nan[3] = f64::NAN;
+    let error = estimator.estimate(&nan, &mut touch).unwrap_err();
+    assert!(error.to_string().contains('3'), "{error}");
+}
+
+/// Halving the noise halves every bound, where there is one.
+#[test]
+fn bounds_are_proportional_to_the_noise() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let request = |noise_ue| LimitsRequest {
+        noise_ue,
+        n_sites: 200,
+        n_partners: 2,
+        carried: LimitParams {
+            n_draws: 20,
+            ..LimitParams::default()
+        },
+    };
+    let of = |noise_ue| {
+        let map = response_map(&limb, 0.002, 2).unwrap();
+        limits(map, &request(noise_ue)).unwrap()
+    };
+    let (fine, coarse) = (of(1.0), of(2.0));
+    for (a, b) in fine.single_m.iter().zip(&coarse.single_m) {
+        assert!(a.is_infinite() && b.is_infinite() || (b / a - 2.0).abs() < 1e-6);
+    }
+    assert!(fine.blind_nodes.len() <= coarse.blind_nodes.len());
+    assert!(fine.carried[0].is_carried);
+}
