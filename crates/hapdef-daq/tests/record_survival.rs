@@ -109,6 +109,10 @@ fn kill_once(folder: &Path, run_ms: u64) -> f64 {
     let mut child = child_command(&path, None).spawn().unwrap();
     let partial = folder.join("killed.partial.mcap");
     while frames_if_there(&partial).is_empty() {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the child has ended by itself"
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
     std::thread::sleep(Duration::from_millis(run_ms));
