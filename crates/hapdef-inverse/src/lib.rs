@@ -15,6 +15,7 @@
 mod basis;
 mod calibration;
 mod chi_square;
+mod conditioning;
 mod dense;
 mod error;
 mod estimator;
@@ -36,6 +37,7 @@ pub use calibration::{
     Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap, ModeScope,
     NextPress, Press, RejectReason, RejectedPress,
 };
+pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, Phase};
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
