@@ -5,10 +5,10 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::{bench_nets, compare};
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
 use crate::verify::deck_of;
+use crate::{bench_nets, compare};
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]

@@ -5,7 +5,8 @@
 //! over it, [`NoiseParams`] what readings and map are worth. [`ContactEstimator`] searches: one contact
 //! by a scan of [`ScanSites`], pairs by an exhaustive scan of the sites' Gram matrix, more by adding
 //! to the best pairs, all refined over the skin; the count follows from the evidence, and the
-//! [`ContactEstimate`] says how sure it is and what else would explain the frame. [`single_bounds`],
+//! [`ContactEstimate`] says how sure it is and what else would explain the frame. [`ContactTracker`]
+//! follows contacts from frame to frame in bounded time. [`single_bounds`],
 //! [`joint_bounds`] and [`carried_contacts`] are the limits of a layout; [`place_greedy`] and
 //! [`exchange`] choose one.
 //!
@@ -14,6 +15,7 @@
 mod basis;
 mod calibration;
 mod chi_square;
+mod conditioning;
 mod dense;
 mod error;
 mod estimator;
@@ -35,6 +37,7 @@ pub use calibration::{
     Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap, ModeScope,
     NextPress, Press, RejectReason, RejectedPress,
 };
+pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, Phase};
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,

@@ -52,6 +52,17 @@ impl Skin {
     /// If `start` is of another, larger skin.
     #[must_use]
     pub fn walk(&self, start: &SkinPoint, step: &Vector3<f64>, at_wall: AtWall) -> Walk {
+        self.walk_at_most(start, step, at_wall, MAX_CROSSINGS)
+    }
+
+    /// The same over at most `max_crossings` edges, for steps whose time is bounded.
+    pub(crate) fn walk_at_most(
+        &self,
+        start: &SkinPoint,
+        step: &Vector3<f64>,
+        at_wall: AtWall,
+        max_crossings: usize,
+    ) -> Walk {
         let frame = self.frame(start);
         let [t1, t2] = frame.tangents;
         let along = t1 * t1.dot(step) + t2 * t2.dot(step);
@@ -65,7 +76,7 @@ impl Skin {
             walked_m: 0.0,
             end: WalkEnd::Done,
         };
-        for _ in 0..MAX_CROSSINGS {
+        for _ in 0..max_crossings {
             let Some(edge) = walker.go_straight() else {
                 break;
             };

@@ -66,7 +66,7 @@ impl CalibrationParams {
             force_sd_n: 0.0,
             gain_sd: 0.03,
             mix_sd: 0.0,
-            envelope_m: 6e-3,
+            envelope_m: 12e-3,
             lengths_m: vec![6e-3, 9e-3, 14e-3, 21e-3, 32e-3],
             n_evidence: 600,
             max_presses: 4000,

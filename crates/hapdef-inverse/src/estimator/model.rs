@@ -40,6 +40,8 @@ pub(crate) struct Model {
     pub(crate) base: Option<Vec<f64>>,
     /// Whitened map error per N² `[n_sites, m, m]`.
     errors: Vec<f64>,
+    /// The map's error counts for no larger force than this, N.
+    pub(crate) max_force_n: f64,
 }
 
 impl Model {
@@ -82,6 +84,7 @@ impl Model {
             gram: Vec::new(),
             base: None,
             errors: Vec::new(),
+            max_force_n: f64::INFINITY,
             map,
             sites,
             live,

@@ -59,7 +59,7 @@ impl Linear {
         };
         self.s.copy_from_slice(base);
         for i in 0..e.n {
-            let scale = e.forces[i] * e.forces[i];
+            let scale = e.forces[i].min(model.max_force_n).powi(2);
             for (s, c) in self.s.iter_mut().zip(model.error_at(&e.points[i])) {
                 *s += scale * c;
             }

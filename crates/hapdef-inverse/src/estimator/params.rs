@@ -38,6 +38,9 @@ pub struct EstimatorParams {
     pub chi2_tolerance: f64,
     /// Forces are expected to be of this size, N: the standard deviation of their prior.
     pub force_scale_n: f64,
+    /// Explanations with a larger force are not believed, N: where the map is uncertain, a contact of
+    /// thousands of newtons on a stiff place explains everything. Infinite for no limit.
+    pub max_force_n: f64,
     /// A further contact has to improve −2 ln evidence by this.
     pub count_margin: f64,
     /// Explanations with a contact farther than this from its match are different, m.
@@ -68,6 +71,7 @@ impl Default for EstimatorParams {
             max_step_m: 0.01,
             chi2_tolerance: 1e-6,
             force_scale_n: 20.0,
+            max_force_n: f64::INFINITY,
             count_margin: 0.0,
             distinct_m: 0.005,
             runner_up_delta: 9.0,
@@ -111,6 +115,13 @@ impl EstimatorParams {
         check_not_negative("chi2_tolerance", self.chi2_tolerance)?;
         check_not_negative("runner_up_delta", self.runner_up_delta)?;
         check_not_negative("tie_delta", self.tie_delta)?;
+        if self.max_force_n.is_nan() || self.max_force_n <= 0.0 {
+            return Err(InverseError::Parameter {
+                what: "max_force_n",
+                found: self.max_force_n,
+                expected: "above 0",
+            });
+        }
         if self.count_margin.is_finite() {
             return Ok(());
         }

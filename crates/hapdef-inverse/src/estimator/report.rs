@@ -49,7 +49,7 @@ pub(crate) fn report(
 }
 
 /// The best explanation of each count, and of these the one with the best evidence, each further
-/// contact charged the margin.
+/// contact charged the margin; one with impossible forces only where there is no other.
 fn choose(
     estimator: &ContactEstimator,
     untouched: &Explanation,
@@ -62,8 +62,10 @@ fn choose(
     let is_allowed = |e: &&Explanation| {
         estimator.params.known_count.is_none() || e.n == most || found.len() == 1
     };
+    let is_any_believed = found.iter().any(|e| estimator.is_believed(e));
     found
         .iter()
+        .filter(|e| estimator.is_believed(e) || !is_any_believed)
         .filter(is_allowed)
         .min_by(|a, b| cost(a).total_cmp(&cost(b)))
         .filter(|best| best.n > 0)

@@ -52,7 +52,8 @@ impl ContactEstimator {
     ) -> Result<Self, InverseError> {
         params.check()?;
         let live = vec![true; map.n_gauges()];
-        let model = Model::new(map, sites, &noise, &live)?;
+        let mut model = Model::new(map, sites, &noise, &live)?;
+        model.max_force_n = params.max_force_n;
         Ok(Self {
             model,
             noise,
@@ -67,8 +68,10 @@ impl ContactEstimator {
     /// [`InverseError::TooFewGauges`] with fewer than three alive; [`InverseError::Length`].
     pub fn masked(&self, live: &[bool]) -> Result<Self, InverseError> {
         let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
+        let mut model = Model::new(map, sites, &self.noise, live)?;
+        model.max_force_n = self.params.max_force_n;
         Ok(Self {
-            model: Model::new(map, sites, &self.noise, live)?,
+            model,
             noise: self.noise.clone(),
             params: self.params,
         })
@@ -124,7 +127,9 @@ impl ContactEstimator {
             for n in 1..=self.most_contacts() {
                 self.search(n, scratch, &mut info);
                 info.most_contacts = n;
-                let is_good = |e: &Explanation| e.n == n && self.p_value(e) >= self.params.accept_p;
+                let is_good = |e: &Explanation| {
+                    e.n == n && self.p_value(e) >= self.params.accept_p && self.is_believed(e)
+                };
                 if n == 1 && !scratch.found.iter().any(is_good) {
                     self.search_wider(scratch, &mut info);
                 }
@@ -186,6 +191,13 @@ impl ContactEstimator {
 
     pub(crate) fn p_value(&self, e: &Explanation) -> f64 {
         upper_tail(e.chi2, self.model.m.saturating_sub(3 * e.n))
+    }
+
+    /// Whether no force is beyond what is possible.
+    pub(crate) fn is_believed(&self, e: &Explanation) -> bool {
+        e.forces[..e.n]
+            .iter()
+            .all(|&a| a <= self.params.max_force_n)
     }
 
     fn untouched(&self, scratch: &mut EstimatorScratch) -> Explanation {

@@ -69,6 +69,7 @@ impl ContactTracker {
             self.was_good = true;
             self.mode = Mode::Growing { age };
             self.recent.forgive();
+            self.is_adopted = true;
         } else {
             self.next_id = first_id;
             self.gathered.clear();

@@ -14,7 +14,11 @@ pub(super) struct Slot {
     pub(super) phase: Phase,
     pub(super) born: u64,
     pub(super) force_n: f64,
-    /// Frames in a row with hardly any force.
+    /// What the noise of one frame does to it, standard deviation, N.
+    pub(super) force_noise_n: f64,
+    /// Mean of the last frames in which it was steady, and how many.
+    pub(super) steady: (f64, usize),
+    /// Frames with hardly any force, less twice those with more.
     pub(super) n_weak: usize,
     pub(super) covariance: Matrix3<f64>,
     /// Where a contact that slides began to, m, and how far it may have gone since, standard
@@ -31,6 +35,8 @@ impl Slot {
             phase: Phase::Born,
             born,
             force_n: 0.0,
+            force_noise_n: 0.0,
+            steady: (0.0, 0),
             n_weak: 0,
             covariance: Matrix3::zeros(),
         }
@@ -64,6 +70,10 @@ pub(super) struct Belief {
     pub(super) tangents: [[Vector3<f64>; 2]; MAX_CONTACTS],
     /// −2 ln of how probable the frames so far are, up to what all hypotheses share.
     pub(super) score: f64,
+    /// The most that the forces' prior has added to that, Σ (A/σ)².
+    pub(super) strain: f64,
+    /// What it was behind the best hypothesis when the contacts that move came.
+    pub(super) handicap: f64,
 }
 
 impl Belief {
@@ -83,6 +93,8 @@ impl Belief {
             slopes: vec![0.0; 2 * MAX_CONTACTS * model.width],
             tangents: [[Vector3::zeros(); 2]; MAX_CONTACTS],
             score: 0.0,
+            strain: 0.0,
+            handicap: 0.0,
         }
     }
 
@@ -92,6 +104,8 @@ impl Belief {
         self.slots = other.slots;
         self.tangents = other.tangents;
         self.score = other.score;
+        self.strain = other.strain;
+        self.handicap = other.handicap;
         for (mine, theirs, each) in [
             (&mut self.delta, &other.delta, width),
             (&mut self.atoms, &other.atoms, width),
@@ -100,6 +114,15 @@ impl Belief {
         ] {
             mine[..n * each].copy_from_slice(&theirs[..n * each]);
         }
+    }
+
+    /// −2 ln of how probable it is.
+    pub(super) fn total(&self) -> f64 {
+        self.score + self.strain
+    }
+
+    pub(super) fn set_score(&mut self, total: f64) {
+        (self.score, self.strain) = (total, 0.0);
     }
 
     pub(super) fn slots(&self) -> &[Slot] {

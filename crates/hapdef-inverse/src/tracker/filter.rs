@@ -1,9 +1,10 @@
 //! What frames say about the places of held contacts and the map's error there.
 
-use crate::dense::{add_scaled, dot, solve_lower};
+use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
 use crate::tracker::belief::Belief;
 use crate::tracker::frame::Phase;
+use crate::tracker::locate::MAX_CROSSINGS;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;
 
@@ -170,7 +171,7 @@ impl Filter {
         let step = t1 * change[0] + t2 * change[1];
         let point = model
             .skin()
-            .walk(&belief.slots[i].point, &step, AtWall::Slide)
+            .walk_at_most(&belief.slots[i].point, &step, AtWall::Slide, MAX_CROSSINGS)
             .point;
         belief.carry(model, i, point);
     }
@@ -181,6 +182,7 @@ impl Filter {
         self.weigh(belief, &belief.forces(), metric);
         let (n, width, d) = (belief.n, belief.width, belief.d);
         let mut forces = [0.0; MAX_CONTACTS * MAX_CONTACTS];
+        self.set_force_noise(belief, metric);
         let is_known = metric.force_covariance(&mut forces);
         for i in 0..n {
             let slot = &mut belief.slots[i];
@@ -204,6 +206,29 @@ impl Filter {
                     slot.covariance[(p, q)] = belief.p[(i * d + p) * belief.stride + i * d + q];
                 }
             }
+        }
+    }
+
+    /// What the noise alone does to forces in one frame: the diagonal of G L⁻¹ L⁻ᵀ Gᵀ with
+    /// G = (hᵀh)⁻¹ hᵀ, h the atoms whitened by S = L Lᵀ.
+    fn set_force_noise(&mut self, belief: &mut Belief, metric: &Metric) {
+        let (n, width, m) = (belief.n, belief.width, metric.m);
+        let mut covariance = [0.0; MAX_CONTACTS * MAX_CONTACTS];
+        if !metric.force_covariance(&mut covariance) {
+            return;
+        }
+        let row = &mut self.basis[..width];
+        for i in 0..n {
+            row.fill(0.0);
+            for j in 0..n {
+                add_scaled(row, covariance[i * n + j], metric.atom(j));
+            }
+            solve_upper(&metric.l, m, &mut row[..m]);
+            let variance: f64 = (0..m)
+                .filter(|&g| self.live[g])
+                .map(|g| row[g] * row[g])
+                .sum();
+            belief.slots[i].force_noise_n = variance.sqrt();
         }
     }
 }

@@ -4,29 +4,22 @@ use nalgebra::Point3;
 
 use crate::chi_square::upper_tail;
 use crate::error::{InverseError, check_length};
-use crate::estimator::{
-    Contact, ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict, WhyNot,
-};
+use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict};
 use crate::noise::NoiseParams;
 use crate::tracker::belief::Belief;
 use crate::tracker::filter::Filter;
-use crate::tracker::frame::{TrackInfo, TrackedContact, TrackedFrame};
+use crate::tracker::frame::{TrackInfo, TrackedFrame};
 use crate::tracker::gathered::Gathered;
 use crate::tracker::hypotheses::Hypotheses;
 use crate::tracker::locate::{Fit, Locator, Target, Workshop};
 use crate::tracker::metric::Metric;
 use crate::tracker::pair_birth::PairBirth;
 use crate::tracker::params::TrackerParams;
+use crate::tracker::recent::Recent;
 use crate::tracker::scan::SiteScan;
 
 /// A whitened reading beyond this is none.
 const LARGEST: f64 = 1e100;
-
-/// A place is open if its standard deviation exceeds this share of the skin's.
-const OPEN_SHARE: f64 = 0.5;
-
-/// Frames averaged for a full search.
-const N_RECENT: usize = 16;
 
 /// Follows contacts from frame to frame: births, holds, slides, releases.
 ///
@@ -56,6 +49,10 @@ pub struct ContactTracker {
     pub(super) n_live: usize,
     pub(super) next_id: u64,
     pub(super) steps_left: usize,
+    /// Whether the best hypothesis changed in this frame, so that its forces have to be solved again.
+    is_changed: bool,
+    /// Whether a full search was adopted since the last frame.
+    pub(super) is_adopted: bool,
     /// Forces of the contacts that have come, averaged over a few frames and over more.
     pub(super) trace: [f64; 2],
     /// Whether the contacts that move have explained what was gathered of late.
@@ -97,22 +94,6 @@ pub(super) struct Work {
     pub(super) scan: SiteScan,
     /// A gathered frame.
     pub(super) z: Vec<f64>,
-}
-
-/// The last frames, for a full search.
-#[derive(Clone, Debug)]
-pub(super) struct Recent {
-    sum: Vec<f64>,
-    pub(super) mean: Vec<f64>,
-    pub(super) live: Vec<bool>,
-    n: usize,
-    gathering: Gathered,
-    /// Those of `mean`.
-    pub(super) gathered: Gathered,
-    /// Frames, of late, that nothing explains.
-    pub(super) n_bad: usize,
-    /// Frames since a search was handed out.
-    pub(super) asked: Option<usize>,
 }
 
 impl ContactTracker {
@@ -167,6 +148,8 @@ impl ContactTracker {
             n_live: m,
             next_id: 0,
             steps_left: 0,
+            is_changed: false,
+            is_adopted: false,
             trace: [0.0; 2],
             n_stuck: 0,
             was_good: false,
@@ -191,9 +174,13 @@ impl ContactTracker {
     ) -> Result<&TrackedFrame, InverseError> {
         self.read(readings, live)?;
         self.steps_left = self.params.steps_per_frame;
-        self.frame.info = TrackInfo::default();
+        self.frame.info = TrackInfo {
+            is_adopted: std::mem::take(&mut self.is_adopted),
+            ..TrackInfo::default()
+        };
         self.frame.released.clear();
         let is_alarm = self.solve();
+        self.is_changed = false;
         self.recent
             .add(&self.model, readings, &self.z, &self.work.filter.live);
         self.recent.judge(is_alarm);
@@ -204,6 +191,9 @@ impl ContactTracker {
             Mode::Sliding { age, still } => self.slide(age + 1, still, is_alarm),
         }
         self.release();
+        if self.is_changed {
+            self.solve();
+        }
         self.report(readings);
         self.frame.index += 1;
         Ok(&self.frame)
@@ -251,7 +241,7 @@ impl ContactTracker {
         if is_changed {
             self.gathered.clear();
             self.pair_birth.stop();
-            self.recent.clear();
+            self.recent.start_over();
             self.refresh();
         }
         Ok(())
@@ -277,13 +267,18 @@ impl ContactTracker {
 
     /// The metric of every frame for the best hypothesis as it is now.
     pub(super) fn refresh(&mut self) {
+        self.is_changed = true;
         let best = self.hypotheses.best_mut();
         self.work.filter.refresh(best, &mut self.metric);
     }
 
-    /// Refines `whose` mobile contacts on the frame gathered, at most `n` trial steps of the budget.
+    /// Refines `whose` mobile contacts on the frame gathered by about `n` trial steps.
     pub(super) fn settle(&mut self, whose: Whose, n: usize) -> Fit {
-        let end = self.spend(n);
+        let n_mobile = match whose {
+            Whose::Best => self.hypotheses.best().n_mobile(),
+            Whose::Candidate(c) => self.hypotheses.candidates[c].n_mobile(),
+        };
+        let end = self.spend(n * n_mobile);
         let scale = self.gathered.frame(&mut self.work.z);
         let target = Target {
             z: &self.work.z,
@@ -306,7 +301,11 @@ impl ContactTracker {
         self.steps_left += end.saturating_sub(n_trials);
         self.frame.info.n_trials += n_trials;
         if let Whose::Candidate(c) = whose {
-            self.hypotheses.fits[c] = fit;
+            let handicap = self.hypotheses.candidates[c].handicap;
+            self.hypotheses.fits[c] = Fit {
+                evidence: fit.evidence + handicap,
+                ..fit
+            };
         }
         fit
     }
@@ -322,150 +321,6 @@ impl ContactTracker {
     /// comes.
     pub(super) fn most_contacts(&self) -> usize {
         self.params.max_contacts.min(self.n_live.saturating_sub(2))
-    }
-
-    fn release(&mut self) {
-        let (least_n, patience) = (self.params.release_force_n, self.params.release_frames);
-        let best = self.hypotheses.best_mut();
-        let mut n_released = 0;
-        for i in (0..best.n).rev() {
-            let slot = &mut best.slots[i];
-            let sd = slot.covariance[(2, 2)].sqrt();
-            let is_weak = slot.force_n < least_n || (slot.force_n < 3.0 * sd && sd < 1.0);
-            slot.n_weak = if is_weak { slot.n_weak + 1 } else { 0 };
-            if slot.n_weak >= patience {
-                self.frame.released.push(slot.id);
-                best.remove(i);
-                n_released += 1;
-            }
-        }
-        if n_released == 0 {
-            return;
-        }
-        self.frame.info.n_released = n_released;
-        for id in &self.frame.released {
-            self.hypotheses.drop_contact(*id);
-        }
-        if self.hypotheses.best().n_mobile() == 0
-            && matches!(self.mode, Mode::Growing { .. } | Mode::Sliding { .. })
-        {
-            self.mode = Mode::Quiet { deaf: 0 };
-        }
-        self.pair_birth.stop();
-        self.gathered.clear();
-        self.refresh();
-    }
-
-    fn report(&mut self, readings: &[f64]) {
-        let best = self.hypotheses.best();
-        let (frame, model) = (&mut self.frame, &self.model);
-        let skin = model.skin();
-        frame.contacts.clear();
-        for slot in best.slots() {
-            let contact = Contact {
-                point: slot.point,
-                position_m: skin.position(&slot.point),
-                force_n: slot.force_n,
-                force_vector_n: -skin.normal(&slot.point) * slot.force_n,
-                covariance: slot.covariance,
-            };
-            frame.contacts.push(TrackedContact {
-                id: slot.id,
-                phase: slot.phase,
-                age_frames: frame.index.saturating_sub(slot.born),
-                contact,
-            });
-        }
-        for (g, &gauge) in model.live.iter().enumerate() {
-            let explained: f64 = (0..best.n)
-                .map(|i| best.slots[i].force_n * best.atoms[i * best.width + g])
-                .sum();
-            let is_read = self.work.filter.live[g];
-            let left = readings[gauge] - explained * model.l[g * model.m + g];
-            frame.residual[gauge] = if is_read { left } else { 0.0 };
-        }
-        frame.p_value = upper_tail(frame.chi2, frame.n_dof);
-        frame.n_runner_ups = self.hypotheses.n_alive() - 1;
-        frame.info.is_inquiry = matches!(self.mode, Mode::Inquiry { .. });
-        self.frame.verdict = self.verdict();
-    }
-
-    /// Standard deviation of a place anywhere on the skin, m.
-    pub(super) fn skin_sd_m(&self) -> f64 {
-        (self.model.skin().area_m2() / std::f64::consts::TAU).sqrt()
-    }
-
-    fn verdict(&self) -> Verdict {
-        let contacts = &self.frame.contacts;
-        let skin_sd_m = self.skin_sd_m();
-        let open = |c: &TrackedContact| {
-            let p = &c.contact.covariance;
-            let (a, b, d) = (p[(0, 0)], p[(0, 1)], p[(1, 1)]);
-            let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
-            largest.sqrt() > OPEN_SHARE * skin_sd_m
-        };
-        if self.frame.p_value < self.params.misfit_p {
-            Verdict::NotIdentifiable(WhyNot::Misfit)
-        } else if contacts.is_empty() {
-            Verdict::Untouched
-        } else if contacts.iter().any(open) {
-            Verdict::NotIdentifiable(WhyNot::SingularInformation)
-        } else if self.hypotheses.lead() <= self.settings.tie_delta {
-            Verdict::NotIdentifiable(WhyNot::TiedExplanations)
-        } else {
-            Verdict::Identified
-        }
-    }
-}
-
-impl Recent {
-    fn new(n_gauges: usize, width: usize) -> Self {
-        Self {
-            sum: vec![0.0; n_gauges],
-            mean: vec![0.0; n_gauges],
-            live: vec![false; n_gauges],
-            n: 0,
-            gathering: Gathered::new(width),
-            gathered: Gathered::new(width),
-            n_bad: 0,
-            asked: None,
-        }
-    }
-
-    fn add(&mut self, model: &Model, readings: &[f64], z: &[f64], live: &[bool]) {
-        for (g, &gauge) in model.live.iter().enumerate() {
-            self.live[gauge] = live[g];
-            self.sum[gauge] += if live[g] { readings[gauge] } else { 0.0 };
-        }
-        self.gathering.add(z, 1.0);
-        self.n += 1;
-        if self.n == N_RECENT {
-            for (mean, sum) in self.mean.iter_mut().zip(&self.sum) {
-                *mean = sum / N_RECENT as f64;
-            }
-            self.gathered.copy_from(&self.gathering);
-            self.clear();
-        }
-        self.asked = self.asked.map(|n| n + 1);
-    }
-
-    fn clear(&mut self) {
-        self.sum.fill(0.0);
-        self.gathering.clear();
-        self.n = 0;
-    }
-
-    fn judge(&mut self, is_alarm: bool) {
-        self.n_bad = if is_alarm {
-            self.n_bad + 1
-        } else {
-            self.n_bad.saturating_sub(1)
-        };
-    }
-
-    pub(super) fn forgive(&mut self) {
-        self.n_bad = 0;
-        self.asked = None;
     }
 }
 

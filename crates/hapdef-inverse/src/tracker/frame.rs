@@ -34,7 +34,7 @@ pub struct TrackedContact {
 /// What ran in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TrackInfo {
-    /// Trial steps of refinements.
+    /// Trial steps of refinements, each times the contacts that moved.
     pub n_trials: usize,
     /// Scans of all sites.
     pub n_scans: usize,

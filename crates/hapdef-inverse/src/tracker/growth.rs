@@ -5,7 +5,9 @@ use crate::estimator::MAX_CONTACTS;
 use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::{ContactId, Phase};
-use crate::tracker::inquiry::{SCAN_STEPS, mobile_force};
+use crate::tracker::inquiry::{N_BASES, SCAN_STEPS, mobile_force};
+use crate::tracker::locate::MAX_CROSSINGS;
+use crate::walk::AtWall;
 
 /// Least weight of a frame, N.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -18,6 +20,16 @@ pub(super) const SCANS: std::ops::RangeInclusive<usize> = 4..=64;
 
 /// The last age at which a slide may be all that happened.
 const SLIDE_AGE: usize = 32;
+
+/// Places around a contact are tried where what it explains is less probable than this, …
+const HOP_P: f64 = 0.1;
+
+/// … from this age on, …
+const LEAST_HOP_AGE: usize = 8;
+
+/// … in so many directions, this far away at one age and the next, in spacings of the sites.
+const N_DIRECTIONS: u32 = 6;
+const HOP_SPACINGS: [f64; 2] = [0.4, 0.8];
 
 /// Trial steps of a refinement.
 const N_TRIALS: usize = 6;
@@ -86,11 +98,12 @@ impl ContactTracker {
         self.hypotheses.begin();
         for j in 0..self.hypotheses.n_alive() {
             if let Some(c) = self.hypotheses.copy(j) {
-                self.settle(Whose::Candidate(c), N_TRIALS * n_mobile);
+                self.settle(Whose::Candidate(c), N_TRIALS);
             }
         }
         if n_mobile == 1 {
             self.propose_again(&mobile, n_frames);
+            self.propose_hops(&mobile, n_frames);
         }
         if let Some(winner) = self.hypotheses.winner() {
             let delta = self.params.hypothesis_delta;
@@ -102,11 +115,12 @@ impl ContactTracker {
 
     /// Candidates from the contacts there were before `mobile` moved.
     fn propose_again(&mut self, mobile: &Slot, n_frames: usize) {
-        let newcomer = if mobile.phase == Phase::Born {
-            *mobile
-        } else {
-            Slot::new(ContactId(self.next_id), mobile.point, self.frame.index)
-        };
+        let newcomer = Slot::new(ContactId(self.next_id), mobile.point, self.frame.index);
+        if mobile.phase == Phase::Born {
+            for j in 0..self.hypotheses.n_alive().min(N_BASES) {
+                self.propose_elsewhere(j, mobile);
+            }
+        }
         if let Some(base) = self.hypotheses.add(&self.before) {
             let now = self.hypotheses.candidates[0].slots;
             let forces_now = &now[..self.hypotheses.candidates[0].n];
@@ -114,12 +128,55 @@ impl ContactTracker {
                 let same = forces_now.iter().find(|other| other.id == slot.id);
                 slot.force_n = same.map_or(slot.force_n, |other| other.force_n);
             }
-            if self.before.n < self.most_contacts() {
+            if mobile.phase != Phase::Born && self.before.n < self.most_contacts() {
                 self.propose_births(base, newcomer);
             }
             if n_frames <= SLIDE_AGE {
                 self.propose_slides(base, n_frames);
             }
+        }
+    }
+
+    /// Candidates with the contact `mobile` of candidate `from` in other places.
+    fn propose_elsewhere(&mut self, from: usize, mobile: &Slot) {
+        let slots = self.hypotheses.candidates[from].slots();
+        let Some(i) = slots.iter().position(|slot| slot.id == mobile.id) else {
+            return;
+        };
+        if let Some(base) = self.hypotheses.copy_candidate(from) {
+            self.hypotheses.candidates[base].remove(i);
+            self.propose_births(base, *mobile);
+        }
+    }
+
+    /// Candidates that start around the place of `mobile` where it does not explain the frames well:
+    /// the map's slope jumps at edges of faces, and steps downhill may end at a kink.
+    fn propose_hops(&mut self, mobile: &Slot, n_frames: usize) {
+        let from = self.hypotheses.candidates[0].slots().iter();
+        let Some(i) = from.clone().position(|slot| slot.id == mobile.id) else {
+            return;
+        };
+        let n_dof = self
+            .n_live
+            .saturating_sub(self.hypotheses.candidates[0].n + 2);
+        let p = upper_tail(self.hypotheses.fits[0].chi2, n_dof);
+        if n_frames < LEAST_HOP_AGE || p > HOP_P {
+            return;
+        }
+        let spacings = HOP_SPACINGS[n_frames.trailing_zeros() as usize % 2];
+        let distance_m = spacings * self.model.sites.spacing_m();
+        let point = self.hypotheses.candidates[0].slots[i].point;
+        let [t1, t2] = self.model.skin().tangents(&point);
+        for turn in 0..N_DIRECTIONS {
+            let angle = f64::from(turn) / f64::from(N_DIRECTIONS) * std::f64::consts::TAU;
+            let step = (t1 * angle.cos() + t2 * angle.sin()) * distance_m;
+            let skin = self.model.skin();
+            let walk = skin.walk_at_most(&point, &step, AtWall::Slide, MAX_CROSSINGS);
+            let Some(c) = self.hypotheses.copy_candidate(0) else {
+                return;
+            };
+            self.hypotheses.candidates[c].slots[i].point = walk.point;
+            self.settle(Whose::Candidate(c), N_TRIALS);
         }
     }
 
@@ -189,7 +246,8 @@ impl ContactTracker {
     /// Holds all contacts that move, and learns from the frames gathered.
     pub(super) fn hold_mobile(&mut self) {
         for belief in self.hypotheses.alive_mut() {
-            belief.score = 0.0;
+            belief.set_score(belief.handicap);
+            belief.handicap = 0.0;
         }
         self.learn();
         self.gathered.clear();

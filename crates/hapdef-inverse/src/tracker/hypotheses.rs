@@ -6,7 +6,7 @@ use crate::tracker::frame::ContactId;
 use crate::tracker::locate::Fit;
 
 /// Candidates at most: alternatives, peaks, slides.
-const N_CANDIDATES: usize = 16;
+const N_CANDIDATES: usize = 28;
 
 /// The best hypothesis has to be beaten by this in −2 ln evidence.
 const SWITCH_MARGIN: f64 = 2.0;
@@ -58,7 +58,7 @@ impl Hypotheses {
     pub(super) fn lead(&self) -> f64 {
         let others = self.all[1..self.n].iter();
         others
-            .map(|other| other.score - self.all[0].score)
+            .map(|other| other.total() - self.all[0].total())
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -79,8 +79,8 @@ impl Hypotheses {
     pub(super) fn prune(&mut self, model: &Model, delta: f64) -> bool {
         let mut first = 0;
         for j in 1..self.n {
-            let is_ahead = self.all[j].score + SWITCH_MARGIN < self.all[0].score;
-            if is_ahead && self.all[j].score < self.all[first].score {
+            let is_ahead = self.all[j].total() + SWITCH_MARGIN < self.all[0].total();
+            if is_ahead && self.all[j].total() < self.all[first].total() {
                 first = j;
             }
         }
@@ -88,7 +88,7 @@ impl Hypotheses {
         let (best, others) = self.all.split_at_mut(1);
         let mut n = 1;
         for j in 0..self.n - 1 {
-            let is_near = others[j].score <= best[0].score + delta;
+            let is_near = others[j].total() <= best[0].total() + delta;
             let is_new = !is_same(model, &others[j], &best[0])
                 && !others[..n - 1]
                     .iter()
@@ -155,7 +155,7 @@ impl Hypotheses {
     pub(super) fn take(&mut self, model: &Model, winner: usize, delta: f64) {
         let least = self.fits[winner].evidence;
         self.all[0].copy_from(&self.candidates[winner]);
-        self.all[0].score = least;
+        self.all[0].set_score(least);
         self.n = 1;
         let n_contacts = self.all[0].n;
         let n_mobile = self.all[0].n_mobile();
@@ -175,7 +175,7 @@ impl Hypotheses {
                 break;
             };
             free[0].copy_from(&self.candidates[next]);
-            free[0].score = self.fits[next].evidence;
+            free[0].set_score(self.fits[next].evidence);
             self.n += 1;
         }
     }

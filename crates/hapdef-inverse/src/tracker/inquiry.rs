@@ -9,6 +9,9 @@ use crate::tracker::frame::{ContactId, Phase};
 /// Places that a new contact is refined from.
 const N_PEAKS: usize = 3;
 
+/// Hypotheses to which a contact is added.
+pub(super) const N_BASES: usize = 2;
+
 /// Trial steps of each candidate.
 const N_TRIALS: usize = 8;
 
@@ -81,6 +84,9 @@ impl ContactTracker {
             let model = &self.model;
             work.filter
                 .update(model, belief, &work.z, scale, prior_sd_m, metric);
+            let size_2: f64 = belief.forces().iter().map(|a| a * a).sum();
+            let strain = size_2 / self.settings.force_scale_n.powi(2);
+            belief.strain = belief.strain.max(strain);
             self.frame.info.n_updates += 1;
         }
         let delta = self.params.hypothesis_delta;
@@ -106,17 +112,19 @@ impl ContactTracker {
         let n_alive = self.hypotheses.n_alive();
         for j in 0..n_alive {
             if let Some(c) = self.hypotheses.copy(j) {
-                let behind = self.hypotheses.candidates[c].score - self.hypotheses.best().score;
+                let behind = self.hypotheses.candidates[c].total() - self.hypotheses.best().total();
+                self.hypotheses.candidates[c].handicap = behind;
                 self.settle(Whose::Candidate(c), 0);
-                self.hypotheses.fits[c].evidence += behind;
             }
         }
-        let n_before = self.hypotheses.best().n;
-        if n_before < self.most_contacts() {
-            let nowhere = self.model.sites.points()[0];
-            let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
-            self.propose_births(0, newcomer);
+        let nowhere = self.model.sites.points()[0];
+        let newcomer = Slot::new(ContactId(self.next_id), nowhere, self.frame.index);
+        for j in 0..n_alive.min(N_BASES) {
+            if self.hypotheses.candidates[j].n < self.most_contacts() {
+                self.propose_births(j, newcomer);
+            }
         }
+        let weakest = self.propose_replacement(newcomer);
         self.propose_slides(0, age);
         let stay = self.hypotheses.fits[0].evidence;
         let margin = self.params.birth_margin;
@@ -128,28 +136,56 @@ impl ContactTracker {
         let Some(winner) = winner else {
             return false;
         };
-        self.before.copy_from(&self.hypotheses.candidates[0]);
+        self.adopt_winner(winner, n_alive, weakest);
+        self.refresh();
+        true
+    }
+
+    fn adopt_winner(&mut self, winner: usize, n_alive: usize, weakest: Option<(usize, ContactId)>) {
+        let is_birth = self.hypotheses.candidates[winner]
+            .slots()
+            .iter()
+            .any(|slot| slot.phase == Phase::Born);
+        let replaced = weakest.filter(|_| is_birth);
+        let before = replaced.map_or(0, |(base, _)| base);
+        self.before.copy_from(&self.hypotheses.candidates[before]);
         let delta = self.params.hypothesis_delta;
         self.hypotheses.take(&self.model, winner, delta);
-        let best = self.hypotheses.best();
         self.n_stuck = 0;
         self.was_good = false;
         if winner < n_alive {
             self.frame.info.is_switched = true;
             self.mode = Mode::Quiet { deaf: 0 };
             self.gathered.clear();
-        } else if best.n > n_before {
+        } else if is_birth {
+            if let Some((_, id)) = replaced {
+                self.frame.released.push(id);
+                self.frame.info.n_released += 1;
+            }
             self.next_id += 1;
             self.frame.info.n_born += 1;
-            let force = mobile_force(best);
-            self.trace = [force; 2];
+            self.trace = [mobile_force(self.hypotheses.best()); 2];
             let age = self.gathered.n_frames;
             self.mode = Mode::Growing { age };
         } else {
             self.start_slide();
         }
-        self.refresh();
-        true
+    }
+
+    /// Where no contact more can be held: candidates with `newcomer` in place of the weakest contact.
+    /// Returns the candidate without either and who it lacks.
+    fn propose_replacement(&mut self, newcomer: Slot) -> Option<(usize, ContactId)> {
+        let first = &self.hypotheses.candidates[0];
+        if first.n < self.most_contacts() {
+            return None;
+        }
+        let forces = first.forces();
+        let weakest = (0..first.n).min_by(|&i, &j| forces[i].total_cmp(&forces[j]))?;
+        let id = first.slots[weakest].id;
+        let base = self.hypotheses.copy_candidate(0)?;
+        self.hypotheses.candidates[base].remove(weakest);
+        self.propose_births(base, newcomer);
+        Some((base, id))
     }
 
     /// Candidates with `newcomer` more than candidate `base`, at the best places of a scan for a

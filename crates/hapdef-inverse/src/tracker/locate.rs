@@ -12,6 +12,9 @@ use crate::walk::AtWall;
 
 const SIZE: usize = MAX_UNKNOWNS * MAX_UNKNOWNS;
 
+/// Edges that a step crosses at most.
+pub(super) const MAX_CROSSINGS: usize = 24;
+
 /// Rounds in which the covariance is set anew from the forces.
 const N_ROUNDS: usize = 2;
 
@@ -60,6 +63,8 @@ struct Guess {
     points: [SkinPoint; MAX_CONTACTS],
     forces: [f64; MAX_CONTACTS],
     chi2: f64,
+    /// χ² and what the forces' prior adds.
+    cost: f64,
 }
 
 /// What a refinement works with.
@@ -69,7 +74,7 @@ pub(super) struct Workshop<'a> {
     pub(super) filter: &'a mut Filter,
     pub(super) metric: &'a mut Metric,
     pub(super) locator: &'a mut Locator,
-    /// Trial steps made.
+    /// Trial steps made, times the contacts that moved.
     pub(super) n_trials: usize,
 }
 
@@ -87,7 +92,7 @@ impl Locator {
 }
 
 impl Workshop<'_> {
-    /// Moves the mobile contacts of `belief` downhill on `target` by at most `max_trials` trial steps
+    /// Moves the mobile contacts of `belief` downhill on `target` until trial steps times contacts come to `max_trials`
     /// (Levenberg–Marquardt, forces of all contacts solved again at each point) and sets all
     /// forces.
     pub(super) fn settle(
@@ -130,21 +135,21 @@ impl Workshop<'_> {
         self.locator.z.copy_from_slice(target.z);
         self.metric.whiten(&mut self.locator.z);
         let points = std::array::from_fn(|i| belief.slots[i].point);
-        let mut best = self.evaluate(belief, &points);
-        self.linearise(belief, &best);
+        let mut best = self.evaluate(belief, &points, target.scale);
+        self.linearise(belief, &best, target.scale);
         if belief.n_mobile() == 0 {
             return best;
         }
         let mut damping = 1e-3;
-        while self.n_trials < end {
-            let before = best.chi2;
-            let trial = self.trial(belief, &best, damping);
-            self.n_trials += 1;
-            if trial.chi2 < best.chi2 {
+        while self.n_trials + belief.n_mobile() <= end {
+            let before = best.cost;
+            let trial = self.trial(belief, &best, target.scale, damping);
+            self.n_trials += belief.n_mobile();
+            if trial.cost < best.cost {
                 best = trial;
-                self.linearise(belief, &best);
+                self.linearise(belief, &best, target.scale);
                 damping = f64::max(damping * 0.1, 1e-9);
-                if before - best.chi2 <= 1e-4 * (1.0 + best.chi2) {
+                if before - best.cost <= 1e-4 * (1.0 + best.cost) {
                     break;
                 }
             } else if damping > 1e3 {
@@ -156,7 +161,7 @@ impl Workshop<'_> {
         best
     }
 
-    fn trial(&mut self, belief: &Belief, from: &Guess, damping: f64) -> Guess {
+    fn trial(&mut self, belief: &Belief, from: &Guess, scale: f64, damping: f64) -> Guess {
         let n = 3 * belief.n;
         let mut a = self.locator.a;
         let stiffest = (0..n).map(|p| a[p * (n + 1)]).fold(0.0, f64::max);
@@ -172,13 +177,18 @@ impl Workshop<'_> {
             let shrink = (self.params.max_step_m / along.norm().max(f64::MIN_POSITIVE)).min(1.0);
             let skin = self.model.skin();
             points[i] = skin
-                .walk(&points[i], &(along * shrink), AtWall::Slide)
+                .walk_at_most(&points[i], &(along * shrink), AtWall::Slide, MAX_CROSSINGS)
                 .point;
         }
-        self.evaluate(belief, &points)
+        self.evaluate(belief, &points, scale)
     }
 
-    fn evaluate(&mut self, belief: &Belief, points: &[SkinPoint; MAX_CONTACTS]) -> Guess {
+    fn evaluate(
+        &mut self,
+        belief: &Belief,
+        points: &[SkinPoint; MAX_CONTACTS],
+        scale: f64,
+    ) -> Guess {
         let (n, width) = (belief.n, belief.width);
         for i in (0..n).filter(|&i| belief.slots[i].is_mobile()) {
             self.fill_rows(&points[i], i);
@@ -194,6 +204,7 @@ impl Workshop<'_> {
                 h[i * n + j] = product;
                 h[j * n + i] = product;
             }
+            h[i * n + i] += self.prior_information(scale);
         }
         let forces = non_negative(&h, &c, n);
         self.locator.r.copy_from_slice(&self.locator.z);
@@ -202,11 +213,21 @@ impl Workshop<'_> {
             let row = &self.locator.rows[at..at + width];
             add_scaled(&mut self.locator.r, -forces[i], row);
         }
+        let chi2 = dot(&self.locator.r, &self.locator.r);
+        let size_2: f64 = forces.iter().map(|a| a * a).sum();
         Guess {
             points: *points,
             forces,
-            chi2: dot(&self.locator.r, &self.locator.r),
+            chi2,
+            cost: chi2 + self.prior_information(scale) * size_2,
         }
+    }
+
+    fn prior_information(&self, scale: f64) -> f64 {
+        (self.params.force_scale_n * scale)
+            .powi(2)
+            .recip()
+            .min(f64::MAX)
     }
 
     fn fill_rows(&mut self, point: &SkinPoint, i: usize) {
@@ -225,14 +246,17 @@ impl Workshop<'_> {
     }
 
     /// JᵀJ and Jᵀr; contacts that stay have no say in their places.
-    fn linearise(&mut self, belief: &Belief, at: &Guess) {
+    fn linearise(&mut self, belief: &Belief, at: &Guess, scale: f64) {
+        let prior = self.prior_information(scale);
         let (n, width) = (3 * belief.n, belief.width);
         let Locator { rows, r, a, b, .. } = &mut *self.locator;
         let is_free = |q: usize| q % 3 == 2 || belief.slots[q / 3].is_mobile();
         let weight = |q: usize| if q % 3 == 2 { 1.0 } else { at.forces[q / 3] };
         let row = |q: usize| &rows[q * width..(q + 1) * width];
         for p in 0..n {
-            b[p] = if is_free(p) {
+            b[p] = if p % 3 == 2 {
+                dot(row(p), r) - prior * at.forces[p / 3]
+            } else if is_free(p) {
                 weight(p) * dot(row(p), r)
             } else {
                 0.0
@@ -286,10 +310,7 @@ impl Workshop<'_> {
                 l[p * n + q] = unit + prior(p) * prior(q) * information;
             }
         }
-        let mut evidence = guess.chi2 + self.metric.log_det;
-        evidence += (0..belief.n)
-            .map(|i| (guess.forces[i] / force_sd).powi(2))
-            .sum::<f64>();
+        let mut evidence = guess.cost + self.metric.log_det;
         for slot in belief.slots() {
             if let Some((from, sd_m)) = slot.slide {
                 let gone = self.model.skin().position(&slot.point) - from;

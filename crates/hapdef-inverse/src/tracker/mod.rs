@@ -3,6 +3,7 @@
 mod adopt;
 mod belief;
 mod filter;
+mod finish;
 mod follow;
 mod frame;
 mod gathered;
@@ -13,6 +14,7 @@ mod locate;
 mod metric;
 mod pair_birth;
 mod params;
+mod recent;
 mod scan;
 mod search;
 mod slide;

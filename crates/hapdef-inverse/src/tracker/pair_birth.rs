@@ -18,7 +18,7 @@ const N_TRIALS: usize = 8;
 const N_FINALISTS: usize = 4;
 
 /// Trial steps of each of them.
-const N_FINAL_TRIALS: usize = 12;
+const N_FINAL_TRIALS: usize = 10;
 
 /// A search for pairs that goes on from frame to frame.
 #[derive(Clone, Debug)]
@@ -100,12 +100,12 @@ impl ContactTracker {
             return;
         }
         while self.pair_birth.next < self.pair_birth.job.pairs.len() {
-            if self.steps_left < N_TRIALS {
+            if self.steps_left < 2 * N_TRIALS {
                 return;
             }
             self.refine_pair();
         }
-        if self.steps_left >= N_TRIALS + N_FINALISTS * N_FINAL_TRIALS
+        if self.steps_left >= 2 * (N_TRIALS + N_FINALISTS * N_FINAL_TRIALS)
             || self.steps_left == self.params.steps_per_frame
         {
             self.finish_pairs();
@@ -137,7 +137,7 @@ impl ContactTracker {
             locator: &mut self.work.locator,
             n_trials: 0,
         };
-        let fit = workshop.settle(&mut pair_birth.trial, &target, N_TRIALS);
+        let fit = workshop.settle(&mut pair_birth.trial, &target, 2 * N_TRIALS);
         let n_trials = workshop.n_trials;
         pair_birth.rank(fit);
         self.frame.info.n_trials += n_trials;

@@ -6,6 +6,9 @@ use crate::estimator::MAX_CONTACTS;
 /// How contacts are followed from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerParams {
+    /// Frames over which forces are averaged at most while they are steady, for what is reported; a
+    /// force that changes by more than its noise starts anew. 1 for none.
+    pub force_frames: usize,
     /// Contacts held at most. One that arrives needs two channels for its place and every contact
     /// one for its force, so that fewer are held where gauges are few.
     pub max_contacts: usize,
@@ -30,7 +33,7 @@ pub struct TrackerParams {
     /// A contact with less force than this is let go, N, or with less than three standard
     /// deviations …
     pub release_force_n: f64,
-    /// … for so many frames.
+    /// … for so many frames; a frame with more force takes two of them back.
     pub release_frames: usize,
     /// How fast contacts slide, standard deviation, m/s.
     pub slide_m_per_s: f64,
@@ -42,8 +45,8 @@ pub struct TrackerParams {
     pub n_hypotheses: usize,
     /// Explanations worse than the best by more than this in −2 ln evidence are dropped.
     pub hypothesis_delta: f64,
-    /// Work in one frame at most: a trial step of a refinement and a row of a pair scan count one, a
-    /// scan of the sites eight. What is left over waits for the next frame.
+    /// Work in one frame at most: a trial step of a refinement counts one for each contact that moves,
+    /// a row of a pair scan one, a scan of the sites eight. What is left over waits for the next frame.
     pub steps_per_frame: usize,
     /// Frames in a row that no hypothesis explains after which a full search is wanted.
     pub search_frames: usize,
@@ -55,6 +58,7 @@ impl Default for TrackerParams {
     /// For 1,000 frames a second.
     fn default() -> Self {
         Self {
+            force_frames: 16,
             max_contacts: 4,
             frame_period_s: 1e-3,
             block_frames: 8,
@@ -70,7 +74,7 @@ impl Default for TrackerParams {
             min_gap_m: 0.006,
             n_hypotheses: 4,
             hypothesis_delta: 16.0,
-            steps_per_frame: 60,
+            steps_per_frame: 100,
             search_frames: 64,
             misfit_p: 1e-6,
         }
@@ -85,6 +89,7 @@ impl TrackerParams {
         }
         for (what, found) in [
             ("frame_period_s", self.frame_period_s),
+            ("force_frames", self.force_frames as f64),
             ("block_frames", self.block_frames as f64),
             ("inquiry_frames", self.inquiry_frames as f64),
             ("settle_frames", self.settle_frames as f64),

@@ -18,7 +18,7 @@ pub struct SearchRequest<'a> {
 }
 
 /// What a full search found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SearchOutcome {
     /// The frame of the request.
     pub frame: u64,
@@ -45,15 +45,6 @@ impl SearchRequest<'_> {
             scratch,
             &mut outcome.estimate,
         )
-    }
-}
-
-impl Default for SearchOutcome {
-    fn default() -> Self {
-        Self {
-            frame: 0,
-            estimate: ContactEstimate::default(),
-        }
     }
 }
 
@@ -136,7 +127,7 @@ impl BackgroundSearch {
 
     /// Hands `request` to the thread; `false` if it is busy or the request has other gauges.
     pub fn submit(&mut self, request: &SearchRequest<'_>) -> bool {
-        let fits = |job: &Box<Job>| job.readings.len() == request.readings.len();
+        let fits = |job: &Job| job.readings.len() == request.readings.len();
         let (Some(to_thread), Some(mut job)) = (&self.to_thread, self.idle.take_if(|j| fits(j)))
         else {
             return false;

@@ -1,9 +1,10 @@
 //! A contact that moves over the skin, followed until it stays.
 
+use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode, Whose};
 use crate::tracker::frame::Phase;
 use crate::tracker::growth::SCANS;
-use crate::tracker::inquiry::mobile_force;
+use crate::tracker::inquiry::{SCAN_STEPS, mobile_force};
 
 /// What is left of the frames gathered after each frame.
 const KEEP: f64 = 0.8;
@@ -11,8 +12,16 @@ const KEEP: f64 = 0.8;
 /// Trial steps in each frame.
 const N_TRIALS: usize = 4;
 
+/// Frames between hops, sites that are tried, and how far away, in spacings of the sites.
+const HOP_FRAMES: usize = 8;
+const N_HOPS: usize = 4;
+const HOP_SPACINGS: f64 = 3.0;
+
 /// Frames after which it is asked whether the contact moved.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
+
+/// The age of a contact that has come to rest.
+const REST_AGE: usize = 16;
 
 /// It stays if it moved less than this, m, …
 const STILL_M: f64 = 4e-4;
@@ -50,6 +59,8 @@ impl ContactTracker {
             if !matches!(self.mode, Mode::Sliding { .. }) {
                 return;
             }
+        } else if age.is_multiple_of(HOP_FRAMES) {
+            self.hop();
         } else {
             self.settle(Whose::Best, N_TRIALS);
             self.refresh();
@@ -78,6 +89,50 @@ impl ContactTracker {
         }
     }
 
+    /// Lets the sliding contact go on from the best sites around it: the map's slope jumps at edges of
+    /// faces, and steps downhill may end at a kink.
+    fn hop(&mut self) {
+        let best = self.hypotheses.best();
+        let moving = (0..best.n).find(|&i| best.slots[i].phase == Phase::Sliding);
+        let Some(i) = moving.filter(|_| self.spend(SCAN_STEPS) == SCAN_STEPS) else {
+            return;
+        };
+        let slot = self.hypotheses.best().slots[i];
+        self.hypotheses.begin();
+        let (Some(stay), Some(base)) = (self.hypotheses.copy(0), self.hypotheses.copy(0)) else {
+            return;
+        };
+        self.settle(Whose::Candidate(stay), N_TRIALS);
+        self.hypotheses.candidates[base].remove(i);
+        self.scan_beside(base, slot.force_n);
+        let x = self.model.skin().position(&slot.point);
+        let reach_m = HOP_SPACINGS * self.model.sites.spacing_m();
+        let far = |y: &nalgebra::Point3<f64>| (y - x).norm() > reach_m;
+        for (gain, y) in self
+            .work
+            .scan
+            .gains
+            .iter_mut()
+            .zip(self.model.sites.positions())
+        {
+            *gain = if far(y) { 0.0 } else { *gain };
+        }
+        self.model
+            .largest(&self.work.scan.gains, N_HOPS, &mut self.work.scan.peaks);
+        for k in 0..self.work.scan.peaks.len() {
+            let Some(c) = self.hypotheses.copy_candidate(base) else {
+                break;
+            };
+            let point = self.model.sites.points()[self.work.scan.peaks[k].site];
+            self.hypotheses.candidates[c].push(&self.model, Slot { point, ..slot });
+            self.settle(Whose::Candidate(c), N_TRIALS);
+        }
+        if let Some(winner) = self.hypotheses.winner() {
+            self.hypotheses.take(&self.model, winner, 0.0);
+        }
+        self.refresh();
+    }
+
     /// From now on the contact is searched like one that has come.
     fn come_to_rest(&mut self) {
         let best = self.hypotheses.best_mut();
@@ -92,7 +147,7 @@ impl ContactTracker {
         self.trace = [mobile_force(self.hypotheses.best()); 2];
         self.gathered.clear();
         self.was_good = true;
-        self.mode = Mode::Growing { age: BLOCK };
+        self.mode = Mode::Growing { age: REST_AGE };
     }
 
     /// Where the sliding contact is, and its standard deviation, m.

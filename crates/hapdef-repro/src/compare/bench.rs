@@ -67,7 +67,14 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     log.value("inverse.track_p50_us", at(&times, 0.5), "µs")?;
     log.value("inverse.track_p99_us", at(&times, 0.99), "µs")?;
     log.value("inverse.frame_max_us", at(&times, 0.9999), "µs")?;
-    let drawn = cells::sets(&mut draw, args.pairs, 2, [[5.0, 34.0]; 4], [0.012, f64::MAX], 0.0);
+    let drawn = cells::sets(
+        &mut draw,
+        args.pairs,
+        2,
+        [[5.0, 34.0]; 4],
+        [0.012, f64::MAX],
+        0.0,
+    );
     let cold_ms = cold_pair_ms(&estimator, &presses, &drawn, &mut draw)?;
     log.value("inverse.cold_pair_ms", cold_ms, "ms")?;
     let per_frame = tracked.n_allocations as f64 / times.len() as f64;
@@ -141,7 +148,9 @@ fn track(estimator: &ContactEstimator, scripts: &[Vec<Vec<f64>>]) -> Result<Trac
         let mut tracker = ContactTracker::new(estimator, TrackerParams::default())?;
         for readings in frames {
             let (before, start) = (allocations(), Instant::now());
-            background.poll(|outcome| tracker.adopt(outcome))?;
+            background.poll(|outcome| {
+                tracker.adopt(outcome);
+            })?;
             tracker.step(readings, None)?;
             if let Some(request) = tracker.wanted_search() {
                 tracked.n_searches += usize::from(background.submit(&request));

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
+use hapdef::touch::UncertainResponse;
 use hapdef_inverse::{
     Calibrated, CalibrationParams, ContactEstimate, ContactEstimator, EstimatorParams, ModelError,
     NoiseParams, Press, ScanSites, joint_bounds,
 };
-use hapdef::touch::UncertainResponse;
 
 use nalgebra::Point3;
 use rand::RngExt;
@@ -40,7 +40,9 @@ pub(crate) fn presses(
 ) -> Result<Vec<Frame>> {
     let drawn = (0..n).map(|_| {
         let point = draw.place();
-        let force_n = draw.rng.random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
+        let force_n = draw
+            .rng
+            .random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
         vec![draw.contact(point, force_n, 0.0)]
     });
     world.frames(drawn.collect(), 1)
@@ -92,7 +94,12 @@ impl Map {
             ..self.noise.clone()
         };
         let map = Arc::new(self.calibrated.map.clone());
-        Ok(ContactEstimator::new(map, self.sites.clone(), noise, params)?)
+        Ok(ContactEstimator::new(
+            map,
+            self.sites.clone(),
+            noise,
+            params,
+        )?)
     }
 
     /// An estimator that scans other sites, each with the map's error at the nearest calibrated one.
@@ -162,10 +169,15 @@ impl Map {
             if estimate.contacts.len() != frame.contacts.len() {
                 continue;
             }
-            let truth: Vec<_> = frame.contacts.iter().map(|c| (c.point, c.force_n)).collect();
-            let (Some(bounds), Some(with_map)) =
-                (joint_bounds(&exact, &truth)?, joint_bounds(estimator, &truth)?)
-            else {
+            let truth: Vec<_> = frame
+                .contacts
+                .iter()
+                .map(|c| (c.point, c.force_n))
+                .collect();
+            let (Some(bounds), Some(with_map)) = (
+                joint_bounds(&exact, &truth)?,
+                joint_bounds(estimator, &truth)?,
+            ) else {
                 continue;
             };
             let pairs = Score::default().add_estimate(skin, frame, &estimate, 0.0)?;

@@ -128,7 +128,11 @@ fn floor_mm(map: &Map, frames: &[Frame]) -> Result<Option<f64>> {
     let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
     let mut bounds = Vec::new();
     for frame in frames {
-        let truth: Vec<_> = frame.contacts.iter().map(|c| (c.point, c.force_n)).collect();
+        let truth: Vec<_> = frame
+            .contacts
+            .iter()
+            .map(|c| (c.point, c.force_n))
+            .collect();
         match joint_bounds(&estimator, &truth)? {
             Some(found) => bounds.extend(found.iter().map(|b| b.position_sd_m * 1e3)),
             None => bounds.extend(truth.iter().map(|_| f64::INFINITY)),
@@ -181,8 +185,17 @@ const NOTE: &str = "Simulated: the scene's rig, a map calibrated with 3,000 pres
 
 fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
     let header = [
-        "contacts", "way", "mean, mm", "median", "90 %", "beyond 10 mm", "count right", "p50, µs",
-        "p99, µs", "bound, mm", "front",
+        "contacts",
+        "way",
+        "mean, mm",
+        "median",
+        "90 %",
+        "beyond 10 mm",
+        "count right",
+        "p50, µs",
+        "p99, µs",
+        "bound, mm",
+        "front",
     ];
     let row = |p: &Point| {
         let floor = floors.get(p.n_contacts - 1).copied().flatten();
@@ -197,7 +210,11 @@ fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
             format!("{:.0}", p.row.p50_us),
             format!("{:.0}", p.row.p99_us),
             floor.map_or("–".into(), |b| format!("{b:.2}")),
-            if p.on_front { "F".into() } else { String::new() },
+            if p.on_front {
+                "F".into()
+            } else {
+                String::new()
+            },
         ];
         cells.map(TextCell::plain).to_vec()
     };
@@ -209,9 +226,9 @@ fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
 
 fn figures(points: &[Point]) -> Result<Vec<Figure>> {
     let series = |k: usize, is_paper: bool| {
-        let of_k = points.iter().filter(|p| {
-            p.n_contacts == k && p.row.name.starts_with("paper") == is_paper
-        });
+        let of_k = points
+            .iter()
+            .filter(|p| p.n_contacts == k && p.row.name.starts_with("paper") == is_paper);
         let mut places: Vec<(f64, f64)> = of_k
             .map(|p| (p.row.p50_us.log10(), p.row.mean_mm))
             .collect();

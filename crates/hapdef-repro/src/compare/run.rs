@@ -219,7 +219,8 @@ impl<'a> Bench<'a> {
     }
 
     fn arrivals(&self, map: &Map, measured: &mut Measured) -> Result<()> {
-        self.run.say("following contacts that arrive one after another");
+        self.run
+            .say("following contacts that arrive one after another");
         let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
         let mut scratch = estimator.scratch();
         let mut draw = self.draw(40);
@@ -272,14 +273,20 @@ impl<'a> Bench<'a> {
     }
 
     fn doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
+        let (presses, range) = (
+            &self.run.scene.rig.presses,
+            self.run.scene.contact.force_range_n,
+        );
         let n = self.args.frames;
         let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
         self.world.frames(drawn, 12)
     }
 
     fn rough_doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
+        let (presses, range) = (
+            &self.run.scene.rig.presses,
+            self.run.scene.contact.force_range_n,
+        );
         let n = self.args.frames;
         let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
         self.world.frames_under(drawn, WIDE_TIP_M, 20)
@@ -307,7 +314,11 @@ fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrai
     let study = study_layouts(run, limb, &params)?;
     let mut sites = Vec::with_capacity(N_MORE);
     let mut gauges = Vec::with_capacity(N_MORE);
-    for placed in study.layouts.last().map_or(&[][..], |layout| &layout.gauges) {
+    for placed in study
+        .layouts
+        .last()
+        .map_or(&[][..], |layout| &layout.gauges)
+    {
         let site = GaugeSite {
             position: placed.position_m,
             axis: placed.axis,
@@ -315,7 +326,12 @@ fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrai
             width_m: run.scene.gauges.width_m,
         };
         let faces = &limb.boundary.faces;
-        gauges.push(GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?);
+        gauges.push(GaugeStrain::with_params(
+            &limb.mesh,
+            faces,
+            &site,
+            &limb.gauge_params,
+        )?);
         sites.push(site);
     }
     Ok((sites, gauges))

@@ -63,8 +63,11 @@ impl Script {
 
     /// Readings of every frame `[n_frames][n_channels]`, µε.
     pub(crate) fn readings(&self, world: &World, stream: u64) -> Result<Vec<Vec<f64>>> {
-        let units: Result<Vec<Vec<f64>>> =
-            self.contacts.iter().map(|c| world.unit_strains(c)).collect();
+        let units: Result<Vec<Vec<f64>>> = self
+            .contacts
+            .iter()
+            .map(|c| world.unit_strains(c))
+            .collect();
         let units = units?;
         let mut electronics = world.electronics(stream)?;
         let frames = (0..self.n_frames()).map(|frame| {

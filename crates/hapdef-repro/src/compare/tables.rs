@@ -27,7 +27,10 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
     let table = table(measured);
     println!("{}", terminal_table(&table));
     let report = Report {
-        title: format!("hapdef: superposition and the paper's pipeline, {}", run.scene.name),
+        title: format!(
+            "hapdef: superposition and the paper's pipeline, {}",
+            run.scene.name
+        ),
         scene: run.scene.name.clone(),
         facts: facts_of(run, test_seed, measured),
         tables: vec![ReportTable {
@@ -59,12 +62,27 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
         ("double_mean_n", "double", |r| r.mean_n, "N"),
         ("double_within10_pct", "double", |r| r.within10_pct, "%"),
         ("double_count_pct", "double", |r| r.count_pct, "%"),
-        ("double300_mean_mm", "double, 300 presses", |r| r.mean_mm, "mm"),
-        ("friction_double_mean_mm", "double, friction and wide tip", |r| r.mean_mm, "mm"),
+        (
+            "double300_mean_mm",
+            "double, 300 presses",
+            |r| r.mean_mm,
+            "mm",
+        ),
+        (
+            "friction_double_mean_mm",
+            "double, friction and wide tip",
+            |r| r.mean_mm,
+            "mm",
+        ),
         ("triple16_mean_mm", "triple, 16 gauges", |r| r.mean_mm, "mm"),
         ("sequential4_mean_mm", "four arriving", |r| r.mean_mm, "mm"),
         ("sequential4_mean_n", "four arriving", |r| r.mean_n, "N"),
-        ("sequential4_found_pct", "four arriving", |r| r.within10_pct, "%"),
+        (
+            "sequential4_found_pct",
+            "four arriving",
+            |r| r.within10_pct,
+            "%",
+        ),
     ];
     let mut number = |name: &str, value: Option<f64>, unit: &str, why: &str| -> Result<()> {
         let name = format!("compare.{name}");
@@ -76,10 +94,18 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
     for (name, row, of, unit) in figures {
         number(name, measured.row(row).map(of), unit, "no such row")?;
     }
-    number("coverage95_pct", measured.coverage95_pct, "%", "no frame was sure")?;
+    number(
+        "coverage95_pct",
+        measured.coverage95_pct,
+        "%",
+        "no frame was sure",
+    )?;
     let why = "at no contact does the noise's bound exceed the map's error";
     number("bound_ratio", measured.bound_ratio, "1", why)?;
-    let paper = measured.best_paper.as_ref().and_then(|name| measured.row(name));
+    let paper = measured
+        .best_paper
+        .as_ref()
+        .and_then(|name| measured.row(name));
     let ours = measured.row("double").map(|row| row.mean_mm);
     let ratio = paper.zip(ours).map(|(paper, ours)| paper.mean_mm / ours);
     number("double_vs_paper", ratio, "1", "--without-paper")?;
@@ -103,7 +129,9 @@ fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {
     ));
     facts.push(named(
         "seeds",
-        format!("presses and frames {test_seed}, on which nothing was tuned; the rig's are the scene's"),
+        format!(
+            "presses and frames {test_seed}, on which nothing was tuned; the rig's are the scene's"
+        ),
     ));
     let quantile = |q| at(&measured.tracking_us, q);
     facts.push(named(
@@ -121,8 +149,21 @@ fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {
 
 fn table(measured: &Measured) -> TextTable {
     let header = [
-        "frames of", "n", "mean, mm", "median", "90 %", "within 10 mm", "mean, N", "missed",
-        "spurious", "count right", "clean", "unsure", "in 95 %", "p50, µs", "p99, µs",
+        "frames of",
+        "n",
+        "mean, mm",
+        "median",
+        "90 %",
+        "within 10 mm",
+        "mean, N",
+        "missed",
+        "spurious",
+        "count right",
+        "clean",
+        "unsure",
+        "in 95 %",
+        "p50, µs",
+        "p99, µs",
     ];
     let row = |r: &Row| {
         let percent = |v: f64| format!("{v:.1} %");

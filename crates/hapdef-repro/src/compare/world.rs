@@ -40,7 +40,12 @@ pub(crate) struct World {
 
 impl World {
     /// Builds the rig with the scene's gauges and `further` ones behind them.
-    pub(crate) fn build(run: &Run, limb: &Limb, skin: &Skin, further: &[GaugeSite]) -> Result<Self> {
+    pub(crate) fn build(
+        run: &Run,
+        limb: &Limb,
+        skin: &Skin,
+        further: &[GaugeSite],
+    ) -> Result<Self> {
         let gauges: Vec<GaugeSite> = limb.sites.iter().chain(further).copied().collect();
         let real = real_limb(run, limb, &gauges)?;
         let spec = &run.scene.rig.electronics;
@@ -170,7 +175,11 @@ impl<'a> Draw<'a> {
             let at = self.rng.random_range(0.0..whole);
             let face = self.area_to.partition_point(|to| *to <= at);
             let (a, b): (f64, f64) = (self.rng.random(), self.rng.random());
-            let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+            let (a, b) = if a + b > 1.0 {
+                (1.0 - a, 1.0 - b)
+            } else {
+                (a, b)
+            };
             if let Ok(point) = SkinPoint::new(self.skin, face, [1.0 - a - b, a, b]) {
                 return point;
             }

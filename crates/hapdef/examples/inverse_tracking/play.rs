@@ -16,7 +16,7 @@ use crate::script::{Kind, Script};
 const SEARCH_FRAMES: u64 = 30;
 
 /// Times that each scene is played for its times: the least counts, other programs share the machine.
-const N_PLAYS: usize = 3;
+const N_PLAYS: usize = 5;
 
 pub(crate) struct Bench<'a> {
     pub(crate) estimator: &'a ContactEstimator,
@@ -50,60 +50,12 @@ impl Bench<'_> {
                     pending = Some(outcome);
                     row.n_searches += usize::from(play == 0);
                 }
-                // DEBUG
-                if play == 0 && std::env::var("TRACE_SEED").is_ok_and(|t| t == seed.to_string()) {
-                    let f = tracker.last();
-                    let i = f.info;
-                    if index % 25 == 0 || i.n_born + i.n_slides + i.n_released > 0 || i.is_switched
-                    {
-                        let skin = map.skin();
-                        print!("{index:>5} ");
-                        for p in script.presses.iter().filter(|p| p.start <= index) {
-                            let x = skin.position(&p.point(skin, index));
-                            let near = f.contacts.iter().min_by(|a, b| {
-                                (a.contact.position_m - x)
-                                    .norm()
-                                    .total_cmp(&(b.contact.position_m - x).norm())
-                            });
-                            if let Some(c) = near {
-                                print!(
-                                    "[{:.1}N #{} {:?} {:.2}mm({:.2}) {:.2}N({:.2})] ",
-                                    p.force_n(index),
-                                    c.id.0,
-                                    c.phase,
-                                    (c.contact.position_m - x).norm() * 1e3,
-                                    (c.contact.covariance[(0, 0)] + c.contact.covariance[(1, 1)])
-                                        .sqrt()
-                                        * 1e3,
-                                    c.contact.force_n,
-                                    c.contact.covariance[(2, 2)].sqrt()
-                                );
-                            }
-                        }
-                        println!(
-                            "n {} p {:.0e} alt {} {:?} {}",
-                            f.contacts.len(),
-                            f.p_value,
-                            f.n_runner_ups,
-                            f.verdict,
-                            if i.n_born + i.n_slides + i.n_released > 0 || i.is_switched {
-                                format!("{i:?}")
-                            } else {
-                                String::new()
-                            }
-                        );
-                    }
-                }
-                // END
                 if play == 0 {
                     row.frame(map.skin(), &script, index, tracker.last());
                 }
             }
         }
         row.end(&times_us);
-        if std::env::var_os("EACH_SCENE").is_some() {
-            println!("seed {seed}: {}", row.last_scene());
-        }
         Ok(())
     }
 

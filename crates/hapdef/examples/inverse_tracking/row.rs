@@ -16,14 +16,11 @@ pub(crate) struct Row {
     /// When all contacts are there, and at the end.
     judged: [Judged; 2],
     delays: Vec<f64>,
-    n_missed_onsets: usize,
-    n_frames: usize,
     n_right_frames: usize,
     n_settled_frames: usize,
     pub(crate) n_searches: usize,
     times_us: Vec<f64>,
     n_onsets: usize,
-    last: String,
 }
 
 #[derive(Default)]
@@ -53,7 +50,6 @@ impl Row {
                 self.delays.extend(vec![(index - oldest) as f64; n_new]);
                 self.n_onsets = begun.len();
             } else if index - oldest > 140 {
-                self.n_missed_onsets += n_new;
                 self.n_onsets = begun.len();
             }
         }
@@ -62,24 +58,18 @@ impl Row {
             self.n_settled_frames += 1;
             self.n_right_frames += usize::from(frame.contacts.len() == n_true);
         }
-        self.n_frames += 1;
         let is_end = index + 1 == script.n_frames;
         if index + 1 == script.all_there {
-            self.last = self.judged[0].judge(skin, script, index, frame);
+            self.judged[0].judge(skin, script, index, frame);
         }
         if is_end {
-            let last = self.judged[1].judge(skin, script, index, frame);
-            self.last = format!("{} | {last}", self.last);
+            self.judged[1].judge(skin, script, index, frame);
         }
     }
 
     pub(crate) fn end(&mut self, times_us: &[f64]) {
         self.times_us.extend(times_us);
         self.n_onsets = 0;
-    }
-
-    pub(crate) fn last_scene(&self) -> &str {
-        &self.last
     }
 
     pub(crate) fn text(&mut self) -> String {
@@ -108,13 +98,7 @@ impl Row {
 }
 
 impl Judged {
-    fn judge(
-        &mut self,
-        skin: &Skin,
-        script: &Script,
-        index: usize,
-        frame: &TrackedFrame,
-    ) -> String {
+    fn judge(&mut self, skin: &Skin, script: &Script, index: usize, frame: &TrackedFrame) {
         let truth: Vec<_> = script
             .pressing(index)
             .map(|p| (skin.position(&p.point(skin, index)), p.force_n(index)))
@@ -126,15 +110,12 @@ impl Judged {
             .map(|c| c.contact.position_m)
             .collect();
         let pairs = matched(&places, &found, &mut vec![false; found.len()]).1;
-        let mut text = format!("{} of {}:", found.len(), truth.len());
         for (i, j) in pairs.into_iter().enumerate() {
             let Some(j) = j else {
-                text += " -";
                 continue;
             };
             let mm = (places[i] - found[j]).norm() * 1e3;
             let miss_n = (truth[i].1 - frame.contacts[j].contact.force_n).abs();
-            text += &format!(" {mm:.2} mm {miss_n:.2} N,");
             if mm <= FOUND_MM {
                 self.near_mm.push(mm);
                 self.misses_n.push(miss_n);
@@ -143,7 +124,6 @@ impl Judged {
         self.n_true += truth.len();
         self.n_scenes += 1;
         self.n_right += usize::from(found.len() == truth.len());
-        format!("{text} p {:.1e} {:?}", frame.p_value, frame.verdict)
     }
 }
 

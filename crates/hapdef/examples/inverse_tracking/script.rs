@@ -100,10 +100,8 @@ impl Script {
         let mut presses: Vec<Press> = Vec::new();
         let mut start = 100;
         for point in draw_points(skin, &mut rng) {
-            let with_last = match (kind, presses.len()) {
-                (Kind::TwoAtOnce, 1) | (Kind::TwoPairs, 1 | 3) => true,
-                _ => false,
-            };
+            let place = (kind, presses.len());
+            let with_last = matches!(place, (Kind::TwoAtOnce, 1) | (Kind::TwoPairs, 1 | 3));
             if !presses.is_empty() && !with_last {
                 start += rng.random_range(150..250);
             }

@@ -140,10 +140,17 @@ impl Layout<'_> {
         let (up, steps_up) = self.moved(motion, step);
         let (down, steps_down) = self.moved(motion, -step);
         let of = |gauges: &[GaugeStrain]| -> Result<_, HapdefError> {
-            Ok(skin_values(self.limb, &self.model.gauge_response(gauges)?.0))
+            Ok(skin_values(
+                self.limb,
+                &self.model.gauge_response(gauges)?.0,
+            ))
         };
         let (up, down) = (of(&up)?, of(&down)?);
-        let spans: Vec<f64> = steps_up.iter().zip(&steps_down).map(|(a, b)| a + b).collect();
+        let spans: Vec<f64> = steps_up
+            .iter()
+            .zip(&steps_down)
+            .map(|(a, b)| a + b)
+            .collect();
         let slope = |(i, (up, down)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
             (up - down) / spans[i % spans.len()].max(f64::MIN_POSITIVE)
         };
@@ -257,6 +264,7 @@ fn element_forces(
         let nodes = element.map(|node| limb.mesh.position(node));
         let k = stiffness(&nodes, &limb.material).map_err(|at| SimError::ElementInverted {
             element: e,
+            parent: at.parent,
             det_j_m3: at.det_j_m3,
         })?;
         for (gauge, forces) in forces.iter_mut().enumerate() {

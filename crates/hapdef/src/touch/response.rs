@@ -65,7 +65,7 @@ pub(super) fn field_map(
 }
 
 /// The scene's skin with the directions of contacts as its normals.
-fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
+pub(super) fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
     let place = |node| limb.skin.nodes.partition_point(|other| *other < node) as u32;
     let faces: Vec<[u32; 6]> = limb.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
     let outward: Vec<Vector3<f64>> = limb.directions.iter().map(|d| -d).collect();

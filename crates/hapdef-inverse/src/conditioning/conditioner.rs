@@ -1,0 +1,322 @@
+//! The filter in front of the estimator.
+
+use crate::chi_square::upper_tail;
+use crate::conditioning::faults::{GaugeHealth, Watch};
+use crate::conditioning::params::ConditionerParams;
+use crate::conditioning::touch::Touch;
+use crate::conditioning::tracker::Tracker;
+use crate::error::{InverseError, check_length};
+
+/// What the conditioner is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// It averages the first frames, which must be untouched.
+    Taring,
+    /// Nothing touches: baselines are tracked.
+    Untouched,
+    /// Something touches: baselines hold.
+    Touched,
+}
+
+/// A frame after conditioning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conditioned {
+    /// Readings less baseline, temperature and creep `[n_gauges]`; 0 for gauges that don't count.
+    pub readings: Vec<f64>,
+    /// Standard deviation of what was taken off `[n_gauges]`, to be added to the noise.
+    pub baseline_sd: Vec<f64>,
+    /// Gauges that count `[n_gauges]`.
+    pub live: Vec<bool>,
+    /// Whether `live` differs from the frame before: time for [`crate::ContactEstimator::masked`].
+    pub is_mask_new: bool,
+    /// Why gauges don't count `[n_gauges]`.
+    pub health: Vec<GaugeHealth>,
+    /// What is going on.
+    pub phase: Phase,
+}
+
+/// Takes tare, drift, temperature and creep off raw readings and masks bad gauges.
+///
+/// A contact whose readings grow more slowly than baselines are allowed to walk can't be told from
+/// drift and is learned.
+#[derive(Clone, Debug)]
+pub struct Conditioner {
+    params: ConditionerParams,
+    trackers: Vec<Tracker>,
+    watches: Vec<Watch>,
+    touch: Touch,
+    n_tared: usize,
+    sums: Vec<f64>,
+    tare_temperature_k: Option<f64>,
+    /// Running means of the readings since the last frame that was surely touched `[n_gauges]`.
+    slow: Vec<f64>,
+    n_slow: usize,
+    /// Frames that baselines have not learned from yet `[lag_frames][n_gauges + 2]`: raw values, the
+    /// temperature above the tare's, the time since the release.
+    ring: Vec<f64>,
+    ring_start: usize,
+    ring_len: usize,
+    /// Of the last contact: mean reading of each gauge, how long it took, how long ago, s.
+    load: Vec<f64>,
+    touched_s: f64,
+    released_s: f64,
+}
+
+impl Conditioner {
+    /// A conditioner that starts by taring.
+    ///
+    /// # Errors
+    /// [`InverseError`] for unusable parameters.
+    pub fn new(params: ConditionerParams) -> Result<Self, InverseError> {
+        params.check()?;
+        let n = params.gauge_sd.len();
+        let tracker = |&sd: &f64| Tracker::new(sd, params.temperature_sd, params.creep_sd);
+        Ok(Self {
+            trackers: params.gauge_sd.iter().map(tracker).collect(),
+            watches: vec![Watch::new(); n],
+            touch: Touch::new(),
+            n_tared: 0,
+            sums: vec![0.0; n],
+            tare_temperature_k: None,
+            slow: vec![0.0; n],
+            n_slow: 0,
+            ring: vec![0.0; params.lag_frames * (n + 2)],
+            ring_start: 0,
+            ring_len: 0,
+            load: vec![0.0; n],
+            touched_s: 0.0,
+            released_s: 0.0,
+            params,
+        })
+    }
+
+    /// An output for [`Conditioner::step_into`].
+    #[must_use]
+    pub fn output(&self) -> Conditioned {
+        let n = self.trackers.len();
+        Conditioned {
+            readings: vec![0.0; n],
+            baseline_sd: vec![0.0; n],
+            live: vec![true; n],
+            is_mask_new: false,
+            health: vec![GaugeHealth::Good; n],
+            phase: Phase::Taring,
+        }
+    }
+
+    /// Forgets the baselines: the next frames, untouched, are the new tare. What was learned of
+    /// temperature and creep stays.
+    pub fn tare(&mut self) {
+        self.n_tared = 0;
+        self.sums.fill(0.0);
+        (self.n_slow, self.ring_len) = (0, 0);
+        self.touch = Touch::new();
+        (self.touched_s, self.released_s) = (0.0, 0.0);
+        self.tare_temperature_k = None;
+    }
+
+    /// One frame of raw readings `[n_gauges]` with the temperature (K or °C) where there is a channel
+    /// for it. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`InverseError::Length`]. Values that are not finite are masked, not refused.
+    pub fn step_into(
+        &mut self,
+        raw: &[f64],
+        temperature_k: Option<f64>,
+        out: &mut Conditioned,
+    ) -> Result<(), InverseError> {
+        let n = self.trackers.len();
+        check_length("the raw readings", n, raw.len())?;
+        check_length("the conditioned readings", n, out.readings.len())?;
+        let temperature_k = temperature_k.filter(|t| t.is_finite());
+        if self.tare_temperature_k.is_none() {
+            self.tare_temperature_k = temperature_k;
+        }
+        let warmer_k = match (temperature_k, self.tare_temperature_k) {
+            (Some(now), Some(then)) => now - then,
+            _ => 0.0,
+        };
+        if self.n_tared < self.params.tare_frames {
+            self.add_to_tare(raw, out);
+            return Ok(());
+        }
+        self.take_off(raw, warmer_k, out);
+        self.find_faults(raw, out);
+        let is_new = self.decide(out);
+        self.follow(raw, warmer_k, is_new, out);
+        out.phase = if self.touch.is_touched {
+            Phase::Touched
+        } else {
+            Phase::Untouched
+        };
+        Ok(())
+    }
+
+    fn add_to_tare(&mut self, raw: &[f64], out: &mut Conditioned) {
+        out.readings.fill(0.0);
+        (out.phase, out.is_mask_new) = (Phase::Taring, false);
+        if raw.iter().any(|r| !r.is_finite()) {
+            return;
+        }
+        self.sums.iter_mut().zip(raw).for_each(|(sum, r)| *sum += r);
+        self.n_tared += 1;
+        if self.n_tared == self.params.tare_frames {
+            for (tracker, sum) in self.trackers.iter_mut().zip(&self.sums) {
+                tracker.tare(sum / self.n_tared as f64, self.n_tared);
+            }
+        }
+    }
+
+    /// ln of what a contact that lasted `touched_s` leaves `released_s` after it went, per unit of
+    /// its reading and creep: logarithmic creep, superposed for load and release.
+    fn recovery(&self, released_s: f64) -> f64 {
+        let tau = self.params.creep_time_s;
+        ((released_s + self.touched_s + tau) / (released_s + tau)).ln()
+    }
+
+    fn take_off(&mut self, raw: &[f64], warmer_k: f64, out: &mut Conditioned) {
+        let walk = self.params.drift_sd.powi(2) * self.params.period_s;
+        // of a contact that lasts what has crept so far, of one that has gone what is left of it
+        let crept = if self.touch.is_touched {
+            (1.0 + self.touched_s / self.params.creep_time_s).ln()
+        } else {
+            self.recovery(self.released_s)
+        };
+        for (gauge, tracker) in self.trackers.iter_mut().enumerate() {
+            tracker.drift(walk);
+            let creep = self.load[gauge] * crept;
+            out.readings[gauge] = raw[gauge] - tracker.expected(warmer_k, creep);
+            out.baseline_sd[gauge] = tracker.variance(warmer_k, creep).max(0.0).sqrt();
+        }
+    }
+
+    fn find_faults(&mut self, raw: &[f64], out: &mut Conditioned) {
+        let z = |gauge: usize| {
+            let z = out.readings[gauge] / self.params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
+            if z.is_finite() { z.abs() } else { 0.0 }
+        };
+        // the two largest, so that each gauge finds the largest of the others
+        let (mut first, mut second, mut of_first) = (0.0, 0.0, usize::MAX);
+        for gauge in 0..raw.len() {
+            let is_good = self.watches[gauge].health == GaugeHealth::Good;
+            let z = if is_good { z(gauge) } else { 0.0 };
+            if z > first {
+                (second, first, of_first) = (first, z, gauge);
+            } else if z > second {
+                second = z;
+            }
+        }
+        out.is_mask_new = false;
+        for (gauge, watch) in self.watches.iter_mut().enumerate() {
+            let others = if gauge == of_first { second } else { first };
+            let rail = self.params.rails.get(gauge);
+            let was_live = watch.health == GaugeHealth::Good;
+            let own =
+                out.readings[gauge] / self.params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
+            watch.judge(raw[gauge], rail, own, others, &self.params);
+            out.health[gauge] = watch.health;
+            out.live[gauge] = watch.health == GaugeHealth::Good;
+            out.is_mask_new |= out.live[gauge] != was_live;
+            if !out.live[gauge] {
+                out.readings[gauge] = 0.0;
+            }
+        }
+    }
+
+    /// Whether something began or ceased to touch.
+    fn decide(&mut self, out: &Conditioned) -> bool {
+        let (mut chi2, mut slow_chi2, mut n_dof) = (0.0, 0.0, 0);
+        self.n_slow = (self.n_slow + 1).min(self.params.slow_frames);
+        let gain = 1.0 / self.n_slow as f64;
+        // variance of a mean, then of an exponential average
+        let is_full = self.n_slow == self.params.slow_frames;
+        let share = if is_full { gain / (2.0 - gain) } else { gain };
+        for gauge in 0..out.readings.len() {
+            if !out.live[gauge] {
+                continue;
+            }
+            let noise = self.params.gauge_sd[gauge].powi(2);
+            let baseline = out.baseline_sd[gauge].powi(2);
+            let r = out.readings[gauge];
+            self.slow[gauge] += gain * (r - self.slow[gauge]);
+            chi2 += r * r / (noise + baseline);
+            slow_chi2 += self.slow[gauge].powi(2) / (noise * share + baseline);
+            n_dof += 1;
+        }
+        if upper_tail(chi2, n_dof) < self.params.touch_p {
+            self.n_slow = 0;
+        }
+        self.touch.decide(chi2, slow_chi2, n_dof, &self.params)
+    }
+
+    /// Learns from an old frame while nothing touches; keeps the load while something does.
+    fn follow(&mut self, raw: &[f64], warmer_k: f64, is_new: bool, out: &Conditioned) {
+        let period_s = self.params.period_s;
+        if self.touch.is_touched {
+            if is_new {
+                let recovery = self.recovery(self.released_s);
+                for (tracker, load) in self.trackers.iter_mut().zip(&mut self.load) {
+                    tracker.absorb(*load * recovery);
+                    *load = 0.0;
+                }
+                (self.touched_s, self.ring_len) = (0.0, 0);
+            }
+            self.touched_s += period_s;
+            let gain = period_s / self.touched_s;
+            for gauge in 0..raw.len() {
+                if out.live[gauge] {
+                    self.load[gauge] += gain * (out.readings[gauge] - self.load[gauge]);
+                }
+            }
+            self.released_s = 0.0;
+            return;
+        }
+        if is_new {
+            let quiet_s = period_s * self.params.release_frames as f64;
+            self.touched_s = (self.touched_s - quiet_s).max(0.0);
+            self.released_s = quiet_s;
+        }
+        self.released_s += period_s;
+        let width = raw.len() + 2;
+        let lag = self.params.lag_frames;
+        if lag == 0 {
+            self.learn(raw, warmer_k, self.released_s);
+            return;
+        }
+        if self.ring_len == lag {
+            let at = self.ring_start * width;
+            let old = std::mem::take(&mut self.ring);
+            let row = &old[at..at + width];
+            self.learn(&row[..raw.len()], row[raw.len()], row[raw.len() + 1]);
+            self.ring = old;
+            self.ring_start = (self.ring_start + 1) % lag;
+            self.ring_len -= 1;
+        }
+        let at = (self.ring_start + self.ring_len) % lag * width;
+        let row = &mut self.ring[at..at + width];
+        for gauge in 0..raw.len() {
+            row[gauge] = if out.live[gauge] {
+                raw[gauge]
+            } else {
+                f64::NAN
+            };
+        }
+        row[raw.len()] = warmer_k;
+        row[raw.len() + 1] = self.released_s;
+        self.ring_len += 1;
+    }
+
+    fn learn(&mut self, raw: &[f64], warmer_k: f64, released_s: f64) {
+        let recovery = self.recovery(released_s);
+        for (gauge, tracker) in self.trackers.iter_mut().enumerate() {
+            if raw[gauge].is_finite() {
+                let creep = self.load[gauge] * recovery;
+                let before = tracker.expected(warmer_k, creep);
+                tracker.learn(raw[gauge], warmer_k, creep);
+                // what is learned has been in the running mean's readings, too
+                self.slow[gauge] -= tracker.expected(warmer_k, creep) - before;
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Gauges that can't be believed.
+
+use crate::conditioning::params::ConditionerParams;
+
+/// What is wrong with a gauge, if anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GaugeHealth {
+    /// Nothing.
+    Good,
+    /// At an end of its converter's range.
+    Saturated,
+    /// It repeats a value while others move.
+    Dead,
+    /// It jumped alone.
+    Spike,
+    /// No number.
+    NotFinite,
+    /// Good again, but not for long enough to count.
+    Recovering,
+}
+
+/// One gauge's recent past.
+#[derive(Clone, Debug)]
+pub(crate) struct Watch {
+    last: f64,
+    n_same: usize,
+    /// Others' readings moved since this one began to repeat.
+    others_moved: bool,
+    n_spike: usize,
+    n_good: usize,
+    pub(crate) health: GaugeHealth,
+}
+
+impl Watch {
+    pub(crate) fn new() -> Self {
+        Self {
+            last: f64::NAN,
+            n_same: 0,
+            others_moved: false,
+            n_spike: 0,
+            n_good: usize::MAX,
+            health: GaugeHealth::Good,
+        }
+    }
+
+    /// Judges a raw value; `z` is its reading over its standard deviation, `others_z` the largest of
+    /// the other gauges'.
+    pub(crate) fn judge(
+        &mut self,
+        raw: f64,
+        rail: Option<&(f64, f64)>,
+        z: f64,
+        others_z: f64,
+        params: &ConditionerParams,
+    ) {
+        let fault = self.fault(raw, rail, z, others_z, params);
+        self.last = raw;
+        self.n_good = match fault {
+            Some(_) => 0,
+            None => self.n_good.saturating_add(1),
+        };
+        // a spike is over when it is over
+        let waits = matches!(self.health, GaugeHealth::Spike | GaugeHealth::Good);
+        self.health = match fault {
+            Some(fault) => fault,
+            None if waits || self.n_good >= params.recover_frames => GaugeHealth::Good,
+            None => GaugeHealth::Recovering,
+        };
+    }
+
+    fn fault(
+        &mut self,
+        raw: f64,
+        rail: Option<&(f64, f64)>,
+        z: f64,
+        others_z: f64,
+        params: &ConditionerParams,
+    ) -> Option<GaugeHealth> {
+        if !raw.is_finite() {
+            return Some(GaugeHealth::NotFinite);
+        }
+        if rail.is_some_and(|(low, high)| raw <= *low || raw >= *high) {
+            return Some(GaugeHealth::Saturated);
+        }
+        if raw.total_cmp(&self.last).is_eq() {
+            self.n_same += 1;
+            self.others_moved |= others_z > params.moved_sds;
+        } else {
+            (self.n_same, self.others_moved) = (0, false);
+        }
+        if self.n_same >= params.stuck_frames && self.others_moved {
+            return Some(GaugeHealth::Dead);
+        }
+        let is_alone = z.abs() > params.spike_sds && others_z < 0.5 * params.spike_sds;
+        self.n_spike = if is_alone { self.n_spike + 1 } else { 0 };
+        (is_alone && self.n_spike <= params.spike_frames).then_some(GaugeHealth::Spike)
+    }
+}

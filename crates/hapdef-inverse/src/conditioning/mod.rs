@@ -1,0 +1,14 @@
+//! Conditioning: from raw readings to those of the contacts alone.
+//!
+//! What drifts is tracked only while nothing touches; a compensator that runs during a contact eats
+//! it. Gauges that can't be believed are masked.
+
+mod conditioner;
+mod faults;
+mod params;
+mod touch;
+mod tracker;
+
+pub use conditioner::{Conditioned, Conditioner, Phase};
+pub use faults::GaugeHealth;
+pub use params::ConditionerParams;

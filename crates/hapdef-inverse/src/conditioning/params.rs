@@ -1,0 +1,107 @@
+//! How gauges drift, and when something touches.
+
+use crate::error::{InverseError, check_length, check_not_negative, check_positive};
+
+/// Knobs of a [`crate::Conditioner`]. Readings in one unit throughout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConditionerParams {
+    /// Standard deviation of each gauge's noise in a frame `[n_gauges]`, quantisation included.
+    pub gauge_sd: Vec<f64>,
+    /// Time between frames, s.
+    pub period_s: f64,
+    /// Frames whose mean is the tare.
+    pub tare_frames: usize,
+    /// Random walk of a gauge's baseline, per √s.
+    pub drift_sd: f64,
+    /// Standard deviation of a gauge's temperature coefficient before it is learned, per K; 0 without
+    /// a temperature channel.
+    pub temperature_sd: f64,
+    /// Standard deviation of a gauge's creep before it is learned: part of the reading per unit of
+    /// ln(1 + t/τ); 0 for none.
+    pub creep_sd: f64,
+    /// τ, s.
+    pub creep_time_s: f64,
+    /// Something touches if readings are less probable than this.
+    pub touch_p: f64,
+    /// It has gone when they are at least this probable for `release_frames` frames.
+    pub release_p: f64,
+    /// See `release_p`.
+    pub release_frames: usize,
+    /// Frames over which readings are averaged for contacts that come slowly.
+    pub slow_frames: usize,
+    /// Baselines learn from frames this many frames ago, so that the beginning of a contact that is
+    /// not yet noticed is not learned.
+    pub lag_frames: usize,
+    /// Lowest and highest raw value of each gauge's converter `[n_gauges]`; empty for no limits.
+    pub rails: Vec<(f64, f64)>,
+    /// A gauge is dead that repeats one value for this many frames while another moves by
+    /// `moved_sds` standard deviations of its noise.
+    pub stuck_frames: usize,
+    /// See `stuck_frames`.
+    pub moved_sds: f64,
+    /// A gauge spikes that jumps by this many standard deviations while no other gauge moves.
+    pub spike_sds: f64,
+    /// Frames for which a jump of one gauge alone is held back; longer ones are believed.
+    pub spike_frames: usize,
+    /// Frames without fault after which a gauge counts again.
+    pub recover_frames: usize,
+}
+
+impl ConditionerParams {
+    /// For frames every `period_s`: 0.02 per √s of drift, no temperature channel, no creep.
+    #[must_use]
+    pub fn new(gauge_sd: Vec<f64>, period_s: f64) -> Self {
+        Self {
+            gauge_sd,
+            period_s,
+            tare_frames: 200,
+            drift_sd: 0.02,
+            temperature_sd: 0.0,
+            creep_sd: 0.0,
+            creep_time_s: 1.0,
+            touch_p: 1e-6,
+            release_p: 1e-3,
+            release_frames: 20,
+            slow_frames: 64,
+            lag_frames: 200,
+            rails: Vec::new(),
+            stuck_frames: 100,
+            moved_sds: 20.0,
+            spike_sds: 12.0,
+            spike_frames: 2,
+            recover_frames: 100,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), InverseError> {
+        check_positive("the number of gauges", self.gauge_sd.len() as f64)?;
+        for &sd in &self.gauge_sd {
+            check_positive("gauge_sd", sd)?;
+        }
+        check_positive("period_s", self.period_s)?;
+        check_positive("tare_frames", self.tare_frames as f64)?;
+        check_not_negative("drift_sd", self.drift_sd)?;
+        check_not_negative("temperature_sd", self.temperature_sd)?;
+        check_not_negative("creep_sd", self.creep_sd)?;
+        check_positive("creep_time_s", self.creep_time_s)?;
+        check_positive("release_frames", self.release_frames as f64)?;
+        check_positive("slow_frames", self.slow_frames as f64)?;
+        check_positive("stuck_frames", self.stuck_frames as f64)?;
+        check_positive("moved_sds", self.moved_sds)?;
+        check_positive("spike_sds", self.spike_sds)?;
+        for (what, p) in [("touch_p", self.touch_p), ("release_p", self.release_p)] {
+            if !(p > 0.0 && p < 1.0) {
+                let expected = "a probability between 0 and 1";
+                return Err(InverseError::Parameter {
+                    what,
+                    found: p,
+                    expected,
+                });
+            }
+        }
+        if self.rails.is_empty() {
+            return Ok(());
+        }
+        check_length("rails", self.gauge_sd.len(), self.rails.len())
+    }
+}

@@ -1,0 +1,230 @@
+//! What conditioning takes off, and what it leaves.
+#![expect(clippy::unwrap_used, reason = "what can't be made fails the test")]
+
+use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, Phase};
+use proptest::prelude::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+const N: usize = 10;
+const PERIOD_S: f64 = 0.001;
+
+/// Gauges with noise of 1, whatever else `signal` says.
+struct Rig {
+    conditioner: Conditioner,
+    out: Conditioned,
+    rng: ChaCha8Rng,
+    t_s: f64,
+}
+
+impl Rig {
+    fn new(change: impl Fn(&mut ConditionerParams)) -> Self {
+        let mut params = ConditionerParams::new(vec![1.0; N], PERIOD_S);
+        change(&mut params);
+        let conditioner = Conditioner::new(params).unwrap();
+        Self {
+            out: conditioner.output(),
+            conditioner,
+            rng: ChaCha8Rng::seed_from_u64(3),
+            t_s: 0.0,
+        }
+    }
+
+    /// Frames for `seconds`; the last one's output stays.
+    fn run(
+        &mut self,
+        seconds: f64,
+        temperature_k: impl Fn(f64) -> Option<f64>,
+        signal: impl Fn(usize, f64) -> f64,
+    ) {
+        for _ in 0..(seconds / PERIOD_S).round() as usize {
+            let raw: Vec<f64> = (0..N)
+                .map(|gauge| {
+                    let n: f64 = StandardNormal.sample(&mut self.rng);
+                    signal(gauge, self.t_s) + n
+                })
+                .collect();
+            self.step(&raw, temperature_k(self.t_s));
+        }
+    }
+
+    fn step(&mut self, raw: &[f64], temperature_k: Option<f64>) {
+        self.conditioner
+            .step_into(raw, temperature_k, &mut self.out)
+            .unwrap();
+        self.t_s += PERIOD_S;
+    }
+
+    /// Mean readings over `seconds`.
+    fn mean(
+        &mut self,
+        seconds: f64,
+        temperature_k: impl Fn(f64) -> Option<f64>,
+        signal: impl Fn(usize, f64) -> f64,
+    ) -> Vec<f64> {
+        let n = (seconds / PERIOD_S).round() as usize;
+        let mut sums = vec![0.0; N];
+        for _ in 0..n {
+            self.run(PERIOD_S, &temperature_k, &signal);
+            sums.iter_mut()
+                .zip(&self.out.readings)
+                .for_each(|(s, r)| *s += r / n as f64);
+        }
+        sums
+    }
+}
+
+fn offset(gauge: usize) -> f64 {
+    100.0 - 30.0 * gauge as f64
+}
+
+/// A contact of some tens of units, on some gauges hardly seen.
+fn contact(gauge: usize) -> f64 {
+    40.0 * (1.3 * gauge as f64).cos()
+}
+
+#[test]
+fn a_contact_of_minutes_is_not_eaten() {
+    let mut rig = Rig::new(|_| ());
+    rig.run(2.0, |_| None, |g, _| offset(g));
+    assert_eq!(rig.out.phase, Phase::Untouched);
+    rig.run(180.0, |_| None, |g, _| offset(g) + contact(g));
+    assert_eq!(rig.out.phase, Phase::Touched);
+    let mean = rig.mean(0.5, |_| None, |g, _| offset(g) + contact(g));
+    for (gauge, found) in mean.iter().enumerate() {
+        // the tare is the mean of 200 frames: 0.07; the frames here add 0.04
+        assert!((found - contact(gauge)).abs() < 0.4, "{gauge}: {found}");
+    }
+    rig.run(1.0, |_| None, |g, _| offset(g));
+    assert_eq!(rig.out.phase, Phase::Untouched);
+}
+
+#[test]
+fn drift_before_a_contact_is_taken_off() {
+    let drift = |g: usize, t: f64| offset(g) + 0.05 * t * (g as f64 - 4.5);
+    let mut rig = Rig::new(|p| p.drift_sd = 0.1);
+    rig.run(60.0, |_| None, drift);
+    assert_eq!(rig.out.phase, Phase::Untouched);
+    let held = |g: usize, _: f64| drift(g, 60.0) + contact(g);
+    let mean = rig.mean(0.5, |_| None, held);
+    for (gauge, found) in mean.iter().enumerate() {
+        // a ramp of 0.225 per second, and a filter that lags it by half a second
+        assert!(
+            (found - contact(gauge)).abs() < 0.8,
+            "{gauge}: {found}, {}",
+            contact(gauge)
+        );
+    }
+}
+
+#[test]
+fn temperature_is_learned_and_taken_off_during_a_contact() {
+    let slope = |g: usize| 1.5 - 0.3 * g as f64;
+    let temperature =
+        |t: f64| 20.0 + (0.3 * t).sin() * 2.0 + if t > 60.0 { (t - 60.0) * 0.1 } else { 0.0 };
+    let free = |g: usize, t: f64| offset(g) + slope(g) * temperature(t);
+    let mut rig = Rig::new(|p| p.temperature_sd = 3.0);
+    rig.run(60.0, |t| Some(temperature(t)), free);
+    assert_eq!(rig.out.phase, Phase::Untouched);
+    let held = |g: usize, t: f64| free(g, t) + contact(g);
+    rig.run(40.0, |t| Some(temperature(t)), held);
+    let mean = rig.mean(0.5, |t| Some(temperature(t)), held);
+    for (gauge, found) in mean.iter().enumerate() {
+        assert!((found - contact(gauge)).abs() < 0.8, "{gauge}: {found}");
+    }
+}
+
+#[test]
+fn creep_after_a_contact_is_not_seen_as_one() {
+    let part = 0.03;
+    // a contact from 5 to 65 s, then its creep recovers
+    let creep = |g: usize, t: f64| {
+        let grown = |since: f64| if since > 0.0 { (1.0 + since).ln() } else { 0.0 };
+        offset(g) + part * contact(g) * (grown(t - 5.0) - grown(t - 65.0))
+    };
+    let signal = |g: usize, t: f64| {
+        let held = (5.0..65.0).contains(&t);
+        creep(g, t) + if held { contact(g) } else { 0.0 }
+    };
+    let mut with = Rig::new(|p| p.creep_sd = 0.05);
+    with.run(75.0, |_| None, signal);
+    assert_eq!(with.out.phase, Phase::Untouched);
+    let mean = with.mean(0.5, |_| None, signal);
+    let worst = mean.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(worst < 0.6, "{worst} left of the creep");
+}
+
+#[test]
+fn faults_are_masked_and_recover() {
+    let mut rig = Rig::new(|p| p.rails = vec![(-500.0, 500.0); N]);
+    rig.run(1.0, |_| None, |g, _| offset(g));
+    let frame =
+        |change: &dyn Fn(usize) -> f64| (0..N).map(|g| offset(g) + change(g)).collect::<Vec<_>>();
+    let mut raw = frame(&contact);
+    raw[2] = 500.0;
+    raw[3] = f64::NAN;
+    rig.step(&raw, None);
+    assert_eq!(rig.out.health[2], GaugeHealth::Saturated);
+    assert_eq!(rig.out.health[3], GaugeHealth::NotFinite);
+    assert!(rig.out.is_mask_new && !rig.out.live[2] && rig.out.readings[3] == 0.0);
+    rig.run(0.2, |_| None, |g, _| offset(g) + contact(g));
+    assert!(rig.out.live.iter().all(|l| *l), "{:?}", rig.out.health);
+}
+
+#[test]
+fn a_jump_of_one_gauge_is_held_back_and_then_believed() {
+    let mut rig = Rig::new(|_| ());
+    rig.run(1.0, |_| None, |g, _| offset(g));
+    let jump = |g: usize, _: f64| offset(g) + if g == 4 { 200.0 } else { 0.0 };
+    rig.run(PERIOD_S, |_| None, jump);
+    assert_eq!(rig.out.health[4], GaugeHealth::Spike);
+    assert_eq!(rig.out.phase, Phase::Untouched);
+    rig.run(5.0 * PERIOD_S, |_| None, jump);
+    assert_eq!(rig.out.health[4], GaugeHealth::Good);
+    assert_eq!(rig.out.phase, Phase::Touched);
+}
+
+#[test]
+fn a_gauge_that_repeats_itself_while_others_move_is_dead() {
+    let mut rig = Rig::new(|_| ());
+    rig.run(1.0, |_| None, |g, _| offset(g));
+    for i in 0..300 {
+        let mut raw: Vec<f64> = (0..N)
+            .map(|g| offset(g) + contact(g) + f64::from(i % 7) * 0.3)
+            .collect();
+        raw[6] = offset(6);
+        rig.step(&raw, None);
+    }
+    assert_eq!(rig.out.health[6], GaugeHealth::Dead);
+    assert_eq!(rig.out.live.iter().filter(|l| !**l).count(), 1);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Adding a constant to every raw value changes nothing.
+    #[test]
+    fn offsets_do_not_matter(shift in -500.0..500.0, force in 0.2..3.0) {
+        let play = |shift: f64| {
+            let mut rig = Rig::new(|_| ());
+            rig.run(0.6, |_| None, |g, _| offset(g) + shift);
+            rig.run(0.4, |_| None, |g, _| offset(g) + shift + force * contact(g));
+            rig.out
+        };
+        let (a, b) = (play(0.0), play(shift));
+        prop_assert_eq!(a.phase, b.phase);
+        for (a, b) in a.readings.iter().zip(&b.readings) {
+            prop_assert!((a - b).abs() < 1e-9);
+        }
+    }
+
+    /// Untouched noise is hardly ever taken for a contact.
+    #[test]
+    fn noise_is_no_contact(seed in 0_u64..1000) {
+        let mut rig = Rig::new(|_| ());
+        rig.rng = ChaCha8Rng::seed_from_u64(seed);
+        rig.run(3.0, |_| None, |g, _| offset(g));
+        prop_assert_eq!(rig.out.phase, Phase::Untouched);
+    }
+}
