@@ -5,10 +5,10 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use crate::bench_nets;
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
 use crate::verify::deck_of;
+use crate::{bench_nets, compare};
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -39,6 +39,8 @@ enum Subject {
     Fe,
     /// The networks, inference and training, against PyTorch and ONNX Runtime where Python has them.
     Nets,
+    /// A frame by superposition: tracking, a cold pair, allocations.
+    Inverse,
 }
 
 /// `cargo xtask bench`.
@@ -46,6 +48,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     match args.what {
         Subject::Fe => fe(args),
         Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
+        Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
     }
 }
 

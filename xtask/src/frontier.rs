@@ -26,13 +26,18 @@ pub(crate) struct FrontierArgs {
 enum Subject {
     /// Networks and the paper's baselines.
     Nets,
+    /// Contacts by superposition: effort of the search, with the paper's nets and the bound.
+    Inverse,
 }
 
-/// `cargo xtask frontier nets`.
+/// `cargo xtask frontier`.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
-    let Subject::Nets = args.what;
+    let program = match args.what {
+        Subject::Nets => "frontier-nets",
+        Subject::Inverse => "frontier-inverse",
+    };
     let mut pipeline = args.pipeline.clone();
     pipeline.quick = !args.full;
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    finish(command.arg("frontier-nets").args(common(&pipeline)))
+    finish(command.arg(program).args(common(&pipeline)))
 }

@@ -11,12 +11,14 @@
 mod bench;
 mod bench_nets;
 mod ci;
+mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
 mod pipeline;
 mod repro;
 mod search;
+mod soak;
 mod stability;
 mod tidy;
 mod tool;
@@ -59,6 +61,8 @@ enum Task {
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
     Bench(bench::BenchArgs),
+    /// Contacts by superposition against the paper's pipeline, on the same frames of the same rig.
+    Compare(compare::CompareArgs),
     /// Error against run time: every method and variant in one table and plot.
     Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
@@ -67,6 +71,8 @@ enum Task {
     Search(search::SearchArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
     Tactile(search::TactileArgs),
+    /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
+    Soak(soak::SoakArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -97,10 +103,12 @@ fn run(task: Task) -> Result<()> {
         Task::Ci => ci::run_everything(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
+        Task::Soak(args) => soak::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

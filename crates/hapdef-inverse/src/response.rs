@@ -182,6 +182,16 @@ impl ResponseMap {
             .map(|slope| self.as_vectors(&self.combined(&self.vector, 3 * width, point, &slope)))
     }
 
+    /// Readings per newton along x, y and z at every node of the skin `[n_nodes, n_gauges]`: what
+    /// [`ResponseMap::from_nodal`] makes the same map of, with a tip of 0 as this one's is in it.
+    #[must_use]
+    pub fn nodal(&self) -> Vec<Vector3<f64>> {
+        let width = 3 * padded(self.n_gauges);
+        (0..self.skin.n_nodes())
+            .flat_map(|node| self.as_vectors(&self.vector[node * width..(node + 1) * width]))
+            .collect()
+    }
+
     /// g(p) of one gauge.
     pub(crate) fn normal_of(&self, point: &SkinPoint, gauge: usize) -> f64 {
         let weights = self.interpolant.value_weights(&point.bary());

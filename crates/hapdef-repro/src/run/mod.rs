@@ -39,6 +39,7 @@ use self::singles::Singles;
 use self::summary::Printed;
 use self::svr::SvrScore;
 use crate::bench::{self, BenchNetsArgs, FrontierArgs};
+use crate::compare::{self, BenchInverseArgs, CompareArgs, FrontierInverseArgs};
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
@@ -72,6 +73,12 @@ enum Command {
     FrontierNets(FrontierArgs),
     /// The same with what needs nets of its own: figure 5A and the ablations of figure 8.
     Repro(ReproArgs),
+    /// Contacts by superposition against the paper's pipeline, the same frames of the same rig.
+    Compare(CompareArgs),
+    /// Effort of the search against error, with the bound and the paper's nets beside it.
+    FrontierInverse(FrontierInverseArgs),
+    /// Time and allocations of a frame by superposition.
+    BenchInverse(BenchInverseArgs),
     /// Compares the tables of a report with golden values, or writes those.
     Golden(GoldenArgs),
 }
@@ -109,6 +116,9 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Stability(args) => stability::run(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
+        Command::Compare(args) => compare::run(args),
+        Command::FrontierInverse(args) => compare::run_frontier(args),
+        Command::BenchInverse(args) => compare::run_bench(args),
         Command::Report(args) => report(args, false).map(drop),
         Command::Repro(args) => repro(args),
         Command::Golden(args) => golden(args),

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod calibrate;
 mod contacts;
 mod converge;
 mod deck;
@@ -52,6 +53,10 @@ enum Command {
     Limits(limits::LimitsArgs),
     /// Where on the inner wall to put gauges.
     Place(place::PlaceArgs),
+    /// Presses the scene's simulated rig and writes a table of presses.
+    Probe(calibrate::ProbeArgs),
+    /// Corrects the response of the gauges by a table of presses.
+    Calibrate(calibrate::CalibrateArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
     /// The limb's compliance and the simulated rig's response.
@@ -84,6 +89,8 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Shell(args) => shell::shell(args),
         Command::Limits(args) => limits::run(args),
         Command::Place(args) => place::run(args),
+        Command::Probe(args) => calibrate::probe(args),
+        Command::Calibrate(args) => calibrate::calibrate(args),
         Command::Contacts(args) => contacts::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),

@@ -1,5 +1,7 @@
 //! Scene section about how contacts are found.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 /// Which estimator turns readings into contacts.
@@ -23,7 +25,7 @@ pub struct HapdefxSpec {
 }
 
 /// Knobs of superposition.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SuperpositionSpec {
     /// Standard deviation of a reading's noise, µε.
@@ -35,6 +37,10 @@ pub struct SuperpositionSpec {
     /// Largest friction coefficient of what touches.
     #[serde(default)]
     pub friction: f64,
+    /// What `hapdef calibrate` wrote, relative to the scene file: the map and its error come from
+    /// there, and nothing is solved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<PathBuf>,
     /// Sites of the scan.
     #[serde(default = "default_sites")]
     pub n_sites: usize,
@@ -57,6 +63,7 @@ impl Default for SuperpositionSpec {
             noise_ue: 1.0,
             map_error: default_map_error(),
             friction: 0.0,
+            calibration: None,
             n_sites: default_sites(),
         }
     }

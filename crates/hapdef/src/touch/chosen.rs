@@ -1,6 +1,8 @@
 //! The estimator that a scene chooses.
 
-use super::{PaperChain, TouchEstimator, response_map, superposition};
+use super::{
+    Calibration, PaperChain, Superposition, TouchEstimator, response_map, superposition,
+};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -8,13 +10,18 @@ use crate::scene::EstimatorSpec;
 use crate::stages::{NetKind, compliance, datasets, rig, train_kinds, trained_chain};
 
 /// Makes the scene's estimator, and no more than it needs: by superposition one adjoint solve for
-/// each gauge; the paper's chain the compliance, the datasets and its three nets, from the cache where they are.
+/// each gauge, or none with a calibration; the paper's chain the compliance, the datasets and its three nets, from the cache where they are.
 ///
 /// # Errors
 /// What the first step that fails returns.
 pub fn touch_estimator(run: &Run, limb: &Limb) -> Result<Box<dyn TouchEstimator>, HapdefError> {
     match &run.scene.estimator {
         EstimatorSpec::Superposition(spec) => {
+            if let Some(path) = &spec.calibration {
+                let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
+                let estimator = calibration.estimator(&run.scene, spec, limb)?;
+                return Ok(Box::new(Superposition::new(estimator)));
+            }
             run.say("solving the gauges' response");
             let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
             Ok(Box::new(superposition(&run.scene, spec, map)?))

@@ -1,18 +1,22 @@
 //! From one frame of readings to contacts: the estimators behind one trait, and what a layout of
 //! gauges can tell.
 
+mod calibration;
 mod chosen;
 mod layout;
 mod limits;
+mod modes;
 mod paper_chain;
 mod response;
 mod superposition;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+pub use calibration::{Calibration, PressQuality};
 pub use chosen::touch_estimator;
 pub use layout::{LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
+pub use modes::{UncertainParams, UncertainResponse};
 pub use paper_chain::PaperChain;
 pub use response::{gauge_map, response_map};
 pub use superposition::{Superposition, superposition};

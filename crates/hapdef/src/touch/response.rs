@@ -1,8 +1,8 @@
 //! The response map of a scene's limb.
 
 use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
-use hapdef_mesh::GaugeId;
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeStrain};
+use hapdef_mesh::{FeNodeId, GaugeId};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeResponse, GaugeStrain};
 use nalgebra::Vector3;
 
 use crate::error::HapdefError;
@@ -39,24 +39,33 @@ pub fn gauge_map(
     tip_radius_m: f64,
 ) -> Result<ResponseMap, HapdefError> {
     let (response, _) = model.gauge_response(gauges)?;
-    let mut adjoint = Vec::with_capacity(limb.skin.nodes.len() * gauges.len());
-    for node in &limb.skin.nodes {
-        for gauge in 0..gauges.len() {
-            adjoint.push(response.field(GaugeId::from_index(gauge))[node.index()] * 1e6);
-        }
-    }
+    let adjoint = skin_values(limb, &response);
+    field_map(limb, gauges.len(), &adjoint, tip_radius_m)
+}
+
+/// Adjoint fields on the skin `[n_surface, n_gauges]`, µε/N.
+pub(super) fn skin_values(limb: &Limb, response: &GaugeResponse) -> Vec<Vector3<f64>> {
+    let at = |node: FeNodeId| {
+        (0..response.n_gauges())
+            .map(move |gauge| response.field(GaugeId::from_index(gauge))[node.index()] * 1e6)
+    };
+    limb.skin.nodes.iter().copied().flat_map(at).collect()
+}
+
+/// The map of adjoint fields on the skin `[n_surface, n_gauges]`.
+pub(super) fn field_map(
+    limb: &Limb,
+    n_gauges: usize,
+    adjoint: &[Vector3<f64>],
+    tip_radius_m: f64,
+) -> Result<ResponseMap, HapdefError> {
     let params = ResponseParams { tip_radius_m };
     let skin = touchable_skin(limb)?;
-    Ok(ResponseMap::from_nodal(
-        skin,
-        gauges.len(),
-        &adjoint,
-        &params,
-    )?)
+    Ok(ResponseMap::from_nodal(skin, n_gauges, adjoint, &params)?)
 }
 
 /// The scene's skin with the directions of contacts as its normals.
-fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
+pub(super) fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
     let place = |node| limb.skin.nodes.partition_point(|other| *other < node) as u32;
     let faces: Vec<[u32; 6]> = limb.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
     let outward: Vec<Vector3<f64>> = limb.directions.iter().map(|d| -d).collect();

@@ -31,7 +31,7 @@ pub fn superposition(
     let noise = NoiseParams {
         model_error: ModelError {
             relative: spec.map_error,
-            friction_rms: spec.friction / 6.0_f64.sqrt(),
+            friction_rms: friction_rms(spec.friction),
             per_site: Vec::new(),
         },
         ..NoiseParams::uniform(map.n_gauges(), spec.noise_ue)
@@ -42,6 +42,12 @@ pub fn superposition(
     };
     let estimator = ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?;
     Ok(Superposition::new(estimator))
+}
+
+/// Root mean square along each tangent of a friction coefficient uniform in 0…`most` in a random
+/// direction, over the normal force.
+pub(super) fn friction_rms(most: f64) -> f64 {
+    most / 6.0_f64.sqrt()
 }
 
 impl Superposition {

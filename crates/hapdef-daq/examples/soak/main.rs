@@ -1,0 +1,88 @@
+//! The promises of acquisition and recording, at length: seeded damage, a device on a pty, kill -9.
+//!
+//! `cargo xtask soak [--short]` runs this and keeps its figures.
+
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a measurement that prints, and ends where something is not as it has to be"
+)]
+
+mod kill;
+mod metrics;
+mod proc;
+mod stream;
+#[path = "../../tests/support/mod.rs"]
+mod support;
+mod wire;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+const USAGE: &str = "soak [--short] [--seed N] [--seconds N] [--kills N] [--frames N] [--metrics FILE] \
+     [--realtime PRIORITY]";
+/// Nothing older than this may be lost when the process is killed.
+const MOST_LOST_MS: f64 = 150.0;
+
+/// How long.
+struct Plan {
+    seed: u64,
+    stream: Duration,
+    n_kills: u32,
+    n_frames: u32,
+    metrics: Option<PathBuf>,
+    realtime: Option<u8>,
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [what, path] = &words[..]
+        && what == kill::CHILD
+    {
+        kill::child(path.as_ref());
+        return ExitCode::SUCCESS;
+    }
+    let plan = plan(&words);
+    let wire = wire::run(plan.n_frames, plan.seed);
+    println!("wire: {wire:?}");
+    let stream = stream::run(plan.stream, plan.realtime);
+    println!("stream: {stream:?}");
+    let kill9 = kill::run(plan.n_kills);
+    println!("kill -9 × {}: {kill9:?}", plan.n_kills);
+    let n_wrong = wire.n_wrong + stream.n_wrong + kill9.n_wrong;
+    let n_unaccounted = wire.n_unaccounted + stream.n_unaccounted;
+    let figures = [
+        ("soak.wrong_frames", n_wrong as f64, "1"),
+        ("soak.unaccounted", n_unaccounted as f64, "1"),
+        ("soak.lost", stream.n_lost as f64, "1"),
+        ("soak.kill9_worst_ms", kill9.worst_ms, "ms"),
+        ("soak.rss_growth_mib", stream.rss_growth_mib, "MiB"),
+        ("soak.cpu_pct", stream.reader_cpu_pct, "%"),
+    ];
+    metrics::report(&figures, plan.seed, plan.metrics.as_deref());
+    if n_wrong + n_unaccounted > 0 || kill9.worst_ms > MOST_LOST_MS {
+        println!("a promise is broken: see the figures above");
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}
+
+fn plan(words: &[String]) -> Plan {
+    let is_short = words.iter().any(|word| word == "--short");
+    let value = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
+    let number = |name: &str, short: u64, long: u64| {
+        let value = value(name);
+        value.map_or(if is_short { short } else { long }, |v| {
+            v.parse().expect(USAGE)
+        })
+    };
+    Plan {
+        seed: number("--seed", 1, 1),
+        stream: Duration::from_secs(number("--seconds", 20, 600)),
+        n_kills: number("--kills", 8, 200) as u32,
+        n_frames: number("--frames", 40_000, 400_000) as u32,
+        metrics: value("--metrics").map(PathBuf::from),
+        realtime: value("--realtime").map(|v| v.parse().expect(USAGE)),
+    }
+}

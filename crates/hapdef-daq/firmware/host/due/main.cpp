@@ -1,0 +1,64 @@
+/* Runs the sketch on the host: 5 s of its time, the port open except from second 2 to 3. */
+#include "Arduino.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "../../hapdef_due/hapdef_due.ino"
+
+static FakeUsb usb;
+static FakeTrng trng = {0, TRNG_ISR_DATRDY, 77};
+FakeUsb *UOTGHS = &usb;
+FakeTrng *TRNG = &trng;
+FakeSerial SerialUSB;
+static uint32_t us = 0xffffffffu - 2500000u; /* micros() wraps on the way. */
+static uint32_t started;
+
+uint32_t micros() { return us; }
+
+static bool is_away()
+{
+    uint32_t ms = (us - started) / 1000u;
+    return ms >= 2000 && ms < 3000;
+}
+
+int analogRead(int pin)
+{
+    us += 4;
+    return 100 * (pin - A0) + 8;
+}
+
+bool FakeSerial::dtr() { return true; }
+
+/* What the host said before: on standard input. */
+int FakeSerial::available()
+{
+    int byte = getchar();
+    if (byte == EOF)
+        return 0;
+    ungetc(byte, stdin);
+    return 1;
+}
+
+int FakeSerial::read() { return getchar(); }
+
+size_t FakeSerial::write(const uint8_t *bytes, size_t n)
+{
+    if (is_away()) {
+        fprintf(stderr, "the core's write would block for ever here\n");
+        exit(1);
+    }
+    return fwrite(bytes, 1, n, stdout);
+}
+
+int main()
+{
+    started = us;
+    setup();
+    while (us - started < 5000000u) {
+        us += 20;
+        usb.UOTGHS_DEVEPTISR[CDC_TX] = is_away() ? 0 : UOTGHS_DEVEPTISR_TXINI;
+        loop();
+    }
+    return 0;
+}

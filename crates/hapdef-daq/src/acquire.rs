@@ -1,0 +1,283 @@
+//! The reader's thread: polls a source and hands messages to rings, without locks or heap.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use arc_swap::ArcSwap;
+use crossbeam_utils::sync::{Parker, Unparker};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::source::{FrameSource, SourceStats, SourceStatus};
+use crate::{DaqError, Message};
+
+/// Longest wait for bytes, so that a stop is seen.
+const POLL: Duration = Duration::from_millis(20);
+/// Messages other than frames that wait for room in a ring, at most.
+const N_BACKLOG: usize = 64;
+
+/// How frames are acquired.
+#[derive(Clone, Copy, Debug)]
+pub struct AcquireParams {
+    /// Receivers of everything: one that computes, one that records, …
+    pub n_receivers: usize,
+    /// Messages that wait for each receiver at most; beyond that frames are dropped and counted.
+    /// 8192 are 8 s at 1 kHz, and 2.6 MB.
+    pub ring_len: usize,
+    /// Real-time priority of the reader's thread, 1 to 99, with all memory locked; feature
+    /// `realtime`, Linux.
+    pub realtime_priority: Option<u8>,
+}
+
+/// A source that is being read on its own thread. Dropping it stops the thread.
+pub struct Acquisition {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// One receiver of messages. Only it knows what it has dropped.
+pub struct Receiver {
+    ring: Consumer<Message>,
+    parker: Parker,
+    shared: Arc<Shared>,
+    n_dropped: Arc<AtomicU64>,
+}
+
+/// What came to pass so far.
+#[derive(Clone, Debug, Default)]
+pub struct AcquireStats {
+    /// The source's own counts.
+    pub source: SourceStats,
+    /// Why the real-time priority that was asked for was not given, and what to do.
+    pub realtime_fault: Option<Arc<str>>,
+}
+
+struct Shared {
+    stop: AtomicBool,
+    ended: AtomicBool,
+    stats: ArcSwap<AcquireStats>,
+}
+
+/// One receiver, seen from the reader's thread.
+struct Outlet {
+    ring: Producer<Message>,
+    unparker: Unparker,
+    backlog: VecDeque<Message>,
+    n_dropped_before: u32,
+    n_dropped: Arc<AtomicU64>,
+}
+
+impl Default for AcquireParams {
+    fn default() -> Self {
+        Self {
+            n_receivers: 1,
+            ring_len: 8192,
+            realtime_priority: None,
+        }
+    }
+}
+
+/// Starts the reader's thread: the acquisition, and its receivers.
+///
+/// # Errors
+/// The operating system has no thread left.
+pub fn acquire(
+    source: impl FrameSource + 'static,
+    params: AcquireParams,
+) -> Result<(Acquisition, Vec<Receiver>), DaqError> {
+    let shared = Arc::new(Shared {
+        stop: AtomicBool::new(false),
+        ended: AtomicBool::new(false),
+        stats: ArcSwap::default(),
+    });
+    let pairs = (0..params.n_receivers).map(|_| pair(params.ring_len.max(1), &shared));
+    let (outlets, receivers): (Vec<_>, Vec<_>) = pairs.unzip();
+    let theirs = Arc::clone(&shared);
+    let thread = std::thread::Builder::new()
+        .name("hapdef-reader".to_owned())
+        .spawn(move || read(source, params, outlets, &theirs))
+        .map_err(|source| DaqError::Thread { source })?;
+    let thread = Some(thread);
+    Ok((Acquisition { shared, thread }, receivers))
+}
+
+impl Acquisition {
+    /// What came to pass, as of at most 100 ms ago.
+    #[must_use]
+    pub fn stats(&self) -> Arc<AcquireStats> {
+        self.shared.stats.load_full()
+    }
+
+    /// True when the source has said everything, or the thread was stopped.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.shared.ended.load(Ordering::Acquire)
+    }
+
+    /// Stops the thread and waits for it: the final counts.
+    #[must_use]
+    pub fn stop(mut self) -> Arc<AcquireStats> {
+        self.join();
+        self.stats()
+    }
+
+    fn join(&mut self) {
+        self.shared.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // A reader that panicked has ended; its receivers see that.
+            let _ = thread.join();
+        }
+        self.shared.ended.store(true, Ordering::Release);
+    }
+}
+
+impl Drop for Acquisition {
+    fn drop(&mut self) {
+        self.join();
+    }
+}
+
+impl Receiver {
+    /// The next message, if one is there.
+    pub fn try_recv(&mut self) -> Option<Message> {
+        self.ring.pop().ok()
+    }
+
+    /// The next message, waiting for at most `timeout`.
+    pub fn recv(&mut self, timeout: Duration) -> Option<Message> {
+        let deadline = Instant::now() + timeout;
+        loop {
+            let is_last = self.has_ended();
+            if let Some(message) = self.try_recv() {
+                return Some(message);
+            }
+            if is_last || Instant::now() >= deadline {
+                return None;
+            }
+            self.parker.park_deadline(deadline);
+        }
+    }
+
+    /// True when no more messages will be added; those in the ring can still be received.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.shared.ended.load(Ordering::Acquire) || self.ring.is_abandoned()
+    }
+
+    /// Frames that were dropped because this receiver was too slow.
+    #[must_use]
+    pub fn n_dropped(&self) -> u64 {
+        self.n_dropped.load(Ordering::Relaxed)
+    }
+}
+
+fn pair(ring_len: usize, shared: &Arc<Shared>) -> (Outlet, Receiver) {
+    let (producer, consumer) = RingBuffer::new(ring_len);
+    let parker = Parker::new();
+    let n_dropped = Arc::new(AtomicU64::new(0));
+    let outlet = Outlet {
+        ring: producer,
+        unparker: parker.unparker().clone(),
+        backlog: VecDeque::with_capacity(N_BACKLOG),
+        n_dropped_before: 0,
+        n_dropped: Arc::clone(&n_dropped),
+    };
+    let receiver = Receiver {
+        ring: consumer,
+        parker,
+        shared: Arc::clone(shared),
+        n_dropped,
+    };
+    (outlet, receiver)
+}
+
+fn read(
+    mut source: impl FrameSource,
+    params: AcquireParams,
+    mut outlets: Vec<Outlet>,
+    shared: &Shared,
+) {
+    let fault = params
+        .realtime_priority
+        .and_then(|p| crate::realtime::enter(p).err());
+    let realtime_fault: Option<Arc<str>> = fault.map(Into::into);
+    let publish = |source: &dyn FrameSource| {
+        shared.stats.store(Arc::new(AcquireStats {
+            source: source.stats(),
+            realtime_fault: realtime_fault.clone(),
+        }));
+    };
+    let mut published = Instant::now();
+    publish(&source);
+    while !shared.stop.load(Ordering::Acquire) {
+        let status = source.poll(POLL, &mut |message| {
+            for outlet in &mut outlets {
+                outlet.push(message.clone());
+            }
+        });
+        for outlet in &mut outlets {
+            outlet.push_waiting();
+            outlet.unparker.unpark();
+        }
+        if published.elapsed() >= Duration::from_millis(100) {
+            published = Instant::now();
+            publish(&source);
+        }
+        if status == SourceStatus::Ended {
+            break;
+        }
+    }
+    publish(&source);
+    for outlet in &mut outlets {
+        outlet.push_waiting();
+    }
+    shared.ended.store(true, Ordering::Release);
+    outlets.iter().for_each(|outlet| outlet.unparker.unpark());
+}
+
+impl Outlet {
+    fn push(&mut self, message: Message) {
+        if !self.push_waiting() {
+            return self.no_room(message);
+        }
+        let message = match message {
+            Message::Frame(mut frame) => {
+                frame.n_dropped_before += self.n_dropped_before;
+                Message::Frame(frame)
+            }
+            other => other,
+        };
+        let is_frame = matches!(message, Message::Frame(_));
+        match self.ring.push(message) {
+            Ok(()) if is_frame => self.n_dropped_before = 0,
+            Ok(()) => {}
+            Err(rtrb::PushError::Full(message)) => self.no_room(message),
+        }
+    }
+
+    /// Pushes what waits: true if nothing waits any more.
+    fn push_waiting(&mut self) -> bool {
+        while let Some(waiting) = self.backlog.pop_front() {
+            if let Err(rtrb::PushError::Full(waiting)) = self.ring.push(waiting) {
+                self.backlog.push_front(waiting);
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Frames are dropped and counted; what else there is to say waits.
+    fn no_room(&mut self, message: Message) {
+        if matches!(message, Message::Frame(_)) {
+            self.n_dropped_before = self.n_dropped_before.saturating_add(1);
+            self.n_dropped.fetch_add(1, Ordering::Relaxed);
+        } else {
+            if self.backlog.len() == N_BACKLOG {
+                self.backlog.pop_front();
+            }
+            self.backlog.push_back(message);
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The MCAP file of a recording: definitions, messages, flushes, ending.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use mcap::{WriteOptions, Writer};
+
+use super::topics::{TOPICS, Topic};
+
+/// A chunk is closed when it is larger; with one message more it is still below 256 KiB.
+const CHUNK_LEN: u64 = 192 << 10;
+
+/// A file that is being written.
+pub(crate) struct RecordFile {
+    writer: Writer<NoSeek<BufWriter<File>>>,
+    /// A second handle of the same file, for its length and for syncing.
+    file: File,
+    /// Length of the file after the last flush that went well.
+    good_len: u64,
+}
+
+impl RecordFile {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        let file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(path)?;
+        let buffered = BufWriter::with_capacity(1 << 19, file.try_clone()?);
+        let options = WriteOptions::new()
+            .compression(None)
+            .chunk_size(Some(CHUNK_LEN))
+            .disable_seeking(true)
+            .library(concat!("hapdef-daq ", env!("CARGO_PKG_VERSION")));
+        let mut writer = options.create(NoSeek::new(buffered)).map_err(other)?;
+        for topic in TOPICS {
+            let (name, schema) = topic.schema();
+            let schema_id = topic.id();
+            writer
+                .add_schema_with_id(schema_id, name, "jsonschema", schema.as_bytes())
+                .and_then(|_| {
+                    let nothing = BTreeMap::new();
+                    writer.add_channel_with_id(
+                        topic.id(),
+                        schema_id,
+                        topic.name(),
+                        "json",
+                        &nothing,
+                    )
+                })
+                .map_err(other)?;
+        }
+        let mut new = Self {
+            writer,
+            file,
+            good_len: 0,
+        };
+        new.flush()?;
+        Ok(new)
+    }
+
+    pub(crate) fn write(
+        &mut self,
+        topic: Topic,
+        sequence: u32,
+        log_time: u64,
+        json: &[u8],
+    ) -> io::Result<()> {
+        let header = MessageHeader {
+            channel_id: topic.id(),
+            sequence,
+            log_time,
+            publish_time: log_time,
+        };
+        self.writer
+            .write_to_known_channel(&header, json)
+            .map_err(other)
+    }
+
+    /// Hands everything to the operating system: from here on a killed process loses none of it.
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush().map_err(other)?;
+        self.good_len = self.file.metadata()?.len();
+        Ok(())
+    }
+
+    /// Another handle, for syncing on another thread.
+    pub(crate) fn handle(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    pub(crate) fn len(&self) -> u64 {
+        self.good_len
+    }
+
+    /// Writes the ending and waits until it is on the disk.
+    pub(crate) fn finish(mut self) -> io::Result<u64> {
+        self.writer.finish().map_err(other)?;
+        let mut buffered = self.writer.into_inner().into_inner();
+        buffered.flush()?;
+        self.file.sync_all()?;
+        Ok(self.file.metadata()?.len())
+    }
+
+    /// After an error: cuts off what was written in part, and ends the file if there is room.
+    pub(crate) fn abandon(mut self) {
+        // What was buffered must not be written any more.
+        let (_, _) = self.writer.into_inner().into_inner().into_parts();
+        let _ = self
+            .file
+            .set_len(self.good_len)
+            .and_then(|()| self.file.seek(SeekFrom::Start(self.good_len)))
+            .and_then(|_| self.file.write_all(&ENDING))
+            .or_else(|_| self.file.set_len(self.good_len));
+        let _ = self.file.sync_all();
+    }
+}
+
+/// DataEnd without CRC, Footer without summary, magic: the shortest ending of an MCAP file.
+const ENDING: [u8; 50] = {
+    let mut bytes = [0; 50];
+    bytes[0] = 0x0f;
+    bytes[1] = 4;
+    bytes[13] = 0x02;
+    bytes[14] = 20;
+    let magic = *b"\x89MCAP0\r\n";
+    let mut i = 0;
+    while i < 8 {
+        bytes[42 + i] = magic[i];
+        i += 1;
+    }
+    bytes
+};
+
+/// The name while a recording is not finished: `x.mcap` is `x.partial.mcap` until then.
+pub(crate) fn partial_path(path: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}.partial.mcap"))
+}
+
+/// Gives the file its final name, which is on the disk when this returns.
+pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    std::fs::rename(from, to)?;
+    let folder = to.parent().filter(|p| !p.as_os_str().is_empty());
+    File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+}
+
+fn other(error: mcap::McapError) -> io::Error {
+    match error {
+        mcap::McapError::Io(error) => error,
+        error => io::Error::other(error),
+    }
+}

@@ -1,0 +1,20 @@
+//! Recordings in MCAP: raw data that survives kill -9, full disks and damaged files.
+//!
+//! [`record()`] writes what a receiver gets, on threads of its own: a chunk every 80 ms, `fdatasync`
+//! every 100 ms, CRC on, `.partial.mcap` until it is finished. [`Recording`] reads chunks whose CRC
+//! is right, wherever they are in the file, so a damaged, cut or unfinished file loses what is
+//! damaged and nothing else; [`recover()`] makes a whole file of it. docs/formats.md has the topics.
+
+mod export;
+mod file;
+mod recording;
+mod recover;
+mod scan;
+mod topics;
+mod writer;
+
+pub use export::{export_csv, export_json_lines};
+pub use recording::{Content, Record, Recording};
+pub use recover::{RecoverInfo, recover};
+pub use scan::DamageInfo;
+pub use writer::{RecordInfo, RecordParams, RecordStats, Recorder, record};

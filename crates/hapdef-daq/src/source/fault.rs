@@ -1,0 +1,105 @@
+//! What can be wrong with a link, and what to do then.
+
+use std::io;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+/// Why a link is not open.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LinkFault {
+    /// It was open and went away.
+    #[error("{name}: disconnected; waiting for it to come back")]
+    Disconnected {
+        /// Which link.
+        name: String,
+    },
+    /// There is nothing of that name.
+    #[error("{name}: not there; plug it in, or list the ports to see what it is called")]
+    NotFound {
+        /// Which link.
+        name: String,
+    },
+    /// The user may not open it.
+    #[error("{name}: permission denied; {remedy}")]
+    PermissionDenied {
+        /// Which link.
+        name: String,
+        /// The command that helps.
+        remedy: String,
+    },
+    /// Another program has it open.
+    #[error("{name}: another program has it open; close that (fuser {name} says which it is)")]
+    Busy {
+        /// Which link.
+        name: String,
+    },
+    /// What the operating system says.
+    #[error("{name}: {message}")]
+    Io {
+        /// Which link.
+        name: String,
+        /// Its words.
+        message: String,
+    },
+    /// The other side has said everything and won't come back.
+    #[error("{name}: ended")]
+    Ended {
+        /// Which link.
+        name: String,
+    },
+}
+
+/// What became of a link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LinkState {
+    /// It is open.
+    Open,
+    /// It is closed and will be opened again as soon as that works.
+    Away(LinkFault),
+    /// It is open, but no bytes come.
+    Silent {
+        /// For how long, s.
+        for_s: u64,
+    },
+    /// Bytes come, but nothing that could be understood.
+    NotUnderstood {
+        /// How many bytes.
+        n_bytes: u64,
+        /// What to try.
+        remedy: Arc<str>,
+    },
+}
+
+impl LinkFault {
+    /// The fault of an error while a link is used: all but a few kinds mean that it is gone.
+    pub(crate) fn of_use(name: &str, error: &io::Error) -> Self {
+        use io::ErrorKind as K;
+        let name = name.to_owned();
+        match error.kind() {
+            K::InvalidInput | K::InvalidData | K::Unsupported | K::OutOfMemory => Self::Io {
+                name,
+                message: error.to_string(),
+            },
+            _ => Self::Disconnected { name },
+        }
+    }
+}
+
+impl std::fmt::Display for LinkState {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Open => write!(f, "open"),
+            Self::Away(fault) => write!(f, "{fault}"),
+            Self::Silent { for_s } => write!(
+                f,
+                "no bytes for {for_s} s: is the device on, does its firmware run (press its reset)?"
+            ),
+            Self::NotUnderstood { n_bytes, remedy } => {
+                write!(f, "{n_bytes} bytes came, none of them a packet: {remedy}")
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Bytes to messages, by either protocol.
+
+use std::sync::Arc;
+
+use super::{Protocol, SourceStats};
+use crate::clock::ClockMap;
+use crate::csv_line::CsvDecoder;
+use crate::hdp1::{Data, Decoder, Event, Hello, Rejected, SampleFormat};
+use crate::{Frame, Message};
+
+pub(crate) struct Reader {
+    decoding: Decoding,
+    state: State,
+}
+
+enum Decoding {
+    Hdp1(Decoder),
+    Csv { decoder: CsvDecoder, hello: Hello },
+}
+
+#[derive(Default)]
+struct State {
+    map: ClockMap,
+    has_hello: bool,
+    version: Option<Rejected>,
+    /// Packets or lines that were understood.
+    n_good: u64,
+    /// Time and count of frames when the rate was last computed.
+    rate_since: Option<(u64, u64)>,
+    stats: SourceStats,
+}
+
+impl Reader {
+    pub(crate) fn new(protocol: Protocol) -> Self {
+        Self {
+            decoding: match protocol {
+                Protocol::Hdp1 => Decoding::Hdp1(Decoder::new()),
+                Protocol::Csv { n_channels } => Decoding::Csv {
+                    decoder: CsvDecoder::new(n_channels),
+                    hello: Hello::plain(n_channels, SampleFormat::U16, 0),
+                },
+            },
+            state: State::default(),
+        }
+    }
+
+    /// True if the protocol has commands for the device.
+    pub(crate) fn has_commands(&self) -> bool {
+        matches!(self.decoding, Decoding::Hdp1(_))
+    }
+
+    pub(crate) fn n_good(&self) -> u64 {
+        self.state.n_good
+    }
+
+    /// What to do about packets of another version, if there were any.
+    pub(crate) fn version_fault(&self) -> Option<String> {
+        self.state.version.map(|fault| fault.to_string())
+    }
+
+    pub(crate) fn link_closed(&mut self) {
+        match &mut self.decoding {
+            Decoding::Hdp1(decoder) => decoder.link_closed(),
+            Decoding::Csv { decoder, .. } => decoder.link_closed(),
+        }
+    }
+
+    pub(crate) fn take(&mut self, bytes: &[u8], now_ns: u64, sink: &mut dyn FnMut(Message)) {
+        let state = &mut self.state;
+        match &mut self.decoding {
+            Decoding::Hdp1(decoder) => {
+                decoder.push(bytes, &mut |event| state.event(event, now_ns, sink));
+            }
+            Decoding::Csv { decoder, hello } => {
+                let n_before = decoder.counts();
+                let mut seq = (n_before.n_lines + n_before.n_refused) as u32;
+                decoder.push(bytes, &mut |values| {
+                    state.line(seq, values, hello, now_ns, sink);
+                    seq = seq.wrapping_add(1);
+                });
+            }
+        }
+        self.state.count_rate(now_ns);
+    }
+
+    pub(crate) fn stats(&self) -> SourceStats {
+        let mut stats = self.state.stats;
+        stats.drift_ppm = self.state.map.drift_ppm().unwrap_or(0.0);
+        match &self.decoding {
+            Decoding::Hdp1(decoder) => {
+                (stats.losses, stats.rejected) = (decoder.losses(), decoder.rejected());
+            }
+            Decoding::Csv { decoder, .. } => {
+                stats.lines = decoder.counts();
+                stats.losses.n_delivered = stats.lines.n_lines;
+            }
+        }
+        stats
+    }
+}
+
+impl State {
+    fn event(&mut self, event: Event<'_>, now_ns: u64, sink: &mut dyn FnMut(Message)) {
+        self.n_good += u64::from(!matches!(event, Event::Rejected(_)));
+        match event {
+            Event::Data(data) => self.frames(&data, now_ns, sink),
+            Event::Hello {
+                hello,
+                is_new,
+                restarted,
+            } => {
+                if restarted {
+                    self.restarted(sink);
+                }
+                if is_new {
+                    sink(Message::Hello(Arc::new(hello.clone())));
+                }
+            }
+            Event::Restarted => self.restarted(sink),
+            Event::Status(status) => sink(Message::Status(status)),
+            Event::Pong(pong) => {
+                self.stats.round_trip_ns = now_ns.saturating_sub(pong.host_ns);
+                sink(Message::RoundTrip(self.stats.round_trip_ns));
+            }
+            Event::Log(text) => sink(Message::Log(String::from_utf8_lossy(text).into())),
+            Event::Rejected(reason @ Rejected::Version { .. }) => self.version = Some(reason),
+            Event::Command(_) | Event::Rejected(_) => {}
+        }
+    }
+
+    fn restarted(&mut self, sink: &mut dyn FnMut(Message)) {
+        self.map.restart();
+        sink(Message::Restarted);
+    }
+
+    /// The scans of a packet.
+    fn frames(&mut self, data: &Data<'_>, now_ns: u64, sink: &mut dyn FnMut(Message)) {
+        for scan in 0..data.hello.n_scans {
+            let at = usize::from(scan);
+            let mut frame = Frame::new(data.header.seq, data.hello.format, data.bits(at));
+            frame.scan = scan;
+            frame.flags = data.header.flags;
+            frame.n_lost_before = if scan == 0 { data.n_lost_before } else { 0 };
+            frame.t_device_us = data.t_us(at);
+            frame.t_host_ns = self.map.map(frame.t_device_us, now_ns);
+            self.stats.n_frames += 1;
+            sink(Message::Frame(frame));
+        }
+    }
+
+    /// A line has no time of its own: its arrival stands for it.
+    fn line(
+        &mut self,
+        seq: u32,
+        values: &[i32],
+        hello: &Hello,
+        now_ns: u64,
+        sink: &mut dyn FnMut(Message),
+    ) {
+        if !std::mem::replace(&mut self.has_hello, true) {
+            sink(Message::Hello(Arc::new(hello.clone())));
+        }
+        let mut frame = Frame::new(seq, SampleFormat::U16, values.iter().copied());
+        (frame.t_device_us, frame.t_host_ns) = (now_ns / 1000, now_ns);
+        self.n_good += 1;
+        self.stats.n_frames += 1;
+        sink(Message::Frame(frame));
+    }
+
+    fn count_rate(&mut self, now_ns: u64) {
+        let n = self.stats.n_frames;
+        let (since_ns, n_before) = *self.rate_since.get_or_insert((now_ns, n));
+        let passed_ns = now_ns.saturating_sub(since_ns);
+        if passed_ns >= 1_000_000_000 {
+            self.stats.rate_hz = (n - n_before) as f64 * 1e9 / passed_ns as f64;
+            self.rate_since = Some((now_ns, n));
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! A serial port: exclusive, raw, with low latency where the driver can.
+
+use std::io::{ErrorKind, Read, Write};
+use std::time::Duration;
+
+use serialport::{SerialPort, TTYPort};
+
+use super::ports::permission_remedy;
+use super::{Link, LinkFault};
+
+const WRITE_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// How a port is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SerialParams {
+    /// Bits per second; native USB ports take any.
+    pub baud: u32,
+    /// Ask the driver to hand on bytes at once instead of every 16 ms (FTDI) or 4 ms.
+    pub low_latency: bool,
+}
+
+/// A serial port by its path. Give a name that stays, such as one under /dev/serial/by-id: it is
+/// looked up anew at every opening, so that a device is found again on whatever port it comes back.
+#[derive(Debug)]
+pub struct SerialLink {
+    path: String,
+    params: SerialParams,
+    port: Option<TTYPort>,
+    has_low_latency: bool,
+}
+
+impl Default for SerialParams {
+    fn default() -> Self {
+        Self {
+            baud: 115_200,
+            low_latency: true,
+        }
+    }
+}
+
+impl SerialLink {
+    /// A link to a port, not opened yet.
+    #[must_use]
+    pub fn new(path: &str, params: SerialParams) -> Self {
+        Self {
+            path: path.to_owned(),
+            params,
+            port: None,
+            has_low_latency: false,
+        }
+    }
+
+    /// True if the driver has agreed to low latency.
+    #[must_use]
+    pub fn has_low_latency(&self) -> bool {
+        self.has_low_latency
+    }
+
+    fn refused(&self, error: &serialport::Error) -> LinkFault {
+        use serialport::ErrorKind as K;
+        let name = self.path.clone();
+        match error.kind() {
+            _ if !std::fs::exists(&name).unwrap_or(true) => LinkFault::NotFound { name },
+            K::Io(ErrorKind::PermissionDenied) => LinkFault::PermissionDenied {
+                remedy: permission_remedy(&name),
+                name,
+            },
+            K::NoDevice | K::Io(ErrorKind::ResourceBusy | ErrorKind::WouldBlock) => {
+                LinkFault::Busy { name }
+            }
+            _ => LinkFault::Io {
+                name,
+                message: error.to_string(),
+            },
+        }
+    }
+}
+
+impl Link for SerialLink {
+    fn open(&mut self) -> Result<(), LinkFault> {
+        let builder = serialport::new(&self.path, self.params.baud)
+            .timeout(WRITE_TIMEOUT)
+            .dtr_on_open(true)
+            .exclusive(true);
+        let port = builder.open_native().map_err(|e| self.refused(&e))?;
+        self.has_low_latency = self.params.low_latency && super::low_latency::ask(&port);
+        self.port = Some(port);
+        Ok(())
+    }
+
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Result<usize, LinkFault> {
+        let gone = |kind: ErrorKind| LinkFault::of_use(&self.path, &kind.into());
+        let Some(port) = &mut self.port else {
+            return Err(gone(ErrorKind::NotConnected));
+        };
+        port.set_timeout(timeout)
+            .map_err(|_| gone(ErrorKind::NotConnected))?;
+        match port.read(buffer) {
+            // A hung-up port reads as empty for ever.
+            Ok(0) => Err(gone(ErrorKind::UnexpectedEof)),
+            Ok(n) => Ok(n),
+            Err(e) if is_later(e.kind()) => Ok(0),
+            Err(e) => Err(gone(e.kind())),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), LinkFault> {
+        let Some(port) = &mut self.port else {
+            return Ok(());
+        };
+        let sent = port
+            .set_timeout(WRITE_TIMEOUT)
+            .map_err(std::io::Error::from)
+            .and_then(|()| port.write_all(bytes));
+        match sent {
+            Err(e) if !is_later(e.kind()) => Err(LinkFault::of_use(&self.path, &e)),
+            _ => Ok(()),
+        }
+    }
+
+    fn close(&mut self) {
+        self.port = None;
+    }
+
+    fn name(&self) -> String {
+        self.path.clone()
+    }
+}
+
+fn is_later(kind: ErrorKind) -> bool {
+    use ErrorKind as K;
+    matches!(kind, K::WouldBlock | K::TimedOut | K::Interrupted)
+}

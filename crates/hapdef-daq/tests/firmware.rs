@@ -1,0 +1,222 @@
+//! The firmware's C core, compiled for the host and held against the decoder and the golden vectors.
+
+#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+
+use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Hello, SampleFormat};
+
+const GOLDEN_DATA: &str = "070110a50a0201010440420f010101010101020103ffff020104ffff7f03\
+                           8064049cff0705c313abe300";
+
+/// What the compiled core prints when the host says `input`; `None` without a C compiler.
+fn run(input: &[u8]) -> Option<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let core = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path())?;
+    let main = object(
+        "cc",
+        &["-std=c99", "-x", "c"],
+        "host/golden.c",
+        folder.path(),
+    )?;
+    let program = link("cc", &[core, main], folder.path())?;
+    Some(String::from_utf8(output(&program, input)).unwrap())
+}
+
+/// Compiles a file of the firmware.
+fn object(compiler: &str, language: &[&str], file: &str, folder: &Path) -> Option<PathBuf> {
+    let firmware = Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware");
+    let to = folder.join(file.replace('/', "_")).with_extension("o");
+    let mut command = Process::new(compiler);
+    command.args(["-c", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-O2"]);
+    command
+        .arg("-I")
+        .arg(&firmware)
+        .arg("-I")
+        .arg(firmware.join("host/due"));
+    command
+        .args(language)
+        .arg(firmware.join(file))
+        .arg("-o")
+        .arg(&to);
+    compile(command).map(|()| to)
+}
+
+fn link(compiler: &str, objects: &[PathBuf], folder: &Path) -> Option<PathBuf> {
+    let to = folder.join("program");
+    let mut command = Process::new(compiler);
+    command.args(objects).arg("-o").arg(&to);
+    compile(command).map(|()| to)
+}
+
+#[expect(clippy::print_stdout, reason = "a skipped test says why")]
+fn compile(mut command: Process) -> Option<()> {
+    let Ok(compiled) = command.output() else {
+        println!("skipped: there is no {}", command.get_program().display());
+        return None;
+    };
+    let words = String::from_utf8_lossy(&compiled.stderr);
+    assert!(compiled.status.success(), "{words}");
+    Some(())
+}
+
+fn output(program: &Path, input: &[u8]) -> Vec<u8> {
+    let mut child = Process::new(program)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    output.stdout
+}
+
+fn bytes_of(hex: &str) -> Vec<u8> {
+    let pairs = hex
+        .as_bytes()
+        .chunks(2)
+        .map(|p| std::str::from_utf8(p).unwrap());
+    pairs.map(|p| u8::from_str_radix(p, 16).unwrap()).collect()
+}
+
+/// The packets or bytes that were printed under a name.
+fn shown<'a>(text: &'a str, name: &'a str) -> impl Iterator<Item = &'a str> {
+    let lines = text.lines().filter_map(|line| line.split_once(' '));
+    lines.filter(move |(n, _)| *n == name).map(|(_, rest)| rest)
+}
+
+#[test]
+fn packets_are_the_decoders() {
+    let mut input = vec![0, 0];
+    let mut encoder = Encoder::new();
+    let commands = [
+        Command::GetHello,
+        Command::Ping {
+            host_ns: 0x0102_0304_0506_0708,
+        },
+        Command::Start,
+        Command::Stop,
+    ];
+    for command in commands {
+        encoder.command(command, &mut input);
+        input.extend([3, 9, 0]);
+    }
+    input.extend([7; 500]);
+    input.push(0);
+    encoder.command(Command::Start, &mut input);
+    let Some(text) = run(&input) else { return };
+
+    assert_eq!(shown(&text, "data").collect::<Vec<_>>(), [GOLDEN_DATA]);
+    let expected = [
+        "10 0",
+        "11 72623859790382856",
+        "12 72623859790382856",
+        "13 72623859790382856",
+    ];
+    let got: Vec<_> = shown(&text, "command").collect();
+    assert_eq!((&got[..4], got.len()), (&expected[..], 5));
+    assert_eq!(shown(&text, "bad").collect::<Vec<_>>(), ["5"]);
+
+    let mut hello = Hello::plain(64, SampleFormat::I32, 1000);
+    (hello.boot_id, hello.firmware) = (7, 3);
+    let mut decoder = Decoder::new();
+    let mut said = Vec::new();
+    let mut push = |name| {
+        for packet in shown(&text, name) {
+            decoder.push(&bytes_of(packet), &mut |event| {
+                said.push(format!("{event:?}"));
+            });
+        }
+    };
+    ["hello", "status", "log"].into_iter().for_each(&mut push);
+    assert_eq!(decoder.hello(), Some(&hello));
+    assert!(said[1].contains("n_sent: 1, n_tx_dropped: 2") && said[1].contains("-612"));
+    assert_eq!(said.len(), 2 + 12, "{said:?}");
+    assert!(
+        said.iter().all(|line| !line.contains("Rejected")),
+        "{said:?}"
+    );
+    assert_eq!(shown(&text, "toolong").collect::<Vec<_>>(), ["0"]);
+}
+
+#[test]
+fn a_full_queue_drops_whole_packets_and_counts() {
+    let Some(text) = run(b"") else { return };
+    let counts = shown(&text, "counts").next().unwrap();
+    let counts: Vec<u64> = counts.split(' ').map(|n| n.parse().unwrap()).collect();
+    assert_eq!((counts[0] + counts[1], counts[2]), (40, 40));
+    assert!(counts[1] > 0, "{counts:?}");
+    let mut hello = Hello::plain(10, SampleFormat::I16, 1000);
+    hello.schema_crc = 0xa5;
+    let mut stream = Vec::new();
+    Encoder::new().hello(&hello, 0, &mut stream).unwrap();
+    shown(&text, "port").for_each(|hex| stream.extend(bytes_of(hex)));
+    let mut decoder = Decoder::new();
+    let mut last = 0;
+    decoder.push(&stream, &mut |event| match event {
+        Event::Data(data) => last = u64::from(data.header.seq),
+        Event::Hello { .. } => {}
+        other => panic!("{other:?}"),
+    });
+    let losses = decoder.losses();
+    assert_eq!(losses.n_delivered, counts[0]);
+    assert_eq!(losses.n_lost, counts[1] - (39 - last));
+}
+
+/// The sketch, with a fake of the board: 5 s, a second of them with the host away.
+#[test]
+fn the_sketch_never_blocks_and_counts_what_it_drops() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut asked = vec![0];
+    let host_ns = 0x0807_0605_0403_0201;
+    Encoder::new().command(Command::GetHello, &mut asked);
+    Encoder::new().command(Command::Ping { host_ns }, &mut asked);
+    let Some(core) = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path()) else {
+        return;
+    };
+    let language = ["-std=c++11", "-x", "c++"];
+    let Some(main) = object("c++", &language, "host/due/main.cpp", folder.path()) else {
+        return;
+    };
+    let Some(program) = link("c++", &[core, main], folder.path()) else {
+        return;
+    };
+    let bytes = output(&program, &asked);
+
+    let mut decoder = Decoder::new();
+    let (mut pongs, mut statuses, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    decoder.push(&bytes, &mut |event| match event {
+        Event::Data(data) => {
+            assert!(data.bits(0).eq((0..10).map(|i| 100 * i + 8)));
+            times.push((data.header.seq, data.t_us(0)));
+        }
+        Event::Pong(pong) => pongs.push(pong.host_ns),
+        Event::Status(status) => statuses.push(status),
+        Event::Rejected(reason) => panic!("{reason}"),
+        _ => {}
+    });
+    let hello = decoder.hello().unwrap();
+    assert_eq!((hello.channels.len(), hello.boot_id), (10, 77));
+    assert!(
+        (hello.channels[0].scale - 0.976).abs() < 0.01,
+        "{}",
+        hello.channels[0].scale
+    );
+    assert_eq!(pongs, [host_ns]);
+    let losses = decoder.losses();
+    // 16 KiB hold 380 ms of packets: the rest of the second is dropped and counted.
+    assert!((550..700).contains(&losses.n_lost), "{losses:?}");
+    // At 0, 1, … 5000 ms.
+    assert_eq!(losses.n_delivered + losses.n_lost, 5001);
+    let last = statuses.last().unwrap();
+    assert_eq!(u64::from(last.n_tx_dropped), losses.n_lost);
+    assert_eq!(last.n_adc_overruns, 0);
+    // A scan every millisecond, over the wrap of micros().
+    let worst = times
+        .windows(2)
+        .map(|w| (w[1].1 - w[0].1).abs_diff(1000 * u64::from(w[1].0 - w[0].0)));
+    assert!(worst.max().unwrap() <= 70);
+}

@@ -1,0 +1,200 @@
+//! Recordings: what comes back, and from damaged files.
+
+mod support;
+
+use std::time::Duration;
+
+use hapdef_daq::hdp1::SampleFormat;
+use hapdef_daq::record::{
+    Content, RecordParams, Recording, export_csv, export_json_lines, record, recover,
+};
+use hapdef_daq::source::{FrameSource, ReplaySource, SourceStatus};
+use hapdef_daq::{AcquireParams, DaqError, Message, acquire};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use support::recorded::{CALIBRATION, check_frames, frames, params, recorded};
+use support::{Device, is_right};
+
+#[test]
+fn a_recording_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    recorded(&path, 3000);
+    assert!(!folder.path().join("press.partial.mcap").exists());
+    check_frames(&frames(&path), 3000);
+    let mut recording = Recording::open(&path).unwrap();
+    let (mut calibration, mut n_hello) = (None, 0);
+    while let Some(record) = recording.next_record().unwrap() {
+        match record.content {
+            Content::Calibration(json) => calibration = Some(json),
+            Content::Message(Message::Hello(hello)) => {
+                n_hello += 1;
+                assert_eq!(*hello, Device::new(10, SampleFormat::I16).hello);
+            }
+            _ => {}
+        }
+    }
+    assert_eq!((calibration.as_deref(), n_hello), (Some(CALIBRATION), 1));
+    let damage = recording.damage();
+    assert!(damage.is_finished && damage.n_damaged == 0, "{damage:?}");
+    assert_eq!(damage.n_bytes, std::fs::metadata(&path).unwrap().len());
+    let messages = Recording::open(&path).unwrap().messages();
+    let mut replay = ReplaySource::new("file", messages, f64::INFINITY);
+    let mut n = 0;
+    while replay.poll(Duration::ZERO, &mut |_| n += 1) == SourceStatus::Open {}
+    assert!(n > 3000 && replay.stats().n_frames == 3000);
+}
+
+#[test]
+fn the_mcap_library_reads_it_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    recorded(&path, 500);
+    let bytes = std::fs::read(&path).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let longest = summary.chunk_indexes.iter().map(|c| c.chunk_length).max();
+    assert!(longest.unwrap() <= 256 << 10);
+    let mut n = 0;
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.as_ref().unwrap();
+        assert_eq!(schema.encoding, "jsonschema");
+        n += usize::from(message.channel.topic == "/gauges");
+    }
+    assert_eq!(n, 500);
+}
+
+#[test]
+fn text_has_every_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    recorded(&path, 100);
+    let (mut lines, mut table) = (Vec::new(), Vec::new());
+    let open = || Recording::open(&path).unwrap();
+    let n_lines = export_json_lines(&mut open(), &mut lines).unwrap();
+    assert_eq!(export_csv(&mut open(), &mut table).unwrap(), 100);
+    let lines = String::from_utf8(lines).unwrap();
+    assert_eq!(lines.lines().count() as u64, n_lines);
+    for line in lines.lines() {
+        let value: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert!(value["message"].is_object(), "{line}");
+    }
+    let table = String::from_utf8(table).unwrap();
+    let mut rows = table.lines();
+    assert!(
+        rows.next()
+            .unwrap()
+            .ends_with("dropped_before,G0,G1,G2,G3,G4,G5,G6,G7,G8,G9")
+    );
+    let seventh: Vec<_> = rows
+        .nth(7)
+        .unwrap()
+        .split(',')
+        .skip(7)
+        .map(str::to_owned)
+        .collect();
+    let expected: Vec<_> = support::samples(7, 10).map(|v| v.to_string()).collect();
+    assert_eq!(seventh, expected);
+}
+
+#[test]
+fn damage_costs_the_damaged_chunk_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    recorded(&path, 2000);
+    let whole = std::fs::read(&path).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mut draw = |n: usize| rng.next_u64() as usize % n;
+    let damaged_path = folder.path().join("damaged.mcap");
+    let mut n_untouched = 0;
+    for round in 0..1000 {
+        let mut bytes = whole.clone();
+        let at = draw(bytes.len());
+        match round % 4 {
+            0 => bytes[at] ^= 1 << draw(8),
+            1 => bytes.truncate(at),
+            2 => {
+                let end = (at + 1 + draw(5000)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+            _ => {
+                let end = (at + 16).min(bytes.len());
+                bytes[at..end].iter_mut().for_each(|b| *b = draw(256) as u8);
+            }
+        }
+        std::fs::write(&damaged_path, &bytes).unwrap();
+        let got = frames(&damaged_path);
+        assert!(
+            got.iter().all(|(_, frame)| is_right(frame)),
+            "round {round}"
+        );
+        assert!(got.is_sorted_by(|a, b| a.1.seq < b.1.seq), "round {round}");
+        n_untouched += usize::from(got.len() == 2000);
+        if round % 4 != 1 {
+            // A chunk holds at most 192 KiB and a message more: 900 frames here. A hole of 5000
+            // bytes can reach into two.
+            let most = if round % 4 == 2 { 1800 } else { 900 };
+            assert!(got.len() + most >= 2000, "round {round}: {}", got.len());
+        }
+    }
+    assert!(n_untouched < 400, "{n_untouched}");
+}
+
+#[test]
+fn recovery_says_what_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    let to = folder.path().join("saved.mcap");
+    recorded(&path, 4000);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    std::fs::write(&path, &bytes).unwrap();
+    let info = recover(&path, &to).unwrap();
+    println!("{info}");
+    assert_eq!((info.n_frames + info.n_missing, info.n_gaps), (4000, 1));
+    assert_eq!((info.damage.n_damaged, info.damage.is_finished), (1, true));
+    assert_eq!(frames(&to).len() as u64, info.n_frames);
+    let again = recover(&to, &folder.path().join("again.mcap")).unwrap();
+    assert_eq!((again.n_frames, again.damage.n_damaged), (info.n_frames, 0));
+    assert_eq!(info.exit_code(), 1);
+    std::fs::write(&path, vec![7; 100_000]).unwrap();
+    let nothing = recover(&path, &to).unwrap_err();
+    assert!(matches!(
+        nothing,
+        DaqError::NothingToRecover {
+            n_bytes: 100_000,
+            ..
+        }
+    ));
+}
+
+#[test]
+fn bad_beginnings_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let receiver = || {
+        let nothing = ReplaySource::new("nothing", std::iter::empty(), 1.0);
+        acquire(nothing, AcquireParams::default())
+            .unwrap()
+            .1
+            .remove(0)
+    };
+    let path = folder.path().join("x.mcap");
+    let bad = RecordParams {
+        calibration: Some(b"[1]".to_vec()),
+        ..params()
+    };
+    let refused = record(receiver(), &path, bad).map(|_| ()).unwrap_err();
+    assert!(
+        matches!(refused, DaqError::BadCalibration { .. }),
+        "{refused}"
+    );
+    let full = RecordParams {
+        min_free_bytes: u64::MAX,
+        ..params()
+    };
+    let refused = record(receiver(), &path, full).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, DaqError::DiskFull { .. }), "{refused}");
+    let nowhere = record(receiver(), &folder.path().join("no/x.mcap"), params());
+    assert!(matches!(nowhere.map(|_| ()), Err(DaqError::File { .. })));
+}

@@ -1,0 +1,243 @@
+//! The rows by superposition: maps calibrated with presses, frames drawn, contacts found.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Result;
+use hapdef::touch::UncertainResponse;
+use hapdef_inverse::{
+    Calibrated, CalibrationParams, ContactEstimate, ContactEstimator, EstimatorParams, ModelError,
+    NoiseParams, Press, ScanSites, joint_bounds,
+};
+
+use nalgebra::Point3;
+use rand::RngExt;
+
+use super::score::Score;
+use super::world::{Draw, Frame, TrueContact, World};
+
+/// Sites of the scans.
+const N_SITES: usize = 800;
+
+/// Friction coefficients uniform in 0…μ in a random direction have this root mean square over μ.
+const FRICTION_RMS: f64 = 0.408_248_290_463_863;
+
+/// A calibrated map and what was used.
+pub(crate) struct Map {
+    pub(crate) calibrated: Calibrated,
+    sites: Arc<ScanSites>,
+    noise: NoiseParams,
+    /// Channels of the rig that its gauges are.
+    pub(crate) channels: std::ops::Range<usize>,
+}
+
+/// Single presses for a calibration: places uniform over the skin, forces over the scene's range.
+pub(crate) fn presses(
+    world: &World,
+    draw: &mut Draw<'_>,
+    n: usize,
+    force_range_n: [f64; 2],
+) -> Result<Vec<Frame>> {
+    let drawn = (0..n).map(|_| {
+        let point = draw.place();
+        let force_n = draw
+            .rng
+            .random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
+        vec![draw.contact(point, force_n, 0.0)]
+    });
+    world.frames(drawn.collect(), 1)
+}
+
+impl Map {
+    /// Calibrates a response with presses.
+    pub(crate) fn calibrate(
+        response: &UncertainResponse,
+        presses: &[Frame],
+        channels: std::ops::Range<usize>,
+        noise: NoiseParams,
+        n_threads: usize,
+    ) -> Result<Self> {
+        let presses: Vec<Press> = presses
+            .iter()
+            .map(|frame| Press {
+                point: frame.contacts[0].point,
+                force_n: frame.contacts[0].force_n,
+                readings: frame.readings_ue[channels.clone()].to_vec(),
+            })
+            .collect();
+        let sites = Arc::new(ScanSites::farthest(response.map.skin(), N_SITES)?);
+        let params = CalibrationParams {
+            n_threads,
+            ..CalibrationParams::new(noise_sd(&noise))
+        };
+        let modes = response.modes();
+        let calibrated = Calibrated::fit(&response.map, &sites, &modes, &presses, &params)?;
+        Ok(Self {
+            calibrated,
+            sites,
+            noise,
+            channels,
+        })
+    }
+
+    /// An estimator on the map. `most_friction` is told to it, not seen.
+    pub(crate) fn estimator(
+        &self,
+        params: EstimatorParams,
+        most_friction: f64,
+    ) -> Result<ContactEstimator> {
+        let noise = NoiseParams {
+            model_error: ModelError {
+                friction_rms: most_friction * FRICTION_RMS,
+                ..self.calibrated.model_error.clone()
+            },
+            ..self.noise.clone()
+        };
+        let map = Arc::new(self.calibrated.map.clone());
+        Ok(ContactEstimator::new(
+            map,
+            self.sites.clone(),
+            noise,
+            params,
+        )?)
+    }
+
+    /// An estimator that scans other sites, each with the map's error at the nearest calibrated one.
+    pub(crate) fn estimator_at(
+        &self,
+        sites: &Arc<ScanSites>,
+        params: EstimatorParams,
+    ) -> Result<ContactEstimator> {
+        let block = self.noise.gauge_sd.len().pow(2);
+        let nearest = |x: &Point3<f64>| {
+            let gap = |i: &usize| (self.sites.positions()[*i] - x).norm_squared();
+            (0..self.sites.len()).min_by(|a, b| gap(a).total_cmp(&gap(b)))
+        };
+        let error = &self.calibrated.model_error;
+        let per_site = sites.positions().iter().filter_map(nearest);
+        let per_site = per_site.flat_map(|i| &error.per_site[i * block..(i + 1) * block]);
+        let noise = NoiseParams {
+            model_error: ModelError {
+                per_site: per_site.copied().collect(),
+                ..error.clone()
+            },
+            ..self.noise.clone()
+        };
+        let map = Arc::new(self.calibrated.map.clone());
+        Ok(ContactEstimator::new(map, sites.clone(), noise, params)?)
+    }
+
+    /// An estimator that takes the map as exact: its bounds are the noise's.
+    pub(crate) fn noise_only(&self) -> Result<ContactEstimator> {
+        let map = Arc::new(self.calibrated.map.clone());
+        let params = EstimatorParams::default();
+        Ok(ContactEstimator::new(
+            map,
+            self.sites.clone(),
+            self.noise.clone(),
+            params,
+        )?)
+    }
+
+    /// Finds the contacts of all `frames`.
+    pub(crate) fn score(&self, estimator: &ContactEstimator, frames: &[Frame]) -> Result<Score> {
+        let mut score = Score::default();
+        let mut scratch = estimator.scratch();
+        let mut estimate = ContactEstimate::default();
+        for frame in frames {
+            let readings = &frame.readings_ue[self.channels.clone()];
+            let start = Instant::now();
+            estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
+            let time_us = start.elapsed().as_secs_f64() * 1e6;
+            score.add_estimate(estimator.map().skin(), frame, &estimate, time_us)?;
+        }
+        Ok(score)
+    }
+
+    /// Root mean square of the position error over the Cramér–Rao bound of the noise alone, over
+    /// the matched contacts where that bound exceeds the map's error; none if there is none.
+    pub(crate) fn bound_ratio(
+        &self,
+        estimator: &ContactEstimator,
+        frames: &[Frame],
+    ) -> Result<Option<f64>> {
+        let exact = self.noise_only()?;
+        let skin = estimator.map().skin();
+        let (mut sum, mut n) = (0.0, 0.0);
+        for frame in frames {
+            let estimate = estimator.estimate(&frame.readings_ue[self.channels.clone()])?;
+            if estimate.contacts.len() != frame.contacts.len() {
+                continue;
+            }
+            let truth: Vec<_> = frame
+                .contacts
+                .iter()
+                .map(|c| (c.point, c.force_n))
+                .collect();
+            let (Some(bounds), Some(with_map)) = (
+                joint_bounds(&exact, &truth)?,
+                joint_bounds(estimator, &truth)?,
+            ) else {
+                continue;
+            };
+            let pairs = Score::default().add_estimate(skin, frame, &estimate, 0.0)?;
+            for pair in pairs {
+                let bound2 = bounds[pair.truth].position_sd_m.powi(2);
+                let map2 = with_map[pair.truth].position_sd_m.powi(2) - bound2;
+                if bound2 > map2 {
+                    sum += pair.position_error_m.powi(2) / bound2;
+                    n += 1.0;
+                }
+            }
+        }
+        Ok((n > 0.0).then(|| f64::sqrt(sum / n)))
+    }
+}
+
+/// Single contacts.
+pub(crate) fn singles(draw: &mut Draw<'_>, n: usize, force_n: [f64; 2]) -> Vec<Vec<TrueContact>> {
+    sets(draw, n, 1, [force_n; 4], [0.0, f64::MAX], 0.0)
+}
+
+/// The paper's pairs: 30 N held and 0…34 N varied, 12–75 mm apart.
+pub(crate) fn doubles(
+    draw: &mut Draw<'_>,
+    n: usize,
+    presses: &hapdef::scene::PressSpec,
+    varied_n: [f64; 2],
+    most_friction: f64,
+) -> Vec<Vec<TrueContact>> {
+    let (held, spread) = (presses.held_force_n, presses.held_spread_n);
+    let held = [held - spread, held + spread];
+    let forces = [held, varied_n, varied_n, varied_n];
+    sets(draw, n, 2, forces, presses.spacing_range_m, most_friction)
+}
+
+/// Sets of `k` contacts, forces uniform in their ranges, distances within `gap_m`.
+pub(crate) fn sets(
+    draw: &mut Draw<'_>,
+    n: usize,
+    k: usize,
+    forces_n: [[f64; 2]; 4],
+    gap_m: [f64; 2],
+    most_friction: f64,
+) -> Vec<Vec<TrueContact>> {
+    (0..n)
+        .map(|_| {
+            let places = draw.places(k, gap_m);
+            let contact = |(i, place)| {
+                let [low, high] = forces_n[i];
+                let force_n = draw.rng.random_range(low..=high);
+                draw.contact(place, force_n, most_friction)
+            };
+            places.into_iter().enumerate().map(contact).collect()
+        })
+        .collect()
+}
+
+/// White noise and quantisation together `[n_gauges]`.
+fn noise_sd(noise: &NoiseParams) -> Vec<f64> {
+    let step2 = |g: usize| noise.quantisation_step.get(g).map_or(0.0, |s| s * s / 12.0);
+    let sd = |(g, sd): (usize, &f64)| (sd * sd + step2(g)).sqrt();
+    noise.gauge_sd.iter().enumerate().map(sd).collect()
+}

@@ -1,0 +1,259 @@
+//! `frontier-inverse`: effort of the search against error, for one to four contacts, with the
+//! Cramér–Rao bound as the floor and the paper's nets as rows.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use clap::Args;
+use hapdef::{Limb, SceneArgs};
+use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
+use hapdef_repro::{
+    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
+    lines_svg, write_report,
+};
+use serde::Serialize;
+
+use super::cells::Map;
+use super::paper::{PaperPipeline, Ranking};
+use super::run::{Bench, CompareArgs};
+use super::score::{Row, at, sorted};
+use super::world::Frame;
+use crate::run::facts;
+use crate::run::summary::terminal_table;
+
+/// Most contacts at a time.
+const MOST: usize = 4;
+
+/// Arguments of `frontier-inverse`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct FrontierInverseArgs {
+    #[command(flatten)]
+    compare: CompareArgs,
+}
+
+/// One way on frames of one number of contacts.
+#[derive(Clone, Debug, Serialize)]
+struct Point {
+    n_contacts: usize,
+    #[serde(flatten)]
+    row: Row,
+    on_front: bool,
+}
+
+/// How hard is searched.
+struct Effort {
+    name: &'static str,
+    n_sites: usize,
+    params: EstimatorParams,
+}
+
+/// Measures every effort and writes the page.
+pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
+    let scene: &SceneArgs = args.compare.scene();
+    let run = scene.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let bench = Bench::build(&run, &limb, &args.compare)?;
+    let map = bench.calibrated()?;
+    let mut paper = match args.compare.without_paper() {
+        true => None,
+        false => Some(PaperPipeline::train(&run, &limb)?),
+    };
+    let (mut points, mut floors) = (Vec::new(), Vec::new());
+    for k in 1..=MOST {
+        run.say(&format!("frames of {k} contacts"));
+        let frames = bench.apart(k, 50 + k as u64)?;
+        let mut of_k = Vec::new();
+        for effort in efforts() {
+            of_k.push(by_effort(&map, &effort, &frames)?);
+        }
+        if let Some(paper) = &mut paper {
+            of_k.extend(bench.paper_rows(paper, &frames, Ranking::ALL)?);
+        }
+        points.extend(with_front(k, of_k));
+        floors.push(floor_mm(&map, &frames)?);
+    }
+    write(scene, &run, &bench, &points, &floors)
+}
+
+fn efforts() -> Vec<Effort> {
+    let usual = EstimatorParams::default();
+    let effort = |name, n_sites, n_starts: usize, n_finalists: usize, n_hops: usize| Effort {
+        name,
+        n_sites,
+        params: EstimatorParams {
+            n_starts,
+            n_finalists,
+            n_hops,
+            n_bases: 2 * n_starts,
+            ..usual
+        },
+    };
+    vec![
+        effort("least", 200, 10, 2, 0),
+        effort("small", 400, 30, 4, 0),
+        effort("less", 800, 60, 8, 0),
+        Effort {
+            name: "usual",
+            n_sites: 800,
+            params: usual,
+        },
+        effort("more", 800, 300, 32, 2),
+        effort("most", 1200, 600, 64, 2),
+    ]
+}
+
+fn by_effort(map: &Map, effort: &Effort, frames: &[Frame]) -> Result<Row> {
+    let sites = ScanSites::farthest(map.calibrated.map.skin(), effort.n_sites)?;
+    let estimator = map.estimator_at(&Arc::new(sites), effort.params)?;
+    Ok(map.score(&estimator, frames)?.row(effort.name))
+}
+
+/// Marks the rows that no other row beats in both time and error.
+fn with_front(n_contacts: usize, rows: Vec<Row>) -> Vec<Point> {
+    let beats = |a: &Row, b: &Row| a.p50_us < b.p50_us && a.mean_mm <= b.mean_mm;
+    let on_front: Vec<bool> = rows
+        .iter()
+        .map(|row| !rows.iter().any(|other| beats(other, row)))
+        .collect();
+    let point = |(row, on_front)| Point {
+        n_contacts,
+        row,
+        on_front,
+    };
+    rows.into_iter().zip(on_front).map(point).collect()
+}
+
+/// Median Cramér–Rao bound of the position, the map's error included, mm; none if most are singular.
+fn floor_mm(map: &Map, frames: &[Frame]) -> Result<Option<f64>> {
+    let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
+    let mut bounds = Vec::new();
+    for frame in frames {
+        let truth: Vec<_> = frame
+            .contacts
+            .iter()
+            .map(|c| (c.point, c.force_n))
+            .collect();
+        match joint_bounds(&estimator, &truth)? {
+            Some(found) => bounds.extend(found.iter().map(|b| b.position_sd_m * 1e3)),
+            None => bounds.extend(truth.iter().map(|_| f64::INFINITY)),
+        }
+    }
+    Ok(Some(at(&sorted(bounds.into_iter()), 0.5)).filter(|b| b.is_finite()))
+}
+
+fn write(
+    scene: &SceneArgs,
+    run: &hapdef::Run,
+    bench: &Bench<'_>,
+    points: &[Point],
+    floors: &[Option<f64>],
+) -> Result<()> {
+    let seed = bench.test_seed();
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(seed));
+    log.value("frontier.points", points.len() as f64, "1")?;
+    let table = table(points, floors);
+    println!("{}", terminal_table(&table));
+    let report = Report {
+        title: format!("hapdef: search effort against error, {}", run.scene.name),
+        scene: run.scene.name.clone(),
+        facts: facts::of_run(run),
+        tables: vec![ReportTable {
+            title: "Every way from readings to contacts".into(),
+            note: NOTE.into(),
+            text: table,
+            data: serde_json::to_value(points)?,
+        }],
+        figures: figures(points)?,
+        metrics: log.records().to_vec(),
+        ..Report::default()
+    };
+    let folder = scene.out.join(&run.scene.name).join("frontier-inverse");
+    let paths = write_report(&folder, &report)?;
+    hapdef::write_json(&folder.join("frontier.json"), &points)?;
+    log.append_to(&scene.out.join("metrics.json"))?;
+    for path in paths.iter().rev().take(3) {
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+const NOTE: &str = "Simulated: the scene's rig, a map calibrated with 3,000 presses. Contacts of 5 N \
+    to the strongest, 20 mm apart, matched one to one; by superposition their number is estimated, \
+    the paper's pipeline is given it. Efforts differ in scan sites, starts that are refined and \
+    rounds of new starts. Bound: the median Cramér–Rao bound with the map's error, which no \
+    unbiased estimate beats. Front: no other row is both faster and nearer.";
+
+fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
+    let header = [
+        "contacts",
+        "way",
+        "mean, mm",
+        "median",
+        "90 %",
+        "beyond 10 mm",
+        "count right",
+        "p50, µs",
+        "p99, µs",
+        "bound, mm",
+        "front",
+    ];
+    let row = |p: &Point| {
+        let floor = floors.get(p.n_contacts - 1).copied().flatten();
+        let cells = [
+            p.n_contacts.to_string(),
+            p.row.name.clone(),
+            format!("{:.2}", p.row.mean_mm),
+            format!("{:.2}", p.row.median_mm),
+            format!("{:.2}", p.row.p90_mm),
+            format!("{:.1} %", 100.0 - p.row.within10_pct),
+            format!("{:.1} %", p.row.count_pct),
+            format!("{:.0}", p.row.p50_us),
+            format!("{:.0}", p.row.p99_us),
+            floor.map_or("–".into(), |b| format!("{b:.2}")),
+            if p.on_front {
+                "F".into()
+            } else {
+                String::new()
+            },
+        ];
+        cells.map(TextCell::plain).to_vec()
+    };
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: points.iter().map(row).collect(),
+    }
+}
+
+fn figures(points: &[Point]) -> Result<Vec<Figure>> {
+    let series = |k: usize, is_paper: bool| {
+        let of_k = points
+            .iter()
+            .filter(|p| p.n_contacts == k && p.row.name.starts_with("paper") == is_paper);
+        let mut places: Vec<(f64, f64)> = of_k
+            .map(|p| (p.row.p50_us.log10(), p.row.mean_mm))
+            .collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let by = if is_paper { "paper" } else { "superposition" };
+        Series {
+            name: format!("{k}, {by}"),
+            points: places,
+        }
+    };
+    let mut all: Vec<Series> = (1..=MOST)
+        .flat_map(|k| [series(k, false), series(k, true)])
+        .collect();
+    all.retain(|series| !series.points.is_empty());
+    let chart = LineChart {
+        title: "Position error against run time".into(),
+        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        y_label: "mean position error, mm".into(),
+        log_y: true,
+        dots: true,
+        series: all,
+    };
+    Ok(vec![Figure {
+        file: "frontier-inverse.svg".into(),
+        caption: "Mean position error against the time of a frame, by number of contacts.".into(),
+        content: FigureContent::Svg(lines_svg(&chart)?),
+    }])
+}

@@ -1,0 +1,345 @@
+//! The comparison, row by row.
+
+use anyhow::Result;
+use clap::Args;
+use hapdef::touch::{LayoutParams, UncertainParams, UncertainResponse, study_layouts};
+use hapdef::{Limb, Run, SceneArgs};
+use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams};
+use hapdef_sim::{GaugeSite, GaugeStrain};
+
+use super::cells::{self, Map};
+use super::paper::{PaperPipeline, Ranking};
+use super::score::{Row, Score, mean, sorted};
+use super::sequence::{Followed, Script};
+use super::tables;
+use super::world::{Draw, Frame, World};
+
+/// Gauges of the layout for the static triple.
+const N_MORE: usize = 16;
+
+/// Presses of the two calibrations.
+const N_MANY: usize = 3000;
+const N_FEW: usize = 300;
+
+/// Largest friction coefficient of the friction row, and its tip: 8 mm across.
+const FRICTION: f64 = 0.2;
+const WIDE_TIP_M: f64 = 0.004;
+
+/// Frames on which the covariance is judged.
+const N_COVERAGE: usize = 10_000;
+
+/// Scripts of contacts that arrive one after another.
+const N_SCRIPTS: usize = 200;
+
+/// Stiffness modes of a calibration.
+const N_STIFFNESS: usize = 32;
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Frames of each row.
+    #[arg(long, default_value_t = 400)]
+    frames: usize,
+    /// Seed of the presses and frames; nothing was tuned on the default.
+    #[arg(long, default_value_t = 7000)]
+    test_seed: u64,
+    /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
+    #[arg(long)]
+    without_paper: bool,
+}
+
+impl CompareArgs {
+    pub(super) fn scene(&self) -> &SceneArgs {
+        &self.scene
+    }
+
+    pub(super) fn without_paper(&self) -> bool {
+        self.without_paper
+    }
+}
+
+/// Everything that was measured.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Measured {
+    pub(crate) rows: Vec<Row>,
+    pub(crate) coverage95_pct: Option<f64>,
+    pub(crate) bound_ratio: Option<f64>,
+    /// Relative errors of the maps at presses they were not calibrated with: with 3,000 presses,
+    /// 300, and none.
+    pub(crate) map_errors: [f64; 3],
+    /// Times of all frames of the tracker, µs, rising.
+    pub(crate) tracking_us: Vec<f64>,
+    /// Name of the paper's better row on doubles.
+    pub(crate) best_paper: Option<String>,
+}
+
+/// Measures, prints and writes the comparison.
+pub(crate) fn run(args: &CompareArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let bench = Bench::build(&run, &limb, args)?;
+    let mut measured = Measured::default();
+    bench.by_superposition(&mut measured)?;
+    if !args.without_paper {
+        bench.by_the_paper(&mut measured)?;
+    }
+    tables::write(&run, &args.scene.out, args.test_seed, &measured)
+}
+
+impl Measured {
+    fn add(&mut self, name: &str, score: &Score) {
+        self.rows.push(score.row(name));
+    }
+
+    pub(crate) fn row(&self, name: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.name == name)
+    }
+}
+
+/// The rig, the training side's responses, the frames.
+pub(super) struct Bench<'a> {
+    run: &'a Run,
+    limb: &'a Limb,
+    args: &'a CompareArgs,
+    world: World,
+    ten: UncertainResponse,
+    more: UncertainResponse,
+}
+
+impl<'a> Bench<'a> {
+    pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
+        let params = UncertainParams {
+            tip_radius_m: run.scene.contact.tip_radius_m,
+            n_stiffness: N_STIFFNESS,
+            n_threads: run.threads,
+        };
+        run.say("solving the response and what may change it");
+        let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+        let (sites, gauges) = more_gauges(run, limb)?;
+        let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
+        run.say("solving the simulated real limb");
+        let world = World::build(run, limb, ten.map.skin(), &sites)?;
+        Ok(Self {
+            run,
+            limb,
+            args,
+            world,
+            ten,
+            more,
+        })
+    }
+
+    pub(super) fn test_seed(&self) -> u64 {
+        self.args.test_seed
+    }
+
+    /// The scene's gauges, calibrated with 3,000 presses.
+    pub(super) fn calibrated(&self) -> Result<Map> {
+        self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
+    }
+
+    fn presses(&self) -> Result<Vec<Frame>> {
+        let range = self.run.scene.contact.force_range_n;
+        cells::presses(&self.world, &mut self.draw(1), N_MANY, range)
+    }
+
+    /// Frames of a row are drawn from a seed of their own.
+    fn draw(&self, row: u64) -> Draw<'_> {
+        Draw::new(self.ten.map.skin(), self.args.test_seed.wrapping_add(row))
+    }
+
+    fn calibrate(
+        &self,
+        response: &UncertainResponse,
+        presses: &[Frame],
+        channels: std::ops::Range<usize>,
+    ) -> Result<Map> {
+        self.run
+            .say(&format!("calibrating with {} presses", presses.len()));
+        let steps = self.world.resolution_ue()?;
+        let noise = NoiseParams {
+            quantisation_step: steps[channels.clone()].to_vec(),
+            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
+        };
+        Map::calibrate(response, presses, channels, noise, self.run.threads)
+    }
+
+    fn by_superposition(&self, measured: &mut Measured) -> Result<()> {
+        let n_gauges = self.limb.gauges.len();
+        let presses = self.presses()?;
+        let many = self.calibrate(&self.ten, &presses, 0..n_gauges)?;
+        let few = self.calibrate(&self.ten, &presses[..N_FEW], 0..n_gauges)?;
+        measured.map_errors = [&many, &few, &few].map(|m| m.calibrated.info.relative_error);
+        measured.map_errors[2] = many.calibrated.info.relative_error_before;
+        self.static_rows(&many, &few, measured)?;
+        self.arrivals(&many, measured)?;
+        let n_all = n_gauges + N_MORE;
+        let more = self.calibrate(&self.more, &presses, n_gauges..n_all)?;
+        for (k, name) in [(3, "triple, 16 gauges"), (4, "quadruple, 16 gauges")] {
+            let estimator = more.estimator(EstimatorParams::default(), 0.0)?;
+            let frames = self.apart(k, 30 + k as u64)?;
+            measured.add(name, &more.score(&estimator, &frames)?);
+        }
+        Ok(())
+    }
+
+    fn static_rows(&self, many: &Map, few: &Map, measured: &mut Measured) -> Result<()> {
+        let estimator = many.estimator(EstimatorParams::default(), 0.0)?;
+        let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
+        measured.add("single", &many.score(&estimator, &singles)?);
+        measured.add("double", &many.score(&estimator, &doubles)?);
+        measured.add("triple", &many.score(&estimator, &self.apart(3, 13)?)?);
+        measured.add("quadruple", &many.score(&estimator, &self.apart(4, 14)?)?);
+        let of_few = few.estimator(EstimatorParams::default(), 0.0)?;
+        measured.add("single, 300 presses", &few.score(&of_few, &singles)?);
+        measured.add("double, 300 presses", &few.score(&of_few, &doubles)?);
+        let told = many.estimator(EstimatorParams::default(), FRICTION)?;
+        let rough = self.rough_doubles()?;
+        measured.add("double, friction and wide tip", &many.score(&told, &rough)?);
+        self.honesty(many, &estimator, measured)
+    }
+
+    /// Coverage of the 95 % regions over many frames, and how near the bound is.
+    fn honesty(
+        &self,
+        many: &Map,
+        estimator: &ContactEstimator,
+        measured: &mut Measured,
+    ) -> Result<()> {
+        self.run.say("judging the covariance");
+        let singles = self.singles(N_COVERAGE)?;
+        let score = many.score(estimator, &singles)?;
+        measured.coverage95_pct = score.coverage_with(&Score::default());
+        measured.add("single, many frames", &score);
+        let n = self.args.frames.min(singles.len());
+        measured.bound_ratio = many.bound_ratio(estimator, &singles[..n])?;
+        Ok(())
+    }
+
+    fn arrivals(&self, map: &Map, measured: &mut Measured) -> Result<()> {
+        self.run
+            .say("following contacts that arrive one after another");
+        let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
+        let mut scratch = estimator.scratch();
+        let mut draw = self.draw(40);
+        let mut followed = Followed::default();
+        let contact = &self.run.scene.contact;
+        for i in 0..N_SCRIPTS as u64 {
+            let script = Script::draw(&mut draw, 4, 0.02, contact.force_range_n[1]);
+            let readings = script.readings(&self.world, 1000 + i)?;
+            followed.follow(&estimator, &mut scratch, &script, &readings)?;
+        }
+        measured.add("four arriving", &followed.score);
+        measured.tracking_us = sorted(followed.times_us.iter().copied());
+        Ok(())
+    }
+
+    fn by_the_paper(&self, measured: &mut Measured) -> Result<()> {
+        let mut paper = PaperPipeline::train(self.run, self.limb)?;
+        let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
+        for (what, frames) in [("single", singles), ("double", doubles)] {
+            let mut rows = self.paper_rows(&mut paper, &frames, Ranking::ALL)?;
+            for row in &mut rows {
+                row.name.push_str(&format!(", {what}"));
+            }
+            rows.sort_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm));
+            measured.best_paper = rows.first().map(|row| row.name.clone());
+            measured.rows.extend(rows);
+        }
+        Ok(())
+    }
+
+    /// The paper's pipeline on frames, a row for each ranking.
+    pub(super) fn paper_rows(
+        &self,
+        paper: &mut PaperPipeline,
+        frames: &[Frame],
+        rankings: [Ranking; 2],
+    ) -> Result<Vec<Row>> {
+        let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
+        let row = |ranking: Ranking| {
+            let score = paper.score(skin, frames, n_gauges, ranking)?;
+            Ok(score.row(&format!("paper, {}", ranking.name())))
+        };
+        rankings.into_iter().map(row).collect()
+    }
+
+    fn singles(&self, n: usize) -> Result<Vec<Frame>> {
+        let strongest = self.run.scene.contact.force_range_n[1];
+        let drawn = cells::singles(&mut self.draw(11), n, [5.0, strongest]);
+        self.world.frames(drawn, 11)
+    }
+
+    fn doubles(&self) -> Result<Vec<Frame>> {
+        let (presses, range) = (
+            &self.run.scene.rig.presses,
+            self.run.scene.contact.force_range_n,
+        );
+        let n = self.args.frames;
+        let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
+        self.world.frames(drawn, 12)
+    }
+
+    fn rough_doubles(&self) -> Result<Vec<Frame>> {
+        let (presses, range) = (
+            &self.run.scene.rig.presses,
+            self.run.scene.contact.force_range_n,
+        );
+        let n = self.args.frames;
+        let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
+        self.world.frames_under(drawn, WIDE_TIP_M, 20)
+    }
+
+    /// `k` contacts of 5 N to the strongest, 20 mm apart.
+    pub(super) fn apart(&self, k: usize, row: u64) -> Result<Vec<Frame>> {
+        let forces = [[5.0, self.run.scene.contact.force_range_n[1]]; 4];
+        let n = self.args.frames;
+        let gap_m = [0.02, f64::MAX];
+        let drawn = cells::sets(&mut self.draw(row), n, k, forces, gap_m, 0.0);
+        self.world.frames(drawn, row)
+    }
+}
+
+/// Sixteen gauges where greedy log-det puts them.
+fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
+    let params = LayoutParams {
+        n_gauges: N_MORE,
+        noise_ue: run.scene.rig.electronics.noise_ue,
+        seed: run.scene.seed,
+        other_counts: Vec::new(),
+        ..LayoutParams::default()
+    };
+    let study = study_layouts(run, limb, &params)?;
+    let mut sites = Vec::with_capacity(N_MORE);
+    let mut gauges = Vec::with_capacity(N_MORE);
+    for placed in study
+        .layouts
+        .last()
+        .map_or(&[][..], |layout| &layout.gauges)
+    {
+        let site = GaugeSite {
+            position: placed.position_m,
+            axis: placed.axis,
+            length_m: run.scene.gauges.length_m,
+            width_m: run.scene.gauges.width_m,
+        };
+        let faces = &limb.boundary.faces;
+        gauges.push(GaugeStrain::with_params(
+            &limb.mesh,
+            faces,
+            &site,
+            &limb.gauge_params,
+        )?);
+        sites.push(site);
+    }
+    Ok((sites, gauges))
+}
+
+/// Times of the paper's rows, µs.
+pub(crate) fn paper_time_us(measured: &Measured) -> Option<f64> {
+    let rows = measured.rows.iter().filter(|r| r.name.starts_with("paper"));
+    let times: Vec<f64> = rows.map(|r| r.p50_us).collect();
+    (!times.is_empty()).then(|| mean(times.into_iter()))
+}

@@ -1,0 +1,176 @@
+//! Errors of many frames in one row.
+
+use anyhow::Result;
+use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, score_one_to_one};
+use hapdef_inverse::{Contact, ContactEstimate, Skin, Verdict};
+use serde::Serialize;
+
+use super::world::Frame;
+
+/// A contact farther from its match than this is not found, m.
+const FOUND_M: f64 = 0.010;
+
+/// The 95 % quantile of χ² with two degrees of freedom: −2 ln 0.05.
+const CHI2_95: f64 = 5.991_464_547_107_979;
+
+/// Frames of a row, matched one to one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Score {
+    pairs: Vec<ContactPair>,
+    n_true: usize,
+    n_missed: usize,
+    n_spurious: usize,
+    n_frames: usize,
+    n_count_right: usize,
+    n_unsure: usize,
+    n_clean: usize,
+    /// Of the contacts whose covariance was told: those, and those inside their 95 % region.
+    n_regions: usize,
+    n_inside: usize,
+    times_us: Vec<f64>,
+}
+
+/// A row in numbers. Position and force errors are those of matched contacts.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Row {
+    pub(crate) name: String,
+    pub(crate) n_frames: usize,
+    pub(crate) mean_mm: f64,
+    pub(crate) median_mm: f64,
+    pub(crate) p90_mm: f64,
+    /// True contacts that have a match within 10 mm, %.
+    pub(crate) within10_pct: f64,
+    pub(crate) mean_n: f64,
+    /// True contacts without a match, %.
+    pub(crate) missed_pct: f64,
+    /// Contacts without a true one, per 100 frames.
+    pub(crate) spurious_pct: f64,
+    /// Frames whose number of contacts is right, %.
+    pub(crate) count_pct: f64,
+    /// Frames whose contacts are all within 10 mm and no other is reported, %.
+    pub(crate) clean_pct: f64,
+    /// Frames that the estimator says it can't decide, %.
+    pub(crate) unsure_pct: f64,
+    /// Matched contacts inside their 95 % region, %, where regions are told.
+    pub(crate) coverage95_pct: Option<f64>,
+    pub(crate) p50_us: f64,
+    pub(crate) p99_us: f64,
+}
+
+impl Score {
+    /// Adds a frame and what was found in it.
+    pub(crate) fn add(
+        &mut self,
+        skin: &Skin,
+        frame: &Frame,
+        found: &[ScoredContact],
+        time_us: f64,
+    ) -> Result<Vec<ContactPair>> {
+        let truth: Vec<ScoredContact> = frame
+            .contacts
+            .iter()
+            .map(|c| (skin.position(&c.point).coords.into(), c.force_n))
+            .collect();
+        let kept = &found[..found.len().min(MAX_ONE_TO_ONE)];
+        let matched = score_one_to_one(kept, &truth)?;
+        let near = |p: &&ContactPair| p.position_error_m <= FOUND_M;
+        let n_near = matched.pairs.iter().filter(near).count();
+        self.n_frames += 1;
+        self.n_true += truth.len();
+        self.n_missed += matched.missed.len();
+        self.n_spurious += matched.spurious.len() + found.len() - kept.len();
+        self.n_count_right += usize::from(found.len() == truth.len());
+        self.n_clean += usize::from(n_near == truth.len() && found.len() == truth.len());
+        self.times_us.push(time_us);
+        self.pairs.extend(&matched.pairs);
+        Ok(matched.pairs)
+    }
+
+    /// Adds a frame with an estimate by superposition.
+    pub(crate) fn add_estimate(
+        &mut self,
+        skin: &Skin,
+        frame: &Frame,
+        estimate: &ContactEstimate,
+        time_us: f64,
+    ) -> Result<Vec<ContactPair>> {
+        let found: Vec<ScoredContact> = estimate
+            .contacts
+            .iter()
+            .map(|c| (c.position_m.coords.into(), c.force_n))
+            .collect();
+        let pairs = self.add(skin, frame, &found, time_us)?;
+        let is_sure = !matches!(estimate.verdict, Verdict::NotIdentifiable(_));
+        self.n_unsure += usize::from(!is_sure);
+        let is_right = found.len() == frame.contacts.len();
+        for pair in pairs.iter().filter(|_| is_sure && is_right) {
+            let truth = skin.position(&frame.contacts[pair.truth].point);
+            let distance2 = mahalanobis2(skin, &estimate.contacts[pair.detected], &truth);
+            self.n_regions += 1;
+            self.n_inside += usize::from(distance2.is_some_and(|d| d <= CHI2_95));
+        }
+        Ok(pairs)
+    }
+
+    /// The row's numbers.
+    pub(crate) fn row(&self, name: &str) -> Row {
+        let mm: Vec<f64> = sorted(self.pairs.iter().map(|p| p.position_error_m * 1e3));
+        let near = self.pairs.iter().filter(|p| p.position_error_m <= FOUND_M);
+        let times = sorted(self.times_us.iter().copied());
+        let share = |n: usize, of: usize| n as f64 / of.max(1) as f64 * 100.0;
+        Row {
+            name: name.into(),
+            n_frames: self.n_frames,
+            mean_mm: mean(mm.iter().copied()),
+            median_mm: at(&mm, 0.5),
+            p90_mm: at(&mm, 0.9),
+            within10_pct: share(near.count(), self.n_true),
+            mean_n: mean(self.pairs.iter().map(|p| p.force_error_n.abs())),
+            missed_pct: share(self.n_missed, self.n_true),
+            spurious_pct: share(self.n_spurious, self.n_frames),
+            count_pct: share(self.n_count_right, self.n_frames),
+            clean_pct: share(self.n_clean, self.n_frames),
+            unsure_pct: share(self.n_unsure, self.n_frames),
+            coverage95_pct: (self.n_regions > 0).then(|| share(self.n_inside, self.n_regions)),
+            p50_us: at(&times, 0.5),
+            p99_us: at(&times, 0.99),
+        }
+    }
+
+    /// Adds the regions of another row, for a figure over several.
+    pub(crate) fn coverage_with(&self, other: &Self) -> Option<f64> {
+        let (inside, all) = (
+            self.n_inside + other.n_inside,
+            self.n_regions + other.n_regions,
+        );
+        (all > 0).then(|| inside as f64 / all as f64 * 100.0)
+    }
+}
+
+/// Squared distance of a contact from the truth in its own standard deviations, in the tangent
+/// plane; none if the covariance is singular.
+fn mahalanobis2(skin: &Skin, contact: &Contact, truth: &nalgebra::Point3<f64>) -> Option<f64> {
+    let off = truth - contact.position_m;
+    let along = skin.tangents(&contact.point).map(|t| t.dot(&off));
+    let off = nalgebra::Vector2::from(along);
+    let covariance = contact.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    Some((off.transpose() * covariance.try_inverse()? * off)[(0, 0)])
+}
+
+pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, n) = values.fold((0.0, 0), |(sum, n), v| (sum + v, n + 1));
+    sum / f64::from(n.max(1))
+}
+
+pub(crate) fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// The value at share `q` of sorted values; NaN if there are none.
+pub(crate) fn at(sorted: &[f64], q: f64) -> f64 {
+    let last = sorted.len().saturating_sub(1) as f64;
+    let place = (last * q).round() as usize;
+    sorted.get(place).copied().unwrap_or(f64::NAN)
+}

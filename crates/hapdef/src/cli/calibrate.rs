@@ -1,0 +1,208 @@
+//! `hapdef probe` and `hapdef calibrate`: presses of known place and force, and the map they give.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use hapdef::stages::real_limb;
+use hapdef::touch::{Calibration, PressQuality, response_map};
+use hapdef::{Limb, SceneArgs};
+use hapdef_inverse::{CalibrationInfo, Press, Skin};
+use hapdef_rig::{Electronics, ElectronicsParams};
+use nalgebra::Point3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::json;
+
+/// Least force of a press on the simulated rig, N: less says little.
+const LEAST_N: f64 = 2.0;
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  \
+    hapdef probe fixtures/shin/placed.json presses.csv --presses 300\n\n\
+    Simulated: the scene's rig is pressed, not hardware. Columns: x_m, y_m, z_m, force_n, then the \
+    tared reading of each gauge in µε.")]
+pub(crate) struct ProbeArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The table to write.
+    table: PathBuf,
+    /// Number of presses.
+    #[arg(long, default_value_t = 300)]
+    presses: usize,
+    /// Seed of places and forces.
+    #[arg(long, default_value_t = 1)]
+    press_seed: u64,
+}
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  \
+    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n\n\
+    The table has a press a line: x_m, y_m, z_m, force_n, then the tared reading of each gauge in \
+    µε; a first line of names is allowed. Name the result in the scene: estimator.calibration.")]
+pub(crate) struct CalibrateArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The table of presses.
+    table: PathBuf,
+    /// The file to write.
+    calibration: PathBuf,
+    /// Standard deviation of a reading's noise, µε, quantisation included.
+    #[arg(long, default_value_t = 1.0)]
+    noise_ue: f64,
+    /// Standard deviation of a press's position along the skin, mm.
+    #[arg(long, default_value_t = 0.0)]
+    position_sd_mm: f64,
+    /// Standard deviation of a press's force, N.
+    #[arg(long, default_value_t = 0.0)]
+    force_sd_n: f64,
+    /// Farthest a press may lie from the skin, mm.
+    #[arg(long, default_value_t = 2.0)]
+    off_skin_mm: f64,
+    /// Print the figures as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Presses the scene's simulated rig and writes the table.
+pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    run.say("solving the simulated real limb");
+    let real = real_limb(&run, &limb, &limb.sites)?;
+    let points = limb.surface_points();
+    let mut rng = ChaCha8Rng::seed_from_u64(args.press_seed);
+    let [low, high] = run.scene.contact.force_range_n;
+    ensure!(low.max(LEAST_N) < high, "contact.force_range_n: expected a force above {LEAST_N} N");
+    let mut presses = Vec::with_capacity(args.presses);
+    for _ in 0..args.presses {
+        let node = rng.random_range(0..points.len());
+        let force_n = rng.random_range(low.max(LEAST_N)..=high);
+        let unit = real.response_ue_per_n(&points[node], &limb.directions[node])?;
+        presses.push((points[node], force_n, unit));
+    }
+    let largest = (0..limb.gauges.len()).map(|gauge| {
+        let sizes = presses.iter().map(|(_, _, unit)| unit[gauge].abs());
+        sizes.fold(0.0, f64::max) * high
+    });
+    let spec = &run.scene.rig.electronics;
+    let params = ElectronicsParams {
+        noise_ue: spec.noise_ue,
+        adc_bits: spec.adc_bits,
+        headroom: spec.headroom,
+        seed: spec.seed.wrapping_add(args.press_seed),
+    };
+    let mut electronics = Electronics::new(params, &largest.collect::<Vec<_>>())?;
+    let mut text = header(limb.gauges.len());
+    for (x, force_n, unit) in presses {
+        let mut readings: Vec<f64> = unit.iter().map(|g| g * force_n).collect();
+        electronics.measure(&mut readings);
+        let numbers = [x.x, x.y, x.z, force_n].into_iter().chain(readings);
+        let words: Vec<String> = numbers.map(|v| v.to_string()).collect();
+        writeln!(text, "{}", words.join(","))?;
+    }
+    std::fs::write(&args.table, text)
+        .with_context(|| format!("writing {}", args.table.display()))?;
+    println!("{} simulated presses: {}", args.presses, args.table.display());
+    Ok(())
+}
+
+/// Corrects the response by a table of presses and writes the result.
+pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
+    let map = response_map(&limb, run.scene.contact.tip_radius_m, run.threads)?;
+    let presses = read_presses(args, map.skin(), limb.gauges.len())?;
+    let quality = PressQuality {
+        noise_ue: args.noise_ue,
+        position_sd_m: args.position_sd_mm * 1e-3,
+        force_sd_n: args.force_sd_n,
+    };
+    run.say(&format!("calibrating with {} presses", presses.len()));
+    let (calibration, info) = Calibration::fit(&run, &limb, &presses, &quality, 800)?;
+    calibration.write(&args.calibration)?;
+    if args.json {
+        println!("{}", as_json(&calibration, &info));
+    } else {
+        print(&calibration, &info, &args.calibration);
+    }
+    Ok(())
+}
+
+fn header(n_gauges: usize) -> String {
+    let gauges = (0..n_gauges).map(|g| format!(",g{g}_ue"));
+    format!("x_m,y_m,z_m,force_n{}\n", gauges.collect::<String>())
+}
+
+fn read_presses(args: &CalibrateArgs, skin: &Skin, n_gauges: usize) -> Result<Vec<Press>> {
+    let file = args.table.display();
+    let text = std::fs::read_to_string(&args.table).with_context(|| format!("{file}: reading"))?;
+    let is_names = |line: &str| line.starts_with(|c: char| c.is_ascii_alphabetic());
+    let mut presses = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        if line.trim().is_empty() || (i == 0 && is_names(line)) {
+            continue;
+        }
+        let place = format!("{file}: line {}", i + 1);
+        let numbers: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
+        let numbers = numbers
+            .with_context(|| format!("{place}: expected numbers with commas, found {line:?}"))?;
+        let (expected, found) = (4 + n_gauges, numbers.len());
+        ensure!(
+            expected == found,
+            "{place}: expected {expected} numbers (place, force, {n_gauges} gauges), found {found}"
+        );
+        let position = Point3::new(numbers[0], numbers[1], numbers[2]);
+        let (off_m, readings) = (args.off_skin_mm * 1e-3, numbers[4..].to_vec());
+        let press = Press::at_position(skin, &position, off_m, numbers[3], readings);
+        presses.push(press.context(place)?);
+    }
+    Ok(presses)
+}
+
+fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
+    println!(
+        "{} of {} presses used; relative error of the map at presses not used, noise included: \
+         {:.1} % before, {:.2} % after",
+        info.n_used,
+        calibration.n_presses,
+        info.relative_error_before * 100.0,
+        info.relative_error * 100.0
+    );
+    for rejected in &info.rejected {
+        println!("press {} left out: {:?}", rejected.press + 1, rejected.reason);
+    }
+    println!("\npresses  relative error");
+    for point in &info.curve {
+        println!("{:7}  {:.2} %", point.n_presses, point.relative_error * 100.0);
+    }
+    for relative in [0.02, 0.01] {
+        if let Some(n) = info.presses_for(relative) {
+            println!("about {n:.0} presses for {:.0} %", relative * 100.0);
+        }
+    }
+    println!("\nthe next presses help most at (mm)");
+    for next in info.next.iter().take(5) {
+        let [x, y, z] = (next.position_m.coords * 1e3).into();
+        println!("  ({x:.1}, {y:.1}, {z:.1}): ±{:.1} %", next.relative_sd * 100.0);
+    }
+    println!("\n{}", path.display());
+}
+
+fn as_json(calibration: &Calibration, info: &CalibrationInfo) -> serde_json::Value {
+    let curve = info.curve.iter().map(|p| json!([p.n_presses, p.relative_error]));
+    let next = info.next.iter().map(|n| {
+        json!({"position_m": <[f64; 3]>::from(n.position_m.coords), "relative_sd": n.relative_sd})
+    });
+    json!({
+        "n_presses": calibration.n_presses,
+        "n_used": info.n_used,
+        "rejected": info.rejected.iter().map(|r| r.press).collect::<Vec<_>>(),
+        "relative_error": info.relative_error,
+        "relative_error_before": info.relative_error_before,
+        "gains": info.gains,
+        "curve": curve.collect::<Vec<_>>(),
+        "next": next.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,207 @@
+//! A response map corrected by presses, and the file it is kept in.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use hapdef_inverse::{
+    Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, EstimatorParams, ModelError,
+    NoiseParams, Press, ResponseMap, ResponseParams, ScanSites,
+};
+use hapdef_mesh::atomic_write;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::modes::{UncertainParams, UncertainResponse};
+use super::response::touchable_skin;
+use super::superposition::friction_rms;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::scene::{Scene, SuperpositionSpec};
+
+/// Form of the file.
+const VERSION: u32 = 1;
+
+/// Stiffness modes.
+const N_STIFFNESS: usize = 32;
+
+/// A calibrated map with what it rests on.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Form of the file; 1.
+    pub version: u32,
+    /// Name of the scene.
+    pub scene: String,
+    /// Hash of the limb's deck.
+    pub deck_hash: String,
+    /// Hash of the presses as they were given.
+    pub presses_hash: String,
+    /// Presses given, and of these used.
+    pub n_presses: usize,
+    /// See [`Calibration::n_presses`].
+    pub n_used: usize,
+    /// Relative error at presses that were not used, their noise included.
+    pub relative_error: f64,
+    /// The same before calibration.
+    pub relative_error_before: f64,
+    /// Standard deviation of a reading's noise that was assumed, µε.
+    pub noise_ue: f64,
+    /// Number of gauges.
+    pub n_gauges: usize,
+    /// Scan sites at which the error is told, spread over the skin.
+    pub n_sites: usize,
+    /// Reading per newton along x, y, z `[n_surface, n_gauges]`, µε/N; the tip is in it.
+    pub adjoint_ue_per_n: Vec<[f64; 3]>,
+    /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
+    pub site_error: Vec<f64>,
+}
+
+/// What is known of the presses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressQuality {
+    /// Standard deviation of a reading's noise, µε.
+    pub noise_ue: f64,
+    /// Of a press's position along each tangent, m.
+    pub position_sd_m: f64,
+    /// Of its force, N.
+    pub force_sd_n: f64,
+}
+
+impl Calibration {
+    /// Corrects the response of the scene's gauges by presses.
+    ///
+    /// # Errors
+    /// [`HapdefError::Inverse`] for presses that can't be used; [`HapdefError::Sim`].
+    pub fn fit(
+        run: &Run,
+        limb: &Limb,
+        presses: &[Press],
+        quality: &PressQuality,
+        n_sites: usize,
+    ) -> Result<(Self, CalibrationInfo), HapdefError> {
+        let params = UncertainParams {
+            tip_radius_m: run.scene.contact.tip_radius_m,
+            n_stiffness: N_STIFFNESS,
+            n_threads: run.threads,
+        };
+        let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+        let sites = ScanSites::farthest(response.map.skin(), n_sites)?;
+        let n_gauges = limb.gauges.len();
+        let params = CalibrationParams {
+            position_sd_m: quality.position_sd_m,
+            force_sd_n: quality.force_sd_n,
+            n_threads: run.threads,
+            ..CalibrationParams::new(vec![quality.noise_ue; n_gauges])
+        };
+        let modes = response.modes();
+        let fitted = Calibrated::fit(&response.map, &sites, &modes, presses, &params)?;
+        let adjoint = fitted.map.nodal().into_iter().map(<[f64; 3]>::from);
+        let calibration = Self {
+            version: VERSION,
+            scene: run.scene.name.clone(),
+            deck_hash: limb.deck_hash.clone(),
+            presses_hash: hash_of(presses),
+            n_presses: presses.len(),
+            n_used: fitted.info.n_used,
+            relative_error: fitted.info.relative_error,
+            relative_error_before: fitted.info.relative_error_before,
+            noise_ue: quality.noise_ue,
+            n_gauges,
+            n_sites: sites.len(),
+            adjoint_ue_per_n: adjoint.collect(),
+            site_error: fitted.model_error.per_site,
+        };
+        Ok((calibration, fitted.info))
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when it can't be written.
+    pub fn write(&self, path: &Path) -> Result<(), HapdefError> {
+        let json = serde_json::to_vec(self).map_err(|e| HapdefError::file(path)(e.into()))?;
+        atomic_write(path, |file| std::io::Write::write_all(file, &json))
+            .map_err(HapdefError::file(path))
+    }
+
+    /// Reads the calibration of a limb.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`]; [`HapdefError::Stale`] when it is of another form, limb or layout.
+    pub fn read(path: &Path, limb: &Limb) -> Result<Self, HapdefError> {
+        let bytes = std::fs::read(path).map_err(HapdefError::file(path))?;
+        let stale = |what: String| HapdefError::Stale {
+            path: path.to_path_buf(),
+            what,
+        };
+        let read: Self = serde_json::from_slice(&bytes).map_err(|e| stale(e.to_string()))?;
+        let (n_nodes, n_gauges) = (limb.n_surface_nodes(), limb.gauges.len());
+        let checks = [
+            ("version", VERSION as usize, read.version as usize),
+            ("n_gauges", n_gauges, read.n_gauges),
+            (
+                "adjoint_ue_per_n",
+                n_nodes * n_gauges,
+                read.adjoint_ue_per_n.len(),
+            ),
+            (
+                "site_error",
+                read.n_sites * n_gauges * n_gauges,
+                read.site_error.len(),
+            ),
+        ];
+        for (name, expected, found) in checks {
+            if expected != found {
+                return Err(stale(format!("{name}: expected {expected}, found {found}")));
+            }
+        }
+        if read.deck_hash != limb.deck_hash {
+            return Err(stale("it belongs to another limb: the deck's hash differs".into()));
+        }
+        Ok(read)
+    }
+
+    /// The estimator on this map.
+    ///
+    /// # Errors
+    /// [`HapdefError::Inverse`] for values that can't be used.
+    pub fn estimator(
+        &self,
+        scene: &Scene,
+        spec: &SuperpositionSpec,
+        limb: &Limb,
+    ) -> Result<ContactEstimator, HapdefError> {
+        let adjoint: Vec<Vector3<f64>> =
+            self.adjoint_ue_per_n.iter().map(|v| Vector3::from(*v)).collect();
+        let tip_in_map = ResponseParams { tip_radius_m: 0.0 };
+        let skin = touchable_skin(limb)?;
+        let map = ResponseMap::from_nodal(skin, self.n_gauges, &adjoint, &tip_in_map)?;
+        let sites = ScanSites::farthest(map.skin(), self.n_sites)?;
+        let noise = NoiseParams {
+            model_error: ModelError {
+                friction_rms: friction_rms(spec.friction),
+                per_site: self.site_error.clone(),
+                ..ModelError::default()
+            },
+            ..NoiseParams::uniform(self.n_gauges, spec.noise_ue)
+        };
+        let params = EstimatorParams {
+            max_contacts: scene.contact.max_contacts,
+            ..EstimatorParams::default()
+        };
+        Ok(ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?)
+    }
+}
+
+fn hash_of(presses: &[Press]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for press in presses {
+        hasher.update(&(press.point.face() as u64).to_le_bytes());
+        let numbers = press.point.bary();
+        for value in numbers.iter().chain([&press.force_n]).chain(&press.readings) {
+            hasher.update(&value.to_le_bytes());
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}

@@ -1,0 +1,51 @@
+//! Acquisition and recording at length.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::pipeline::finish;
+use crate::tool::{cargo, run as run_tool, target_dir};
+
+/// Arguments of `soak`.
+#[derive(clap::Args)]
+pub(crate) struct SoakArgs {
+    /// Half a minute instead of a quarter of an hour.
+    #[arg(long)]
+    short: bool,
+    /// Seed of the damage.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Taken for the sake of scripts and not used: acquisition knows no limb.
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// Everything else goes to the program as it is: `--seconds 600`, `--kills 200`.
+    #[arg(last = true)]
+    rest: Vec<String>,
+}
+
+/// `cargo xtask soak`.
+pub(crate) fn run(args: &SoakArgs) -> Result<()> {
+    if let Some(scene) = &args.scene {
+        eprintln!("{} is not used: acquisition knows no limb", scene.display());
+    }
+    let words = [
+        "build",
+        "--quiet",
+        "--release",
+        "--package",
+        "hapdef-daq",
+        "--example",
+        "soak",
+    ];
+    run_tool(&mut cargo(&words))?;
+    let target = target_dir()?;
+    let mut command = Command::new(target.join("release/examples/soak"));
+    command.args(args.short.then_some("--short"));
+    command.args(["--seed", &args.seed.to_string()]);
+    command
+        .arg("--metrics")
+        .arg(target.join("hapdef/metrics.json"));
+    finish(command.args(&args.rest))
+}
