@@ -1,7 +1,7 @@
 //! What conditioning takes off, and what it leaves.
 #![expect(clippy::unwrap_used, reason = "what can't be made fails the test")]
 
-use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, Phase};
+use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -88,16 +88,16 @@ fn contact(gauge: usize) -> f64 {
 fn a_contact_of_minutes_is_not_eaten() {
     let mut rig = Rig::new(|_| ());
     rig.run(2.0, |_| None, |g, _| offset(g));
-    assert_eq!(rig.out.phase, Phase::Untouched);
+    assert_eq!(rig.out.phase, TouchPhase::Untouched);
     rig.run(180.0, |_| None, |g, _| offset(g) + contact(g));
-    assert_eq!(rig.out.phase, Phase::Touched);
+    assert_eq!(rig.out.phase, TouchPhase::Touched);
     let mean = rig.mean(0.5, |_| None, |g, _| offset(g) + contact(g));
     for (gauge, found) in mean.iter().enumerate() {
         // the tare is the mean of 200 frames: 0.07; the frames here add 0.04
         assert!((found - contact(gauge)).abs() < 0.4, "{gauge}: {found}");
     }
     rig.run(1.0, |_| None, |g, _| offset(g));
-    assert_eq!(rig.out.phase, Phase::Untouched);
+    assert_eq!(rig.out.phase, TouchPhase::Untouched);
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn drift_before_a_contact_is_taken_off() {
     let drift = |g: usize, t: f64| offset(g) + 0.05 * t * (g as f64 - 4.5);
     let mut rig = Rig::new(|p| p.drift_sd = 0.1);
     rig.run(60.0, |_| None, drift);
-    assert_eq!(rig.out.phase, Phase::Untouched);
+    assert_eq!(rig.out.phase, TouchPhase::Untouched);
     let held = |g: usize, _: f64| drift(g, 60.0) + contact(g);
     let mean = rig.mean(0.5, |_| None, held);
     for (gauge, found) in mean.iter().enumerate() {
@@ -126,7 +126,7 @@ fn temperature_is_learned_and_taken_off_during_a_contact() {
     let free = |g: usize, t: f64| offset(g) + slope(g) * temperature(t);
     let mut rig = Rig::new(|p| p.temperature_sd = 3.0);
     rig.run(60.0, |t| Some(temperature(t)), free);
-    assert_eq!(rig.out.phase, Phase::Untouched);
+    assert_eq!(rig.out.phase, TouchPhase::Untouched);
     let held = |g: usize, t: f64| free(g, t) + contact(g);
     rig.run(40.0, |t| Some(temperature(t)), held);
     let mean = rig.mean(0.5, |t| Some(temperature(t)), held);
@@ -149,7 +149,7 @@ fn creep_after_a_contact_is_not_seen_as_one() {
     };
     let mut with = Rig::new(|p| p.creep_sd = 0.05);
     with.run(75.0, |_| None, signal);
-    assert_eq!(with.out.phase, Phase::Untouched);
+    assert_eq!(with.out.phase, TouchPhase::Untouched);
     let mean = with.mean(0.5, |_| None, signal);
     let worst = mean.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     assert!(worst < 0.6, "{worst} left of the creep");
@@ -179,10 +179,10 @@ fn a_jump_of_one_gauge_is_held_back_and_then_believed() {
     let jump = |g: usize, _: f64| offset(g) + if g == 4 { 200.0 } else { 0.0 };
     rig.run(PERIOD_S, |_| None, jump);
     assert_eq!(rig.out.health[4], GaugeHealth::Spike);
-    assert_eq!(rig.out.phase, Phase::Untouched);
+    assert_eq!(rig.out.phase, TouchPhase::Untouched);
     rig.run(5.0 * PERIOD_S, |_| None, jump);
     assert_eq!(rig.out.health[4], GaugeHealth::Good);
-    assert_eq!(rig.out.phase, Phase::Touched);
+    assert_eq!(rig.out.phase, TouchPhase::Touched);
 }
 
 #[test]
@@ -225,6 +225,6 @@ proptest! {
         let mut rig = Rig::new(|_| ());
         rig.rng = ChaCha8Rng::seed_from_u64(seed);
         rig.run(3.0, |_| None, |g, _| offset(g));
-        prop_assert_eq!(rig.out.phase, Phase::Untouched);
+        prop_assert_eq!(rig.out.phase, TouchPhase::Untouched);
     }
 }

@@ -9,7 +9,7 @@ use crate::error::{InverseError, check_length};
 
 /// What the conditioner is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum TouchPhase {
     /// It averages the first frames, which must be untouched.
     Taring,
     /// Nothing touches: baselines are tracked.
@@ -32,7 +32,7 @@ pub struct Conditioned {
     /// Why gauges don't count `[n_gauges]`.
     pub health: Vec<GaugeHealth>,
     /// What is going on.
-    pub phase: Phase,
+    pub phase: TouchPhase,
 }
 
 /// Takes tare, drift, temperature and creep off raw readings and masks bad gauges.
@@ -100,7 +100,7 @@ impl Conditioner {
             live: vec![true; n],
             is_mask_new: false,
             health: vec![GaugeHealth::Good; n],
-            phase: Phase::Taring,
+            phase: TouchPhase::Taring,
         }
     }
 
@@ -146,16 +146,16 @@ impl Conditioner {
         let is_new = self.decide(out);
         self.follow(raw, warmer_k, is_new, out);
         out.phase = if self.touch.is_touched {
-            Phase::Touched
+            TouchPhase::Touched
         } else {
-            Phase::Untouched
+            TouchPhase::Untouched
         };
         Ok(())
     }
 
     fn add_to_tare(&mut self, raw: &[f64], out: &mut Conditioned) {
         out.readings.fill(0.0);
-        (out.phase, out.is_mask_new) = (Phase::Taring, false);
+        (out.phase, out.is_mask_new) = (TouchPhase::Taring, false);
         if raw.iter().any(|r| !r.is_finite()) {
             return;
         }

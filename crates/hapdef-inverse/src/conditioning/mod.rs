@@ -9,6 +9,6 @@ mod params;
 mod touch;
 mod tracker;
 
-pub use conditioner::{Conditioned, Conditioner, Phase};
+pub use conditioner::{Conditioned, Conditioner, TouchPhase};
 pub use faults::GaugeHealth;
 pub use params::ConditionerParams;

@@ -157,7 +157,9 @@ impl Calibration {
             }
         }
         if read.deck_hash != limb.deck_hash {
-            return Err(stale("it belongs to another limb: the deck's hash differs".into()));
+            return Err(stale(
+                "it belongs to another limb: the deck's hash differs".into(),
+            ));
         }
         Ok(read)
     }
@@ -172,8 +174,11 @@ impl Calibration {
         spec: &SuperpositionSpec,
         limb: &Limb,
     ) -> Result<ContactEstimator, HapdefError> {
-        let adjoint: Vec<Vector3<f64>> =
-            self.adjoint_ue_per_n.iter().map(|v| Vector3::from(*v)).collect();
+        let adjoint: Vec<Vector3<f64>> = self
+            .adjoint_ue_per_n
+            .iter()
+            .map(|v| Vector3::from(*v))
+            .collect();
         let tip_in_map = ResponseParams { tip_radius_m: 0.0 };
         let skin = touchable_skin(limb)?;
         let map = ResponseMap::from_nodal(skin, self.n_gauges, &adjoint, &tip_in_map)?;
@@ -190,7 +195,12 @@ impl Calibration {
             max_contacts: scene.contact.max_contacts,
             ..EstimatorParams::default()
         };
-        Ok(ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?)
+        Ok(ContactEstimator::new(
+            Arc::new(map),
+            Arc::new(sites),
+            noise,
+            params,
+        )?)
     }
 }
 
@@ -199,7 +209,11 @@ fn hash_of(presses: &[Press]) -> String {
     for press in presses {
         hasher.update(&(press.point.face() as u64).to_le_bytes());
         let numbers = press.point.bary();
-        for value in numbers.iter().chain([&press.force_n]).chain(&press.readings) {
+        for value in numbers
+            .iter()
+            .chain([&press.force_n])
+            .chain(&press.readings)
+        {
             hasher.update(&value.to_le_bytes());
         }
     }

@@ -1,8 +1,6 @@
 //! The estimator that a scene chooses.
 
-use super::{
-    Calibration, PaperChain, Superposition, TouchEstimator, response_map, superposition,
-};
+use super::{Calibration, PaperChain, Superposition, TouchEstimator, response_map, superposition};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
