@@ -3,11 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use hapdef::scene::SuperpositionSpec;
 use hapdef::touch::{
-    LimitsRequest, Touch, TouchEstimator, limits, response_map, superposition, touch_estimator,
+    Calibration, LimitsRequest, PressQuality, Touch, TouchEstimator, limits, response_map,
+    superposition, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
-use hapdef_inverse::{LimitParams, SkinPoint};
+use hapdef_inverse::{LimitParams, Press, SkinPoint};
 
 fn placed() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json")
@@ -92,4 +94,59 @@ fn bounds_are_proportional_to_the_noise() {
     }
     assert!(fine.blind_nodes.len() <= coarse.blind_nodes.len());
     assert!(fine.carried[0].is_carried);
+}
+
+/// Presses on a limb whose gauges read 3 % more or less: the calibration finds it, comes back from
+/// its file as it was, and is refused where a number is missing.
+#[test]
+fn a_calibration_corrects_the_map_and_survives_its_file() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
+    let gain = |gauge: usize| if gauge % 2 == 0 { 1.03 } else { 0.97 };
+    let press = |i: usize| {
+        let face = (37 * i) % map.skin().n_faces();
+        let point = SkinPoint::new(map.skin(), face, [0.4, 0.4, 0.2]).unwrap();
+        let force_n = 5.0 + (i % 25) as f64;
+        let read = |(gauge, g): (usize, f64)| g * force_n * gain(gauge);
+        let readings = map.normal(&point).into_iter().enumerate().map(read);
+        Press {
+            point,
+            force_n,
+            readings: readings.collect(),
+        }
+    };
+    let presses: Vec<Press> = (0..60).map(press).collect();
+    let quality = PressQuality {
+        noise_ue: 1.0,
+        position_sd_m: 0.0,
+        force_sd_n: 0.0,
+    };
+    let (calibration, info) = Calibration::fit(&run, &limb, &presses, &quality, 200).unwrap();
+    assert_eq!(info.n_used, 60);
+    assert!(calibration.relative_error_before > 0.02);
+    assert!(
+        calibration.relative_error < 0.3 * calibration.relative_error_before,
+        "{} after {}",
+        calibration.relative_error,
+        calibration.relative_error_before
+    );
+    let path = out.path().join("calibration.json");
+    calibration.write(&path).unwrap();
+    let read = Calibration::read(&path, &limb).unwrap();
+    assert_eq!(read.adjoint_ue_per_n, calibration.adjoint_ue_per_n);
+    assert_eq!(read.site_error, calibration.site_error);
+    let spec = SuperpositionSpec::default();
+    let estimator = read.estimator(&run.scene, &spec, &limb).unwrap();
+    let found = estimator.estimate(&presses[7].readings).unwrap();
+    let truth = map.skin().position(&presses[7].point);
+    assert!((found.contacts[0].position_m - truth).norm() < 1e-3);
+    let short = Calibration {
+        n_sites: 199,
+        ..read
+    };
+    short.write(&path).unwrap();
+    let error = Calibration::read(&path, &limb).unwrap_err().to_string();
+    assert!(error.contains("site_error"), "{error}");
 }
