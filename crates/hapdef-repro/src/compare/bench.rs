@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use anyhow::{Result, ensure};
 use clap::Args;
-use hapdef::touch::response_map;
+use hapdef::scene::Scene;
+use hapdef::touch::{estimator_params, response_map};
 use hapdef::{Limb, SceneArgs};
 use hapdef_inverse::{
-    BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, EstimatorParams,
-    ModelError, NoiseParams, ResponseMap, ScanSites, TrackerParams,
+    BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
+    ResponseMap, ScanSites, TrackerParams,
 };
 use hapdef_repro::MetricLog;
 use rand_distr::{Distribution, StandardNormal};
@@ -50,7 +51,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     let contact = &run.scene.contact;
     let map = Arc::new(response_map(&limb, contact.tip_radius_m, run.threads)?);
     let noise_ue = run.scene.rig.electronics.noise_ue;
-    let estimator = estimator(&map, noise_ue)?;
+    let estimator = estimator(&run.scene, &map)?;
     let presses = Presses {
         map: &map,
         noise_ue,
@@ -87,7 +88,8 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     Ok(log.append_to(&args.scene.out.join("metrics.json"))?)
 }
 
-fn estimator(map: &Arc<ResponseMap>, noise_ue: f64) -> Result<ContactEstimator> {
+fn estimator(scene: &Scene, map: &Arc<ResponseMap>) -> Result<ContactEstimator> {
+    let noise_ue = scene.rig.electronics.noise_ue;
     ensure!(noise_ue > 0.0, "rig.electronics.noise_ue: expected above 0");
     let sites = Arc::new(ScanSites::farthest(map.skin(), N_SITES)?);
     let noise = NoiseParams {
@@ -97,7 +99,7 @@ fn estimator(map: &Arc<ResponseMap>, noise_ue: f64) -> Result<ContactEstimator> 
         },
         ..NoiseParams::uniform(map.n_gauges(), noise_ue)
     };
-    let params = EstimatorParams::default();
+    let params = estimator_params(scene);
     Ok(ContactEstimator::new(map.clone(), sites, noise, params)?)
 }
 

@@ -63,20 +63,19 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
         run.say(&format!("frames of {k} contacts"));
         let frames = bench.apart(k, 50 + k as u64)?;
         let mut of_k = Vec::new();
-        for effort in efforts() {
+        for effort in efforts(bench.params()) {
             of_k.push(by_effort(&map, &effort, &frames)?);
         }
         if let Some(paper) = &mut paper {
             of_k.extend(bench.paper_rows(paper, &frames, Ranking::ALL)?);
         }
         points.extend(with_front(k, of_k));
-        floors.push(floor_mm(&map, &frames)?);
+        floors.push(floor_mm(&map, bench.params(), &frames)?);
     }
     write(scene, &run, &bench, &points, &floors)
 }
 
-fn efforts() -> Vec<Effort> {
-    let usual = EstimatorParams::default();
+fn efforts(usual: EstimatorParams) -> Vec<Effort> {
     let effort = |name, n_sites, n_starts: usize, n_finalists: usize, n_hops: usize| Effort {
         name,
         n_sites,
@@ -124,8 +123,8 @@ fn with_front(n_contacts: usize, rows: Vec<Row>) -> Vec<Point> {
 }
 
 /// Median Cramér–Rao bound of the position, the map's error included, mm; none if most are singular.
-fn floor_mm(map: &Map, frames: &[Frame]) -> Result<Option<f64>> {
-    let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
+fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Option<f64>> {
+    let estimator = map.estimator(params, 0.0)?;
     let mut bounds = Vec::new();
     for frame in frames {
         let truth: Vec<_> = frame

@@ -2,7 +2,9 @@
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::touch::{LayoutParams, UncertainParams, UncertainResponse, study_layouts};
+use hapdef::touch::{
+    LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
+};
 use hapdef::{Limb, Run, SceneArgs};
 use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams};
 use hapdef_sim::{GaugeSite, GaugeStrain};
@@ -135,6 +137,10 @@ impl<'a> Bench<'a> {
         self.args.test_seed
     }
 
+    pub(super) fn params(&self) -> EstimatorParams {
+        estimator_params(&self.run.scene)
+    }
+
     /// The scene's gauges, calibrated with 3,000 presses.
     pub(super) fn calibrated(&self) -> Result<Map> {
         self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
@@ -178,7 +184,7 @@ impl<'a> Bench<'a> {
         let n_all = n_gauges + N_MORE;
         let more = self.calibrate(&self.more, &presses, n_gauges..n_all)?;
         for (k, name) in [(3, "triple, 16 gauges"), (4, "quadruple, 16 gauges")] {
-            let estimator = more.estimator(EstimatorParams::default(), 0.0)?;
+            let estimator = more.estimator(self.params(), 0.0)?;
             let frames = self.apart(k, 30 + k as u64)?;
             measured.add(name, &more.score(&estimator, &frames)?);
         }
@@ -186,16 +192,16 @@ impl<'a> Bench<'a> {
     }
 
     fn static_rows(&self, many: &Map, few: &Map, measured: &mut Measured) -> Result<()> {
-        let estimator = many.estimator(EstimatorParams::default(), 0.0)?;
+        let estimator = many.estimator(self.params(), 0.0)?;
         let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
         measured.add("single", &many.score(&estimator, &singles)?);
         measured.add("double", &many.score(&estimator, &doubles)?);
         measured.add("triple", &many.score(&estimator, &self.apart(3, 13)?)?);
         measured.add("quadruple", &many.score(&estimator, &self.apart(4, 14)?)?);
-        let of_few = few.estimator(EstimatorParams::default(), 0.0)?;
+        let of_few = few.estimator(self.params(), 0.0)?;
         measured.add("single, 300 presses", &few.score(&of_few, &singles)?);
         measured.add("double, 300 presses", &few.score(&of_few, &doubles)?);
-        let told = many.estimator(EstimatorParams::default(), FRICTION)?;
+        let told = many.estimator(self.params(), FRICTION)?;
         let rough = self.rough_doubles()?;
         measured.add("double, friction and wide tip", &many.score(&told, &rough)?);
         self.honesty(many, &estimator, measured)
@@ -221,7 +227,7 @@ impl<'a> Bench<'a> {
     fn arrivals(&self, map: &Map, measured: &mut Measured) -> Result<()> {
         self.run
             .say("following contacts that arrive one after another");
-        let estimator = map.estimator(EstimatorParams::default(), 0.0)?;
+        let estimator = map.estimator(self.params(), 0.0)?;
         let mut scratch = estimator.scratch();
         let mut draw = self.draw(40);
         let mut followed = Followed::default();

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, EstimatorParams, ModelError,
-    NoiseParams, Press, ResponseMap, ResponseParams, ScanSites,
+    Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, ModelError, NoiseParams,
+    Press, ResponseMap, ResponseParams, ScanSites,
 };
 use hapdef_mesh::atomic_write;
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::modes::{UncertainParams, UncertainResponse};
 use super::response::touchable_skin;
-use super::superposition::friction_rms;
+use super::superposition::{estimator_params, friction_rms};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -191,10 +191,7 @@ impl Calibration {
             },
             ..NoiseParams::uniform(self.n_gauges, spec.noise_ue)
         };
-        let params = EstimatorParams {
-            max_contacts: scene.contact.max_contacts,
-            ..EstimatorParams::default()
-        };
+        let params = estimator_params(scene);
         Ok(ContactEstimator::new(
             Arc::new(map),
             Arc::new(sites),

@@ -19,7 +19,7 @@ pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use paper_chain::PaperChain;
 pub use response::{gauge_map, response_map};
-pub use superposition::{Superposition, superposition};
+pub use superposition::{Superposition, estimator_params, superposition};
 
 use crate::error::HapdefError;
 

@@ -36,12 +36,21 @@ pub fn superposition(
         },
         ..NoiseParams::uniform(map.n_gauges(), spec.noise_ue)
     };
-    let params = EstimatorParams {
-        max_contacts: scene.contact.max_contacts,
-        ..EstimatorParams::default()
-    };
+    let params = estimator_params(scene);
     let estimator = ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?;
     Ok(Superposition::new(estimator))
+}
+
+/// Knobs of the estimator for a scene: no more contacts than the scene has, and no force beyond
+/// half more than its strongest, which a contact of where the map is uncertain would else explain
+/// anything with.
+#[must_use]
+pub fn estimator_params(scene: &Scene) -> EstimatorParams {
+    EstimatorParams {
+        max_contacts: scene.contact.max_contacts,
+        max_force_n: 1.5 * scene.contact.force_range_n[1],
+        ..EstimatorParams::default()
+    }
 }
 
 /// Root mean square along each tangent of a friction coefficient uniform in 0…`most` in a random
