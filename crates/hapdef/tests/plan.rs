@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use hapdef::plan::{Machine, Plan, StepState, When, plan};
 use hapdef::stages::compliance;
-use hapdef::touch::touch_estimator;
+use hapdef::touch::{Calibration, touch_estimator};
 use hapdef::{Limb, Profile, Progress, Run};
 use serde_json::{Value, json};
 
@@ -167,6 +167,26 @@ fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
     );
 }
 
+/// A calibration of the right form at seven sites.
+fn calibration(run: &Run, limb: &Limb) -> Calibration {
+    let (n_gauges, n_sites) = (limb.gauges.len(), 7);
+    Calibration {
+        version: 1,
+        scene: run.scene.name.clone(),
+        deck_hash: limb.deck_hash.clone(),
+        presses_hash: String::new(),
+        n_presses: 0,
+        n_used: 0,
+        relative_error: 0.01,
+        relative_error_before: 0.1,
+        noise_ue: 1.0,
+        n_gauges,
+        n_sites,
+        adjoint_ue_per_n: vec![[1.0; 3]; n_gauges * limb.n_surface_nodes()],
+        site_error: vec![0.0; n_sites * n_gauges * n_gauges],
+    }
+}
+
 #[test]
 fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +194,17 @@ fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
         scene["contact"]["max_contacts"] = json!(1);
         scene["estimator"]["calibration"] = json!("calibration.json");
     });
+    let missing = plan(&run, &limb, &MACHINE).unwrap_err();
+    assert!(
+        missing.to_string().contains("calibration.json"),
+        "{missing}"
+    );
+    let calibration = calibration(&run, &limb);
+    calibration
+        .write(&folder.path().join("calibration.json"))
+        .unwrap();
     let plan = plan(&run, &limb, &MACHINE).unwrap();
+    assert_eq!(plan.step("scan for one contact").unwrap().sizes["sites"], 7);
     let pairs = plan.step("pair search").unwrap();
     assert_eq!((pairs.state, pairs.flops), (StepState::Skipped, 0.0));
     assert_eq!(pairs.why, "contact.max_contacts is 1");

@@ -38,7 +38,7 @@ fn print(plan: &Plan) {
         plan.scene, plan.estimator, plan.profile
     );
     for (when, title) in [(When::Design, "once"), (When::Frame, "every frame")] {
-        println!("\n{title:24} state     Gflop      MB  expected s  made in s  why");
+        println!("\n{title:36} state       Mflop      MB  expected s  made in s  why");
         for step in plan.steps.iter().filter(|step| step.when == when) {
             println!("{}", line(step));
             let sizes: Vec<String> = step
@@ -62,9 +62,9 @@ fn line(step: &PlanStep) -> String {
     };
     let seconds = |s: Option<f64>| s.map_or_else(|| "–".to_owned(), |s| format!("{s:.2}"));
     format!(
-        "{:24} {state:7} {:8.3} {:7.1}  {:>10}  {:>9}  {}",
+        "{:36} {state:7} {:9.1} {:7.1}  {:>10}  {:>9}  {}",
         step.name,
-        step.flops * 1e-9,
+        step.flops * 1e-6,
         step.bytes * 1e-6,
         seconds(step.predicted_s),
         seconds(step.recorded_s),

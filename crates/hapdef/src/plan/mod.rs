@@ -85,7 +85,8 @@ pub enum StepState {
 /// is ordered where a factorisation is ahead; nothing is solved.
 ///
 /// # Errors
-/// [`HapdefError::Sim`] when the limb floats; [`HapdefError::Stale`] for a damaged record.
+/// [`HapdefError::Sim`] when the limb floats; [`HapdefError::Stale`] for a damaged record or a
+/// calibration of another limb; [`HapdefError::File`] where that is missing.
 pub fn plan(run: &Run, limb: &Limb, machine: &Machine) -> Result<Plan, HapdefError> {
     let (estimator, steps) = match &run.scene.estimator {
         EstimatorSpec::Hapdefx(_) => ("hapdefx", chain::steps(run, limb, machine)?),

@@ -7,6 +7,7 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::SuperpositionSpec;
+use crate::touch::Calibration;
 
 /// Gauges that one contact takes: two coordinates and a force.
 const GAUGES_PER_CONTACT: usize = 3;
@@ -17,6 +18,9 @@ pub(super) fn steps(
     spec: &SuperpositionSpec,
     machine: &Machine,
 ) -> Result<Vec<PlanStep>, HapdefError> {
+    let calibration = spec.calibration.as_ref();
+    let read = |path| Calibration::read(&run.scene_dir.join(path), limb);
+    let n_sites = calibration.map(read).transpose()?.map(|c| c.n_sites);
     let mut steps = response(run, limb, spec, machine)?;
     let superposed = "the estimator is superposition";
     let needless = [
@@ -35,7 +39,8 @@ pub(super) fn steps(
     } else {
         PlanStep::skipped(friction, "normal forces only: estimator.friction is 0", &[])
     });
-    steps.extend(frame(run, limb, spec).map(PlanStep::each_frame));
+    let n_sites = n_sites.unwrap_or(spec.n_sites);
+    steps.extend(frame(run, limb, n_sites).map(PlanStep::each_frame));
     Ok(steps)
 }
 
@@ -88,8 +93,8 @@ fn clamped_once(limb: &Limb) -> usize {
 }
 
 /// What a frame runs. Operations: two for each gauge and site, some ten for each pair of sites.
-fn frame(run: &Run, limb: &Limb, spec: &SuperpositionSpec) -> impl Iterator<Item = PlanStep> {
-    let (m, sites) = (limb.gauges.len(), spec.n_sites.min(limb.n_surface_nodes()));
+fn frame(run: &Run, limb: &Limb, sites: usize) -> impl Iterator<Item = PlanStep> {
+    let m = limb.gauges.len();
     let (wanted, carried) = (run.scene.contact.max_contacts, m / GAUGES_PER_CONTACT);
     let no_time = |flops: usize, bytes: usize| Cost {
         flops: flops as f64,
