@@ -23,6 +23,7 @@ mod stability;
 mod tidy;
 mod tool;
 mod verify;
+mod weight;
 
 use std::process::ExitCode;
 
@@ -73,6 +74,8 @@ enum Task {
     Tactile(search::TactileArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
     Soak(soak::SoakArgs),
+    /// How many crates somebody compiles who takes one layer alone.
+    Weight(weight::WeightArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
@@ -109,6 +112,7 @@ fn run(task: Task) -> Result<()> {
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
         Task::Soak(args) => soak::run(&args),
+        Task::Weight(args) => weight::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

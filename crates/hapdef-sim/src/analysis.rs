@@ -140,6 +140,16 @@ impl Analysis {
         }
     }
 
+    /// Σ c² over the columns of L as stored, c being a column's entries.
+    pub(crate) fn factor_flops(&self) -> f64 {
+        let column = |entries: usize| (entries as f64).powi(2);
+        let of_supernode = |s: usize| -> f64 {
+            let (width, below) = (3 * self.width(s), 3 * self.below(s).len());
+            (1..=width).map(|own| column(own + below)).sum()
+        };
+        (0..self.n_supernodes()).map(of_supernode).sum()
+    }
+
     /// Row and slot of the matrix's blocks above the diagonal in the column of `node`.
     pub(crate) fn column(&self, node: usize) -> &[(u32, u32)] {
         &self.column_entries[self.column_ptr[node]..self.column_ptr[node + 1]]

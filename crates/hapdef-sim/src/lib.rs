@@ -25,6 +25,7 @@ mod error;
 mod export;
 mod extended;
 mod factor;
+mod factor_estimate;
 mod front;
 mod gauge;
 mod gauge_response;
@@ -61,6 +62,7 @@ pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
 pub use error::SimError;
 pub use export::StiffnessMatrix;
+pub use factor_estimate::FactorEstimate;
 pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
 pub use gauge_response::GaugeResponse;
 pub use iterative::{

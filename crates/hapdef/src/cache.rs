@@ -12,6 +12,7 @@ use crate::error::HapdefError;
 #[derive(Clone, Debug)]
 pub struct Cache {
     root: PathBuf,
+    only_looks: bool,
 }
 
 /// A finished stage.
@@ -47,7 +48,20 @@ impl Cache {
     /// A cache under `root`, which is made when needed.
     #[must_use]
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self { root: root.into() }
+        Self {
+            root: root.into(),
+            only_looks: false,
+        }
+    }
+
+    /// The same folder, only looked at: [`Self::stage`] then runs and writes nothing, and a stage
+    /// that is not there comes back not cached, with an empty record.
+    #[must_use]
+    pub fn looking(&self) -> Self {
+        Self {
+            root: self.root.clone(),
+            only_looks: true,
+        }
     }
 
     /// Returns the stage if it is there, or lets `run` make it in a folder that gets its final
@@ -64,6 +78,9 @@ impl Cache {
     ) -> Result<Stage, HapdefError> {
         let key = key_of(stage, inputs);
         let dir = self.root.join(format!("{stage}-{key}"));
+        if self.only_looks {
+            return look(stage, inputs, key, dir);
+        }
         fs::create_dir_all(&self.root).map_err(HapdefError::file(&self.root))?;
         let _lock = self.lock(stage, &key)?;
         if let Some(record) = read_record(&dir)? {
@@ -117,6 +134,29 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), HapdefError
         .map_err(HapdefError::file(path))
 }
 
+/// The finished stage in `dir`, or one that is still to be run.
+fn look(
+    stage: &str,
+    inputs: &serde_json::Value,
+    key: String,
+    dir: PathBuf,
+) -> Result<Stage, HapdefError> {
+    let found = read_record(&dir)?;
+    let cached = found.is_some();
+    let record = found.unwrap_or_else(|| StageRecord {
+        stage: stage.into(),
+        inputs: inputs.clone(),
+        info: serde_json::Value::Null,
+        elapsed_s: 0.0,
+    });
+    Ok(Stage {
+        dir,
+        key,
+        cached,
+        record,
+    })
+}
+
 /// Hash of a stage's name and inputs, 16 hexadecimal digits.
 fn key_of(stage: &str, inputs: &serde_json::Value) -> String {
     let mut hasher = blake3::Hasher::new();
@@ -156,6 +196,22 @@ mod tests {
             stage.unwrap();
         }
         assert_eq!(runs, 2);
+    }
+
+    #[test]
+    fn looking_finds_what_is_there_under_the_same_key_and_makes_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path().join("cache"));
+        let look = || {
+            let run = |_: &Path| panic!("a look runs nothing");
+            cache.looking().stage("s", &json!({}), run).unwrap()
+        };
+        let before = look();
+        assert!(!before.cached && !folder.path().join("cache").exists());
+        let made = cache.stage("s", &json!({}), |_| Ok(json!({"n": 1})));
+        let (made, after) = (made.unwrap(), look());
+        assert!(after.cached && after.key == made.key && before.key == made.key);
+        assert_eq!(after.record.info, json!({"n": 1}));
     }
 
     #[test]

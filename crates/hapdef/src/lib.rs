@@ -16,6 +16,7 @@ mod estimator;
 mod limb;
 mod map_error;
 mod pipeline;
+pub mod plan;
 mod profile;
 mod progress;
 mod run;

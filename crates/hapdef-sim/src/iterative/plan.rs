@@ -73,6 +73,14 @@ impl SolverPlan {
         solver.map_err(|error| name_node(error, unknowns))
     }
 
+    /// Operations of the factorisation; zero without one.
+    pub(crate) fn factor_flops(&self) -> f64 {
+        match &self.path {
+            Path::Direct(analysis) => analysis.factor_flops(),
+            Path::Iterative { .. } => 0.0,
+        }
+    }
+
     /// Non-zeros of the factor, and entries as stored; zero without one.
     pub(crate) fn fill(&self) -> (usize, usize) {
         match &self.path {

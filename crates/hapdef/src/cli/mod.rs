@@ -7,6 +7,7 @@ mod deck;
 mod inspect;
 mod limits;
 mod place;
+mod plan;
 mod shell;
 mod shell_table;
 mod stage;
@@ -45,6 +46,9 @@ enum Command {
     },
     /// Reads a scene and its limb and checks both, without solving anything.
     Check(SceneArgs),
+    /// Which stages the scene needs, which are left out and why, and what they will take; solves
+    /// nothing.
+    Plan(plan::PlanArgs),
     /// Whether the limb's mesh is fine enough: the same presses on finer and finer meshes.
     Converge(converge::ConvergeArgs),
     /// From a glTF surface to gauge readings with a shell model, and how far it is from a solid.
@@ -85,6 +89,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Inspect(args) => inspect::inspect(args),
         Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
         Command::Check(args) => stage::check(args),
+        Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
         Command::Shell(args) => shell::shell(args),
         Command::Limits(args) => limits::run(args),

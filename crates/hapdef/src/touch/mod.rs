@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 pub use calibration::{Calibration, PressQuality};
 pub use chosen::touch_estimator;
+pub(crate) use chosen::{ChainStages, chain_stages};
 pub use layout::{LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};

@@ -1,0 +1,262 @@
+//! The steps of the paper's chain.
+
+use super::cost::{Cost, elastic, superposed, training};
+use super::elastic::{left_out_loads, limb_estimate, refined_estimate};
+use super::{Machine, PlanStep, StepState};
+use crate::cache::Stage;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::profile::{Samples, Schedule};
+use crate::run::Run;
+use crate::scene::RigMesh;
+use crate::stages::NetKind;
+use crate::touch::{ChainStages, chain_stages};
+
+/// Most contacts of a sample: the paper's sets I to IV.
+const MOST_CONTACTS: usize = 4;
+
+pub(super) fn steps(
+    run: &Run,
+    limb: &Limb,
+    machine: &Machine,
+) -> Result<Vec<PlanStep>, HapdefError> {
+    let looking = Run {
+        cache: run.cache.looking(),
+        scene: run.scene.clone(),
+        scene_dir: run.scene_dir.clone(),
+        scene_hash: run.scene_hash.clone(),
+        profile: run.profile.clone(),
+        progress: run.progress.clone(),
+        stop: run.stop.clone(),
+        threads: run.threads,
+    };
+    let stages = chain_stages(&looking, limb)?;
+    let planner = Planner { run, limb, machine };
+    let mut steps = planner.elastic(&stages)?;
+    steps.extend(planner.datasets(&stages));
+    steps.extend(planner.nets(&stages));
+    steps.extend(planner.frame());
+    Ok(steps)
+}
+
+struct Planner<'a> {
+    run: &'a Run,
+    limb: &'a Limb,
+    machine: &'a Machine,
+}
+
+impl Planner<'_> {
+    fn elastic(&self, stages: &ChainStages) -> Result<Vec<PlanStep>, HapdefError> {
+        let mut steps = vec![self.compliance(&stages.compliance)?];
+        steps.extend(left_out_loads(self.limb));
+        steps.push(self.rig(&stages.rig)?);
+        Ok(steps)
+    }
+
+    fn compliance(&self, stage: &Stage) -> Result<PlanStep, HapdefError> {
+        let limb = self.limb;
+        let (n_loads, n_wanted) = (limb.n_surface_nodes(), self.n_nodes());
+        let why = "displacement at the skin and the virtual gauges per newton";
+        if stage.cached {
+            let n_fe_nodes = limb.mesh.nodes().len();
+            let sizes = [("FE nodes", n_fe_nodes), ("wanted nodes", n_wanted)];
+            return Ok(cached(PlanStep::runs("compliance", why, &sizes), stage));
+        }
+        let (estimate, order_s) = limb_estimate(self.run, limb)?;
+        let sizes = [
+            ("FE nodes", estimate.n_fe_nodes),
+            ("equations", estimate.n_equations),
+            ("non-zeros of L", estimate.nnz_l),
+            ("right-hand sides", n_loads + limb.gauges.len()),
+            ("wanted nodes", n_wanted),
+        ];
+        let table_bytes = 12.0 * (n_loads * n_wanted) as f64;
+        let cost = elastic(
+            &estimate,
+            n_loads + limb.gauges.len(),
+            order_s,
+            self.machine,
+        );
+        let cost = cost.writing(table_bytes, self.machine);
+        Ok(PlanStep::runs("compliance", why, &sizes).costing(cost))
+    }
+
+    fn rig(&self, stage: &Stage) -> Result<PlanStep, HapdefError> {
+        let limb = self.limb;
+        let RigMesh::Refined { times } = self.run.scene.rig.mesh;
+        let why = "the simulated hardware's readings, which the transfer net learns from";
+        let n_gauges = limb.gauges.len();
+        if stage.cached {
+            let step = PlanStep::runs("rig", why, &[("right-hand sides", n_gauges)]);
+            return Ok(cached(step, stage));
+        }
+        let (estimate, prepare_s) = refined_estimate(self.run, limb, times)?;
+        let sizes = [
+            ("FE nodes", estimate.n_fe_nodes),
+            ("equations", estimate.n_equations),
+            ("non-zeros of L", estimate.nnz_l),
+            ("right-hand sides", n_gauges),
+        ];
+        let cost = elastic(&estimate, n_gauges, prepare_s, self.machine);
+        Ok(PlanStep::runs("rig", why, &sizes).costing(cost))
+    }
+
+    fn datasets(&self, stages: &ChainStages) -> Vec<PlanStep> {
+        let (profile, most) = (&self.run.profile, self.run.scene.contact.max_contacts);
+        let too_many = format!("contact.max_contacts is {most}");
+        let mut steps = Vec::new();
+        for n_contacts in 1..=MOST_CONTACTS {
+            let n = if n_contacts == 1 {
+                profile.n_single
+            } else {
+                profile.n_multi
+            };
+            let name = set_name(n_contacts);
+            steps.push(match stages.data.simulated.get(n_contacts - 1) {
+                Some(stage) => self.dataset(&name, n, n_contacts, stage),
+                None => PlanStep::skipped(&name, &too_many, &[("samples", n)]),
+            });
+        }
+        let singles = &stages.data.rig_single;
+        steps.push(self.dataset("rig's single presses", profile.n_real_single, 1, singles));
+        let (name, n) = (
+            "rig's double presses",
+            profile.n_pairs * profile.n_amplitudes,
+        );
+        steps.push(match &stages.data.rig_double {
+            Some(stage) => self.dataset(name, n, 2, stage),
+            None => PlanStep::skipped(name, &too_many, &[("samples", n)]),
+        });
+        steps
+    }
+
+    fn dataset(&self, name: &str, n: usize, n_contacts: usize, stage: &Stage) -> PlanStep {
+        let n_nodes = self.n_nodes();
+        let sizes = [
+            ("samples", n),
+            ("surface nodes", self.limb.n_surface_nodes()),
+            ("virtual gauges", n_nodes - self.limb.n_surface_nodes()),
+            ("gauges", self.limb.gauges.len()),
+        ];
+        let why = format!("samples of {n_contacts} at a time, superposed");
+        let cost = superposed(n, n_contacts, n_nodes, self.machine)
+            .writing(4.0 * (n * n_nodes) as f64, self.machine);
+        from_stage(PlanStep::runs(name, why, &sizes), stage, cost)
+    }
+
+    fn nets(&self, stages: &ChainStages) -> Vec<PlanStep> {
+        let trained = &stages.nets.nets;
+        let mut steps: Vec<PlanStep> = trained
+            .iter()
+            .map(|net| self.net(net.kind, &net.stage))
+            .collect();
+        let unions = (1..=MOST_CONTACTS).map(|n_sets| NetKind::Reconstruction { n_sets });
+        for kind in unions.chain([NetKind::Direct]) {
+            if trained.iter().any(|net| net.kind == kind) {
+                continue;
+            }
+            let why = "no part of the chain: the scores of `hapdef eval` compare with it";
+            let sizes = [("parameters", self.n_parameters(kind))];
+            steps.push(PlanStep::skipped(&kind.name(), why, &sizes));
+        }
+        let why = "no contact needs the scores: `hapdef eval` makes them";
+        steps.push(PlanStep::skipped("eval", why, &[]));
+        steps
+    }
+
+    fn net(&self, kind: NetKind, stage: &Stage) -> PlanStep {
+        let (schedule, n_parameters) = (self.schedule(kind), self.n_parameters(kind));
+        let sizes = [
+            ("parameters", n_parameters),
+            ("steps", schedule.steps),
+            ("samples a step", schedule.batch),
+        ];
+        let mut cost = training(n_parameters, &schedule, self.machine);
+        if let NetKind::Reconstruction { n_sets } = kind
+            && self.run.profile.samples == Samples::Drawn
+        {
+            let n = schedule.steps * schedule.batch;
+            let drawn = superposed(n, n_sets.div_ceil(2), self.n_nodes(), self.machine);
+            cost = cost.plus(drawn);
+        }
+        let why = "a net of the chain";
+        from_stage(PlanStep::runs(&kind.name(), why, &sizes), stage, cost)
+    }
+
+    /// A frame passes the three nets; F_S once for each contact.
+    fn frame(&self) -> Vec<PlanStep> {
+        let n_sets = self.run.scene.contact.max_contacts;
+        let kinds = [
+            NetKind::Transfer,
+            NetKind::Reconstruction { n_sets },
+            NetKind::Sensitivity,
+        ];
+        let passes = kinds.map(|kind| {
+            let n = self.n_parameters(kind);
+            let why = format!("{} net, forward", kind.name());
+            let cost = Cost {
+                flops: 2.0 * n as f64,
+                bytes: 4.0 * n as f64,
+                seconds: None,
+            };
+            let name = format!("pass of {}", kind.name());
+            PlanStep::runs(&name, why, &[("parameters", n)]).costing(cost)
+        });
+        let sizes = [("surface nodes", self.limb.n_surface_nodes())];
+        let rest = [
+            PlanStep::runs("k-Max", "local maxima of the map", &sizes),
+            PlanStep::skipped("scan and pair search", "the estimator is hapdefx", &[]),
+        ];
+        let steps = passes.into_iter().chain(rest);
+        steps.map(PlanStep::each_frame).collect()
+    }
+
+    fn schedule(&self, kind: NetKind) -> Schedule {
+        let profile = &self.run.profile;
+        match kind {
+            NetKind::Transfer => profile.transfer,
+            NetKind::Reconstruction { .. } => profile.reconstruction,
+            NetKind::Sensitivity => profile.sensitivity,
+            NetKind::Direct => profile.direct,
+        }
+    }
+
+    fn n_parameters(&self, kind: NetKind) -> usize {
+        let (n_gauges, n_surface) = (self.limb.gauges.len(), self.limb.n_surface_nodes());
+        let n_virtual = self.n_nodes() - n_surface;
+        let spec = match kind {
+            NetKind::Transfer => kind.spec(n_gauges, n_virtual),
+            NetKind::Reconstruction { .. } => kind.spec(n_virtual, n_surface),
+            NetKind::Sensitivity | NetKind::Direct => kind.spec(n_gauges, 0),
+        };
+        spec.n_parameters()
+    }
+
+    /// Surface nodes and virtual gauges.
+    fn n_nodes(&self) -> usize {
+        self.limb.wanted_nodes().len()
+    }
+}
+
+/// The paper's name of a simulated set.
+fn set_name(n_contacts: usize) -> String {
+    format!("set {}", ["I", "II", "III", "IV"][n_contacts - 1])
+}
+
+/// The step with its cost, or answered by the cache.
+fn from_stage(step: PlanStep, stage: &Stage, cost: Cost) -> PlanStep {
+    if stage.cached {
+        cached(step, stage)
+    } else {
+        step.costing(cost)
+    }
+}
+
+fn cached(step: PlanStep, stage: &Stage) -> PlanStep {
+    PlanStep {
+        state: StepState::Cached,
+        why: format!("its inputs are unchanged: {}", stage.dir.display()),
+        recorded_s: Some(stage.record.elapsed_s),
+        ..step
+    }
+}

@@ -1,0 +1,103 @@
+//! Operations and bytes of what the stages do, and the time they take on a machine.
+
+use hapdef_nets::TrainPrecision;
+use hapdef_sim::FactorEstimate;
+
+use super::Machine;
+use crate::profile::Schedule;
+
+/// What a step takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cost {
+    /// Floating-point operations.
+    pub(super) flops: f64,
+    /// Bytes.
+    pub(super) bytes: f64,
+    /// Seconds, where a rule is known.
+    pub(super) seconds: Option<f64>,
+}
+
+/// Looks at the validation set during a training, and samples of each.
+const VALIDATED: f64 = 20.0 * 1000.0;
+
+/// Layers up to so many parameters are too narrow to fill the processor.
+const NARROW: usize = 2_000_000;
+
+/// Assembly, factor and `n_loads` solves, given together or few at a time, on a structure that was
+/// ordered in `order_s` seconds. A solve passes L twice with two operations an entry.
+pub(super) fn elastic(
+    estimate: &FactorEstimate,
+    n_loads: usize,
+    order_s: f64,
+    machine: &Machine,
+) -> Cost {
+    let solve_flops = 4.0 * estimate.nnz_l as f64 * n_loads as f64;
+    let is_direct = estimate.nnz_l > 0;
+    let rate = if n_loads < Machine::MANY_LOADS {
+        machine.few_solves_flops_per_s
+    } else {
+        machine.solve_flops_per_s
+    };
+    let seconds = order_s
+        + estimate.n_elements as f64 / machine.elements_per_s
+        + estimate.factor_flops / machine.factor_flops_per_s
+        + solve_flops / rate;
+    Cost {
+        flops: estimate.factor_flops + solve_flops,
+        bytes: 8.0 * estimate.nnz_l as f64,
+        seconds: is_direct.then_some(seconds),
+    }
+}
+
+/// `n` samples of `n_contacts` at `n_nodes` nodes: three components of each contact's row are added,
+/// and a magnitude taken.
+pub(super) fn superposed(n: usize, n_contacts: usize, n_nodes: usize, machine: &Machine) -> Cost {
+    let values = n as f64 * n_nodes as f64;
+    let flops = values * (6.0 * n_contacts as f64 + 7.0);
+    let seconds = flops / machine.superpose_flops_per_s;
+    Cost {
+        flops,
+        bytes: 0.0,
+        seconds: Some(seconds),
+    }
+}
+
+/// Training of a net of `n_parameters`: two operations a parameter and sample forward, four
+/// backward, and the looks at the validation set.
+pub(super) fn training(n_parameters: usize, schedule: &Schedule, machine: &Machine) -> Cost {
+    let p = n_parameters as f64;
+    let steps = 6.0 * p * (schedule.batch * schedule.steps) as f64;
+    let looks = 2.0 * p * VALIDATED;
+    let rate = if n_parameters < NARROW {
+        machine.train_narrow_flops_per_s
+    } else if schedule.precision == TrainPrecision::Mixed {
+        machine.train_mixed_flops_per_s
+    } else {
+        machine.train_flops_per_s
+    };
+    Cost {
+        flops: steps + looks,
+        bytes: 4.0 * p,
+        seconds: Some((steps + looks) / rate),
+    }
+}
+
+impl Cost {
+    /// With so many more bytes written.
+    pub(super) fn writing(self, bytes: f64, machine: &Machine) -> Self {
+        Self {
+            bytes: self.bytes + bytes,
+            seconds: self.seconds.map(|s| s + bytes / machine.write_bytes_per_s),
+            ..self
+        }
+    }
+
+    /// One after the other.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            flops: self.flops + other.flops,
+            bytes: self.bytes + other.bytes,
+            seconds: self.seconds.zip(other.seconds).map(|(a, b)| a + b),
+        }
+    }
+}

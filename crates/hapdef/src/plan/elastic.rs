@@ -1,0 +1,70 @@
+//! The elastic models ahead: the limb's own and the rig's.
+
+use std::time::Instant;
+
+use hapdef_mesh::{FeNodeId, Tet10Mesh, refine_unfolded};
+use hapdef_sim::{ElasticModel, ElasticParams, FactorEstimate};
+
+use super::PlanStep;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+
+/// What a factorisation of the limb would take, and how long its ordering took, s.
+pub(super) fn limb_estimate(run: &Run, limb: &Limb) -> Result<(FactorEstimate, f64), HapdefError> {
+    ordered(run, limb, &limb.mesh, limb.clamped.clone())
+}
+
+/// The same of the limb refined `times`, refinement included.
+pub(super) fn refined_estimate(
+    run: &Run,
+    limb: &Limb,
+    times: u32,
+) -> Result<(FactorEstimate, f64), HapdefError> {
+    let start = Instant::now();
+    let (mut mesh, mut clamped) = (limb.mesh.clone(), limb.clamped.clone());
+    for _ in 0..times {
+        let refined = refine_unfolded(&mesh)?;
+        clamped = refined.node_set(&clamped);
+        mesh = refined.mesh;
+    }
+    let refine_s = start.elapsed().as_secs_f64();
+    let (estimate, order_s) = ordered(run, limb, &mesh, clamped)?;
+    Ok((estimate, refine_s + order_s))
+}
+
+/// Right-hand sides that the scene leaves out: nodes that are held or not touched, directions that
+/// no contact pushes.
+pub(super) fn left_out_loads(limb: &Limb) -> [PlanStep; 2] {
+    let (n, n_surface) = (limb.mesh.nodes().len(), limb.n_surface_nodes());
+    let mut clamped = limb.clamped.clone();
+    clamped.sort_unstable();
+    clamped.dedup();
+    [
+        PlanStep::skipped(
+            "loads on nodes that nothing touches",
+            "nodes held by the mount or outside contact.region become no right-hand sides",
+            &[("nodes", n - n_surface), ("clamped nodes", clamped.len())],
+        ),
+        PlanStep::skipped(
+            "tangential loads",
+            "normal forces only: one right-hand side for each surface node instead of three",
+            &[("right-hand sides", 2 * n_surface)],
+        ),
+    ]
+}
+
+fn ordered(
+    run: &Run,
+    limb: &Limb,
+    mesh: &Tet10Mesh,
+    clamped: Vec<FeNodeId>,
+) -> Result<(FactorEstimate, f64), HapdefError> {
+    let params = ElasticParams {
+        n_threads: run.threads,
+        ..ElasticParams::new(limb.material, clamped)
+    };
+    let start = Instant::now();
+    let estimate = ElasticModel::estimate(mesh, &params)?;
+    Ok((estimate, start.elapsed().as_secs_f64()))
+}

@@ -1,0 +1,192 @@
+//! How fast this machine is at what the stages do, measured once with their own code.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+use hapdef_data::{DatasetWriter, TensorSpec};
+use hapdef_mesh::FeNodeId;
+use hapdef_nets::train::{MemorySource, train};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
+use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::block::block;
+use crate::cache::write_json;
+use crate::compliance::ComplianceTable;
+use crate::error::HapdefError;
+use crate::sampling::DrawnContact;
+
+/// Rates of the stages' inner loops. A machine that is busy with something else measures less.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// Threads that it was measured with.
+    pub threads: usize,
+    /// Element matrices computed and assembled, 1/s.
+    pub elements_per_s: f64,
+    /// Operations of the factorisation, 1/s.
+    pub factor_flops_per_s: f64,
+    /// Operations of solves with many right-hand sides, refinement included, 1/s.
+    pub solve_flops_per_s: f64,
+    /// Operations of solves with a few right-hand sides, 1/s.
+    pub few_solves_flops_per_s: f64,
+    /// Operations of the training of a net of F_R's widths in 32 bits, 1/s.
+    pub train_flops_per_s: f64,
+    /// The same in mixed precision.
+    pub train_mixed_flops_per_s: f64,
+    /// The same of a net of F_T's widths.
+    pub train_narrow_flops_per_s: f64,
+    /// Operations of superposition, 1/s.
+    pub superpose_flops_per_s: f64,
+    /// Bytes written to the results' folder, 1/s.
+    pub write_bytes_per_s: f64,
+}
+
+/// Cubes along each side of the block that is solved.
+const N_CUBES: usize = 10;
+
+/// Nodes at which samples are superposed, and samples.
+const SUPERPOSED: [usize; 2] = [3500, 2000];
+
+impl Machine {
+    /// Right-hand sides from which on solves count as many.
+    pub const MANY_LOADS: usize = 64;
+
+    /// What an earlier measurement left in `path`, or a new one, a few seconds, written there. One
+    /// with another number of threads, or that can't be read, is made again.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when the folder can't be written.
+    pub fn read_or_measure(path: &Path, threads: usize) -> Result<Self, HapdefError> {
+        let kept = std::fs::read(path).ok();
+        let kept: Option<Self> = kept.and_then(|text| serde_json::from_slice(&text).ok());
+        if let Some(machine) = kept.filter(|machine| machine.threads == threads) {
+            return Ok(machine);
+        }
+        let folder = path.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
+        let machine = Self::measure(folder, threads)?;
+        write_json(path, &machine)?;
+        Ok(machine)
+    }
+
+    /// Measures; a file of 64 MB comes and goes in `folder`.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] and [`HapdefError::Data`] when the folder can't be written.
+    pub fn measure(folder: &Path, threads: usize) -> Result<Self, HapdefError> {
+        let [
+            elements_per_s,
+            factor_flops_per_s,
+            solve_flops_per_s,
+            few_solves_flops_per_s,
+        ] = solver_rates(threads)?;
+        let wide = MlpSpec::reconstruction(240, 3200);
+        let narrow = MlpSpec::transfer(10, 240);
+        Ok(Self {
+            threads,
+            elements_per_s,
+            factor_flops_per_s,
+            solve_flops_per_s,
+            few_solves_flops_per_s,
+            train_flops_per_s: training_rate(&wide, 10, TrainPrecision::F32)?,
+            train_mixed_flops_per_s: training_rate(&wide, 10, TrainPrecision::Mixed)?,
+            train_narrow_flops_per_s: training_rate(&narrow, 50, TrainPrecision::F32)?,
+            superpose_flops_per_s: superposition_rate(threads),
+            write_bytes_per_s: writing_rate(&folder.join("machine.safetensors"))?,
+        })
+    }
+}
+
+/// Rates of assembly, factorisation, many solves and few.
+fn solver_rates(threads: usize) -> Result<[f64; 4], HapdefError> {
+    let mesh = block(N_CUBES)?;
+    let clamped = |i: &usize| mesh.nodes()[*i].z < 1e-9;
+    let clamped = (0..mesh.nodes().len()).filter(clamped);
+    let material = IsotropicMaterial::new(2e9, 0.35, 1000.0)?;
+    let params = ElasticParams {
+        n_threads: threads,
+        ..ElasticParams::new(material, clamped.map(FeNodeId::from_index).collect())
+    };
+    let estimate = ElasticModel::estimate(&mesh, &params)?;
+    let model = ElasticModel::build(&mesh, &params)?;
+    let info = model.info();
+    let top = mesh.nodes().len() - 1;
+    let load = |i: usize| NodalLoad::nodal(FeNodeId::from_index(top - i), Vector3::x());
+    let solve_rate = |n: usize| -> Result<f64, HapdefError> {
+        let loads: Vec<NodalLoad> = (0..n).map(load).collect();
+        let wanted = [FeNodeId::from_index(top)];
+        let start = Instant::now();
+        model.compliance(&loads, &wanted, &ComplianceParams::default())?;
+        let flops = 4.0 * estimate.nnz_l as f64 * n as f64;
+        Ok(flops / start.elapsed().as_secs_f64())
+    };
+    solve_rate(1)?;
+    Ok([
+        estimate.n_elements as f64 / info.assemble_s,
+        estimate.factor_flops / info.factor_s,
+        solve_rate(4 * Machine::MANY_LOADS)?,
+        solve_rate(10)?,
+    ])
+}
+
+/// Operations per second of `steps` steps of 100 samples.
+fn training_rate(
+    spec: &MlpSpec,
+    steps: u64,
+    precision: TrainPrecision,
+) -> Result<f64, HapdefError> {
+    let n = 200;
+    let values = |n: usize| (0..n).map(|i| (i % 17) as f32 - 8.0).collect::<Vec<_>>();
+    let (n_in, n_out) = (spec.inputs, spec.outputs);
+    let mut samples = MemorySource::new(n_in, n_out, values(n * n_in), values(n * n_out))?;
+    let scales = [Scale::identity(n_in), Scale::identity(n_out)];
+    let [input, output] = scales;
+    let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
+    let params = TrainParams {
+        steps,
+        precision,
+        validate_every: 0,
+        checkpoint_every: 0,
+        ..TrainParams::paper(1)
+    };
+    let go_on = &mut |_: &_| ControlFlow::Continue(());
+    let info = train(&mut net, &mut samples, None, &params, None, go_on)?;
+    Ok(6.0 * spec.n_parameters() as f64 * info.samples_per_s)
+}
+
+/// Operations per second of superposition on all threads; one is timed.
+fn superposition_rate(threads: usize) -> f64 {
+    let [n_nodes, n] = SUPERPOSED;
+    let n_rows = 64;
+    let table = ComplianceTable::new(n_nodes, n_nodes, &vec![1e-6; n_rows * n_nodes * 3]);
+    let (mut scratch, mut map) = (table.scratch(), vec![0.0; n_nodes]);
+    let start = Instant::now();
+    for i in 0..n {
+        let contact = |k: usize| DrawnContact {
+            node: (i * 7 + k * 13) % n_rows,
+            force_n: 1.0 + i as f64,
+        };
+        table.superpose(&[contact(0), contact(1)], &mut scratch, &mut map, &mut []);
+    }
+    let flops = (n * n_nodes) as f64 * (6.0 * 2.0 + 7.0);
+    threads as f64 * flops / start.elapsed().as_secs_f64()
+}
+
+/// Bytes per second of a dataset of 64 MB at `path`, which is removed.
+fn writing_rate(path: &Path) -> Result<f64, HapdefError> {
+    let (width, n_blocks, n_rows) = (4000, 16, 250);
+    let rows = vec![1.0_f32; n_rows * width];
+    let start = Instant::now();
+    let spec = TensorSpec::f32("values", width, "1");
+    let mut writer = DatasetWriter::create(path, n_blocks * n_rows, &[spec])?;
+    for _ in 0..n_blocks {
+        writer.append("values", &rows)?;
+    }
+    writer.finish()?;
+    let elapsed_s = start.elapsed().as_secs_f64();
+    std::fs::remove_file(path).map_err(HapdefError::file(path))?;
+    Ok((4 * width * n_rows * n_blocks) as f64 / elapsed_s)
+}

@@ -1,0 +1,214 @@
+//! The plan of a scene: what runs, what is left out, and that the run follows it.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use hapdef::plan::{Machine, Plan, StepState, When, plan};
+use hapdef::stages::compliance;
+use hapdef::touch::{Calibration, touch_estimator};
+use hapdef::{Limb, Profile, Progress, Run};
+use serde_json::{Value, json};
+
+/// Rates that no test looks at.
+const MACHINE: Machine = Machine {
+    threads: 2,
+    elements_per_s: 1e5,
+    factor_flops_per_s: 1e10,
+    solve_flops_per_s: 1e10,
+    few_solves_flops_per_s: 1e9,
+    train_flops_per_s: 1e10,
+    train_mixed_flops_per_s: 2e10,
+    train_narrow_flops_per_s: 1e10,
+    superpose_flops_per_s: 1e9,
+    write_bytes_per_s: 1e8,
+};
+
+fn shin() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
+}
+
+/// A bundled scene, changed, with the run's results beside it.
+fn prepared(folder: &Path, scene: &str, change: impl FnOnce(&mut Value)) -> (Run, Limb) {
+    let mut scene: Value = serde_json::from_slice(&fs::read(shin().join(scene)).unwrap()).unwrap();
+    change(&mut scene);
+    let path = folder.join("scene.json");
+    fs::write(&path, scene.to_string()).unwrap();
+    fs::copy(shin().join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
+    let out = folder.join("out");
+    let run = Run::new(&path, Profile::quick(), &out, 2, Progress::silent()).unwrap();
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    (run, limb)
+}
+
+fn names(plan: &Plan, state: StepState) -> Vec<&str> {
+    let steps = plan.steps.iter().filter(|step| step.state == state);
+    steps.map(|step| step.name.as_str()).collect()
+}
+
+#[test]
+fn the_papers_chain_is_planned_in_full_and_nothing_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "scene.json", |_| {});
+    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    assert_eq!(
+        names(&plan, StepState::Runs),
+        [
+            "compliance",
+            "rig",
+            "set I",
+            "set II",
+            "set III",
+            "set IV",
+            "rig's single presses",
+            "rig's double presses",
+            "transfer",
+            "reconstruction-4",
+            "sensitivity",
+            "pass of transfer",
+            "pass of reconstruction-4",
+            "pass of sensitivity",
+            "k-Max",
+        ]
+    );
+    assert_eq!(
+        names(&plan, StepState::Skipped),
+        [
+            "loads on nodes that nothing touches",
+            "tangential loads",
+            "reconstruction-1",
+            "reconstruction-2",
+            "reconstruction-3",
+            "direct",
+            "eval",
+            "scan and pair search",
+        ]
+    );
+    let design = |step: &&hapdef::plan::PlanStep| step.when == When::Design;
+    let runs = plan.steps.iter().filter(design);
+    let runs = runs.filter(|step| step.state == StepState::Runs);
+    for step in runs {
+        assert!(step.flops > 0.0 && step.bytes > 0.0, "{step:?}");
+        assert!(step.predicted_s.unwrap() > 0.0, "{step:?}");
+    }
+    assert!(!folder.path().join("out").exists());
+}
+
+/// The sizes are those that the stage then has, and a finished stage is found.
+#[test]
+fn the_plan_has_the_sizes_of_the_run_and_finds_it_in_the_cache() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "scene.json", |scene| {
+        scene["contact"]["region"]["axial_range_m"] = json!([0.1, 0.12]);
+    });
+    let before = plan(&run, &limb, &MACHINE).unwrap();
+    let stage = compliance(&run, &limb).unwrap();
+    let sizes = &before.step("compliance").unwrap().sizes;
+    for (planned, made) in [
+        ("FE nodes", "n_fe_nodes"),
+        ("equations", "n_equations"),
+        ("non-zeros of L", "nnz_l"),
+        ("wanted nodes", "n_wanted_nodes"),
+    ] {
+        assert_eq!(
+            Some(sizes[planned]),
+            stage.record.info[made].as_u64(),
+            "{planned}"
+        );
+    }
+    let after = plan(&run, &limb, &MACHINE).unwrap();
+    assert_eq!(names(&after, StepState::Cached), ["compliance"]);
+    let step = after.step("compliance").unwrap();
+    assert_eq!(
+        (step.recorded_s, step.flops),
+        (Some(stage.record.elapsed_s), 0.0)
+    );
+}
+
+#[test]
+fn a_single_contact_leaves_out_the_sets_of_several() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "scene.json", |scene| {
+        scene["contact"]["max_contacts"] = json!(1);
+    });
+    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let skipped = names(&plan, StepState::Skipped);
+    for name in ["set II", "set III", "set IV", "rig's double presses"] {
+        assert!(skipped.contains(&name), "{name} is not in {skipped:?}");
+        assert_eq!(plan.step(name).unwrap().why, "contact.max_contacts is 1");
+    }
+    assert!(names(&plan, StepState::Runs).contains(&"reconstruction-1"));
+}
+
+#[test]
+fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "placed.json", |_| {});
+    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    assert_eq!(
+        names(&plan, StepState::Runs),
+        ["response", "χ² test", "scan for one contact", "pair search"]
+    );
+    assert_eq!(plan.step("response").unwrap().sizes["right-hand sides"], 10);
+    let skipped = names(&plan, StepState::Skipped);
+    for name in [
+        "a load at every node",
+        "compliance",
+        "rig",
+        "datasets",
+        "nets",
+    ] {
+        assert!(skipped.contains(&name), "{name} is not in {skipped:?}");
+    }
+    touch_estimator(&run, &limb).unwrap();
+    assert!(
+        !folder.path().join("out").exists(),
+        "a stage ran that the plan leaves out"
+    );
+}
+
+/// A calibration of the right form at seven sites.
+fn calibration(run: &Run, limb: &Limb) -> Calibration {
+    let (n_gauges, n_sites) = (limb.gauges.len(), 7);
+    Calibration {
+        version: 1,
+        scene: run.scene.name.clone(),
+        deck_hash: limb.deck_hash.clone(),
+        presses_hash: String::new(),
+        n_presses: 0,
+        n_used: 0,
+        relative_error: 0.01,
+        relative_error_before: 0.1,
+        noise_ue: 1.0,
+        n_gauges,
+        n_sites,
+        adjoint_ue_per_n: vec![[1.0; 3]; n_gauges * limb.n_surface_nodes()],
+        site_error: vec![0.0; n_sites * n_gauges * n_gauges],
+    }
+}
+
+#[test]
+fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "placed.json", |scene| {
+        scene["contact"]["max_contacts"] = json!(1);
+        scene["estimator"]["calibration"] = json!("calibration.json");
+    });
+    let missing = plan(&run, &limb, &MACHINE).unwrap_err();
+    assert!(
+        missing.to_string().contains("calibration.json"),
+        "{missing}"
+    );
+    let calibration = calibration(&run, &limb);
+    calibration
+        .write(&folder.path().join("calibration.json"))
+        .unwrap();
+    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    assert_eq!(plan.step("scan for one contact").unwrap().sizes["sites"], 7);
+    let pairs = plan.step("pair search").unwrap();
+    assert_eq!((pairs.state, pairs.flops), (StepState::Skipped, 0.0));
+    assert_eq!(pairs.why, "contact.max_contacts is 1");
+    let runs = names(&plan, StepState::Runs);
+    assert_eq!(runs, ["calibration", "χ² test", "scan for one contact"]);
+    assert!(names(&plan, StepState::Skipped).contains(&"response"));
+}

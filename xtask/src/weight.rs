@@ -1,0 +1,177 @@
+//! What somebody compiles who takes one layer alone.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+
+use crate::tool::{cargo, root, run as run_to_end, shown, target_dir};
+
+/// Arguments of `weight`.
+#[derive(clap::Args)]
+pub(crate) struct WeightArgs {
+    /// Build the robot's crates in release into a folder of their own and time it.
+    #[arg(long)]
+    build: bool,
+    /// Fail where the table in ARCHITECTURE.md says something else.
+    #[arg(long)]
+    check: bool,
+}
+
+/// A build of few layers: its name in metrics and in the table, and its packages, which are taken
+/// without default features.
+struct Layers {
+    name: &'static str,
+    packages: &'static [&'static str],
+}
+
+const LAYERS: [Layers; 3] = [
+    Layers {
+        name: "kmax",
+        packages: &["hapdef-kmax"],
+    },
+    Layers {
+        name: "daq",
+        packages: &["hapdef-daq"],
+    },
+    Layers {
+        name: "robot",
+        packages: &["hapdef-daq", "hapdef-inverse"],
+    },
+];
+
+/// `cargo xtask weight`.
+pub(crate) fn run(args: &WeightArgs) -> Result<()> {
+    let counts = counts()?;
+    println!("{}", table(&counts));
+    if args.check {
+        check(&counts)?;
+    }
+    for (layers, n) in LAYERS.iter().zip(&counts) {
+        println!("METRIC:weight.{}_crates:{n}:1", layers.name);
+    }
+    if args.build {
+        println!("METRIC:weight.robot_build_s:{:.1}:s", build_s(&LAYERS[2])?);
+    } else {
+        println!("METRIC:weight.robot_build_s:skipped:--build not given");
+    }
+    Ok(())
+}
+
+/// Crates of each build, its own included, as Cargo.lock has them.
+fn counts() -> Result<Vec<usize>> {
+    LAYERS
+        .iter()
+        .map(|layers| Ok(tree(layers)?.len()))
+        .collect()
+}
+
+fn tree(layers: &Layers) -> Result<BTreeSet<String>> {
+    let words = [
+        "tree",
+        "--locked",
+        "--edges",
+        "normal",
+        "--no-default-features",
+        "--prefix",
+        "none",
+    ];
+    let mut command = cargo(&words);
+    command.args(packages(layers));
+    let output = command.output().context("starting cargo tree")?;
+    if !output.status.success() {
+        let what = String::from_utf8_lossy(&output.stderr);
+        bail!("{} failed: {}", shown(&command), what.trim());
+    }
+    let text = String::from_utf8(output.stdout).context("cargo tree")?;
+    Ok(crates(&text))
+}
+
+/// Names with versions; a crate that is shown again is the same one.
+fn crates(tree: &str) -> BTreeSet<String> {
+    let name = |line: &str| {
+        let mut words = line.split_whitespace();
+        Some(format!("{} {}", words.next()?, words.next()?))
+    };
+    tree.lines().filter_map(name).collect()
+}
+
+fn packages(layers: &Layers) -> impl Iterator<Item = &'static str> {
+    layers.packages.iter().flat_map(|name| ["--package", name])
+}
+
+/// Rows as they stand in ARCHITECTURE.md.
+fn table(counts: &[usize]) -> String {
+    let row = |(layers, n): (&Layers, &usize)| {
+        format!("| {} | {} | {n} |", layers.name, layers.packages.join(", "))
+    };
+    let rows = LAYERS.iter().zip(counts).map(row);
+    let head = ["| build | packages | crates |", "|---|---|---|"].map(str::to_owned);
+    head.into_iter().chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+fn check(counts: &[usize]) -> Result<()> {
+    let path = root().join("ARCHITECTURE.md");
+    let text = fs::read_to_string(&path).context("reading ARCHITECTURE.md")?;
+    let table = table(counts);
+    let missing = missing_rows(&text, &table)?;
+    if missing.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "ARCHITECTURE.md, Weight, says something else; put there, if the difference is wanted:\n{}",
+        missing.join("\n")
+    )
+}
+
+/// Rows of `table` that the section Weight does not have.
+fn missing_rows<'a>(architecture: &str, table: &'a str) -> Result<Vec<&'a str>> {
+    let (_, section) = architecture
+        .split_once("\n## Weight\n")
+        .context("ARCHITECTURE.md has no section Weight")?;
+    let section = section.split("\n## ").next().unwrap_or_default();
+    let there: BTreeSet<&str> = section.lines().map(str::trim).collect();
+    Ok(table.lines().filter(|row| !there.contains(row)).collect())
+}
+
+/// Seconds of a release build from nothing, in a folder that is removed again.
+fn build_s(layers: &Layers) -> Result<f64> {
+    let folder = target_dir()?.join(format!("weight-{}", std::process::id()));
+    let mut command = cargo(&["build", "--release", "--locked", "--no-default-features"]);
+    command
+        .args(packages(layers))
+        .env("CARGO_TARGET_DIR", &folder);
+    let start = Instant::now();
+    let built = run_to_end(&mut command);
+    let elapsed_s = start.elapsed().as_secs_f64();
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("removing {}", folder.display()))?;
+    }
+    built?;
+    Ok(elapsed_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crate_counts_once_and_two_versions_twice() {
+        let tree = "a v1.0.0 (/somewhere)\nb v2.0.0\nb v2.0.0 (*)\n\nb v3.0.0 (proc-macro)\n";
+        assert_eq!(crates(tree).len(), 3);
+    }
+
+    #[test]
+    fn a_count_that_differs_is_named() {
+        let page = format!(
+            "# A\n\n## Weight\n\n{}\n\n## B\n| robot |\n",
+            table(&[1, 2, 3])
+        );
+        assert!(missing_rows(&page, &table(&[1, 2, 3])).unwrap().is_empty());
+        let grown = table(&[1, 2, 4]);
+        let missing = missing_rows(&page, &grown).unwrap();
+        assert_eq!(missing, ["| robot | hapdef-daq, hapdef-inverse | 4 |"]);
+        assert!(missing_rows("# A\n", &grown).is_err());
+    }
+}
