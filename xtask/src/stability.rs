@@ -1,4 +1,4 @@
-//! Solvers, nets and baselines at their extremes.
+//! Solvers, nets, baselines and superposition at their extremes.
 
 use std::process::Command;
 
@@ -36,11 +36,13 @@ enum Part {
     Fe,
     /// Training, baselines and inference.
     Nets,
+    /// Contacts by superposition.
+    Inverse,
 }
 
 /// `cargo xtask stability`.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
-    if args.part == Part::Nets && (args.json || args.seed.is_some()) {
+    if args.part != Part::Fe && (args.json || args.seed.is_some()) {
         bail!("--json and --seed are for `stability fe`");
     }
     let mut command = args.part.command()?;
@@ -58,9 +60,9 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     finish(&mut command)
 }
 
-/// Both tables, compared with docs/.
+/// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    for part in [Part::Fe, Part::Nets] {
+    for part in [Part::Fe, Part::Nets, Part::Inverse] {
         let mut command = part.command()?;
         crate::tool::run(command.arg("--check").arg(root().join(part.document())))?;
     }
@@ -72,6 +74,7 @@ impl Part {
         match self {
             Self::Fe => "docs/stability-fe.md",
             Self::Nets => "docs/stability-nets.md",
+            Self::Inverse => "docs/stability-inverse.md",
         }
     }
 
@@ -79,10 +82,14 @@ impl Part {
         let (program, words): (_, &[&str]) = match self {
             Self::Fe => ("hapdef-verify", &["stability", "fe"]),
             Self::Nets => ("hapdef-repro", &["stability"]),
+            Self::Inverse => ("hapdef-repro", &["stability-inverse"]),
         };
         let mut command = Command::new(release_binary(program)?);
+        command.args(words);
+        if self == Self::Inverse {
+            command.arg(root().join("fixtures/shin/placed.json"));
+        }
         command
-            .args(words)
             .arg("--metrics")
             .arg(target_dir()?.join("hapdef/metrics.json"));
         Ok(command)

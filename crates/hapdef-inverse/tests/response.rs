@@ -143,6 +143,36 @@ fn a_tip_averages_over_its_pressure() {
     assert!(n_checked > 100);
 }
 
+/// A map made under a tip is made again of its own nodal values, both kinds of faces.
+#[test]
+fn nodal_values_make_the_same_map() {
+    for is_quadratic in [true, false] {
+        let world = World::on(barrel(28, 22, is_quadratic), 10, 20, 3);
+        let skin = world.map.skin().clone();
+        let tip = ResponseParams {
+            tip_radius_m: 0.004,
+        };
+        let map = ResponseMap::from_nodal(skin.clone(), 10, &world.map.nodal(), &tip).unwrap();
+        let again = ResponseMap::from_nodal(skin, 10, &map.nodal(), &ResponseParams::default());
+        let again = again.unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let mut under_tip = 0.0_f64;
+        for _ in 0..500 {
+            let point = world::draw_point(map.skin(), &mut rng);
+            let (g, same) = (map.normal(&point), again.normal(&point));
+            let size = g.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for ((g, same), sharp) in g.iter().zip(&same).zip(world.map.normal(&point)) {
+                assert!((g - same).abs() <= 1e-12 * size, "{g} and {same}");
+                under_tip = under_tip.max((g - sharp).abs() / size);
+            }
+            for (v, same) in map.vector(&point).iter().zip(again.vector(&point)) {
+                assert!((v - same).norm() <= 1e-12 * size, "{v} and {same}");
+            }
+        }
+        assert!(under_tip > 1e-3, "the tip changes nothing: {under_tip:e}");
+    }
+}
+
 #[test]
 fn the_nearest_point_is_found() {
     let skin = barrel(20, 16, true);

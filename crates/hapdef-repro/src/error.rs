@@ -120,6 +120,21 @@ pub enum ReproError {
     /// Samples could not be standardised.
     #[error(transparent)]
     Data(hapdef_data::DataError),
+    /// Contacts could not be estimated, followed, calibrated or conditioned.
+    #[error(transparent)]
+    Inverse(#[from] hapdef_inverse::InverseError),
+    /// A frame does not decide what touches, and its answer says so.
+    #[error("the answer is called not identifiable: {why:?}")]
+    NotIdentifiable {
+        /// Why.
+        why: hapdef_inverse::WhyNot,
+    },
+    /// The conditioner still waits for frames to tare with, and says so.
+    #[error("still taring after {frames} frames: a gauge gives no number")]
+    Taring {
+        /// Frames so far.
+        frames: usize,
+    },
     /// A net is worse after its training than predicting means.
     #[error(
         "the training learned nothing: √MSE of the standardised outputs {before:.3} before, \

@@ -45,8 +45,9 @@ pub use search::{
     propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
 };
 pub use stability::{
-    NetsFigure, NetsRefusal, NetsRow, NetsVerdict, NetsWanted, nets_differences, nets_line,
-    nets_markdown, nets_rows,
+    InverseWorld, StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict,
+    StabilityWanted, inverse_markdown, inverse_rows, nets_markdown, nets_rows,
+    stability_differences, stability_line,
 };
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,

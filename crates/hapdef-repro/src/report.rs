@@ -135,7 +135,7 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repr
             source,
         })?;
         paths.push(path);
-        Ok(())
+        Ok::<(), ReproError>(())
     };
     for figure in &report.figures {
         match &figure.content {

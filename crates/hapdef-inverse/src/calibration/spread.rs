@@ -95,7 +95,7 @@ impl Spread {
             .collect();
         let n = N_AROUND.min(near.len());
         near.select_nth_unstable_by(n - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        near[..n].sort_by(|a, b| a.1.cmp(&b.1));
+        near[..n].sort_by_key(|a| a.1);
         let sum: f64 = near[..n].iter().map(|&(_, i)| self.mean_square_z[i]).sum();
         (N_OVERALL + sum) / (N_OVERALL + n as f64)
     }

@@ -67,6 +67,8 @@ enum Command {
     SearchCompare(search::CompareArgs),
     /// Nets and baselines with data and settings at their extremes.
     Stability(stability::StabilityArgs),
+    /// Contacts by superposition with frames, layouts and presses at their extremes.
+    StabilityInverse(stability::InverseArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     BenchNets(BenchNetsArgs),
     /// Error against run time: every method, precision, rank and width in one table and plot.
@@ -114,6 +116,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::SearchMerge(args) => search::merge(args),
         Command::SearchCompare(args) => search::compare(args),
         Command::Stability(args) => stability::run(args),
+        Command::StabilityInverse(args) => stability::run_inverse(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
         Command::Compare(args) => compare::run(args),

@@ -1,7 +1,7 @@
 //! The rows: data and settings at their extremes.
 
 use super::plant::{N_OUT, N_TRAIN, Plant, largest_difference, methods, net};
-use super::row::{Case, NetsWanted};
+use super::row::{Case, StabilityWanted};
 use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
 use crate::search::Learner;
@@ -24,11 +24,11 @@ pub(super) fn cases() -> Vec<Case> {
     all
 }
 
-fn case(
+pub(super) fn case(
     method: &'static str,
     extreme: impl Into<String>,
     (must_hold, limit): (&'static str, f64),
-    wanted: NetsWanted,
+    wanted: StabilityWanted,
     run: impl Fn() -> Result<f64, ReproError> + 'static,
 ) -> Case {
     Case {
@@ -52,7 +52,7 @@ fn moved(changed: &Plant, learner: &Learner) -> Result<f64, ReproError> {
 }
 
 fn channels(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
-    use NetsWanted::{Either, Result};
+    use StabilityWanted::{Either, Result};
     let l = learner.clone();
     let holds = ("error at most 1.5 × that without the channel", 1.5);
     all.push(case(
@@ -132,7 +132,7 @@ fn outputs(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
             method,
             extreme,
             holds,
-            NetsWanted::Result,
+            StabilityWanted::Result,
             move || moved(&Plant::new().with_outputs_times(newtons), &l),
         ));
     }
@@ -144,7 +144,7 @@ fn outputs(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
             method,
             extreme,
             holds,
-            NetsWanted::Result,
+            StabilityWanted::Result,
             move || {
                 let mut plant = Plant::new();
                 plant.y.fill(value);
@@ -170,7 +170,7 @@ fn outliers(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
             method,
             extreme,
             holds,
-            NetsWanted::Either,
+            StabilityWanted::Either,
             move || {
                 let mut plant = Plant::new();
                 plant.x[4 * 17] = value;
@@ -184,7 +184,7 @@ fn outliers(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
             method,
             extreme,
             holds,
-            NetsWanted::Either,
+            StabilityWanted::Either,
             move || {
                 let mut plant = Plant::new();
                 plant.y[N_OUT * 17] = value;
@@ -198,7 +198,7 @@ fn outliers(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
             method,
             extreme,
             holds,
-            NetsWanted::Either,
+            StabilityWanted::Either,
             move || {
                 let mut plant = Plant::new();
                 plant.test_x[4 * 17] = value;
@@ -224,7 +224,7 @@ fn not_finite(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
                 _ => "row 17, column 2",
             };
             let holds = ("refused with row and column", 0.0);
-            let wanted = NetsWanted::Refusal(words);
+            let wanted = StabilityWanted::Refusal(words);
             all.push(case(
                 method,
                 format!("a {place} is {value}"),
@@ -244,7 +244,7 @@ fn few_samples(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
     for n in [1, 2] {
         let l = learner.clone();
         let holds = ("the samples' own outputs, up to 1 %", 1e-2);
-        let wanted = NetsWanted::Either;
+        let wanted = StabilityWanted::Either;
         all.push(case(
             method,
             format!("{n} training samples"),
@@ -270,7 +270,7 @@ fn rates(all: &mut Vec<Case>) {
             "net",
             format!("learning rate {rate:.0e}"),
             holds,
-            NetsWanted::Either,
+            StabilityWanted::Either,
             move || Plant::new().error(&net(rate)),
         ));
     }
@@ -282,7 +282,7 @@ fn neighbours(all: &mut Vec<Case>) {
         "k-NN",
         "every point ten times",
         holds,
-        NetsWanted::Result,
+        StabilityWanted::Result,
         || {
             let mut plant = Plant::new();
             let ten = |rows: &[f32], width: usize| {
@@ -303,7 +303,7 @@ fn neighbours(all: &mut Vec<Case>) {
         "k-NN",
         "equal points with different outputs",
         holds,
-        NetsWanted::Result,
+        StabilityWanted::Result,
         || {
             let plant = Plant::new().with_inputs(|_| vec![0.5; 4]);
             let mean = |j: usize| (0..6).map(|i| plant.y[i * N_OUT + j]).sum::<f32>() / 6.0;
@@ -330,12 +330,18 @@ fn collinear(all: &mut Vec<Case>) {
     ];
     for (words, widen) in widened {
         let holds = ("predictions as without the extra columns", 1e-5);
-        all.push(case("LR", words, holds, NetsWanted::Result, move || {
-            let linear = Learner::Linear(LinearParams::default());
-            let plain = Plant::new().predictions(&linear)?;
-            let wide = Plant::new().with_inputs(widen).predictions(&linear)?;
-            Ok(largest_difference(&plain, &wide))
-        }));
+        all.push(case(
+            "LR",
+            words,
+            holds,
+            StabilityWanted::Result,
+            move || {
+                let linear = Learner::Linear(LinearParams::default());
+                let plain = Plant::new().predictions(&linear)?;
+                let wide = Plant::new().with_inputs(widen).predictions(&linear)?;
+                Ok(largest_difference(&plain, &wide))
+            },
+        ));
     }
 }
 
@@ -343,15 +349,21 @@ fn support_vectors(all: &mut Vec<Case>) {
     for (c, gamma) in [(20.0, 1e-6), (20.0, 1e6), (1e-6, 0.125), (1e4, 0.125)] {
         let holds = ("error at most 1.2 × that of the mean", 1.2);
         let extreme = format!("C {c:.0e}, γ {gamma:.0e}");
-        all.push(case("SVR", extreme, holds, NetsWanted::Either, move || {
-            let params = SvrParams {
-                c,
-                gamma,
-                epsilon: 1e-3,
-                ..SvrParams::default()
-            };
-            Plant::new().error(&Learner::Svr(params))
-        }));
+        all.push(case(
+            "SVR",
+            extreme,
+            holds,
+            StabilityWanted::Either,
+            move || {
+                let params = SvrParams {
+                    c,
+                    gamma,
+                    epsilon: 1e-3,
+                    ..SvrParams::default()
+                };
+                Plant::new().error(&Learner::Svr(params))
+            },
+        ));
     }
 }
 
@@ -384,7 +396,7 @@ fn knobs(all: &mut Vec<Case>) {
         ("net", "learning rate NaN", "learning_rate", net(f64::NAN)),
     ];
     for (method, extreme, words, learner) in bad {
-        let wanted = NetsWanted::Refusal(words);
+        let wanted = StabilityWanted::Refusal(words);
         all.push(case(method, extreme, refused, wanted, move || {
             Plant::new().error(&learner)
         }));

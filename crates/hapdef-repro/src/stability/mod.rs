@@ -1,19 +1,37 @@
-//! Whether a baseline or a net is ever silently wrong: data and settings at their extremes.
+//! Whether a baseline, a net or superposition is ever silently wrong: data and settings at their
+//! extremes.
 //!
 //! Every row says what must hold. It is `accurate` where that holds, `refused` where the method
 //! gave a typed error, and wrong where neither is so.
 
 mod cases;
 mod document;
+mod inverse;
 mod plant;
 mod row;
 
-pub use document::{nets_differences, nets_line, nets_markdown};
-pub use row::{NetsFigure, NetsRefusal, NetsRow, NetsVerdict, NetsWanted};
+use std::sync::Arc;
+
+pub use document::{inverse_markdown, nets_markdown, stability_differences, stability_line};
+pub use inverse::InverseWorld;
+pub use row::{StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict, StabilityWanted};
 
 /// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
-pub fn nets_rows(mut progress: impl FnMut(&NetsRow)) -> Vec<NetsRow> {
+pub fn nets_rows(mut progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
     let rows = cases::cases().into_iter().map(|case| {
+        let row = case.row();
+        progress(&row);
+        row
+    });
+    rows.collect()
+}
+
+/// Runs every row of docs/stability-inverse.md in its order; each goes to `progress` as it comes.
+pub fn inverse_rows(
+    world: &Arc<InverseWorld>,
+    mut progress: impl FnMut(&StabilityRow),
+) -> Vec<StabilityRow> {
+    let rows = inverse::cases(world).into_iter().map(|case| {
         let row = case.row();
         progress(&row);
         row

@@ -4,7 +4,7 @@ use crate::ReproError;
 
 /// One method at one extreme.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NetsRow {
+pub struct StabilityRow {
     /// The method.
     pub method: &'static str,
     /// What is extreme.
@@ -12,14 +12,14 @@ pub struct NetsRow {
     /// What must hold, in words; `measured ≤ limit` in numbers.
     pub must_hold: &'static str,
     /// What came out.
-    pub outcome: Result<NetsFigure, NetsRefusal>,
+    pub outcome: Result<StabilityFigure, StabilityRefusal>,
     /// What should have come out.
-    pub wanted: NetsWanted,
+    pub wanted: StabilityWanted,
 }
 
 /// What was measured, and the most it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NetsFigure {
+pub struct StabilityFigure {
     /// The figure.
     pub measured: f64,
     /// Its limit.
@@ -28,7 +28,7 @@ pub struct NetsFigure {
 
 /// A typed error.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NetsRefusal {
+pub struct StabilityRefusal {
     /// The variant, such as `RowNotFinite`.
     pub kind: String,
     /// What it says.
@@ -37,7 +37,7 @@ pub struct NetsRefusal {
 
 /// What should come of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NetsWanted {
+pub enum StabilityWanted {
     /// What must hold, holds.
     Result,
     /// An error whose text has these words.
@@ -48,7 +48,7 @@ pub enum NetsWanted {
 
 /// What a row shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NetsVerdict {
+pub enum StabilityVerdict {
     /// What must hold, holds.
     Accurate,
     /// A typed error.
@@ -57,14 +57,14 @@ pub enum NetsVerdict {
     SilentlyWrong,
 }
 
-impl NetsRow {
+impl StabilityRow {
     /// Accurate, refused or wrong.
     #[must_use]
-    pub fn verdict(&self) -> NetsVerdict {
+    pub fn verdict(&self) -> StabilityVerdict {
         match &self.outcome {
-            Err(_) => NetsVerdict::Refused,
-            Ok(figure) if figure.measured <= figure.limit => NetsVerdict::Accurate,
-            Ok(_) => NetsVerdict::SilentlyWrong,
+            Err(_) => StabilityVerdict::Refused,
+            Ok(figure) if figure.measured <= figure.limit => StabilityVerdict::Accurate,
+            Ok(_) => StabilityVerdict::SilentlyWrong,
         }
     }
 
@@ -72,11 +72,11 @@ impl NetsRow {
     #[must_use]
     pub fn is_failed(&self) -> bool {
         let as_wanted = match (self.wanted, &self.outcome) {
-            (NetsWanted::Either, _) | (NetsWanted::Result, Ok(_)) => true,
-            (NetsWanted::Refusal(words), Err(refusal)) => refusal.text.contains(words),
+            (StabilityWanted::Either, _) | (StabilityWanted::Result, Ok(_)) => true,
+            (StabilityWanted::Refusal(words), Err(refusal)) => refusal.text.contains(words),
             _ => false,
         };
-        !as_wanted || self.verdict() == NetsVerdict::SilentlyWrong
+        !as_wanted || self.verdict() == StabilityVerdict::SilentlyWrong
     }
 
     /// `ok`, or the kind of error.
@@ -89,7 +89,7 @@ impl NetsRow {
     }
 }
 
-impl NetsVerdict {
+impl StabilityVerdict {
     /// The word that the table shows.
     #[must_use]
     pub fn word(self) -> &'static str {
@@ -101,11 +101,12 @@ impl NetsVerdict {
     }
 }
 
-impl NetsRefusal {
+impl StabilityRefusal {
     fn of(error: &ReproError) -> Self {
         let name = match error {
             ReproError::Nets(cause) => format!("{cause:?}"),
             ReproError::Data(cause) => format!("{cause:?}"),
+            ReproError::Inverse(cause) => format!("{cause:?}"),
             other => format!("{other:?}"),
         };
         let is_letter = |c: &char| c.is_ascii_alphanumeric();
@@ -122,21 +123,23 @@ pub(super) struct Case {
     pub(super) extreme: String,
     pub(super) must_hold: &'static str,
     pub(super) limit: f64,
-    pub(super) wanted: NetsWanted,
+    pub(super) wanted: StabilityWanted,
     pub(super) run: Box<dyn Fn() -> Result<f64, ReproError>>,
 }
 
 impl Case {
-    pub(super) fn row(&self) -> NetsRow {
-        let figure = |measured| NetsFigure {
+    pub(super) fn row(&self) -> StabilityRow {
+        let figure = |measured| StabilityFigure {
             measured,
             limit: self.limit,
         };
-        NetsRow {
+        StabilityRow {
             method: self.method,
             extreme: self.extreme.clone(),
             must_hold: self.must_hold,
-            outcome: (self.run)().map(figure).map_err(|e| NetsRefusal::of(&e)),
+            outcome: (self.run)()
+                .map(figure)
+                .map_err(|e| StabilityRefusal::of(&e)),
             wanted: self.wanted,
         }
     }
@@ -146,7 +149,7 @@ impl Case {
 mod tests {
     use super::*;
 
-    fn row(outcome: Result<f64, ReproError>, wanted: NetsWanted) -> NetsRow {
+    fn row(outcome: Result<f64, ReproError>, wanted: StabilityWanted) -> StabilityRow {
         let outcome = std::cell::RefCell::new(Some(outcome));
         Case {
             method: "LR",
@@ -162,19 +165,22 @@ mod tests {
     #[test]
     fn beyond_the_limit_is_silently_wrong() {
         for measured in [1.1, f64::INFINITY, f64::NAN] {
-            let row = row(Ok(measured), NetsWanted::Either);
-            assert_eq!(row.verdict(), NetsVerdict::SilentlyWrong);
+            let row = row(Ok(measured), StabilityWanted::Either);
+            assert_eq!(row.verdict(), StabilityVerdict::SilentlyWrong);
             assert!(row.is_failed());
         }
-        assert!(!row(Ok(1.0), NetsWanted::Result).is_failed());
+        assert!(!row(Ok(1.0), StabilityWanted::Result).is_failed());
     }
 
     #[test]
     fn what_should_be_refused_and_is_not_fails() {
-        assert!(row(Ok(0.0), NetsWanted::Refusal("stopped")).is_failed());
-        assert!(row(Err(ReproError::Stopped), NetsWanted::Refusal("row 3")).is_failed());
-        let refused = row(Err(ReproError::Stopped), NetsWanted::Refusal("stopped"));
+        assert!(row(Ok(0.0), StabilityWanted::Refusal("stopped")).is_failed());
+        assert!(row(Err(ReproError::Stopped), StabilityWanted::Refusal("row 3")).is_failed());
+        let refused = row(
+            Err(ReproError::Stopped),
+            StabilityWanted::Refusal("stopped"),
+        );
         assert_eq!((refused.is_failed(), refused.said()), (false, "Stopped"));
-        assert!(row(Err(ReproError::Stopped), NetsWanted::Result).is_failed());
+        assert!(row(Err(ReproError::Stopped), StabilityWanted::Result).is_failed());
     }
 }

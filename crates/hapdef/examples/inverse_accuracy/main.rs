@@ -12,25 +12,24 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use hapdef::Limb;
-use hapdef::scene::read_scene;
+use anyhow::Result;
+use hapdef::scene::RigSpec;
+use hapdef::stages::real_limb;
+use hapdef::touch::response_map;
+use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{
     ContactEstimate, ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap,
-    ResponseParams, ScanSites, Skin, SkinFaces, SkinParams, SkinPoint,
+    ScanSites, SkinPoint,
 };
-use hapdef_mesh::GaugeId;
-use hapdef_rig::{
-    GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
-};
-use hapdef_sim::{ElasticModel, ElasticParams};
-use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use row::{Response, Row};
 
 const N_SITES: usize = 800;
+
+/// The first of the rig's seeds, others than the scene's.
+const RIG_SEED: u64 = 111;
 
 fn main() -> Result<()> {
     let bundled = concat!(
@@ -41,11 +40,13 @@ fn main() -> Result<()> {
     let path = PathBuf::from(args.next().unwrap_or_else(|| bundled.to_owned()));
     let n_frames = args.next().map_or(Ok(300), |n| n.parse())?;
     let parts = args.next().unwrap_or_else(|| "exact,rig".to_owned());
-    let scene = read_scene(&path)?;
-    let limb = Limb::load(&scene, path.parent().context("a scene lies in a folder")?)?;
-    let tip_radius_m = scene.contact.tip_radius_m;
+    let out = std::env::temp_dir();
+    let mut run = Run::new(&path, Profile::quick(), &out, 2, Progress::silent())?;
+    reseed(&mut run.scene.rig);
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let start = Instant::now();
-    let map = Arc::new(response_map(&limb, tip_radius_m)?);
+    let tip_radius_m = run.scene.contact.tip_radius_m;
+    let map = Arc::new(response_map(&limb, tip_radius_m, run.threads)?);
     let sites = Arc::new(ScanSites::farthest(map.skin(), N_SITES)?);
     println!(
         "map of {} gauges on {} nodes, {} faces, {} sites within {:.1} mm: {:.2} s",
@@ -63,7 +64,7 @@ fn main() -> Result<()> {
         table(title, &map, &sites, &uniform(5.0), n_frames, &exact)?;
     }
     if parts.contains("rig") {
-        let real = real_limb(&limb, tip_radius_m)?;
+        let real = real_limb(&run, &limb, &limb.sites)?;
         let perturbed = |p: &SkinPoint| -> Result<Vec<f64>> {
             let skin = map.skin();
             Ok(real.response_ue_per_n(&skin.position(p), &-skin.normal(p))?)
@@ -84,31 +85,6 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Gauge readings per newton on the training mesh, µε/N.
-fn response_map(limb: &Limb, tip_radius_m: f64) -> Result<ResponseMap> {
-    let params = ElasticParams::new(limb.material, limb.clamped.clone());
-    let model = ElasticModel::build(&limb.mesh, &params)?;
-    let (response, _) = model.gauge_response(&limb.gauges)?;
-    let n_gauges = limb.gauges.len();
-    let mut adjoint = Vec::with_capacity(limb.skin.nodes.len() * n_gauges);
-    for node in &limb.skin.nodes {
-        for gauge in 0..n_gauges {
-            adjoint.push(response.field(GaugeId::from_index(gauge))[node.index()] * 1e6);
-        }
-    }
-    let place = |node| limb.skin.nodes.partition_point(|other| *other < node) as u32;
-    let faces: Vec<[u32; 6]> = limb.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
-    let outward: Vec<Vector3<f64>> = limb.directions.iter().map(|d| -d).collect();
-    let skin = Skin::new(
-        limb.surface_points(),
-        SkinFaces::Quadratic(&faces),
-        Some(&outward),
-        &SkinParams::default(),
-    )?;
-    let params = ResponseParams { tip_radius_m };
-    Ok(ResponseMap::from_nodal(skin, n_gauges, &adjoint, &params)?)
-}
-
 /// Root mean square of the map's error over that of the response, at the scan sites.
 fn relative_error(map: &ResponseMap, sites: &ScanSites, truth: Response<'_>) -> Result<f64> {
     let (mut error, mut all) = (0.0, 0.0);
@@ -121,40 +97,10 @@ fn relative_error(map: &ResponseMap, sites: &ScanSites, truth: Response<'_>) -> 
     Ok(f64::sqrt(error / all))
 }
 
-/// A rig perturbed like the bundled scene's, with seeds of its own.
-fn real_limb(limb: &Limb, tip_radius_m: f64) -> Result<RealLimb> {
-    let nominal = NominalLimb {
-        mesh: &limb.mesh,
-        clamped: &limb.clamped,
-        material: limb.material,
-        gauges: &limb.sites,
-        gauge_params: limb.gauge_params,
-        skin: &limb.skin,
-        tip_radius_m,
-    };
-    let variation = |fraction, seed| VariationParams {
-        fraction,
-        correlation_length_m: 0.03,
-        seed,
-    };
-    let misplacement = MisplacementParams {
-        shift_m: 1e-3,
-        turn_rad: 3_f64.to_radians(),
-        seed: 113,
-    };
-    let gain = GainParams {
-        fraction: 0.03,
-        seed: 114,
-    };
-    let params = RigParams {
-        refinements: 1,
-        stiffness: variation(0.1, 111),
-        thickness: variation(0.05, 112),
-        max_wall_m: 0.003,
-        misplacement,
-        gain,
-    };
-    Ok(RealLimb::build(&nominal, &params, 2)?)
+/// Another limb than the scene's: perturbed alike, with seeds of its own.
+fn reseed(rig: &mut RigSpec) {
+    (rig.stiffness.seed, rig.thickness.seed) = (RIG_SEED, RIG_SEED + 1);
+    (rig.misplacement.seed, rig.gain.seed) = (RIG_SEED + 2, RIG_SEED + 3);
 }
 
 fn table(

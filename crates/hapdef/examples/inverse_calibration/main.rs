@@ -6,25 +6,24 @@
 
 mod bench;
 mod draw;
-mod limb;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use hapdef::Limb;
-use hapdef::scene::read_scene;
+use anyhow::Result;
+use hapdef::scene::RigSpec;
+use hapdef::stages::real_limb;
+use hapdef::touch::{UncertainParams, UncertainResponse};
+use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{
-    Calibrated, CalibrationParams, ModeMap, ModeScope, ModelError, NoiseParams, Press, ResponseMap,
-    ScanSites,
+    Calibrated, CalibrationParams, ModelError, NoiseParams, Press, ResponseMap, ScanSites,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use bench::Bench;
 use draw::Hardware;
-use limb::Nominal;
 
 const N_SITES: usize = 800;
 const N_STIFFNESS_MODES: usize = 32;
@@ -44,23 +43,29 @@ fn main() -> Result<()> {
     let path = PathBuf::from(args.next().unwrap_or_else(|| bundled.to_owned()));
     let n_frames = args.next().map_or(Ok(300), |n| n.parse())?;
     let seed: u64 = args.next().map_or(Ok(111), |n| n.parse())?;
-    let scene = read_scene(&path)?;
-    let limb = Limb::load(&scene, path.parent().context("a scene lies in a folder")?)?;
-    let tip_radius_m = scene.contact.tip_radius_m;
+    let out = std::env::temp_dir();
+    let mut run = Run::new(&path, Profile::quick(), &out, 2, Progress::silent())?;
+    reseed(&mut run.scene.rig, seed);
+    let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let start = Instant::now();
-    let nominal = Nominal::build(&limb, tip_radius_m, N_STIFFNESS_MODES)?;
-    let real = limb::real_limb(&limb, tip_radius_m, seed)?;
+    let params = UncertainParams {
+        tip_radius_m: run.scene.contact.tip_radius_m,
+        n_stiffness: N_STIFFNESS_MODES,
+        n_threads: run.threads,
+    };
+    let nominal = UncertainResponse::solve(&limb, &limb.sites, &limb.gauges, &params)?;
+    let real = real_limb(&run, &limb, &limb.sites)?;
     let built_s = start.elapsed().as_secs_f64();
     println!(
         "{}, rig seed {seed}: limbs and modes in {built_s:.0} s",
-        scene.name
+        run.scene.name
     );
     let mut hardware = Hardware::new(&real, nominal.map.skin(), seed + 20)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 30);
     let presses = hardware.presses(N_PRESSES[N_PRESSES.len() - 1], &mut rng)?;
     let held_out = hardware.presses(N_HELD_OUT, &mut rng)?;
     let sites = Arc::new(ScanSites::farthest(nominal.map.skin(), N_SITES)?);
-    let modes = modes(&nominal);
+    let modes = nominal.modes();
     let bench = Bench::new(&mut hardware, &sites, n_frames, seed + 40)?;
     let relative = relative_error(&nominal.map, &held_out, bench.hardware)?;
     println!("map as computed: error {:.2} %", relative.0 * 100.0);
@@ -86,20 +91,10 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn modes(nominal: &Nominal) -> Vec<ModeMap<'_>> {
-    let gauge_sd = [1e-3, 1e-3, 3_f64.to_radians()];
-    let own = nominal.gauge_modes.iter().zip(gauge_sd);
-    let own = own.map(|(map, prior_sd)| ModeMap {
-        map,
-        scope: ModeScope::EachGauge,
-        prior_sd,
-    });
-    let shared = nominal.stiffness_modes.iter().map(|map| ModeMap {
-        map,
-        scope: ModeScope::Shared,
-        prior_sd: 0.1,
-    });
-    own.chain(shared).collect()
+/// Another limb than the scene's: perturbed alike, with the seeds `seed`, `seed` + 1, ….
+fn reseed(rig: &mut RigSpec, seed: u64) {
+    (rig.stiffness.seed, rig.thickness.seed) = (seed, seed + 1);
+    (rig.misplacement.seed, rig.gain.seed) = (seed + 2, seed + 3);
 }
 
 fn uncalibrated(relative: f64) -> ModelError {

@@ -8,7 +8,6 @@
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 mod limb_error;
-mod limb_map;
 mod play;
 mod row;
 mod script;
@@ -19,6 +18,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use hapdef::Limb;
 use hapdef::scene::read_scene;
+use hapdef::touch::response_map;
 use hapdef_inverse::{ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites};
 
 use play::Bench;
@@ -42,7 +42,7 @@ fn main() -> Result<()> {
     let wanted = args.next().unwrap_or_default();
     let scene = read_scene(&path)?;
     let limb = Limb::load(&scene, path.parent().context("a scene lies in a folder")?)?;
-    let map = Arc::new(limb_map::response_map(&limb, scene.contact.tip_radius_m)?);
+    let map = Arc::new(response_map(&limb, scene.contact.tip_radius_m, 2)?);
     let sites = Arc::new(ScanSites::farthest(map.skin(), N_SITES)?);
     println!(
         "{}: {} gauges, {} faces, {} sites, {n_scenes} scenes a row, seed {seed}",

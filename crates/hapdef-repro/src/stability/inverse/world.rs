@@ -1,0 +1,255 @@
+//! The limb that rows are on, and what is measured of an answer.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use hapdef_inverse::{
+    ContactEstimate, ContactEstimator, EstimatorParams, InverseError, NoiseParams, ResponseMap,
+    ResponseParams, ScanSites, SkinPoint, Verdict,
+};
+use nalgebra::Point3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::ReproError;
+
+const N_SITES: usize = 400;
+
+/// Standard deviation of every reading's noise, µε.
+pub(super) const SD: f64 = 1.0;
+
+/// Contacts whose readings have less χ² than this are in the noise.
+const UNSEEN_CHI2: f64 = 40.0;
+
+/// An answer is right within this, m.
+const RIGHT_M: f64 = 0.01;
+
+/// No answer is asked to be better than this, m.
+const FINE_M: f64 = 2e-4;
+
+/// A limb with gauges.
+#[derive(Clone, Debug)]
+pub struct InverseWorld {
+    pub(super) map: Arc<ResponseMap>,
+    pub(super) sites: Arc<ScanSites>,
+    clamped_m: Vec<Point3<f64>>,
+}
+
+impl InverseWorld {
+    /// A limb with its response, µε/N, and the places where it is held, m.
+    ///
+    /// # Errors
+    /// [`ReproError::Inverse`] for a skin that can't be scanned.
+    pub fn new(map: ResponseMap, clamped_m: Vec<Point3<f64>>) -> Result<Self, ReproError> {
+        let sites = ScanSites::farthest(map.skin(), N_SITES)?;
+        Ok(Self {
+            map: Arc::new(map),
+            sites: Arc::new(sites),
+            clamped_m,
+        })
+    }
+
+    pub(super) fn n(&self) -> usize {
+        self.map.n_gauges()
+    }
+
+    /// The same limb whose gauge i is `of(i)`: one of these gauges, and a factor.
+    pub(super) fn regauged(
+        &self,
+        of: impl Fn(usize) -> (usize, f64),
+    ) -> Result<Self, InverseError> {
+        let nodal = self.map.nodal();
+        let rows = nodal.chunks_exact(self.n());
+        let changed = rows.flat_map(|row| {
+            let gauge = |i| row[of(i).0] * of(i).1;
+            (0..row.len()).map(gauge).collect::<Vec<_>>()
+        });
+        let (skin, params) = (self.map.skin().clone(), ResponseParams::default());
+        let adjoint: Vec<_> = changed.collect();
+        Ok(Self {
+            map: Arc::new(ResponseMap::from_nodal(skin, self.n(), &adjoint, &params)?),
+            ..self.clone()
+        })
+    }
+
+    /// An estimator that is told noise of `sd`.
+    pub(super) fn estimator(&self, sd: f64) -> Result<ContactEstimator, InverseError> {
+        self.estimator_with(NoiseParams::uniform(self.n(), sd))
+    }
+
+    pub(super) fn estimator_with(
+        &self,
+        noise: NoiseParams,
+    ) -> Result<ContactEstimator, InverseError> {
+        let params = EstimatorParams::default();
+        ContactEstimator::new(self.map.clone(), self.sites.clone(), noise, params)
+    }
+
+    /// Readings of the map itself, without noise.
+    pub(super) fn readings(&self, contacts: &[(SkinPoint, f64)]) -> Vec<f64> {
+        let mut y = vec![0.0; self.n()];
+        for (point, force_n) in contacts {
+            for (y, g) in y.iter_mut().zip(self.map.normal(point)) {
+                *y += force_n * g;
+            }
+        }
+        y
+    }
+
+    /// Scan sites drawn at random, at least `gap_m` apart.
+    pub(super) fn draw(&self, n: usize, gap_m: f64, rng: &mut ChaCha8Rng) -> Vec<SkinPoint> {
+        let mut drawn: Vec<SkinPoint> = Vec::new();
+        while drawn.len() < n {
+            let point = self.sites.points()[rng.random_range(0..self.sites.len())];
+            let is_apart = |other: &SkinPoint| self.gap_m(other, &point) >= gap_m;
+            if drawn.iter().all(is_apart) {
+                drawn.push(point);
+            }
+        }
+        drawn
+    }
+
+    pub(super) fn gap_m(&self, a: &SkinPoint, b: &SkinPoint) -> f64 {
+        (self.map.skin().position(a) - self.map.skin().position(b)).norm()
+    }
+
+    /// Corners on the skin's rim, those nearest to where the limb is held first.
+    pub(super) fn rim(&self) -> Vec<SkinPoint> {
+        let skin = self.map.skin();
+        let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+        for face in 0..skin.n_faces() {
+            let nodes = skin.face_nodes(face);
+            for i in 0..3 {
+                let (a, b) = (nodes[i], nodes[(i + 1) % 3]);
+                *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+            }
+        }
+        let open = edges.into_iter().filter(|(_, n)| *n == 1);
+        let mut nodes: Vec<u32> = open.flat_map(|(edge, _)| edge).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let points = skin.node_points();
+        let far = |point: &SkinPoint| {
+            let x = skin.position(point);
+            let gaps = self.clamped_m.iter().map(|held| (held - x).norm());
+            gaps.fold(f64::INFINITY, f64::min)
+        };
+        let on_skin = nodes.iter().filter_map(|&node| points[node as usize]);
+        let mut rim: Vec<(f64, SkinPoint)> = on_skin.map(|p| (far(&p), p)).collect();
+        rim.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rim.into_iter().map(|(_, point)| point).collect()
+    }
+}
+
+pub(super) fn rng(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+pub(super) fn add_noise(y: &mut [f64], sd: f64, rng: &mut ChaCha8Rng) {
+    for y in y {
+        let n: f64 = StandardNormal.sample(rng);
+        *y += sd * n;
+    }
+}
+
+/// The answer to a frame, or an error where the answer says that it is none; `None` where it holds
+/// what is not a number.
+pub(super) fn sure(
+    estimator: &ContactEstimator,
+    y: &[f64],
+) -> Result<Option<ContactEstimate>, ReproError> {
+    let found = estimator.estimate(y)?;
+    let of_contacts = found.contacts.iter().all(|c| {
+        c.position_m.iter().all(|x| x.is_finite())
+            && c.force_n.is_finite()
+            && c.covariance.iter().all(|v| v.is_finite())
+    });
+    let of_frame = found.chi2.is_finite() && found.residual.iter().all(|r| r.is_finite());
+    if !of_contacts || !of_frame {
+        return Ok(None);
+    }
+    match found.verdict {
+        Verdict::NotIdentifiable(why) => Err(ReproError::NotIdentifiable { why }),
+        Verdict::Untouched | Verdict::Identified => Ok(Some(found)),
+    }
+}
+
+/// Distance of one contact found from the true one over its standard deviation; infinite for
+/// another count, unless the readings are in the noise.
+pub(super) fn single_sds(
+    world: &InverseWorld,
+    estimator: &ContactEstimator,
+    truth: (SkinPoint, f64),
+    y: &[f64],
+) -> Result<f64, ReproError> {
+    let Some(found) = sure(estimator, y)? else {
+        return Ok(f64::NAN);
+    };
+    let skin = world.map.skin();
+    Ok(match found.contacts.as_slice() {
+        [] if found.chi2_untouched < UNSEEN_CHI2 => 0.0,
+        [one] => {
+            let variance = one.covariance[(0, 0)] + one.covariance[(1, 1)];
+            (one.position_m - skin.position(&truth.0)).norm() / variance.sqrt().max(FINE_M)
+        }
+        _ => f64::INFINITY,
+    })
+}
+
+/// Part of the sure answers with another count than the truth's or with a contact that is not where
+/// it is found.
+pub(super) fn wrong_share(
+    world: &InverseWorld,
+    estimator: &ContactEstimator,
+    frames: impl Iterator<Item = (Vec<SkinPoint>, Vec<f64>)>,
+) -> Result<f64, ReproError> {
+    let (mut n_sure, mut n_wrong, mut refused) = (0.0, 0.0, None);
+    for (truth, y) in frames {
+        match sure(estimator, &y) {
+            Ok(Some(found)) => {
+                n_sure += 1.0;
+                n_wrong += f64::from(u8::from(!is_right(world, &truth, &found)));
+            }
+            Ok(None) => return Ok(f64::NAN),
+            Err(why @ ReproError::NotIdentifiable { .. }) => refused = Some(why),
+            Err(error) => return Err(error),
+        }
+    }
+    match refused {
+        Some(why) if n_sure == 0.0 => Err(why),
+        _ => Ok(n_wrong / f64::max(n_sure, 1.0)),
+    }
+}
+
+fn is_right(world: &InverseWorld, truth: &[SkinPoint], found: &ContactEstimate) -> bool {
+    let skin = world.map.skin();
+    let is_near = |point: &SkinPoint| {
+        let x = skin.position(point);
+        let near = |c: &hapdef_inverse::Contact| (c.position_m - x).norm() <= RIGHT_M;
+        found.contacts.iter().any(near)
+    };
+    found.contacts.len() == truth.len() && truth.iter().all(is_near)
+}
+
+/// The worst of the sure figures; where none is sure, the reason.
+pub(super) fn worst(
+    figures: impl Iterator<Item = Result<f64, ReproError>>,
+) -> Result<f64, ReproError> {
+    let (mut worst, mut refused): (Option<f64>, _) = (None, None);
+    for figure in figures {
+        match figure {
+            Ok(figure) => {
+                let is_worse = worst.is_none_or(|w| figure.is_nan() || figure > w);
+                worst = if is_worse { Some(figure) } else { worst };
+            }
+            Err(why @ ReproError::NotIdentifiable { .. }) => refused = Some(why),
+            Err(error) => return Err(error),
+        }
+    }
+    match (worst, refused) {
+        (Some(worst), _) => Ok(worst),
+        (None, Some(why)) => Err(why),
+        (None, None) => Ok(f64::NAN),
+    }
+}
