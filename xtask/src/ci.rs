@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, repro, stability, tidy, verify};
+use crate::{docs, fixtures, repro, stability, tidy, verify, weight};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -18,6 +18,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
         run(&mut cargo(&["fmt", "--all", "--check"]))
     })?;
     step(&mut times, "tidy", tidy::run)?;
+    step(&mut times, "weight", weight::check_table)?;
     step(&mut times, "clippy", || {
         let words = [
             "clippy",

@@ -104,7 +104,7 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
     let run = run_in(out.path());
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
     let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
-    let gain = |gauge: usize| if gauge % 2 == 0 { 1.03 } else { 0.97 };
+    let gain = |gauge: usize| if gauge.is_multiple_of(2) { 1.03 } else { 0.97 };
     let press = |i: usize| {
         let face = (37 * i) % map.skin().n_faces();
         let point = SkinPoint::new(map.skin(), face, [0.4, 0.4, 0.2]).unwrap();
