@@ -1,7 +1,7 @@
 //! The rows: data and settings at their extremes.
 
 use super::plant::{N_OUT, N_TRAIN, Plant, largest_difference, methods, net};
-use super::row::{Case, StabilityWanted};
+use super::row::{Case, StabilityWanted, case};
 use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
 use crate::search::Learner;
@@ -22,23 +22,6 @@ pub(super) fn cases() -> Vec<Case> {
     support_vectors(&mut all);
     knobs(&mut all);
     all
-}
-
-pub(super) fn case(
-    method: &'static str,
-    extreme: impl Into<String>,
-    (must_hold, limit): (&'static str, f64),
-    wanted: StabilityWanted,
-    run: impl Fn() -> Result<f64, ReproError> + 'static,
-) -> Case {
-    Case {
-        method,
-        extreme: extreme.into(),
-        must_hold,
-        limit,
-        wanted,
-        run: Box::new(run),
-    }
 }
 
 /// Error over the error of another problem.

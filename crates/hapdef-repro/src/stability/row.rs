@@ -145,6 +145,24 @@ impl Case {
     }
 }
 
+/// A case, written in the order of the table's columns.
+pub(super) fn case(
+    method: &'static str,
+    extreme: impl Into<String>,
+    (must_hold, limit): (&'static str, f64),
+    wanted: StabilityWanted,
+    run: impl Fn() -> Result<f64, ReproError> + 'static,
+) -> Case {
+    Case {
+        method,
+        extreme: extreme.into(),
+        must_hold,
+        limit,
+        wanted,
+        run: Box::new(run),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

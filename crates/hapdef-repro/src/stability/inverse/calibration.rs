@@ -6,7 +6,7 @@ use hapdef_inverse::{Calibrated, CalibrationParams, Press, ResponseMap};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::super::cases::case;
+use super::super::row::case;
 use super::super::row::{Case, StabilityWanted};
 use super::world::{InverseWorld, SD, add_noise, rng};
 use crate::ReproError;

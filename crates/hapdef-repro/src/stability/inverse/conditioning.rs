@@ -2,7 +2,7 @@
 
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, TouchPhase};
 
-use super::super::cases::case;
+use super::super::row::case;
 use super::super::row::{Case, StabilityWanted};
 use super::world::{add_noise, rng};
 use crate::ReproError;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hapdef_inverse::{NoiseParams, SkinPoint};
 
-use super::super::cases::case;
+use super::super::row::case;
 use super::super::row::{Case, StabilityWanted};
 use super::world::{InverseWorld, SD, add_noise, rng, single_sds, sure, worst, wrong_share};
 use crate::ReproError;

@@ -8,7 +8,7 @@ use hapdef_inverse::{
 };
 use rand::RngExt;
 
-use super::super::cases::case;
+use super::super::row::case;
 use super::super::row::{Case, StabilityWanted};
 use super::world::{InverseWorld, SD, add_noise, rng};
 use crate::ReproError;
