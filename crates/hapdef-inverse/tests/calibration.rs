@@ -224,7 +224,10 @@ fn bad_presses_are_named_and_do_no_harm() {
         RejectReason::Outlier { .. }
     ));
     let error = limb.error(&world, &fitted.map);
-    assert!(error < 1.1 * without, "{error}, without them {without}");
+    assert!(
+        error < 1.1 * without,
+        "{error}, without them {without}, {named:?}"
+    );
 }
 
 #[test]

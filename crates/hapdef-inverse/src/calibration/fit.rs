@@ -20,6 +20,9 @@ use crate::sites::ScanSites;
 /// Parts of the presses at which the learning curve is taken.
 const CUTS: [f64; 4] = [0.125, 0.25, 0.5, 0.75];
 
+/// Rounds of choosing kernels and rejecting presses.
+const N_ROUNDS: usize = 3;
+
 impl Calibrated {
     /// Corrects `map` by `presses`; `modes` say how it may differ, gains are a mode of their own.
     /// The error of the result is told at `sites`.
@@ -50,11 +53,20 @@ impl Calibrated {
         };
         let all: Vec<usize> = (0..samples.len()).collect();
         let mut rejected = Vec::new();
-        let first = vec![FIRST; map.n_gauges()];
-        let rows = reject(&problem, &all, &first, params.reject_p, &mut rejected)?;
-        let few = &rows[..rows.len().min(params.n_evidence)];
-        let kernels = choose_kernels(&problem, few, &params.lengths_m);
-        let rows = reject(&problem, &rows, &kernels, params.reject_p, &mut rejected)?;
+        let mut kernels = vec![FIRST; map.n_gauges()];
+        let mut rows = reject(&problem, &all, &kernels, params.reject_p, &mut rejected)?;
+        // bad presses make the residual look rough, and a rough residual excuses bad presses
+        for _ in 0..N_ROUNDS {
+            let few = &rows[..rows.len().min(params.n_evidence)];
+            kernels = choose_kernels(&problem, few, &params.lengths_m);
+            rejected.clear();
+            let kept = reject(&problem, &all, &kernels, params.reject_p, &mut rejected)?;
+            let is_same = kept == rows;
+            rows = kept;
+            if is_same {
+                break;
+            }
+        }
         let (found, needed) = (rows.len(), 12);
         if found < needed {
             return Err(InverseError::TooFewPresses { found, needed });

@@ -57,7 +57,7 @@ pub struct CalibrationParams {
 }
 
 impl CalibrationParams {
-    /// 1 µε-sized tasks: gains to 3 %, no mix, presses placed exactly.
+    /// Gains known to 3 %, no mix, presses placed exactly.
     #[must_use]
     pub fn new(gauge_sd: Vec<f64>) -> Self {
         Self {

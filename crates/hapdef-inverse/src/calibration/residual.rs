@@ -37,8 +37,8 @@ pub(crate) struct AtSites {
     pub(crate) covariance: Vec<f64>,
 }
 
-/// L of the presses `rows`, and below it y, the columns and `n_extra` rows of zeros that the caller
-/// has filled by `fill`.
+/// L of the presses `rows`, and below it, solved along, y, the modes' columns and the covariances
+/// with the sites.
 fn factored(
     samples: &Samples,
     gauge: usize,
