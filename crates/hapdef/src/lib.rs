@@ -23,10 +23,12 @@ mod run;
 mod sampling;
 pub mod scene;
 mod scoring;
+pub mod session;
 pub mod shell_limb;
 pub mod stages;
 mod stats;
 pub mod touch;
+mod virtual_rig;
 
 pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};
@@ -46,3 +48,4 @@ pub use scoring::{
     score_lenient, score_one_to_one,
 };
 pub use stats::ContactStats;
+pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};

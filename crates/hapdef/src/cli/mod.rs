@@ -1,6 +1,7 @@
 //! The command line.
 
 mod calibrate;
+mod calibrate_live;
 mod contacts;
 mod converge;
 mod deck;
@@ -8,6 +9,7 @@ mod inspect;
 mod limits;
 mod place;
 mod plan;
+mod rig;
 mod shell;
 mod shell_table;
 mod stage;
@@ -61,6 +63,8 @@ enum Command {
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate::CalibrateArgs),
+    /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
+    Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
     /// The limb's compliance and the simulated rig's response.
@@ -96,6 +100,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Place(args) => place::run(args),
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
