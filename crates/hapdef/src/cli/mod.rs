@@ -43,6 +43,9 @@ enum Command {
         /// CalculiX displacements (.dat, also .gz) to compare with at every node.
         #[arg(long)]
         reference: Option<PathBuf>,
+        /// Writes the displacement over the solid to this file, for ParaView.
+        #[arg(long, value_name = "FILE.vtu")]
+        vtu: Option<PathBuf>,
     },
     /// Reads a scene and its limb and checks both, without solving anything.
     Check(SceneArgs),
@@ -87,7 +90,11 @@ struct RunArgs {
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
-        Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
+        Command::Deck {
+            file,
+            reference,
+            vtu,
+        } => deck::solve(file, reference.as_deref(), vtu.as_deref()),
         Command::Check(args) => stage::check(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
