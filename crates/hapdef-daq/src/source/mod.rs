@@ -43,6 +43,20 @@ pub trait FrameSource: Send {
     fn name(&self) -> String;
 }
 
+impl<S: FrameSource + ?Sized> FrameSource for Box<S> {
+    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
+        (**self).poll(timeout, sink)
+    }
+
+    fn stats(&self) -> SourceStats {
+        (**self).stats()
+    }
+
+    fn name(&self) -> String {
+        (**self).name()
+    }
+}
+
 /// Whether a source may say more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SourceStatus {
