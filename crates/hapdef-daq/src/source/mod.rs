@@ -19,7 +19,7 @@ use std::time::Duration;
 pub use fault::{LinkFault, LinkState};
 pub use memory::{MemoryDevice, MemoryLink, memory_link};
 #[cfg(feature = "serial")]
-pub use ports::{PortInfo, serial_ports};
+pub use ports::{PortInfo, permission_remedy, serial_ports};
 pub use replay::ReplaySource;
 #[cfg(feature = "serial")]
 pub use serial::{SerialLink, SerialParams};
