@@ -36,7 +36,8 @@ def flat(value, out):
             flat(item, out)
     else:
         names = getattr(value, "__slots__", None) or list(vars(value))
-        for name in sorted(name for name in names if not name.startswith("_")):
+        # Constants are upper case; fields never are.
+        for name in sorted(n for n in names if not n.startswith("_") and not n.isupper()):
             flat(getattr(value, name), out)
 
 
