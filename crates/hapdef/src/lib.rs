@@ -24,6 +24,7 @@ mod sampling;
 pub mod scene;
 mod scoring;
 pub mod shell_limb;
+mod source_args;
 pub mod stages;
 mod stats;
 pub mod touch;
@@ -45,4 +46,5 @@ pub use scoring::{
     ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
     score_lenient, score_one_to_one,
 };
+pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::ContactStats;

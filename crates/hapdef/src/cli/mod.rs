@@ -4,12 +4,18 @@ mod calibrate;
 mod contacts;
 mod converge;
 mod deck;
+mod doctor;
+mod export;
 mod inspect;
 mod limits;
 mod place;
 mod plan;
+mod record;
+mod recover;
+mod replay;
 mod shell;
 mod shell_table;
+mod signals;
 mod stage;
 
 use std::path::PathBuf;
@@ -66,6 +72,16 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
+    /// Records readings to a file that survives a crash.
+    Record(record::RecordArgs),
+    /// Plays a recording again, as a device or as lines of JSON.
+    Replay(replay::ReplayArgs),
+    /// Makes a whole file of a damaged or unfinished recording and says what was lost.
+    Recover(recover::RecoverArgs),
+    /// Writes a recording as a table or as lines of JSON.
+    Export(export::ExportArgs),
+    /// Looks for what is in the way of good readings: ports, rights, rate, channels, disk.
+    Doctor(doctor::DoctorArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -104,6 +120,11 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
         Command::Contacts(args) => contacts::run(args),
+        Command::Record(args) => record::run(args),
+        Command::Replay(args) => replay::run(args),
+        Command::Recover(args) => recover::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Doctor(args) => doctor::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
