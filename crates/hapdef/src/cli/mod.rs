@@ -1,6 +1,7 @@
 //! The command line.
 
 mod calibrate;
+mod calibrate_live;
 mod contacts;
 mod converge;
 mod deck;
@@ -13,6 +14,7 @@ mod plan;
 mod record;
 mod recover;
 mod replay;
+mod rig;
 mod shell;
 mod shell_table;
 mod signals;
@@ -70,6 +72,8 @@ enum Command {
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate::CalibrateArgs),
+    /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
+    Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
     /// Records readings to a file that survives a crash.
@@ -119,6 +123,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Place(args) => place::run(args),
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
         Command::Record(args) => record::run(args),
         Command::Replay(args) => replay::run(args),
