@@ -1,6 +1,10 @@
 //! A picture of a page by a headless Chromium.
 //!
-//! `cargo run --release -p hapdef-view --example view_shot URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS]]]`
+//! SCRIPT runs in the page before SECONDS pass.
+//!
+//! `cargo run --release -p hapdef-view --example view_shot URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]`
+
+#![expect(clippy::print_stdout, reason = "says what the script gives")]
 
 #[path = "../tests/support/chrome.rs"]
 #[expect(dead_code, reason = "the browser tests use the rest")]
@@ -13,7 +17,7 @@ use chrome::{Chrome, Fault};
 fn main() -> Result<(), Fault> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [url, file, rest @ ..] = args.as_slice() else {
-        return Err("expected URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS]]]".into());
+        return Err("expected URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]".into());
     };
     let size = rest.first().map_or("1440x900", String::as_str);
     let (width, height) = size.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
@@ -23,6 +27,9 @@ fn main() -> Result<(), Fault> {
     let mut chrome = Chrome::start(&program, (width.parse()?, height.parse()?), is_dark)?;
     chrome.open(url)?;
     chrome.wait_for("globalThis.hapdefView?.drawn > 0")?;
+    if let Some(script) = rest.get(3) {
+        println!("{}", chrome.eval(script)?);
+    }
     std::thread::sleep(Duration::from_secs_f64(seconds));
     std::fs::write(file, chrome.screenshot()?)?;
     Ok(())

@@ -170,6 +170,10 @@ impl Page<'_> {
 
     /// Sends until the page is gone: what it needs at first, answers, notices, the newest frame.
     async fn write(&self, mut sink: Sink, mut answers: mpsc::Receiver<String>) {
+        let mut seen = Seen {
+            frame: 0,
+            notice: self.feed.last_notice(),
+        };
         let hello = Hello::new(&self.feed.picture, &self.feed.offers, self.has_token);
         let Ok(hello) = serde_json::to_string(&hello) else {
             return;
@@ -182,10 +186,6 @@ impl Page<'_> {
         }
         let mut ticks = interval(FRAME_TIME);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let mut seen = Seen {
-            frame: 0,
-            notice: self.feed.last_notice(),
-        };
         loop {
             let sent = tokio::select! {
                 Some(answer) = answers.recv() => sink.send(Message::Text(answer.into())).await,

@@ -90,7 +90,7 @@ fn a_stalled_page_costs_nothing() {
         view.push(&frame).unwrap();
     }
     let before = resident();
-    let reader = std::thread::spawn(move || draw_until(&mut drawing, 20_200));
+    let reader = std::thread::spawn(move || (draw_until(&mut drawing, 20_200), drawing));
     let mut times: Vec<Duration> = (0..20_000)
         .map(|_| {
             let start = Instant::now();
@@ -100,7 +100,7 @@ fn a_stalled_page_costs_nothing() {
         .collect();
     times.sort_unstable();
     let grown = resident() - before;
-    let drawn = reader.join().unwrap();
+    let (drawn, _drawing) = reader.join().unwrap();
     println!(
         "push p50 {:?} p99.9 {:?}, memory {} KiB more, {drawn} frames drawn",
         times[10_000],

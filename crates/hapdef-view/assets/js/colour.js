@@ -35,9 +35,9 @@ export function mapTable(name) {
   return table;
 }
 
-/** A number in 1, 2, 5 · 10ⁿ, not below `x`. */
-export function roundUp(x) {
+/** A number in 1, 2, 5 · 10ⁿ, or in other steps, not below `x`. */
+export function roundUp(x, steps = [1, 2, 5, 10]) {
   if (!(x > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(x));
-  return power * [1, 2, 5, 10].find((step) => step * power >= x * 0.999999);
+  return power * steps.find((step) => step * power >= x * 0.999999);
 }

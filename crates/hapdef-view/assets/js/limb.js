@@ -1,7 +1,7 @@
 // The limb's surface, coloured by displacement and bent by it.
 
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshLambertMaterial, Vector3,
+  BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshStandardMaterial, Vector3,
 } from "../vendor/three/three.module.min.js";
 import { mapTable, roundUp } from "./colour.js";
 
@@ -19,7 +19,7 @@ export class Limb {
     this.geometry.setAttribute("normal", attribute(surface.normals.slice()));
     this.geometry.setAttribute("color", attribute(new Float32Array(surface.positions.length).fill(GREY)));
     this.geometry.setIndex(new BufferAttribute(surface.triangles, 1));
-    this.mesh = new Mesh(this.geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide }));
+    this.mesh = new Mesh(this.geometry, new MeshStandardMaterial({ vertexColors: true, side: DoubleSide, roughness: 0.6, metalness: 0 }));
     this.mesh.frustumCulled = false;
     this.setMap("viridis");
     this.range = 0;

@@ -21,7 +21,7 @@ const labels = new Labels(byId("labels"));
 const legend = new Legend(byId("legend"), byId("ruler"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", paused: false, shownAt: 0, fresh: false, shown: null, offers: {}, drawn: 0 };
+const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", paused: false, shownAt: 0, fresh: false, shown: null, offers: {}, drawn: 0, costs: [] };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -65,6 +65,7 @@ function hello(message, surface) {
   view.limb?.dispose();
   view.limb = Object.assign(new Limb(surface), { exaggeration: view.exaggeration });
   view.limb.setMap(view.map);
+  if (isFirst && message.offers.press) say("Drag on the limb to press it");
   if (isFirst) stage.frame(view.limb.geometry, message.up, message.view_from);
   view.marks = new Marks(stage.sphere.radius);
   view.sites = new Sites(message.gauges, stage.sphere.radius);
@@ -101,7 +102,7 @@ function tick(now) {
   requestAnimationFrame(tick);
   if (view.fresh && view.limb) {
     const chosen = view.paused && !history.last?.replay ? history.at(view.shownAt) : history.last;
-    if (chosen) show(chosen, now);
+    if (chosen) timed(() => show(chosen, now));
     view.fresh = false;
   }
   if (stage.draw() && view.shown) {
@@ -109,6 +110,14 @@ function tick(now) {
     placeLabels();
     view.drawn += 1;
   }
+}
+
+/** Keeps the time of the last pictures' work, ms. */
+function timed(work) {
+  const start = performance.now();
+  work();
+  view.costs.push(performance.now() - start);
+  if (view.costs.length > 200) view.costs.shift();
 }
 
 function show(chosen, now) {
@@ -216,6 +225,7 @@ function clock(seconds) {
 /** For tests: what is shown, and where a node is on the screen. */
 globalThis.hapdefView = {
   get nodes() { return view.limb ? view.limb.rest.length / 3 : 0; },
+  get cost() { return view.costs.toSorted((a, b) => a - b)[view.costs.length >> 1]; },
   get drawn() { return view.drawn; },
   get seq() { return view.shown?.seq ?? 0; },
   get contacts() { return (view.shown?.contacts ?? []).map((mark) => Array.from(mark.position)); },

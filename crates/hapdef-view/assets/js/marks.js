@@ -15,7 +15,7 @@ const UP = new Vector3(0, 1, 0);
 const shaft = new CylinderGeometry(1, 1, 1, 16).translate(0, 0.5, 0);
 const head = new ConeGeometry(1, 1, 24).rotateX(Math.PI).translate(0, 0.5, 0);
 const disc = new CircleGeometry(1, 48);
-const ring = new RingGeometry(0.93, 1, 64);
+const ring = new RingGeometry(0.9, 1, 64);
 
 /** Marks of contacts; `size` is the limb's radius, m. */
 export class Marks {
@@ -97,7 +97,7 @@ class Arrow {
     const outward = new Vector3(...mark.force).multiplyScalar(-1 / (mark.newtons || 1));
     if (!mark.newtons) outward.set(...mark.normal);
     this.colour(mark.id, other);
-    const width = size * (other ? 0.011 : 0.016);
+    const width = size * (other ? 0.009 : 0.012);
     const headLength = Math.min(0.5 * length, 5 * width);
     this.body.position.copy(tip);
     this.body.quaternion.copy(new Quaternion().setFromUnitVectors(UP, outward));
@@ -121,7 +121,7 @@ class Arrow {
   }
 
   colour(id, other) {
-    for (const material of [this.solid, this.faint, this.area, this.edge]) material.color.set(contactColour(id));
+    for (const material of [this.solid, this.faint, this.area]) material.color.set(contactColour(id));
     this.solid.emissive.set(contactColour(id)).multiplyScalar(0.35);
     this.solid.transparent = other;
     this.solid.opacity = other ? 0.5 : 1;

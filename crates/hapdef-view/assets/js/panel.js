@@ -92,7 +92,7 @@ export class Panel {
       root.classList.toggle("saturated", state === "saturated");
       const known = Number.isFinite(readings[i]) && state !== "dead";
       fill.style.transform = `scaleX(${known ? Math.max(-1, Math.min(1, readings[i] / range)) : 0})`;
-      value.textContent = state === "dead" ? "dead" : `${known ? signed(readings[i]) : "–"}${state ? " !" : ""}`;
+      value.textContent = state === "dead" ? "dead" : state ? "sat." : known ? signed(readings[i]) : "–";
       root.title = state;
     });
   }
@@ -127,20 +127,21 @@ function contactRow(mark, other) {
   root.style.setProperty("--mark", contactColour(mark.id));
   const force = Object.assign(document.createElement("b"), { textContent: newtons(mark.newtons) });
   const sure = Object.assign(document.createElement("span"), {
-    textContent: other ? `or this, ${(100 * mark.weight).toFixed(0)} %` : sureness(mark),
+    textContent: other ? `or this, ${(100 * mark.weight).toFixed(0)} %` : forceSd(mark),
   });
-  const where = Object.assign(document.createElement("span"), {
-    textContent: `${Array.from(mark.position, (c) => (1e3 * c).toFixed(0).replace("-", "−")).join(", ")} mm`,
-  });
+  const where = Object.assign(document.createElement("span"), { textContent: place(mark) });
   root.append(force, sure, where);
   return root;
 }
 
-function sureness({ axes, forceSd }) {
-  const parts = [];
-  if (Number.isFinite(forceSd)) parts.push(`±${forceSd.toFixed(forceSd < 0.095 ? 2 : 1)} N`);
-  if (axes) parts.push(`±${(1e3 * Math.hypot(...axes[0])).toFixed(1)} mm`);
-  return parts.join(", ");
+function forceSd({ forceSd: sd }) {
+  return Number.isFinite(sd) ? `±${sd.toFixed(sd < 0.095 ? 2 : 1)} N` : "";
+}
+
+/** Position with the larger standard deviation. */
+function place({ position, axes }) {
+  const at = Array.from(position, (c) => (1e3 * c).toFixed(0).replace("-", "−")).join(", ");
+  return `${at}${axes ? ` ±${(1e3 * Math.hypot(...axes[0])).toFixed(1)}` : ""} mm`;
 }
 
 function forceLines(recent) {

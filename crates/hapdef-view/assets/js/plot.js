@@ -21,7 +21,7 @@ export class Plot {
   draw(now, lines, signed) {
     this.size();
     const most = lines.reduce((top, line) => line.points.reduce((m, [, y]) => (Math.abs(y) > m ? Math.abs(y) : m), top), 0);
-    const high = roundUp(Math.max(most, this.least));
+    const high = roundUp(Math.max(most, this.least), [1, 1.5, 2, 3, 4, 6, 8, 10]);
     const low = signed ? -high : 0;
     const x = (t) => LEFT + (1 + (t - now) / SPAN_S) * (this.width - LEFT - RIGHT);
     const y = (v) => TOP + ((high - v) / (high - low)) * (this.height - TOP - BOTTOM);
@@ -74,7 +74,7 @@ export class Plot {
   line({ colour, wide, points }, x, y) {
     const { pen } = this;
     pen.strokeStyle = colour;
-    pen.lineWidth = wide ? 2 : 1;
+    pen.lineWidth = wide ? 2.2 : 1.3;
     pen.lineJoin = "round";
     pen.beginPath();
     let down = false;

@@ -5,6 +5,9 @@ import {
 } from "../vendor/three/three.module.min.js";
 import { OrbitControls } from "../vendor/three/OrbitControls.js";
 
+/** Height of the tools over the stage, CSS pixels. */
+const TOOLS_PX = 58;
+
 /** The 3-D stage. An orthographic camera: the ruler holds everywhere. */
 export class Stage {
   constructor(canvas) {
@@ -13,15 +16,15 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.scene = new Scene();
     this.camera = new OrthographicCamera(-1, 1, 1, -1, 0.01, 10);
-    this.light = new DirectionalLight(0xffffff, 1.7);
-    this.scene.add(new AmbientLight(0xffffff, 1.75), this.light, this.light.target);
+    this.light = new DirectionalLight(0xffffff, 2.1);
+    this.scene.add(new AmbientLight(0xffffff, 1.5), this.light, this.light.target);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => { this.stale = true; });
     this.raycaster = new Raycaster();
     this.sphere = new Sphere(new Vector3(), 1);
     this.half = new Vector3(1, 1, 1);
     this.stale = true;
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
   /** Looks at a surface from the given direction. */
@@ -68,11 +71,11 @@ export class Stage {
   }
 
   resize() {
-    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
     if (!width || !height) return;
     this.renderer.setSize(width, height, false);
     if (this.extent) {
-      const half = Math.max(this.extent.y * 1.22, (this.extent.x * 1.5 * height) / width);
+      const half = Math.max(this.extent.y * Math.max(1.12, 1 / (1 - (2 * TOOLS_PX) / height)), (this.extent.x * 1.7 * height) / width);
       this.camera.top = half;
       this.camera.bottom = -half;
       this.camera.right = (half * width) / height;
@@ -124,7 +127,7 @@ export class Stage {
     this.stale = false;
     const side = new Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
     const up = new Vector3().setFromMatrixColumn(this.camera.matrixWorld, 1);
-    this.light.position.copy(this.camera.position).addScaledVector(side, -this.sphere.radius).addScaledVector(up, 1.6 * this.sphere.radius);
+    this.light.position.copy(this.camera.position).addScaledVector(side, -2 * this.sphere.radius).addScaledVector(up, 1.6 * this.sphere.radius);
     this.light.target.position.copy(this.controls.target);
     this.renderer.render(this.scene, this.camera);
     return true;
