@@ -3,6 +3,7 @@
 //! `HAPDEF_BROWSER=require` fails without one, `skip` leaves these tests out; by default they are left
 //! out where there is no Chromium, but not in CI (`CI=true`). `HAPDEF_CHROMIUM` names another program.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::print_stdout, reason = "says why a test is left out")]
 
 #[path = "support/chrome.rs"]
 mod chrome;
