@@ -31,6 +31,8 @@ const CLOSE_TOKEN: u16 = 4401;
 pub struct ClientInfo {
     /// Frames sent.
     pub n_sent: u64,
+    /// Frames that the page says it took.
+    pub n_drawn: u64,
     /// Frames replaced by newer ones before they were sent.
     pub n_skipped: u64,
 }
@@ -48,6 +50,7 @@ impl ClientStats {
         let n_sent = self.n_sent.load(Ordering::Relaxed);
         ClientInfo {
             n_sent,
+            n_drawn: self.n_drawn.load(Ordering::Relaxed),
             n_skipped: (n_pushed - self.n_before).saturating_sub(n_sent),
         }
     }

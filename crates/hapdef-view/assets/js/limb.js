@@ -63,7 +63,8 @@ export class Limb {
   paint(displacement, components) {
     const { color } = this.geometry.attributes;
     const scale = 255 / this.range;
-    for (let i = 0; i < color.count; i += 1) {
+    color.array.fill(GREY, displacement.length * 3 / components);
+    for (let i = 0; i < displacement.length / components; i += 1) {
       const length = components === 1 ? Math.abs(displacement[i]) : Math.hypot(displacement[3 * i], displacement[3 * i + 1], displacement[3 * i + 2]);
       const step = 3 * Math.min(255, Math.round(length * scale));
       color.array[3 * i] = this.table[step];
@@ -77,7 +78,7 @@ export class Limb {
     const { position, normal } = this.geometry.attributes;
     const by = this.exaggeration;
     if (by === 0 && !this.bent) return;
-    for (let k = 0; k < position.array.length; k += 1) {
+    for (let k = 0; k < (3 / components) * displacement.length; k += 1) {
       const moved = components === 3 ? displacement[k] : -displacement[(k / 3) | 0] * this.restNormals[k];
       position.array[k] = this.rest[k] + by * moved;
     }
