@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hapdef_daq::DaqError;
 use hapdef_data::DataError;
 use hapdef_inverse::InverseError;
 use hapdef_kmax::KMaxError;
@@ -62,6 +63,9 @@ pub enum HapdefError {
     /// A dataset could not be written or read.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// Readings could not be acquired, recorded or played again.
+    #[error(transparent)]
+    Daq(#[from] DaqError),
     /// A net could not be trained or used.
     #[error(transparent)]
     Net(#[from] NetsError),

@@ -200,6 +200,20 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
             rejected.reason
         );
     }
+    for cause in &info.beyond_prior {
+        let what = match cause.mode {
+            Some(mode) => format!("mode {mode}"),
+            None => "the gain".to_owned(),
+        };
+        let whose = cause
+            .gauge
+            .map_or(String::new(), |g| format!(" of gauge {g}"));
+        println!(
+            "warning: {what}{whose} is {:.1} standard deviations from what is expected: check the \
+             gauge, its sign and the presses",
+            cause.sds
+        );
+    }
     println!("\npresses  relative error");
     for point in &info.curve {
         println!(
@@ -239,6 +253,7 @@ fn as_json(calibration: &Calibration, info: &CalibrationInfo) -> serde_json::Val
         "relative_error": info.relative_error,
         "relative_error_before": info.relative_error_before,
         "gains": info.gains,
+        "n_beyond_prior": info.beyond_prior.len(),
         "curve": curve.collect::<Vec<_>>(),
         "next": next.collect::<Vec<_>>(),
     })
