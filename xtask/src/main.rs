@@ -17,6 +17,7 @@ mod fixtures;
 mod frontier;
 mod pipeline;
 mod repro;
+mod rig;
 mod search;
 mod soak;
 mod stability;
@@ -74,6 +75,8 @@ enum Task {
     Tactile(search::TactileArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
     Soak(soak::SoakArgs),
+    /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
+    Rig(rig::RigArgs),
     /// How many crates somebody compiles who takes one layer alone.
     Weight(weight::WeightArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
@@ -112,6 +115,7 @@ fn run(task: Task) -> Result<()> {
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
         Task::Soak(args) => soak::run(&args),
+        Task::Rig(args) => rig::run(&args),
         Task::Weight(args) => weight::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

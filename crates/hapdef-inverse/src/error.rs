@@ -138,6 +138,21 @@ pub enum InverseError {
         /// Its value.
         found: f64,
     },
+    /// Readings of presses that are of another size or sign than the response.
+    #[error(
+        "the presses' readings of gauge {gauge} are {ratio} times what the response tells, expected \
+         {least} to {most}: check its sign, its unit, and that it is this gauge's channel"
+    )]
+    PressScale {
+        /// Index of the gauge.
+        gauge: usize,
+        /// Readings over what the response tells, the median over the presses.
+        ratio: f64,
+        /// The least that is taken for this gauge's.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
     /// Too few presses, or too few good ones.
     #[error("{found} usable presses, at least {needed} are needed: record more")]
     TooFewPresses {

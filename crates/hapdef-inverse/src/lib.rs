@@ -36,8 +36,8 @@ mod tracker;
 mod walk;
 
 pub use calibration::{
-    Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap, ModeScope,
-    NextPress, Press, RejectReason, RejectedPress,
+    BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap,
+    ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
 pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
 pub use error::InverseError;
@@ -50,8 +50,9 @@ pub use limits::{
 };
 pub use noise::{ModelError, NoiseParams};
 pub use placement::{
-    Candidates, PlacementParams, PlacementScore, exchange, place_greedy, place_pca_qr,
-    place_random, placement_score,
+    Candidates, PlacementParams, PlacementScore, exchange, place_entropy, place_greedy,
+    place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
+    placement_score,
 };
 pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;

@@ -110,6 +110,19 @@ fn gains_are_recovered() {
     assert!(after < 0.2 * before, "{before} {after}");
 }
 
+/// A gain that the prior of 3 % does not expect is told.
+#[test]
+fn a_gain_beyond_its_prior_is_flagged() {
+    let world = world();
+    let limb = Limb {
+        gains: vec![1.0, 1.0, 1.3, 1.0, 1.0, 1.0],
+        warp: 0.0,
+    };
+    let fitted = fit(&world, &limb.presses(&world, 150, 1.0, 1), &params()).unwrap();
+    let flagged: Vec<_> = fitted.info.beyond_prior.iter().map(|b| b.gauge).collect();
+    assert_eq!(flagged, [Some(2)], "{:?}", fitted.info.gains);
+}
+
 #[test]
 fn a_mode_is_recovered_and_changes_vectors_too() {
     let world = world();
@@ -294,6 +307,15 @@ fn unusable_presses_are_refused() {
             found: 0.0
         })
     );
+    for (factor, gauge) in [(-1.0, 3), (1e6, 0), (0.0, 5)] {
+        changed = presses.clone();
+        changed.iter_mut().for_each(|p| p.readings[gauge] *= factor);
+        let found = fit(&world, &changed, &params()).map(|_| ());
+        assert!(
+            matches!(found, Err(InverseError::PressScale { gauge: g, .. }) if g == gauge),
+            "{found:?}"
+        );
+    }
     let spot = vec![presses[0].clone(); 40];
     let found = fit(&world, &spot, &params()).map(|_| ());
     assert!(

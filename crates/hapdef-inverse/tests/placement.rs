@@ -4,7 +4,8 @@ mod world;
 
 use hapdef_inverse::{
     Candidates, InverseError, LimitParams, NoiseParams, PlacementParams, carried_contacts,
-    exchange, place_greedy, place_pca_qr, place_random, placement_score, single_bounds,
+    exchange, place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours,
+    place_pca_qr, place_random, placement_score, single_bounds,
 };
 use nalgebra::Point3;
 use world::World;
@@ -40,7 +41,12 @@ fn constraints_hold_and_greedy_beats_chance() {
     let greedy = place_greedy(&candidates, &params).unwrap();
     let better = exchange(&candidates, &greedy, &params).unwrap();
     let qr = place_pca_qr(&candidates, &params).unwrap();
-    for layout in [&greedy, &better, &qr] {
+    let others = [
+        place_nearest_neighbours(&candidates, &params).unwrap(),
+        place_entropy(&candidates, &params).unwrap(),
+        place_mutual_information(&candidates, &params).unwrap(),
+    ];
+    for layout in [&greedy, &better, &qr].into_iter().chain(&others) {
         assert_eq!((layout.len(), layout[0]), (8, 1), "{layout:?}");
         for (i, a) in layout.iter().enumerate() {
             assert!(i == 0 || candidates.allowed[*a]);
@@ -70,6 +76,9 @@ fn constraints_hold_and_greedy_beats_chance() {
         chance[14]
     );
     assert!(score(&better).pair_p95_m <= found.pair_p95_m);
+    for other in others {
+        assert!(found.single_mean_m < score(&other).single_mean_m);
+    }
 }
 
 #[test]

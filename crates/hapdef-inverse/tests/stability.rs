@@ -215,6 +215,43 @@ fn strange_layouts() {
     assert!(bounds.iter().all(Option::is_none));
 }
 
+/// Gauges that see nothing, and twins, carry no contact, and readings that no contact makes are
+/// neither a contact's nor nothing.
+#[test]
+fn only_gauges_that_tell_something_count() {
+    let world = World::new(10, 300, 5);
+    assert_eq!(changed(&world, |_, v| v).most_contacts(), 3);
+    let half = changed(&world, |g, v| if g < 6 { v } else { v * 1e-9 });
+    assert_eq!(half.most_contacts(), 2);
+    let twins = World {
+        gauges: (0..10).map(|g| world.gauges[g / 2].clone()).collect(),
+        ..world.clone()
+    };
+    assert_eq!(changed(&twins, |_, v| v).most_contacts(), 1);
+    let blind = changed(&world, |_, v| v * 0.0);
+    let verdict = blind.estimate(&[30.0; 10]).unwrap().verdict;
+    assert_eq!(verdict, Verdict::NotIdentifiable(WhyNot::Misfit));
+}
+
+/// With noise ten times as told nothing that is said surely is wrong.
+#[test]
+fn answers_under_more_noise_than_told_are_not_sure() {
+    let world = World::new(10, 300, 5);
+    let estimator = world.estimator(NoiseParams::uniform(10, 0.1), EstimatorParams::default());
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    for k in [0, 1, 2] {
+        for _ in 0..10 {
+            let points = world.draw_points(k, 0.012, &mut rng);
+            let contacts: Vec<_> = points.into_iter().map(|p| (p, 20.0)).collect();
+            let mut y = world.readings(&contacts);
+            world::add_noise(&mut y, 1.0, &mut rng);
+            let found = estimator.estimate(&y).unwrap();
+            let is_sure = !matches!(found.verdict, Verdict::NotIdentifiable(_));
+            assert!(!is_sure || found.contacts.len() == k, "{k}: {found:?}");
+        }
+    }
+}
+
 /// Ten times the same gauge leave the place of a contact open, and the answer says so.
 #[test]
 fn one_gauge_ten_times_identifies_nothing() {

@@ -256,6 +256,9 @@ pub enum NetsError {
         /// The largest that works.
         most: usize,
     },
+    /// A net of coordinates that scales its outputs.
+    #[error("the net scales its outputs: one that is unfolded must give coordinates as they are")]
+    ScaledCoordinates,
     /// A layer too wide for sums of bytes in 32 bits.
     #[error("a layer of {n_in} inputs: with activations in bytes {most} are the most")]
     TooManyInputs {

@@ -23,11 +23,13 @@ mod run;
 mod sampling;
 pub mod scene;
 mod scoring;
+pub mod session;
 pub mod shell_limb;
 mod source_args;
 pub mod stages;
 mod stats;
 pub mod touch;
+mod virtual_rig;
 
 pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};
@@ -48,3 +50,4 @@ pub use scoring::{
 };
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::ContactStats;
+pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};

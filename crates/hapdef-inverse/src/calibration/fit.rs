@@ -77,7 +77,7 @@ impl Calibrated {
         let residual = nodal_residual(&basis, &nodal, &problem, &solution, &kernels, params);
         let corrected = map.plus(&basis.terms(&solution.modes.theta), &residual);
         let extra = interpolation_errors(&corrected, &samples, &solution);
-        let spread = Spread::new(&samples, &solution, &extra);
+        let spread = Spread::new(&corrected, &samples, &solution, &extra);
         not_needed(presses.len(), &samples, &mut rejected);
         let info = info(&basis, &samples, &solution, &spread, &kernels, rejected);
         let per_site = spread.covariances(&samples, &solution, &at_sites);
@@ -221,6 +221,7 @@ fn info(
         n_used: solution.rows.len(),
         rejected,
         mode_coefficients: basis.coefficients(&solution.modes.theta),
+        beyond_prior: basis.beyond_prior(&solution.modes.theta),
         gains: solution
             .modes
             .theta

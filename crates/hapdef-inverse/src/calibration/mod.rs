@@ -15,6 +15,7 @@ mod next;
 mod output;
 mod params;
 mod press;
+mod regions;
 mod reject;
 mod residual;
 mod samples;
@@ -22,7 +23,8 @@ mod solution;
 mod spread;
 
 pub use output::{
-    Calibrated, CalibrationInfo, CurvePoint, HeldOutError, NextPress, RejectReason, RejectedPress,
+    BeyondPrior, Calibrated, CalibrationInfo, CurvePoint, HeldOutError, NextPress, RejectReason,
+    RejectedPress,
 };
 pub use params::{CalibrationParams, ModeMap, ModeScope};
 pub use press::Press;

@@ -31,6 +31,9 @@ pub struct CalibrationInfo {
     pub mode_coefficients: Vec<Vec<f64>>,
     /// Relative change of each gauge's gain `[n_gauges]`.
     pub gains: Vec<f64>,
+    /// Causes that are farther from what was expected than four standard deviations of their
+    /// priors: an expectation, a press or a gauge is wrong.
+    pub beyond_prior: Vec<BeyondPrior>,
     /// Correlation length of each gauge's residual `[n_gauges]`, m.
     pub lengths_m: Vec<f64>,
     /// Size of each gauge's residual, relative to the map `[n_gauges]`.
@@ -48,6 +51,17 @@ pub struct CalibrationInfo {
     pub curve: Vec<CurvePoint>,
     /// Where the next presses help most, the best first.
     pub next: Vec<NextPress>,
+}
+
+/// A cause that came out farther from what was expected than its prior allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeyondPrior {
+    /// Index of the mode; `None` for a gauge's gain.
+    pub mode: Option<usize>,
+    /// Index of the gauge; `None` for a mode that all share.
+    pub gauge: Option<usize>,
+    /// Its coefficient in standard deviations of its prior.
+    pub sds: f64,
 }
 
 /// A press as if it had not been used.

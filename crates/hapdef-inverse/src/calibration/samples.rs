@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use crate::calibration::kernel::local_squares;
+use crate::calibration::output::BeyondPrior;
 use crate::calibration::params::{CalibrationParams, ModeMap, ModeScope};
 use crate::calibration::press::Press;
 use crate::error::{InverseError, check_length, check_not_negative};
@@ -11,6 +12,12 @@ use crate::skin_point::SkinPoint;
 
 /// Presses without which no calibration is tried.
 const LEAST_PRESSES: usize = 12;
+
+/// A cause this many standard deviations of its prior away is worth a warning.
+const BEYOND_SDS: f64 = 4.0;
+
+/// Readings over the map's that a coarse mesh or a wrong stiffness may explain.
+const SCALES: [f64; 2] = [0.05, 20.0];
 
 /// The presses' extent is at least this share of the skin's.
 const LEAST_EXTENT: f64 = 0.1;
@@ -139,6 +146,31 @@ impl<'a> Basis<'a> {
         }
         coefficients
     }
+
+    /// Gains and coefficients farther than [`BEYOND_SDS`] from what was expected.
+    pub(crate) fn beyond_prior(&self, theta: &[Vec<f64>]) -> Vec<BeyondPrior> {
+        let in_order = self
+            .modes_of(ModeScope::EachGauge)
+            .chain(self.modes_of(ModeScope::Shared));
+        let first = self.n_columns() - self.modes.len();
+        let modes = in_order.enumerate().map(|(place, (index, mode))| {
+            let is_shared = mode.scope == ModeScope::Shared;
+            (Some(index), first + place, is_shared)
+        });
+        let columns = std::iter::once((None, 0, false)).chain(modes);
+        let mut beyond = Vec::new();
+        for (mode, column, is_shared) in columns {
+            let gauges = theta.iter().enumerate();
+            for (gauge, row) in gauges.take(if is_shared { 1 } else { theta.len() }) {
+                let gauge = (!is_shared).then_some(gauge);
+                let sds = row[column];
+                if sds.abs() > BEYOND_SDS {
+                    beyond.push(BeyondPrior { mode, gauge, sds });
+                }
+            }
+        }
+        beyond
+    }
 }
 
 /// Places with what the kernel and the modes need there.
@@ -235,7 +267,39 @@ impl Samples {
                     .push(own + slope_2 * params.position_sd_m.powi(2));
             }
         }
+        samples.check_scales()?;
         Ok(samples)
+    }
+
+    /// Refuses a gauge whose readings have another sign or size than the map's: the s of least
+    /// Σ |y − s g|, the median of y/g weighted with |g|, which a few bad presses don't move.
+    fn check_scales(&self) -> Result<(), InverseError> {
+        let (m, [least, most]) = (self.n_gauges(), SCALES);
+        for gauge in 0..m {
+            let press = |i: usize| {
+                let response = self.response[i * m + gauge];
+                let told = response - self.residual[i * m + gauge];
+                (told != 0.0).then(|| (response / told, told.abs()))
+            };
+            let mut ratios: Vec<(f64, f64)> = (0..self.len()).filter_map(press).collect();
+            ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
+            let mut below = 0.0;
+            let median = ratios.iter().find(|(_, weight)| {
+                below += weight;
+                below >= half
+            });
+            let ratio = median.map_or(1.0, |(ratio, _)| *ratio);
+            if !(least..=most).contains(&ratio) {
+                return Err(InverseError::PressScale {
+                    gauge,
+                    ratio,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok(())
     }
 
     pub(crate) fn len(&self) -> usize {

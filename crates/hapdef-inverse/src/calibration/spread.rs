@@ -1,8 +1,12 @@
 //! The map's error at the scan sites, rescaled on left-out presses.
 
+use nalgebra::Point3;
+
 use crate::calibration::mode_fit::quadratic_form;
+use crate::calibration::regions::{LeftOutPress, region_factor};
 use crate::calibration::samples::{Places, Samples};
 use crate::calibration::solution::{LeftOut, Solution};
+use crate::response::ResponseMap;
 
 /// Presses around a site whose errors count there.
 const N_AROUND: usize = 24;
@@ -23,8 +27,14 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// `extra` `[n, n_gauges]` is what interpolation between the nodes adds to the errors.
-    pub(crate) fn new(samples: &Samples, solution: &Solution, extra: &[f64]) -> Self {
+    /// `map` is the corrected one; `extra` `[n, n_gauges]` is what interpolation between its nodes
+    /// adds to the errors.
+    pub(crate) fn new(
+        map: &ResponseMap,
+        samples: &Samples,
+        solution: &Solution,
+        extra: &[f64],
+    ) -> Self {
         let (n, m) = (solution.rows.len(), samples.n_gauges());
         let mut left_out: Vec<LeftOut> = (0..m).map(|g| solution.left_out(g)).collect();
         let mut scales = Vec::with_capacity(m);
@@ -45,12 +55,47 @@ impl Spread {
             scales.push(scale);
         }
         let square = |row: &[f64]| row.iter().map(|z| z * z).sum::<f64>() / m as f64;
-        Self {
+        let mut spread = Self {
             mean_square_z: z.chunks_exact(m).map(square).collect(),
             correlation: correlation(&z, m),
             left_out,
             scales,
-        }
+        };
+        let factor = region_factor(&spread.presses(map, samples, solution));
+        spread.scales.iter_mut().for_each(|scale| *scale *= factor);
+        spread
+    }
+
+    fn presses(
+        &self,
+        map: &ResponseMap,
+        samples: &Samples,
+        solution: &Solution,
+    ) -> Vec<LeftOutPress> {
+        let m = samples.n_gauges();
+        let press = |place: usize| {
+            let i = solution.rows[place];
+            let x = &samples.places.positions[i];
+            let local = self.local_scale(samples, solution, x, Some(place));
+            let sd: Vec<f64> = (0..m)
+                .map(|gauge| {
+                    let variance = self.left_out[gauge].variance[place];
+                    let noise = samples.noise[i * m + gauge];
+                    (local * self.scales[gauge] * without_noise(variance, noise)).sqrt()
+                })
+                .collect();
+            let error = self.left_out.iter().map(|out| out.error[place]).collect();
+            let map_error = self.covariance(&sd);
+            LeftOutPress::new(map, samples, solution, place, error, map_error)
+        };
+        (0..solution.rows.len()).map(press).collect()
+    }
+
+    /// Covariance of standard deviations `sd` `[n_gauges]`.
+    fn covariance(&self, sd: &[f64]) -> Vec<f64> {
+        let m = sd.len();
+        let entry = |k: usize| self.correlation[k] * sd[k / m] * sd[k % m];
+        (0..m * m).map(entry).collect()
     }
 
     /// Covariance of the map's error at each site `[n_sites, n_gauges, n_gauges]`.
@@ -63,34 +108,29 @@ impl Spread {
         let m = samples.n_gauges();
         let mut all = vec![0.0; sites.points.len() * m * m];
         for (site, out) in all.chunks_exact_mut(m * m).enumerate() {
-            let local = self.local_scale(samples, solution, sites, site);
+            let local = self.local_scale(samples, solution, &sites.positions[site], None);
             let sd: Vec<f64> = (0..m)
                 .map(|gauge| {
                     (self.scales[gauge] * local * variance_at(solution, gauge, site)).sqrt()
                 })
                 .collect();
-            for i in 0..m {
-                for j in 0..m {
-                    out[i * m + j] = self.correlation[i * m + j] * sd[i] * sd[j];
-                }
-            }
+            out.copy_from_slice(&self.covariance(&sd));
         }
         all
     }
 
-    /// How much larger squared errors are around a site than its variances say.
+    /// How much larger squared errors are around `x` than their variances say, the press at place
+    /// `without` not looked at.
     fn local_scale(
         &self,
         samples: &Samples,
         solution: &Solution,
-        sites: &Places,
-        site: usize,
+        x: &Point3<f64>,
+        without: Option<usize>,
     ) -> f64 {
-        let x = sites.positions[site];
-        let mut near: Vec<(f64, usize)> = solution
-            .rows
-            .iter()
-            .enumerate()
+        let others = solution.rows.iter().enumerate();
+        let mut near: Vec<(f64, usize)> = others
+            .filter(|(i, _)| Some(*i) != without)
             .map(|(i, &row)| ((samples.places.positions[row] - x).norm_squared(), i))
             .collect();
         let n = N_AROUND.min(near.len());
@@ -129,7 +169,11 @@ fn unit_scale(out: &LeftOut, noise: &[f64]) -> f64 {
 }
 
 fn scaled(variance: f64, noise: f64, scale: f64) -> f64 {
-    scale * (variance - noise).max(1e-6 * variance) + noise
+    scale * without_noise(variance, noise) + noise
+}
+
+fn without_noise(variance: f64, noise: f64) -> f64 {
+    (variance - noise).max(1e-6 * variance)
 }
 
 /// Correlation of the columns of `z` `[n, m]`, drawn a tenth towards none.

@@ -47,8 +47,12 @@ impl Explanation {
     /// and Learning Algorithms, 2003, chapter 28): misfit, Occam factor, and the n! names that
     /// the same contacts can be given.
     pub(crate) fn evidence(&self) -> f64 {
-        let ln_names: f64 = (2..=self.n).map(|i| (i as f64).ln()).sum();
-        self.misfit() + self.occam - 2.0 * ln_names
+        self.misfit() + self.occam - 2.0 * self.ln_names()
+    }
+
+    /// ln n!.
+    pub(crate) fn ln_names(&self) -> f64 {
+        (2..=self.n).map(|i| (i as f64).ln()).sum()
     }
 
     pub(crate) fn push(&mut self, point: SkinPoint) {

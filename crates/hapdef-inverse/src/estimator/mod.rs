@@ -1,5 +1,7 @@
 //! Contacts from one frame of readings.
 
+mod capacity;
+mod doubt;
 mod explanation;
 mod forces;
 mod grow;

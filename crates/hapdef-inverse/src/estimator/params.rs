@@ -49,6 +49,9 @@ pub struct EstimatorParams {
     pub runner_up_delta: f64,
     /// Different explanations within this of the best tie with it.
     pub tie_delta: f64,
+    /// Contacts are believed if fewer of them with more noise than was told are worse by this in
+    /// −2 ln evidence; −∞ trusts the noise.
+    pub noise_delta: f64,
 }
 
 impl Default for EstimatorParams {
@@ -76,6 +79,7 @@ impl Default for EstimatorParams {
             distinct_m: 0.005,
             runner_up_delta: 9.0,
             tie_delta: 1.0,
+            noise_delta: 6.0,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 
+use crate::estimator::doubt::evidence_with_more_noise;
 use crate::estimator::explanation::Explanation;
 use crate::estimator::output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
 use crate::estimator::refine::Refiner;
@@ -9,6 +10,9 @@ use crate::estimator::{ContactEstimator, EstimatorScratch};
 
 /// A place is open if its standard deviation exceeds this share of the prior's.
 const OPEN_SHARE: f64 = 0.5;
+
+/// Numbers that the gauges have to tell beyond the contacts' unknowns.
+const LEAST_SPARE: usize = 2;
 
 /// Puts the answer together from `scratch.found`.
 pub(crate) fn report(
@@ -45,7 +49,12 @@ pub(crate) fn report(
     out.info = *info;
     set_residual(estimator, readings, &best, out);
     set_runner_ups(estimator, &best, &scratch.found, out);
-    out.verdict = verdict(estimator, &best, out, prior_sd_m);
+    out.verdict = match verdict(estimator, &best, out, prior_sd_m) {
+        Verdict::Identified if is_noise(estimator, &best, untouched, &scratch.found) => {
+            Verdict::NotIdentifiable(WhyNot::Noise)
+        }
+        verdict => verdict,
+    };
 }
 
 /// The best explanation of each count, and of these the one with the best evidence, each further
@@ -155,9 +164,6 @@ fn verdict(
     out: &ContactEstimate,
     prior_sd_m: f64,
 ) -> Verdict {
-    if best.n == 0 {
-        return Verdict::Untouched;
-    }
     let open = |c: &Contact| {
         let (a, b, d) = (
             c.covariance[(0, 0)],
@@ -171,11 +177,28 @@ fn verdict(
     let ties = |other: &RunnerUp| other.delta_evidence.abs() <= params.tie_delta;
     if out.p_value < params.misfit_p {
         Verdict::NotIdentifiable(WhyNot::Misfit)
+    } else if best.n == 0 {
+        Verdict::Untouched
     } else if out.contacts.iter().any(open) {
         Verdict::NotIdentifiable(WhyNot::SingularInformation)
+    } else if estimator.n_told < 3 * best.n + LEAST_SPARE {
+        Verdict::NotIdentifiable(WhyNot::Unchecked)
     } else if out.runner_ups.iter().any(ties) {
         Verdict::NotIdentifiable(WhyNot::TiedExplanations)
     } else {
         Verdict::Identified
     }
+}
+
+/// Whether fewer contacts and more noise explain the frame nearly as well as `best`.
+fn is_noise(
+    estimator: &ContactEstimator,
+    best: &Explanation,
+    untouched: &Explanation,
+    found: &[Explanation],
+) -> bool {
+    let m = estimator.model.m;
+    let fewer = found.iter().chain([untouched]).filter(|e| e.n < best.n);
+    let mut doubted = fewer.map(|e| evidence_with_more_noise(e, m));
+    doubted.any(|evidence| evidence - best.evidence() < estimator.params.noise_delta)
 }

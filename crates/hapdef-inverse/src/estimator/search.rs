@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::chi_square::upper_tail;
 use crate::dense::dot;
 use crate::error::InverseError;
+use crate::estimator::capacity::n_told;
 use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
 use crate::estimator::grow::grow;
 use crate::estimator::output::{ContactEstimate, EstimateInfo};
@@ -37,6 +38,8 @@ pub struct ContactEstimator {
     pub(crate) model: Model,
     pub(crate) noise: NoiseParams,
     pub(crate) params: EstimatorParams,
+    /// Directions of the readings that tell something.
+    pub(crate) n_told: usize,
 }
 
 impl ContactEstimator {
@@ -52,13 +55,7 @@ impl ContactEstimator {
     ) -> Result<Self, InverseError> {
         params.check()?;
         let live = vec![true; map.n_gauges()];
-        let mut model = Model::new(map, sites, &noise, &live)?;
-        model.max_force_n = params.max_force_n;
-        Ok(Self {
-            model,
-            noise,
-            params,
-        })
+        Self::with_gauges(map, sites, noise, params, &live)
     }
 
     /// The same estimator with only the gauges of `live` `[n_gauges]`: readings of the others are
@@ -68,12 +65,24 @@ impl ContactEstimator {
     /// [`InverseError::TooFewGauges`] with fewer than three alive; [`InverseError::Length`].
     pub fn masked(&self, live: &[bool]) -> Result<Self, InverseError> {
         let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
-        let mut model = Model::new(map, sites, &self.noise, live)?;
-        model.max_force_n = self.params.max_force_n;
+        Self::with_gauges(map, sites, self.noise.clone(), self.params, live)
+    }
+
+    fn with_gauges(
+        map: Arc<ResponseMap>,
+        sites: Arc<ScanSites>,
+        noise: NoiseParams,
+        params: EstimatorParams,
+        live: &[bool],
+    ) -> Result<Self, InverseError> {
+        let mut model = Model::new(map, sites, &noise, live)?;
+        model.max_force_n = params.max_force_n;
+        let (map, sites) = (&model.map, &model.sites);
         Ok(Self {
+            n_told: n_told(map, sites, &noise, &model.live, params.force_scale_n),
             model,
-            noise: self.noise.clone(),
-            params: self.params,
+            noise,
+            params,
         })
     }
 
@@ -84,11 +93,13 @@ impl ContactEstimator {
     }
 
     /// The most contacts that are looked for: a contact takes three unknowns, so the live gauges
-    /// carry one for every three of them.
+    /// carry one for every three of them. Gauges that contacts of the expected force don't move
+    /// beyond their noise don't count, nor those that only repeat others; one contact is always
+    /// looked for.
     #[must_use]
     pub fn most_contacts(&self) -> usize {
         let wanted = self.params.known_count.unwrap_or(self.params.max_contacts);
-        wanted.min(self.model.m / 3)
+        wanted.min((self.n_told / 3).max(1))
     }
 
     /// Buffers for [`ContactEstimator::estimate_into`].

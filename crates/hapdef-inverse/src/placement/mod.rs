@@ -1,8 +1,11 @@
-//! Where to put gauges: greedy log-det, an exchange pass, PCA-QR and random for comparison.
+//! Where to put gauges: greedy log-det, an exchange pass, and for comparison PCA-QR, nearest
+//! neighbours, entropy, mutual information and chance.
 
 mod exchange;
 mod greedy;
+mod neighbours;
 mod pca_qr;
+mod process;
 mod random;
 mod score;
 
@@ -12,7 +15,9 @@ use crate::error::{InverseError, check_finite, check_length, check_not_negative,
 
 pub use exchange::exchange;
 pub use greedy::place_greedy;
+pub use neighbours::place_nearest_neighbours;
 pub use pca_qr::place_pca_qr;
+pub use process::{place_entropy, place_mutual_information};
 pub(crate) use random::Draws;
 pub use random::place_random;
 pub use score::{PlacementScore, placement_score};

@@ -19,11 +19,13 @@ mod clock;
 mod engine;
 mod gemm32;
 mod network;
+mod output_modes;
 mod products;
 mod run;
 mod same;
 mod source;
 mod view;
 
+pub use output_modes::{InModes, OutputModes};
 pub use run::{Progress, TrainInfo, resume, train, validation_loss};
 pub use source::{BatchSource, MemorySource, SourceError};

@@ -114,6 +114,7 @@ impl<'a> Bench<'a> {
     pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
         let params = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
+            refinements: run.scene.estimator.map_refinements(),
             n_stiffness: N_STIFFNESS,
             n_threads: run.threads,
         };
@@ -314,6 +315,7 @@ fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrai
         n_gauges: N_MORE,
         noise_ue: run.scene.rig.electronics.noise_ue,
         seed: run.scene.seed,
+        compares: false,
         other_counts: Vec::new(),
         ..LayoutParams::default()
     };

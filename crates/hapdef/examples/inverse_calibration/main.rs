@@ -50,6 +50,7 @@ fn main() -> Result<()> {
     let start = Instant::now();
     let params = UncertainParams {
         tip_radius_m: run.scene.contact.tip_radius_m,
+        refinements: run.scene.estimator.map_refinements(),
         n_stiffness: N_STIFFNESS_MODES,
         n_threads: run.threads,
     };

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod calibrate;
+mod calibrate_live;
 mod contacts;
 mod converge;
 mod deck;
@@ -13,6 +14,7 @@ mod plan;
 mod record;
 mod recover;
 mod replay;
+mod rig;
 mod shell;
 mod shell_table;
 mod signals;
@@ -49,6 +51,9 @@ enum Command {
         /// CalculiX displacements (.dat, also .gz) to compare with at every node.
         #[arg(long)]
         reference: Option<PathBuf>,
+        /// Writes the displacement over the solid to this file, for ParaView.
+        #[arg(long, value_name = "FILE.vtu")]
+        vtu: Option<PathBuf>,
     },
     /// Reads a scene and its limb and checks both, without solving anything.
     Check(SceneArgs),
@@ -67,6 +72,8 @@ enum Command {
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate::CalibrateArgs),
+    /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
+    Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
     /// Records readings to a file that survives a crash.
@@ -103,7 +110,11 @@ struct RunArgs {
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
-        Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
+        Command::Deck {
+            file,
+            reference,
+            vtu,
+        } => deck::solve(file, reference.as_deref(), vtu.as_deref()),
         Command::Check(args) => stage::check(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
@@ -112,6 +123,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Place(args) => place::run(args),
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
         Command::Record(args) => record::run(args),
         Command::Replay(args) => replay::run(args),

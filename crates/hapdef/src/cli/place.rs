@@ -1,5 +1,6 @@
 //! `hapdef place`: where to put gauges.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
@@ -79,6 +80,9 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
         std::fs::create_dir_all(folder)?;
     }
     write_json(&path, &sites(best))?;
+    let curves = path.with_file_name("placement.csv");
+    std::fs::write(&curves, as_csv(&study))
+        .with_context(|| format!("writing {}", curves.display()))?;
     if let Some(path) = &args.write {
         write_scene(path, &run, best, args)?;
     }
@@ -105,9 +109,10 @@ fn print(study: &LayoutStudy, params: &LayoutParams) {
             layout.elapsed_s
         );
     }
-    println!("\ngreedy log-det by number of gauges");
-    for (n, score) in &study.by_count {
-        println!("{n:27} {}", figures(score));
+    println!("\nby number of gauges");
+    for counted in &study.by_count {
+        let name = format!("{}, {}", counted.name, counted.n_gauges);
+        println!("{name:27} {}", figures(&counted.score));
     }
 }
 
@@ -168,7 +173,7 @@ fn as_json(study: &LayoutStudy) -> Value {
     let by_count = study
         .by_count
         .iter()
-        .map(|(n, score)| json!({"n_gauges": n, "bounds": bounds(score)}));
+        .map(|c| json!({"name": c.name, "n_gauges": c.n_gauges, "bounds": bounds(&c.score)}));
     json!({
         "n_candidates": study.n_candidates,
         "n_refused": study.n_refused,
@@ -176,6 +181,21 @@ fn as_json(study: &LayoutStudy) -> Value {
         "layouts": layouts.collect::<Vec<_>>(),
         "by_count": by_count.collect::<Vec<_>>(),
     })
+}
+
+/// Bounds by method and number of gauges, for plots.
+fn as_csv(study: &LayoutStudy) -> String {
+    let mut text =
+        "method,n_gauges,single_mean_m,single_p95_m,pair_median_m,pair_p95_m\n".to_owned();
+    for c in &study.by_count {
+        let s = &c.score;
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{}",
+            c.name, c.n_gauges, s.single_mean_m, s.single_p95_m, s.pair_median_m, s.pair_p95_m
+        );
+    }
+    text
 }
 
 fn bounds(score: &PlacementScore) -> Value {

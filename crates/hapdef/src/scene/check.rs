@@ -38,6 +38,12 @@ fn check_estimator(estimator: &EstimatorSpec) -> Checked {
             positive("estimator.noise_ue", spec.noise_ue)?;
             not_negative("estimator.map_error", spec.map_error)?;
             not_negative("estimator.friction", spec.friction)?;
+            require(
+                spec.map_refinements <= 2,
+                "estimator.map_refinements",
+                "0, 1 or 2",
+                spec.map_refinements.to_string(),
+            )?;
             let n = spec.n_sites;
             require(
                 (10..=20_000).contains(&n),

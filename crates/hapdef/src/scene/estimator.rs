@@ -34,6 +34,10 @@ pub struct SuperpositionSpec {
     /// after a calibration with thousands of presses.
     #[serde(default = "default_map_error")]
     pub map_error: f64,
+    /// Refinements of the limb's mesh for the map that `hapdef calibrate` corrects; each cuts an
+    /// element into eight.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub map_refinements: u32,
     /// Largest friction coefficient of what touches.
     #[serde(default)]
     pub friction: f64,
@@ -62,6 +66,7 @@ impl Default for SuperpositionSpec {
         Self {
             noise_ue: 1.0,
             map_error: default_map_error(),
+            map_refinements: 0,
             friction: 0.0,
             calibration: None,
             n_sites: default_sites(),
@@ -70,6 +75,16 @@ impl Default for SuperpositionSpec {
 }
 
 impl EstimatorSpec {
+    /// Refinements of the mesh for the map behind a calibration; none where the scene chooses
+    /// another estimator.
+    #[must_use]
+    pub fn map_refinements(&self) -> u32 {
+        match self {
+            Self::Superposition(spec) => spec.map_refinements,
+            Self::Hapdefx(_) => 0,
+        }
+    }
+
     /// The knobs of the paper's chain; the defaults where the scene chooses another estimator.
     #[must_use]
     pub fn hapdefx(&self) -> HapdefxSpec {
@@ -78,6 +93,11 @@ impl EstimatorSpec {
             Self::Superposition(_) => HapdefxSpec::default(),
         }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_zero(n: &u32) -> bool {
+    *n == 0
 }
 
 fn default_map_error() -> f64 {

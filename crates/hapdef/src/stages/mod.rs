@@ -9,6 +9,7 @@ mod rig;
 mod rig_channels;
 mod simulate;
 mod train;
+mod training;
 
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;

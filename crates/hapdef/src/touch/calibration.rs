@@ -82,6 +82,7 @@ impl Calibration {
     ) -> Result<(Self, CalibrationInfo), HapdefError> {
         let params = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
+            refinements: run.scene.estimator.map_refinements(),
             n_stiffness: N_STIFFNESS,
             n_threads: run.threads,
         };

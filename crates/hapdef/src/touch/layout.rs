@@ -2,19 +2,16 @@
 
 use std::time::Instant;
 
-use hapdef_inverse::{
-    Candidates, PlacementParams, PlacementScore, ResponseMap, ScanSites, exchange, place_greedy,
-    place_pca_qr, place_random, placement_score,
-};
+use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
 use hapdef_sim::{ElasticModel, ElasticParams, GaugeSite, GaugeStrain};
 use nalgebra::{Point3, Unit, Vector3};
 
+use super::layout_choice::choose_layouts;
 use super::response::gauge_map;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::stats::quantile;
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +36,9 @@ pub struct LayoutParams {
     pub force_n: f64,
     /// Random layouts that the others are compared with.
     pub n_random: usize,
-    /// Numbers of gauges that greedy log-det is scored for beside `n_gauges`.
+    /// Whether other methods are scored, too.
+    pub compares: bool,
+    /// Numbers of gauges that the methods are scored for beside `n_gauges`.
     pub other_counts: Vec<usize>,
     /// Seed of pairs and random layouts.
     pub seed: u64,
@@ -58,6 +57,7 @@ impl Default for LayoutParams {
             noise_ue: 5.0,
             force_n: 10.0,
             n_random: 20,
+            compares: true,
             other_counts: vec![4, 6, 8, 12, 16],
             seed: 1,
         }
@@ -97,8 +97,19 @@ pub struct LayoutStudy {
     pub solve_s: f64,
     /// The layouts, the recommended one last.
     pub layouts: Vec<ScoredLayout>,
-    /// Bounds of greedy log-det by number of gauges, rising.
-    pub by_count: Vec<(usize, PlacementScore)>,
+    /// Bounds of each method by number of gauges, rising.
+    pub by_count: Vec<CountedLayout>,
+}
+
+/// What a method reaches with a number of gauges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CountedLayout {
+    /// Method.
+    pub name: &'static str,
+    /// Gauges.
+    pub n_gauges: usize,
+    /// Cramér–Rao bounds.
+    pub score: PlacementScore,
 }
 
 /// Looks at places on the inner wall and chooses layouts.
@@ -133,95 +144,10 @@ pub fn study_layouts(
     Ok(study)
 }
 
-fn choose_layouts(
-    places: &Places,
-    candidates: &Candidates,
-    params: &LayoutParams,
-    study: &mut LayoutStudy,
-) -> Result<(), HapdefError> {
-    let asked = placement_params(places, params, params.n_gauges);
-    let mut add = |name: &str, chosen: &[usize], start: Instant| -> Result<_, HapdefError> {
-        let elapsed_s = start.elapsed().as_secs_f64();
-        let score = placement_score(candidates, chosen, &asked)?;
-        let gauges = chosen.iter().map(|c| places.placed[*c]).collect();
-        let name = name.to_owned();
-        study.layouts.push(ScoredLayout {
-            name,
-            gauges,
-            score,
-            elapsed_s,
-        });
-        Ok(())
-    };
-    let own: Vec<usize> = places.own().collect();
-    add("the scene's own", &own, Instant::now())?;
-    let start = Instant::now();
-    add("PCA-QR", &place_pca_qr(candidates, &asked)?, start)?;
-    let start = Instant::now();
-    let greedy = place_greedy(candidates, &asked)?;
-    add("greedy log-det", &greedy, start)?;
-    let exchanged = exchange(candidates, &greedy, &asked)?;
-    add("greedy log-det, exchange", &exchanged, start)?;
-    let random = random_median(candidates, &asked, params)?;
-    study.layouts.insert(0, random);
-    let mut counts = params.other_counts.clone();
-    counts.push(params.n_gauges);
-    counts.sort_unstable();
-    counts.dedup();
-    for n in counts.into_iter().filter(|n| *n >= params.n_mounted.max(1)) {
-        let asked = placement_params(places, params, n);
-        let chosen = place_greedy(candidates, &asked)?;
-        let score = placement_score(candidates, &chosen, &asked)?;
-        study.by_count.push((n, score));
-    }
-    Ok(())
-}
-
-/// Medians over the random layouts, figure by figure.
-fn random_median(
-    candidates: &Candidates,
-    asked: &PlacementParams,
-    params: &LayoutParams,
-) -> Result<ScoredLayout, HapdefError> {
-    let start = Instant::now();
-    let mut scores = Vec::with_capacity(params.n_random);
-    for i in 0..params.n_random.max(1) as u64 {
-        let drawn = PlacementParams {
-            seed: params.seed.wrapping_add(i),
-            ..asked.clone()
-        };
-        let chosen = place_random(candidates, &drawn)?;
-        scores.push(placement_score(candidates, &chosen, asked)?);
-    }
-    let median =
-        |of: fn(&PlacementScore) -> f64| quantile(&scores.iter().map(of).collect::<Vec<_>>(), 0.5);
-    Ok(ScoredLayout {
-        name: format!("random, median of {}", scores.len()),
-        gauges: Vec::new(),
-        score: PlacementScore {
-            single_mean_m: median(|s| s.single_mean_m),
-            single_p95_m: median(|s| s.single_p95_m),
-            pair_median_m: median(|s| s.pair_median_m),
-            pair_p95_m: median(|s| s.pair_p95_m),
-        },
-        elapsed_s: start.elapsed().as_secs_f64(),
-    })
-}
-
-fn placement_params(places: &Places, params: &LayoutParams, n_gauges: usize) -> PlacementParams {
-    PlacementParams {
-        mounted: places.own().take(params.n_mounted).collect(),
-        min_spacing_m: params.min_spacing_m,
-        force_n: params.force_n,
-        seed: params.seed,
-        ..PlacementParams::new(n_gauges, params.noise_ue)
-    }
-}
-
 /// Gauges that fit on the wall, the scene's own behind them.
-struct Places {
+pub(super) struct Places {
     gauges: Vec<GaugeStrain>,
-    placed: Vec<PlacedGauge>,
+    pub(super) placed: Vec<PlacedGauge>,
     n_own: usize,
     n_refused: usize,
 }
@@ -298,7 +224,7 @@ impl Places {
         }
     }
 
-    fn own(&self) -> std::ops::Range<usize> {
+    pub(super) fn own(&self) -> std::ops::Range<usize> {
         self.gauges.len() - self.n_own..self.gauges.len()
     }
 

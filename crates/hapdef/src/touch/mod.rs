@@ -3,7 +3,9 @@
 
 mod calibration;
 mod chosen;
+mod fine;
 mod layout;
+mod layout_choice;
 mod limits;
 mod modes;
 mod paper_chain;
@@ -15,7 +17,9 @@ use nalgebra::{Matrix3, Point3, Vector3};
 pub use calibration::{Calibration, PressQuality};
 pub use chosen::touch_estimator;
 pub(crate) use chosen::{ChainStages, chain_stages};
-pub use layout::{LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts};
+pub use layout::{
+    CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts,
+};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use paper_chain::PaperChain;

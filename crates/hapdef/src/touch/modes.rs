@@ -9,6 +9,7 @@ use hapdef_sim::{
 };
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
+use super::fine::FineLimb;
 use super::response::{field_map, skin_values};
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -41,8 +42,9 @@ pub struct UncertainResponse {
 }
 
 impl UncertainResponse {
-    /// Solves for `gauges` at `sites` on the limb's mesh: the map, its gauge modes, and as many
-    /// stiffness modes as `n_stiffness`, bumps of 25 mm spread over the skin.
+    /// Solves for `gauges` at `sites`: the map on the limb's mesh or a finer one, its gauge modes,
+    /// and as many stiffness modes as `n_stiffness`, bumps of 25 mm spread over the skin, on the
+    /// limb's mesh.
     ///
     /// # Errors
     /// [`HapdefError::Sim`] when the limb floats or can't be solved; [`HapdefError::Inverse`].
@@ -68,8 +70,13 @@ impl UncertainResponse {
         };
         let gauge_mode = |motion| on_skin(&layout.moved_response(motion)?);
         let stiffness = layout.stiffness_modes(&response, params.n_stiffness)?;
+        let map = if params.refinements == 0 {
+            on_skin(&skin_values(limb, &response))?
+        } else {
+            FineLimb::new(limb, params.refinements)?.map(sites, params)?
+        };
         Ok(Self {
-            map: on_skin(&skin_values(limb, &response))?,
+            map,
             gauge_modes: [
                 gauge_mode(Motion::Along)?,
                 gauge_mode(Motion::Across)?,
@@ -107,6 +114,9 @@ impl UncertainResponse {
 pub struct UncertainParams {
     /// Radius of the tip, m.
     pub tip_radius_m: f64,
+    /// Refinements of the limb's mesh for the map: each cuts an element into eight. The modes are
+    /// solved for on the limb's own mesh.
+    pub refinements: u32,
     /// Stiffness modes.
     pub n_stiffness: usize,
     /// Threads.

@@ -45,11 +45,16 @@ pub fn gauge_map(
 
 /// Adjoint fields on the skin `[n_surface, n_gauges]`, µε/N.
 pub(super) fn skin_values(limb: &Limb, response: &GaugeResponse) -> Vec<Vector3<f64>> {
+    node_values(&limb.skin.nodes, response)
+}
+
+/// Adjoint fields at `nodes` `[n_nodes, n_gauges]`, µε/N.
+pub(super) fn node_values(nodes: &[FeNodeId], response: &GaugeResponse) -> Vec<Vector3<f64>> {
     let at = |node: FeNodeId| {
         (0..response.n_gauges())
             .map(move |gauge| response.field(GaugeId::from_index(gauge))[node.index()] * 1e6)
     };
-    limb.skin.nodes.iter().copied().flat_map(at).collect()
+    nodes.iter().copied().flat_map(at).collect()
 }
 
 /// The map of adjoint fields on the skin `[n_surface, n_gauges]`.

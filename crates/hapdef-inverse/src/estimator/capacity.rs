@@ -1,0 +1,48 @@
+//! How many unknowns the live gauges can tell.
+
+use crate::dense::{add_scaled, dot, padded};
+use crate::noise::NoiseParams;
+use crate::response::ResponseMap;
+use crate::sites::ScanSites;
+
+/// A direction of the readings tells something where a contact moves the readings by this many
+/// standard deviations of the noise along it.
+const SEEN_SDS: f64 = 3.0;
+
+/// Directions of the readings of the gauges `live` that contacts of `force_n` are told by: readings
+/// at the scan sites in units of the noise, the longest taken and taken out of all others, until
+/// none is longer than three. Blind gauges tell nothing, and twins no more than one of them.
+pub(crate) fn n_told(
+    map: &ResponseMap,
+    sites: &ScanSites,
+    noise: &NoiseParams,
+    live: &[usize],
+    force_n: f64,
+) -> usize {
+    let sds: Vec<f64> = live.iter().map(|&g| noise.variance(g).sqrt()).collect();
+    let scaled = |g: Vec<f64>| -> Vec<f64> {
+        let each = live.iter().zip(&sds);
+        let mut row: Vec<f64> = each.map(|(&gauge, sd)| force_n * g[gauge] / sd).collect();
+        row.resize(padded(live.len()), 0.0);
+        row
+    };
+    let at_sites = sites.points().iter().map(|point| scaled(map.normal(point)));
+    let mut rows: Vec<Vec<f64>> = at_sites.collect();
+    let mut n = 0;
+    while n < live.len() {
+        let longest = rows
+            .iter()
+            .max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))
+            .filter(|row| dot(row, row) > SEEN_SDS * SEEN_SDS);
+        let Some(longest) = longest.cloned() else {
+            break;
+        };
+        let square = dot(&longest, &longest);
+        for row in &mut rows {
+            let share = dot(row, &longest) / square;
+            add_scaled(row, -share, &longest);
+        }
+        n += 1;
+    }
+    n
+}

@@ -1,0 +1,90 @@
+//! A limb's response solved on a finer mesh than its own, and told on its own skin.
+
+use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
+use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeSite, GaugeStrain};
+use nalgebra::Vector3;
+
+use super::modes::UncertainParams;
+use super::response::{field_map, node_values};
+use crate::error::HapdefError;
+use crate::limb::Limb;
+
+/// A limb's solid refined, its drawing unchanged.
+pub(super) struct FineLimb<'a> {
+    limb: &'a Limb,
+    mesh: Tet10Mesh,
+    clamped: Vec<FeNodeId>,
+    skin: SkinRegion,
+}
+
+impl<'a> FineLimb<'a> {
+    /// Cuts every element into eight, `times` over.
+    ///
+    /// # Errors
+    /// [`HapdefError::Mesh`] when parts turn inside out.
+    pub(super) fn new(limb: &'a Limb, times: u32) -> Result<Self, HapdefError> {
+        let mut fine = Self {
+            limb,
+            mesh: limb.mesh.clone(),
+            clamped: limb.clamped.clone(),
+            skin: limb.skin.clone(),
+        };
+        for _ in 0..times {
+            let refined = refine_unfolded(&fine.mesh)?;
+            fine.clamped = refined.node_set(&fine.clamped);
+            fine.skin = SkinRegion::new(&refined.mesh, refined.faces(&fine.skin.faces))?;
+            fine.mesh = refined.mesh;
+        }
+        Ok(fine)
+    }
+
+    /// The map of gauges at `sites` on the limb's own skin: the tip is averaged over the finer one.
+    ///
+    /// # Errors
+    /// [`HapdefError::Sim`] when a gauge finds no place or the mesh can't be solved.
+    pub(super) fn map(
+        &self,
+        sites: &[GaugeSite],
+        params: &UncertainParams,
+    ) -> Result<ResponseMap, HapdefError> {
+        let faces = self.mesh.boundary().faces;
+        let place =
+            |site| GaugeStrain::with_params(&self.mesh, &faces, site, &self.limb.gauge_params);
+        let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
+        let elastic = ElasticParams {
+            n_threads: params.n_threads,
+            ..ElasticParams::new(self.limb.material, self.clamped.clone())
+        };
+        let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.gauge_response(&gauges)?;
+        let under_point = node_values(&self.skin.nodes, &response);
+        let tip = ResponseParams {
+            tip_radius_m: params.tip_radius_m,
+        };
+        let under_tip =
+            ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
+        let own: Vec<Vector3<f64>> = self.own_rows(&under_tip, gauges.len());
+        field_map(self.limb, gauges.len(), &own, 0.0)
+    }
+
+    fn as_skin(&self) -> Result<Skin, HapdefError> {
+        let place = |node| self.skin.nodes.partition_point(|other| *other < node) as u32;
+        let faces: Vec<[u32; 6]> = self.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
+        let nodes = self.skin.nodes.iter();
+        Ok(Skin::new(
+            nodes.map(|node| self.mesh.position(*node)).collect(),
+            SkinFaces::Quadratic(&faces),
+            Some(&self.skin.normals),
+            &SkinParams::default(),
+        )?)
+    }
+
+    /// The rows of the limb's own nodes, which refinement leaves their numbers.
+    fn own_rows(&self, rows: &[Vector3<f64>], n_gauges: usize) -> Vec<Vector3<f64>> {
+        let of = |node: &FeNodeId| {
+            let i = self.skin.nodes.partition_point(|other| other < node);
+            rows[i * n_gauges..(i + 1) * n_gauges].to_vec()
+        };
+        self.limb.skin.nodes.iter().flat_map(of).collect()
+    }
+}

@@ -1,0 +1,138 @@
+//! Layouts chosen by each method, and scored.
+
+use std::time::Instant;
+
+use hapdef_inverse::{
+    Candidates, InverseError, PlacementParams, PlacementScore, exchange, place_entropy,
+    place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
+    placement_score,
+};
+
+use super::layout::{CountedLayout, LayoutParams, LayoutStudy, Places, ScoredLayout};
+use crate::error::HapdefError;
+use crate::stats::quantile;
+
+/// Chooses gauges among candidates.
+type Method = fn(&Candidates, &PlacementParams) -> Result<Vec<usize>, InverseError>;
+
+/// What is shown beside greedy log-det.
+const COMPARED: [(&str, Method); 4] = [
+    ("entropy", place_entropy),
+    ("mutual information", place_mutual_information),
+    ("nearest neighbours", place_nearest_neighbours),
+    ("PCA-QR", place_pca_qr),
+];
+
+const GREEDY: (&str, Method) = ("greedy log-det", place_greedy);
+
+/// Chooses and scores into `study`, the recommended layout last.
+///
+/// # Errors
+/// [`HapdefError::Inverse`] when spacing and keep-out leave too few places.
+pub(super) fn choose_layouts(
+    places: &Places,
+    candidates: &Candidates,
+    params: &LayoutParams,
+    study: &mut LayoutStudy,
+) -> Result<(), HapdefError> {
+    let asked = placement_params(places, params, params.n_gauges);
+    let mut add = |name: &str, chosen: &[usize], start: Instant| -> Result<_, HapdefError> {
+        let elapsed_s = start.elapsed().as_secs_f64();
+        let score = placement_score(candidates, chosen, &asked)?;
+        let gauges = chosen.iter().map(|c| places.placed[*c]).collect();
+        let name = name.to_owned();
+        study.layouts.push(ScoredLayout {
+            name,
+            gauges,
+            score,
+            elapsed_s,
+        });
+        Ok(())
+    };
+    let own: Vec<usize> = places.own().collect();
+    add("the scene's own", &own, Instant::now())?;
+    for (name, method) in compared(params) {
+        let start = Instant::now();
+        add(name, &method(candidates, &asked)?, start)?;
+    }
+    let start = Instant::now();
+    let greedy = place_greedy(candidates, &asked)?;
+    add(GREEDY.0, &greedy, start)?;
+    let exchanged = exchange(candidates, &greedy, &asked)?;
+    add("greedy log-det, exchange", &exchanged, start)?;
+    let random = random_median(candidates, &asked, params)?;
+    study.layouts.insert(0, random);
+    study.by_count = by_count(places, candidates, params)?;
+    Ok(())
+}
+
+fn compared(params: &LayoutParams) -> &'static [(&'static str, Method)] {
+    if params.compares { &COMPARED } else { &[] }
+}
+
+fn by_count(
+    places: &Places,
+    candidates: &Candidates,
+    params: &LayoutParams,
+) -> Result<Vec<CountedLayout>, HapdefError> {
+    let mut counts = params.other_counts.clone();
+    counts.push(params.n_gauges);
+    counts.sort_unstable();
+    counts.dedup();
+    counts.retain(|n| *n >= params.n_mounted.max(1));
+    let mut all = Vec::new();
+    for &(name, method) in compared(params).iter().chain([&GREEDY]) {
+        for &n_gauges in &counts {
+            let asked = placement_params(places, params, n_gauges);
+            let chosen = method(candidates, &asked)?;
+            let score = placement_score(candidates, &chosen, &asked)?;
+            all.push(CountedLayout {
+                name,
+                n_gauges,
+                score,
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// Medians over the random layouts, figure by figure.
+fn random_median(
+    candidates: &Candidates,
+    asked: &PlacementParams,
+    params: &LayoutParams,
+) -> Result<ScoredLayout, HapdefError> {
+    let start = Instant::now();
+    let mut scores = Vec::with_capacity(params.n_random);
+    for i in 0..params.n_random.max(1) as u64 {
+        let drawn = PlacementParams {
+            seed: params.seed.wrapping_add(i),
+            ..asked.clone()
+        };
+        let chosen = place_random(candidates, &drawn)?;
+        scores.push(placement_score(candidates, &chosen, asked)?);
+    }
+    let median =
+        |of: fn(&PlacementScore) -> f64| quantile(&scores.iter().map(of).collect::<Vec<_>>(), 0.5);
+    Ok(ScoredLayout {
+        name: format!("random, median of {}", scores.len()),
+        gauges: Vec::new(),
+        score: PlacementScore {
+            single_mean_m: median(|s| s.single_mean_m),
+            single_p95_m: median(|s| s.single_p95_m),
+            pair_median_m: median(|s| s.pair_median_m),
+            pair_p95_m: median(|s| s.pair_p95_m),
+        },
+        elapsed_s: start.elapsed().as_secs_f64(),
+    })
+}
+
+fn placement_params(places: &Places, params: &LayoutParams, n_gauges: usize) -> PlacementParams {
+    PlacementParams {
+        mounted: places.own().take(params.n_mounted).collect(),
+        min_spacing_m: params.min_spacing_m,
+        force_n: params.force_n,
+        seed: params.seed,
+        ..PlacementParams::new(n_gauges, params.noise_ue)
+    }
+}
