@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
-use hapdef_nets::{Mlp, Net, TrainParams, load};
+use hapdef_nets::{Mlp, Net, Scale, TrainParams, load};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
@@ -79,7 +79,7 @@ impl TrainedNets {
 ///
 /// # Errors
 /// [`HapdefError::Stopped`] when the person stopped it (a checkpoint is kept),
-/// [`HapdefError::Net`] when a loss is no number.
+/// [`HapdefError::Net`] when a loss is no number or a net has learned nothing.
 pub fn train(
     run: &Run,
     limb: &Limb,
@@ -150,13 +150,14 @@ impl Trainer<'_> {
                 params: &params,
                 checkpoint: dir.join(CHECKPOINT_FILE),
             };
-            let info = training.run(run, fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
+            let (info, net) =
+                training.run(run, fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
                 return Err(HapdefError::Stopped {
                     stage: format!("training {}", kind.name()),
                 });
             }
-            Ok(record(kind, n_samples, &info))
+            Ok(record(kind, n_samples, &info, &net))
         })
     }
 
@@ -226,7 +227,7 @@ impl Training<'_> {
         fixed: &mut dyn BatchSource,
         drawn: Option<&mut DrawnSamples<'_>>,
         validation: &mut dyn BatchSource,
-    ) -> Result<TrainInfo, HapdefError> {
+    ) -> Result<(TrainInfo, Net), HapdefError> {
         let (params, checkpoint) = (self.params, &self.checkpoint);
         let bar = run.progress.training(&self.kind.name(), params.steps);
         let mut on_progress = |progress: &Progress| {
@@ -241,16 +242,29 @@ impl Training<'_> {
         let validation = Some(validation);
         if checkpoint.exists() {
             let samples = either(drawn, fixed);
-            return Ok(resume(checkpoint, samples, validation, params, go_on)?.1);
+            let (net, info) = resume(checkpoint, samples, validation, params, go_on)?;
+            return Ok((info, net));
         }
         let [input, output] = fit_scales(fixed)?;
+        say_constant(run, self.kind, &input);
         let spec = self.kind.spec(fixed.n_inputs(), fixed.n_outputs());
         let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
         let samples = either(drawn, fixed);
         let path = Some(checkpoint.as_path());
-        Ok(train_net(
-            &mut net, samples, validation, params, path, go_on,
-        )?)
+        let info = train_net(&mut net, samples, validation, params, path, go_on)?;
+        Ok((info, net))
+    }
+}
+
+/// Names the inputs that never vary in training: the net can't learn what they mean, and ignores them.
+fn say_constant(run: &Run, kind: NetKind, input: &Scale) {
+    let columns: Vec<String> = input.constant_columns().map(|c| c.to_string()).collect();
+    if !columns.is_empty() {
+        run.say(&format!(
+            "{}: inputs {} (counted from 0) never vary in its training samples; it will ignore them",
+            kind.name(),
+            columns.join(", ")
+        ));
     }
 }
 
@@ -309,7 +323,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
     }
 }
 
-fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
+fn record(kind: NetKind, n_samples: usize, info: &TrainInfo, net: &Net) -> Value {
     let looks = || info.looks.iter();
     json!({
         "net": kind.name(),
@@ -319,6 +333,8 @@ fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
         "train_loss": info.train_loss,
         "validation_loss": info.validation_loss,
         "precision": info.precision,
+        "constant_inputs": net.input_scale().constant_columns().collect::<Vec<_>>(),
+        "constant_outputs": net.output_scale().constant_columns().collect::<Vec<_>>(),
         "samples_per_s": info.samples_per_s,
         "history": {
             "step": looks().map(|look| look.step).collect::<Vec<_>>(),
