@@ -280,13 +280,7 @@ fn assemble(
         hashes: facts::hashes(run, limb, done),
         ..Report::default()
     };
-    if let Some(ridge) = &parts.ridge {
-        report.tables.push(ridge.table(&parts.table1[0])?);
-    }
-    if let Some(ablations) = &parts.ablations {
-        report.tables.push(ablations.table()?);
-        report.stages.extend(ablations.times());
-    }
+    add_reproduction(&mut report, &parts)?;
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(run));
     let printed = Printed {
         table1: &parts.table1[0],
@@ -298,6 +292,18 @@ fn assemble(
     summary::log(&mut log, &printed, with_nets)?;
     report.metrics = log.records().to_vec();
     Ok((report, log))
+}
+
+/// The tables that only the whole reproduction has, and the times of their frames.
+fn add_reproduction(report: &mut Report, parts: &Parts) -> Result<()> {
+    if let Some(ridge) = &parts.ridge {
+        report.tables.push(ridge.table(&parts.table1[0])?);
+    }
+    if let Some(ablations) = &parts.ablations {
+        report.tables.push(ablations.table()?);
+        report.stages.extend(ablations.times());
+    }
+    Ok(())
 }
 
 /// Whether the limb's mesh is fine enough.

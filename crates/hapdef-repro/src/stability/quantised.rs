@@ -87,17 +87,17 @@ fn changed_weights(all: &mut Vec<Case>, precision: Precision) {
             },
         ),
         ("one weight 3e38", StabilityWanted::Either, |l| {
-            l[1].weights[99] = f32::MAX
+            l[1].weights[99] = f32::MAX;
         }),
         ("every weight × 1e-40", StabilityWanted::Result, |l| {
-            times(l, 1e-40)
+            times(l, 1e-40);
         }),
         ("last layer × 1e-44", StabilityWanted::Result, |l| {
-            times(&mut l[2..], 1e-44)
+            times(&mut l[2..], 1e-44);
         }),
         ("every weight 0", StabilityWanted::Result, |l| times(l, 0.0)),
         ("a neuron of weights 0", StabilityWanted::Result, |l| {
-            l[1].weights[..32].fill(0.0)
+            l[1].weights[..32].fill(0.0);
         }),
     ];
     for (extreme, wanted, change) in changes {

@@ -120,7 +120,8 @@ mod tests {
             [3.0, 0.0, 4.0, 0.0, 1.0, 0.0],
             [-3.0, 0.0, 1.0, 2.0, 0.0, 0.0],
         ];
-        let table = ComplianceTable::new(2, 2, &rows.concat().map(|v| v * 1e-6));
+        let metres: Vec<f64> = rows.concat().iter().map(|v| v * 1e-6).collect();
+        let table = ComplianceTable::new(2, 2, &metres);
         let directions = [Vector3::z(), Vector3::x()];
         let maps = TrueMaps {
             table: &table,
