@@ -56,7 +56,11 @@ fn main() -> ExitCode {
     let amount = Amount::Time(Duration::from_secs_f64(args.seconds));
     let (mut n_panics, mut n_executions) = (0, 0);
     for target in TARGETS {
-        if args.target.as_deref().is_some_and(|name| name != target.name) {
+        if args
+            .target
+            .as_deref()
+            .is_some_and(|name| name != target.name)
+        {
             continue;
         }
         let seeds = corpus(&home.join(target.name));
