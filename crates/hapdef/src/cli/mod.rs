@@ -19,6 +19,7 @@ mod shell;
 mod shell_table;
 mod signals;
 mod stage;
+mod view;
 
 use std::path::PathBuf;
 
