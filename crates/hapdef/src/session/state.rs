@@ -142,6 +142,7 @@ impl CalibrationSession {
     pub fn new(run: &Run, limb: &Limb, params: SessionParams) -> Result<Self, HapdefError> {
         let solve = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
+            refinements: run.scene.estimator.map_refinements(),
             n_stiffness: N_STIFFNESS,
             n_threads: run.threads,
         };
