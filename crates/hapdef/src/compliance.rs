@@ -103,6 +103,19 @@ impl ComplianceTable {
             .collect()
     }
 
+    /// Adds the displacement vectors of a force at surface node `node` to `sum_m` `[n_surface]`, m.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn add_displacement_m(&self, node: usize, force_n: f64, sum_m: &mut [[f32; 3]]) {
+        let (unit, _) = self.row(node)[..3 * self.n_surface].as_chunks::<3>();
+        for (sum, unit) in sum_m.iter_mut().zip(unit) {
+            for (to, from) in sum.iter_mut().zip(unit) {
+                *to += force_n as f32 * from;
+            }
+        }
+    }
+
     /// Writes the table as a dataset file.
     ///
     /// # Errors
