@@ -15,6 +15,7 @@ mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
+mod live;
 mod pipeline;
 mod repro;
 mod rig;
