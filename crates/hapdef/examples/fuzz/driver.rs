@@ -15,15 +15,6 @@ use crate::targets::Target;
 /// Longest time for one input; the program ends with the input saved when one takes longer.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// How long a target is run.
-#[derive(Clone, Copy, Debug)]
-pub enum Amount {
-    /// So many inputs.
-    Executions(u64),
-    /// So long.
-    Time(Duration),
-}
-
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outcome {
@@ -40,23 +31,29 @@ pub fn corpus(folder: &Path) -> Vec<Vec<u8>> {
     let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
-    let seeds: Vec<_> = paths.iter().map(|path| std::fs::read(path).unwrap()).collect();
+    let seeds: Vec<_> = paths
+        .iter()
+        .map(|path| std::fs::read(path).unwrap())
+        .collect();
     assert!(!seeds.is_empty(), "{}: no seeds", folder.display());
     seeds
 }
 
-/// Runs the seeds themselves and mutations of them; inputs that panic are written to `failures`.
-pub fn fuzz(target: Target, seeds: &[Vec<u8>], seed: u64, amount: Amount, failures: &Path) -> Outcome {
+/// Runs the seeds themselves and mutations of them until `is_over` of the inputs so far and the time
+/// since the start; inputs that panic are written to `failures`.
+pub fn fuzz(
+    target: Target,
+    seeds: &[Vec<u8>],
+    seed: u64,
+    is_over: impl Fn(u64, Duration) -> bool,
+    failures: &Path,
+) -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let folder = scratch(target.name);
     let watchdog = Watchdog::start(target.name, failures);
     let start = Instant::now();
     let mut outcome = Outcome::default();
-    let is_over = |n: u64| match amount {
-        Amount::Executions(most) => n >= most,
-        Amount::Time(time) => start.elapsed() >= time,
-    };
-    while !is_over(outcome.n_executions) {
+    while !is_over(outcome.n_executions, start.elapsed()) {
         let input = match seeds.get(outcome.n_executions as usize) {
             Some(seed) => seed.clone(),
             None => mutated(seeds, &mut rng),
@@ -78,8 +75,7 @@ pub fn fuzz(target: Target, seeds: &[Vec<u8>], seed: u64, amount: Amount, failur
 /// A folder for files, in memory where the system has such a one.
 fn scratch(name: &str) -> tempfile::TempDir {
     let shm = Path::new("/dev/shm");
-    let builder = tempfile::Builder::new();
-    let mut builder = builder;
+    let mut builder = tempfile::Builder::new();
     builder.prefix(name);
     let made = match shm.is_dir() {
         true => builder.tempdir_in(shm).or_else(|_| tempfile::tempdir()),
@@ -138,7 +134,11 @@ impl Watchdog {
     }
 
     fn begin(&self, input: &[u8]) {
-        self.shared.input.lock().unwrap().clone_from(&input.to_vec());
+        self.shared
+            .input
+            .lock()
+            .unwrap()
+            .clone_from(&input.to_vec());
         let now = self.shared.start.elapsed().as_millis() as u64;
         self.shared.began_ms.store(now.max(1), Ordering::Relaxed);
     }
