@@ -16,6 +16,7 @@ mod docs;
 mod fixtures;
 mod frontier;
 mod fuzz;
+mod live;
 mod pipeline;
 mod repro;
 mod rig;

@@ -6,6 +6,7 @@ use hapdef_daq::DaqError;
 use hapdef_data::DataError;
 use hapdef_inverse::InverseError;
 use hapdef_kmax::KMaxError;
+use hapdef_live::LiveError;
 use hapdef_mesh::MeshError;
 use hapdef_nets::NetsError;
 use hapdef_rig::RigError;
@@ -75,14 +76,9 @@ pub enum HapdefError {
     /// Contacts by superposition could not be set up or found.
     #[error(transparent)]
     Inverse(#[from] InverseError),
-    /// A frame has another number of readings than there are gauges.
-    #[error("a frame of {found} readings, but the limb has {expected} gauges; one reading each")]
-    FrameLength {
-        /// Gauges.
-        expected: usize,
-        /// Readings.
-        found: usize,
-    },
+    /// A frame, a bundle or the runtime was refused.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// Contacts could not be scored.
     #[error(transparent)]
     Scoring(#[from] ScoringError),

@@ -194,8 +194,11 @@ impl Outlet {
 }
 
 impl SinkThread {
-    /// Waits for the thread until `deadline`; how it went.
+    /// Waits until `deadline` for the thread to take what waits and end; how it went.
     pub(super) fn end(self, deadline: Option<Instant>) -> SinkHealth {
+        // said already, unless the computing thread panicked
+        self.counts.end.store(true, Ordering::Release);
+        self.handle.thread().unpark();
         let is_late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         while !self.handle.is_finished() && !is_late() {
             std::thread::sleep(Duration::from_millis(1));

@@ -4,9 +4,11 @@ use std::io::Write;
 
 use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
+use crate::health::{Health, Latency};
 use crate::sink::{Delivery, LiveEvent, Sink, Wants};
 use crate::touch::TouchContact;
 
@@ -131,20 +133,47 @@ pub fn json_line(frame: &LiveFrame, line: &mut Vec<u8>) -> Result<(), AnyError> 
 
 /// An event in the same way; false for one that has no line.
 pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, AnyError> {
-    let (name, words) = match event {
-        LiveEvent::Hello(hello) => ("device", format!("{} channels", hello.channels.len())),
-        LiveEvent::Restarted => ("restarted", String::new()),
-        LiveEvent::Link(state) => ("link", state.to_string()),
-        LiveEvent::Log(text) => ("log", text.to_string()),
-        LiveEvent::Tared => ("tared", String::new()),
-        LiveEvent::Health(health) => ("health", health.to_string()),
+    let value = match event {
+        LiveEvent::Hello(hello) => json!({
+            "event": "device",
+            "n_channels": hello.channels.len(),
+            "rate_hz": f64::from(hello.rate_mhz) * 1e-3,
+        }),
+        LiveEvent::Restarted => json!({"event": "restarted"}),
+        LiveEvent::Link(state) => json!({"event": "link", "text": state.to_string()}),
+        LiveEvent::Log(text) => json!({"event": "log", "text": &**text}),
+        LiveEvent::Tared => json!({"event": "tared"}),
+        LiveEvent::Health(health) => health_value(health),
         LiveEvent::Status(_) => return Ok(false),
     };
     line.clear();
-    let value = serde_json::json!({"event": name, "text": words});
     serde_json::to_writer(&mut *line, &value)?;
     line.push(b'\n');
     Ok(true)
+}
+
+fn health_value(health: &Health) -> Value {
+    let times = |of: &Latency| json!({"p50": of.p50_us, "p99": of.p99_us, "max": of.max_us});
+    let second = &health.second;
+    json!({
+        "event": "health",
+        "text": health.to_string(),
+        "rate_hz": health.rate_hz,
+        "n_frames": health.n_frames,
+        "n_lost": health.n_lost,
+        "n_dropped": health.n_dropped,
+        "n_refused": health.n_refused,
+        "n_restarts": health.n_restarts,
+        "n_reconnects": health.n_reconnects,
+        "n_deadline_missed": health.n_deadline_missed,
+        "latency_us": {
+            "queue": times(&second.queue),
+            "conditioning": times(&second.conditioning),
+            "estimate": times(&second.estimate),
+            "sinks": times(&second.sinks),
+            "compute": times(&second.compute),
+        },
+    })
 }
 
 impl<'a> Line<'a> {
@@ -233,5 +262,7 @@ fn why_not_word(why: WhyNot) -> &'static str {
         WhyNot::SingularInformation => "singular_information",
         WhyNot::TiedExplanations => "tied_explanations",
         WhyNot::Misfit => "misfit",
+        WhyNot::Unchecked => "unchecked",
+        WhyNot::Noise => "noise",
     }
 }

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bundle;
 mod calibrate;
 mod calibrate_live;
 mod contacts;
@@ -9,6 +10,8 @@ mod doctor;
 mod export;
 mod inspect;
 mod limits;
+mod live;
+mod live_ros;
 mod place;
 mod plan;
 mod record;
@@ -18,7 +21,10 @@ mod rig;
 mod shell;
 mod shell_table;
 mod signals;
+mod sim;
 mod stage;
+mod truth;
+mod view;
 
 use std::path::PathBuf;
 
@@ -86,6 +92,10 @@ enum Command {
     Export(export::ExportArgs),
     /// Looks for what is in the way of good readings: ports, rights, rate, channels, disk.
     Doctor(doctor::DoctorArgs),
+    /// One file with everything that a robot needs to find contacts.
+    Bundle(bundle::BundleArgs),
+    /// Contacts from a stream of frames: a device, a recording.
+    Live(live::LiveArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -130,6 +140,8 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Recover(args) => recover::run(args),
         Command::Export(args) => export::run(args),
         Command::Doctor(args) => doctor::run(args),
+        Command::Bundle(args) => bundle::run(args),
+        Command::Live(args) => live::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
