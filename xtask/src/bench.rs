@@ -8,7 +8,7 @@ use anyhow::Result;
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
 use crate::verify::deck_of;
-use crate::{bench_nets, compare};
+use crate::{bench_nets, compare, live};
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -41,6 +41,8 @@ enum Subject {
     Nets,
     /// A frame by superposition: tracking, a cold pair, allocations.
     Inverse,
+    /// From a frame to its contacts through a pseudo-terminal at 1 kHz, against a bare reader.
+    Live,
 }
 
 /// `cargo xtask bench`.
@@ -48,6 +50,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     match args.what {
         Subject::Fe => fe(args),
         Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
+        Subject::Live => live::bench(args.scene.as_deref(), args.seed, &args.rest),
         Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
     }
 }

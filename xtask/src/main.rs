@@ -15,8 +15,10 @@ mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
+mod live;
 mod pipeline;
 mod repro;
+mod rig;
 mod search;
 mod soak;
 mod stability;
@@ -30,14 +32,15 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::pipeline::PipelineArgs;
+use crate::pipeline::{DemoArgs, PipelineArgs};
 
 /// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
     after_help = "Example:\n  cargo xtask demo --quick\n  \
-    cargo xtask demo --scene fixtures/shin/scene.json\n  cargo xtask ci"
+    cargo xtask demo --scene fixtures/shin/scene.json\n  \
+    cargo xtask demo --live\n  cargo xtask ci"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -46,8 +49,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Everything from the limb to the report with the paper's tables.
-    Demo(PipelineArgs),
+    /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
+    Demo(DemoArgs),
     /// The paper's tables and figures in full, with verdicts on its claims.
     Repro(repro::ReproArgs),
     /// The limb's compliance and the datasets only.
@@ -74,6 +77,8 @@ enum Task {
     Tactile(search::TactileArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
     Soak(soak::SoakArgs),
+    /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
+    Rig(rig::RigArgs),
     /// How many crates somebody compiles who takes one layer alone.
     Weight(weight::WeightArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
@@ -112,6 +117,7 @@ fn run(task: Task) -> Result<()> {
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
         Task::Soak(args) => soak::run(&args),
+        Task::Rig(args) => rig::run(&args),
         Task::Weight(args) => weight::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

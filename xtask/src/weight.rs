@@ -37,7 +37,7 @@ const LAYERS: [Layers; 3] = [
     },
     Layers {
         name: "robot",
-        packages: &["hapdef-daq", "hapdef-inverse"],
+        packages: &["hapdef-live"],
     },
 ];
 
@@ -176,7 +176,7 @@ mod tests {
         assert!(missing_rows(&page, &table(&[1, 2, 3])).unwrap().is_empty());
         let grown = table(&[1, 2, 4]);
         let missing = missing_rows(&page, &grown).unwrap();
-        assert_eq!(missing, ["| robot | hapdef-daq, hapdef-inverse | 4 |"]);
+        assert_eq!(missing, ["| robot | hapdef-live | 4 |"]);
         assert!(missing_rows("# A\n", &grown).is_err());
     }
 }

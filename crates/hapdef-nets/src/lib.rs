@@ -28,6 +28,7 @@ mod mlp;
 mod net;
 mod optimiser;
 mod params;
+mod rows;
 mod spec;
 #[cfg(feature = "train")]
 pub mod train;

@@ -79,6 +79,21 @@ impl Electronics {
         }
     }
 
+    /// Turns the strains of one frame, µε, into the converter's codes, both `[n_gauges]`; returns the
+    /// channels at an end of their range, a bit each for the first 64.
+    pub fn sample(&mut self, frame_ue: &[f64], codes: &mut [i32]) -> u64 {
+        let mut saturated = 0;
+        for channel in 0..frame_ue.len() {
+            let noise: f64 = StandardNormal.sample(&mut self.rng);
+            let volts = frame_ue[channel] + self.params.noise_ue * noise;
+            let (code, is_saturated) = self.code(channel, volts);
+            // In the range of 32 bits by the check of `adc_bits`.
+            codes[channel] = code as i32;
+            saturated |= u64::from(is_saturated && channel < 64) << (channel % 64);
+        }
+        saturated
+    }
+
     /// One step of the converter of `channel`, µε.
     #[must_use]
     pub fn resolution_ue(&self, channel: usize) -> f64 {
@@ -91,14 +106,18 @@ impl Electronics {
         self.n_saturated
     }
 
-    /// Two's-complement converter over ± full scale.
     fn convert(&mut self, channel: usize, reading_ue: f64) -> f64 {
-        let step = self.resolution_ue(channel);
+        self.code(channel, reading_ue).0 * self.resolution_ue(channel)
+    }
+
+    /// Two's-complement converter over ± full scale: its code, and whether the range has ended.
+    fn code(&mut self, channel: usize, reading_ue: f64) -> (f64, bool) {
         let half_range = 2.0_f64.powi(self.params.adc_bits as i32 - 1);
-        let code = (reading_ue / step).round();
+        let code = (reading_ue / self.resolution_ue(channel)).round();
         let clamped = code.clamp(-half_range, half_range - 1.0);
-        self.n_saturated += u64::from(clamped.total_cmp(&code).is_ne());
-        clamped * step
+        let is_saturated = clamped.total_cmp(&code).is_ne();
+        self.n_saturated += u64::from(is_saturated);
+        (clamped, is_saturated)
     }
 }
 

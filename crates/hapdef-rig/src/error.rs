@@ -52,4 +52,53 @@ pub enum RigError {
         /// Largest distance, mm.
         max_mm: f64,
     },
+    /// A surface that can't be pressed.
+    #[cfg(feature = "live")]
+    #[error("the limb's surface: {what}; make it from the limb's skin")]
+    Surface {
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A script that is no JSON of the right form.
+    #[cfg(feature = "live")]
+    #[error("at {path}: {source}; docs/rig.md lists every field")]
+    ScriptForm {
+        /// JSON path of the fault.
+        path: String,
+        /// What the JSON reader says.
+        source: serde_json::Error,
+    },
+    /// A value of a script is out of range or out of order.
+    #[cfg(feature = "live")]
+    #[error("at {path}: expected {expected}, found {found}; correct this field")]
+    Script {
+        /// JSON path of the value.
+        path: String,
+        /// What it must be.
+        expected: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// A fault that can't be made.
+    #[cfg(feature = "live")]
+    #[error("fault {found:?}: expected {expected}")]
+    Fault {
+        /// What was asked for.
+        found: String,
+        /// What can be.
+        expected: &'static str,
+    },
+    /// A port can't be had.
+    #[cfg(feature = "live")]
+    #[error("{port}: {source}; choose another one")]
+    Port {
+        /// Which.
+        port: String,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// HDP1 has no room for the device.
+    #[cfg(feature = "live")]
+    #[error(transparent)]
+    Daq(#[from] hapdef_daq::DaqError),
 }

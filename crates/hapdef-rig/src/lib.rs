@@ -6,11 +6,15 @@
 //! own. Entry points: [`RealLimb::build`] for the mechanics, [`Electronics`] for the readings,
 //! [`single_presses`] and [`double_presses`] for what the probing robot does.
 //!
-//! Knows nothing of estimators, networks, scenes or files.
+//! Feature `live`: the limb as a device that speaks HDP1, see the module `live`.
+//!
+//! Knows nothing of estimators, networks or scenes.
 
 mod electronics;
 mod error;
 mod field;
+#[cfg(feature = "live")]
+pub mod live;
 mod misplace;
 mod params;
 mod prober;

@@ -150,6 +150,23 @@ impl RealLimb {
             .collect())
     }
 
+    /// Gauge strains per newton along x, y and z under the tip at `position`, gains included,
+    /// `[n_gauges]`, µε/N.
+    ///
+    /// # Errors
+    /// As [`RealLimb::response_ue_per_n`].
+    pub fn columns_ue_per_n(&self, position: &Point3<f64>) -> Result<Vec<Vector3<f64>>, RigError> {
+        let along = |axis: Vector3<f64>| self.response_ue_per_n(position, &axis);
+        let (x, y, z) = (
+            along(Vector3::x())?,
+            along(Vector3::y())?,
+            along(Vector3::z())?,
+        );
+        Ok((0..self.gains.len())
+            .map(|gauge| Vector3::new(x[gauge], y[gauge], z[gauge]))
+            .collect())
+    }
+
     /// What building took.
     #[must_use]
     pub fn info(&self) -> &RealLimbInfo {

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use hapdef_daq::DaqError;
 use hapdef_data::DataError;
 use hapdef_inverse::InverseError;
 use hapdef_kmax::KMaxError;
+use hapdef_live::LiveError;
 use hapdef_mesh::MeshError;
 use hapdef_nets::NetsError;
 use hapdef_rig::RigError;
@@ -62,6 +64,9 @@ pub enum HapdefError {
     /// A dataset could not be written or read.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// Readings could not be acquired, recorded or played again.
+    #[error(transparent)]
+    Daq(#[from] DaqError),
     /// A net could not be trained or used.
     #[error(transparent)]
     Net(#[from] NetsError),
@@ -71,14 +76,9 @@ pub enum HapdefError {
     /// Contacts by superposition could not be set up or found.
     #[error(transparent)]
     Inverse(#[from] InverseError),
-    /// A frame has another number of readings than there are gauges.
-    #[error("a frame of {found} readings, but the limb has {expected} gauges; one reading each")]
-    FrameLength {
-        /// Gauges.
-        expected: usize,
-        /// Readings.
-        found: usize,
-    },
+    /// A frame, a bundle or the runtime was refused.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// Contacts could not be scored.
     #[error(transparent)]
     Scoring(#[from] ScoringError),

@@ -23,10 +23,13 @@ mod run;
 mod sampling;
 pub mod scene;
 mod scoring;
+pub mod session;
 pub mod shell_limb;
+mod source_args;
 pub mod stages;
 mod stats;
 pub mod touch;
+mod virtual_rig;
 
 pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};
@@ -45,4 +48,6 @@ pub use scoring::{
     ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
     score_lenient, score_one_to_one,
 };
+pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::ContactStats;
+pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};

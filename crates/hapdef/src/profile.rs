@@ -25,6 +25,10 @@ pub struct Profile {
     pub transfer: Schedule,
     /// Training of each F_R.
     pub reconstruction: Schedule,
+    /// Modes of the map that F_R is trained in, to be unfolded to all surface nodes after; 0 trains
+    /// the nodes themselves.
+    #[serde(default)]
+    pub output_modes: usize,
     /// Training of F_S.
     pub sensitivity: Schedule,
     /// Training of the direct net.
@@ -82,6 +86,7 @@ impl Profile {
             samples: Samples::Fixed,
             transfer: schedule(2_000, 1e-3),
             reconstruction: schedule(500, 5e-4),
+            output_modes: 0,
             sensitivity: schedule(2_000, 1e-3),
             direct: schedule(1_500, 1e-3),
             backend: TrainBackend::Slices,
@@ -108,6 +113,7 @@ impl Profile {
                 precision: TrainPrecision::Mixed,
                 ..schedule(12_000, 2e-3)
             },
+            output_modes: 512,
             sensitivity: schedule(10_000, 1e-3),
             direct: schedule(10_000, 1e-3),
             backend: TrainBackend::Slices,

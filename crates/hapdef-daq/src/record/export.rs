@@ -3,29 +3,42 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use super::recording::{Content, Recording};
+use serde_json::{Value, json};
+
+use super::recording::{Content, Record, Recording};
+use super::topics::hex;
 use crate::hdp1::{Hello, SampleFormat};
 use crate::{DaqError, Message};
 
-/// Writes every record as a line of JSON: topic, time and what it says. Returns the lines.
+/// Writes every record as a line of JSON ([`Record::json_line`]). Returns the lines.
 ///
 /// # Errors
 /// The recording can't be read on, or `out` not be written.
 pub fn export_json_lines(recording: &mut Recording, out: &mut impl Write) -> Result<u64, DaqError> {
     let mut n_lines = 0;
     while let Some(record) = recording.next_record()? {
-        let json = String::from_utf8_lossy(&record.json);
-        // The calibration may have been written over several lines.
-        let json = json.replace(['\n', '\r'], " ");
-        let (topic, time) = (record.topic.name(), record.log_time_ns);
-        writeln!(
-            out,
-            "{{\"topic\":\"{topic}\",\"log_time_ns\":{time},\"message\":{json}}}"
-        )
-        .map_err(write_error)?;
+        writeln!(out, "{}", record.json_line()).map_err(write_error)?;
         n_lines += 1;
     }
     Ok(n_lines)
+}
+
+impl Record {
+    /// The record as a line of JSON: topic, time and what it says; of a further topic whose messages
+    /// are no JSON the name of its schema and its bytes in hexadecimal.
+    #[must_use]
+    pub fn json_line(&self) -> String {
+        let json = match &self.content {
+            Content::Further(topic) if topic.message_encoding != "json" => {
+                let bytes = json!({"schema": topic.schema_name, "hex": hex(&self.bytes)});
+                bytes.to_string()
+            }
+            // The calibration may have been written over several lines.
+            _ => String::from_utf8_lossy(&self.bytes).replace(['\n', '\r'], " "),
+        };
+        let (topic, time) = (Value::from(self.topic()), self.log_time_ns);
+        format!("{{\"topic\":{topic},\"log_time_ns\":{time},\"message\":{json}}}")
+    }
 }
 
 /// Writes the frames as a table: time, number, what is missing before, and a column a channel, as

@@ -9,7 +9,8 @@ use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{WriteOptions, Writer};
 
-use super::topics::{TOPICS, Topic};
+use super::further::{TopicDef, channel_of, is_ros2};
+use super::topics::TOPICS;
 
 /// A chunk is closed when it is larger; with one message more it is still below 256 KiB.
 const CHUNK_LEN: u64 = 192 << 10;
@@ -24,7 +25,19 @@ pub(crate) struct RecordFile {
 }
 
 impl RecordFile {
-    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+    /// A new file with the readings' own topics and these.
+    pub(crate) fn create(path: &Path, further: &[TopicDef]) -> io::Result<Self> {
+        let is_bag = is_ros2(further);
+        let mut new = Self::with_own_topics(path, is_bag)?;
+        for (i, topic) in further.iter().enumerate() {
+            new.define(channel_of(i), topic)?;
+        }
+        new.flush()?;
+        Ok(new)
+    }
+
+    /// A new file with the readings' own topics: those go without schemas in a bag of ROS 2.
+    pub(crate) fn with_own_topics(path: &Path, is_bag: bool) -> io::Result<Self> {
         let file = OpenOptions::new()
             .write(true)
             .create(true)
@@ -35,49 +48,68 @@ impl RecordFile {
             .compression(None)
             .chunk_size(Some(CHUNK_LEN))
             .disable_seeking(true)
+            .profile(if is_bag { "ros2" } else { "" })
             .library(concat!("hapdef-daq ", env!("CARGO_PKG_VERSION")));
         let mut writer = options.create(NoSeek::new(buffered)).map_err(other)?;
         for topic in TOPICS {
             let (name, schema) = topic.schema();
-            let schema_id = topic.id();
+            let schema_id = if is_bag { 0 } else { topic.id() };
+            if schema_id > 0 {
+                writer
+                    .add_schema_with_id(schema_id, name, "jsonschema", schema.as_bytes())
+                    .map_err(other)?;
+            }
+            let nothing = BTreeMap::new();
             writer
-                .add_schema_with_id(schema_id, name, "jsonschema", schema.as_bytes())
-                .and_then(|_| {
-                    let nothing = BTreeMap::new();
-                    writer.add_channel_with_id(
-                        topic.id(),
-                        schema_id,
-                        topic.name(),
-                        "json",
-                        &nothing,
-                    )
-                })
+                .add_channel_with_id(topic.id(), schema_id, topic.name(), "json", &nothing)
                 .map_err(other)?;
         }
-        let mut new = Self {
+        Ok(Self {
             writer,
             file,
             good_len: 0,
+        })
+    }
+
+    /// Says what a further channel's messages are; saying it again changes nothing.
+    pub(crate) fn define(&mut self, channel: u16, topic: &TopicDef) -> io::Result<()> {
+        let schema_id = if topic.schema_encoding.is_empty() {
+            0
+        } else {
+            self.writer
+                .add_schema(
+                    &topic.schema_name,
+                    &topic.schema_encoding,
+                    topic.schema.as_bytes(),
+                )
+                .map_err(other)?
         };
-        new.flush()?;
-        Ok(new)
+        let nothing = BTreeMap::new();
+        let added = self.writer.add_channel_with_id(
+            channel,
+            schema_id,
+            &topic.name,
+            &topic.message_encoding,
+            &nothing,
+        );
+        added.map(|_| ()).map_err(other)
     }
 
     pub(crate) fn write(
         &mut self,
-        topic: Topic,
+        channel: u16,
         sequence: u32,
         log_time: u64,
-        json: &[u8],
+        message: &[u8],
     ) -> io::Result<()> {
         let header = MessageHeader {
-            channel_id: topic.id(),
+            channel_id: channel,
             sequence,
             log_time,
             publish_time: log_time,
         };
         self.writer
-            .write_to_known_channel(&header, json)
+            .write_to_known_channel(&header, message)
             .map_err(other)
     }
 

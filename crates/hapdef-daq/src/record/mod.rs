@@ -7,6 +7,8 @@
 
 mod export;
 mod file;
+mod further;
+mod params;
 mod recording;
 mod recover;
 mod scan;
@@ -14,7 +16,9 @@ mod topics;
 mod writer;
 
 pub use export::{export_csv, export_json_lines};
+pub use further::{MAX_MESSAGE_LEN, TopicDef, TopicWriter};
+pub use params::{RecordInfo, RecordParams, RecordStats};
 pub use recording::{Content, Record, Recording};
 pub use recover::{RecoverInfo, recover};
 pub use scan::DamageInfo;
-pub use writer::{RecordInfo, RecordParams, RecordStats, Recorder, record};
+pub use writer::{Recorder, record};

@@ -3,11 +3,15 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::further::{Definitions, TopicDef};
 use super::scan::{ChunkScanner, DamageInfo, next_record};
 use super::topics::{Topic, read_device, read_frame};
 use crate::{DaqError, Message};
 
+const SCHEMA: u8 = 0x03;
+const CHANNEL: u8 = 0x04;
 const MESSAGE: u8 = 0x05;
 /// Channel, sequence, two times.
 const MESSAGE_FIELDS_LEN: usize = 2 + 4 + 8 + 8;
@@ -19,10 +23,11 @@ pub struct Record {
     pub log_time_ns: u64,
     /// What it says.
     pub content: Content,
+    /// The message as it is in the file: JSON, unless the topic is a further one that says
+    /// otherwise.
+    pub bytes: Vec<u8>,
     /// Channel number in the file.
-    pub(crate) topic: Topic,
-    /// The JSON as it is in the file.
-    pub(crate) json: Vec<u8>,
+    pub(crate) channel: u16,
 }
 
 /// What a record says.
@@ -36,7 +41,9 @@ pub enum Content {
     Message(Message),
     /// The calibration record, JSON.
     Calibration(Vec<u8>),
-    /// JSON that says something this version doesn't know.
+    /// A message of a further topic.
+    Further(Arc<TopicDef>),
+    /// Something this version doesn't know, or of a channel whose definition is lost.
     Other,
 }
 
@@ -46,6 +53,8 @@ pub struct Recording {
     scanner: ChunkScanner<File>,
     chunk: Vec<u8>,
     records: VecDeque<Record>,
+    definitions: Definitions,
+    n_undefined: u64,
 }
 
 impl Recording {
@@ -64,6 +73,8 @@ impl Recording {
             scanner: ChunkScanner::new(file),
             chunk: Vec::new(),
             records: VecDeque::new(),
+            definitions: Definitions::default(),
+            n_undefined: 0,
         })
     }
 
@@ -82,7 +93,7 @@ impl Recording {
             if !more {
                 return Ok(None);
             }
-            take_records(&self.chunk, &mut self.records);
+            self.take_records();
         }
         Ok(self.records.pop_front())
     }
@@ -103,35 +114,72 @@ impl Recording {
     pub fn damage(&self) -> DamageInfo {
         self.scanner.info()
     }
-}
 
-fn take_records(mut chunk: &[u8], into: &mut VecDeque<Record>) {
-    while let Some((op, content, rest)) = next_record(chunk) {
-        if op == MESSAGE {
-            into.extend(record(content));
+    /// True if the records so far are those of a bag of ROS 2.
+    pub(crate) fn is_ros2(&self) -> bool {
+        self.definitions.is_ros2()
+    }
+
+    /// Messages so far whose channel's definition is lost, so that nobody can read them.
+    pub(crate) fn n_undefined(&self) -> u64 {
+        self.n_undefined
+    }
+
+    fn take_records(&mut self) {
+        let mut chunk = &self.chunk[..];
+        while let Some((op, content, rest)) = next_record(chunk) {
+            match op {
+                MESSAGE => match record(content, &mut self.definitions) {
+                    Some(record) => self.records.push_back(record),
+                    None => self.n_undefined += 1,
+                },
+                SCHEMA | CHANNEL => self.definitions.take(op, content),
+                _ => {}
+            }
+            chunk = rest;
         }
-        chunk = rest;
     }
 }
 
-fn record(content: &[u8]) -> Option<Record> {
+/// A message's record; none if its channel is not known.
+fn record(content: &[u8], definitions: &mut Definitions) -> Option<Record> {
     let (fields, json) = content.split_at_checked(MESSAGE_FIELDS_LEN)?;
-    let topic = Topic::of(u16::from_le_bytes([fields[0], fields[1]]))?;
+    let channel = u16::from_le_bytes([fields[0], fields[1]]);
     let log_time_ns = u64::from_le_bytes(fields[6..14].try_into().ok()?);
-    let message = match topic {
-        Topic::Gauges => read_frame(json).map(Message::Frame),
-        Topic::Device => read_device(json),
-        Topic::Calibration => None,
-    };
-    let content = match (topic, message) {
-        (Topic::Calibration, _) => Content::Calibration(json.to_vec()),
-        (_, Some(message)) => Content::Message(message),
-        (_, None) => Content::Other,
+    let content = match Topic::of(channel) {
+        Some(topic) => own_content(topic, json, definitions),
+        None => Content::Further(Arc::clone(definitions.topic(channel)?)),
     };
     Some(Record {
         log_time_ns,
         content,
-        topic,
-        json: json.to_vec(),
+        bytes: json.to_vec(),
+        channel,
     })
+}
+
+fn own_content(topic: Topic, json: &[u8], definitions: &mut Definitions) -> Content {
+    let message = match topic {
+        Topic::Calibration => return Content::Calibration(json.to_vec()),
+        Topic::Gauges => read_frame(json).map(Message::Frame),
+        Topic::Device => read_device(json),
+    };
+    if message.is_none()
+        && topic == Topic::Device
+        && let Ok(session) = serde_json::from_slice(json)
+    {
+        definitions.take_json(&session);
+    }
+    message.map_or(Content::Other, Content::Message)
+}
+
+impl Record {
+    /// Name of its topic.
+    #[must_use]
+    pub fn topic(&self) -> &str {
+        match &self.content {
+            Content::Further(topic) => &topic.name,
+            _ => Topic::of(self.channel).map_or("", Topic::name),
+        }
+    }
 }

@@ -16,6 +16,8 @@ pub struct RecoverInfo {
     pub n_records: u64,
     /// Frames among them.
     pub n_frames: u64,
+    /// Messages of further topics that are whole, but nothing says any more how to read them.
+    pub n_undefined: u64,
     /// Packets that were recorded, going by the numbers, but are gone.
     pub n_missing: u64,
     /// Places where packets are gone.
@@ -43,10 +45,16 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
     while let Some(record) = recording.next_record()? {
         let out = match &mut out {
             Some(out) => out,
-            none => none.insert(RecordFile::create(&partial).map_err(file_error)?),
+            none => {
+                let new = RecordFile::with_own_topics(&partial, recording.is_ros2());
+                none.insert(new.map_err(file_error)?)
+            }
         };
+        if let Content::Further(topic) = &record.content {
+            out.define(record.channel, topic).map_err(file_error)?;
+        }
         let sequence = info.n_records as u32;
-        out.write(record.topic, sequence, record.log_time_ns, &record.json)
+        out.write(record.channel, sequence, record.log_time_ns, &record.bytes)
             .map_err(file_error)?;
         info.n_records += 1;
         match record.content {
@@ -59,6 +67,7 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
         }
     }
     info.damage = recording.damage();
+    info.n_undefined = recording.n_undefined();
     let out = out.ok_or_else(|| DaqError::NothingToRecover {
         path: from.to_owned(),
         n_bytes: info.damage.n_bytes,
@@ -73,7 +82,7 @@ impl RecoverInfo {
     /// Exit code for a program that recovers: 0 if nothing is missing, 1 if something is.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
-        let is_whole = self.n_missing == 0 && self.damage.n_damaged == 0;
+        let is_whole = self.n_missing + self.n_undefined + self.damage.n_damaged == 0;
         u8::from(!is_whole)
     }
 

@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 use arc_swap::ArcSwapOption;
 
 use super::file::{RecordFile, partial_path, rename};
+use super::further::{Puts, QUEUE_LEN, TopicWriter, queue, topics_json};
+use super::params::{RecordInfo, RecordParams, RecordStats};
 use super::topics::{Topic, device_json, write_frame};
 use crate::clock::HostClock;
 use crate::{DaqError, Message, Receiver};
@@ -23,63 +25,11 @@ const FLUSH: Duration = Duration::from_millis(80);
 const SYNC: Duration = Duration::from_millis(100);
 const SPACE_CHECK: Duration = Duration::from_secs(1);
 
-/// How a recording is made.
-#[derive(Clone)]
-pub struct RecordParams {
-    /// The calibration in use, a JSON object, kept as it is.
-    pub calibration: Option<Vec<u8>>,
-    /// What is recorded, in words: the name of the source.
-    pub source: String,
-    /// The clocks that the source uses, too.
-    pub clock: Arc<dyn HostClock>,
-    /// Bytes of the disk that have to stay free.
-    pub min_free_bytes: u64,
-}
-
-impl Default for RecordParams {
-    /// No calibration, the system's clocks, 64 MiB free.
-    fn default() -> Self {
-        Self {
-            calibration: None,
-            source: String::new(),
-            clock: Arc::new(crate::clock::SystemClock),
-            min_free_bytes: 64 << 20,
-        }
-    }
-}
-
-/// How a recording is going.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct RecordStats {
-    /// Frames handed to the operating system.
-    pub n_frames: u64,
-    /// Bytes handed to the operating system.
-    pub n_bytes: u64,
-    /// Frames that were dropped before they came here: the disk was too slow for too long.
-    pub n_dropped: u64,
-    /// Longest time from one flush to the next.
-    pub worst_flush: Duration,
-    /// Why the recording stopped, if it did.
-    pub fault: Option<Arc<str>>,
-}
-
-/// A finished recording.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RecordInfo {
-    /// Its file.
-    pub path: PathBuf,
-    /// Frames in it.
-    pub n_frames: u64,
-    /// Bytes of it.
-    pub n_bytes: u64,
-    /// Frames that were dropped before they came here.
-    pub n_dropped: u64,
-}
-
 /// A recording under way. Dropping it finishes the file, and an error is lost then.
 pub struct Recorder {
     path: PathBuf,
     shared: Arc<Shared>,
+    topics: TopicWriter,
     writer: Option<JoinHandle<io::Result<u64>>>,
     syncer: Option<JoinHandle<()>>,
 }
@@ -91,6 +41,8 @@ struct Shared {
     n_frames: AtomicU64,
     n_bytes: AtomicU64,
     n_dropped: AtomicU64,
+    n_messages: AtomicU64,
+    n_messages_dropped: AtomicU64,
     worst_flush_us: AtomicU64,
     fault: ArcSwapOption<String>,
 }
@@ -98,6 +50,8 @@ struct Shared {
 /// What the writer's thread holds.
 struct Writing {
     receiver: Receiver,
+    puts: Puts,
+    has_topics: bool,
     file: RecordFile,
     partial: PathBuf,
     min_free_bytes: u64,
@@ -108,6 +62,7 @@ struct Writing {
     json: String,
     sequence: u32,
     n_frames: u64,
+    n_messages: u64,
 }
 
 /// Starts recording to `path`, named `….partial.mcap` until it is finished.
@@ -125,22 +80,25 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     check_calibration(params.calibration.as_deref())?;
     let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
     check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
-    let file = RecordFile::create(&partial).map_err(file_error)?;
+    let file = RecordFile::create(&partial, &params.topics).map_err(file_error)?;
     let handle = file.handle().map_err(file_error)?;
+    let wall_offset_ns = params.clock.wall_ns().wrapping_sub(params.clock.now_ns());
+    let (topics, puts) = queue(wall_offset_ns);
     let mut writing = Writing {
         receiver,
+        puts,
+        has_topics: !params.topics.is_empty(),
         file,
         partial: partial.clone(),
         min_free_bytes: params.min_free_bytes,
-        wall_offset_ns: params.clock.wall_ns().wrapping_sub(params.clock.now_ns()),
-        clock: params.clock,
+        wall_offset_ns,
+        clock: Arc::clone(&params.clock),
         json: String::new(),
         sequence: 0,
         n_frames: 0,
+        n_messages: 0,
     };
-    writing
-        .open(&params.source, params.calibration.as_deref())
-        .map_err(file_error)?;
+    writing.open(&params).map_err(file_error)?;
     let shared = Arc::new(Shared::default());
     let (for_writer, for_syncer) = (Arc::clone(&shared), Arc::clone(&shared));
     let writer = thread("hapdef-record", move || writing.run(&for_writer))?;
@@ -148,6 +106,7 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     Ok(Recorder {
         path: path.to_owned(),
         shared,
+        topics,
         writer: Some(writer),
         syncer: Some(syncer),
     })
@@ -162,6 +121,8 @@ impl Recorder {
             n_frames: count(&self.shared.n_frames),
             n_bytes: count(&self.shared.n_bytes),
             n_dropped: count(&self.shared.n_dropped),
+            n_messages: count(&self.shared.n_messages),
+            n_messages_dropped: count(&self.shared.n_messages_dropped),
             worst_flush: Duration::from_micros(count(&self.shared.worst_flush_us)),
             fault: self
                 .shared
@@ -170,6 +131,12 @@ impl Recorder {
                 .as_deref()
                 .map(|s| s.as_str().into()),
         }
+    }
+
+    /// Writes the further topics of [`RecordParams::topics`].
+    #[must_use]
+    pub fn topics(&self) -> TopicWriter {
+        self.topics.clone()
     }
 
     /// Writes what has been received, ends the file and gives it its name.
@@ -191,6 +158,8 @@ impl Recorder {
             n_frames: stats.n_frames,
             n_bytes: n_bytes.map_err(fault)?,
             n_dropped: stats.n_dropped,
+            n_messages: stats.n_messages,
+            n_messages_dropped: stats.n_messages_dropped,
         })
     }
 
@@ -218,16 +187,19 @@ impl Drop for Recorder {
 
 impl Writing {
     /// The first records: what this is, and the calibration.
-    fn open(&mut self, source: &str, calibration: Option<&[u8]>) -> io::Result<()> {
+    fn open(&mut self, params: &RecordParams) -> io::Result<()> {
         let now_ns = self.clock.now_ns();
-        let session = serde_json::json!({
+        let mut session = serde_json::json!({
             "kind": "session",
-            "source": source,
+            "source": params.source,
             "t_host_ns": now_ns,
             "t_wall_ns": now_ns.wrapping_add(self.wall_offset_ns),
         });
+        if !params.topics.is_empty() {
+            session["topics"] = topics_json(&params.topics);
+        }
         self.put(Topic::Device, now_ns, session.to_string().as_bytes())?;
-        if let Some(json) = calibration {
+        if let Some(json) = params.calibration.as_deref() {
             self.put(Topic::Calibration, now_ns, json)?;
         }
         self.file.flush()
@@ -263,6 +235,9 @@ impl Writing {
                     self.receiver.try_recv()
                 };
             }
+            // A source that has ended leaves whoever computes from its frames time to catch up.
+            let is_idle = is_drained && has_ended && !is_last && self.has_topics;
+            self.further(if is_idle { FLUSH } else { Duration::ZERO })?;
             if flushed.elapsed() >= FLUSH || is_last {
                 self.file.flush()?;
                 self.count(shared, flushed.elapsed());
@@ -272,7 +247,7 @@ impl Writing {
                 checked = Instant::now();
                 check_space(&self.partial, self.min_free_bytes).map_err(io::Error::other)?;
             }
-            if is_drained && (is_last || has_ended) {
+            if is_drained && (is_last || (has_ended && !self.has_topics)) {
                 self.file.flush()?;
                 self.count(shared, Duration::ZERO);
                 return Ok(());
@@ -302,10 +277,29 @@ impl Writing {
         }
     }
 
+    /// The messages of further topics that wait.
+    fn further(&mut self, wait: Duration) -> io::Result<()> {
+        let mut next = match wait {
+            Duration::ZERO => self.puts.receiver.try_recv().ok(),
+            wait => self.puts.receiver.recv_timeout(wait).ok(),
+        };
+        for _ in 0..QUEUE_LEN {
+            let Some(put) = next else { break };
+            self.write(put.channel, put.log_time_ns, &put.message)?;
+            self.n_messages += 1;
+            next = self.puts.receiver.try_recv().ok();
+        }
+        Ok(())
+    }
+
     fn put(&mut self, topic: Topic, t_host_ns: u64, json: &[u8]) -> io::Result<()> {
         let log_time = t_host_ns.wrapping_add(self.wall_offset_ns);
+        self.write(topic.id(), log_time, json)
+    }
+
+    fn write(&mut self, channel: u16, log_time: u64, message: &[u8]) -> io::Result<()> {
         self.sequence = self.sequence.wrapping_add(1);
-        self.file.write(topic, self.sequence, log_time, json)
+        self.file.write(channel, self.sequence, log_time, message)
     }
 
     fn count(&self, shared: &Shared, flush: Duration) {
@@ -315,6 +309,11 @@ impl Writing {
         shared
             .n_dropped
             .store(self.receiver.n_dropped(), Ordering::Relaxed);
+        shared.n_messages.store(self.n_messages, Ordering::Relaxed);
+        let n_dropped = self.puts.n_dropped.load(Ordering::Relaxed);
+        shared
+            .n_messages_dropped
+            .store(n_dropped, Ordering::Relaxed);
         shared.worst_flush_us.fetch_max(us, Ordering::Relaxed);
     }
 }

@@ -19,7 +19,7 @@ use std::time::Duration;
 pub use fault::{LinkFault, LinkState};
 pub use memory::{MemoryDevice, MemoryLink, memory_link};
 #[cfg(feature = "serial")]
-pub use ports::{PortInfo, serial_ports};
+pub use ports::{PortInfo, permission_remedy, serial_ports};
 pub use replay::ReplaySource;
 #[cfg(feature = "serial")]
 pub use serial::{SerialLink, SerialParams};
@@ -41,6 +41,20 @@ pub trait FrameSource: Send {
 
     /// What it is, in words: a path, an address.
     fn name(&self) -> String;
+}
+
+impl<S: FrameSource + ?Sized> FrameSource for Box<S> {
+    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
+        (**self).poll(timeout, sink)
+    }
+
+    fn stats(&self) -> SourceStats {
+        (**self).stats()
+    }
+
+    fn name(&self) -> String {
+        (**self).name()
+    }
 }
 
 /// Whether a source may say more.

@@ -44,7 +44,8 @@ fn ports_in(dev: &Path) -> Vec<PortInfo> {
 }
 
 /// What to do when a port may not be opened: the group that owns it, and the udev rule.
-pub(crate) fn permission_remedy(path: &str) -> String {
+#[must_use]
+pub fn permission_remedy(path: &str) -> String {
     let gid = std::fs::metadata(path).map(|data| data.gid());
     let group = gid.ok().and_then(|gid| {
         let groups = std::fs::read_to_string("/etc/group").unwrap_or_default();

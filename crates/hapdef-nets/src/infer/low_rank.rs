@@ -1,12 +1,10 @@
 //! A layer as two thinner ones.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
 use crate::error::{NetsError, check_length};
 use crate::forward::Scratch;
 use crate::mlp::{Layer, Mlp};
 use crate::net::Net;
+use crate::rows::{Rows, axpy, dot};
 
 /// Rounds of the subspace iteration; each multiplies the share of what is left out by the square of
 /// the ratio of the singular values.
@@ -88,11 +86,16 @@ impl LowRank {
         let mean_f32: Vec<f32> = mean.iter().map(|&m| m as f32).collect();
         let (mut low_rank, info) = Self::onto(layer, &scaled, &sums, mean_f32, rank)?;
         let expand = &mut low_rank.expand;
+        // An output that never varied has the unit 0, and is its mean whatever its sum.
+        let per = |v: f32, u: f64| match u > 0.0 {
+            true => (f64::from(v) / u) as f32,
+            false => 0.0,
+        };
         for (row, u) in expand.weights.chunks_exact_mut(rank).zip(&unit) {
-            row.iter_mut().for_each(|w| *w = (f64::from(*w) / u) as f32);
+            row.iter_mut().for_each(|w| *w = per(*w, *u));
         }
         for (bias, u) in expand.bias.iter_mut().zip(&unit) {
-            *bias = (f64::from(*bias) / u) as f32;
+            *bias = per(*bias, *u);
         }
         Ok((low_rank, info))
     }
@@ -149,60 +152,10 @@ impl LowRank {
     }
 }
 
-/// A matrix by rows, f64.
-struct Rows {
-    n: usize,
-    width: usize,
-    values: Vec<f64>,
-}
-
-impl Rows {
-    fn new(n: usize, width: usize) -> Self {
-        Self {
-            n,
-            width,
-            values: vec![0.0; n * width],
-        }
-    }
-
-    fn row(&self, i: usize) -> &[f64] {
-        &self.values[i * self.width..(i + 1) * self.width]
-    }
-
-    fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.values[i * self.width..(i + 1) * self.width]
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks_exact(self.width)
-    }
-
-    fn iter_mut(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        self.values.chunks_exact_mut(self.width)
-    }
-
-    /// Takes the mean row off every row and returns it.
-    fn centre(&mut self) -> Vec<f64> {
-        let mut mean = vec![0.0; self.width];
-        for row in self.iter() {
-            axpy(1.0 / self.n as f64, row.iter().copied(), &mut mean);
-        }
-        for row in self.iter_mut() {
-            axpy(-1.0, mean.iter().copied(), row);
-        }
-        mean
-    }
-}
-
 /// Orthonormal modes `[rank, width]` that span the first right singular vectors of `rows`, by
 /// subspace iteration (G. Golub and C. Van Loan, Matrix Computations, 4th ed., section 8.2.4).
 fn modes(rows: &Rows, rank: usize) -> Rows {
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let mut modes = Rows::new(rank, rows.width);
-    for value in &mut modes.values {
-        *value = f64::from(rng.next_u32()) / f64::from(u32::MAX) - 0.5;
-    }
-    orthonormalise(&mut modes);
+    let mut modes = Rows::random_orthonormal(rank, rows.width);
     for _ in 0..ROUNDS {
         let mut next = Rows::new(rank, rows.width);
         for row in rows.iter() {
@@ -212,32 +165,9 @@ fn modes(rows: &Rows, rank: usize) -> Rows {
             }
         }
         modes = next;
-        orthonormalise(&mut modes);
+        modes.orthonormalise();
     }
     modes
-}
-
-/// Gram–Schmidt, twice, which is enough; a row that depends on those before it becomes 0.
-fn orthonormalise(rows: &mut Rows) {
-    let width = rows.width;
-    for i in 0..rows.n {
-        let (before, rest) = rows.values.split_at_mut(i * width);
-        let row = &mut rest[..width];
-        let whole = dot(row, row).sqrt();
-        for _ in 0..2 {
-            for other in before.chunks_exact(width) {
-                let share = dot(other, row);
-                axpy(-share, other.iter().copied(), row);
-            }
-        }
-        let length = dot(row, row).sqrt();
-        let inverse = if length > 1e-12 * whole {
-            1.0 / length
-        } else {
-            0.0
-        };
-        row.iter_mut().for_each(|v| *v *= inverse);
-    }
 }
 
 fn left_out(rows: &Rows, modes: &Rows) -> f64 {
@@ -267,11 +197,7 @@ fn sums_of(net: &Net, layer: usize, x: &[f32]) -> Result<Rows, NetsError> {
     net.input_scale().apply(&mut standardised);
     let mut out = vec![0.0; n * head.spec().outputs];
     head.forward_batch(&standardised, &mut Scratch::default(), &mut out)?;
-    Ok(Rows {
-        n,
-        width: head.spec().outputs,
-        values: out.iter().map(|&v| f64::from(v)).collect(),
-    })
+    Ok(Rows::of(n, head.spec().outputs, &out))
 }
 
 /// The layer with its outputs in other units.
@@ -300,23 +226,4 @@ fn check_rank(rank: usize, most: usize) -> Result<(), NetsError> {
         return Ok(());
     }
     Err(NetsError::Rank { rank, most })
-}
-
-/// Sum of products in eight independent sums, which the compiler turns to vectors.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, a_rest) = a.as_chunks::<8>();
-    let (b, b_rest) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for l in 0..8 {
-            sums[l] += a[l] * b[l];
-        }
-    }
-    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b);
-    sums.iter().sum::<f64>() + rest.sum::<f64>()
-}
-
-/// `y ← y + s x`.
-fn axpy(s: f64, x: impl Iterator<Item = f64>, y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += s * x);
 }

@@ -18,12 +18,15 @@ mod candle_network;
 mod clock;
 mod engine;
 mod gemm32;
+mod learned;
 mod network;
+mod output_modes;
 mod products;
 mod run;
 mod same;
 mod source;
 mod view;
 
+pub use output_modes::{InModes, OutputModes};
 pub use run::{Progress, TrainInfo, resume, train, validation_loss};
 pub use source::{BatchSource, MemorySource, SourceError};

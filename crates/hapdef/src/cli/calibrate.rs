@@ -7,13 +7,15 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::stages::real_limb;
 use hapdef::touch::{Calibration, PressQuality, response_map};
-use hapdef::{Limb, SceneArgs};
+use hapdef::{Limb, Run, SceneArgs};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use hapdef_rig::{Electronics, ElectronicsParams};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
+
+use super::calibrate_live::{LiveArgs, calibrate_live};
 
 /// Least force of a press on the simulated rig, N: less says little.
 const LEAST_N: f64 = 2.0;
@@ -37,32 +39,35 @@ pub(crate) struct ProbeArgs {
 }
 
 #[derive(Args)]
-#[command(after_help = "Example:\n  \
-    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n\n\
+#[command(after_help = "Examples:\n  \
+    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n  \
+    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json --live /dev/ttyACM0\n\n\
     The table has a press a line: x_m, y_m, z_m, force_n, then the tared reading of each gauge in \
     µε; a first line of names is allowed. Name the result in the scene: estimator.calibration.")]
 pub(crate) struct CalibrateArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// The table of presses.
-    table: PathBuf,
+    pub(super) table: PathBuf,
     /// The file to write.
     calibration: PathBuf,
     /// Standard deviation of a reading's noise, µε, quantisation included.
     #[arg(long, default_value_t = 1.0)]
-    noise_ue: f64,
+    pub(super) noise_ue: f64,
     /// Standard deviation of a press's position along the skin, mm.
     #[arg(long, default_value_t = 0.0)]
-    position_sd_mm: f64,
+    pub(super) position_sd_mm: f64,
     /// Standard deviation of a press's force, N.
     #[arg(long, default_value_t = 0.0)]
-    force_sd_n: f64,
+    pub(super) force_sd_n: f64,
     /// Farthest a press may lie from the skin, mm.
     #[arg(long, default_value_t = 2.0)]
     off_skin_mm: f64,
     /// Print the figures as JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    pub(super) live: LiveArgs,
 }
 
 /// Presses the scene's simulated rig and writes the table.
@@ -119,15 +124,10 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let map = response_map(&limb, run.scene.contact.tip_radius_m, run.threads)?;
-    let presses = read_presses(args, map.skin(), limb.gauges.len())?;
-    let quality = PressQuality {
-        noise_ue: args.noise_ue,
-        position_sd_m: args.position_sd_mm * 1e-3,
-        force_sd_n: args.force_sd_n,
+    let (calibration, info) = match args.live.port() {
+        Some(port) => calibrate_live(args, port, &run, &limb)?,
+        None => from_table(args, &run, &limb)?,
     };
-    run.say(&format!("calibrating with {} presses", presses.len()));
-    let (calibration, info) = Calibration::fit(&run, &limb, &presses, &quality, 800)?;
     calibration.write(&args.calibration)?;
     if args.json {
         println!("{}", as_json(&calibration, &info));
@@ -135,6 +135,22 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
         print(&calibration, &info, &args.calibration);
     }
     Ok(())
+}
+
+fn from_table(
+    args: &CalibrateArgs,
+    run: &Run,
+    limb: &Limb,
+) -> Result<(Calibration, CalibrationInfo)> {
+    let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
+    let presses = read_presses(args, map.skin(), limb.gauges.len())?;
+    let quality = PressQuality {
+        noise_ue: args.noise_ue,
+        position_sd_m: args.position_sd_mm * 1e-3,
+        force_sd_n: args.force_sd_n,
+    };
+    run.say(&format!("calibrating with {} presses", presses.len()));
+    Ok(Calibration::fit(run, limb, &presses, &quality, 800)?)
 }
 
 fn header(n_gauges: usize) -> String {

@@ -4,12 +4,12 @@ use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use hapdef_mesh::{SolidDeck, read_deck};
+use hapdef_mesh::{PointField, PointValues, SolidDeck, read_deck, write_vtu};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
 /// Solves the deck's own load and prints what an FE engineer would look at first.
-pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
+pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -> Result<()> {
     let deck = read_deck(file)?;
     let material = deck
         .material
@@ -58,6 +58,14 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>) -> Result<()> {
     );
     if let Some(reference) = reference {
         compare(&deck, &displacement, reference)?;
+    }
+    if let Some(path) = vtu {
+        let field = PointField {
+            name: "displacement_m",
+            values: PointValues::Vectors(&displacement),
+        };
+        write_vtu(path, &deck.mesh, &[field])?;
+        println!("displacement in  {}", path.display());
     }
     Ok(())
 }

@@ -1,16 +1,29 @@
 //! The command line.
 
+mod bundle;
 mod calibrate;
+mod calibrate_live;
 mod contacts;
 mod converge;
 mod deck;
+mod doctor;
+mod export;
 mod inspect;
 mod limits;
+mod live;
 mod place;
 mod plan;
+mod record;
+mod recover;
+mod replay;
+mod rig;
 mod shell;
 mod shell_table;
+mod signals;
+mod sim;
+mod source;
 mod stage;
+mod view;
 
 use std::path::PathBuf;
 
@@ -43,6 +56,9 @@ enum Command {
         /// CalculiX displacements (.dat, also .gz) to compare with at every node.
         #[arg(long)]
         reference: Option<PathBuf>,
+        /// Writes the displacement over the solid to this file, for ParaView.
+        #[arg(long, value_name = "FILE.vtu")]
+        vtu: Option<PathBuf>,
     },
     /// Reads a scene and its limb and checks both, without solving anything.
     Check(SceneArgs),
@@ -61,8 +77,24 @@ enum Command {
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate::CalibrateArgs),
+    /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
+    Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.
     Contacts(contacts::ContactsArgs),
+    /// Records readings to a file that survives a crash.
+    Record(record::RecordArgs),
+    /// Plays a recording again, as a device or as lines of JSON.
+    Replay(replay::ReplayArgs),
+    /// Makes a whole file of a damaged or unfinished recording and says what was lost.
+    Recover(recover::RecoverArgs),
+    /// Writes a recording as a table or as lines of JSON.
+    Export(export::ExportArgs),
+    /// Looks for what is in the way of good readings: ports, rights, rate, channels, disk.
+    Doctor(doctor::DoctorArgs),
+    /// One file with everything that a robot needs to find contacts.
+    Bundle(bundle::BundleArgs),
+    /// Contacts from a stream of frames: a device, a recording.
+    Live(live::LiveArgs),
     /// The limb's compliance and the simulated rig's response.
     Simulate(RunArgs),
     /// Everything up to the datasets.
@@ -87,7 +119,11 @@ struct RunArgs {
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
-        Command::Deck { file, reference } => deck::solve(file, reference.as_deref()),
+        Command::Deck {
+            file,
+            reference,
+            vtu,
+        } => deck::solve(file, reference.as_deref(), vtu.as_deref()),
         Command::Check(args) => stage::check(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
@@ -96,7 +132,15 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Place(args) => place::run(args),
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
+        Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
+        Command::Record(args) => record::run(args),
+        Command::Replay(args) => replay::run(args),
+        Command::Recover(args) => recover::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Doctor(args) => doctor::run(args),
+        Command::Bundle(args) => bundle::run(args),
+        Command::Live(args) => live::run(args),
         Command::Simulate(args) => stage::run_until(&args.scene, Until::Simulate, args.json),
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),

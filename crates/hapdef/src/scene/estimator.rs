@@ -93,6 +93,15 @@ impl EstimatorSpec {
             Self::Superposition(_) => HapdefxSpec::default(),
         }
     }
+
+    /// The knobs of superposition; the defaults where the scene chooses another estimator.
+    #[must_use]
+    pub fn superposition(&self) -> SuperpositionSpec {
+        match self {
+            Self::Superposition(spec) => spec.clone(),
+            Self::Hapdefx(_) => SuperpositionSpec::default(),
+        }
+    }
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]

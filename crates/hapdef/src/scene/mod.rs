@@ -17,7 +17,8 @@ pub use limb::{
 };
 pub use read::read_scene;
 pub use rig::{
-    ElectronicsSpec, GainSpec, MisplacementSpec, PressSpec, RigMesh, RigSpec, VariationSpec,
+    BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, MisplacementSpec, PressSpec,
+    RigMesh, RigSpec, VariationSpec,
 };
 
 use serde::{Deserialize, Serialize};

@@ -22,6 +22,56 @@ pub struct RigSpec {
     pub electronics: ElectronicsSpec,
     /// The presses that are recorded.
     pub presses: PressSpec,
+    /// What the virtual rig's electronics do over time; nothing if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub live: Option<LiveSpec>,
+}
+
+/// What the virtual rig's electronics do over time, beside noise and conversion.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LiveSpec {
+    /// The bridge and its amplifier; `electronics.headroom` sets the range without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bridge: Option<BridgeSpec>,
+    /// Largest zero offset of a channel, µε.
+    pub offset_ue: f64,
+    /// Random walk of a channel, µε/√s.
+    pub walk_ue_per_sqrt_s: f64,
+    /// Largest temperature coefficient of a channel, µε/K.
+    pub temperature_ue_per_k: f64,
+    /// Temperature over time: pairs of s and °C, ascending.
+    pub temperature_c: Vec<[f64; 2]>,
+    /// Adds a channel that tells the temperature.
+    pub temperature_channel: bool,
+    /// What creeps.
+    pub creep: Vec<CreepSpec>,
+    /// How much faster than true the device's clock runs, parts per million.
+    pub drift_ppm: f64,
+}
+
+/// A quarter bridge.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct BridgeSpec {
+    /// Relative change of resistance per strain.
+    pub gauge_factor: f64,
+    /// Excitation, V.
+    pub excitation_v: f64,
+    /// Gain of the amplifier.
+    pub gain: f64,
+    /// Whole input range of the converter, V.
+    pub range_v: f64,
+}
+
+/// A part of a strain that follows it exponentially.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CreepSpec {
+    /// Part of the strain in the end.
+    pub share: f64,
+    /// Time constant, s.
+    pub time_s: f64,
 }
 
 /// The mesh the rig is solved on.

@@ -9,6 +9,7 @@ mod rig;
 mod rig_channels;
 mod simulate;
 mod train;
+mod training;
 
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;
@@ -16,5 +17,5 @@ pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_c
 pub use mesh_check::mesh_check;
 pub use nets::NetKind;
 pub use rig::{real_limb, rig};
-pub use simulate::compliance;
+pub use simulate::{compliance, compliance_table};
 pub use train::{TrainedNet, TrainedNets, train, train_kinds};

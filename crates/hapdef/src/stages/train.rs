@@ -1,18 +1,18 @@
 //! Stage: the networks, each trained on its own and resumable.
 
 use std::cell::OnceCell;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
-use hapdef_nets::{Mlp, Net, TrainParams, load};
+use hapdef_nets::train::TrainInfo;
+use hapdef_nets::{Net, TrainParams, load};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use super::dataset::Datasets;
 use super::drawn::DrawnSamples;
-use super::nets::{NetKind, fit_scales};
+use super::nets::NetKind;
 use super::simulate::COMPLIANCE_FILE;
+use super::training::Training;
 use crate::cache::Stage;
 use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
@@ -20,7 +20,7 @@ use crate::limb::Limb;
 use crate::profile::{Samples, Schedule};
 use crate::run::Run;
 
-const CHECKPOINT_FILE: &str = "net.json";
+pub(super) const CHECKPOINT_FILE: &str = "net.json";
 const VERSION: u32 = 2;
 
 /// Steps between checkpoints.
@@ -79,7 +79,7 @@ impl TrainedNets {
 ///
 /// # Errors
 /// [`HapdefError::Stopped`] when the person stopped it (a checkpoint is kept),
-/// [`HapdefError::Net`] when a loss is no number.
+/// [`HapdefError::Net`] when a loss is no number or a net has learned nothing.
 pub fn train(
     run: &Run,
     limb: &Limb,
@@ -146,18 +146,27 @@ impl Trainer<'_> {
                 params.batch,
             ));
             let training = Training {
+                run,
                 kind,
                 params: &params,
-                checkpoint: dir.join(CHECKPOINT_FILE),
+                dir,
+                output_modes: self.output_modes(kind, fixed.n_outputs()),
             };
-            let info = training.run(run, fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
+            let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
                 return Err(HapdefError::Stopped {
                     stage: format!("training {}", kind.name()),
                 });
             }
-            Ok(record(kind, n_samples, &info))
+            Ok(record(kind, n_samples, &info, &net))
         })
+    }
+
+    /// The modes that F_R is trained in, where its outputs are more.
+    fn output_modes(&self, kind: NetKind, n_outputs: usize) -> Option<usize> {
+        let rank = self.run.profile.output_modes;
+        let is_map = matches!(kind, NetKind::Reconstruction { .. });
+        (is_map && rank > 0 && rank < n_outputs).then_some(rank)
     }
 
     fn is_drawn(&self, kind: NetKind) -> bool {
@@ -176,9 +185,13 @@ impl Trainer<'_> {
                 "spacing": contact.min_spacing_m,
             })
         });
-        json!({
+        let mut inputs = json!({
             "version": VERSION, "kind": kind, "datasets": keys, "params": params, "drawn": drawn,
-        })
+        });
+        if let Some(rank) = self.output_modes(kind, self.points.len()) {
+            inputs["output_modes"] = json!(rank);
+        }
+        inputs
     }
 
     /// The samples that a net's training draws, if it does; `n_pass` count as a pass.
@@ -208,70 +221,6 @@ impl Trainer<'_> {
         let table = ComplianceTable::read(&path, self.points.len())?;
         Ok(self.table.get_or_init(|| table))
     }
-}
-
-/// The training of one net.
-struct Training<'a> {
-    kind: NetKind,
-    params: &'a TrainParams,
-    checkpoint: PathBuf,
-}
-
-impl Training<'_> {
-    /// Trains the net from the start, or goes on from its checkpoint, with a bar that shows how far
-    /// it is. Samples come from `drawn` where that is given; the scales fit the `fixed` ones.
-    fn run(
-        &self,
-        run: &Run,
-        fixed: &mut dyn BatchSource,
-        drawn: Option<&mut DrawnSamples<'_>>,
-        validation: &mut dyn BatchSource,
-    ) -> Result<TrainInfo, HapdefError> {
-        let (params, checkpoint) = (self.params, &self.checkpoint);
-        let bar = run.progress.training(&self.kind.name(), params.steps);
-        let mut on_progress = |progress: &Progress| {
-            bar.set(progress.step, state(progress));
-            if run.stopping() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        };
-        let go_on = &mut on_progress;
-        let validation = Some(validation);
-        if checkpoint.exists() {
-            let samples = either(drawn, fixed);
-            return Ok(resume(checkpoint, samples, validation, params, go_on)?.1);
-        }
-        let [input, output] = fit_scales(fixed)?;
-        let spec = self.kind.spec(fixed.n_inputs(), fixed.n_outputs());
-        let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
-        let samples = either(drawn, fixed);
-        let path = Some(checkpoint.as_path());
-        Ok(train_net(
-            &mut net, samples, validation, params, path, go_on,
-        )?)
-    }
-}
-
-fn either<'a>(
-    first: Option<&'a mut DrawnSamples<'_>>,
-    second: &'a mut dyn BatchSource,
-) -> &'a mut dyn BatchSource {
-    match first {
-        Some(first) => first,
-        None => second,
-    }
-}
-
-/// What a progress bar says.
-fn state(progress: &Progress) -> String {
-    format!(
-        "loss {:.4} val {:.4}  {:.0}/s",
-        progress.train_loss,
-        progress.validation_loss.unwrap_or(f64::NAN),
-        progress.samples_per_s
-    )
 }
 
 fn params(run: &Run, kind: NetKind) -> TrainParams {
@@ -309,7 +258,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
     }
 }
 
-fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
+fn record(kind: NetKind, n_samples: usize, info: &TrainInfo, net: &Net) -> Value {
     let looks = || info.looks.iter();
     json!({
         "net": kind.name(),
@@ -319,6 +268,8 @@ fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
         "train_loss": info.train_loss,
         "validation_loss": info.validation_loss,
         "precision": info.precision,
+        "constant_inputs": net.input_scale().constant_columns().collect::<Vec<_>>(),
+        "constant_outputs": net.output_scale().constant_columns().collect::<Vec<_>>(),
         "samples_per_s": info.samples_per_s,
         "history": {
             "step": looks().map(|look| look.step).collect::<Vec<_>>(),

@@ -1,6 +1,9 @@
 //! The estimator that a scene chooses.
 
-use super::{Calibration, PaperChain, Superposition, TouchEstimator, response_map, superposition};
+use hapdef_inverse::{ContactEstimator, TrackerParams};
+use hapdef_live::touch::{SearchPlace, Superposition, TouchEstimator, Tracking};
+
+use super::{Calibration, PaperChain, response_map, superposition};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -10,25 +13,73 @@ use crate::stages::{
     Datasets, NetKind, TrainedNets, compliance, datasets, rig, train_kinds, trained_chain,
 };
 
+/// What finds contacts in a stream of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LiveEstimator {
+    /// By superposition, contacts followed from frame to frame.
+    Tracking(SearchPlace),
+    /// By superposition, each frame on its own.
+    Superposition,
+    /// The paper's chain, each frame on its own.
+    Hapdefx,
+}
+
+impl LiveEstimator {
+    /// What a scene's estimator is in a stream.
+    #[must_use]
+    pub fn of_scene(spec: &EstimatorSpec, place: SearchPlace) -> Self {
+        match spec {
+            EstimatorSpec::Superposition(_) => Self::Tracking(place),
+            EstimatorSpec::Hapdefx(_) => Self::Hapdefx,
+        }
+    }
+}
+
 /// Makes the scene's estimator, and no more than it needs: by superposition one adjoint solve for
 /// each gauge, or none with a calibration; the paper's chain the compliance, the datasets and its three nets, from the cache where they are.
 ///
 /// # Errors
 /// What the first step that fails returns.
 pub fn touch_estimator(run: &Run, limb: &Limb) -> Result<Box<dyn TouchEstimator>, HapdefError> {
-    match &run.scene.estimator {
-        EstimatorSpec::Superposition(spec) => {
-            if let Some(path) = &spec.calibration {
-                let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
-                let estimator = calibration.estimator(&run.scene, spec, limb)?;
-                return Ok(Box::new(Superposition::new(estimator)));
-            }
-            run.say("solving the gauges' response");
-            let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
-            Ok(Box::new(superposition(&run.scene, spec, map)?))
+    let choice = match &run.scene.estimator {
+        EstimatorSpec::Superposition(_) => LiveEstimator::Superposition,
+        EstimatorSpec::Hapdefx(_) => LiveEstimator::Hapdefx,
+    };
+    live_estimator(run, limb, choice)
+}
+
+/// The same for a stream, whatever the scene chooses; superposition has the scene's knobs, or the
+/// defaults where the scene has none.
+///
+/// # Errors
+/// As [`touch_estimator`].
+pub fn live_estimator(
+    run: &Run,
+    limb: &Limb,
+    choice: LiveEstimator,
+) -> Result<Box<dyn TouchEstimator>, HapdefError> {
+    Ok(match choice {
+        LiveEstimator::Hapdefx => Box::new(paper_chain(run, limb)?),
+        LiveEstimator::Superposition => Box::new(Superposition::new(by_superposition(run, limb)?)),
+        LiveEstimator::Tracking(place) => {
+            let params = TrackerParams {
+                max_contacts: run.scene.contact.max_contacts,
+                ..TrackerParams::default()
+            };
+            Box::new(Tracking::new(by_superposition(run, limb)?, params, place)?)
         }
-        EstimatorSpec::Hapdefx(_) => Ok(Box::new(paper_chain(run, limb)?)),
+    })
+}
+
+fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
+    let spec = run.scene.estimator.superposition();
+    if let Some(path) = &spec.calibration {
+        let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
+        return calibration.estimator(&run.scene, &spec, limb);
     }
+    run.say("solving the gauges' response");
+    let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
+    Ok(superposition(&run.scene, &spec, map)?.into_estimator())
 }
 
 /// The stages behind the paper's chain.

@@ -1,8 +1,9 @@
 //! The paper's chain as an estimator of contacts.
 
+use hapdef_live::LiveError;
+use hapdef_live::touch::{Touch, TouchContact, TouchEstimator, TouchFrame};
 use nalgebra::Point3;
 
-use super::{Touch, TouchContact, TouchEstimator};
 use crate::error::HapdefError;
 use crate::estimator::{Hapdefx, HapdefxScratch};
 
@@ -32,6 +33,25 @@ impl PaperChain {
     }
 }
 
+impl PaperChain {
+    fn find(&mut self, touch: &mut Touch) -> Result<(), HapdefError> {
+        self.chain
+            .maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
+        let candidates = self.chain.candidates(&self.map_um, &mut self.scratch)?;
+        let found = self.chain.top(&candidates, self.max_contacts);
+        let contacts = found.iter().map(|contact| TouchContact {
+            position_m: Point3::from(contact.position_m),
+            force_n: contact.force_n,
+            direction: None,
+            id: None,
+            phase: None,
+            uncertainty: None,
+        });
+        touch.contacts.extend(contacts);
+        Ok(())
+    }
+}
+
 impl TouchEstimator for PaperChain {
     fn name(&self) -> &'static str {
         "hapdefx"
@@ -41,27 +61,21 @@ impl TouchEstimator for PaperChain {
         self.readings.len()
     }
 
-    fn estimate(&mut self, readings_ue: &[f64], touch: &mut Touch) -> Result<(), HapdefError> {
-        let (expected, found) = (self.readings.len(), readings_ue.len());
-        if expected != found {
-            return Err(HapdefError::FrameLength { expected, found });
-        }
-        for (narrow, wide) in self.readings.iter_mut().zip(readings_ue) {
+    /// The nets know no gauges that don't count: their readings are taken as they are.
+    fn estimate_frame(
+        &mut self,
+        frame: &TouchFrame<'_>,
+        touch: &mut Touch,
+    ) -> Result<(), LiveError> {
+        frame.check(self.readings.len())?;
+        for (narrow, wide) in self.readings.iter_mut().zip(frame.readings_ue) {
             *narrow = *wide as f32;
         }
-        self.chain
-            .maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
-        let candidates = self.chain.candidates(&self.map_um, &mut self.scratch)?;
-        let found = self.chain.top(&candidates, self.max_contacts);
-        touch.contacts.clear();
-        touch
-            .contacts
-            .extend(found.iter().map(|contact| TouchContact {
-                position_m: Point3::from(contact.position_m),
-                force_n: contact.force_n,
-                uncertainty: None,
-            }));
-        touch.quality = None;
-        Ok(())
+        touch.clear();
+        let name = self.name();
+        self.find(touch).map_err(|error| LiveError::Estimator {
+            name,
+            source: error.into(),
+        })
     }
 }

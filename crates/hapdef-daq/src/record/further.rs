@@ -1,0 +1,193 @@
+//! Topics that other crates add to a recording, beside the readings.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+use mcap::records::Record as McapRecord;
+use serde_json::{Value, json};
+
+/// Channel number of the first of these topics; the readings' own are below.
+const FIRST_ID: u16 = 16;
+/// Messages that wait for the writer at most: over a second of what a limb says at 1 kHz.
+pub(crate) const QUEUE_LEN: usize = 8192;
+/// Longest message, so that no chunk grows beyond 256 KiB.
+pub const MAX_MESSAGE_LEN: usize = 60 << 10;
+
+/// A topic beside the readings: its name, and how its messages are to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TopicDef {
+    /// Name, such as `/hapdef/contacts`.
+    pub name: String,
+    /// Encoding of its messages, by MCAP's registry: `cdr`, `json`.
+    pub message_encoding: String,
+    /// Name of the schema, such as `geometry_msgs/msg/WrenchStamped`.
+    pub schema_name: String,
+    /// Encoding of the schema, by MCAP's registry: `ros2msg`, `jsonschema`.
+    pub schema_encoding: String,
+    /// The schema.
+    pub schema: String,
+}
+
+/// Hands messages of further topics to a recorder; from any thread, and never waits.
+#[derive(Clone)]
+pub struct TopicWriter {
+    sender: SyncSender<Put>,
+    n_dropped: Arc<AtomicU64>,
+    wall_offset_ns: u64,
+}
+
+/// A message on its way to the writer.
+pub(crate) struct Put {
+    pub(crate) channel: u16,
+    pub(crate) log_time_ns: u64,
+    pub(crate) message: Vec<u8>,
+}
+
+/// The writer's end.
+pub(crate) struct Puts {
+    pub(crate) receiver: Receiver<Put>,
+    pub(crate) n_dropped: Arc<AtomicU64>,
+}
+
+impl TopicWriter {
+    /// Hands over a message of topic number `topic` (its place in
+    /// [`super::RecordParams::topics`]), `log_time_ns` since 1970 UTC. False if it was not taken:
+    /// the disk was too slow for too long, the recording has ended, or it is longer than
+    /// [`MAX_MESSAGE_LEN`]; it counts as dropped then.
+    pub fn put(&self, topic: usize, log_time_ns: u64, message: Vec<u8>) -> bool {
+        let put = Put {
+            channel: channel_of(topic),
+            log_time_ns,
+            message,
+        };
+        let is_taken = put.message.len() <= MAX_MESSAGE_LEN && self.sender.try_send(put).is_ok();
+        if !is_taken {
+            self.n_dropped.fetch_add(1, Ordering::Relaxed);
+        }
+        is_taken
+    }
+
+    /// The wall clock, ns since 1970 UTC, at a moment of the host's monotonic clock, as the
+    /// recording maps it.
+    #[must_use]
+    pub fn wall_ns(&self, t_host_ns: u64) -> u64 {
+        t_host_ns.wrapping_add(self.wall_offset_ns)
+    }
+}
+
+/// Both ends of the queue.
+pub(crate) fn queue(wall_offset_ns: u64) -> (TopicWriter, Puts) {
+    let (sender, receiver) = sync_channel(QUEUE_LEN);
+    let n_dropped = Arc::new(AtomicU64::new(0));
+    let writer = TopicWriter {
+        sender,
+        n_dropped: Arc::clone(&n_dropped),
+        wall_offset_ns,
+    };
+    let puts = Puts {
+        receiver,
+        n_dropped,
+    };
+    (writer, puts)
+}
+
+/// Channel number of a topic by its place.
+pub(crate) fn channel_of(topic: usize) -> u16 {
+    u16::try_from(topic).map_or(u16::MAX, |topic| FIRST_ID.saturating_add(topic))
+}
+
+/// Whether these topics make the file a bag of ROS 2. Its readers refuse schemas of any other kind,
+/// so the readings' own topics go without one then.
+pub(crate) fn is_ros2<'a>(topics: impl IntoIterator<Item = &'a TopicDef>) -> bool {
+    topics
+        .into_iter()
+        .any(|topic| topic.schema_encoding == "ros2msg")
+}
+
+/// The topics as JSON: a second copy of the definitions, in another chunk than the first.
+pub(crate) fn topics_json(topics: &[TopicDef]) -> Value {
+    let all = topics.iter().enumerate().map(|(i, topic)| {
+        json!({
+            "channel": channel_of(i),
+            "name": topic.name,
+            "message_encoding": topic.message_encoding,
+            "schema_name": topic.schema_name,
+            "schema_encoding": topic.schema_encoding,
+            "schema": topic.schema,
+        })
+    });
+    Value::Array(all.collect())
+}
+
+/// The further topics of a file that is being read, as far as they are known.
+#[derive(Default)]
+pub(crate) struct Definitions {
+    schemas: BTreeMap<u16, [String; 3]>,
+    topics: BTreeMap<u16, Arc<TopicDef>>,
+}
+
+impl Definitions {
+    /// The topic of a channel, if it is known.
+    pub(crate) fn topic(&self, channel: u16) -> Option<&Arc<TopicDef>> {
+        self.topics.get(&channel)
+    }
+
+    pub(crate) fn is_ros2(&self) -> bool {
+        is_ros2(self.topics.values().map(|topic| &**topic))
+    }
+
+    /// Takes a schema's or a channel's record.
+    pub(crate) fn take(&mut self, op: u8, content: &[u8]) {
+        match mcap::parse_record(op, content) {
+            Ok(McapRecord::Schema { header, data }) => {
+                let text = String::from_utf8_lossy(&data).into_owned();
+                self.schemas
+                    .insert(header.id, [header.name, header.encoding, text]);
+            }
+            Ok(McapRecord::Channel(channel)) => {
+                if channel.id < FIRST_ID {
+                    return;
+                }
+                let schema = match channel.schema_id {
+                    0 => Some(<[String; 3]>::default()),
+                    id => self.schemas.get(&id).cloned(),
+                };
+                let Some([schema_name, schema_encoding, schema]) = schema else {
+                    return;
+                };
+                let topic = TopicDef {
+                    name: channel.topic,
+                    message_encoding: channel.message_encoding,
+                    schema_name,
+                    schema_encoding,
+                    schema,
+                };
+                self.topics.insert(channel.id, Arc::new(topic));
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes the second copy, where a session's record has one.
+    pub(crate) fn take_json(&mut self, session: &Value) {
+        for value in session["topics"].as_array().into_iter().flatten() {
+            let text = |key: &str| value[key].as_str().map(str::to_owned);
+            let channel = value["channel"].as_u64().and_then(|id| id.try_into().ok());
+            let topic = || {
+                Some(TopicDef {
+                    name: text("name")?,
+                    message_encoding: text("message_encoding")?,
+                    schema_name: text("schema_name")?,
+                    schema_encoding: text("schema_encoding")?,
+                    schema: text("schema")?,
+                })
+            };
+            if let (Some(channel), Some(topic)) = (channel, topic()) {
+                let is_further = channel >= FIRST_ID;
+                is_further.then(|| self.topics.entry(channel).or_insert(Arc::new(topic)));
+            }
+        }
+    }
+}

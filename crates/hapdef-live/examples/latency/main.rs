@@ -1,0 +1,169 @@
+//! From a frame's first byte to its contacts, against a reader that does nothing else: 64 × i32 at
+//! 1 kHz by a pseudo-terminal, in turns within one run.
+//!
+//! `cargo xtask bench live` makes the bundle, runs this and keeps its figures.
+
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a measurement that prints, and ends where something is not as it has to be"
+)]
+
+mod device;
+#[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
+mod metrics;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use hapdef_daq::clock::{HostClock, SystemClock};
+use hapdef_daq::hdp1::{Decoder, Event};
+use hapdef_daq::source::{Link, SerialLink, SerialParams, StreamParams, StreamSource};
+use hapdef_live::touch::SearchPlace;
+use hapdef_live::{Bundle, Delivery, FnSink, Health, Live, LiveParams, Wants};
+
+use crate::device::{SENT_NS, pty, readings};
+
+const USAGE: &str = "latency BUNDLE [--rounds N] [--seconds N] [--seed N] [--metrics FILE]";
+
+/// Time at the start of a turn that is not counted, with the tare.
+const WARM: Duration = Duration::from_secs(1);
+
+/// What is measured, and how long.
+struct Plan {
+    bundle: PathBuf,
+    n_rounds: usize,
+    turn: Duration,
+    seed: u64,
+    metrics: Option<PathBuf>,
+}
+
+fn main() {
+    let plan = plan();
+    let bundle = Bundle::read(&plan.bundle).unwrap();
+    let counts = Arc::new(readings(&bundle, plan.seed));
+    let (mut bare_us, mut live_us) = (Vec::new(), Vec::new());
+    for _ in 0..plan.n_rounds {
+        bare_us.extend(turn(&bundle, &counts, |path| bare(path, plan.turn)));
+        live_us.extend(turn(&bundle, &counts, |path| {
+            let (times, health) = live(&bundle, path, plan.turn);
+            println!("  {health}");
+            times
+        }));
+    }
+    let [bare, live] = [&mut bare_us, &mut live_us].map(|all| quantiles_us(all));
+    println!(
+        "bare reader: p50 {:.0} µs, p99 {:.0} µs ({} frames); frame to contacts: p50 {:.0} µs, p99 \
+         {:.0} µs ({} frames)",
+        bare[0],
+        bare[1],
+        bare_us.len(),
+        live[0],
+        live[1],
+        live_us.len()
+    );
+    let figures = [
+        ("live.p50_over_bare_us", live[0] - bare[0], "µs"),
+        ("live.p99_over_bare", live[1] / bare[1], "1"),
+    ];
+    metrics::report(&figures, plan.seed, plan.metrics.as_deref());
+    let is_met = live[0] - bare[0] <= 200.0 && live[1] <= 1.5 * bare[1] + 1000.0;
+    let words = if is_met { "met" } else { "not met" };
+    println!("p50 at most 200 µs above, p99 at most 1.5 times and 1 ms: {words}");
+}
+
+fn plan() -> Plan {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let value = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
+    let number =
+        |name: &str, default: u64| value(name).map_or(default, |v| v.parse().expect(USAGE));
+    Plan {
+        bundle: words.first().expect(USAGE).into(),
+        n_rounds: number("--rounds", 5) as usize,
+        turn: Duration::from_secs(number("--seconds", 4)),
+        seed: number("--seed", 1),
+        metrics: value("--metrics").map(PathBuf::from),
+    }
+}
+
+/// A device plays on a pseudo-terminal while `read` reads it.
+fn turn(
+    bundle: &Bundle,
+    counts: &Arc<Vec<Vec<i32>>>,
+    read: impl FnOnce(&str) -> Vec<u64>,
+) -> Vec<u64> {
+    let (master, path) = pty();
+    let stop = Arc::new(AtomicBool::new(false));
+    let (theirs, counts) = (Arc::clone(&stop), Arc::clone(counts));
+    let hello = device::hello(bundle);
+    let device = std::thread::spawn(move || device::play(&master, &hello, &counts, &theirs));
+    let times = read(&path);
+    stop.store(true, Ordering::Release);
+    device.join().unwrap();
+    times
+}
+
+/// Time from when packet `seq` was sent until now, ns.
+fn since_sent_ns(seq: u32) -> u64 {
+    let sent_ns = SENT_NS[seq as usize % SENT_NS.len()].load(Ordering::Relaxed);
+    SystemClock.now_ns().saturating_sub(sent_ns)
+}
+
+/// Reads and decodes on one thread that does nothing else.
+fn bare(path: &str, turn: Duration) -> Vec<u64> {
+    let mut link = SerialLink::new(path, SerialParams::default());
+    link.open().unwrap();
+    link.write(&[0]).unwrap();
+    let (mut decoder, mut buffer) = (Decoder::new(), vec![0; 1 << 14]);
+    let mut times = Vec::with_capacity(1 << 16);
+    let start = Instant::now();
+    while start.elapsed() < turn {
+        let n = link.read(&mut buffer, Duration::from_millis(20)).unwrap();
+        decoder.push(&buffer[..n], &mut |event| {
+            if let Event::Data(data) = event
+                && start.elapsed() >= WARM
+            {
+                times.push(since_sent_ns(data.header.seq));
+            }
+        });
+    }
+    times
+}
+
+/// Reads, tares, follows contacts and hands them to a sink on its own thread.
+fn live(bundle: &Bundle, path: &str, turn: Duration) -> (Vec<u64>, Health) {
+    let times = Arc::new(Mutex::new(Vec::with_capacity(1 << 16)));
+    let (to, start) = (Arc::clone(&times), Instant::now());
+    let sink = FnSink::new("robot", Wants::ALL, move |frame| {
+        if start.elapsed() >= WARM {
+            to.lock().unwrap().push(since_sent_ns(frame.seq));
+        }
+    });
+    let link = SerialLink::new(path, SerialParams::default());
+    let live = Live::builder(StreamSource::new(link, StreamParams::default()))
+        .bundle(bundle)
+        .params(LiveParams {
+            tare_s: 0.2,
+            ..LiveParams::default()
+        })
+        .estimator(bundle.tracking(SearchPlace::Background).unwrap())
+        .sink(sink.with_delivery(Delivery::Queue(1024)))
+        .start()
+        .unwrap();
+    std::thread::sleep(turn);
+    let health = live.stop().unwrap();
+    let times = std::mem::take(&mut *times.lock().unwrap());
+    (times, health)
+}
+
+/// Median and 99th percentile, µs.
+fn quantiles_us(times_ns: &mut [u64]) -> [f64; 2] {
+    assert!(!times_ns.is_empty(), "no frame came through");
+    times_ns.sort_unstable();
+    [0.5, 0.99].map(|q| {
+        let at = (q * times_ns.len() as f64) as usize;
+        times_ns[at.min(times_ns.len() - 1)] as f64 * 1e-3
+    })
+}

@@ -1,0 +1,235 @@
+//! The model bundle: one file with everything that a robot needs to find contacts.
+//!
+//! A safetensors file whose one metadata entry is the hash of a JSON header and that header; the
+//! header has the hash of every tensor, so that nothing damaged is ever used.
+
+mod header;
+mod read;
+mod write;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use hapdef_inverse::{
+    ContactEstimator, ModeMap, ModeScope, ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams,
+    TrackerParams,
+};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::LiveError;
+use crate::touch::{SearchPlace, Superposition, SuperpositionSettings, Tracking};
+
+/// Version of the form that is written and read here.
+pub const BUNDLE_VERSION: u32 = 1;
+
+/// Everything that a robot needs to find contacts, and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Bundle {
+    /// What it is and what it was made of.
+    pub info: BundleInfo,
+    /// The scene file's text, for programs that know scenes.
+    pub scene_json: String,
+    /// Covariance of the map's error at every scan site `[n_sites, n_gauges, n_gauges]`, µε²/N²;
+    /// empty where the settings' relative error stands for it.
+    pub site_error: Vec<f64>,
+    /// What may change the response, for calibration without a finite-element model; may be empty.
+    pub modes: Vec<BundleMode>,
+    /// What the map was calibrated with, JSON, if it was.
+    pub calibration_json: Option<String>,
+    /// Files of trained nets by name; may be empty.
+    pub nets: BTreeMap<String, Vec<u8>>,
+    map: Arc<ResponseMap>,
+    /// The normals that the skin was made with.
+    outward: Option<Vec<Vector3<f64>>>,
+}
+
+/// What a bundle is and what it was made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BundleInfo {
+    /// Name of the scene.
+    pub scene: String,
+    /// Version of hapdef that made it.
+    pub made_by: String,
+    /// Hash of the limb's deck, if it has one.
+    pub deck_hash: Option<String>,
+    /// The gauges in the order of the map.
+    pub gauges: Vec<BundleGauge>,
+    /// How contacts are looked for.
+    pub settings: SuperpositionSettings,
+}
+
+/// A gauge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BundleGauge {
+    /// Name; channels of that name (its first four letters, upper or lower case) are it.
+    pub name: String,
+    /// Centre on the wall, m.
+    pub position_m: [f64; 3],
+    /// Measuring direction.
+    pub axis: [f64; 3],
+    /// What a channel's value in µε is multiplied by; 1 where the device's own scale is right.
+    pub scale: f64,
+}
+
+/// A cause that changes the response, as [`ModeMap`] has it.
+#[derive(Clone, Debug)]
+pub struct BundleMode {
+    /// The map's derivative with respect to the cause.
+    pub map: ResponseMap,
+    /// Whether each gauge has an amplitude of its own.
+    pub scope: ModeScope,
+    /// Standard deviation of an amplitude before any press.
+    pub prior_sd: f64,
+}
+
+impl Bundle {
+    /// A bundle of a response map in µε/N on a skin that was made with `outward` as its normals
+    /// `[n_nodes]`; `None` where it was made without.
+    ///
+    /// # Errors
+    /// [`LiveError::NotReproduced`] where the map would not come back bit for bit;
+    /// [`LiveError::FrameLength`] where `info` has another number of gauges than the map.
+    pub fn new(
+        info: BundleInfo,
+        map: Arc<ResponseMap>,
+        outward: Option<&[Vector3<f64>]>,
+    ) -> Result<Self, LiveError> {
+        let (expected, found) = (map.n_gauges(), info.gauges.len());
+        if expected != found {
+            return Err(LiveError::FrameLength { expected, found });
+        }
+        let again = rebuilt(map.skin(), outward, map.n_gauges(), &map.nodal())?;
+        for (part, is_same) in [
+            ("normals", map.skin().normals() == again.skin().normals()),
+            ("values", map.nodal() == again.nodal()),
+        ] {
+            if !is_same {
+                return Err(LiveError::NotReproduced { part });
+            }
+        }
+        Ok(Self {
+            info,
+            scene_json: String::new(),
+            site_error: Vec::new(),
+            modes: Vec::new(),
+            calibration_json: None,
+            nets: BTreeMap::new(),
+            map,
+            outward: outward.map(<[_]>::to_vec),
+        })
+    }
+
+    /// The response map, µε/N; its skin is what can be touched.
+    #[must_use]
+    pub fn map(&self) -> &Arc<ResponseMap> {
+        &self.map
+    }
+
+    /// The skin that can be touched.
+    #[must_use]
+    pub fn skin(&self) -> &Skin {
+        self.map.skin()
+    }
+
+    /// The modes as a calibration takes them.
+    #[must_use]
+    pub fn mode_maps(&self) -> Vec<ModeMap<'_>> {
+        self.modes
+            .iter()
+            .map(|mode| ModeMap {
+                map: &mode.map,
+                scope: mode.scope,
+                prior_sd: mode.prior_sd,
+            })
+            .collect()
+    }
+
+    /// The search for contacts on the bundle's map.
+    ///
+    /// # Errors
+    /// [`LiveError::Inverse`] for values that can't be used.
+    pub fn contact_estimator(&self) -> Result<ContactEstimator, LiveError> {
+        let site_error = self.site_error.clone();
+        self.info.settings.estimator(self.map.clone(), site_error)
+    }
+
+    /// An estimator of each frame on its own.
+    ///
+    /// # Errors
+    /// As [`Bundle::contact_estimator`].
+    pub fn superposition(&self) -> Result<Superposition, LiveError> {
+        Ok(Superposition::new(self.contact_estimator()?))
+    }
+
+    /// An estimator that follows contacts from frame to frame, as many as the settings say.
+    ///
+    /// # Errors
+    /// As [`Bundle::contact_estimator`], and where no thread can be started for `place`.
+    pub fn tracking(&self, place: SearchPlace) -> Result<Tracking, LiveError> {
+        let params = TrackerParams {
+            max_contacts: self.info.settings.max_contacts,
+            ..TrackerParams::default()
+        };
+        Tracking::new(self.contact_estimator()?, params, place)
+    }
+}
+
+/// The map of nodal values on a skin like `skin`.
+fn rebuilt(
+    skin: &Skin,
+    outward: Option<&[Vector3<f64>]>,
+    n_gauges: usize,
+    nodal: &[Vector3<f64>],
+) -> Result<ResponseMap, LiveError> {
+    let forbidden: Vec<usize> = (0..skin.n_faces())
+        .filter(|&face| skin.is_forbidden(face))
+        .collect();
+    let corners = skin_corners(skin);
+    let shape = SkinShape {
+        nodes: skin.nodes().to_vec(),
+        corners: &corners,
+        per_face: if skin.is_quadratic() { 6 } else { 3 },
+        outward,
+        forbidden: &forbidden,
+    };
+    map_on(shape.skin()?, n_gauges, nodal)
+}
+
+/// Node numbers of all faces, face by face.
+fn skin_corners(skin: &Skin) -> Vec<u32> {
+    let faces = (0..skin.n_faces()).flat_map(|face| skin.face_nodes(face));
+    faces.copied().collect()
+}
+
+/// The tip is in the nodal values already.
+fn map_on(skin: Skin, n_gauges: usize, nodal: &[Vector3<f64>]) -> Result<ResponseMap, LiveError> {
+    let params = ResponseParams { tip_radius_m: 0.0 };
+    Ok(ResponseMap::from_nodal(skin, n_gauges, nodal, &params)?)
+}
+
+/// What a skin is made of.
+struct SkinShape<'a> {
+    nodes: Vec<nalgebra::Point3<f64>>,
+    corners: &'a [u32],
+    per_face: usize,
+    outward: Option<&'a [Vector3<f64>]>,
+    forbidden: &'a [usize],
+}
+
+impl SkinShape<'_> {
+    fn skin(self) -> Result<Skin, LiveError> {
+        let params = SkinParams::default();
+        let outward = self.outward;
+        let skin = if self.per_face == 6 {
+            let (faces, _) = self.corners.as_chunks::<6>();
+            Skin::new(self.nodes, SkinFaces::Quadratic(faces), outward, &params)?
+        } else {
+            let (faces, _) = self.corners.as_chunks::<3>();
+            Skin::new(self.nodes, SkinFaces::Linear(faces), outward, &params)?
+        };
+        Ok(skin.forbid(self.forbidden)?)
+    }
+}

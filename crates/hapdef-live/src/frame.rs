@@ -1,0 +1,119 @@
+//! A frame on its way: what was read, what it means.
+
+use hapdef_daq::hdp1::FrameFlags;
+use hapdef_inverse::{GaugeHealth, TouchPhase};
+
+use crate::touch::Touch;
+
+/// One frame with everything that was found in it. What no sink wants is not computed and is as it
+/// is in an empty frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveFrame {
+    /// Number of its packet.
+    pub seq: u32,
+    /// Its place in the packet.
+    pub scan: u8,
+    /// What the device says about its packet.
+    pub flags: FrameFlags,
+    /// Packets missing directly before it: lost on the link or dropped by the device.
+    pub n_lost_before: u32,
+    /// Frames directly before it that were dropped because the computing thread was too slow.
+    pub n_dropped_before: u32,
+    /// Frames directly before it that this sink was not shown because it was too slow.
+    pub n_skipped_before: u32,
+    /// Device time of the sample instant, µs.
+    pub t_device_us: u64,
+    /// Host time of the sample instant, ns, on the clock of [`hapdef_daq::clock::HostClock`].
+    pub t_host_ns: u64,
+    /// Host time when its contacts were ready, ns, on the same clock.
+    pub t_done_ns: u64,
+    /// Readings as they came `[n_gauges]`, µε.
+    pub raw_ue: Vec<f64>,
+    /// Readings less tare, drift, temperature and creep `[n_gauges]`, µε; 0 for gauges that don't
+    /// count and while taring.
+    pub tared_ue: Vec<f64>,
+    /// Why gauges don't count `[n_gauges]`.
+    pub gauges: Vec<GaugeHealth>,
+    /// Whether it is taring, and whether something touches.
+    pub phase: TouchPhase,
+    /// Value of the first temperature channel, in its unit, where the device has one.
+    pub temperature: Option<f64>,
+    /// The contacts; none while taring, and in a frame that was refused.
+    pub touch: Touch,
+}
+
+impl LiveFrame {
+    /// An empty frame of that many gauges.
+    #[must_use]
+    pub fn new(n_gauges: usize) -> Self {
+        Self {
+            seq: 0,
+            scan: 0,
+            flags: FrameFlags::default(),
+            n_lost_before: 0,
+            n_dropped_before: 0,
+            n_skipped_before: 0,
+            t_device_us: 0,
+            t_host_ns: 0,
+            t_done_ns: 0,
+            raw_ue: vec![0.0; n_gauges],
+            tared_ue: vec![0.0; n_gauges],
+            gauges: vec![GaugeHealth::Good; n_gauges],
+            phase: TouchPhase::Untouched,
+            temperature: None,
+            touch: Touch::default(),
+        }
+    }
+
+    /// Takes over everything; allocates only to grow.
+    pub fn copy_from(&mut self, from: &Self) {
+        self.seq = from.seq;
+        self.scan = from.scan;
+        self.flags = from.flags;
+        self.n_lost_before = from.n_lost_before;
+        self.n_dropped_before = from.n_dropped_before;
+        self.n_skipped_before = from.n_skipped_before;
+        self.t_device_us = from.t_device_us;
+        self.t_host_ns = from.t_host_ns;
+        self.t_done_ns = from.t_done_ns;
+        self.raw_ue.clone_from(&from.raw_ue);
+        self.tared_ue.clone_from(&from.tared_ue);
+        self.gauges.clone_from(&from.gauges);
+        self.phase = from.phase;
+        self.temperature = from.temperature;
+        self.touch.copy_from(&from.touch);
+    }
+
+    /// What a viewer misses that is not shown this frame.
+    pub(crate) fn left_out(&self) -> Missed {
+        Missed {
+            n_lost: self.n_lost_before,
+            n_dropped: self.n_dropped_before,
+            n_skipped: self.n_skipped_before.saturating_add(1),
+        }
+    }
+
+    /// Adds what was missed before it.
+    pub(crate) fn add_missed(&mut self, missed: Missed) {
+        self.n_lost_before = self.n_lost_before.saturating_add(missed.n_lost);
+        self.n_dropped_before = self.n_dropped_before.saturating_add(missed.n_dropped);
+        self.n_skipped_before = self.n_skipped_before.saturating_add(missed.n_skipped);
+    }
+}
+
+/// Frames that a viewer does not see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Missed {
+    n_lost: u32,
+    n_dropped: u32,
+    n_skipped: u32,
+}
+
+impl Missed {
+    /// Adds what else is missed.
+    pub(crate) fn add(&mut self, more: Self) {
+        self.n_lost = self.n_lost.saturating_add(more.n_lost);
+        self.n_dropped = self.n_dropped.saturating_add(more.n_dropped);
+        self.n_skipped = self.n_skipped.saturating_add(more.n_skipped);
+    }
+}

@@ -1,0 +1,366 @@
+//! The computing thread: from messages to frames with contacts.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use hapdef_daq::hdp1::Hello;
+use hapdef_daq::source::LinkState;
+use hapdef_daq::{Acquisition, Frame, Message, Receiver};
+use hapdef_inverse::{
+    Conditioned, Conditioner, ConditionerParams, GaugeHealth, InverseError, TouchPhase,
+};
+
+use super::counts::Counts;
+use super::device::Device;
+use super::outlet::Outlet;
+use super::stages::{Stage, Stages};
+use super::{LiveGauge, LiveParams, Shared};
+use crate::frame::LiveFrame;
+use crate::health::Health;
+use crate::sink::{LiveEvent, Wants};
+use crate::touch::{TouchEstimator, TouchFrame};
+
+/// Longest wait for a message, so that a stop is seen.
+const POLL: Duration = Duration::from_millis(20);
+
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// What the thread is given.
+pub(super) struct Setup {
+    pub(super) params: LiveParams,
+    pub(super) noise_ue: f64,
+    pub(super) gauges: Vec<LiveGauge>,
+    pub(super) n_gauges: Option<usize>,
+    pub(super) estimator: Option<Box<dyn TouchEstimator>>,
+    pub(super) wants: Wants,
+    pub(super) source_name: String,
+}
+
+/// The thread's state.
+pub(super) struct Compute {
+    setup: Setup,
+    acquisition: Acquisition,
+    receiver: Receiver,
+    outlets: Vec<Outlet>,
+    shared: Arc<Shared>,
+    device: Option<Device>,
+    conditioning: Option<(Conditioner, Conditioned)>,
+    frame: LiveFrame,
+    counts: Counts,
+    stages: Stages,
+    start_ns: u64,
+    second_ns: u64,
+    n_before: u64,
+    /// A refusal of this second was put into words already.
+    is_refusal_told: bool,
+}
+
+impl Compute {
+    pub(super) fn new(
+        setup: Setup,
+        acquisition: Acquisition,
+        receiver: Receiver,
+        outlets: Vec<Outlet>,
+        shared: Arc<Shared>,
+    ) -> Self {
+        let start_ns = setup.params.clock.now_ns();
+        Self {
+            frame: LiveFrame::new(setup.n_gauges.unwrap_or(0)),
+            setup,
+            acquisition,
+            receiver,
+            outlets,
+            shared,
+            device: None,
+            conditioning: None,
+            counts: Counts::default(),
+            stages: Stages::new(),
+            start_ns,
+            second_ns: start_ns,
+            n_before: 0,
+            is_refusal_told: false,
+        }
+    }
+
+    /// Until the source has ended or it is stopped.
+    pub(super) fn run(mut self) {
+        while !self.shared.stop.load(Ordering::Acquire) {
+            let is_last = self.receiver.has_ended();
+            match self.receiver.recv(POLL) {
+                Some(message) => {
+                    self.shared.n_taken.fetch_add(1, Ordering::Release);
+                    self.message(message);
+                }
+                None if is_last => break,
+                None => {}
+            }
+            if self.shared.tare.swap(false, Ordering::AcqRel) {
+                self.tare();
+            }
+            if self.now_ns() >= self.second_ns + SECOND_NS {
+                self.tell_health();
+            }
+        }
+        self.tell_health();
+        self.outlets.iter_mut().for_each(Outlet::end);
+    }
+
+    fn message(&mut self, message: Message) {
+        match message {
+            Message::Frame(frame) => self.take(&frame),
+            Message::Hello(hello) => self.hello(hello),
+            Message::Restarted => {
+                self.counts.n_restarts += 1;
+                self.start_over();
+                self.tell(&LiveEvent::Restarted);
+            }
+            Message::Link(state) => {
+                match &state {
+                    LinkState::Open => self.counts.n_opened += 1,
+                    LinkState::Away(_) => self.start_over(),
+                    _ => {}
+                }
+                self.counts.link = Some(state.clone());
+                self.tell(&LiveEvent::Link(state));
+            }
+            Message::Status(status) => self.tell(&LiveEvent::Status(status)),
+            Message::Log(text) => self.tell(&LiveEvent::Log(text)),
+            Message::RoundTrip(_) => {}
+        }
+    }
+
+    fn take(&mut self, frame: &Frame) {
+        let taken_ns = self.now_ns();
+        self.counts.n_frames += 1;
+        self.counts.n_lost += u64::from(frame.n_lost_before);
+        self.counts.n_dropped += u64::from(frame.n_dropped_before);
+        if !self.read(frame) {
+            self.counts.n_unusable += 1;
+            return;
+        }
+        self.condition();
+        let conditioned_ns = self.now_ns();
+        self.estimate();
+        let done_ns = self.now_ns();
+        self.frame.t_done_ns = done_ns;
+        for outlet in &mut self.outlets {
+            outlet.frame(&self.frame, &self.shared.stop);
+        }
+        let end_ns = self.now_ns();
+        let stages = &mut self.stages;
+        stages.add(Stage::Conditioning, conditioned_ns - taken_ns);
+        stages.add(Stage::Estimate, done_ns - conditioned_ns);
+        stages.add(Stage::Sinks, end_ns - done_ns);
+        stages.add(Stage::Compute, end_ns - taken_ns);
+        let queued_ns = taken_ns.saturating_sub(frame.t_host_ns);
+        let mut latency_ns = done_ns - taken_ns;
+        if !self.setup.params.is_recorded {
+            stages.add(Stage::Queue, queued_ns);
+            latency_ns += queued_ns;
+        }
+        let deadline_ns = self.setup.params.deadline.as_nanos();
+        self.counts.n_deadline_missed += u64::from(u128::from(latency_ns) > deadline_ns);
+    }
+
+    /// Takes over what the source says of a frame; false if it can't be used.
+    fn read(&mut self, frame: &Frame) -> bool {
+        let Some(device) = &mut self.device else {
+            return false;
+        };
+        let to = &mut self.frame;
+        if self.setup.wants.has_raw() {
+            let Some(temperature) = device.read(frame, &mut to.raw_ue) else {
+                return false;
+            };
+            to.temperature = temperature;
+        }
+        (to.seq, to.scan, to.flags) = (frame.seq, frame.scan, frame.flags);
+        to.n_lost_before = frame.n_lost_before;
+        to.n_dropped_before = frame.n_dropped_before;
+        to.n_skipped_before = 0;
+        (to.t_device_us, to.t_host_ns) = (frame.t_device_us, frame.t_host_ns);
+        true
+    }
+
+    fn condition(&mut self) {
+        if !self.setup.wants.has_tared() {
+            return;
+        }
+        self.counts.n_conditioned += 1;
+        let to = &mut self.frame;
+        let Some((conditioner, out)) = &mut self.conditioning else {
+            to.tared_ue.copy_from_slice(&to.raw_ue);
+            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
+                *health = health_of_number(*raw);
+            }
+            return;
+        };
+        let was_taring = out.phase == TouchPhase::Taring;
+        if let Err(error) = conditioner.step_into(&to.raw_ue, to.temperature, out) {
+            // lengths are those of the device; said all the same
+            self.counts.device_fault = Some(error.to_string().into());
+            return;
+        }
+        to.phase = out.phase;
+        to.tared_ue.copy_from_slice(&out.readings);
+        to.gauges.copy_from_slice(&out.health);
+        if out.phase == TouchPhase::Taring {
+            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
+                *health = health_of_number(*raw);
+            }
+        } else if was_taring {
+            self.tell(&LiveEvent::Tared);
+        }
+    }
+
+    fn estimate(&mut self) {
+        let wants = self.setup.wants;
+        let to = &mut self.frame;
+        to.touch.clear();
+        let is_taring = to.phase == TouchPhase::Taring;
+        let Some(estimator) = &mut self.setup.estimator else {
+            return;
+        };
+        if !wants.has_contacts() || is_taring {
+            return;
+        }
+        self.counts.n_estimated += 1;
+        let live = self.conditioning.as_ref().map(|(_, out)| &out.live[..]);
+        let frame = TouchFrame {
+            readings_ue: &to.tared_ue,
+            live,
+            wanted: wants.of_touch(),
+        };
+        if let Err(error) = estimator.estimate_frame(&frame, &mut to.touch) {
+            to.touch.clear();
+            self.counts.n_refused += 1;
+            if !std::mem::replace(&mut self.is_refusal_told, true) {
+                self.counts.last_refusal = Some(error.to_string().into());
+            }
+        }
+    }
+
+    fn hello(&mut self, hello: Arc<Hello>) {
+        let setup = &self.setup;
+        let found = Device::new(
+            Arc::clone(&hello),
+            &setup.gauges,
+            setup.n_gauges,
+            setup.params.rate_hz,
+        );
+        let is_same = match (&found, &self.device) {
+            (Ok(found), Some(before)) => found.hello.schema_crc == before.hello.schema_crc,
+            _ => false,
+        };
+        match found.and_then(|device| self.prepare(device, is_same)) {
+            Ok(()) => self.counts.device_fault = None,
+            Err(fault) => {
+                self.device = None;
+                self.counts.device_fault = Some(fault.into());
+            }
+        }
+        self.tell(&LiveEvent::Hello(hello));
+    }
+
+    /// Frames of `device` come from now on; one with the same schema keeps its tare.
+    fn prepare(&mut self, device: Device, is_same: bool) -> Result<(), String> {
+        if let Some(estimator) = &mut self.setup.estimator {
+            let told = estimator.set_frame_period(device.period_s);
+            told.map_err(|error| error.to_string())?;
+        }
+        if !is_same {
+            let conditioner = self
+                .conditioner(&device)
+                .map_err(|error| error.to_string())?;
+            self.conditioning = conditioner.map(|conditioner| {
+                let out = conditioner.output();
+                (conditioner, out)
+            });
+            self.frame = LiveFrame::new(device.n_gauges());
+        }
+        self.device = Some(device);
+        Ok(())
+    }
+
+    fn conditioner(&self, device: &Device) -> Result<Option<Conditioner>, InverseError> {
+        let params = &self.setup.params;
+        if params.tare_s == 0.0 {
+            return Ok(None);
+        }
+        // a step adds step²/12
+        let sd = |step_ue: f64| self.setup.noise_ue.hypot(step_ue / 12.0_f64.sqrt());
+        let gauge_sd: Vec<f64> = device.steps_ue().map(sd).collect();
+        let defaults = || ConditionerParams::new(Vec::new(), device.period_s);
+        let given = params.conditioning.clone().unwrap_or_else(defaults);
+        let params = ConditionerParams {
+            gauge_sd,
+            period_s: device.period_s,
+            tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
+            rails: device.rails_ue(),
+            ..given
+        };
+        Conditioner::new(params).map(Some)
+    }
+
+    fn tare(&mut self) {
+        if let Some((conditioner, out)) = &mut self.conditioning {
+            conditioner.tare();
+            out.phase = TouchPhase::Taring;
+            self.start_over();
+        }
+    }
+
+    fn start_over(&mut self) {
+        if let Some(estimator) = &mut self.setup.estimator {
+            estimator.start_over();
+        }
+    }
+
+    fn tell(&mut self, event: &LiveEvent) {
+        self.outlets
+            .iter_mut()
+            .for_each(|outlet| outlet.event(event));
+    }
+
+    fn tell_health(&mut self) {
+        let now_ns = self.now_ns();
+        let passed_s = (now_ns - self.second_ns) as f64 * 1e-9;
+        let stats = self.acquisition.stats();
+        let (second, total) = self.stages.end_second();
+        let n_new = self.counts.n_frames - self.n_before;
+        let has_frames = self.counts.n_frames > self.counts.n_unusable;
+        let mut health = Health {
+            uptime_s: (now_ns - self.start_ns) as f64 * 1e-9,
+            source_name: self.setup.source_name.clone(),
+            source: stats.source,
+            realtime_fault: stats.realtime_fault.clone(),
+            rate_hz: n_new as f64 / passed_s.max(1e-9),
+            phase: has_frames.then_some(self.frame.phase),
+            n_contacts: self.frame.touch.contacts.len(),
+            gauges: self.frame.gauges.clone(),
+            second,
+            total,
+            sinks: self.outlets.iter().map(Outlet::health).collect(),
+            ..Health::default()
+        };
+        self.counts.fill(&mut health);
+        (self.second_ns, self.n_before) = (now_ns, self.counts.n_frames);
+        self.is_refusal_told = false;
+        let health = Arc::new(health);
+        self.shared.set_health(Arc::clone(&health));
+        self.tell(&LiveEvent::Health(health));
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.setup.params.clock.now_ns()
+    }
+}
+
+fn health_of_number(value: f64) -> GaugeHealth {
+    if value.is_finite() {
+        GaugeHealth::Good
+    } else {
+        GaugeHealth::NotFinite
+    }
+}

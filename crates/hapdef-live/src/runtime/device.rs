@@ -1,0 +1,182 @@
+//! Which channels of a device are the gauges, and what their counts mean.
+
+use std::sync::Arc;
+
+use hapdef_daq::Frame;
+use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, SampleFormat};
+
+use super::LiveGauge;
+
+/// A device that the gauges were found on.
+#[derive(Clone, Debug)]
+pub(super) struct Device {
+    pub(super) hello: Arc<Hello>,
+    /// Channel of each gauge.
+    gauges: Vec<usize>,
+    /// Factor of each gauge.
+    scales: Vec<f64>,
+    temperature: Option<usize>,
+    /// Time between frames, s.
+    pub(super) period_s: f64,
+    /// All channels in their units.
+    scaled: [f64; MAX_CHANNELS],
+}
+
+impl Device {
+    /// Finds the gauges among the channels: by name if each has one, else the bridges in order.
+    ///
+    /// # Errors
+    /// What is expected, what was found, what to do.
+    pub(super) fn new(
+        hello: Arc<Hello>,
+        gauges: &[LiveGauge],
+        n_gauges: Option<usize>,
+        rate_hz: f64,
+    ) -> Result<Self, String> {
+        let channels = &hello.channels;
+        let of_kind = |is_it: fn(&Channel) -> bool| {
+            let numbered = channels.iter().enumerate();
+            numbered.filter(move |(_, c)| is_it(c)).map(|(i, _)| i)
+        };
+        let bridges: Vec<usize> = of_kind(is_bridge).collect();
+        let named = gauges.iter().map(|gauge| channel_of(gauge, channels));
+        let by_name = named.collect::<Option<Vec<usize>>>();
+        let expected = n_gauges.unwrap_or(bridges.len());
+        let places = by_name.filter(|p| p.len() == expected && !p.is_empty());
+        let places = places.unwrap_or(bridges);
+        let found = places.len();
+        if expected != found {
+            return Err(format!(
+                "expected {expected} gauges, the device has {found} bridges: connect the device of \
+                 this limb, or give its channels the gauges' names"
+            ));
+        }
+        let of_gauge = |i: usize| gauges.get(i).map_or(1.0, |gauge| gauge.scale);
+        let is_rate_known = hello.rate_mhz > 0;
+        Ok(Self {
+            temperature: of_kind(|c| c.kind == ChannelKind::Temperature).next(),
+            scales: (0..found).map(of_gauge).collect(),
+            gauges: places,
+            period_s: if is_rate_known {
+                hello.scan_period_us() * 1e-6
+            } else {
+                1.0 / rate_hz
+            },
+            hello,
+            scaled: [0.0; MAX_CHANNELS],
+        })
+    }
+
+    pub(super) fn n_gauges(&self) -> usize {
+        self.gauges.len()
+    }
+
+    /// The gauges' readings, µε, into `raw` `[n_gauges]`, and the temperature if there is one; none
+    /// where the frame has other channels than the HELLO.
+    pub(super) fn read(&mut self, frame: &Frame, raw: &mut [f64]) -> Option<Option<f64>> {
+        if frame.bits().len() != self.hello.channels.len() {
+            return None;
+        }
+        frame.scaled(&self.hello, &mut self.scaled);
+        let channels = self.gauges.iter().zip(&self.scales);
+        for (raw, (&channel, scale)) in raw.iter_mut().zip(channels) {
+            *raw = self.scaled[channel] * scale;
+        }
+        Some(self.temperature.map(|channel| self.scaled[channel]))
+    }
+
+    /// Step of each gauge's converter, µε; 0 where it sends real numbers.
+    pub(super) fn steps_ue(&self) -> impl Iterator<Item = f64> + '_ {
+        let is_counting = self.hello.format != SampleFormat::F32;
+        self.units().map(
+            move |(scale, _)| {
+                if is_counting { scale.abs() } else { 0.0 }
+            },
+        )
+    }
+
+    /// Lowest and highest reading that each gauge's number format has, µε; empty for real numbers.
+    pub(super) fn rails_ue(&self) -> Vec<(f64, f64)> {
+        let Some((low, high)) = limits(self.hello.format) else {
+            return Vec::new();
+        };
+        let ends = |(scale, offset): (f64, f64)| {
+            let (a, b) = (low * scale + offset, high * scale + offset);
+            (a.min(b), a.max(b))
+        };
+        self.units().map(ends).collect()
+    }
+
+    /// µε per count and offset of each gauge.
+    fn units(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let gauges = self.gauges.iter().zip(&self.scales);
+        gauges.map(|(&channel, scale)| {
+            let channel = &self.hello.channels[channel];
+            let of = |value: f32| f64::from(value) * scale;
+            (of(channel.scale), of(channel.offset))
+        })
+    }
+}
+
+fn is_bridge(channel: &Channel) -> bool {
+    use ChannelKind as K;
+    matches!(
+        channel.kind,
+        K::QuarterBridge | K::HalfBridge | K::FullBridge
+    )
+}
+
+fn channel_of(gauge: &LiveGauge, channels: &[Channel]) -> Option<usize> {
+    let short: String = gauge.name.chars().take(4).collect();
+    let is_it = |c: &Channel| is_bridge(c) && c.name_text().eq_ignore_ascii_case(&short);
+    channels.iter().position(is_it)
+}
+
+/// Ends of a number format's range.
+fn limits(format: SampleFormat) -> Option<(f64, f64)> {
+    Some(match format {
+        SampleFormat::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+        SampleFormat::U16 => (0.0, f64::from(u16::MAX)),
+        SampleFormat::I24 => (-8_388_608.0, 8_388_607.0),
+        SampleFormat::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+        SampleFormat::F32 => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gauges(names: &[&str]) -> Vec<LiveGauge> {
+        let gauge = |name: &&str| LiveGauge {
+            name: (*name).to_owned(),
+            scale: 2.0,
+        };
+        names.iter().map(gauge).collect()
+    }
+
+    #[test]
+    fn gauges_are_found_by_name_wherever_they_are() {
+        let hello = Arc::new(Hello::plain(12, SampleFormat::I16, 500));
+        let mut device =
+            Device::new(hello, &gauges(&["g7", "g0", "g11"]), Some(3), 1000.0).unwrap();
+        let frame = Frame::new(0, SampleFormat::I16, 0..12);
+        let mut raw = [0.0; 3];
+        assert_eq!(device.read(&frame, &mut raw), Some(None));
+        assert_eq!(raw, [14.0, 0.0, 22.0]);
+        assert_eq!(device.period_s, 2e-3);
+        assert_eq!(device.rails_ue()[0], (-65536.0, 65534.0));
+        let short = Frame::new(0, SampleFormat::I16, 0..11);
+        assert_eq!(device.read(&short, &mut raw), None);
+    }
+
+    #[test]
+    fn another_number_of_bridges_is_refused_in_words() {
+        let hello = Arc::new(Hello::plain(12, SampleFormat::I16, 500));
+        let fault = Device::new(hello, &gauges(&["a", "b"]), Some(2), 1000.0).unwrap_err();
+        assert!(
+            fault.contains("expected 2") && fault.contains("12"),
+            "{fault}"
+        );
+    }
+}

@@ -1,0 +1,268 @@
+//! Frames as JSON, one a line.
+
+use std::io::Write;
+
+use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::error::AnyError;
+use crate::frame::LiveFrame;
+use crate::health::{Health, Latency};
+use crate::sink::{Delivery, LiveEvent, Sink, Wants};
+use crate::touch::TouchContact;
+
+/// Frames that wait for a slow file or pipe.
+const N_QUEUED: usize = 4096;
+
+/// Writes frames as JSON lines; docs/live.md has the fields.
+pub struct JsonSink<W> {
+    out: W,
+    line: Vec<u8>,
+    n_unflushed: usize,
+}
+
+#[derive(Serialize)]
+struct Line<'a> {
+    seq: u32,
+    scan: u8,
+    t_device_us: u64,
+    t_host_ns: u64,
+    lost_before: u32,
+    dropped_before: u32,
+    skipped_before: u32,
+    phase: &'static str,
+    temperature: Option<f64>,
+    raw_ue: &'a [f64],
+    tared_ue: &'a [f64],
+    /// Gauges that don't count, and why.
+    bad_gauges: Vec<(usize, &'static str)>,
+    contacts: Vec<ContactLine>,
+    released: &'a [u64],
+    quality: Option<QualityLine>,
+    alternatives: Vec<AlternativeLine>,
+}
+
+#[derive(Serialize)]
+struct ContactLine {
+    id: Option<u64>,
+    phase: Option<&'static str>,
+    position_m: [f64; 3],
+    direction: Option<[f64; 3]>,
+    force_n: f64,
+    position_sd_m: Option<f64>,
+    force_sd_n: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct QualityLine {
+    is_identified: bool,
+    why_not: Option<&'static str>,
+    chi2: f64,
+    n_dof: usize,
+    p_value: f64,
+    n_alternatives: usize,
+}
+
+#[derive(Serialize)]
+struct AlternativeLine {
+    delta_evidence: f64,
+    contacts: Vec<([f64; 3], f64)>,
+}
+
+impl<W: Write + Send> JsonSink<W> {
+    /// A sink that writes to `out`.
+    pub fn new(out: W) -> Self {
+        Self {
+            out,
+            line: Vec::with_capacity(4096),
+            n_unflushed: 0,
+        }
+    }
+}
+
+impl<W: Write + Send> Sink for JsonSink<W> {
+    fn name(&self) -> String {
+        "json".to_owned()
+    }
+
+    fn wants(&self) -> Wants {
+        Wants {
+            health: true,
+            ..Wants::ALL
+        }
+    }
+
+    fn delivery(&self) -> Delivery {
+        Delivery::Queue(N_QUEUED)
+    }
+
+    fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
+        json_line(frame, &mut self.line)?;
+        self.out.write_all(&self.line)?;
+        self.n_unflushed += 1;
+        if self.n_unflushed >= 50 {
+            self.n_unflushed = 0;
+            self.out.flush()?;
+        }
+        Ok(())
+    }
+
+    fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
+        if event_line(event, &mut self.line)? {
+            self.out.write_all(&self.line)?;
+        }
+        Ok(self.out.flush()?)
+    }
+
+    fn finish(&mut self) -> Result<(), AnyError> {
+        Ok(self.out.flush()?)
+    }
+}
+
+/// A frame as a line of JSON with its line break, into `line`.
+///
+/// # Errors
+/// None that a frame can cause.
+pub fn json_line(frame: &LiveFrame, line: &mut Vec<u8>) -> Result<(), AnyError> {
+    line.clear();
+    serde_json::to_writer(&mut *line, &Line::of(frame))?;
+    line.push(b'\n');
+    Ok(())
+}
+
+/// An event in the same way; false for one that has no line.
+pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, AnyError> {
+    let value = match event {
+        LiveEvent::Hello(hello) => json!({
+            "event": "device",
+            "n_channels": hello.channels.len(),
+            "rate_hz": f64::from(hello.rate_mhz) * 1e-3,
+        }),
+        LiveEvent::Restarted => json!({"event": "restarted"}),
+        LiveEvent::Link(state) => json!({"event": "link", "text": state.to_string()}),
+        LiveEvent::Log(text) => json!({"event": "log", "text": &**text}),
+        LiveEvent::Tared => json!({"event": "tared"}),
+        LiveEvent::Health(health) => health_value(health),
+        LiveEvent::Status(_) => return Ok(false),
+    };
+    line.clear();
+    serde_json::to_writer(&mut *line, &value)?;
+    line.push(b'\n');
+    Ok(true)
+}
+
+fn health_value(health: &Health) -> Value {
+    let times = |of: &Latency| json!({"p50": of.p50_us, "p99": of.p99_us, "max": of.max_us});
+    let second = &health.second;
+    json!({
+        "event": "health",
+        "text": health.to_string(),
+        "rate_hz": health.rate_hz,
+        "n_frames": health.n_frames,
+        "n_lost": health.n_lost,
+        "n_dropped": health.n_dropped,
+        "n_refused": health.n_refused,
+        "n_restarts": health.n_restarts,
+        "n_reconnects": health.n_reconnects,
+        "n_deadline_missed": health.n_deadline_missed,
+        "latency_us": {
+            "queue": times(&second.queue),
+            "conditioning": times(&second.conditioning),
+            "estimate": times(&second.estimate),
+            "sinks": times(&second.sinks),
+            "compute": times(&second.compute),
+        },
+    })
+}
+
+impl<'a> Line<'a> {
+    fn of(frame: &'a LiveFrame) -> Self {
+        let touch = &frame.touch;
+        let numbered = frame.gauges.iter().copied().enumerate();
+        let quality = touch.quality.as_ref().map(|quality| QualityLine {
+            is_identified: quality.is_identified,
+            why_not: quality.why_not.map(why_not_word),
+            chi2: quality.chi2,
+            n_dof: quality.n_dof,
+            p_value: quality.p_value,
+            n_alternatives: quality.n_alternatives,
+        });
+        let alternatives = touch.alternatives.iter().map(|other| AlternativeLine {
+            delta_evidence: other.delta_evidence,
+            contacts: other
+                .contacts()
+                .map(|(x, force_n)| (x.coords.into(), force_n))
+                .collect(),
+        });
+        Self {
+            seq: frame.seq,
+            scan: frame.scan,
+            t_device_us: frame.t_device_us,
+            t_host_ns: frame.t_host_ns,
+            lost_before: frame.n_lost_before,
+            dropped_before: frame.n_dropped_before,
+            skipped_before: frame.n_skipped_before,
+            phase: phase_word(frame.phase),
+            temperature: frame.temperature,
+            raw_ue: &frame.raw_ue,
+            tared_ue: &frame.tared_ue,
+            bad_gauges: numbered
+                .filter(|(_, health)| *health != GaugeHealth::Good)
+                .map(|(gauge, health)| (gauge, health_word(health)))
+                .collect(),
+            contacts: touch.contacts.iter().map(ContactLine::of).collect(),
+            released: &touch.released,
+            quality,
+            alternatives: alternatives.collect(),
+        }
+    }
+}
+
+impl ContactLine {
+    fn of(contact: &TouchContact) -> Self {
+        let sure = contact.uncertainty.as_ref();
+        Self {
+            id: contact.id,
+            phase: contact.phase.map(|phase| match phase {
+                Phase::Born => "born",
+                Phase::Held => "held",
+                Phase::Sliding => "sliding",
+            }),
+            position_m: contact.position_m.coords.into(),
+            direction: contact.direction.map(Into::into),
+            force_n: contact.force_n,
+            position_sd_m: sure.map(|sure| sure.position_sd_m()),
+            force_sd_n: sure.map(|sure| sure.force_sd_n()),
+        }
+    }
+}
+
+pub(super) fn phase_word(phase: TouchPhase) -> &'static str {
+    match phase {
+        TouchPhase::Taring => "taring",
+        TouchPhase::Untouched => "untouched",
+        TouchPhase::Touched => "touched",
+    }
+}
+
+fn health_word(health: GaugeHealth) -> &'static str {
+    match health {
+        GaugeHealth::Good => "good",
+        GaugeHealth::Saturated => "saturated",
+        GaugeHealth::Dead => "dead",
+        GaugeHealth::Spike => "spike",
+        GaugeHealth::NotFinite => "no_number",
+        GaugeHealth::Recovering => "recovering",
+    }
+}
+
+fn why_not_word(why: WhyNot) -> &'static str {
+    match why {
+        WhyNot::SingularInformation => "singular_information",
+        WhyNot::TiedExplanations => "tied_explanations",
+        WhyNot::Misfit => "misfit",
+        WhyNot::Unchecked => "unchecked",
+        WhyNot::Noise => "noise",
+    }
+}

@@ -1,0 +1,209 @@
+//! JSON lines for whoever connects, by TCP or a Unix socket.
+
+use std::io::{ErrorKind, Write};
+use std::net::TcpListener;
+#[cfg(unix)]
+use std::os::unix::net::UnixListener;
+use std::path::PathBuf;
+
+use super::json::{event_line, json_line};
+use crate::error::{AnyError, LiveError};
+use crate::frame::LiveFrame;
+use crate::sink::{Delivery, LiveEvent, Sink, Wants};
+
+/// Bytes that wait for a client at most; beyond that lines are left out.
+const MAX_WAITING: usize = 256 << 10;
+
+/// Clients at most.
+const MAX_CLIENTS: usize = 8;
+
+/// Frames that wait for this sink.
+const N_QUEUED: usize = 1024;
+
+/// Sends every frame as a line of JSON to all clients. A client that is too slow misses whole lines
+/// and is told how many in an event line; the others miss nothing.
+pub struct JsonServer {
+    address: String,
+    listener: Listener,
+    clients: Vec<Client>,
+    line: Vec<u8>,
+}
+
+enum Listener {
+    Tcp(TcpListener),
+    #[cfg(unix)]
+    Unix(UnixListener, PathBuf),
+}
+
+struct Client {
+    stream: Box<dyn Write + Send>,
+    waiting: Vec<u8>,
+    n_left_out: u64,
+}
+
+impl JsonServer {
+    /// Listens at `tcp:HOST:PORT` or `unix:PATH`.
+    ///
+    /// # Errors
+    /// [`LiveError::Listen`].
+    pub fn bind(address: &str) -> Result<Self, LiveError> {
+        let refused = |source| LiveError::Listen {
+            address: address.to_owned(),
+            source,
+        };
+        let listener = Listener::bind(address).map_err(refused)?;
+        Ok(Self {
+            address: listener.address().unwrap_or_else(|| address.to_owned()),
+            listener,
+            clients: Vec::new(),
+            line: Vec::with_capacity(4096),
+        })
+    }
+
+    /// Where it listens, with the port that the system gave for port 0.
+    #[must_use]
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    fn accept(&mut self) {
+        while let Some(stream) = self.listener.accept() {
+            if self.clients.len() < MAX_CLIENTS {
+                self.clients.push(Client {
+                    stream,
+                    waiting: Vec::with_capacity(MAX_WAITING),
+                    n_left_out: 0,
+                });
+            }
+        }
+    }
+
+    fn send(&mut self) {
+        let line = &self.line;
+        self.clients.retain_mut(|client| {
+            client.add(line);
+            client.send()
+        });
+    }
+}
+
+impl Sink for JsonServer {
+    fn name(&self) -> String {
+        format!("json {}", self.address)
+    }
+
+    fn wants(&self) -> Wants {
+        Wants::ALL
+    }
+
+    fn delivery(&self) -> Delivery {
+        Delivery::Queue(N_QUEUED)
+    }
+
+    fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
+        self.accept();
+        if self.clients.is_empty() {
+            return Ok(());
+        }
+        json_line(frame, &mut self.line)?;
+        self.send();
+        Ok(())
+    }
+
+    fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
+        self.accept();
+        if event_line(event, &mut self.line)? {
+            self.send();
+        }
+        Ok(())
+    }
+}
+
+impl Client {
+    /// Lets a line wait; where there is no room it is left out and counted.
+    fn add(&mut self, line: &[u8]) {
+        if self.n_left_out > 0 && self.waiting.len() < MAX_WAITING / 2 {
+            let n = std::mem::take(&mut self.n_left_out);
+            let told = format!("{{\"event\":\"left_out\",\"text\":\"{n} lines\"}}\n");
+            self.waiting.extend_from_slice(told.as_bytes());
+        }
+        let has_room = self.n_left_out == 0 && self.waiting.len() + line.len() <= MAX_WAITING;
+        if has_room {
+            self.waiting.extend_from_slice(line);
+        } else {
+            self.n_left_out += 1;
+        }
+    }
+
+    /// Sends what goes without waiting; false if the client is gone.
+    fn send(&mut self) -> bool {
+        let mut n_sent = 0;
+        let is_there = loop {
+            if n_sent == self.waiting.len() {
+                break true;
+            }
+            match self.stream.write(&self.waiting[n_sent..]) {
+                Ok(0) => break false,
+                Ok(n) => n_sent += n,
+                Err(e) if e.kind() == ErrorKind::WouldBlock => break true,
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(_) => break false,
+            }
+        };
+        self.waiting.drain(..n_sent);
+        is_there
+    }
+}
+
+impl Listener {
+    fn bind(address: &str) -> std::io::Result<Self> {
+        if let Some(address) = address.strip_prefix("tcp:") {
+            let listener = TcpListener::bind(address)?;
+            listener.set_nonblocking(true)?;
+            return Ok(Self::Tcp(listener));
+        }
+        #[cfg(unix)]
+        if let Some(path) = address.strip_prefix("unix:") {
+            let listener = UnixListener::bind(path)?;
+            listener.set_nonblocking(true)?;
+            return Ok(Self::Unix(listener, path.into()));
+        }
+        let message = "not an address";
+        Err(std::io::Error::new(ErrorKind::InvalidInput, message))
+    }
+
+    fn address(&self) -> Option<String> {
+        match self {
+            Self::Tcp(listener) => Some(format!("tcp:{}", listener.local_addr().ok()?)),
+            #[cfg(unix)]
+            Self::Unix(_, path) => Some(format!("unix:{}", path.display())),
+        }
+    }
+
+    fn accept(&self) -> Option<Box<dyn Write + Send>> {
+        match self {
+            Self::Tcp(listener) => {
+                let (stream, _) = listener.accept().ok()?;
+                stream.set_nonblocking(true).ok()?;
+                stream.set_nodelay(true).ok()?;
+                Some(Box::new(stream))
+            }
+            #[cfg(unix)]
+            Self::Unix(listener, _) => {
+                let (stream, _) = listener.accept().ok()?;
+                stream.set_nonblocking(true).ok()?;
+                Some(Box::new(stream))
+            }
+        }
+    }
+}
+
+impl Drop for Listener {
+    fn drop(&mut self) {
+        #[cfg(unix)]
+        if let Self::Unix(_, path) = self {
+            // only a name is left behind otherwise
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}

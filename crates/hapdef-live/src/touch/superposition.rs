@@ -1,0 +1,132 @@
+//! Contacts of every frame on its own, by superposition.
+
+use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
+
+use super::{Alternative, Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality};
+use super::{TouchUncertainty, TouchWanted};
+use crate::error::LiveError;
+
+/// [`ContactEstimator`] with its buffers. When gauges fail it is whitened anew without them, which
+/// takes milliseconds once.
+pub struct Superposition {
+    estimator: ContactEstimator,
+    scratch: EstimatorScratch,
+    masked: Option<Masked>,
+    estimate: ContactEstimate,
+}
+
+/// The estimator without the gauges that don't count.
+struct Masked {
+    live: Vec<bool>,
+    estimator: ContactEstimator,
+    scratch: EstimatorScratch,
+}
+
+impl Superposition {
+    /// Wraps an estimator.
+    #[must_use]
+    pub fn new(estimator: ContactEstimator) -> Self {
+        Self {
+            scratch: estimator.scratch(),
+            masked: None,
+            estimate: ContactEstimate::default(),
+            estimator,
+        }
+    }
+
+    /// The last frame's estimate in full.
+    #[must_use]
+    pub fn estimate_in_full(&self) -> &ContactEstimate {
+        &self.estimate
+    }
+
+    /// The estimator, its buffers dropped.
+    #[must_use]
+    pub fn into_estimator(self) -> ContactEstimator {
+        self.estimator
+    }
+
+    fn search(&mut self, frame: &TouchFrame<'_>) -> Result<(), LiveError> {
+        let readings = frame.readings_ue;
+        let estimate = &mut self.estimate;
+        let Some(live) = frame.live.filter(|live| !live.iter().all(|l| *l)) else {
+            let estimator = &self.estimator;
+            return Ok(estimator.estimate_into(readings, &mut self.scratch, estimate)?);
+        };
+        let masked = match self.masked.take().filter(|masked| masked.live == live) {
+            Some(masked) => masked,
+            None => Masked::new(&self.estimator, live)?,
+        };
+        let masked = self.masked.insert(masked);
+        let estimator = &masked.estimator;
+        Ok(estimator.estimate_into(readings, &mut masked.scratch, estimate)?)
+    }
+
+    fn report(&self, wanted: TouchWanted, touch: &mut Touch) {
+        let (skin, estimate) = (self.estimator.map().skin(), &self.estimate);
+        touch.clear();
+        let contacts = estimate.contacts.iter().map(|contact| TouchContact {
+            position_m: contact.position_m,
+            force_n: contact.force_n,
+            direction: Some(-skin.normal(&contact.point)),
+            id: None,
+            phase: None,
+            uncertainty: wanted.uncertainty.then(|| TouchUncertainty {
+                tangents: skin.tangents(&contact.point),
+                covariance: contact.covariance,
+            }),
+        });
+        touch.contacts.extend(contacts);
+        if wanted.alternatives {
+            let others = estimate.runner_ups.iter().map(|other| {
+                let places = other.points().iter().map(|point| skin.position(point));
+                Alternative::new(
+                    other.delta_evidence,
+                    places.zip(other.forces_n().iter().copied()),
+                )
+            });
+            touch.alternatives.extend(others);
+        }
+        touch.quality = Some(TouchQuality {
+            n_alternatives: estimate.runner_ups.len(),
+            ..TouchQuality::of(
+                estimate.verdict,
+                estimate.chi2,
+                estimate.n_dof,
+                estimate.p_value,
+            )
+        });
+    }
+}
+
+impl TouchEstimator for Superposition {
+    fn name(&self) -> &'static str {
+        "superposition"
+    }
+
+    fn n_gauges(&self) -> usize {
+        self.estimator.map().n_gauges()
+    }
+
+    fn estimate_frame(
+        &mut self,
+        frame: &TouchFrame<'_>,
+        touch: &mut Touch,
+    ) -> Result<(), LiveError> {
+        frame.check(self.n_gauges())?;
+        self.search(frame)?;
+        self.report(frame.wanted, touch);
+        Ok(())
+    }
+}
+
+impl Masked {
+    fn new(whole: &ContactEstimator, live: &[bool]) -> Result<Self, LiveError> {
+        let estimator = whole.masked(live)?;
+        Ok(Self {
+            live: live.to_vec(),
+            scratch: estimator.scratch(),
+            estimator,
+        })
+    }
+}

@@ -1,0 +1,230 @@
+//! Plain structs to messages of all topics.
+
+use serde::Serialize;
+
+use crate::cdr::to_cdr;
+use crate::error::RosError;
+use crate::frames::frame_of;
+use crate::input::{self, Health, Readings};
+use crate::markers::markers;
+use crate::msg::{
+    Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue, TfMessage,
+    Time, Transform, TransformStamped, Vector3, Wrench, WrenchStamped,
+};
+use crate::sink::MessageSink;
+use crate::slots::{Slot, Slots};
+use crate::topics::{RosParams, TopicKind};
+
+/// Makes messages and hands them to a sink; messages of topics that the sink does not want are not
+/// made.
+pub struct RosEncoder<S> {
+    params: RosParams,
+    sink: S,
+    slots: Slots,
+    /// Slots whose last markers show a contact.
+    drawn: Vec<bool>,
+    next_markers_ns: u64,
+}
+
+impl<S: MessageSink> RosEncoder<S> {
+    /// # Errors
+    /// A parameter that is out of range.
+    pub fn new(params: RosParams, sink: S) -> Result<Self, RosError> {
+        params.check()?;
+        Ok(Self {
+            slots: Slots::new(params.n_slots),
+            drawn: vec![false; params.n_slots],
+            params,
+            sink,
+            next_markers_ns: 0,
+        })
+    }
+
+    /// A reading, on the topic of gauges.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn readings(&mut self, readings: &Readings<'_>) -> Result<(), RosError> {
+        self.put(TopicKind::Gauges, readings.stamp_ns, |this| Gauges {
+            header: this.header(readings.stamp_ns),
+            seq: readings.seq,
+            lost_before: readings.n_lost_before,
+            microstrain: readings.microstrain.to_vec(),
+        })
+    }
+
+    /// The contacts behind a reading: as such, as wrenches, frames and, so often a second as the
+    /// parameters say, markers.
+    ///
+    /// # Errors
+    /// They can't be encoded.
+    pub fn contacts(&mut self, contacts: &input::Contacts) -> Result<(), RosError> {
+        let stamp_ns = contacts.stamp_ns;
+        self.put(TopicKind::Contacts, stamp_ns, |this| this.list(contacts))?;
+        let placed = self.slots.place(&contacts.contacts);
+        self.transforms(stamp_ns, &placed)?;
+        for (slot, held) in placed.iter().enumerate() {
+            self.wrench(stamp_ns, slot, held)?;
+        }
+        self.markers(stamp_ns, &placed)
+    }
+
+    /// What is known to touch, from a simulated rig.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn truth(&mut self, contacts: &input::Contacts) -> Result<(), RosError> {
+        let stamp_ns = contacts.stamp_ns;
+        self.put(TopicKind::Truth, stamp_ns, |this| this.list(contacts))
+    }
+
+    /// How parts are doing: one message for all of them.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn health(&mut self, parts: &[Health]) -> Result<(), RosError> {
+        let stamp_ns = parts.iter().map(|part| part.stamp_ns).max().unwrap_or(0);
+        self.put(TopicKind::Diagnostics, stamp_ns, |this| DiagnosticArray {
+            header: Header {
+                frame_id: String::new(),
+                ..this.header(stamp_ns)
+            },
+            status: parts.iter().map(status).collect(),
+        })
+    }
+
+    /// The sink.
+    pub fn sink(&mut self) -> &mut S {
+        &mut self.sink
+    }
+
+    fn put<T: Serialize>(
+        &mut self,
+        topic: TopicKind,
+        stamp_ns: u64,
+        message: impl FnOnce(&Self) -> T,
+    ) -> Result<(), RosError> {
+        if self.sink.wants(topic) {
+            let bytes = to_cdr(&message(self))?;
+            self.sink.put(topic, stamp_ns, &bytes);
+        }
+        Ok(())
+    }
+
+    fn header(&self, stamp_ns: u64) -> Header {
+        Header {
+            stamp: Time::from_ns(stamp_ns),
+            frame_id: self.params.frame_id.clone(),
+        }
+    }
+
+    fn list(&self, contacts: &input::Contacts) -> Contacts {
+        let quality = contacts.quality;
+        Contacts {
+            header: self.header(contacts.stamp_ns),
+            seq: contacts.seq,
+            has_quality: quality.is_some(),
+            is_identified: quality.is_some_and(|q| q.is_identified),
+            p_value: quality.map_or(0.0, |q| q.p_value),
+            contacts: contacts.contacts.iter().map(contact).collect(),
+        }
+    }
+
+    /// A contact's wrench in its own frame: it pushes against the normal. Zero, once, when it goes.
+    fn wrench(&mut self, stamp_ns: u64, slot: usize, held: &Slot<'_>) -> Result<(), RosError> {
+        let force_n = match held {
+            Slot::Held(contact) => contact.force_n,
+            Slot::Left => 0.0,
+            Slot::Free => return Ok(()),
+        };
+        self.put(TopicKind::Wrench(slot), stamp_ns, |this| WrenchStamped {
+            header: Header {
+                frame_id: this.params.contact_frame(slot),
+                ..this.header(stamp_ns)
+            },
+            wrench: Wrench {
+                force: [0.0, 0.0, -force_n].into(),
+                ..Wrench::default()
+            },
+        })
+    }
+
+    /// The frames of the contacts.
+    fn transforms(&mut self, stamp_ns: u64, placed: &[Slot<'_>]) -> Result<(), RosError> {
+        if !placed.iter().any(|slot| matches!(slot, Slot::Held(_))) {
+            return Ok(());
+        }
+        self.put(TopicKind::Transforms, stamp_ns, |this| {
+            let held = placed.iter().enumerate().filter_map(|(slot, held)| {
+                let Slot::Held(contact) = held else {
+                    return None;
+                };
+                let along = contact.uncertainty.map(|u| u.tangents[0]);
+                Some(TransformStamped {
+                    header: this.header(stamp_ns),
+                    child_frame_id: this.params.contact_frame(slot),
+                    transform: Transform {
+                        translation: contact.position_m.into(),
+                        rotation: frame_of(contact.normal, along).rotation(),
+                    },
+                })
+            });
+            TfMessage {
+                transforms: held.collect(),
+            }
+        })
+    }
+
+    fn markers(&mut self, stamp_ns: u64, placed: &[Slot<'_>]) -> Result<(), RosError> {
+        let is_due = stamp_ns >= self.next_markers_ns;
+        let held = |slot: &Slot<'_>| matches!(slot, Slot::Held(_));
+        let drawn = self.drawn.iter().zip(placed);
+        // What is gone is taken away at once, also where it went between two drawings.
+        let gone: Vec<Slot<'_>> = drawn
+            .map(|(&was, slot)| {
+                if was && !held(slot) {
+                    Slot::Left
+                } else {
+                    *slot
+                }
+            })
+            .collect();
+        let has_gone = gone.contains(&Slot::Left);
+        let has_any = has_gone || placed.iter().any(held);
+        if !has_any || !(is_due || has_gone) {
+            return Ok(());
+        }
+        self.drawn = placed.iter().map(held).collect();
+        self.next_markers_ns = stamp_ns + (1e9 / self.params.marker_hz) as u64;
+        self.put(TopicKind::Markers, stamp_ns, |this| {
+            markers(&this.params, &this.header(stamp_ns), &gone)
+        })
+    }
+}
+
+fn contact(contact: &input::Contact) -> Contact {
+    let uncertainty = contact.uncertainty;
+    Contact {
+        id: contact.id,
+        position: contact.position_m.into(),
+        normal: contact.normal.into(),
+        force: contact.force_n,
+        has_covariance: uncertainty.is_some(),
+        tangents: uncertainty.map_or_else(Default::default, |u| u.tangents.map(Vector3::from)),
+        covariance: uncertainty.map_or([0.0; 9], |u| u.covariance),
+    }
+}
+
+fn status(part: &Health) -> DiagnosticStatus {
+    let values = part.values.iter().map(|(key, value)| KeyValue {
+        key: key.clone(),
+        value: value.clone(),
+    });
+    DiagnosticStatus {
+        level: part.level as u8,
+        name: part.name.clone(),
+        message: part.message.clone(),
+        hardware_id: part.hardware_id.clone(),
+        values: values.collect(),
+    }
+}

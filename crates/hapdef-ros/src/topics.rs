@@ -1,0 +1,204 @@
+//! What is said where: the topics, in the order in which sinks number them.
+
+use hapdef_daq::record::TopicDef;
+
+use crate::error::RosError;
+use crate::schema::definition;
+
+/// Contacts that can have a wrench and a frame of their own at most.
+const MAX_SLOTS: usize = 16;
+
+/// How messages are named and drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosParams {
+    /// Before the names of hapdef's own topics: `/hapdef`.
+    pub prefix: String,
+    /// Frame of the limb; positions are in it.
+    pub frame_id: String,
+    /// Contacts that have a wrench and a frame of their own, 1 to 16.
+    pub n_slots: usize,
+    /// Markers a second at most; what is shown need not be drawn for every reading.
+    pub marker_hz: f64,
+    /// Length of the arrow of 1 N, m.
+    pub arrow_m_per_n: f64,
+}
+
+/// A topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TopicKind {
+    /// hapdef_msgs/Gauges on `<prefix>/gauges`.
+    Gauges,
+    /// hapdef_msgs/Contacts on `<prefix>/contacts`.
+    Contacts,
+    /// hapdef_msgs/Contacts on `<prefix>/truth`: what is known to touch, from a simulated rig.
+    Truth,
+    /// visualization_msgs/MarkerArray on `<prefix>/markers`.
+    Markers,
+    /// tf2_msgs/TFMessage on `/tf`.
+    Transforms,
+    /// diagnostic_msgs/DiagnosticArray on `/diagnostics`.
+    Diagnostics,
+    /// geometry_msgs/WrenchStamped on `<prefix>/contact_<slot>/wrench`.
+    Wrench(usize),
+}
+
+impl Default for RosParams {
+    /// `/hapdef`, frame `limb`, four contacts, 30 Hz, 1 cm for 1 N.
+    fn default() -> Self {
+        Self {
+            prefix: "/hapdef".to_owned(),
+            frame_id: "limb".to_owned(),
+            n_slots: 4,
+            marker_hz: 30.0,
+            arrow_m_per_n: 0.01,
+        }
+    }
+}
+
+impl RosParams {
+    /// # Errors
+    /// The parameter that is out of range.
+    pub fn check(&self) -> Result<(), RosError> {
+        let wrong = |name, expected, found: &dyn ToString| {
+            Err(RosError::Parameter {
+                name,
+                expected,
+                found: found.to_string(),
+            })
+        };
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '/';
+        if !self.prefix.starts_with('/') || self.prefix.ends_with('/') {
+            return wrong("prefix", "a name like /hapdef", &self.prefix);
+        }
+        if !self.prefix.chars().all(is_word) {
+            return wrong("prefix", "letters, digits, _ and /", &self.prefix);
+        }
+        if self.frame_id.is_empty() || !self.frame_id.chars().all(is_word) {
+            return wrong("frame_id", "letters, digits, _ and /", &self.frame_id);
+        }
+        if !(1..=MAX_SLOTS).contains(&self.n_slots) {
+            return wrong("n_slots", "1 to 16", &self.n_slots);
+        }
+        if !(self.marker_hz > 0.0 && self.marker_hz.is_finite()) {
+            return wrong("marker_hz", "a number above 0", &self.marker_hz);
+        }
+        if !(self.arrow_m_per_n > 0.0 && self.arrow_m_per_n.is_finite()) {
+            return wrong("arrow_m_per_n", "a number above 0", &self.arrow_m_per_n);
+        }
+        Ok(())
+    }
+
+    /// Frame of a contact's slot.
+    #[must_use]
+    pub fn contact_frame(&self, slot: usize) -> String {
+        format!("{}/contact_{slot}", self.frame_id)
+    }
+}
+
+impl TopicKind {
+    /// The topics, in the order of their numbers.
+    pub fn all(params: &RosParams) -> impl Iterator<Item = Self> {
+        let wrenches = (0..params.n_slots).map(Self::Wrench);
+        [
+            Self::Gauges,
+            Self::Contacts,
+            Self::Truth,
+            Self::Markers,
+            Self::Transforms,
+            Self::Diagnostics,
+        ]
+        .into_iter()
+        .chain(wrenches)
+    }
+
+    /// Its number: its place among [`topics`].
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self {
+            Self::Gauges => 0,
+            Self::Contacts => 1,
+            Self::Truth => 2,
+            Self::Markers => 3,
+            Self::Transforms => 4,
+            Self::Diagnostics => 5,
+            Self::Wrench(slot) => 6 + slot,
+        }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self, params: &RosParams) -> String {
+        let prefix = &params.prefix;
+        match self {
+            Self::Gauges => format!("{prefix}/gauges"),
+            Self::Contacts => format!("{prefix}/contacts"),
+            Self::Truth => format!("{prefix}/truth"),
+            Self::Markers => format!("{prefix}/markers"),
+            Self::Transforms => "/tf".to_owned(),
+            Self::Diagnostics => "/diagnostics".to_owned(),
+            Self::Wrench(slot) => format!("{prefix}/contact_{slot}/wrench"),
+        }
+    }
+
+    /// Package and name of its messages.
+    #[must_use]
+    pub fn message(self) -> &'static str {
+        match self {
+            Self::Gauges => "hapdef_msgs/Gauges",
+            Self::Contacts | Self::Truth => "hapdef_msgs/Contacts",
+            Self::Markers => "visualization_msgs/MarkerArray",
+            Self::Transforms => "tf2_msgs/TFMessage",
+            Self::Diagnostics => "diagnostic_msgs/DiagnosticArray",
+            Self::Wrench(_) => "geometry_msgs/WrenchStamped",
+        }
+    }
+}
+
+/// The topics' names and schemas, in the order of their numbers: what
+/// [`hapdef_daq::record::RecordParams::topics`] takes.
+///
+/// # Errors
+/// A parameter that is out of range.
+pub fn topics(params: &RosParams) -> Result<Vec<TopicDef>, RosError> {
+    params.check()?;
+    let topic = |kind: TopicKind| TopicDef {
+        name: kind.name(params),
+        message_encoding: "cdr".to_owned(),
+        schema_name: kind.message().replacen('/', "/msg/", 1),
+        schema_encoding: "ros2msg".to_owned(),
+        schema: definition(kind.message()).unwrap_or_default(),
+    };
+    Ok(TopicKind::all(params).map(topic).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_places() {
+        let params = RosParams::default();
+        for (i, kind) in TopicKind::all(&params).enumerate() {
+            assert_eq!(kind.number(), i);
+            assert!(crate::type_hash(kind.message()).is_some(), "{kind:?}");
+        }
+        let topics = topics(&params).unwrap();
+        assert!(topics.iter().all(|topic| !topic.schema.is_empty()));
+        assert_eq!(topics[7].name, "/hapdef/contact_1/wrench");
+    }
+
+    #[test]
+    fn names_that_ros_refuses_are_refused() {
+        let with = |change: &dyn Fn(&mut RosParams)| {
+            let mut params = RosParams::default();
+            change(&mut params);
+            topics(&params).is_err()
+        };
+        assert!(with(&|p| p.prefix = "hapdef".into()));
+        assert!(with(&|p| p.prefix = "/a b".into()));
+        assert!(with(&|p| p.frame_id = String::new()));
+        assert!(with(&|p| p.n_slots = 17));
+        assert!(with(&|p| p.marker_hz = f64::NAN));
+        assert!(with(&|p| p.arrow_m_per_n = 0.0));
+    }
+}

@@ -1,0 +1,107 @@
+// Buttons, sliders, keys.
+
+/** Largest exaggeration; the slider is logarithmic from 1, its left end is none. */
+const MOST = 1000;
+const TURN = Math.PI / 24;
+
+/** Wires the page's controls to `act`, an object of functions. */
+export class Controls {
+  constructor(byId, act) {
+    this.byId = byId;
+    this.act = act;
+    const click = (id, action) => { byId(id).onclick = action; };
+    click("tare", () => act.send({ cmd: "tare" }, "Tare"));
+    click("record", () => act.send({ cmd: "record", on: byId("record").ariaPressed !== "true" }));
+    click("snapshot", () => act.snapshot());
+    click("pause", () => act.pause(byId("pause").ariaPressed !== "true"));
+    click("turn", () => this.setPress(false));
+    click("press", () => this.setPress(true));
+    click("fit", () => act.fit());
+    byId("force").oninput = () => this.setForce(Number(byId("force").value));
+    byId("exaggerate").oninput = () => this.setExaggeration();
+    byId("colours").onchange = () => act.colours(byId("colours").value);
+    byId("time").oninput = () => act.seek(Number(byId("time").value));
+    addEventListener("keydown", (event) => this.key(event));
+    addEventListener("keyup", (event) => { if (event.key === "Enter") act.release(); });
+    addEventListener("blur", () => act.release());
+    this.setExaggeration();
+  }
+
+  /** Shows what the server offers. */
+  offer(offers) {
+    this.byId("tare").hidden = !offers.tare;
+    this.byId("record").hidden = !offers.record;
+    this.byId("press").hidden = !offers.press;
+    if (offers.press) {
+      Object.assign(this.byId("force"), { min: offers.press.max_n / 50, max: offers.press.max_n, value: offers.press.default_n });
+      this.setForce(offers.press.default_n);
+    }
+    this.setPress(Boolean(offers.press));
+  }
+
+  setPress(on) {
+    const pressing = on && !this.byId("press").hidden;
+    this.byId("press").ariaPressed = String(pressing);
+    this.byId("turn").ariaPressed = String(!pressing);
+    this.byId("force-row").hidden = !pressing;
+    this.byId("stage").classList.toggle("pressing", pressing);
+    this.act.press(pressing);
+  }
+
+  setForce(force) {
+    this.byId("force-out").textContent = `${force.toFixed(1)} N`;
+    this.act.force(force);
+  }
+
+  setExaggeration() {
+    const x = Number(this.byId("exaggerate").value);
+    const times = x === 0 ? 0 : Number((MOST ** x).toPrecision(2));
+    this.byId("exaggerate-out").textContent = times ? `×${times}` : "off";
+    this.act.exaggerate(times);
+  }
+
+  setPaused(on) {
+    this.byId("pause").ariaPressed = String(on);
+    this.byId("pause").textContent = on ? "Resume" : "Pause";
+  }
+
+  /** The scrubber: `at` within `from`…`to`, s. */
+  setTime(from, to, at, text) {
+    const time = this.byId("time");
+    if (Number(time.min) !== from) time.min = from;
+    if (Number(time.max) !== to) time.max = to;
+    if (document.activeElement !== time || !time.matches(":active")) time.value = at;
+    this.byId("time-out").textContent = text;
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const onField = event.target.matches("input, select");
+    const onButton = event.target.matches("button");
+    if (onField || (onButton && (event.key === " " || event.key === "Enter"))) return;
+    const done = this.keys()[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!done || (event.repeat && !event.key.startsWith("Arrow"))) return;
+    event.preventDefault();
+    done();
+  }
+
+  keys() {
+    const { act, byId } = this;
+    const tap = (id) => () => { if (!byId(id).hidden) byId(id).click(); };
+    return {
+      t: tap("tare"),
+      r: tap("record"),
+      s: tap("snapshot"),
+      f: tap("fit"),
+      " ": tap("pause"),
+      p: () => this.setPress(byId("press").ariaPressed !== "true"),
+      Enter: () => act.pressMiddle(),
+      ArrowLeft: () => act.turn(-TURN, 0),
+      ArrowRight: () => act.turn(TURN, 0),
+      ArrowUp: () => act.turn(0, -TURN),
+      ArrowDown: () => act.turn(0, TURN),
+      "+": () => act.zoom(1.15),
+      "-": () => act.zoom(1 / 1.15),
+    };
+  }
+}

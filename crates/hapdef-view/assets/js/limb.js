@@ -1,0 +1,131 @@
+// The limb's surface, coloured by displacement and bent by it.
+
+import {
+  BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshStandardMaterial, Vector3,
+} from "../vendor/three/three.module.min.js";
+import { mapTable, roundUp } from "./colour.js";
+
+const GREY = 0.42;
+const SHRINK_PER_S = 0.35;
+
+/** The limb's surface. */
+export class Limb {
+  constructor(surface) {
+    this.rest = surface.positions;
+    this.restNormals = surface.normals;
+    this.geometry = new BufferGeometry();
+    const attribute = (values) => new BufferAttribute(values, 3).setUsage(DynamicDrawUsage);
+    this.geometry.setAttribute("position", attribute(surface.positions.slice()));
+    this.geometry.setAttribute("normal", attribute(surface.normals.slice()));
+    this.geometry.setAttribute("color", attribute(new Float32Array(surface.positions.length).fill(GREY)));
+    this.geometry.setIndex(new BufferAttribute(surface.triangles, 1));
+    this.mesh = new Mesh(this.geometry, new MeshStandardMaterial({ vertexColors: true, side: DoubleSide, roughness: 0.6, metalness: 0 }));
+    this.mesh.frustumCulled = false;
+    this.setMap("viridis");
+    this.range = 0;
+    this.peak = 0;
+    this.exaggeration = 0;
+  }
+
+  setMap(name) {
+    this.table = mapTable(name);
+  }
+
+  /** Colours and bends the surface; `dt` s since the last frame, for the scale to follow slowly. */
+  show(frame, dt) {
+    const { components, displacement } = frame;
+    if (!components) {
+      this.plain();
+      return;
+    }
+    this.follow(largest(displacement, components), dt);
+    this.paint(displacement, components);
+    this.bend(displacement, components);
+  }
+
+  /** Without a displacement: one grey. */
+  plain() {
+    const { color, position, normal } = this.geometry.attributes;
+    color.array.fill(GREY);
+    position.array.set(this.rest);
+    normal.array.set(this.restNormals);
+    for (const attribute of [color, position, normal]) attribute.needsUpdate = true;
+    this.bent = false;
+  }
+
+  /** The scale's end: grows at once, shrinks slowly, in steps of 1, 2, 5. */
+  follow(peak, dt) {
+    this.peak = Math.max(peak, this.peak * (1 - SHRINK_PER_S * Math.min(Math.max(dt, 0), 1)), 1e-7);
+    const range = roundUp(this.peak);
+    if (range > this.range || range < 0.3 * this.range) this.range = range;
+  }
+
+  paint(displacement, components) {
+    const { color } = this.geometry.attributes;
+    const scale = 255 / this.range;
+    color.array.fill(GREY, displacement.length * 3 / components);
+    for (let i = 0; i < displacement.length / components; i += 1) {
+      const length = components === 1 ? Math.abs(displacement[i]) : Math.hypot(displacement[3 * i], displacement[3 * i + 1], displacement[3 * i + 2]);
+      const step = 3 * Math.min(255, Math.round(length * scale));
+      color.array[3 * i] = this.table[step];
+      color.array[3 * i + 1] = this.table[step + 1];
+      color.array[3 * i + 2] = this.table[step + 2];
+    }
+    color.needsUpdate = true;
+  }
+
+  bend(displacement, components) {
+    const { position, normal } = this.geometry.attributes;
+    const by = this.exaggeration;
+    if (by === 0 && !this.bent) return;
+    for (let k = 0; k < (3 / components) * displacement.length; k += 1) {
+      const moved = components === 3 ? displacement[k] : -displacement[(k / 3) | 0] * this.restNormals[k];
+      position.array[k] = this.rest[k] + by * moved;
+    }
+    position.needsUpdate = true;
+    if (by === 0) normal.array.set(this.restNormals);
+    else this.geometry.computeVertexNormals();
+    normal.needsUpdate = true;
+    this.bent = by !== 0;
+  }
+
+  /** Point and normal of the limb at rest where a ray met the limb as drawn. */
+  restPoint(hit) {
+    const { a, b, c } = hit.face;
+    const { position } = this.geometry.attributes;
+    const corner = (i) => new Vector3().fromBufferAttribute(position, i);
+    const weights = barycentric(hit.point, corner(a), corner(b), corner(c));
+    const mix = (values) => [0, 1, 2].map((k) => [a, b, c].reduce((sum, i, n) => sum + weights[n] * values[3 * i + k], 0));
+    const normal = new Vector3(...mix(this.restNormals)).normalize();
+    return { point: mix(this.rest), normal: normal.toArray() };
+  }
+
+  /** A node at rest. */
+  node(i) {
+    return new Vector3().fromArray(this.rest, 3 * i);
+  }
+
+  dispose() {
+    this.geometry.dispose();
+    this.mesh.material.dispose();
+  }
+}
+
+function largest(displacement, components) {
+  let most = 0;
+  for (let i = 0; i < displacement.length; i += components) {
+    const length = components === 1 ? Math.abs(displacement[i]) : Math.hypot(displacement[i], displacement[i + 1], displacement[i + 2]);
+    if (length > most) most = length;
+  }
+  return most;
+}
+
+function barycentric(point, a, b, c) {
+  const area = (p, q, r) => new Vector3().crossVectors(q.clone().sub(p), r.clone().sub(p));
+  const whole = area(a, b, c);
+  const total = whole.lengthSq();
+  if (total === 0) return [1, 0, 0];
+  const u = area(point, b, c).dot(whole) / total;
+  const v = area(point, c, a).dot(whole) / total;
+  return [u, v, 1 - u - v];
+}

@@ -1,0 +1,181 @@
+// Numbers beside the limb: contacts, plots, gauges, health.
+
+import { contactColour, mapColour, roundUp } from "./colour.js";
+import { Plot, SPAN_S } from "./plot.js";
+
+const STATES = ["", "saturated", "dead"];
+const TEXT_MS = 100;
+const PLOT_MS = 50;
+/** A pause longer than this, s, breaks a contact's line. */
+const BREAK_S = 0.25;
+
+/** The readings. */
+export class Panel {
+  constructor(byId) {
+    this.byId = byId;
+    this.forces = new Plot(byId("force-plot"), 1);
+    this.strains = new Plot(byId("gauge-plot"), 10);
+    this.seen = -1;
+    this.textAt = 0;
+    this.plotAt = 0;
+  }
+
+  /** Rows for `gauges`. */
+  setGauges(gauges) {
+    this.rows = gauges.map((gauge, i) => this.row(gauge, i));
+    this.byId("gauges").replaceChildren(...this.rows.map((row) => row.root));
+  }
+
+  row(gauge, i) {
+    const root = document.createElement("li");
+    const name = Object.assign(document.createElement("span"), { textContent: gauge.name });
+    const track = Object.assign(document.createElement("span"), { className: "track" });
+    const fill = Object.assign(document.createElement("span"), { className: "fill" });
+    const value = Object.assign(document.createElement("span"), { className: "value" });
+    track.append(fill);
+    track.setAttribute("aria-hidden", "true");
+    root.append(name, track, value);
+    root.onpointerenter = () => this.look(i);
+    root.onpointerleave = () => this.look(-1);
+    return { root, fill, value };
+  }
+
+  look(i) {
+    this.seen = i;
+    this.rows.forEach((row, k) => row.root.classList.toggle("seen", k === i));
+    this.plotAt = 0;
+    this.onlook();
+  }
+
+  /** Shows a frame; `recent` are the frames of the last ten seconds. */
+  show(frame, recent, now) {
+    if (now - this.plotAt >= PLOT_MS) {
+      this.plotAt = now;
+      this.draw(frame, recent);
+    }
+    if (now - this.textAt < TEXT_MS) return;
+    this.textAt = now;
+    this.showContacts(frame);
+    this.showGauges(frame);
+    this.showHealth(frame.health);
+  }
+
+  refresh() {
+    this.textAt = 0;
+    this.plotAt = 0;
+  }
+
+  draw(frame, recent) {
+    this.forces.draw(frame.t, forceLines(recent), false);
+    const n = frame.readings.length;
+    const lines = Array.from({ length: n }, (_, i) => ({
+      colour: i === this.seen ? this.strains.style.getPropertyValue("--text") : gaugeColour(i, n),
+      wide: i === this.seen,
+      points: recent.map((entry) => [entry.t, entry.frame.states[i] === 2 ? NaN : entry.frame.readings[i]]),
+    }));
+    if (this.seen >= 0 && this.seen < n) lines.push(...lines.splice(this.seen, 1));
+    this.strains.draw(frame.t, lines, true);
+  }
+
+  showContacts({ contacts, others }) {
+    const rows = [...contacts.map((mark) => contactRow(mark, false)), ...others.map((mark) => contactRow(mark, true))];
+    if (!contacts.length) rows.unshift(Object.assign(document.createElement("li"), { className: "none", textContent: "Nothing touches" }));
+    this.byId("contacts").replaceChildren(...rows);
+  }
+
+  showGauges({ readings, states }) {
+    const finite = Array.from(readings).filter((reading, i) => Number.isFinite(reading) && states[i] !== 2);
+    const range = roundUp(Math.max(10, ...finite.map(Math.abs)));
+    this.rows.forEach(({ root, fill, value }, i) => {
+      const state = STATES[states[i]];
+      root.classList.toggle("dead", state === "dead");
+      root.classList.toggle("saturated", state === "saturated");
+      const known = Number.isFinite(readings[i]) && state !== "dead";
+      fill.style.transform = `scaleX(${known ? Math.max(-1, Math.min(1, readings[i] / range)) : 0})`;
+      value.textContent = state === "dead" ? "dead" : state ? "sat." : known ? signed(readings[i]) : "–";
+      root.title = state;
+    });
+  }
+
+  showHealth(health) {
+    const items = [
+      ["Rate", Number.isFinite(health.rate) ? `${health.rate.toFixed(0)} Hz` : "–", false],
+      ["Lost", count(health.lost), health.lost > 0],
+      ["CRC errors", count(health.crc), health.crc > 0],
+      ["Latency", `${time(health.p50)} · p99 ${time(health.p99)}`, false],
+      ["Clock", Number.isFinite(health.clock) ? `±${time(health.clock)}` : "–", false],
+      ["Recording", recording(health), health.recording === "failed"],
+    ];
+    this.byId("health").replaceChildren(...items.map(([name, text, bad]) => {
+      const root = document.createElement("div");
+      root.classList.toggle("bad", bad);
+      root.append(
+        Object.assign(document.createElement("dt"), { textContent: name }),
+        Object.assign(document.createElement("dd"), { textContent: text }),
+      );
+      return root;
+    }));
+  }
+}
+
+/** A force with a sensible number of digits. */
+export const newtons = (force) => `${force.toFixed(force < 9.95 ? 1 : 0)} N`;
+
+function contactRow(mark, other) {
+  const root = document.createElement("li");
+  root.classList.toggle("other", other);
+  root.style.setProperty("--mark", contactColour(mark.id));
+  const force = Object.assign(document.createElement("b"), { textContent: newtons(mark.newtons) });
+  const sure = Object.assign(document.createElement("span"), {
+    textContent: other ? `or this, ${(100 * mark.weight).toFixed(0)} %` : forceSd(mark),
+  });
+  const where = Object.assign(document.createElement("span"), { textContent: place(mark) });
+  root.append(force, sure, where);
+  return root;
+}
+
+function forceSd({ forceSd: sd }) {
+  return Number.isFinite(sd) ? `±${sd.toFixed(sd < 0.095 ? 2 : 1)} N` : "";
+}
+
+/** Position with the larger standard deviation. */
+function place({ position, axes }) {
+  const at = Array.from(position, (c) => (1e3 * c).toFixed(0).replace("-", "−")).join(", ");
+  return `${at}${axes ? ` ±${(1e3 * Math.hypot(...axes[0])).toFixed(1)}` : ""} mm`;
+}
+
+function forceLines(recent) {
+  const byId = new Map();
+  for (const { t, frame } of recent) {
+    for (const { id, newtons: force } of frame.contacts) {
+      if (!byId.has(id)) byId.set(id, []);
+      const points = byId.get(id);
+      const last = points.at(-1);
+      if (last && t - last[0] > BREAK_S) points.push([t, NaN]);
+      points.push([t, force]);
+    }
+  }
+  return [...byId].map(([id, points]) => ({ colour: contactColour(id), wide: true, points }));
+}
+
+/** Colours for many lines that both grounds show. */
+function gaugeColour(i, n) {
+  const [r, g, b] = mapColour("viridis", 0.25 + (0.55 * i) / Math.max(1, n - 1));
+  return `rgb(${[r, g, b].map((c) => Math.round(255 * c))})`;
+}
+
+const signed = (x) => (Math.abs(x) < 9.95 ? x.toFixed(1) : x.toFixed(0)).replace("-", "−");
+const count = (n) => n.toLocaleString("en");
+
+function time(us) {
+  if (!Number.isFinite(us)) return "–";
+  return us < 995 ? `${us.toFixed(us < 9.95 ? 1 : 0)} µs` : `${(us / 1e3).toFixed(us < 9950 ? 1 : 0)} ms`;
+}
+
+function recording({ recording: state, recorded }) {
+  if (state !== "on") return state;
+  const seconds = Math.floor(recorded || 0);
+  return `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
+}
+
+export { SPAN_S };

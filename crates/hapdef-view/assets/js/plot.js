@@ -1,0 +1,92 @@
+// A line plot over the last ten seconds.
+
+import { roundUp } from "./colour.js";
+
+export const SPAN_S = 10;
+const LEFT = 34;
+const BOTTOM = 16;
+const TOP = 6;
+const RIGHT = 4;
+
+/** Lines over time on a canvas. */
+export class Plot {
+  constructor(canvas, least) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext("2d");
+    this.least = least;
+    this.style = getComputedStyle(canvas);
+  }
+
+  /** Draws `lines` [{colour, wide, points: [[t, y], …]}] up to the time `now`. */
+  draw(now, lines, signed) {
+    this.size();
+    const most = lines.reduce((top, line) => line.points.reduce((m, [, y]) => (Math.abs(y) > m ? Math.abs(y) : m), top), 0);
+    const high = roundUp(Math.max(most, this.least), [1, 1.5, 2, 3, 4, 6, 8, 10]);
+    const low = signed ? -high : 0;
+    const x = (t) => LEFT + (1 + (t - now) / SPAN_S) * (this.width - LEFT - RIGHT);
+    const y = (v) => TOP + ((high - v) / (high - low)) * (this.height - TOP - BOTTOM);
+    this.axes(high, low, x, y, now);
+    this.pen.save();
+    this.pen.beginPath();
+    this.pen.rect(LEFT, 0, this.width - LEFT - RIGHT + 1, this.height - BOTTOM + 1);
+    this.pen.clip();
+    for (const line of lines) this.line(line, x, y);
+    this.pen.restore();
+  }
+
+  size() {
+    const ratio = Math.min(devicePixelRatio, 2);
+    this.width = this.canvas.clientWidth;
+    this.height = this.canvas.clientHeight;
+    const [w, h] = [Math.round(this.width * ratio), Math.round(this.height * ratio)];
+    if (this.canvas.width !== w || this.canvas.height !== h) Object.assign(this.canvas, { width: w, height: h });
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.pen.clearRect(0, 0, this.width, this.height);
+  }
+
+  axes(high, low, x, y, now) {
+    const { pen } = this;
+    pen.font = `11px ${this.style.fontFamily}`;
+    pen.fillStyle = this.style.getPropertyValue("--quiet");
+    pen.strokeStyle = this.style.getPropertyValue("--line");
+    pen.lineWidth = 1;
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    for (const value of [high, (high + low) / 2, low]) {
+      const at = Math.round(y(value)) + 0.5;
+      this.rule(LEFT, at, this.width - RIGHT, at);
+      pen.fillText(String(Number(value.toPrecision(3))).replace("-", "−"), LEFT - 5, at);
+    }
+    pen.textBaseline = "alphabetic";
+    for (const back of [10, 5, 0]) {
+      pen.textAlign = ["right", "center", "left"][back / 5];
+      pen.fillText(back ? `−${back} s` : "0", x(now - back), this.height - 3);
+    }
+  }
+
+  rule(x0, y0, x1, y1) {
+    this.pen.beginPath();
+    this.pen.moveTo(x0, y0);
+    this.pen.lineTo(x1, y1);
+    this.pen.stroke();
+  }
+
+  line({ colour, wide, points }, x, y) {
+    const { pen } = this;
+    pen.strokeStyle = colour;
+    pen.lineWidth = wide ? 2.2 : 1.3;
+    pen.lineJoin = "round";
+    pen.beginPath();
+    let down = false;
+    for (const [t, v] of points) {
+      if (!Number.isFinite(v)) {
+        down = false;
+        continue;
+      }
+      if (down) pen.lineTo(x(t), y(v));
+      else pen.moveTo(x(t), y(v));
+      down = true;
+    }
+    pen.stroke();
+  }
+}

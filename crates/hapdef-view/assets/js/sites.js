@@ -1,0 +1,48 @@
+// Gauges on the limb.
+
+import {
+  BoxGeometry, Color, GreaterDepth, Group, InstancedMesh, Matrix4, MeshBasicMaterial, Quaternion, Vector3,
+} from "../vendor/three/three.module.min.js";
+
+const COLOURS = ["#f3f6fa", "#ffb454", "#ff7b72"];
+const SEEN = "#5cc8ff";
+
+/** Gauges on the limb, faint where the limb hides them. */
+export class Sites {
+  constructor(gauges, size) {
+    this.gauges = gauges;
+    this.group = new Group();
+    const box = new BoxGeometry(0.075 * size, 0.028 * size, 0.014 * size);
+    const front = new MeshBasicMaterial();
+    const behind = new MeshBasicMaterial({ transparent: true, opacity: 0.4, depthFunc: GreaterDepth, depthWrite: false });
+    this.layers = [front, behind].map((material) => new InstancedMesh(box, material, gauges.length));
+    this.layers.forEach((layer) => { layer.frustumCulled = false; });
+    gauges.forEach((gauge, i) => this.place(gauge, i));
+    this.group.add(...this.layers);
+    this.shown = "";
+  }
+
+  place(gauge, i) {
+    const axis = new Vector3(...gauge.axis);
+    const along = axis.lengthSq() > 0 ? axis.normalize() : new Vector3(1, 0, 0);
+    const turned = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), along);
+    const matrix = new Matrix4().compose(new Vector3(...gauge.position_m), turned, new Vector3(1, 1, 1));
+    for (const layer of this.layers) layer.setMatrixAt(i, matrix);
+  }
+
+  /** Colours by state; the gauge that is looked at stands out. */
+  show(states, seen) {
+    const key = `${states.join()}/${seen}`;
+    if (key === this.shown) return;
+    this.shown = key;
+    states.forEach((state, i) => {
+      const colour = new Color(i === seen ? SEEN : COLOURS[state]);
+      for (const layer of this.layers) layer.setColorAt(i, colour);
+    });
+    for (const layer of this.layers) if (layer.instanceColor) layer.instanceColor.needsUpdate = true;
+  }
+
+  at(i) {
+    return new Vector3(...this.gauges[i].position_m);
+  }
+}

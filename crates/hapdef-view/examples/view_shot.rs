@@ -1,0 +1,36 @@
+//! A picture of a page by a headless Chromium.
+//!
+//! SCRIPT runs in the page before SECONDS pass.
+//!
+//! `cargo run --release -p hapdef-view --example view_shot URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]`
+
+#![expect(clippy::print_stdout, reason = "says what the script gives")]
+
+#[path = "../tests/support/chrome.rs"]
+#[expect(dead_code, reason = "the browser tests use the rest")]
+mod chrome;
+
+use std::time::Duration;
+
+use chrome::{Chrome, Fault};
+
+fn main() -> Result<(), Fault> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [url, file, rest @ ..] = args.as_slice() else {
+        return Err("expected URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]".into());
+    };
+    let size = rest.first().map_or("1440x900", String::as_str);
+    let (width, height) = size.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
+    let is_dark = rest.get(1).is_none_or(|scheme| scheme == "dark");
+    let seconds: f64 = rest.get(2).map_or(Ok(6.0), |text| text.parse())?;
+    let program = chrome::find().ok_or("no Chromium: install it or name it in HAPDEF_CHROMIUM")?;
+    let mut chrome = Chrome::start(&program, (width.parse()?, height.parse()?), is_dark)?;
+    chrome.open(url)?;
+    chrome.wait_for("globalThis.hapdefView?.drawn > 0")?;
+    if let Some(script) = rest.get(3) {
+        println!("{}", chrome.eval(script)?);
+    }
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+    std::fs::write(file, chrome.screenshot()?)?;
+    Ok(())
+}

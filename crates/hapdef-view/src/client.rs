@@ -1,0 +1,231 @@
+//! One page: what it is sent, what it says.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::TrySendError;
+use std::time::Duration;
+
+use axum::extract::ws::{CloseFrame, Message, WebSocket};
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use tokio::sync::mpsc;
+use tokio::time::{MissedTickBehavior, interval, timeout};
+
+use crate::command::{PageMessage, ViewCommand};
+use crate::feed::{Feed, Place};
+use crate::wire::Hello;
+
+/// A page that says nothing for so long at first is let go.
+const HELLO_TIME: Duration = Duration::from_secs(3);
+/// Between frames: 60 a second at most.
+const FRAME_TIME: Duration = Duration::from_micros(16_667);
+/// Frames on their way to a page that it has not drawn.
+const MAX_ON_THE_WAY: u64 = 3;
+/// Answers that wait for a page that does not read.
+const MAX_ANSWERS: usize = 16;
+/// Close code of a page without the token where one is needed.
+const CLOSE_TOKEN: u16 = 4401;
+
+/// What one page was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClientInfo {
+    /// Frames sent.
+    pub n_sent: u64,
+    /// Frames that the page says it took.
+    pub n_drawn: u64,
+    /// Frames replaced by newer ones before they were sent.
+    pub n_skipped: u64,
+}
+
+/// Counts of one page.
+#[derive(Default)]
+pub(crate) struct ClientStats {
+    n_before: u64,
+    n_sent: AtomicU64,
+    n_drawn: AtomicU64,
+}
+
+impl ClientStats {
+    pub(crate) fn info(&self, n_pushed: u64) -> ClientInfo {
+        let n_sent = self.n_sent.load(Ordering::Relaxed);
+        ClientInfo {
+            n_sent,
+            n_drawn: self.n_drawn.load(Ordering::Relaxed),
+            n_skipped: (n_pushed - self.n_before).saturating_sub(n_sent),
+        }
+    }
+
+    fn has_room(&self) -> bool {
+        let n_drawn = self.n_drawn.load(Ordering::Relaxed);
+        self.n_sent.load(Ordering::Relaxed) < n_drawn + MAX_ON_THE_WAY
+    }
+
+    /// One more was drawn, never more than were sent.
+    fn drew(&self) {
+        let n_sent = self.n_sent.load(Ordering::Relaxed);
+        let n_drawn = self.n_drawn.load(Ordering::Relaxed);
+        self.n_drawn
+            .store((n_drawn + 1).min(n_sent), Ordering::Relaxed);
+    }
+}
+
+/// Serves one page until it leaves.
+pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
+    let feed = Arc::clone(&place.feed);
+    let Some(has_token) = greet(&feed, &mut socket).await else {
+        return;
+    };
+    if feed.token_always && !has_token {
+        let close = CloseFrame {
+            code: CLOSE_TOKEN,
+            reason: "the address needs its token".into(),
+        };
+        let _ = timeout(HELLO_TIME, socket.send(Message::Close(Some(close)))).await;
+        return;
+    }
+    let stats = Arc::new(ClientStats {
+        n_before: feed.n_pushed().saturating_sub(1),
+        ..ClientStats::default()
+    });
+    feed.enter(&stats);
+    let presses = AtomicBool::new(false);
+    let (sink, stream) = socket.split();
+    let (answers, answered) = mpsc::channel(MAX_ANSWERS);
+    let page = Page {
+        feed: &feed,
+        stats: &stats,
+        has_token,
+        presses: &presses,
+    };
+    tokio::select! {
+        () = page.read(stream, answers) => {}
+        () = page.write(sink, answered) => {}
+    }
+    if presses.into_inner() {
+        let _ = feed.commands.try_send(ViewCommand::Release);
+    }
+    feed.leave(&stats);
+}
+
+/// The page's first message: whether it has the token; `None`: it said something else or nothing.
+async fn greet(feed: &Feed, socket: &mut WebSocket) -> Option<bool> {
+    let first = timeout(HELLO_TIME, socket.recv()).await.ok()??.ok()?;
+    match PageMessage::parse(first.to_text().ok()?).ok()? {
+        PageMessage::Hello { token } => Some(token.is_some_and(|token| feed.token.is(&token))),
+        _ => None,
+    }
+}
+
+/// A page that was greeted.
+struct Page<'a> {
+    feed: &'a Feed,
+    stats: &'a ClientStats,
+    has_token: bool,
+    presses: &'a AtomicBool,
+}
+
+impl Page<'_> {
+    async fn read(&self, mut stream: SplitStream<WebSocket>, answers: mpsc::Sender<String>) {
+        while let Some(Ok(message)) = stream.next().await {
+            let Message::Text(text) = message else {
+                continue;
+            };
+            if let Some(answer) = self.answer(&text) {
+                let _ = answers.try_send(answer);
+            }
+        }
+    }
+
+    /// Does what a message says and answers it, if it is one to be answered.
+    fn answer(&self, text: &str) -> Option<String> {
+        let message = match PageMessage::parse(text) {
+            Ok(PageMessage::Got) => {
+                self.stats.drew();
+                return None;
+            }
+            Ok(message) => message,
+            Err(why) => return Some(refusal(&why)),
+        };
+        if !self.has_token {
+            return Some(refusal("view only: commands need the token of the address"));
+        }
+        let sent = message
+            .command(&self.feed.offers)
+            .and_then(|command| command.map_or(Ok(()), |command| self.send(command)));
+        sent.err().map(|why| refusal(&why))
+    }
+
+    fn send(&self, command: ViewCommand) -> Result<(), String> {
+        self.feed
+            .commands
+            .try_send(command)
+            .map_err(|error| match error {
+                TrySendError::Full(_) => "too many commands at a time".to_owned(),
+                TrySendError::Disconnected(_) => "nobody takes commands any more".to_owned(),
+            })?;
+        match command {
+            ViewCommand::Press { .. } => self.presses.store(true, Ordering::Relaxed),
+            ViewCommand::Release => self.presses.store(false, Ordering::Relaxed),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Sends until the page is gone: what it needs at first, answers, notices, the newest frame.
+    async fn write(&self, mut sink: Sink, mut answers: mpsc::Receiver<String>) {
+        let mut seen = Seen {
+            frame: 0,
+            notice: self.feed.last_notice(),
+        };
+        let hello = Hello::new(&self.feed.picture, &self.feed.offers, self.has_token);
+        let Ok(hello) = serde_json::to_string(&hello) else {
+            return;
+        };
+        let surface = Message::Binary(self.feed.surface.clone());
+        if sink.send(Message::Text(hello.into())).await.is_err()
+            || sink.send(surface).await.is_err()
+        {
+            return;
+        }
+        let mut ticks = interval(FRAME_TIME);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            let sent = tokio::select! {
+                Some(answer) = answers.recv() => sink.send(Message::Text(answer.into())).await,
+                _ = ticks.tick() => self.send_newest(&mut sink, &mut seen).await,
+            };
+            if sent.is_err() {
+                return;
+            }
+        }
+    }
+
+    async fn send_newest(&self, sink: &mut Sink, seen: &mut Seen) -> Result<(), axum::Error> {
+        if let Some(notice) = self.feed.notice_after(seen.notice) {
+            seen.notice = notice.seq;
+            let text = serde_json::json!({"type": "notice", "text": notice.value});
+            sink.send(Message::Text(text.to_string().into())).await?;
+        }
+        if !self.stats.has_room() {
+            return Ok(());
+        }
+        if let Some(frame) = self.feed.frame_after(seen.frame) {
+            seen.frame = frame.seq;
+            self.stats.n_sent.fetch_add(1, Ordering::Relaxed);
+            sink.send(Message::Binary(frame.value.clone())).await?;
+        }
+        Ok(())
+    }
+}
+
+type Sink = SplitSink<WebSocket, Message>;
+
+/// Numbers of what was sent last.
+struct Seen {
+    frame: u64,
+    notice: u64,
+}
+
+fn refusal(why: &str) -> String {
+    serde_json::json!({"type": "refused", "text": why}).to_string()
+}

@@ -1,0 +1,215 @@
+//! What people do on the page.
+
+use serde::Deserialize;
+
+use crate::params::Offers;
+
+/// What people do on the page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ViewCommand {
+    /// Take the present readings as zero.
+    Tare,
+    /// Start or stop recording.
+    Record(bool),
+    /// Keep what is shown now.
+    Snapshot,
+    /// Stop or go on with a replay.
+    Pause(bool),
+    /// Go to a time of a replay.
+    Seek {
+        /// From the recording's beginning, s.
+        position_s: f64,
+    },
+    /// Press the virtual limb, or move the press there.
+    Press {
+        /// Where, on the limb at rest, m.
+        point_m: [f64; 3],
+        /// Outward unit normal there.
+        normal: [f64; 3],
+        /// Force against the normal, N.
+        force_n: f64,
+    },
+    /// End the press.
+    Release,
+}
+
+/// A message of the page.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "cmd", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum PageMessage {
+    /// The first one.
+    Hello {
+        token: Option<String>,
+    },
+    /// A frame was drawn: room for another.
+    Got,
+    Tare,
+    Record {
+        on: bool,
+    },
+    Snapshot,
+    Pause {
+        on: bool,
+    },
+    Seek {
+        position_s: f64,
+    },
+    Press {
+        point_m: [f64; 3],
+        normal: [f64; 3],
+        force_n: f64,
+    },
+    Release,
+}
+
+impl PageMessage {
+    /// Reads a message, in words what is wrong with it.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        serde_json::from_str(text).map_err(|error| format!("not a message: {error}"))
+    }
+
+    /// The command in it, `None` where it is none, in words why it is refused.
+    pub(crate) fn command(self, offers: &Offers) -> Result<Option<ViewCommand>, String> {
+        let offered = |is_offered: bool, what: &str| {
+            if is_offered {
+                Ok(())
+            } else {
+                Err(format!("{what} is not offered here"))
+            }
+        };
+        let command = match self {
+            Self::Hello { .. } | Self::Got => return Ok(None),
+            Self::Tare => {
+                offered(offers.tare, "tare")?;
+                ViewCommand::Tare
+            }
+            Self::Record { on } => {
+                offered(offers.record, "recording")?;
+                ViewCommand::Record(on)
+            }
+            Self::Snapshot => ViewCommand::Snapshot,
+            Self::Pause { on } => ViewCommand::Pause(on),
+            Self::Seek { position_s } if position_s.is_finite() && position_s >= 0.0 => {
+                ViewCommand::Seek { position_s }
+            }
+            Self::Seek { position_s } => return Err(format!("no time to go to: {position_s} s")),
+            Self::Press {
+                point_m,
+                normal,
+                force_n,
+            } => press(offers, point_m, normal, force_n)?,
+            Self::Release => {
+                offered(offers.press.is_some(), "pressing")?;
+                ViewCommand::Release
+            }
+        };
+        Ok(Some(command))
+    }
+}
+
+fn press(
+    offers: &Offers,
+    point_m: [f64; 3],
+    normal: [f64; 3],
+    force_n: f64,
+) -> Result<ViewCommand, String> {
+    let Some(offer) = offers.press else {
+        return Err("pressing is not offered here".to_owned());
+    };
+    if !(force_n > 0.0 && force_n <= offer.max_n) {
+        return Err(format!(
+            "a press of {force_n} N, expected up to {} N",
+            offer.max_n
+        ));
+    }
+    let length = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !point_m.iter().all(|c| c.is_finite()) || (length - 1.0).abs() > 1e-3 || length.is_nan() {
+        return Err(format!(
+            "a press at {point_m:?} with a normal of length {length}, expected 1"
+        ));
+    }
+    Ok(ViewCommand::Press {
+        point_m,
+        normal,
+        force_n,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PageMessage, ViewCommand};
+    use crate::params::{Offers, PressOffer};
+
+    fn read(text: &str, offers: &Offers) -> Result<Option<ViewCommand>, String> {
+        PageMessage::parse(text)?.command(offers)
+    }
+
+    fn all() -> Offers {
+        Offers {
+            tare: true,
+            record: true,
+            press: Some(PressOffer {
+                default_n: 1.0,
+                max_n: 10.0,
+            }),
+        }
+    }
+
+    #[track_caller]
+    fn check(text: &str, expected: ViewCommand) {
+        assert_eq!(read(text, &all()), Ok(Some(expected)));
+    }
+
+    #[test]
+    fn commands() {
+        check(r#"{"cmd":"tare"}"#, ViewCommand::Tare);
+        check(r#"{"cmd":"record","on":true}"#, ViewCommand::Record(true));
+        check(r#"{"cmd":"pause","on":false}"#, ViewCommand::Pause(false));
+        check(
+            r#"{"cmd":"seek","position_s":2.5}"#,
+            ViewCommand::Seek { position_s: 2.5 },
+        );
+        check(r#"{"cmd":"release"}"#, ViewCommand::Release);
+        check(
+            r#"{"cmd":"press","point_m":[0,0.1,0.2],"normal":[0,0,1],"force_n":4}"#,
+            ViewCommand::Press {
+                point_m: [0.0, 0.1, 0.2],
+                normal: [0.0, 0.0, 1.0],
+                force_n: 4.0,
+            },
+        );
+        assert_eq!(read(r#"{"cmd":"got"}"#, &all()), Ok(None));
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let bad = [
+            "",
+            "[]",
+            r#"{"cmd":"rm"}"#,
+            r#"{"cmd":"record"}"#,
+            r#"{"cmd":"record","on":true,"also":1}"#,
+            r#"{"cmd":"seek","position_s":-1}"#,
+            r#"{"cmd":"seek","position_s":1e999}"#,
+            r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":11}"#,
+            r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":0}"#,
+            r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,2],"force_n":1}"#,
+            r#"{"cmd":"press","point_m":[0,0],"normal":[0,0,1],"force_n":1}"#,
+        ];
+        for text in bad {
+            assert!(read(text, &all()).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_offered_is_refused() {
+        for text in [
+            r#"{"cmd":"tare"}"#,
+            r#"{"cmd":"record","on":true}"#,
+            r#"{"cmd":"release"}"#,
+            r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":1}"#,
+        ] {
+            assert!(read(text, &Offers::default()).is_err(), "{text}");
+        }
+    }
+}

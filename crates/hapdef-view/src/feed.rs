@@ -1,0 +1,143 @@
+//! What the pusher and the clients share.
+
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use arc_swap::ArcSwapOption;
+use axum::body::Bytes;
+
+use crate::client::{ClientInfo, ClientStats};
+use crate::command::ViewCommand;
+use crate::error::ViewError;
+use crate::frame::ViewFrame;
+use crate::guard::Guard;
+use crate::params::Offers;
+use crate::picture::LimbPicture;
+use crate::token::Token;
+use crate::wire;
+
+/// Most pages at a time.
+pub(crate) const MAX_CLIENTS: usize = 8;
+
+/// What the pusher and the clients share.
+pub(crate) struct Feed {
+    pub(crate) picture: LimbPicture,
+    pub(crate) offers: Offers,
+    pub(crate) token: Token,
+    /// Whether nothing is shown without the token.
+    pub(crate) token_always: bool,
+    pub(crate) guard: Guard,
+    pub(crate) surface: Bytes,
+    pub(crate) commands: SyncSender<ViewCommand>,
+    latest: ArcSwapOption<Numbered<Bytes>>,
+    notice: ArcSwapOption<Numbered<String>>,
+    n_pushed: AtomicU64,
+    n_clients: AtomicUsize,
+    clients: Mutex<Vec<Arc<ClientStats>>>,
+}
+
+/// A value with its number, from 1.
+pub(crate) struct Numbered<T> {
+    pub(crate) seq: u64,
+    pub(crate) value: T,
+}
+
+/// One of the places for clients, given back when dropped.
+pub(crate) struct Place {
+    pub(crate) feed: Arc<Feed>,
+}
+
+impl Feed {
+    pub(crate) fn new(
+        picture: LimbPicture,
+        offers: Offers,
+        token: Token,
+        token_always: bool,
+        guard: Guard,
+        commands: SyncSender<ViewCommand>,
+    ) -> Self {
+        Self {
+            surface: wire::surface(&picture).into(),
+            picture,
+            offers,
+            token,
+            token_always,
+            guard,
+            commands,
+            latest: ArcSwapOption::empty(),
+            notice: ArcSwapOption::empty(),
+            n_pushed: AtomicU64::new(0),
+            n_clients: AtomicUsize::new(0),
+            clients: Mutex::new(Vec::new()),
+        }
+    }
+
+    pub(crate) fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+        frame.check(self.picture.vertices_m.len(), self.picture.gauges.len())?;
+        let seq = self.n_pushed.fetch_add(1, Ordering::Relaxed) + 1;
+        let value = wire::frame(frame, seq).into();
+        self.latest.store(Some(Arc::new(Numbered { seq, value })));
+        Ok(())
+    }
+
+    pub(crate) fn say(&self, text: &str) {
+        let before = self.notice.load().as_ref().map_or(0, |notice| notice.seq);
+        let notice = Numbered {
+            seq: before + 1,
+            value: text.to_owned(),
+        };
+        self.notice.store(Some(Arc::new(notice)));
+    }
+
+    /// The newest frame, unless it is number `seen`.
+    pub(crate) fn frame_after(&self, seen: u64) -> Option<Arc<Numbered<Bytes>>> {
+        self.latest.load_full().filter(|frame| frame.seq != seen)
+    }
+
+    /// The newest notice, unless it is number `seen`.
+    pub(crate) fn notice_after(&self, seen: u64) -> Option<Arc<Numbered<String>>> {
+        self.notice.load_full().filter(|notice| notice.seq != seen)
+    }
+
+    pub(crate) fn last_notice(&self) -> u64 {
+        self.notice.load().as_ref().map_or(0, |notice| notice.seq)
+    }
+
+    pub(crate) fn n_pushed(&self) -> u64 {
+        self.n_pushed.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn clients(&self) -> Vec<ClientInfo> {
+        let clients = self.clients.lock().unwrap_or_else(PoisonError::into_inner);
+        let n_pushed = self.n_pushed();
+        clients.iter().map(|client| client.info(n_pushed)).collect()
+    }
+
+    pub(crate) fn enter(&self, client: &Arc<ClientStats>) {
+        let mut clients = self.clients.lock().unwrap_or_else(PoisonError::into_inner);
+        clients.push(Arc::clone(client));
+    }
+
+    pub(crate) fn leave(&self, client: &Arc<ClientStats>) {
+        let mut clients = self.clients.lock().unwrap_or_else(PoisonError::into_inner);
+        clients.retain(|other| !Arc::ptr_eq(other, client));
+    }
+
+    /// A place for a client, `None` when all are taken.
+    pub(crate) fn place(self: &Arc<Self>) -> Option<Place> {
+        let more = |n: usize| (n < MAX_CLIENTS).then_some(n + 1);
+        self.n_clients
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, more)
+            .ok()?;
+        Some(Place {
+            feed: Arc::clone(self),
+        })
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.feed.n_clients.fetch_sub(1, Ordering::AcqRel);
+    }
+}

@@ -1,0 +1,233 @@
+//! What is shown at one time.
+
+use crate::error::ViewError;
+
+/// What is shown at one time. Reuse one: [`crate::ViewHandle::push`] copies it.
+#[derive(Clone, Debug, Default)]
+pub struct ViewFrame {
+    /// Time of the readings, s, from any origin.
+    pub t_s: f64,
+    /// Tared readings `[n_gauges]`, µε; not finite: none.
+    pub readings_ue: Vec<f64>,
+    /// State of the gauges `[n_gauges]`; empty: all well.
+    pub gauge_health: Vec<GaugeHealth>,
+    /// The contacts.
+    pub contacts: Vec<ContactMark>,
+    /// Other explanations of the same readings, with their probabilities; each has its contacts.
+    pub alternatives: Vec<(f64, Vec<ContactMark>)>,
+    /// Displacement of the surface.
+    pub displacement: Displacement,
+    /// Rate, losses, latency, recording.
+    pub health: Health,
+    /// Where in a recording this frame is, when one is replayed.
+    pub replay: Option<ReplayPosition>,
+}
+
+/// One contact.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactMark {
+    /// Number that stays with the contact from frame to frame.
+    pub id: u32,
+    /// Where, m.
+    pub position_m: [f64; 3],
+    /// Outward unit normal of the skin there.
+    pub normal: [f64; 3],
+    /// Force on the limb, N.
+    pub force_n: [f64; 3],
+    /// How sure it is, where that is known.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// How sure a contact is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Two unit tangents of the skin, at right angles.
+    pub tangents: [[f64; 3]; 2],
+    /// Covariance of the position along them, m².
+    pub covariance_m2: [[f64; 2]; 2],
+    /// Standard deviation of the force, N.
+    pub force_sd_n: f64,
+}
+
+/// Displacement of the first k surface nodes, m; of the others it is not known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Displacement {
+    /// Not known.
+    #[default]
+    None,
+    /// Its length `[k]`; drawn as if inward.
+    Magnitude(Vec<f32>),
+    /// The vectors `[k][3]`.
+    Vector(Vec<[f32; 3]>),
+}
+
+/// State of a gauge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GaugeHealth {
+    /// Well.
+    #[default]
+    Good,
+    /// At the end of its range.
+    Saturated,
+    /// Gives nothing.
+    Dead,
+}
+
+/// Rate, losses, latency, recording. Not finite: not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Health {
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// Frames lost since the start.
+    pub n_lost: u64,
+    /// Packets refused for their CRC since the start.
+    pub n_crc_errors: u64,
+    /// Median time from sample to contact, µs.
+    pub latency_p50_us: f64,
+    /// Its 99th percentile, µs.
+    pub latency_p99_us: f64,
+    /// Residual of the clock map, µs.
+    pub clock_residual_us: f64,
+    /// The recording.
+    pub recording: Recording,
+}
+
+/// State of the recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Recording {
+    /// None.
+    #[default]
+    Off,
+    /// Going on for so many seconds.
+    On {
+        /// Seconds on file.
+        recorded_s: f64,
+    },
+    /// It stopped with an error.
+    Failed,
+}
+
+/// Where in a recording a frame is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReplayPosition {
+    /// From its beginning, s.
+    pub position_s: f64,
+    /// Its length, s.
+    pub duration_s: f64,
+}
+
+impl Default for Health {
+    /// Nothing known, nothing lost.
+    fn default() -> Self {
+        Self {
+            rate_hz: f64::NAN,
+            n_lost: 0,
+            n_crc_errors: 0,
+            latency_p50_us: f64::NAN,
+            latency_p99_us: f64::NAN,
+            clock_residual_us: f64::NAN,
+            recording: Recording::Off,
+        }
+    }
+}
+
+impl ViewFrame {
+    /// Whether it fits a picture of `n_nodes` and `n_gauges`.
+    pub(crate) fn check(&self, n_nodes: usize, n_gauges: usize) -> Result<(), ViewError> {
+        same("readings", n_gauges, self.readings_ue.len())?;
+        if !self.gauge_health.is_empty() {
+            same("states of gauges", n_gauges, self.gauge_health.len())?;
+        }
+        let n_displaced = match &self.displacement {
+            Displacement::None => 0,
+            Displacement::Magnitude(lengths) => lengths.len(),
+            Displacement::Vector(vectors) => vectors.len(),
+        };
+        if n_displaced > n_nodes {
+            same("displacements", n_nodes, n_displaced)?;
+        }
+        let alternatives = self.alternatives.iter().flat_map(|(_, contacts)| contacts);
+        self.contacts
+            .iter()
+            .chain(alternatives)
+            .enumerate()
+            .try_for_each(|(index, contact)| contact.check(index))
+    }
+}
+
+impl ContactMark {
+    fn check(&self, index: usize) -> Result<(), ViewError> {
+        let named = [
+            ("position", self.position_m),
+            ("normal", self.normal),
+            ("force", self.force_n),
+        ];
+        let fault = named
+            .iter()
+            .find(|(_, vector)| !vector.iter().all(|c| c.is_finite()));
+        match fault {
+            None => Ok(()),
+            Some(&(what, _)) => Err(ViewError::ContactNumber { index, what }),
+        }
+    }
+}
+
+fn same(what: &'static str, expected: usize, found: usize) -> Result<(), ViewError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(ViewError::FrameShape {
+        what,
+        expected,
+        found,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ContactMark, Displacement, GaugeHealth, ViewFrame};
+
+    #[track_caller]
+    fn refused(frame: &ViewFrame, why: &str) {
+        let text = frame.check(4, 2).unwrap_err().to_string();
+        assert!(text.contains(why), "{text}");
+    }
+
+    #[test]
+    fn shapes_are_compared() {
+        let good = ViewFrame {
+            readings_ue: vec![f64::NAN, 1.0],
+            ..ViewFrame::default()
+        };
+        assert!(good.check(4, 2).is_ok());
+        refused(
+            &ViewFrame::default(),
+            "0 readings, the page was started with 2",
+        );
+        refused(
+            &ViewFrame {
+                displacement: Displacement::Magnitude(vec![0.0; 5]),
+                ..good.clone()
+            },
+            "5 displacements, the page was started with 4",
+        );
+        refused(
+            &ViewFrame {
+                gauge_health: vec![GaugeHealth::Dead],
+                ..good.clone()
+            },
+            "1 states of gauges",
+        );
+        let lost = ContactMark {
+            force_n: [0.0, f64::NAN, 0.0],
+            ..ContactMark::default()
+        };
+        refused(
+            &ViewFrame {
+                alternatives: vec![(0.5, vec![ContactMark::default(), lost])],
+                ..good
+            },
+            "contact 1 of a frame has a force",
+        );
+    }
+}

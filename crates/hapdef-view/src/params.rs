@@ -1,0 +1,146 @@
+//! Where the page is served and what it offers.
+
+use std::net::{Ipv4Addr, SocketAddr};
+
+use crate::error::ViewError;
+use crate::token::Token;
+
+/// Where the page is served and what it offers.
+#[derive(Clone, Debug)]
+pub struct ViewParams {
+    /// Address and port; port 0 takes any free one.
+    pub bind: SocketAddr,
+    /// Further host names or addresses, without port, that browsers may ask for. Needed when `bind` is
+    /// the unspecified address.
+    pub allowed_hosts: Vec<String>,
+    /// The token; `None` makes a new one.
+    pub token: Option<Token>,
+    /// What the page can ask for.
+    pub offers: Offers,
+}
+
+/// What the page can ask for; a button shows only where it does something.
+#[derive(Clone, Debug, Default)]
+pub struct Offers {
+    /// Gauges can be tared.
+    pub tare: bool,
+    /// Recording can be turned on and off.
+    pub record: bool,
+    /// A virtual limb can be pressed.
+    pub press: Option<PressOffer>,
+}
+
+/// Presses of a virtual limb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressOffer {
+    /// Force at first, N.
+    pub default_n: f64,
+    /// Largest force, N.
+    pub max_n: f64,
+}
+
+impl Default for ViewParams {
+    /// Loopback, port 7717, a new token, no offers.
+    fn default() -> Self {
+        Self {
+            bind: SocketAddr::from((Ipv4Addr::LOCALHOST, 7717)),
+            allowed_hosts: Vec::new(),
+            token: None,
+            offers: Offers::default(),
+        }
+    }
+}
+
+impl ViewParams {
+    pub(crate) fn check(&self) -> Result<(), ViewError> {
+        if self.bind.ip().is_unspecified() && self.allowed_hosts.is_empty() {
+            return Err(ViewError::NoHostNamed { address: self.bind });
+        }
+        if let Some(found) = self.allowed_hosts.iter().find(|host| !is_host(host)) {
+            return Err(ViewError::BadHost {
+                found: found.clone(),
+            });
+        }
+        match self.offers.press {
+            Some(press)
+                if !(press.default_n > 0.0
+                    && press.default_n <= press.max_n
+                    && press.max_n.is_finite()) =>
+            {
+                Err(ViewError::BadPressOffer {
+                    default_n: press.default_n,
+                    max_n: press.max_n,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A name, an IPv4 address, or an IPv6 address in brackets.
+fn is_host(host: &str) -> bool {
+    let inner = host
+        .strip_prefix('[')
+        .and_then(|rest| rest.strip_suffix(']'));
+    match inner {
+        Some(address) => address.parse::<std::net::Ipv6Addr>().is_ok(),
+        None => {
+            !host.is_empty()
+                && host
+                    .bytes()
+                    .all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'.')
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Offers, PressOffer, ViewParams};
+    use crate::error::ViewError;
+
+    fn with_hosts(bind: &str, hosts: &[&str]) -> Result<(), ViewError> {
+        let params = ViewParams {
+            bind: bind.parse().unwrap(),
+            allowed_hosts: hosts.iter().map(|&host| host.to_owned()).collect(),
+            ..ViewParams::default()
+        };
+        params.check()
+    }
+
+    #[test]
+    fn every_network_needs_a_name() {
+        assert!(matches!(
+            with_hosts("0.0.0.0:80", &[]),
+            Err(ViewError::NoHostNamed { .. })
+        ));
+        assert!(with_hosts("0.0.0.0:80", &["lab-pc.local"]).is_ok());
+        assert!(with_hosts("[::]:80", &["[fe80::1]"]).is_ok());
+    }
+
+    #[test]
+    fn a_host_has_no_port_and_no_scheme() {
+        for bad in ["", "http://a", "a:80", "a/b", "*", "[x]"] {
+            let refused = with_hosts("127.0.0.1:0", &[bad]);
+            assert!(matches!(refused, Err(ViewError::BadHost { .. })), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_press_needs_a_force() {
+        for (default_n, max_n) in [
+            (0.0, 1.0),
+            (2.0, 1.0),
+            (1.0, f64::INFINITY),
+            (f64::NAN, 1.0),
+        ] {
+            let params = ViewParams {
+                offers: Offers {
+                    press: Some(PressOffer { default_n, max_n }),
+                    ..Offers::default()
+                },
+                ..ViewParams::default()
+            };
+            assert!(params.check().is_err(), "{default_n} {max_n}");
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The server: one thread of its own.
+
+use std::net::{SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread::JoinHandle;
+
+use axum::Router;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::{Request, State};
+use axum::http::{StatusCode, Uri, header::CONTENT_TYPE};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use tokio::sync::oneshot;
+
+use crate::assets;
+use crate::client::{self, ClientInfo};
+use crate::command::ViewCommand;
+use crate::error::ViewError;
+use crate::feed::Feed;
+use crate::frame::ViewFrame;
+use crate::guard::{self, Guard};
+use crate::params::ViewParams;
+use crate::picture::LimbPicture;
+use crate::token::Token;
+
+/// Largest message of a page, bytes.
+const MAX_INBOUND: usize = 64 << 10;
+/// Commands that wait for the program.
+const MAX_COMMANDS: usize = 256;
+
+/// The live page's server.
+pub struct ViewServer;
+
+/// A page that is served until this is dropped.
+pub struct ViewHandle {
+    pusher: ViewPusher,
+    commands: Receiver<ViewCommand>,
+    address: SocketAddr,
+    url: String,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Hands on frames, from any thread.
+#[derive(Clone)]
+pub struct ViewPusher {
+    feed: Arc<Feed>,
+}
+
+impl ViewServer {
+    /// Listens and serves the page from a thread of its own.
+    ///
+    /// # Errors
+    /// [`ViewError`] when the address cannot be used, the parameters or the picture are refused, or the
+    /// system has neither randomness nor a thread to give.
+    pub fn start(params: ViewParams, picture: LimbPicture) -> Result<ViewHandle, ViewError> {
+        params.check()?;
+        picture.check()?;
+        let token = params.token.map_or_else(Token::random, Ok)?;
+        let unusable = |source| ViewError::Bind {
+            address: params.bind,
+            source,
+        };
+        let listener = TcpListener::bind(params.bind).map_err(unusable)?;
+        listener.set_nonblocking(true).map_err(unusable)?;
+        let address = listener.local_addr().map_err(unusable)?;
+        let url = url(address, &params.allowed_hosts, &token);
+        let (sender, commands) = sync_channel(MAX_COMMANDS);
+        let feed = Arc::new(Feed::new(
+            picture,
+            params.offers,
+            token,
+            !address.ip().is_loopback(),
+            Guard::new(address, &params.allowed_hosts),
+            sender,
+        ));
+        let (stop, stopped) = oneshot::channel();
+        let thread = spawn(listener, Arc::clone(&feed), stopped)?;
+        Ok(ViewHandle {
+            pusher: ViewPusher { feed },
+            commands,
+            address,
+            url,
+            stop: Some(stop),
+            thread: Some(thread),
+        })
+    }
+}
+
+impl ViewHandle {
+    /// Hands on a frame: each page gets the newest when it is ready for one. Never waits for a page;
+    /// costs a copy of the frame.
+    ///
+    /// # Errors
+    /// [`ViewError::FrameShape`], [`ViewError::ContactNumber`] when the frame does not fit the picture.
+    pub fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+        self.pusher.push(frame)
+    }
+
+    /// Something that pushes from another thread.
+    #[must_use]
+    pub fn pusher(&self) -> ViewPusher {
+        self.pusher.clone()
+    }
+
+    /// Says something to the people at the page, who see the latest only.
+    pub fn say(&self, text: &str) {
+        self.pusher.say(text);
+    }
+
+    /// What people do on the page. Commands beyond 256 that wait are refused.
+    #[must_use]
+    pub fn commands(&self) -> &Receiver<ViewCommand> {
+        &self.commands
+    }
+
+    /// What the pages that are connected were sent.
+    #[must_use]
+    pub fn clients(&self) -> Vec<ClientInfo> {
+        self.pusher.feed.clients()
+    }
+
+    /// Where it listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The page's address with the token: for the person who started it, nobody else.
+    #[must_use]
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+}
+
+impl ViewPusher {
+    /// As [`ViewHandle::push`].
+    ///
+    /// # Errors
+    /// As [`ViewHandle::push`].
+    pub fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+        self.feed.push(frame)
+    }
+
+    /// As [`ViewHandle::say`].
+    pub fn say(&self, text: &str) {
+        self.feed.say(text);
+    }
+}
+
+impl Drop for ViewHandle {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn url(address: SocketAddr, allowed_hosts: &[String], token: &Token) -> String {
+    let host = match allowed_hosts.first() {
+        Some(name) if address.ip().is_unspecified() => name.clone(),
+        _ => guard::host_of(address.ip()),
+    };
+    format!("http://{host}:{}/#token={token}", address.port())
+}
+
+fn spawn(
+    listener: TcpListener,
+    feed: Arc<Feed>,
+    stopped: oneshot::Receiver<()>,
+) -> Result<JoinHandle<()>, ViewError> {
+    let failed = |source| ViewError::Thread { source };
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(failed)?;
+    let entered = runtime.enter();
+    let listener = tokio::net::TcpListener::from_std(listener).map_err(failed)?;
+    drop(entered);
+    let serve = async move {
+        tokio::select! {
+            _ = axum::serve(listener, router(feed)) => {}
+            _ = stopped => {}
+        }
+    };
+    std::thread::Builder::new()
+        .name("hapdef-view".to_owned())
+        .spawn(move || runtime.block_on(serve))
+        .map_err(failed)
+}
+
+fn router(feed: Arc<Feed>) -> Router {
+    Router::new()
+        .route("/live", get(live))
+        .fallback_service(get(asset))
+        .layer(from_fn_with_state(Arc::clone(&feed), guarded))
+        .with_state(feed)
+}
+
+/// Refuses what is not asked of this host by its own page, and puts the policy on every answer.
+async fn guarded(State(feed): State<Arc<Feed>>, request: Request, next: Next) -> Response {
+    let mut response = if feed.guard.allows(request.headers()) {
+        next.run(request).await
+    } else {
+        (
+            StatusCode::FORBIDDEN,
+            "this host or origin is not allowed\n",
+        )
+            .into_response()
+    };
+    response.headers_mut().extend(guard::headers());
+    response
+}
+
+async fn asset(uri: Uri) -> Response {
+    match assets::find(uri.path()) {
+        Some(asset) => ([(CONTENT_TYPE, asset.media_type)], asset.body()).into_response(),
+        None => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
+    }
+}
+
+async fn live(State(feed): State<Arc<Feed>>, upgrade: WebSocketUpgrade) -> Response {
+    let Some(place) = feed.place() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open\n").into_response();
+    };
+    upgrade
+        .max_message_size(MAX_INBOUND)
+        .max_frame_size(MAX_INBOUND)
+        .on_upgrade(move |socket| client::serve(place, socket))
+}

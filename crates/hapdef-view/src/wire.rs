@@ -1,0 +1,316 @@
+//! Messages to the page, byte by byte as `docs/view.md` has them. Little-endian.
+
+use serde::Serialize;
+
+use crate::ellipse::semi_axes;
+use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, ViewFrame};
+use crate::params::Offers;
+use crate::picture::{DisplacementUnit, LimbPicture};
+
+/// Version of the messages.
+const VERSION: u8 = 1;
+/// First byte of the limb's surface.
+const KIND_SURFACE: u8 = 1;
+/// First byte of a frame.
+const KIND_FRAME: u8 = 2;
+
+/// First message to a page.
+#[derive(Serialize)]
+pub(crate) struct Hello<'a> {
+    #[serde(rename = "type")]
+    kind: &'static str,
+    version: u8,
+    title: &'a str,
+    simulated: bool,
+    unit: &'static str,
+    up: Option<[f64; 3]>,
+    view_from: Option<[f64; 3]>,
+    gauges: Vec<HelloGauge<'a>>,
+    offers: HelloOffers,
+}
+
+#[derive(Serialize)]
+struct HelloGauge<'a> {
+    name: &'a str,
+    position_m: [f64; 3],
+    axis: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct HelloOffers {
+    commands: bool,
+    tare: bool,
+    record: bool,
+    press: Option<HelloPress>,
+}
+
+#[derive(Serialize)]
+struct HelloPress {
+    default_n: f64,
+    max_n: f64,
+}
+
+impl<'a> Hello<'a> {
+    /// What a page may know at first; without `may_command` it is offered nothing.
+    pub(crate) fn new(picture: &'a LimbPicture, offers: &Offers, may_command: bool) -> Self {
+        let press = offers.press.filter(|_| may_command);
+        Self {
+            kind: "hello",
+            version: VERSION,
+            title: &picture.title,
+            simulated: picture.simulated,
+            unit: match picture.unit {
+                DisplacementUnit::Micrometre => "µm",
+                DisplacementUnit::Millimetre => "mm",
+            },
+            up: picture.up,
+            view_from: picture.view_from,
+            gauges: picture.gauges.iter().map(HelloGauge::new).collect(),
+            offers: HelloOffers {
+                commands: may_command,
+                tare: offers.tare && may_command,
+                record: offers.record && may_command,
+                press: press.map(|press| HelloPress {
+                    default_n: press.default_n,
+                    max_n: press.max_n,
+                }),
+            },
+        }
+    }
+}
+
+impl<'a> HelloGauge<'a> {
+    fn new(gauge: &'a crate::picture::GaugeSite) -> Self {
+        Self {
+            name: &gauge.name,
+            position_m: gauge.position_m,
+            axis: gauge.axis,
+        }
+    }
+}
+
+/// The surface: 16 bytes, vertices, normals, triangles.
+pub(crate) fn surface(picture: &LimbPicture) -> Vec<u8> {
+    let (n, m) = (picture.vertices_m.len(), picture.triangles.len());
+    let mut out = Vec::with_capacity(16 + 24 * n + 12 * m);
+    out.extend([KIND_SURFACE, VERSION, 0, 0]);
+    put_u32(&mut out, n as u64);
+    put_u32(&mut out, m as u64);
+    put_u32(&mut out, 0);
+    for vector in picture.vertices_m.iter().chain(&picture.normals) {
+        put_f32s(&mut out, vector);
+    }
+    for node in picture.triangles.as_flattened() {
+        out.extend(node.to_le_bytes());
+    }
+    out
+}
+
+/// A frame that was checked: 64 bytes, readings, states, contacts, alternatives, displacement.
+pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
+    let n_gauges = frame.readings_ue.len();
+    let mut out = Vec::with_capacity(256 + 8 * n_gauges + displacement_bytes(&frame.displacement));
+    put_header(&mut out, frame, seq);
+    for &reading in &frame.readings_ue {
+        put_f32(&mut out, reading);
+    }
+    for gauge in 0..n_gauges {
+        out.push(match frame.gauge_health.get(gauge) {
+            None | Some(GaugeHealth::Good) => 0,
+            Some(GaugeHealth::Saturated) => 1,
+            Some(GaugeHealth::Dead) => 2,
+        });
+    }
+    out.resize(out.len().next_multiple_of(4), 0);
+    for contact in marks(&frame.contacts) {
+        put_mark(&mut out, contact, contact.id, 1.0);
+    }
+    for (index, probability, contact) in alternative_marks(frame) {
+        put_mark(&mut out, contact, index, probability);
+    }
+    match &frame.displacement {
+        Displacement::None => {}
+        Displacement::Magnitude(lengths) => put_f32s(&mut out, lengths),
+        Displacement::Vector(vectors) => put_f32s(&mut out, vectors.as_flattened()),
+    }
+    out
+}
+
+fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
+    let (components, n_nodes) = match &frame.displacement {
+        Displacement::None => (0, 0),
+        Displacement::Magnitude(lengths) => (1, lengths.len()),
+        Displacement::Vector(vectors) => (3, vectors.len()),
+    };
+    let health = &frame.health;
+    let (recording, recorded_s) = match health.recording {
+        Recording::Off => (0, f64::NAN),
+        Recording::On { recorded_s } => (1, recorded_s),
+        Recording::Failed => (2, f64::NAN),
+    };
+    out.extend([KIND_FRAME, VERSION, components, recording]);
+    out.extend((seq as u32).to_le_bytes());
+    out.extend(frame.t_s.to_le_bytes());
+    put_u16(out, frame.readings_ue.len());
+    put_u16(out, marks(&frame.contacts).len());
+    put_u16(out, alternative_marks(frame).count());
+    put_u16(out, 0);
+    put_u32(out, n_nodes as u64);
+    put_f32(out, health.rate_hz);
+    put_u32(out, health.n_lost);
+    put_u32(out, health.n_crc_errors);
+    put_f32(out, health.latency_p50_us);
+    put_f32(out, health.latency_p99_us);
+    put_f32(out, health.clock_residual_us);
+    put_f32(out, recorded_s);
+    put_f32(
+        out,
+        frame.replay.map_or(f64::NAN, |replay| replay.position_s),
+    );
+    put_f32(
+        out,
+        frame.replay.map_or(f64::NAN, |replay| replay.duration_s),
+    );
+}
+
+/// 72 bytes: number, weight, position, normal, force, its deviation, two half axes.
+fn put_mark(out: &mut Vec<u8>, contact: &ContactMark, number: u32, weight: f64) {
+    out.extend(number.to_le_bytes());
+    put_f32(out, weight);
+    let unknown = ([[f64::NAN; 3]; 2], f64::NAN);
+    let (axes, force_sd_n) = contact.uncertainty.map_or(unknown, |uncertainty| {
+        let axes = semi_axes(uncertainty.tangents, uncertainty.covariance_m2);
+        (axes, uncertainty.force_sd_n)
+    });
+    let vectors = [contact.position_m, contact.normal, contact.force_n];
+    vectors.as_flattened().iter().for_each(|&c| put_f32(out, c));
+    put_f32(out, force_sd_n);
+    axes.as_flattened().iter().for_each(|&c| put_f32(out, c));
+}
+
+/// As many contacts as the header can count.
+fn marks(contacts: &[ContactMark]) -> &[ContactMark] {
+    &contacts[..contacts.len().min(usize::from(u16::MAX))]
+}
+
+fn alternative_marks(frame: &ViewFrame) -> impl Iterator<Item = (u32, f64, &ContactMark)> {
+    let marks = (0..)
+        .zip(&frame.alternatives)
+        .flat_map(|(index, (probability, contacts))| {
+            contacts
+                .iter()
+                .map(move |contact| (index, *probability, contact))
+        });
+    marks.take(usize::from(u16::MAX))
+}
+
+fn displacement_bytes(displacement: &Displacement) -> usize {
+    match displacement {
+        Displacement::None => 0,
+        Displacement::Magnitude(lengths) => size_of_val(lengths.as_slice()),
+        Displacement::Vector(vectors) => size_of_val(vectors.as_slice()),
+    }
+}
+
+fn put_u16(out: &mut Vec<u8>, count: usize) {
+    out.extend(u16::try_from(count).unwrap_or(u16::MAX).to_le_bytes());
+}
+
+/// Counts beyond 32 bits stay at the largest.
+fn put_u32(out: &mut Vec<u8>, count: u64) {
+    out.extend(u32::try_from(count).unwrap_or(u32::MAX).to_le_bytes());
+}
+
+fn put_f32(out: &mut Vec<u8>, value: f64) {
+    out.extend((value as f32).to_le_bytes());
+}
+
+fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
+    for value in values {
+        out.extend(value.to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{frame, surface};
+    use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, Uncertainty, ViewFrame};
+    use crate::picture::LimbPicture;
+
+    fn f32_at(bytes: &[u8], at: usize) -> f32 {
+        f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
+    }
+
+    fn u16_at(bytes: &[u8], at: usize) -> u16 {
+        u16::from_le_bytes(bytes[at..at + 2].try_into().unwrap())
+    }
+
+    #[test]
+    fn surface_is_where_the_docs_say() {
+        let picture = LimbPicture {
+            vertices_m: vec![[0.0; 3], [0.25, 0.0, 0.0], [0.0, 0.5, 0.0]],
+            normals: vec![[0.0, 0.0, 1.0]; 3],
+            triangles: vec![[0, 1, 2]],
+            ..LimbPicture::default()
+        };
+        let bytes = surface(&picture);
+        assert_eq!(bytes.len(), 16 + 3 * 24 + 12);
+        assert_eq!(bytes[..12], [1, 1, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(f32_at(&bytes, 16 + 12), 0.25);
+        assert_eq!(f32_at(&bytes, 16 + 36 + 8), 1.0);
+        assert_eq!(bytes[16 + 72 + 8], 2);
+    }
+
+    #[test]
+    fn frame_is_where_the_docs_say() {
+        let contact = ContactMark {
+            id: 7,
+            position_m: [0.5, 0.0, 0.0],
+            normal: [0.0, 1.0, 0.0],
+            force_n: [0.0, -4.0, 0.0],
+            uncertainty: Some(Uncertainty {
+                tangents: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+                covariance_m2: [[0.25, 0.0], [0.0, 0.0625]],
+                force_sd_n: 0.125,
+            }),
+        };
+        let other = ContactMark {
+            uncertainty: None,
+            ..contact.clone()
+        };
+        let mut shown = ViewFrame {
+            t_s: 1.5,
+            readings_ue: vec![3.0, -8.0, 0.0],
+            gauge_health: vec![GaugeHealth::Good, GaugeHealth::Saturated, GaugeHealth::Dead],
+            contacts: vec![contact],
+            alternatives: vec![(0.25, vec![other])],
+            displacement: Displacement::Vector(vec![[1.0, 2.0, 3.0]; 2]),
+            ..ViewFrame::default()
+        };
+        shown.health.n_lost = u64::MAX;
+        shown.health.recording = Recording::On { recorded_s: 2.0 };
+        let bytes = frame(&shown, 258);
+        assert_eq!(bytes.len(), 64 + 12 + 4 + 72 + 72 + 24);
+        assert_eq!(bytes[..8], [2, 1, 3, 1, 2, 1, 0, 0]);
+        assert_eq!(f64::from_le_bytes(bytes[8..16].try_into().unwrap()), 1.5);
+        assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [3, 1, 1]);
+        assert_eq!(bytes[24..28], [2, 0, 0, 0]);
+        assert_eq!(bytes[32..36], [255; 4]);
+        assert_eq!(f32_at(&bytes, 52), 2.0);
+        assert!(f32_at(&bytes, 56).is_nan());
+        assert_eq!([64, 68].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);
+        assert_eq!(bytes[76..80], [0, 1, 2, 0]);
+        assert_eq!(bytes[80], 7);
+        assert_eq!(
+            [84, 88, 104, 116].map(|at| f32_at(&bytes, at)),
+            [1.0, 0.5, 1.0, -4.0]
+        );
+        assert_eq!(
+            [124, 128, 148].map(|at| f32_at(&bytes, at)),
+            [0.125, 0.5, 0.25]
+        );
+        assert_eq!(f32_at(&bytes, 152 + 4), 0.25);
+        assert!(f32_at(&bytes, 152 + 44).is_nan());
+        assert_eq!(f32_at(&bytes, 224 + 20), 3.0);
+    }
+}

@@ -1,0 +1,400 @@
+//! The page in a headless Chromium.
+//!
+//! `HAPDEF_BROWSER=require` fails without one, `skip` leaves these tests out; by default they are left
+//! out where there is no Chromium, but not in CI (`CI=true`). `HAPDEF_CHROMIUM` names another program.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::print_stdout, reason = "says why a test is left out")]
+
+#[path = "support/chrome.rs"]
+mod chrome;
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+#[path = "support/synthetic.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod synthetic;
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use chrome::Chrome;
+use hapdef_view::{LimbPicture, ViewCommand, ViewFrame, ViewHandle, ViewParams};
+use page::{params, serve};
+use synthetic::Touch;
+
+/// One browser at a time.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// A server whose limb answers presses with a contact there, and a browser.
+struct Scene {
+    chrome: Chrome,
+    feed: Feed,
+    _one: MutexGuard<'static, ()>,
+}
+
+/// A thread that pushes frames and keeps what it is told.
+struct Feed {
+    url: String,
+    told: Arc<Mutex<Vec<ViewCommand>>>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<(ViewHandle, u64)>>,
+}
+
+impl Feed {
+    fn start(params: ViewParams) -> Self {
+        let view = serve(params);
+        let url = view.url().to_owned();
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let stop = Arc::new(AtomicBool::new(false));
+        let (heard, ended) = (Arc::clone(&told), Arc::clone(&stop));
+        let thread = std::thread::spawn(move || {
+            let n_pushed = push_until(&view, &heard, &ended);
+            (view, n_pushed)
+        });
+        Self {
+            url,
+            told,
+            stop,
+            thread: Some(thread),
+        }
+    }
+
+    fn told(&self) -> Vec<ViewCommand> {
+        self.told
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Waits for a command.
+    fn hears(&self, wanted: impl Fn(&ViewCommand) -> bool) -> ViewCommand {
+        let start = Instant::now();
+        loop {
+            if let Some(command) = self.told().into_iter().find(&wanted) {
+                return command;
+            }
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "only heard {:?}",
+                self.told()
+            );
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// The server, which goes on without new frames, and how many there were.
+    fn end(&mut self) -> (ViewHandle, u64) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap()
+    }
+}
+
+impl Drop for Feed {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+fn push_until(view: &ViewHandle, told: &Mutex<Vec<ViewCommand>>, stop: &AtomicBool) -> u64 {
+    let picture = synthetic::picture();
+    let mut frame = ViewFrame::default();
+    let mut touches = Vec::new();
+    let mut n_pushed = 0;
+    let start = Instant::now();
+    while !stop.load(Ordering::Relaxed) {
+        for command in view.commands().try_iter() {
+            touches = after(touches, command);
+            told.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(command);
+        }
+        synthetic::show(
+            &picture,
+            &touches,
+            start.elapsed().as_secs_f64(),
+            &mut frame,
+        );
+        view.push(&frame).unwrap();
+        n_pushed += 1;
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    n_pushed
+}
+
+fn after(touches: Vec<Touch>, command: ViewCommand) -> Vec<Touch> {
+    match command {
+        ViewCommand::Press {
+            point_m,
+            normal,
+            force_n,
+        } => vec![Touch {
+            id: 0,
+            point_m,
+            normal,
+            force_n,
+        }],
+        ViewCommand::Release => Vec::new(),
+        _ => touches,
+    }
+}
+
+/// The scene, or `None` and why where there is no browser.
+fn scene(size: (u32, u32)) -> Option<Scene> {
+    let wish = std::env::var("HAPDEF_BROWSER").unwrap_or_default();
+    let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
+    let program = chrome::find();
+    if wish == "skip" || (program.is_none() && wish != "require" && !in_ci) {
+        println!("SKIPPED: no Chromium, or HAPDEF_BROWSER=skip");
+        return None;
+    }
+    let program = program.expect("a Chromium: `apt-get install chromium`, or HAPDEF_CHROMIUM=path");
+    let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let feed = Feed::start(params());
+    let mut chrome = Chrome::start(&program, size, true).unwrap();
+    chrome.open(&feed.url).unwrap();
+    chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
+    Some(Scene {
+        chrome,
+        feed,
+        _one: one,
+    })
+}
+
+impl Scene {
+    fn numbers(&mut self, expression: &str) -> Vec<f64> {
+        let value = self.chrome.eval(expression).unwrap();
+        let array = value
+            .as_array()
+            .unwrap_or_else(|| panic!("{expression} is {value}"));
+        array.iter().map(|x| x.as_f64().unwrap()).collect()
+    }
+
+    /// RGB pixels of the page and its width.
+    fn pixels(&mut self) -> (Vec<[u8; 3]>, usize) {
+        let file = self.chrome.screenshot().unwrap();
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
+        decoder.set_transformations(png::Transformations::STRIP_16 | png::Transformations::ALPHA);
+        let mut reader = decoder.read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        let pixels = bytes[..info.buffer_size()]
+            .chunks_exact(4)
+            .map(|p| [p[0], p[1], p[2]]);
+        (pixels.collect(), info.width as usize)
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(x, y)| (x - y) * (x - y))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Pixels of the contact's orange.
+fn n_orange(pixels: &[[u8; 3]]) -> usize {
+    let orange = |p: &&[u8; 3]| p[0] > 200 && (70..190).contains(&p[1]) && p[2] < 110;
+    pixels.iter().filter(orange).count()
+}
+
+#[test]
+fn a_click_on_the_limb_presses_it_there() {
+    let Some(mut scene) = scene((1200, 800)) else {
+        return;
+    };
+    let (bare, width) = scene.pixels();
+    let node = scene.chrome.eval("hapdefView.facing()").unwrap();
+    assert!(
+        node.as_i64().unwrap() >= 0,
+        "no node in the middle of the view"
+    );
+    let at = scene.numbers(&format!("hapdefView.project({node})"));
+    let (x, y) = (at[0], at[1]);
+    limb_is_drawn(&bare, width, (x, y));
+    let known = scene.numbers(&format!("hapdefView.node({node})"));
+    scene.chrome.pointer("mouseMoved", (x, y)).unwrap();
+    scene.chrome.pointer("mousePressed", (x, y)).unwrap();
+    let ViewCommand::Press {
+        point_m,
+        force_n,
+        normal,
+    } = scene.feed.hears(|c| matches!(c, ViewCommand::Press { .. }))
+    else {
+        unreachable!()
+    };
+    assert!(
+        distance(&point_m, &known) < 0.005,
+        "{point_m:?} for {known:?}"
+    );
+    assert_eq!(force_n, 4.0);
+    let LimbPicture {
+        vertices_m,
+        normals,
+        ..
+    } = synthetic::picture();
+    let outward = normals[node.as_u64().unwrap() as usize].map(f64::from);
+    assert!(
+        distance(&normal, &outward) < 0.2,
+        "{normal:?} for {outward:?} of {}",
+        vertices_m.len()
+    );
+    scene
+        .chrome
+        .wait_for("hapdefView.arrows.length === 1")
+        .unwrap();
+    let arrow = scene.numbers("hapdefView.arrows[0]");
+    assert!(distance(&arrow, &known) < 0.005, "{arrow:?} for {known:?}");
+    let (pressed, _) = scene.pixels();
+    assert!(
+        n_orange(&pressed) > n_orange(&bare) + 100,
+        "{} {}",
+        n_orange(&pressed),
+        n_orange(&bare)
+    );
+    assert_eq!(
+        scene
+            .chrome
+            .eval("document.querySelector('#contacts b').textContent")
+            .unwrap(),
+        "4.0 N"
+    );
+    scene.chrome.pointer("mouseReleased", (x, y)).unwrap();
+    scene.feed.hears(|c| *c == ViewCommand::Release);
+    scene
+        .chrome
+        .wait_for("hapdefView.arrows.length === 0")
+        .unwrap();
+    buttons_command(&mut scene);
+    assert_eq!(scene.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+/// Around the middle there are many colours: a shaded limb, not a flat ground.
+fn limb_is_drawn(pixels: &[[u8; 3]], width: usize, (x, y): (f64, f64)) {
+    let corner = pixels[(y as usize) * width + 20];
+    let around = (-60..60)
+        .step_by(3)
+        .map(|step| pixels[(y as usize) * width + (x as i64 + step) as usize]);
+    let around: Vec<[u8; 3]> = around.collect();
+    let far = around
+        .iter()
+        .filter(|p| (0..3).any(|k| p[k].abs_diff(corner[k]) > 24))
+        .count();
+    let colours: BTreeSet<[u8; 3]> = around.iter().copied().collect();
+    assert!(
+        far >= 30 && colours.len() >= 6,
+        "{far} of {} differ, {} colours",
+        around.len(),
+        colours.len()
+    );
+}
+
+fn buttons_command(scene: &mut Scene) {
+    let click = |scene: &mut Scene, id: &str| {
+        scene
+            .chrome
+            .eval(&format!("document.getElementById('{id}').click()"))
+            .unwrap()
+    };
+    click(scene, "tare");
+    scene.feed.hears(|c| *c == ViewCommand::Tare);
+    click(scene, "record");
+    scene.feed.hears(|c| *c == ViewCommand::Record(true));
+    click(scene, "snapshot");
+    scene.feed.hears(|c| *c == ViewCommand::Snapshot);
+    let n_tares = |scene: &Scene| {
+        scene
+            .feed
+            .told()
+            .iter()
+            .filter(|c| **c == ViewCommand::Tare)
+            .count()
+    };
+    assert_eq!(n_tares(scene), 1);
+    scene.chrome.key("t", "KeyT").unwrap();
+    let start = Instant::now();
+    while n_tares(scene) < 2 {
+        assert!(
+            start.elapsed() < Duration::from_secs(20),
+            "the key T does not tare"
+        );
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn the_page_comes_back_with_its_server() {
+    let Some(mut scene) = scene((900, 700)) else {
+        return;
+    };
+    let (view, _) = scene.feed.end();
+    let bind = view.address();
+    drop(view);
+    scene
+        .chrome
+        .wait_for("document.getElementById('link').dataset.state === 'away'")
+        .unwrap();
+    scene.feed = Feed::start(ViewParams { bind, ..params() });
+    scene
+        .chrome
+        .wait_for("document.getElementById('link').dataset.state === 'live'")
+        .unwrap();
+    let drawn = scene.chrome.eval("hapdefView.drawn").unwrap();
+    scene
+        .chrome
+        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
+        .unwrap();
+    scene
+        .chrome
+        .eval("document.getElementById('tare').click()")
+        .unwrap();
+    scene.feed.hears(|c| *c == ViewCommand::Tare);
+}
+
+#[test]
+fn a_page_that_hangs_skips_frames_and_catches_up() {
+    let Some(mut scene) = scene((900, 700)) else {
+        return;
+    };
+    scene
+        .chrome
+        .start_eval("const until = Date.now() + 3000; while (Date.now() < until);")
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    let (view, n_pushed) = scene.feed.end();
+    scene
+        .chrome
+        .wait_for(&format!("hapdefView.seq === {n_pushed}"))
+        .unwrap();
+    let client = view.clients()[0];
+    println!("{client:?}");
+    assert!(client.n_skipped > 150, "{client:?}");
+}
+
+#[test]
+fn a_phone_shows_all_of_it() {
+    let Some(mut scene) = scene((390, 844)) else {
+        return;
+    };
+    let wide = scene
+        .chrome
+        .eval("document.documentElement.scrollWidth")
+        .unwrap();
+    assert_eq!(wide, 390);
+    let outside = "[...document.querySelectorAll('body *')].filter((e) => e.getClientRects().length && !e.closest('#labels, .unseen') \
+         && (e.getBoundingClientRect().right > 390.5 || e.getBoundingClientRect().left < -0.5)).map((e) => e.id || e.className)";
+    assert_eq!(scene.chrome.eval(outside).unwrap(), serde_json::json!([]));
+    for id in ["limb", "tare", "contacts", "force-plot", "gauges", "health"] {
+        let seen = scene
+            .chrome
+            .eval(&format!(
+                "document.getElementById('{id}').getBoundingClientRect().height > 20"
+            ))
+            .unwrap();
+        assert_eq!(seen, true, "{id}");
+    }
+    assert_eq!(scene.chrome.complaints().unwrap(), Vec::<String>::new());
+}

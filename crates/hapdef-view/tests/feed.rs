@@ -1,0 +1,181 @@
+//! Frames to pages, fast and slow, and what happens when one goes away.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+#[path = "support/synthetic.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod synthetic;
+
+use std::time::{Duration, Instant};
+
+use hapdef_view::{ViewCommand, ViewError, ViewFrame, ViewParams};
+use page::{Socket, TOKEN, connect, greet, next_binary, next_text, params, say, seq_of, serve};
+
+const SOON: Duration = Duration::from_secs(5);
+
+fn a_frame() -> ViewFrame {
+    let mut frame = ViewFrame::default();
+    synthetic::show(
+        &synthetic::picture(),
+        &synthetic::wandering(1.0),
+        1.0,
+        &mut frame,
+    );
+    frame
+}
+
+/// Draws frames until number `seq` came; how many there were.
+fn draw_until(socket: &mut Socket, seq: u32) -> u32 {
+    for n in 1.. {
+        let found = seq_of(&next_binary(socket));
+        say(socket, r#"{"cmd":"got"}"#);
+        if found == seq {
+            return n;
+        }
+        assert!(found < seq, "frame {found} after {seq}");
+    }
+    0
+}
+
+/// Resident memory of this process, bytes.
+#[cfg(target_os = "linux")]
+fn resident() -> i64 {
+    let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
+    4096 * statm.split(' ').nth(1).unwrap().parse::<i64>().unwrap()
+}
+
+#[test]
+fn a_frame_comes_as_it_was_pushed() {
+    let view = serve(params());
+    let mut socket = connect(view.address().port());
+    let hello = greet(&mut socket, Some(TOKEN));
+    assert_eq!(hello["gauges"].as_array().unwrap().len(), 10);
+    assert_eq!(hello["simulated"], true);
+    let frame = a_frame();
+    view.push(&frame).unwrap();
+    let bytes = next_binary(&mut socket);
+    let reading = f32::from_le_bytes(bytes[64..68].try_into().unwrap());
+    assert_eq!(reading, frame.readings_ue[0] as f32);
+    assert_eq!(
+        bytes.len(),
+        64 + 40 + 12 + 72 * frame.contacts.len() + 12 * 3216
+    );
+}
+
+#[test]
+fn a_page_that_comes_later_sees_the_last_frame() {
+    let view = serve(params());
+    let frame = a_frame();
+    (0..5).for_each(|_| view.push(&frame).unwrap());
+    let mut socket = connect(view.address().port());
+    greet(&mut socket, None);
+    assert_eq!(seq_of(&next_binary(&mut socket)), 5);
+}
+
+/// One page never reads, one draws: pushing 20,000 frames costs the pusher as little as without them,
+/// memory stays, the drawing page ends with the newest frame, and what the other missed is counted.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_stalled_page_costs_nothing() {
+    let view = serve(params());
+    let port = view.address().port();
+    let mut stalled = connect(port);
+    greet(&mut stalled, None);
+    let mut drawing = connect(port);
+    greet(&mut drawing, None);
+    let frame = a_frame();
+    for _ in 0..200 {
+        view.push(&frame).unwrap();
+    }
+    let before = resident();
+    let reader = std::thread::spawn(move || (draw_until(&mut drawing, 20_200), drawing));
+    let mut times: Vec<Duration> = (0..20_000)
+        .map(|_| {
+            let start = Instant::now();
+            view.push(&frame).unwrap();
+            start.elapsed()
+        })
+        .collect();
+    times.sort_unstable();
+    let grown = resident() - before;
+    let (drawn, _drawing) = reader.join().unwrap();
+    println!(
+        "push p50 {:?} p99.9 {:?}, memory {} KiB more, {drawn} frames drawn",
+        times[10_000],
+        times[19_980],
+        grown >> 10
+    );
+    assert!(
+        times[10_000] < Duration::from_micros(500),
+        "{:?}",
+        times[10_000]
+    );
+    assert!(grown < 16 << 20, "{grown} bytes more");
+    let clients = view.clients();
+    assert_eq!(clients[0].n_sent, 3, "{clients:?}");
+    assert_eq!(clients[0].n_skipped, 20_200 - 3, "{clients:?}");
+    assert_eq!(clients[1].n_sent, u64::from(drawn), "{clients:?}");
+}
+
+#[test]
+fn a_press_ends_with_its_page() {
+    let view = serve(params());
+    let mut socket = connect(view.address().port());
+    greet(&mut socket, Some(TOKEN));
+    say(
+        &mut socket,
+        r#"{"cmd":"press","point_m":[0,0,0.1],"normal":[0,1,0],"force_n":2.5}"#,
+    );
+    let pressed = view.commands().recv_timeout(SOON).unwrap();
+    assert!(
+        matches!(pressed, ViewCommand::Press { force_n: 2.5, .. }),
+        "{pressed:?}"
+    );
+    drop(socket);
+    assert_eq!(view.commands().recv_timeout(SOON), Ok(ViewCommand::Release));
+}
+
+#[test]
+fn what_is_said_reaches_the_page() {
+    let view = serve(params());
+    let mut socket = connect(view.address().port());
+    greet(&mut socket, None);
+    view.pusher().say("recorded to a.mcap");
+    let notice = next_text(&mut socket);
+    assert_eq!(
+        (notice["type"].as_str(), notice["text"].as_str()),
+        (Some("notice"), Some("recorded to a.mcap"))
+    );
+}
+
+#[test]
+fn frames_of_another_shape_are_refused() {
+    let view = serve(params());
+    let refused = view.push(&ViewFrame::default());
+    assert!(matches!(
+        refused,
+        Err(ViewError::FrameShape {
+            expected: 10,
+            found: 0,
+            ..
+        })
+    ));
+}
+
+#[test]
+fn the_port_is_free_again() {
+    let view = serve(params());
+    let bind = view.address();
+    let mut socket = connect(bind.port());
+    greet(&mut socket, None);
+    let taken =
+        hapdef_view::ViewServer::start(ViewParams { bind, ..params() }, synthetic::picture());
+    assert!(matches!(taken.err(), Some(ViewError::Bind { .. })));
+    drop(view);
+    greet(
+        &mut connect(serve(ViewParams { bind, ..params() }).address().port()),
+        None,
+    );
+}

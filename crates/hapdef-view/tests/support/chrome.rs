@@ -1,0 +1,252 @@
+//! A headless Chromium over its DevTools protocol: load a page, ask it, click, take its picture.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+/// Longest that an answer or a condition may take; software WebGL on a busy machine is slow.
+const PATIENCE: Duration = Duration::from_secs(40);
+
+/// Why something of the browser failed.
+pub type Fault = Box<dyn std::error::Error>;
+
+/// A browser with one page.
+pub struct Chrome {
+    child: Child,
+    socket: WebSocket<TcpStream>,
+    session: String,
+    next_id: u64,
+    events: Vec<Value>,
+    _profile: TempDir,
+}
+
+/// Where a Chromium is: `HAPDEF_CHROMIUM`, else the usual places.
+pub fn find() -> Option<PathBuf> {
+    if let Some(path) = std::env::var_os("HAPDEF_CHROMIUM") {
+        return Some(PathBuf::from(path));
+    }
+    let places = [
+        "/usr/bin/chromium",
+        "/usr/bin/chromium-browser",
+        "/usr/bin/google-chrome",
+    ];
+    places
+        .map(PathBuf::from)
+        .into_iter()
+        .find(|path| path.exists())
+}
+
+impl Chrome {
+    /// Starts a browser with a window of `size` CSS pixels, on a dark or a light system.
+    pub fn start(program: &Path, size: (u32, u32), dark: bool) -> Result<Self, Fault> {
+        let profile = tempfile::tempdir()?;
+        let mut child = Command::new(program)
+            .args([
+                "--headless=new",
+                "--remote-debugging-port=0",
+                "--no-sandbox",
+                "--no-first-run",
+            ])
+            .args([
+                "--use-gl=angle",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+            ])
+            .args([
+                "--hide-scrollbars",
+                "--mute-audio",
+                "--disable-dev-shm-usage",
+            ])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()?;
+        let url = devtools_url(&mut child)?;
+        let address = url
+            .strip_prefix("ws://")
+            .and_then(|rest| rest.split('/').next());
+        let stream = TcpStream::connect(address.ok_or("no address of the browser")?)?;
+        stream.set_read_timeout(Some(PATIENCE))?;
+        let (socket, _) =
+            tungstenite::client(url.as_str(), stream).map_err(|error| error.to_string())?;
+        let mut chrome = Self {
+            child,
+            socket,
+            session: String::new(),
+            next_id: 0,
+            events: Vec::new(),
+            _profile: profile,
+        };
+        chrome.attach()?;
+        chrome.dress(size, dark)?;
+        Ok(chrome)
+    }
+
+    fn attach(&mut self) -> Result<(), Fault> {
+        let target = self.call("Target.createTarget", json!({"url": "about:blank"}))?;
+        let attach = json!({"targetId": target["targetId"], "flatten": true});
+        let attached = self.call("Target.attachToTarget", attach)?;
+        self.session = attached["sessionId"]
+            .as_str()
+            .ok_or("no session")?
+            .to_owned();
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            self.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        Ok(())
+    }
+
+    fn dress(&mut self, (width, height): (u32, u32), dark: bool) -> Result<(), Fault> {
+        let is_phone = width < 600;
+        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": if is_phone { 2 } else { 1 },
+            "mobile": is_phone});
+        self.call("Emulation.setDeviceMetricsOverride", metrics)?;
+        let scheme = if dark { "dark" } else { "light" };
+        let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        self.call("Emulation.setEmulatedMedia", features)?;
+        Ok(())
+    }
+
+    /// Loads a page.
+    pub fn open(&mut self, url: &str) -> Result<(), Fault> {
+        self.call("Page.navigate", json!({"url": url}))?;
+        Ok(())
+    }
+
+    /// The value of an expression of the page.
+    pub fn eval(&mut self, expression: &str) -> Result<Value, Fault> {
+        let ask = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        let answer = self.call("Runtime.evaluate", ask)?;
+        if let Some(exception) = answer.get("exceptionDetails") {
+            return Err(format!("{expression}: {exception}").into());
+        }
+        Ok(answer["result"]["value"].clone())
+    }
+
+    /// Starts an expression without waiting for its value.
+    pub fn start_eval(&mut self, expression: &str) -> Result<(), Fault> {
+        self.send("Runtime.evaluate", json!({"expression": expression}))?;
+        Ok(())
+    }
+
+    /// Waits until an expression is true.
+    pub fn wait_for(&mut self, expression: &str) -> Result<(), Fault> {
+        let start = Instant::now();
+        while self.eval(expression)? != json!(true) {
+            if start.elapsed() > PATIENCE {
+                return Err(format!("never true: {expression}").into());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(())
+    }
+
+    /// `kind` of a pointer, "mousePressed", "mouseMoved" or "mouseReleased", at CSS pixels.
+    pub fn pointer(&mut self, kind: &str, (x, y): (f64, f64)) -> Result<(), Fault> {
+        let event =
+            json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+        self.call("Input.dispatchMouseEvent", event)?;
+        Ok(())
+    }
+
+    /// A key goes down and up; `code` as in "KeyT".
+    pub fn key(&mut self, key: &str, code: &str) -> Result<(), Fault> {
+        for kind in ["rawKeyDown", "keyUp"] {
+            self.call(
+                "Input.dispatchKeyEvent",
+                json!({"type": kind, "key": key, "code": code}),
+            )?;
+        }
+        Ok(())
+    }
+
+    /// The page as PNG.
+    pub fn screenshot(&mut self) -> Result<Vec<u8>, Fault> {
+        let answer = self.call("Page.captureScreenshot", json!({"format": "png"}))?;
+        Ok(STANDARD.decode(answer["data"].as_str().ok_or("no picture")?)?)
+    }
+
+    /// Errors on the console, exceptions, refused loads and violations of the policy so far.
+    pub fn complaints(&mut self) -> Result<Vec<String>, Fault> {
+        self.eval("1")?;
+        let complains = |event: &&Value| match event["method"].as_str() {
+            Some("Runtime.exceptionThrown" | "Network.loadingFailed") => true,
+            Some("Runtime.consoleAPICalled") => event["params"]["type"] == "error",
+            Some("Log.entryAdded") => event["params"]["entry"]["level"] == "error",
+            _ => false,
+        };
+        let complaints = self.events.iter().filter(complains);
+        Ok(complaints
+            .map(|event| event["params"].to_string())
+            .collect())
+    }
+
+    fn call(&mut self, method: &str, params: Value) -> Result<Value, Fault> {
+        let id = self.send(method, params)?;
+        loop {
+            let message = self.socket.read()?;
+            let Message::Text(text) = message else {
+                continue;
+            };
+            let answer: Value = serde_json::from_str(&text)?;
+            if answer["id"] == json!(id) {
+                return match answer.get("error") {
+                    Some(error) => Err(format!("{method}: {error}").into()),
+                    None => Ok(answer["result"].clone()),
+                };
+            }
+            if answer.get("method").is_some() {
+                self.events.push(answer);
+            }
+        }
+    }
+
+    fn send(&mut self, method: &str, params: Value) -> Result<u64, Fault> {
+        self.next_id += 1;
+        let mut message = json!({"id": self.next_id, "method": method, "params": params});
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(message.to_string()))?;
+        Ok(self.next_id)
+    }
+}
+
+impl Drop for Chrome {
+    fn drop(&mut self) {
+        self.session.clear();
+        let closed = self.send("Browser.close", json!({})).is_ok();
+        let start = Instant::now();
+        while closed && start.elapsed() < Duration::from_secs(5) {
+            if matches!(self.child.try_wait(), Ok(Some(_))) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The address that the browser prints, and a thread that reads what else it says.
+fn devtools_url(child: &mut Child) -> Result<String, Fault> {
+    let stderr = child.stderr.take().ok_or("no stderr")?;
+    let mut lines = BufReader::new(stderr).lines();
+    for line in lines.by_ref() {
+        if let Some(url) = line?.strip_prefix("DevTools listening on ") {
+            let url = url.trim().to_owned();
+            std::thread::spawn(move || lines.for_each(drop));
+            return Ok(url);
+        }
+    }
+    Err("the browser ended before it listened".into())
+}

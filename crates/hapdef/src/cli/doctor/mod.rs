@@ -1,0 +1,97 @@
+//! `hapdef doctor`: what is in the way of good readings, and what to do about it.
+
+mod channels;
+mod check;
+mod machine;
+mod ports;
+mod press;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Result;
+use clap::Args;
+use hapdef::scene::read_scene;
+use hapdef::{SOURCE_FORMS, SourceArg};
+use serde_json::Value;
+
+use self::check::{Check, State};
+use super::record::seconds;
+use super::signals::stop_flag;
+
+/// Exit code when something has to be mended.
+const BAD: i32 = 1;
+
+#[derive(Args)]
+#[command(after_help = "Examples:\n  \
+    hapdef doctor\n  \
+    hapdef doctor --source serial:/dev/ttyACM0 fixtures/shin/scene.json\n  \
+    hapdef doctor --source tcp:127.0.0.1:7000 --press-check\n\n\
+    Each line is ok, warn or bad; what is not ok says what to do. Exit codes: 0 nothing is bad, \
+    1 something is, 2 the command can't be done.")]
+pub(crate) struct DoctorArgs {
+    #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
+    source: Option<SourceArg>,
+    /// Scene whose gauges the channels should be.
+    scene: Option<PathBuf>,
+    /// How long readings are looked at, s.
+    #[arg(long, default_value = "3", value_parser = seconds)]
+    seconds: Duration,
+    /// Ask for a press near each gauge and see which channel answers.
+    #[arg(long, requires = "source")]
+    press_check: bool,
+    /// How long to wait for each press, s.
+    #[arg(long, default_value = "20", value_parser = seconds)]
+    patience: Duration,
+    /// Folder in which recordings would be written.
+    #[arg(long, default_value = ".")]
+    folder: PathBuf,
+    /// Print the checks as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
+    let stop = stop_flag()?;
+    let gauges = args.scene.as_deref().map(gauge_names).transpose()?;
+    let mut checks = ports::checks(args.source.as_ref());
+    checks.extend(machine::checks(&args.folder));
+    if let Some(source) = &args.source {
+        let names = gauges.as_deref();
+        checks.extend(channels::checks(source, args.seconds, names, &stop)?);
+        if let SourceArg::Serial { device, .. } | SourceArg::Csv { device, .. } = source {
+            // Opening the port has asked the driver for low latency.
+            checks.extend(ports::latency_check(device));
+        }
+        if args.press_check {
+            let ask = |text: &str| eprintln!("{text}");
+            checks.extend(press::checks(source, args.patience, names, &stop, &ask)?);
+        }
+    }
+    print(args, &checks)?;
+    if checks.iter().any(|check| check.state == State::Bad) {
+        std::process::exit(BAD);
+    }
+    Ok(())
+}
+
+fn gauge_names(scene: &std::path::Path) -> Result<Vec<String>> {
+    let scene = read_scene(scene)?;
+    let sites = scene.gauges.sites.into_iter();
+    Ok(sites.map(|site| site.name).collect())
+}
+
+fn print(args: &DoctorArgs, checks: &[Check]) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        let all = Value::Array(checks.iter().map(Check::as_json).collect());
+        writeln!(out, "{all}")?;
+    } else {
+        for check in checks {
+            writeln!(out, "{check}")?;
+        }
+    }
+    out.flush()?;
+    Ok(())
+}

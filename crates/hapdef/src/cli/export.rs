@@ -1,0 +1,63 @@
+//! `hapdef export`: recordings as text.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use hapdef_daq::record::{Recording, export_csv, export_json_lines};
+
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  hapdef export press.mcap --csv -o press.csv\n\n\
+    The table has a line a reading, as sent: counts, or the device's unit where it sends f32. The \
+    JSON lines have everything that is in the recording."
+)]
+pub(crate) struct ExportArgs {
+    /// The recording: finished, partial or damaged.
+    file: PathBuf,
+    #[command(flatten)]
+    form: Form,
+    /// Where to; standard output if nothing is named.
+    #[arg(short, long)]
+    out: Option<PathBuf>,
+}
+
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+struct Form {
+    /// The readings as a table.
+    #[arg(long)]
+    csv: bool,
+    /// Every record as a line of JSON.
+    #[arg(long)]
+    jsonl: bool,
+}
+
+pub(crate) fn run(args: &ExportArgs) -> Result<()> {
+    let mut recording = Recording::open(&args.file)?;
+    let mut out: Box<dyn Write> = match &args.out {
+        Some(path) => {
+            let file = File::create(path);
+            Box::new(file.with_context(|| format!("{}: writing", path.display()))?)
+        }
+        None => Box::new(std::io::stdout().lock()),
+    };
+    let mut buffered = BufWriter::with_capacity(1 << 16, &mut out);
+    let (n, what) = if args.form.csv {
+        (export_csv(&mut recording, &mut buffered)?, "readings")
+    } else {
+        (export_json_lines(&mut recording, &mut buffered)?, "records")
+    };
+    buffered.flush()?;
+    let damage = recording.damage();
+    eprintln!("{}: {n} {what}", args.file.display());
+    if damage.n_damaged > 0 {
+        eprintln!(
+            "{} damaged stretches, {} bytes, were left out: hapdef recover says what is lost",
+            damage.n_damaged, damage.n_damaged_bytes
+        );
+    }
+    Ok(())
+}

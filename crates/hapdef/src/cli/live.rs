@@ -1,0 +1,269 @@
+//! `hapdef live`: contacts from a stream of frames.
+
+use std::fs::File;
+use std::io::{BufWriter, IsTerminal, Write, stdout};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Args, ValueEnum};
+use hapdef::touch::{LiveEstimator, SearchPlace, TouchEstimator, live_estimator};
+use hapdef::{Limb, SceneArgs};
+use hapdef_daq::source::FrameSource;
+use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
+use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
+
+use super::signals::stop_flag;
+use super::sim::simulated;
+use super::source::{FORMS, SourceSpec};
+
+/// How often it looks whether to end.
+const LOOK: Duration = Duration::from_millis(20);
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  \
+    hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
+    hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
+    hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
+    hapdef live fixtures/shin/placed.json --sim --seconds 10\n\n\
+    Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
+    terminal, one line that is refreshed (a line a frame where it is no terminal); each second a \
+    line says how it is doing. Ctrl-C ends it cleanly. Exit code 0 when it ran, 2 when something \
+    has to be corrected first.")]
+pub(crate) struct LiveArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Where frames come from: serial:PATH[@BAUD], tcp:HOST:PORT, csv:PATH[@BAUD] or
+    /// replay:FILE[@SPEED].
+    #[arg(long, long_help = FORMS, required_unless_present = "sim")]
+    source: Option<SourceSpec>,
+    /// Play the scene's simulated rig at 1 kHz, pressed at random; needs a scene.
+    #[arg(long, conflicts_with = "source")]
+    sim: bool,
+    /// Seed of those presses.
+    #[arg(long, default_value_t = 1, requires = "sim")]
+    sim_seed: u64,
+    /// What finds contacts; the scene's way if not given.
+    #[arg(long)]
+    estimator: Option<EstimatorName>,
+    /// Print JSON lines.
+    #[arg(long)]
+    json: bool,
+    /// Write a table, too.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Send JSON lines to whoever connects, too: tcp:127.0.0.1:7650 or unix:PATH.
+    #[arg(long, value_name = "ADDRESS")]
+    serve: Option<String>,
+    /// Time whose mean is the tare, s; 0 for readings that come tared.
+    #[arg(long, default_value_t = 1.0)]
+    tare_s: f64,
+    /// End after that many seconds.
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// A frame is late whose contacts come that many µs after its sample instant.
+    #[arg(long, default_value_t = 1000)]
+    deadline_us: u64,
+    /// Real-time priority of the reader, 1 to 99, where the system grants it.
+    #[arg(long, value_name = "PRIORITY")]
+    realtime: Option<u8>,
+}
+
+/// See [`LiveEstimator`].
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EstimatorName {
+    /// By superposition, contacts followed from frame to frame.
+    Tracking,
+    /// By superposition, each frame on its own.
+    Superposition,
+    /// The paper's chain of nets; needs a scene.
+    Hapdefx,
+}
+
+/// A model and a source, made ready.
+struct Model {
+    source: Box<dyn FrameSource>,
+    estimator: Box<dyn TouchEstimator>,
+    gauges: Vec<LiveGauge>,
+    noise_ue: f64,
+    stop: Arc<AtomicBool>,
+}
+
+pub(crate) fn run(args: &LiveArgs) -> Result<()> {
+    let path = &args.scene.scene;
+    let model = if is_bundle(path)? {
+        Model::of_bundle(args, &Bundle::read(path)?)?
+    } else {
+        Model::of_scene(args)?
+    };
+    let stop = Arc::clone(&model.stop);
+    let live = model.builder(args)?.start()?;
+    wait(&live, args.seconds, &stop);
+    report(&live.stop()?)
+}
+
+impl Model {
+    fn of_bundle(args: &LiveArgs, bundle: &Bundle) -> Result<Self> {
+        let estimator: Box<dyn TouchEstimator> = match args.estimator {
+            None | Some(EstimatorName::Tracking) => Box::new(bundle.tracking(args.place())?),
+            Some(EstimatorName::Superposition) => Box::new(bundle.superposition()?),
+            Some(EstimatorName::Hapdefx) => {
+                bail!("--estimator hapdefx: a bundle's nets are not run from it: give the scene")
+            }
+        };
+        let Some(source) = &args.source else {
+            bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
+        };
+        let gauges = bundle.info.gauges.iter();
+        Ok(Self {
+            source: source.open(gauges.len())?,
+            estimator,
+            gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
+            noise_ue: bundle.info.settings.noise_ue,
+            stop: stop_flag()?,
+        })
+    }
+
+    fn of_scene(args: &LiveArgs) -> Result<Self> {
+        let run = args.scene.prepare()?;
+        let limb = Limb::load(&run.scene, &run.scene_dir)?;
+        let choice = match args.estimator {
+            None => LiveEstimator::of_scene(&run.scene.estimator, args.place()),
+            Some(EstimatorName::Tracking) => LiveEstimator::Tracking(args.place()),
+            Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
+            Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
+        };
+        let sites = run.scene.gauges.sites.iter();
+        let source = match &args.source {
+            Some(source) => source.open(limb.gauges.len())?,
+            None => simulated(&run, &limb, args.sim_seed)?,
+        };
+        Ok(Self {
+            source,
+            estimator: live_estimator(&run, &limb, choice)?,
+            gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
+            noise_ue: run.scene.estimator.superposition().noise_ue,
+            stop: Arc::clone(&run.stop),
+        })
+    }
+
+    fn builder(self, args: &LiveArgs) -> Result<LiveBuilder> {
+        if let Some(seconds) = args.seconds {
+            ensure!(
+                seconds > 0.0,
+                "--seconds: expected above 0, found {seconds}"
+            );
+        }
+        let params = LiveParams {
+            tare_s: args.tare_s,
+            noise_ue: Some(self.noise_ue),
+            deadline: Duration::from_micros(args.deadline_us),
+            is_recorded: args.source.as_ref().is_some_and(SourceSpec::is_recorded),
+            is_lossless: args.is_unpaced(),
+            realtime_priority: args.realtime,
+            ..LiveParams::default()
+        };
+        let builder = Live::boxed_builder(self.source)
+            .params(params)
+            .gauges(self.gauges)
+            .boxed_estimator(self.estimator);
+        with_sinks(builder, args)
+    }
+}
+
+impl LiveArgs {
+    /// A replay as fast as it goes gives the same contacts each time.
+    fn place(&self) -> SearchPlace {
+        if self.is_unpaced() {
+            SearchPlace::Here
+        } else {
+            SearchPlace::Background
+        }
+    }
+
+    fn is_unpaced(&self) -> bool {
+        self.source.as_ref().is_some_and(SourceSpec::is_unpaced)
+    }
+}
+
+fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {
+    if let Some(address) = &args.serve {
+        let server = JsonServer::bind(address)?;
+        writeln!(std::io::stderr(), "JSON lines at {}", server.address())?;
+        builder = builder.sink(server);
+    }
+    if let Some(path) = &args.csv {
+        let file = File::create(path).with_context(|| format!("--csv: {}", path.display()))?;
+        builder = builder.sink(CsvSink::new(BufWriter::new(file)));
+    }
+    Ok(if args.json {
+        builder.sink(JsonSink::new(BufWriter::new(stdout())))
+    } else if stdout().is_terminal() {
+        builder.sink(TextSink::refreshed(stdout()))
+    } else {
+        builder.sink(TextSink::lines(BufWriter::new(stdout())))
+    })
+}
+
+/// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more.
+fn wait(live: &Live, seconds: Option<f64>, stop: &AtomicBool) {
+    let start = Instant::now();
+    let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
+    let nobody_listens = || {
+        let health = live.health();
+        !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some())
+    };
+    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !nobody_listens() {
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// The last line, and whether frames could be used at all.
+fn report(health: &Health) -> Result<()> {
+    let mut err = std::io::stderr().lock();
+    let total = &health.total;
+    writeln!(
+        err,
+        "{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
+         longest {:.0} µs",
+        health.n_frames,
+        health.n_lost,
+        health.n_dropped,
+        health.n_deadline_missed,
+        health.n_refused,
+        total.compute.p50_us,
+        total.compute.p99_us,
+        total.compute.max_us,
+    )?;
+    if let Some(refusal) = &health.last_refusal {
+        writeln!(err, "the estimator refused frames: {refusal}")?;
+    }
+    if let Some(fault) = health
+        .device_fault
+        .as_ref()
+        .filter(|_| health.n_unusable > 0)
+    {
+        bail!("{}: {fault}", health.source_name);
+    }
+    Ok(())
+}
+
+/// A bundle begins with the length of a header and `{`; a scene is text.
+fn is_bundle(path: &Path) -> Result<bool> {
+    use std::io::Read;
+    let shown = || path.display().to_string();
+    let mut begin = [0; 9];
+    let mut file = File::open(path).with_context(|| format!("{}: check the path", shown()))?;
+    let n = file.read(&mut begin).with_context(shown)?;
+    let has_its_name = path.extension().is_some_and(|e| e == "hapdef");
+    Ok(has_its_name || (n == begin.len() && begin[8] == b'{' && begin[7] == 0))
+}
+
+fn gauge(name: &str, scale: f64) -> LiveGauge {
+    LiveGauge {
+        name: name.to_owned(),
+        scale,
+    }
+}

@@ -1,0 +1,177 @@
+//! `hapdef record`: readings to a file that survives.
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use hapdef::{SOURCE_FORMS, SourceArg};
+use hapdef_daq::record::{RecordParams, RecordStats, Recorder, record};
+use hapdef_daq::source::{LinkState, SourceStats};
+use hapdef_daq::{AcquireParams, Acquisition, Message, Receiver, acquire};
+
+use super::signals::stop_flag;
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  \
+    hapdef record --source serial:/dev/serial/by-id/usb-Arduino_Due --seconds 60 -o press.mcap\n\n\
+    Ctrl-C and SIGTERM finish the file; until then it is called press.partial.mcap, and what was\n\
+    written can be read. Readings are kept raw; a calibration is kept beside them as it is.")]
+pub(crate) struct RecordArgs {
+    #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
+    source: SourceArg,
+    /// The recording.
+    #[arg(short, long)]
+    out: PathBuf,
+    /// Stop after so many seconds.
+    #[arg(long, value_parser = seconds)]
+    seconds: Option<Duration>,
+    /// Calibration in use, a JSON file: kept in the recording as it is.
+    #[arg(long)]
+    calibration: Option<PathBuf>,
+    /// Real-time priority of the reading thread, 1 to 99.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=99))]
+    realtime: Option<u8>,
+    /// Overwrite a recording of the same name.
+    #[arg(long)]
+    force: bool,
+    /// No line a second.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(args: &RecordArgs) -> Result<()> {
+    let out = &args.out;
+    if !args.force && out.exists() {
+        bail!(
+            "{}: is there already; choose another name or say --force",
+            out.display()
+        );
+    }
+    let read = |path: &PathBuf| {
+        std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
+    };
+    let params = RecordParams {
+        calibration: args.calibration.as_ref().map(read).transpose()?,
+        source: args.source.to_string(),
+        ..RecordParams::default()
+    };
+    let acquire_params = AcquireParams {
+        n_receivers: 2,
+        realtime_priority: args.realtime,
+        ..AcquireParams::default()
+    };
+    let stop = stop_flag()?;
+    let (acquisition, receivers) = acquire(args.source.open()?, acquire_params)?;
+    let [for_file, for_us]: [Receiver; 2] = receivers
+        .try_into()
+        .map_err(|_| anyhow::anyhow!("two receivers were asked for"))?;
+    let recorder = record(for_file, out, params)?;
+    let mut watch = Watch::new(acquisition, for_us, args.quiet);
+    while !stop.load(Ordering::Relaxed) && watch.goes_on(&recorder, args.seconds) {}
+    let stats = watch.acquisition.stop().source;
+    let info = recorder.finish()?;
+    if info.n_frames == 0 {
+        let link = watch.link.map_or(String::new(), |link| format!(": {link}"));
+        bail!("{}: not one reading came{link}", out.display());
+    }
+    println!(
+        "{}: {} frames, {} bytes; {} packets lost on the way, {} refused, {} frames dropped",
+        out.display(),
+        info.n_frames,
+        info.n_bytes,
+        stats.losses.n_lost,
+        n_refused(&stats),
+        info.n_dropped,
+    );
+    Ok(())
+}
+
+/// Looks at a recording while it goes on.
+struct Watch {
+    acquisition: Acquisition,
+    messages: Receiver,
+    link: Option<LinkState>,
+    start: Instant,
+    n_lines: u32,
+    is_quiet: bool,
+}
+
+impl Watch {
+    fn new(acquisition: Acquisition, messages: Receiver, is_quiet: bool) -> Self {
+        Self {
+            acquisition,
+            messages,
+            link: None,
+            start: Instant::now(),
+            n_lines: 0,
+            is_quiet,
+        }
+    }
+
+    /// Waits a little and says how it goes; false when it is over.
+    fn goes_on(&mut self, recorder: &Recorder, limit: Option<Duration>) -> bool {
+        while let Some(message) = self.messages.try_recv() {
+            if let Message::Link(state) = message {
+                eprintln!("link: {state}");
+                self.link = Some(state);
+            }
+        }
+        let elapsed = self.start.elapsed();
+        let stats = recorder.stats();
+        if elapsed >= Duration::from_secs(1) * (self.n_lines + 1) {
+            self.n_lines += 1;
+            let acquired = self.acquisition.stats();
+            if self.n_lines == 1
+                && let Some(fault) = &acquired.realtime_fault
+            {
+                eprintln!("{fault}");
+            }
+            if !self.is_quiet {
+                eprintln!("{}", health_line(self.n_lines, &acquired.source, &stats));
+            }
+        }
+        let is_over = stats.fault.is_some()
+            || limit.is_some_and(|limit| elapsed >= limit)
+            || self.acquisition.has_ended();
+        let pause = limit.map_or(Duration::MAX, |limit| limit.saturating_sub(elapsed));
+        std::thread::sleep(pause.min(Duration::from_millis(20)));
+        !is_over
+    }
+}
+
+/// How it goes, in a line.
+pub(super) fn health_line(seconds: u32, source: &SourceStats, recorded: &RecordStats) -> String {
+    format!(
+        "{seconds} s: {:.1} Hz, {} frames, {} lost, {} refused, {} dropped, {:.1} MB, flush {} ms \
+         at worst, clock {:+.1} ppm",
+        source.rate_hz,
+        recorded.n_frames,
+        source.losses.n_lost,
+        n_refused(source),
+        recorded.n_dropped,
+        recorded.n_bytes as f64 * 1e-6,
+        recorded.worst_flush.as_millis(),
+        source.drift_ppm,
+    )
+}
+
+/// Packets and lines that came damaged, twice, or in another form than announced.
+pub(super) fn n_refused(source: &SourceStats) -> u64 {
+    let rejected = source.rejected;
+    rejected.n_damaged
+        + rejected.n_version
+        + rejected.n_schema
+        + rejected.n_malformed
+        + rejected.n_repeats
+        + rejected.n_backwards
+        + source.lines.n_refused
+}
+
+/// A time on the command line, s.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
+    let duration = seconds.and_then(|s| Duration::try_from_secs_f64(s).ok());
+    duration.ok_or_else(|| "expected seconds, more than 0".to_owned())
+}

@@ -1,0 +1,290 @@
+//! `--source`: where gauge readings come from, in one word of the command line.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use hapdef_daq::record::Recording;
+use hapdef_daq::source::{
+    FrameSource, Link, Protocol, ReplaySource, SerialLink, SerialParams, StreamParams,
+    StreamSource, TcpLink,
+};
+
+use crate::error::HapdefError;
+
+/// Bits per second of a port where none are named.
+const BAUD: u32 = 115_200;
+/// Integers in a line of the authors' sketch.
+const N_SKETCH_CHANNELS: usize = 10;
+/// Channels a line can have at most.
+const MAX_CHANNELS: usize = hapdef_daq::hdp1::MAX_CHANNELS;
+
+/// What `--source` can be; the value is for `--help`.
+pub const SOURCE_FORMS: &str = "serial:DEV[@BAUD], tcp:HOST:PORT, replay:FILE[@SPEED|@max], \
+                                csv:DEV[@CHANNELS]";
+
+/// Where readings come from, as the command line says it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum SourceArg {
+    /// `serial:DEV[@BAUD]`: HDP1 on a serial port or a pseudo-terminal.
+    Serial {
+        /// Path of the port.
+        device: String,
+        /// Bits per second, 115200 where none are named; native USB ports take any.
+        baud: u32,
+    },
+    /// `tcp:HOST:PORT`: HDP1 over TCP.
+    Tcp {
+        /// Host and port.
+        address: String,
+    },
+    /// `replay:FILE[@SPEED]`: a recording, at its own pace or so many times as fast.
+    Replay {
+        /// The recording.
+        file: PathBuf,
+        /// Times the original pace; infinite (`@max`) is as fast as it goes.
+        speed: f64,
+    },
+    /// `csv:DEV[@CHANNELS]`: lines of integers, as the paper's authors' sketch prints them.
+    Csv {
+        /// Path of the port.
+        device: String,
+        /// Integers in a line, 10 where none are named.
+        n_channels: usize,
+    },
+}
+
+/// A `--source` that can't be understood.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SourceArgError {
+    /// It begins with none of the known words.
+    #[error("found {found:?}, expected one of {SOURCE_FORMS}")]
+    Form {
+        /// What was given.
+        found: String,
+    },
+    /// A number in it is out of range.
+    #[error("{found:?}: expected {expected}")]
+    Number {
+        /// What was given.
+        found: String,
+        /// What belongs there.
+        expected: &'static str,
+    },
+}
+
+impl SourceArg {
+    /// The source. Ports and connections are opened when it is first polled, and again whenever
+    /// they went away; only a recording is opened here.
+    ///
+    /// # Errors
+    /// A recording that can't be opened.
+    pub fn open(&self) -> Result<Box<dyn FrameSource>, HapdefError> {
+        Ok(match self {
+            Self::Serial { device, baud } => stream(serial(device, *baud), Protocol::Hdp1),
+            Self::Tcp { address } => stream(TcpLink::new(address), Protocol::Hdp1),
+            Self::Csv { device, n_channels } => {
+                let n_channels = *n_channels;
+                stream(serial(device, BAUD), Protocol::Csv { n_channels })
+            }
+            Self::Replay { file, speed } => {
+                let messages = Recording::open(file)?.messages();
+                let name = self.to_string();
+                Box::new(ReplaySource::new(&name, messages, *speed))
+            }
+        })
+    }
+
+    /// Whether it is something that can be plugged in, rather than a recording.
+    #[must_use]
+    pub fn is_live(&self) -> bool {
+        !matches!(self, Self::Replay { .. })
+    }
+}
+
+impl FromStr for SourceArg {
+    type Err = SourceArgError;
+
+    fn from_str(text: &str) -> Result<Self, SourceArgError> {
+        let form = || SourceArgError::Form {
+            found: text.to_owned(),
+        };
+        let (word, rest) = text.split_once(':').ok_or_else(form)?;
+        if rest.is_empty() {
+            return Err(form());
+        }
+        match word {
+            "serial" => {
+                let (device, baud) = with_number(text, rest, BAUD, 1..=u32::MAX)?;
+                Ok(Self::Serial { device, baud })
+            }
+            "csv" => {
+                let range = 1..=MAX_CHANNELS;
+                let (device, n_channels) = with_number(text, rest, N_SKETCH_CHANNELS, range)?;
+                Ok(Self::Csv { device, n_channels })
+            }
+            "tcp" => tcp(text, rest),
+            "replay" => replay(text, rest),
+            _ => Err(form()),
+        }
+    }
+}
+
+impl std::fmt::Display for SourceArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Serial { device, baud } => write!(f, "serial:{device}@{baud}"),
+            Self::Tcp { address } => write!(f, "tcp:{address}"),
+            Self::Replay { file, speed } if speed.is_finite() => {
+                write!(f, "replay:{}@{speed}", file.display())
+            }
+            Self::Replay { file, .. } => write!(f, "replay:{}@max", file.display()),
+            Self::Csv { device, n_channels } => write!(f, "csv:{device}@{n_channels}"),
+        }
+    }
+}
+
+fn serial(device: &str, baud: u32) -> SerialLink {
+    let low_latency = true;
+    SerialLink::new(device, SerialParams { baud, low_latency })
+}
+
+fn stream(link: impl Link + 'static, protocol: Protocol) -> Box<dyn FrameSource> {
+    let params = StreamParams {
+        protocol,
+        ..StreamParams::default()
+    };
+    Box::new(StreamSource::new(link, params))
+}
+
+/// Splits `@NUMBER` off; where there is none, the number is `default`.
+fn with_number<N: FromStr + PartialOrd>(
+    text: &str,
+    rest: &str,
+    default: N,
+    range: std::ops::RangeInclusive<N>,
+) -> Result<(String, N), SourceArgError> {
+    let Some((name, number)) = rest.rsplit_once('@') else {
+        return Ok((rest.to_owned(), default));
+    };
+    let number = number.parse().ok().filter(|n| range.contains(n));
+    match number {
+        Some(number) if !name.is_empty() => Ok((name.to_owned(), number)),
+        _ => Err(SourceArgError::Number {
+            found: text.to_owned(),
+            expected: "after the @ a whole number: bits per second of a serial port, or 1 to 64 \
+                       channels",
+        }),
+    }
+}
+
+fn tcp(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
+    let port = rest.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    let port = port.and_then(|(_, port)| port.parse::<u16>().ok());
+    match port {
+        Some(1..) => Ok(SourceArg::Tcp {
+            address: rest.to_owned(),
+        }),
+        _ => Err(SourceArgError::Number {
+            found: text.to_owned(),
+            expected: "tcp:HOST:PORT with a port from 1 to 65535",
+        }),
+    }
+}
+
+/// A file's name may have an @ in it: only a number, or `max`, behind the last one is a speed.
+fn replay(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
+    let whole = || SourceArg::Replay {
+        file: rest.into(),
+        speed: 1.0,
+    };
+    let Some((file, speed)) = rest.rsplit_once('@').filter(|(file, _)| !file.is_empty()) else {
+        return Ok(whole());
+    };
+    match parse_speed(speed) {
+        Ok(speed) => Ok(SourceArg::Replay {
+            file: file.into(),
+            speed,
+        }),
+        Err(_) if speed.parse::<f64>().is_err() => Ok(whole()),
+        Err(expected) => Err(SourceArgError::Number {
+            found: text.to_owned(),
+            expected,
+        }),
+    }
+}
+
+/// A speed of a replay: a number above 0, or `max`, which is infinite.
+///
+/// # Errors
+/// What was expected, in words.
+pub fn parse_speed(text: &str) -> Result<f64, &'static str> {
+    if text == "max" {
+        return Ok(f64::INFINITY);
+    }
+    let speed = text.parse().ok();
+    let good = speed.filter(|s: &f64| s.is_finite() && *s > 0.0);
+    good.ok_or("a speed above 0, or max")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, expected: &str) {
+        let source: SourceArg = text.parse().unwrap();
+        assert_eq!(source.to_string(), expected);
+        let again: SourceArg = expected.parse().unwrap();
+        assert_eq!(again, source);
+    }
+
+    #[test]
+    fn sources_are_read() {
+        check("serial:/dev/ttyACM0", "serial:/dev/ttyACM0@115200");
+        check(
+            "serial:/dev/serial/by-id/usb-A@B@921600",
+            "serial:/dev/serial/by-id/usb-A@B@921600",
+        );
+        check("csv:/dev/ttyUSB0", "csv:/dev/ttyUSB0@10");
+        check("csv:COM3@4", "csv:COM3@4");
+        check("tcp:robot.local:7000", "tcp:robot.local:7000");
+        check("tcp:[::1]:7000", "tcp:[::1]:7000");
+        check("replay:a.mcap", "replay:a.mcap@1");
+        check("replay:a@home/b.mcap", "replay:a@home/b.mcap@1");
+        check("replay:a.mcap@2.5", "replay:a.mcap@2.5");
+        check("replay:a.mcap@max", "replay:a.mcap@max");
+    }
+
+    #[test]
+    fn what_is_no_source_is_refused_with_the_forms() {
+        for text in ["", "serial:", "usb:/dev/x", "/dev/ttyACM0", ":x"] {
+            let error = text.parse::<SourceArg>().unwrap_err();
+            assert!(error.to_string().contains("tcp:HOST:PORT"), "{error}");
+        }
+        for text in [
+            "serial:/dev/x@fast",
+            "serial:@9600",
+            "serial:/dev/x@0",
+            "csv:/dev/x@65",
+            "csv:/dev/x@0",
+            "tcp:host",
+            "tcp:host:0",
+            "tcp::7000",
+            "tcp:host:65536",
+            "replay:a.mcap@0",
+            "replay:a.mcap@-1",
+            "replay:a.mcap@NaN",
+        ] {
+            let error = text.parse::<SourceArg>().unwrap_err();
+            assert!(matches!(error, SourceArgError::Number { .. }), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_recording_that_is_not_there_is_named() {
+        let source: SourceArg = "replay:/nowhere/a.mcap".parse().unwrap();
+        let error = source.open().err().unwrap();
+        assert!(error.to_string().contains("/nowhere/a.mcap"), "{error}");
+    }
+}

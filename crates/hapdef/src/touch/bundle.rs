@@ -1,0 +1,157 @@
+//! A scene's bundle: what a robot needs to find its contacts.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use hapdef_inverse::{ResponseMap, ResponseParams};
+use hapdef_live::touch::SuperpositionSettings;
+use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
+use nalgebra::Vector3;
+
+use super::response::touchable_skin;
+use super::{
+    Calibration, UncertainParams, UncertainResponse, chain_stages, estimator_settings, response_map,
+};
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+
+/// What a bundle has beside the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BundleRequest {
+    /// What may change the response: each gauge moved and turned, and that many stiffness modes of
+    /// the limb. For a calibration on the robot.
+    pub n_stiffness: Option<usize>,
+    /// The files of the paper's trained nets.
+    pub has_nets: bool,
+}
+
+/// Makes the bundle of a scene, whose file's text is `scene_json`: from its calibration where it
+/// names one, else by one adjoint solve for each gauge.
+///
+/// # Errors
+/// What the first step that fails returns.
+pub fn make_bundle(
+    run: &Run,
+    limb: &Limb,
+    scene_json: String,
+    request: &BundleRequest,
+) -> Result<Bundle, HapdefError> {
+    let source = Source::of(run, limb)?;
+    let outward: Vec<Vector3<f64>> = limb.directions.iter().map(|d| -d).collect();
+    let info = info(run, limb, source.settings);
+    let mut bundle = Bundle::new(info, Arc::new(source.map), Some(&outward))?;
+    bundle.scene_json = scene_json;
+    bundle.site_error = source.site_error;
+    bundle.calibration_json = source.calibration_json;
+    if let Some(n_stiffness) = request.n_stiffness {
+        bundle.modes = modes(run, limb, n_stiffness)?;
+    }
+    if request.has_nets {
+        bundle.nets = nets(run, limb)?;
+    }
+    Ok(bundle)
+}
+
+/// The map with its error and where both come from.
+struct Source {
+    map: ResponseMap,
+    settings: SuperpositionSettings,
+    site_error: Vec<f64>,
+    calibration_json: Option<String>,
+}
+
+impl Source {
+    fn of(run: &Run, limb: &Limb) -> Result<Self, HapdefError> {
+        let spec = run.scene.estimator.superposition();
+        let settings = estimator_settings(&run.scene, &spec);
+        let Some(path) = &spec.calibration else {
+            run.say("solving the gauges' response");
+            return Ok(Self {
+                map: response_map(limb, run.scene.contact.tip_radius_m, run.threads)?,
+                settings,
+                site_error: Vec::new(),
+                calibration_json: None,
+            });
+        };
+        let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
+        let adjoint = calibration.adjoint_ue_per_n.iter();
+        let adjoint: Vec<Vector3<f64>> = adjoint.map(|v| Vector3::from(*v)).collect();
+        let tip_in_map = ResponseParams { tip_radius_m: 0.0 };
+        let (skin, n_gauges) = (touchable_skin(limb)?, limb.gauges.len());
+        Ok(Self {
+            map: ResponseMap::from_nodal(skin, n_gauges, &adjoint, &tip_in_map)?,
+            settings: SuperpositionSettings {
+                map_error: 0.0,
+                n_sites: calibration.n_sites,
+                ..settings
+            },
+            calibration_json: Some(summary(&calibration)),
+            site_error: calibration.site_error,
+        })
+    }
+}
+
+fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
+    let gauge = |entry: &crate::scene::GaugeEntry| BundleGauge {
+        name: entry.name.clone(),
+        position_m: entry.position_m,
+        axis: entry.axis,
+        scale: 1.0,
+    };
+    BundleInfo {
+        scene: run.scene.name.clone(),
+        made_by: env!("CARGO_PKG_VERSION").to_owned(),
+        deck_hash: Some(limb.deck_hash.clone()),
+        gauges: run.scene.gauges.sites.iter().map(gauge).collect(),
+        settings,
+    }
+}
+
+/// What a calibration rests on, without its arrays.
+fn summary(calibration: &Calibration) -> String {
+    serde_json::json!({
+        "scene": calibration.scene,
+        "presses_hash": calibration.presses_hash,
+        "n_presses": calibration.n_presses,
+        "n_used": calibration.n_used,
+        "relative_error": calibration.relative_error,
+        "relative_error_before": calibration.relative_error_before,
+        "noise_ue": calibration.noise_ue,
+    })
+    .to_string()
+}
+
+fn modes(run: &Run, limb: &Limb, n_stiffness: usize) -> Result<Vec<BundleMode>, HapdefError> {
+    run.say("solving what may change the response");
+    let params = UncertainParams {
+        tip_radius_m: run.scene.contact.tip_radius_m,
+        refinements: run.scene.estimator.map_refinements(),
+        n_stiffness,
+        n_threads: run.threads,
+    };
+    let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+    let mode = |mode: hapdef_inverse::ModeMap<'_>| BundleMode {
+        map: mode.map.clone(),
+        scope: mode.scope,
+        prior_sd: mode.prior_sd,
+    };
+    Ok(response.modes().into_iter().map(mode).collect())
+}
+
+/// Every file of the trained nets, by the net's name and its own.
+fn nets(run: &Run, limb: &Limb) -> Result<BTreeMap<String, Vec<u8>>, HapdefError> {
+    let trained = chain_stages(run, limb)?.nets;
+    let mut files = BTreeMap::new();
+    for net in &trained.nets {
+        let dir: &Path = &net.stage.dir;
+        for entry in std::fs::read_dir(dir).map_err(HapdefError::file(dir))? {
+            let path = entry.map_err(HapdefError::file(dir))?.path();
+            let bytes = std::fs::read(&path).map_err(HapdefError::file(&path))?;
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            files.insert(format!("{}/{name}", net.kind.name()), bytes);
+        }
+    }
+    Ok(files)
+}

@@ -1,0 +1,189 @@
+//! The scene's virtual rig: the perturbed limb as a device that speaks HDP1, solved once and kept.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
+use hapdef_rig::ElectronicsParams;
+use hapdef_rig::live::{
+    BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface, Play,
+    PressScript, RandomScriptParams, RigDevice, RigDeviceParams, RigFault,
+};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::cache::Stage;
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::scene::{LiveSpec, Scene};
+use crate::stages::real_limb;
+
+const FILE: &str = "columns.safetensors";
+const TENSOR: &str = "columns";
+const VERSION: u32 = 1;
+
+/// Least force of a random press, N.
+const LEAST_N: f64 = 2.0;
+
+/// What a virtual rig is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VirtualRigParams {
+    /// What presses; nothing but what is pressed by hand if `None`.
+    pub script: Option<PressScript>,
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// What goes wrong; what concerns wire and plug is for whoever runs the device.
+    pub faults: Vec<RigFault>,
+}
+
+impl Default for VirtualRigParams {
+    /// Untouched, 1 kHz, faultless.
+    fn default() -> Self {
+        Self {
+            script: None,
+            rate_hz: 1000.0,
+            faults: Vec::new(),
+        }
+    }
+}
+
+/// The perturbed limb's answer to forces anywhere on the skin: one solve for each gauge, kept in the
+/// run's cache.
+///
+/// # Errors
+/// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
+pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
+    let stage = run.cache.stage("rig-live", &inputs(run, limb), |dir| {
+        run.check_stop("the virtual rig")?;
+        run.say("solving the simulated real limb on its refined, perturbed mesh");
+        let real = real_limb(run, limb, &limb.sites)?;
+        let points = limb.surface_points();
+        let rows = points.par_iter().map(|point| real.columns_ue_per_n(point));
+        let rows: Vec<Vec<Vector3<f64>>> = rows.collect::<Result<_, _>>()?;
+        let numbers: Vec<f32> = rows
+            .iter()
+            .flatten()
+            .flat_map(|column| column.iter().map(|v| *v as f32))
+            .collect();
+        let spec = TensorSpec::f32(TENSOR, limb.gauges.len() * 3, "µε/N");
+        let mut writer = DatasetWriter::create(&dir.join(FILE), points.len(), &[spec])?;
+        writer.append(TENSOR, &numbers)?;
+        writer.finish()?;
+        Ok(json!({ "simulated": true, "n_fe_nodes": real.info().n_fe_nodes }))
+    })?;
+    read(&stage, limb)
+}
+
+/// A script drawn for the scene: its forces, spacing and number of contacts.
+#[must_use]
+pub fn random_presses(scene: &Scene, limb: &LiveLimb, seed: u64) -> PressScript {
+    let contact = &scene.contact;
+    let [low, high] = contact.force_range_n;
+    let range = (low.max(LEAST_N.min(high)), high);
+    let params = RandomScriptParams::new(contact.max_contacts, contact.min_spacing_m, range, seed);
+    hapdef_rig::live::random_script(limb, &params)
+}
+
+/// The device: the scene's electronics behind `limb`.
+///
+/// # Errors
+/// [`HapdefError::Rig`] for a script off the limb, or values out of range.
+pub fn virtual_device(
+    scene: &Scene,
+    limb: Arc<LiveLimb>,
+    params: &VirtualRigParams,
+) -> Result<RigDevice, HapdefError> {
+    let live = scene.rig.live.clone().unwrap_or_default();
+    let mut electronics = electronics_params(scene, &live);
+    let mut drift_ppm = live.drift_ppm;
+    for fault in &params.faults {
+        fault.apply(&mut electronics);
+        if let RigFault::Drift { ppm } = fault {
+            drift_ppm = *ppm;
+        }
+    }
+    let largest = limb.largest_ue(scene.contact.force_range_n[1]);
+    let electronics = LiveElectronics::new(electronics, params.rate_hz, &largest)?;
+    let script = params.script.as_ref();
+    let play = script.map(|script| Play::new(script, &limb)).transpose()?;
+    let names = scene.gauges.sites.iter().map(|site| site.name.clone());
+    let device = RigDeviceParams {
+        rate_hz: params.rate_hz,
+        drift_ppm,
+        names: names.collect(),
+        has_temperature: live.temperature_channel,
+        ..RigDeviceParams::default()
+    };
+    Ok(RigDevice::new(limb, play, electronics, device)?)
+}
+
+fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {
+    let spec = &scene.rig.electronics;
+    let converter = ElectronicsParams {
+        noise_ue: spec.noise_ue,
+        adc_bits: spec.adc_bits,
+        headroom: spec.headroom,
+        seed: spec.seed,
+    };
+    LiveElectronicsParams {
+        bridge: live.bridge.map(|bridge| BridgeParams {
+            gauge_factor: bridge.gauge_factor,
+            excitation_v: bridge.excitation_v,
+            gain: bridge.gain,
+            range_v: bridge.range_v,
+        }),
+        offset_ue: live.offset_ue,
+        walk_ue_per_sqrt_s: live.walk_ue_per_sqrt_s,
+        temperature_ue_per_k: live.temperature_ue_per_k,
+        temperature_c: live.temperature_c.iter().map(|[s, c]| (*s, *c)).collect(),
+        creep: live
+            .creep
+            .iter()
+            .map(|term| CreepTerm {
+                share: term.share,
+                time_s: term.time_s,
+            })
+            .collect(),
+        ..LiveElectronicsParams::new(converter)
+    }
+}
+
+fn read(stage: &Stage, limb: &Limb) -> Result<LiveLimb, HapdefError> {
+    let n_gauges = limb.gauges.len();
+    let n_nodes = limb.n_surface_nodes();
+    let path: &Path = &stage.dir.join(FILE);
+    let mut numbers = vec![0.0_f32; n_nodes * n_gauges * 3];
+    DatasetReader::open(path)?.read_rows(TENSOR, 0..n_nodes, &mut numbers)?;
+    let place = |node| limb.skin.nodes.partition_point(|other| *other < node) as u32;
+    let surface = LiveSurface {
+        nodes: limb.surface_points(),
+        faces: limb.skin.faces.iter().map(|f| f.nodes.map(place)).collect(),
+        inward: limb.directions.clone(),
+    };
+    let columns = numbers.chunks_exact(3);
+    let columns = columns.map(|v| Vector3::new(v[0], v[1], v[2]).cast::<f64>());
+    Ok(LiveLimb::new(surface, n_gauges, columns.collect())?)
+}
+
+fn inputs(run: &Run, limb: &Limb) -> Value {
+    let scene = &run.scene;
+    json!({
+        "version": VERSION,
+        "deck": limb.deck_hash,
+        "geometry": scene.geometry,
+        "material": scene.material,
+        "mount": scene.mount,
+        "region": scene.contact.region,
+        "direction": scene.contact.direction,
+        "tip_radius_m": scene.contact.tip_radius_m,
+        "gauges": scene.gauges,
+        "mesh": scene.rig.mesh,
+        "stiffness": scene.rig.stiffness,
+        "thickness": scene.rig.thickness,
+        "max_wall_m": scene.rig.max_wall_m,
+        "misplacement": scene.rig.misplacement,
+        "gain": scene.rig.gain,
+    })
+}

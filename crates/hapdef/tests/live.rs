@@ -1,0 +1,143 @@
+//! `hapdef bundle` and `hapdef live` as a person uses them: a recording, played into contacts.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::Arc;
+use std::time::Duration;
+
+use hapdef_daq::hdp1::{Hello, SampleFormat};
+use hapdef_daq::record::{RecordParams, record};
+use hapdef_daq::source::ReplaySource;
+use hapdef_daq::{AcquireParams, Frame, Message, acquire};
+use hapdef_inverse::SkinPoint;
+use hapdef_live::Bundle;
+use serde_json::Value;
+
+/// µε per count.
+const SCALE: f32 = 1.0 / 64.0;
+
+fn hapdef(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hapdef"))
+        .args(words)
+        .output()
+        .unwrap()
+}
+
+fn placed() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json")
+}
+
+/// 300 frames of nothing, then 15 N that come in 40 ms and stay for 460; counts wobble by one.
+fn messages(bundle: &Bundle) -> Vec<Message> {
+    let point = SkinPoint::new(bundle.skin(), 700, [0.5, 0.3, 0.2]).unwrap();
+    let unit = bundle.map().normal(&point);
+    let mut hello = Hello::plain(unit.len(), SampleFormat::I32, 1000);
+    hello.channels.iter_mut().for_each(|c| c.scale = SCALE);
+    hello.seal();
+    let frame = |i: usize| {
+        let force_n = 15.0 * (i.saturating_sub(300) as f64 / 40.0).min(1.0);
+        let wobble =
+            |g: usize| 0.5 * ((12.9 * i as f64 + 78.2 * g as f64).sin() * 43_758.5).fract();
+        let counts = unit
+            .iter()
+            .enumerate()
+            .map(|(g, unit)| ((unit * force_n + wobble(g)) / f64::from(SCALE)).round() as i32);
+        let mut frame = Frame::new(i as u32, SampleFormat::I32, counts);
+        frame.t_device_us = 1000 * i as u64;
+        frame.t_host_ns = 1_000_000 * i as u64;
+        Message::Frame(frame)
+    };
+    let hello = Message::Hello(Arc::new(hello));
+    std::iter::once(hello).chain((0..800).map(frame)).collect()
+}
+
+fn record_to(path: &Path, messages: Vec<Message>) {
+    let source = ReplaySource::new("test", messages.into_iter(), 0.0);
+    let (acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
+    let params = RecordParams {
+        min_free_bytes: 1 << 20,
+        ..RecordParams::default()
+    };
+    let recorder = record(receivers.remove(0), path, params).unwrap();
+    while !acquisition.has_ended() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(recorder.finish().unwrap().n_frames, 800);
+}
+
+#[test]
+fn a_recording_is_played_into_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, recording, table) = (path("shin.hapdef"), path("press.mcap"), path("press.csv"));
+    let made = hapdef(&["bundle", placed().to_str().unwrap(), "-o", &file, "--json"]);
+    assert!(made.status.success(), "{made:?}");
+    let bundle = Bundle::read(file.as_ref()).unwrap();
+    record_to(recording.as_ref(), messages(&bundle));
+    let source = format!("replay:{recording}@max");
+    let play = || {
+        let words = [
+            "live", &file, "--source", &source, "--tare-s", "0.2", "--json",
+        ];
+        let played = hapdef(&[&words[..], &["--csv", &table]].concat());
+        assert!(played.status.success(), "{played:?}");
+        let text = String::from_utf8(played.stdout).unwrap();
+        let lines = text
+            .lines()
+            .map(|line| serde_json::from_str::<Value>(line).unwrap());
+        lines
+            .filter(|line| line.get("seq").is_some())
+            .collect::<Vec<_>>()
+    };
+    let frames = play();
+    assert_eq!(frames.len(), 800);
+    assert_eq!(frames, play());
+    let contacts = frames[799]["contacts"].as_array().unwrap();
+    assert_eq!(contacts.len(), 1, "{}", frames[799]);
+    let point = SkinPoint::new(bundle.skin(), 700, [0.5, 0.3, 0.2]).unwrap();
+    let truth = bundle.skin().position(&point);
+    let miss_mm = (0..3)
+        .map(|i| contacts[0]["position_m"][i].as_f64().unwrap() - truth[i])
+        .map(|d| d * d)
+        .sum::<f64>()
+        .sqrt()
+        * 1e3;
+    assert!(miss_mm < 2.0, "{miss_mm} mm");
+    assert!((contacts[0]["force_n"].as_f64().unwrap() - 15.0).abs() < 1.0);
+    assert_eq!(
+        std::fs::read_to_string(&table).unwrap().lines().count(),
+        801
+    );
+}
+
+#[track_caller]
+fn refused(words: &[&str], expected: &[&str]) {
+    let output = hapdef(words);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    for word in expected {
+        assert!(text.contains(word), "{word:?} is not in: {text}");
+    }
+}
+
+#[test]
+fn what_has_to_be_corrected_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let damaged = folder.path().join("shin.hapdef");
+    std::fs::write(&damaged, [7; 100]).unwrap();
+    let damaged = damaged.to_str().unwrap();
+    let port = ["--source", "/dev/null"];
+    refused(
+        &["live", damaged, port[0], port[1]],
+        &["not a whole bundle", "hapdef bundle"],
+    );
+    refused(
+        &["live", "none.hapdef", port[0], port[1]],
+        &["none.hapdef", "check the path"],
+    );
+    refused(
+        &["live", damaged, "--source", "usb:1"],
+        &["tcp:HOST:PORT", "usb:1"],
+    );
+}

@@ -1,0 +1,27 @@
+//! How long it takes from a frame to its contacts.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::pipeline::finish;
+use crate::tool::{cargo, release_binary, root, run as run_tool, target_dir};
+
+/// `cargo xtask bench live`: bundles the scene, then a device on a pseudo-terminal plays presses.
+pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<()> {
+    let folder = target_dir()?.join("hapdef");
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let bundle = folder.join("bench.hapdef");
+    let bundled = root().join("fixtures/shin/placed.json");
+    let mut command = Command::new(release_binary("hapdef")?);
+    command.arg("bundle").arg(scene.unwrap_or(&bundled));
+    run_tool(command.arg("-o").arg(&bundle))?;
+    let words = ["build", "--quiet", "--release", "--package", "hapdef-live"];
+    run_tool(cargo(&words).args(["--example", "latency"]))?;
+    let mut command = Command::new(target_dir()?.join("release/examples/latency"));
+    command.arg(&bundle).args(["--seed", &seed.to_string()]);
+    command.arg("--metrics").arg(folder.join("metrics.json"));
+    finish(command.args(rest))
+}
