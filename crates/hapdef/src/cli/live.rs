@@ -18,6 +18,7 @@ use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
 use super::live_ros::{Attached, LiveRecording, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
+use super::view::{Sim, View, ViewArgs};
 
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
@@ -27,7 +28,8 @@ const LOOK: Duration = Duration::from_millis(20);
     hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
-    hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n\n\
+    hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
+    hapdef live fixtures/shin/placed.json --sim --view\n\n\
     Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
     terminal, one line that is refreshed (a line a frame where it is no terminal); each second a \
     line says how it is doing. Ctrl-C ends it cleanly. Exit code 0 when it ran, 2 when something \
@@ -47,6 +49,8 @@ pub(crate) struct LiveArgs {
     /// Seed of those presses.
     #[arg(long, default_value_t = 1, requires = "sim")]
     sim_seed: u64,
+    #[command(flatten)]
+    view: ViewArgs,
     /// What finds contacts; the scene's way if not given.
     #[arg(long)]
     estimator: Option<EstimatorName>,
@@ -93,19 +97,28 @@ struct Model {
     gauges: Vec<LiveGauge>,
     noise_ue: f64,
     stop: Arc<AtomicBool>,
+    view: Option<View>,
+    sim: Option<Sim>,
 }
 
 pub(crate) fn run(args: &LiveArgs) -> Result<()> {
+    let start = Instant::now();
     let path = &args.scene.scene;
-    let model = if is_bundle(path)? {
+    let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {
         Model::of_scene(args)?
     };
     let stop = Arc::clone(&model.stop);
-    let (builder, recording) = model.builder(args)?;
+    let (view, sim) = (model.view.take(), model.sim.take());
+    let (mut builder, recording) = model.builder(args)?;
+    if let Some(view) = &view {
+        builder = builder.sink(view.sink(args.is_recorded()));
+    }
     let live = builder.start()?;
+    let desk = view.map(|view| view.attend(live.control(), sim, (start, args.json)));
     wait(&live, args.seconds, &stop);
+    drop(desk);
     let health = live.stop()?;
     recording.map_or(Ok(()), LiveRecording::finish)?;
     report(&health)
@@ -130,6 +143,8 @@ impl Model {
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
             stop: stop_flag()?,
+            view: args.view.of_bundle(bundle)?,
+            sim: None,
         })
     }
 
@@ -142,18 +157,26 @@ impl Model {
             Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
             Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
         };
-        let sites = run.scene.gauges.sites.iter();
-        let source = match &args.source {
-            Some(source) => source.open_for(limb.gauges.len())?,
-            None => simulated(&run, &limb, args.sim_seed)?,
+        let view = args.view.of_scene(&run, &limb, args.sim)?;
+        let (source, sim): (Box<dyn FrameSource>, _) = match (&args.source, &view) {
+            (Some(source), _) => (source.open_for(limb.gauges.len())?, None),
+            (None, Some(_)) => Sim::start(&run, &limb, args.sim_seed)?,
+            (None, None) => (simulated(&run, &limb, args.sim_seed)?, None),
         };
-        Ok(Self {
+        let sites = run.scene.gauges.sites.iter();
+        let model = Self {
             source,
             estimator: live_estimator(&run, &limb, choice)?,
             gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
             noise_ue: run.scene.estimator.superposition().noise_ue,
             stop: Arc::clone(&run.stop),
-        })
+            view,
+            sim,
+        };
+        if let Some(view) = &model.view {
+            view.solve_deformation(run, limb);
+        }
+        Ok(model)
     }
 
     /// The runtime, and the recording that is to be finished after it.
@@ -168,7 +191,7 @@ impl Model {
             tare_s: args.tare_s,
             noise_ue: Some(self.noise_ue),
             deadline: Duration::from_micros(args.deadline_us),
-            is_recorded: args.source.as_ref().is_some_and(SourceArg::is_recorded),
+            is_recorded: args.is_recorded(),
             is_lossless: args.is_unpaced(),
             realtime_priority: args.realtime,
             ..LiveParams::default()
@@ -197,6 +220,10 @@ impl LiveArgs {
         } else {
             SearchPlace::Background
         }
+    }
+
+    fn is_recorded(&self) -> bool {
+        self.source.as_ref().is_some_and(SourceArg::is_recorded)
     }
 
     fn is_unpaced(&self) -> bool {
