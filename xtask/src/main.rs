@@ -32,14 +32,15 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::pipeline::PipelineArgs;
+use crate::pipeline::{DemoArgs, PipelineArgs};
 
 /// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
     after_help = "Example:\n  cargo xtask demo --quick\n  \
-    cargo xtask demo --scene fixtures/shin/scene.json\n  cargo xtask ci"
+    cargo xtask demo --scene fixtures/shin/scene.json\n  \
+    cargo xtask demo --live\n  cargo xtask ci"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -48,8 +49,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Everything from the limb to the report with the paper's tables.
-    Demo(PipelineArgs),
+    /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
+    Demo(DemoArgs),
     /// The paper's tables and figures in full, with verdicts on its claims.
     Repro(repro::ReproArgs),
     /// The limb's compliance and the datasets only.

@@ -5,12 +5,15 @@ use serde::{Deserialize, Serialize};
 use crate::error::DataError;
 
 /// Mean and standard deviation of every column: `standardised = (raw − mean) / std`.
+///
+/// A column that was constant has the deviation 0. Nothing is known of what its changes mean: it
+/// is 0 standardised, whatever it shows later, and its mean when brought back to raw units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Standardiser {
     /// Mean of every column, in the column's unit.
     pub mean: Vec<f32>,
-    /// Population standard deviation of every column, in the column's unit; 1 for constant ones.
+    /// Population standard deviation of every column, in the column's unit; 0 for constant ones.
     pub std: Vec<f32>,
 }
 
@@ -29,7 +32,7 @@ pub struct StandardiserFit {
 pub struct StandardiserInfo {
     /// Rows seen.
     pub n_rows: u64,
-    /// Columns whose spread is below the resolution of an f32; their deviation is set to 1.
+    /// Columns whose spread is below the resolution of an f32; their deviation is set to 0.
     pub constant_columns: Vec<usize>,
 }
 
@@ -83,7 +86,7 @@ impl StandardiserFit {
             let deviation = (m2 / self.n_rows as f64).sqrt();
             let resolution = f64::from(f32::EPSILON) * mean.abs();
             let varies = deviation > resolution && (deviation as f32).is_normal();
-            std.push(if varies { deviation as f32 } else { 1.0 });
+            std.push(if varies { deviation as f32 } else { 0.0 });
             if !varies {
                 constant_columns.push(column);
             }
@@ -103,14 +106,19 @@ impl Standardiser {
         self.mean.len()
     }
 
-    /// Standardises rows in place: `rows` is `[m, width]` in raw units, row-major. Fails on a
-    /// slice that is not whole rows.
+    /// Standardises rows in place: `rows` is `[m, width]` in raw units, row-major; constant
+    /// columns become 0. Fails on a slice that is not whole rows.
     pub fn apply(&self, rows: &mut [f32]) -> Result<(), DataError> {
-        self.each_value(rows, |x, mean, std| (x - mean) / std)
+        self.each_value(
+            rows,
+            |x, mean, std| {
+                if std > 0.0 { (x - mean) / std } else { 0.0 }
+            },
+        )
     }
 
-    /// Brings standardised rows back to raw units, in place. Fails on a slice that is not whole
-    /// rows.
+    /// Brings standardised rows back to raw units, in place; constant columns become their means.
+    /// Fails on a slice that is not whole rows.
     pub fn invert(&self, rows: &mut [f32]) -> Result<(), DataError> {
         self.each_value(rows, |x, mean, std| x * std + mean)
     }

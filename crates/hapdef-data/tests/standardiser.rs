@@ -58,12 +58,18 @@ proptest! {
 }
 
 #[test]
-fn constant_columns_are_reported_and_get_deviation_one() {
+fn constant_columns_are_reported_and_have_no_say() {
     let (standardiser, info) = fit(3, &[0.0, 7.3, 1.0, 0.0, 7.3, 2.0, 0.0, 7.3, 3.0]);
     assert_eq!(info.constant_columns, [0, 1]);
     assert_eq!(info.n_rows, 3);
-    assert_eq!(standardiser.std[..2], [1.0, 1.0]);
+    assert_eq!(standardiser.std[..2], [0.0, 0.0]);
     assert_eq!(standardiser.mean, [0.0, 7.3, 2.0]);
+    let mut moved = [5.0, -7.3, 2.0];
+    standardiser.apply(&mut moved).unwrap();
+    assert_eq!(moved, [0.0; 3]);
+    let mut back = [0.4, -3.0, 0.0];
+    standardiser.invert(&mut back).unwrap();
+    assert_eq!(back, [0.0, 7.3, 2.0]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use hapdef_nets::train::{MemorySource, train};
+use hapdef_nets::train::{MemorySource, Progress, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch, TrainParams};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -30,14 +30,17 @@ fn measure(name: &str, spec: &MlpSpec, steps: u64) -> Result<(), Box<dyn Error>>
         Scale::identity(spec.inputs),
         Scale::identity(spec.outputs),
     )?;
+    // One more than are taken: a training that is stopped need not have learned anything.
     let params = TrainParams {
-        steps,
+        steps: steps + 1,
         ..TrainParams::paper(1)
     };
     let mut samples = samples(spec, 1000)?;
-    let info = train(&mut net, &mut samples, None, &params, None, &mut |_| {
-        ControlFlow::Continue(())
-    })?;
+    let mut stop = |progress: &Progress| match progress.step < steps {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    };
+    let info = train(&mut net, &mut samples, None, &params, None, &mut stop)?;
     println!("METRIC:train_{name}:{:.0}:samples/s", info.samples_per_s);
     println!("METRIC:forward_{name}:{:.1}:us", forward_us(&net)?);
     Ok(())

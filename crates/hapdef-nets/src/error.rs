@@ -37,8 +37,21 @@ pub enum NetsError {
         /// The value.
         value: f32,
     },
-    /// A standard deviation that is not positive.
-    #[error("scale: the deviation of column {column} is {std}, it must be positive and finite")]
+    /// An input of a net that is NaN or infinite.
+    #[error("input of a net: row {row}, column {column} is {value}; find out which step made it")]
+    InputNotFinite {
+        /// Sample of the batch, from 0.
+        row: usize,
+        /// Column of the input.
+        column: usize,
+        /// The value.
+        value: f32,
+    },
+    /// A standard deviation that is negative or no number.
+    #[error(
+        "scale: the deviation of column {column} is {std}, it must be finite and positive, or 0 \
+         for a column that never varied"
+    )]
     Deviation {
         /// The column.
         column: usize,
@@ -120,6 +133,23 @@ pub enum NetsError {
         learning_rate: f64,
         /// The loss.
         loss: f64,
+    },
+    /// A net that is no better after its training than the means of its own training samples.
+    #[error(
+        "the training learned nothing: after {steps} steps from learning rate {learning_rate} the \
+         √MSE of the standardised outputs is {after:.3} on training samples, and {of_means:.3} \
+         where each output stays at its mean; if the loss grew, use a smaller learning rate, else \
+         more steps or less L2, and see that the inputs vary"
+    )]
+    NothingLearned {
+        /// Steps of the training.
+        steps: u64,
+        /// Learning rate at the start.
+        learning_rate: f64,
+        /// √MSE on training samples after it, standardised outputs that vary.
+        after: f64,
+        /// The same of the means.
+        of_means: f64,
     },
     /// A resumed training must have the knobs it began with, or it is another training.
     #[error(
@@ -296,6 +326,18 @@ pub(crate) fn check_length(
         expected,
         got,
     })
+}
+
+/// Fails on the first value of rows of `width` that is NaN or infinite.
+pub(crate) fn check_inputs(width: usize, x: &[f32]) -> Result<(), NetsError> {
+    match x.iter().position(|v| !v.is_finite()) {
+        Some(at) => Err(NetsError::InputNotFinite {
+            row: at / width,
+            column: at % width,
+            value: x[at],
+        }),
+        None => Ok(()),
+    }
 }
 
 /// Fails on the first value that is NaN or infinite.

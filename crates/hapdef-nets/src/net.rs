@@ -2,11 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{NetsError, check_finite, check_length};
+use crate::error::{NetsError, check_finite, check_inputs, check_length};
 use crate::forward::Scratch;
 use crate::mlp::Mlp;
 
 /// Mean and standard deviation of every column: `standardised = (raw − mean) / std`.
+///
+/// A deviation of 0 marks a column that never varied in training. No weight has learned what its
+/// changes mean: as an input it is 0 standardised, whatever it shows, and as an output it is its
+/// mean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scale {
@@ -25,8 +29,8 @@ pub struct Net {
 impl Scale {
     /// A scale of given means and deviations, in the columns' units.
     ///
-    /// Fails if the lengths differ, on a mean that is not finite, and on a deviation that is not
-    /// positive and finite.
+    /// Fails if the lengths differ, on a mean that is not finite, and on a deviation that is
+    /// negative or not finite.
     pub fn new(mean: Vec<f32>, std: Vec<f32>) -> Result<Self, NetsError> {
         let scale = Self { mean, std };
         scale.check()?;
@@ -56,10 +60,18 @@ impl Scale {
         &self.std
     }
 
+    /// Columns that never varied in training: inputs without a say, outputs that stay.
+    pub fn constant_columns(&self) -> impl Iterator<Item = usize> + '_ {
+        let columns = self.std.iter().enumerate();
+        columns
+            .filter(|(_, std)| **std <= 0.0)
+            .map(|(column, _)| column)
+    }
+
     pub(crate) fn check(&self) -> Result<(), NetsError> {
         check_length("deviations of a scale", self.mean.len(), self.std.len())?;
         check_finite("means of a scale", &self.mean)?;
-        let is_bad = |s: &f32| !(*s > 0.0 && s.is_finite());
+        let is_bad = |s: &f32| !(*s >= 0.0 && s.is_finite());
         match self.std.iter().position(is_bad) {
             Some(column) => Err(NetsError::Deviation {
                 column,
@@ -73,7 +85,7 @@ impl Scale {
     pub(crate) fn apply(&self, rows: &mut [f32]) {
         for row in rows.chunks_exact_mut(self.width()) {
             for ((x, mean), std) in row.iter_mut().zip(&self.mean).zip(&self.std) {
-                *x = (*x - mean) / std;
+                *x = if *std > 0.0 { (*x - mean) / std } else { 0.0 };
             }
         }
     }
@@ -113,8 +125,8 @@ impl Net {
 
     /// One sample in raw units: `x` is `[inputs]`, `out` is `[outputs]`.
     ///
-    /// Fails on slices of another length and on an input that is NaN or infinite, which a ReLU
-    /// would hide. An input within bounds may still overflow f32 inside, which gives an output
+    /// Fails on slices of another length and, with its row and column, on an input that is NaN or
+    /// infinite, which a ReLU would hide. An input within bounds may still overflow f32 inside, which gives an output
     /// that is not finite.
     pub fn forward(
         &self,
@@ -134,7 +146,7 @@ impl Net {
         scratch: &mut Scratch,
         out: &mut [f32],
     ) -> Result<(), NetsError> {
-        check_finite("input of a net", x)?;
+        check_inputs(self.mlp.spec().inputs, x)?;
         let mut scaled = std::mem::take(&mut scratch.scaled);
         scaled.clear();
         scaled.extend_from_slice(x);

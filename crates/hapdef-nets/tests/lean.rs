@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use hapdef_nets::infer::{InferParams, Precision, PreparedNet};
 use hapdef_nets::{
     Activation, Layer, Mlp, MlpSpec, Moments, Net, NetsError, Resumable, Scale, Scratch,
     TrainParams, TrainRecord, load, load_for_resume, save,
@@ -153,10 +154,21 @@ fn what_a_relu_would_hide_is_refused() {
             .forward(&[0.0, bad, 0.0], &mut scratch, &mut out)
             .unwrap_err();
         assert!(
-            matches!(error, NetsError::NotFinite { index: 1, .. }),
+            matches!(
+                error,
+                NetsError::InputNotFinite {
+                    row: 0,
+                    column: 1,
+                    ..
+                }
+            ),
             "{error}"
         );
     }
+    let rows = [0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN];
+    let error = net.forward_batch(&rows, &mut scratch, &mut [0.0; 4]);
+    let words = error.unwrap_err().to_string();
+    assert!(words.contains("row 1, column 2 is NaN"), "{words}");
     let error = net.forward(&[0.0; 2], &mut scratch, &mut out).unwrap_err();
     assert!(
         matches!(
@@ -186,11 +198,42 @@ fn what_a_relu_would_hide_is_refused() {
 }
 
 #[test]
-fn scales_that_would_divide_by_zero_are_refused() {
-    let bad = Scale::new(vec![0.0; 2], vec![1.0, 0.0]);
+fn deviations_that_are_negative_or_no_number_are_refused() {
+    let bad = Scale::new(vec![0.0; 2], vec![1.0, -0.5]);
     assert!(matches!(bad, Err(NetsError::Deviation { column: 1, .. })));
     assert!(Scale::new(vec![0.0; 2], vec![1.0]).is_err());
     assert!(Scale::new(vec![f32::NAN], vec![1.0]).is_err());
+}
+
+#[test]
+fn columns_that_never_varied_have_no_say() {
+    let net = net();
+    let input = Scale::new(vec![1.0, 2.0, 3.0], vec![0.5, 0.0, 4.0]).unwrap();
+    let output = Scale::new(vec![-1.0, 0.1], vec![10.0, 0.0]).unwrap();
+    let net = Net::new(net.mlp().clone(), input, output).unwrap();
+    assert!(net.input_scale().constant_columns().eq([1]));
+    let run = |x: [f32; 3]| {
+        let mut out = [0.0; 2];
+        net.forward(&x, &mut Scratch::default(), &mut out).unwrap();
+        out
+    };
+    let still = run([1.5, 2.0, -1.0]);
+    assert_eq!(still[1], 0.1, "an output that never varied stays");
+    for moved in [2.5, -1e30, f32::MAX] {
+        assert_eq!(run([1.5, moved, -1.0]), still);
+    }
+    assert_ne!(run([1.6, 2.0, -1.0]), still);
+    for precision in Precision::ALL {
+        let prepared = PreparedNet::new(&net, &InferParams::of(precision)).unwrap();
+        let run = |x: [f32; 3]| {
+            let mut out = [0.0; 2];
+            let mut scratch = prepared.scratch();
+            prepared.forward(&x, &mut scratch, &mut out).unwrap();
+            out
+        };
+        assert_eq!(run([1.5, 1e30, -1.0]), run([1.5, 2.0, -1.0]));
+        assert_eq!(run([1.5, 1e30, -1.0])[1], 0.1);
+    }
 }
 
 fn folder_and_path() -> (tempfile::TempDir, PathBuf) {
@@ -314,7 +357,7 @@ fn a_checkpoint_of_another_architecture_version_or_folder_is_told() {
     check_edited("transfer-7", "../transfer-7", |e| {
         matches!(e, NetsError::FileName { .. })
     });
-    check_edited("0.25", "0.0", |e| {
+    check_edited("0.25", "-0.25", |e| {
         matches!(e, NetsError::Deviation { column: 1, .. })
     });
 }

@@ -199,6 +199,48 @@ fn failures_say_where_and_leave_the_net_alone() {
     );
 }
 
+#[test]
+fn a_training_that_learns_nothing_is_refused() {
+    let refused_at = |learning_rate: f64, steps: u64| {
+        let params = TrainParams {
+            steps,
+            learning_rate,
+            final_learning_rate: None,
+            ..PARAMS
+        };
+        let mut net = net(&[16, 16], Activation::Relu);
+        match refused(&mut net, &mut samples(500, 0.0), &params) {
+            NetsError::NothingLearned {
+                after, of_means, ..
+            } => (after, of_means),
+            other => panic!("{other}"),
+        }
+    };
+    // too fast, and so slow that it hardly moves
+    for rate in [30.0, 1e6, 1e-9] {
+        let (after, of_means) = refused_at(rate, 300);
+        assert!(
+            after >= 0.999 * of_means && of_means > 0.1,
+            "{after} {of_means}"
+        );
+    }
+    // outputs that never vary leave nothing to learn
+    let scale = |n: usize, std: f32| Scale::new(vec![10.0; n], vec![std; n]).unwrap();
+    let mlp = net(&[16], Activation::Relu).mlp().clone();
+    let mut constant = Net::new(mlp, scale(3, 2.0), scale(2, 0.0)).unwrap();
+    let params = TrainParams {
+        steps: 150,
+        ..PARAMS
+    };
+    run(&mut constant, &params);
+    let mut out = [0.0; 2];
+    let x = [1.0, 2.0, 3.0];
+    constant
+        .forward(&x, &mut Scratch::default(), &mut out)
+        .unwrap();
+    assert_eq!(out, [10.0; 2]);
+}
+
 /// The next test runs this one with a set number of threads and compares the hash it prints.
 #[test]
 fn trained_weights_are_finite_and_moved() {

@@ -4,7 +4,8 @@
 
 Reads FOLDER/nets.json and FOLDER/weights.f32, prepares every row that the installed packages
 allow, prints one JSON line about them, then answers each line "round" on its input with one JSON
-line of times in microseconds. One thread, one core, batch one.
+line of times in microseconds, and "frames ROW" with "done" after it has sent each frame of
+FOLDER/frames.f32 through the row, to FOLDER/outputs.f32. One thread, one core, batch one.
 """
 
 import json
@@ -68,28 +69,32 @@ def onnx_file(folder, layers):
     return path
 
 
-def onnx_runtime(path, x):
+def onnx_runtime(path):
     import onnxruntime as ort
 
     options = ort.SessionOptions()
     options.intra_op_num_threads = 1
     options.inter_op_num_threads = 1
     session = ort.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-    return lambda: session.run(None, {"x": x})[0]
+    return as_it_is, lambda x: session.run(None, {"x": x})[0]
 
 
-def onnx_f32(folder, layers, x):
-    return onnx_runtime(onnx_file(folder, layers), x)
+def as_it_is(x):
+    return x
 
 
-def onnx_int8(folder, layers, x):
+def onnx_f32(folder, layers):
+    return onnx_runtime(onnx_file(folder, layers))
+
+
+def onnx_int8(folder, layers):
     from onnxruntime.quantization import QuantType, quantize_dynamic
 
     path = folder / "nets-int8.onnx"
     quantize_dynamic(
         onnx_file(folder, layers), path, per_channel=True, weight_type=QuantType.QInt8
     )
-    return onnx_runtime(path, x)
+    return onnx_runtime(path)
 
 
 def torch_modules(layers):
@@ -107,35 +112,36 @@ def torch_modules(layers):
     return torch.nn.Sequential(*modules).eval()
 
 
-def torch_call(net, x):
+def torch_call(net):
     import torch
 
-    def call():
+    def call(x):
         with torch.inference_mode():
             return net(x)
 
     return call
 
 
-def torch_f32(folder, layers, x):
+def torch_f32(folder, layers):
     import torch
 
-    return torch_call(torch_modules(layers), torch.from_numpy(x))
+    return torch.from_numpy, torch_call(torch_modules(layers))
 
 
-def torch_bf16(folder, layers, x):
+def torch_bf16(folder, layers):
     import torch
 
-    return torch_call(torch_modules(layers).bfloat16(), torch.from_numpy(x).bfloat16())
+    prepare = lambda x: torch.from_numpy(x).bfloat16()
+    return prepare, torch_call(torch_modules(layers).bfloat16())
 
 
-def torch_int8(folder, layers, x):
+def torch_int8(folder, layers):
     import torch
 
     net = torch.ao.quantization.quantize_dynamic(
         torch_modules(layers), {torch.nn.Linear}, dtype=torch.qint8
     )
-    return torch_call(net, torch.from_numpy(x))
+    return torch.from_numpy, torch_call(net)
 
 
 ROWS = {
@@ -147,51 +153,71 @@ ROWS = {
 }
 
 
-def error_of(call, expected):
+def as_numpy(out):
+    return out.float().numpy() if hasattr(out, "float") else out
+
+
+def error_of(out, expected):
     import numpy as np
 
-    out = call()
-    out = out.float().numpy() if hasattr(out, "float") else out
     return float(np.abs(out[0] - expected).max() / np.abs(expected).max())
 
 
 def prepare(folder):
     layers, x, expected = read(folder)
-    calls, rows, missing = {}, {}, {}
+    ways, rows, missing = {}, {}, {}
     for name, (package, make) in ROWS.items():
         try:
             module = __import__(package)
             if package == "torch":
                 module.set_num_threads(1)
-            calls[name] = make(folder, layers, x)
+            to_own, call = make(folder, layers)
+            out = as_numpy(call(to_own(x)))
+            ways[name] = (to_own, call, to_own(x))
             program = f"{package} {module.__version__}"
-            rows[name] = {"program": program, "relative_error": error_of(calls[name], expected)}
+            rows[name] = {"program": program, "relative_error": error_of(out, expected)}
         except Exception as error:  # a package that is not there, or that cannot do this
-            calls.pop(name, None)
+            ways.pop(name, None)
             missing[name] = f"{type(error).__name__}: {error}".splitlines()[0]
-    return calls, {"rows": rows, "missing": missing}
+    return ways, {"rows": rows, "missing": missing}
 
 
-def timed(call):
+def timed(call, x):
     for _ in range(WARM_UP):
-        call()
+        call(x)
     micros = []
     for _ in range(TIMED):
         start = time.perf_counter_ns()
-        call()
+        call(x)
         micros.append((time.perf_counter_ns() - start) / 1000)
     return micros
 
 
+def frames(folder, to_own, call, x):
+    import numpy as np
+
+    all_frames = np.fromfile(folder / "frames.f32", dtype="<f4").reshape(-1, *x.shape)
+    outputs = [as_numpy(call(to_own(frame)))[0] for frame in all_frames]
+    np.concatenate(outputs).astype("<f4").tofile(folder / "outputs.f32")
+
+
 def main():
+    folder = Path(sys.argv[1])
     out = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # what libraries print must not mix with the answers
-    calls, about = prepare(Path(sys.argv[1]))
+    ways, about = prepare(folder)
     print(json.dumps(about), file=out)
     for line in sys.stdin:
-        if line.strip() != "round":
+        word, _, name = line.strip().partition(" ")
+        if word == "round":
+            times = {name: timed(call, x) for name, (_, call, x) in ways.items()}
+            print(json.dumps(times), file=out)
+        elif word == "frames" and name in ways:
+            to_own, call, x = ways[name]
+            frames(folder, to_own, call, x)
+            print("done", file=out)
+        else:
             break
-        print(json.dumps({name: timed(call) for name, call in calls.items()}), file=out)
 
 
 if __name__ == "__main__":

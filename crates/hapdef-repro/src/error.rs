@@ -135,22 +135,6 @@ pub enum ReproError {
         /// Frames so far.
         frames: usize,
     },
-    /// A net is worse after its training than predicting means.
-    #[error(
-        "the training learned nothing: √MSE of the standardised outputs {before:.3} before, \
-         {after:.3} after (the mean has 1), with learning rate {learning_rate} and {steps} steps; \
-         if it grew, use a smaller learning rate, else more steps"
-    )]
-    NothingLearned {
-        /// √MSE over the training samples before, standardised outputs.
-        before: f64,
-        /// The same after; 1 is as good as the mean.
-        after: f64,
-        /// Learning rate at the start.
-        learning_rate: f64,
-        /// Steps of the training.
-        steps: u64,
-    },
     /// A search can't go on with the trials it has.
     #[error("{message}")]
     Search {

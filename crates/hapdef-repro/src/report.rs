@@ -189,15 +189,20 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
     Ok(())
 }
 
+/// Seconds, in tenths; short times in tenths of a millisecond.
+fn seconds(seconds: f64) -> String {
+    if seconds < 0.05 {
+        format!("{seconds:.4}")
+    } else {
+        format!("{seconds:.1}")
+    }
+}
+
 /// Stages, skipped stages, metrics and hashes as tables; empty ones are left out.
 fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
     let stages = report.stages.iter().map(|s| {
         let from = if s.cached { "cache" } else { "run" };
-        vec![
-            s.name.clone(),
-            format!("{:.1}", s.elapsed_s),
-            from.to_owned(),
-        ]
+        vec![s.name.clone(), seconds(s.elapsed_s), from.to_owned()]
     });
     let skipped = report
         .skipped

@@ -1,7 +1,7 @@
 """Prints every message of a recording as three independent readers read it, to the last bit.
 
     python read_back.py FILE.mcap        values, by mcap, mcap-ros2-support and rosbags
-    python read_back.py --rerun FILE     whether rerun converts it, and the readings it then has
+    python read_back.py --rerun FILE     values, as rerun has them after converting the file
     python read_back.py --hashes FOLDER  type hashes of the definitions in FOLDER, by rosbags
 
 A line is: reader, topic, log time, values. The values come in the order of their fields' names;
@@ -31,6 +31,9 @@ def flat(value, out):
         out.append(json.dumps(value, ensure_ascii=False))
     elif isinstance(value, (bytes, bytearray)):
         out.extend(str(byte) for byte in value)
+    elif isinstance(value, dict):
+        for name in sorted(value):
+            flat(value[name], out)
     elif isinstance(value, (list, tuple)):
         for item in value:
             flat(item, out)
@@ -74,12 +77,22 @@ def by_rosbags(path):
 
 
 def by_rerun(path):
+    from rerun.chunk import RrdReader
+
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.rrd"
         command = [str(Path(sys.executable).with_name("rerun")), "mcap", "convert", str(path)]
         done = subprocess.run([*command, "-o", str(out)], capture_output=True, text=True)
-        print("rerun", done.returncode, out.stat().st_size if out.exists() else 0)
-        print(done.stderr, file=sys.stderr)
+        if done.returncode:
+            sys.exit(done.stderr)
+        for chunk in RrdReader(str(out)).stream():
+            batch = chunk.to_record_batch()
+            for name in batch.schema.names:
+                # Transforms become rerun's own, in 32 bits; all other messages stay as they are.
+                if name.endswith(":message"):
+                    times = batch.column("message_log_time").cast("int64").to_pylist()
+                    for time, message in zip(times, batch.column(name).to_pylist()):
+                        line("rerun", chunk.entity_path, time, message[0])
 
 
 def hashes(folder):

@@ -91,7 +91,8 @@ impl MessageSink for FoxgloveServer {
 impl Drop for FoxgloveServer {
     fn drop(&mut self) {
         if let Some(handle) = self.handle.take() {
-            handle.stop();
+            // Clients are cut off; nobody waits for them.
+            let _ = handle.stop();
         }
     }
 }

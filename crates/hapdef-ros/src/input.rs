@@ -43,7 +43,8 @@ pub struct Contact {
     pub id: u32,
     /// Where on the skin, m.
     pub position_m: [f64; 3],
-    /// Unit normal of the skin there, outwards.
+    /// Unit normal of the skin there, outwards; zero where it is not known: the contact has no
+    /// frame, wrench and markers then.
     pub normal: [f64; 3],
     /// Its normal force, N.
     pub force_n: f64,

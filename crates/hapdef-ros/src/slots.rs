@@ -26,9 +26,11 @@ impl Slots {
         }
     }
 
-    /// Gives each contact its slot; what finds none, the weakest, goes without. `[n_slots]`
+    /// Gives each contact whose normal is known its slot; what finds none, the last, goes without.
+    /// `[n_slots]`
     pub(crate) fn place<'a>(&mut self, contacts: &'a [Contact]) -> Vec<Slot<'a>> {
-        let find = |id: u32| contacts.iter().find(|contact| contact.id == id);
+        let known = || contacts.iter().filter(|contact| contact.normal != [0.0; 3]);
+        let find = |id: u32| known().find(|contact| contact.id == id);
         let mut placed: Vec<Slot<'a>> = self
             .ids
             .iter()
@@ -38,7 +40,7 @@ impl Slots {
                 None => Slot::Free,
             })
             .collect();
-        for contact in contacts {
+        for contact in known() {
             if self.ids.contains(&Some(contact.id)) {
                 continue;
             }

@@ -69,16 +69,26 @@ impl ComplianceTable {
         surface_um: &mut [f32],
         virtual_um: &mut [f32],
     ) {
+        let vectors = self.vectors(contacts, scratch);
+        for (value, [x, y, z]) in surface_um.iter_mut().chain(virtual_um).zip(vectors) {
+            *value = ((x * x + y * y + z * z).sqrt() * 1e6) as f32;
+        }
+    }
+
+    /// Displacement vectors of a set of contacts, `[n_surface + n_virtual]`, m: the surface nodes,
+    /// then the virtual gauges.
+    pub fn vectors<'s>(
+        &self,
+        contacts: &[DrawnContact],
+        scratch: &'s mut SuperpositionScratch,
+    ) -> &'s [[f64; 3]] {
         scratch.sum.fill(0.0);
         for contact in contacts {
             for (sum, unit) in scratch.sum.iter_mut().zip(self.row(contact.node)) {
                 *sum += contact.force_n * f64::from(*unit);
             }
         }
-        let (vectors, _) = scratch.sum.as_chunks::<3>();
-        for (value, [x, y, z]) in surface_um.iter_mut().chain(virtual_um).zip(vectors) {
-            *value = ((x * x + y * y + z * z).sqrt() * 1e6) as f32;
-        }
+        scratch.sum.as_chunks::<3>().0
     }
 
     /// Displacement of a surface node for a newton at itself, magnitude, `[n_surface]`, µm/N: the
@@ -91,6 +101,19 @@ impl ComplianceTable {
                 u.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt() * 1e6
             })
             .collect()
+    }
+
+    /// Adds the displacement vectors of a force at surface node `node` to `sum_m` `[n_surface]`, m.
+    ///
+    /// # Panics
+    /// If there is no such node.
+    pub fn add_displacement_m(&self, node: usize, force_n: f64, sum_m: &mut [[f32; 3]]) {
+        let (unit, _) = self.row(node)[..3 * self.n_surface].as_chunks::<3>();
+        for (sum, unit) in sum_m.iter_mut().zip(unit) {
+            for (to, from) in sum.iter_mut().zip(unit) {
+                *to += force_n as f32 * from;
+            }
+        }
     }
 
     /// Writes the table as a dataset file.

@@ -86,11 +86,16 @@ impl LowRank {
         let mean_f32: Vec<f32> = mean.iter().map(|&m| m as f32).collect();
         let (mut low_rank, info) = Self::onto(layer, &scaled, &sums, mean_f32, rank)?;
         let expand = &mut low_rank.expand;
+        // An output that never varied has the unit 0, and is its mean whatever its sum.
+        let per = |v: f32, u: f64| match u > 0.0 {
+            true => (f64::from(v) / u) as f32,
+            false => 0.0,
+        };
         for (row, u) in expand.weights.chunks_exact_mut(rank).zip(&unit) {
-            row.iter_mut().for_each(|w| *w = (f64::from(*w) / u) as f32);
+            row.iter_mut().for_each(|w| *w = per(*w, *u));
         }
         for (bias, u) in expand.bias.iter_mut().zip(&unit) {
-            *bias = (f64::from(*bias) / u) as f32;
+            *bias = per(*bias, *u);
         }
         Ok((low_rank, info))
     }

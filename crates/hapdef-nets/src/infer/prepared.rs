@@ -1,7 +1,7 @@
 //! A net that is laid out for fast single passes.
 
 use crate::activation::Activation;
-use crate::error::{NetsError, check_finite, check_length};
+use crate::error::{NetsError, check_finite, check_inputs, check_length};
 use crate::mlp::Layer;
 use crate::net::{Net, Scale};
 
@@ -108,7 +108,7 @@ impl PreparedNet {
     ) -> Result<InferInfo, NetsError> {
         check_length("input of a net", self.n_inputs(), x.len())?;
         check_length("output of a net", self.n_outputs(), out.len())?;
-        check_finite("input of a net", x)?;
+        check_inputs(self.n_inputs(), x)?;
         let scratch = &mut scratch.layer;
         scratch.values.clear();
         scratch.values.extend_from_slice(x);

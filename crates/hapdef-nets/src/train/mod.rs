@@ -18,6 +18,7 @@ mod candle_network;
 mod clock;
 mod engine;
 mod gemm32;
+mod learned;
 mod network;
 mod output_modes;
 mod products;

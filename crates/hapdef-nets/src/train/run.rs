@@ -13,6 +13,7 @@ use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
 use crate::train::clock::Clock;
 use crate::train::engine::Engine;
+use crate::train::learned::check_learned;
 use crate::train::network::{Network, subtract};
 use crate::train::same::check_same;
 use crate::train::source::BatchSource;
@@ -67,8 +68,10 @@ pub struct TrainInfo {
 /// called after every step; on `Break` the training writes its checkpoint and returns.
 ///
 /// Fails on parameters out of range, on samples of other widths than the net's or none, on a
-/// sample that is not finite, on a source or a file that fails, and when the loss is no longer a
-/// number. The net then keeps the weights it came with, and the last checkpoint stays.
+/// sample that is not finite, on a source or a file that fails, when the loss is no longer a number,
+/// and when a net of 100 steps or more is no better on training samples than the means of the outputs
+/// ([`NetsError::NothingLearned`]: a learning rate that left it dead, or hardly moved it). The net then
+/// keeps the weights it came with, and the last checkpoint stays.
 pub fn train(
     net: &mut Net,
     samples: &mut dyn BatchSource,
@@ -176,7 +179,7 @@ impl Run<'_> {
             self.validate(&mut validation)?;
         }
         self.write_checkpoint()?;
-        self.end(&clock)
+        self.end(samples, &clock)
     }
 
     /// Whether every step is done, or the validation loss has long not fallen.
@@ -189,13 +192,16 @@ impl Run<'_> {
         patience > 0 && self.record.looks_since_lowest() >= patience
     }
 
-    /// Hands the net to the caller.
-    fn end(self, clock: &Clock) -> Result<TrainInfo, NetsError> {
+    /// Hands the net to the caller, once it is trained only if it has learned something.
+    fn end(self, samples: &mut dyn BatchSource, clock: &Clock) -> Result<TrainInfo, NetsError> {
         let is_over = self.is_over();
         let (kept_step, mlp) = match (self.record.best_step, &self.best) {
             (Some(step), Some(best)) if is_over => (step, best.clone()),
             _ => (self.record.step, self.engine.to_mlp(self.net.mlp())?),
         };
+        if is_over {
+            check_learned(self.net, &mlp, samples, &self.record)?;
+        }
         let look = self.record.looks.iter().find(|l| l.step == kept_step);
         let info = TrainInfo {
             step: self.record.step,

@@ -1,7 +1,7 @@
 //! Layers as two thinner ones.
 
 use hapdef_nets::infer::{InferParams, LowRank, Precision};
-use hapdef_nets::{Activation, Layer, MlpSpec};
+use hapdef_nets::{Activation, Layer, MlpSpec, Net, Scale};
 
 use crate::support::{inputs, largest, net_of, plain, prepared, random_net};
 
@@ -93,4 +93,26 @@ fn samples_show_the_rank_that_is_needed() {
     }
     let hidden = LowRank::of_samples(&net, 1, &x, 8).unwrap();
     assert!(hidden.1.left_out < 1e-9 && hidden.0.layer() == 1);
+}
+
+/// An output that never varied in training stays at its mean, whatever the modes are.
+#[test]
+fn a_constant_output_stays_at_its_mean() {
+    let net = random_net(&[6, 20, 12, 9], Activation::Relu, 4);
+    let mut std = net.output_scale().std().to_vec();
+    std[5] = 0.0;
+    let output = Scale::new(net.output_scale().mean().to_vec(), std).unwrap();
+    let net = Net::new(net.mlp().clone(), net.input_scale().clone(), output).unwrap();
+    let samples: Vec<f32> = (0..40).flat_map(|seed| inputs(6, seed)).collect();
+    let (low_rank, info) = LowRank::of_samples(&net, 2, &samples, 7).unwrap();
+    assert!(info.left_out.is_finite() && info.left_out < 0.1, "{info:?}");
+    let params = InferParams {
+        low_rank: vec![low_rank],
+        ..InferParams::of(Precision::F32)
+    };
+    let x = inputs(6, 50);
+    let (found, exact) = (prepared(&net, &params, &x), plain(&net, &x));
+    assert_eq!((found[5], exact[5]), (-1.0, -1.0));
+    let apart = found.iter().zip(&exact).map(|(f, e)| (f - e).abs());
+    assert!(apart.fold(0.0, f32::max) < 0.5, "{found:?} {exact:?}");
 }

@@ -24,7 +24,14 @@ fn what_a_relu_would_hide_is_refused() {
         let (mut scratch, mut out) = (prepared.scratch(), [0.0; 3]);
         for bad in [f32::NAN, f32::INFINITY] {
             let error = prepared.forward(&[0.0, 0.0, bad, 0.0], &mut scratch, &mut out);
-            assert!(matches!(error, Err(NetsError::NotFinite { index: 2, .. })));
+            assert!(matches!(
+                error,
+                Err(NetsError::InputNotFinite {
+                    row: 0,
+                    column: 2,
+                    ..
+                })
+            ));
         }
         let error = prepared.forward(&[3e38, -3e38, 3e38, 3e38], &mut scratch, &mut out);
         assert!(

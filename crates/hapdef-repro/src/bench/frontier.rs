@@ -1,5 +1,7 @@
 //! `frontier-nets`: error against run time, as a table, plots and JSON.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 use clap::Args;
 use hapdef::SceneArgs;
@@ -8,7 +10,7 @@ use hapdef_repro::{
     lines_svg, write_report,
 };
 
-use super::measure::{Point, best_reduced, measure};
+use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
 use crate::run::facts;
 use crate::run::summary::terminal_table;
@@ -21,12 +23,23 @@ pub(crate) struct FrontierArgs {
     /// Rounds in which every variant is timed.
     #[arg(long, default_value_t = 20)]
     rounds: usize,
+    /// Python with onnxruntime, onnx, torch and numpy, for the rows of other programs.
+    #[arg(long, env = "HAPDEF_PYTHON", default_value = "python3")]
+    python: PathBuf,
 }
 
 /// Measures every variant and writes the report.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let run = args.scene.prepare()?;
-    let (done, points) = measure(&run, args.rounds)?;
+    let peers_folder = args.scene.out.join("frontier-nets-peers");
+    let Measured {
+        done,
+        points,
+        missing,
+    } = measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;
+    if !missing.is_empty() {
+        run.say(&format!("no rows of other programs: {missing}"));
+    }
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(&run));
     log.value("frontier.points", points.len() as f64, "1")?;
     log_reduced(&points, &mut log)?;
@@ -72,7 +85,9 @@ const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one 
     Front: no other way to the whole map is both faster and better by the map (M), by contacts (C). \
     Training: of the part behind F_T. FNN is F_R trained on I–IV; ranks replace its last layer (or \
     its last two) by two thin ones, from the modes of 500 training samples; parts of the map are \
-    the outputs nearest to one node, and their error is over those alone.";
+    the outputs nearest to one node, and their error is over those alone. The direct FNN gives one \
+    contact and no map. Other programs have the same F_T and F_R, and a clock of their own, in the \
+    same rounds.";
 
 fn table(points: &[Point]) -> TextTable {
     let header = [
@@ -102,15 +117,15 @@ fn table(points: &[Point]) -> TextTable {
             p.name.clone(),
             format!("{:.0}", p.times.p50_us),
             format!("{:.0}", p.times.p99_us),
-            format!("{:.2}", p.bytes as f64 * 1e-6),
-            format!("{:.2}", p.errors.map_um),
+            number(p.bytes.map(|bytes| bytes as f64 * 1e-6)),
+            number(p.errors.map_um),
             number(p.errors.contact_mm),
             number(p.errors.single_mm),
             number(p.errors.double_mm),
             p.errors
                 .found
                 .map_or("–".to_owned(), |f| format!("{:.0} %", f * 100.0)),
-            format!("{:.1}", p.training_s),
+            p.training_s.map_or("–".to_owned(), |s| format!("{s:.1}")),
             front.to_owned(),
         ];
         cells.map(TextCell::plain).to_vec()
@@ -126,7 +141,7 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         points,
         "Map error against run time",
         "mean |error| of the map, µm",
-        |p| Some(p.errors.map_um),
+        |p| p.errors.map_um,
         |p| p.on_map_front,
     )?;
     let contacts = chart(

@@ -2,14 +2,21 @@
 
 use std::hint::black_box;
 
+use std::path::Path;
+
 use anyhow::{Context, Result};
+use hapdef::stages::NetKind;
 use hapdef::{Limb, Pipeline, Run, Until};
-use hapdef_nets::infer::InferScratch;
+use hapdef_nets::Scratch;
+use hapdef_nets::infer::{InferScratch, PreparedNet};
 use serde::Serialize;
 
 use super::clock::Quantiles;
-use super::testset::{Errors, TestSet};
+use super::peers::Peers;
+use super::testset::{Errors, N_DIRECT, TestSet};
+use super::unscaled::without_scales;
 use super::variants::{Family, Variant, variants};
+use crate::run::chain::reconstruction;
 
 /// A variant, measured.
 #[derive(Clone, Debug, Serialize)]
@@ -21,16 +28,30 @@ pub(super) struct Point {
     /// From readings to the map.
     #[serde(flatten)]
     pub(super) times: Quantiles,
-    pub(super) training_s: f64,
-    /// Bytes of both nets, or of what the method keeps.
-    pub(super) bytes: usize,
+    /// Of the part behind F_T; not known of other programs.
+    pub(super) training_s: Option<f64>,
+    /// Bytes of both nets, or of what the method keeps; not known of other programs.
+    pub(super) bytes: Option<usize>,
     /// No other way to the whole map is both faster and better: by the map, and by contacts.
     pub(super) on_map_front: bool,
     pub(super) on_contact_front: bool,
 }
 
-/// Runs what is missing of the scene, then measures every variant in `rounds` rounds.
-pub(super) fn measure(run: &Run, rounds: usize) -> Result<(Pipeline, Vec<Point>)> {
+/// Every variant of a scene.
+pub(super) struct Measured {
+    pub(super) done: Pipeline,
+    pub(super) points: Vec<Point>,
+    /// Why rows of other programs are missing; empty if none is, or none was asked for.
+    pub(super) missing: String,
+}
+
+/// Runs what is missing of the scene, then measures every variant in `rounds` rounds, with other
+/// programs on the same weights if there is a Python, which works in a folder of its own.
+pub(super) fn measure(
+    run: &Run,
+    rounds: usize,
+    python: Option<(&Path, &Path)>,
+) -> Result<Measured> {
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let done = Pipeline::run(run, &limb, Until::Train)?;
     let tests = TestSet::read(run, &limb, &done)?;
@@ -39,18 +60,38 @@ pub(super) fn measure(run: &Run, rounds: usize) -> Result<(Pipeline, Vec<Point>)
     let mut errors = Vec::with_capacity(variants.len());
     for variant in &mut variants {
         run.check_stop("the frontier")?;
-        let outputs = variant.outputs.as_deref();
-        errors.push(tests.errors(&variant.transfer, variant.method.as_mut(), outputs)?);
+        let (outputs, method) = (variant.outputs.as_deref(), variant.method.as_mut());
+        errors.push(match &variant.transfer {
+            Some(transfer) => tests.errors(transfer, method, outputs)?,
+            None => tests.direct_errors(method)?,
+        });
     }
+    let (mut peers, missing) = match python {
+        Some(python) => start_peers(python, &done, &tests)?,
+        None => (None, String::new()),
+    };
     run.say("times, one core");
-    time(run, &tests, &mut variants, rounds)?;
+    time(run, &tests, &mut variants, peers.as_mut(), rounds)?;
     let mut points: Vec<Point> = variants.iter().zip(errors).map(point).collect();
+    if let Some(peers) = &mut peers {
+        points.extend(peer_points(peers, &tests)?);
+    }
     mark_fronts(&mut points);
-    Ok((done, points))
+    Ok(Measured {
+        done,
+        points,
+        missing,
+    })
 }
 
 /// All variants in turn, on one thread; each frame is another press.
-fn time(run: &Run, tests: &TestSet, variants: &mut [Variant], rounds: usize) -> Result<()> {
+fn time(
+    run: &Run,
+    tests: &TestSet,
+    variants: &mut [Variant],
+    mut peers: Option<&mut Peers>,
+    rounds: usize,
+) -> Result<()> {
     let mut virtual_um = vec![0.0; tests.n_virtual];
     let mut scratch = InferScratch::default();
     let mut map = vec![0.0; tests.n_surface];
@@ -60,15 +101,22 @@ fn time(run: &Run, tests: &TestSet, variants: &mut [Variant], rounds: usize) -> 
     for _ in 0..rounds {
         run.check_stop("the frontier")?;
         for variant in &mut *variants {
-            let n_outputs = variant.outputs.as_ref().map_or(map.len(), Vec::len);
+            let n_outputs = match variant.family {
+                Family::Direct => N_DIRECT,
+                _ => variant.outputs.as_ref().map_or(map.len(), Vec::len),
+            };
             let mut times = std::mem::take(&mut variant.times);
             let map = &mut map[..n_outputs];
             let mut work = || -> Result<()> {
                 let press = &presses[frame % presses.len()];
                 frame += 1;
-                let transfer = &variant.transfer;
-                transfer.forward(&press.readings_ue, &mut scratch, &mut virtual_um)?;
-                variant.method.map(&virtual_um, map)?;
+                match &variant.transfer {
+                    Some(transfer) => {
+                        transfer.forward(&press.readings_ue, &mut scratch, &mut virtual_um)?;
+                        variant.method.map(&virtual_um, map)?;
+                    }
+                    None => variant.method.map(&press.readings_ue, map)?,
+                }
                 black_box(&*map);
                 Ok(())
             };
@@ -79,8 +127,57 @@ fn time(run: &Run, tests: &TestSet, variants: &mut [Variant], rounds: usize) -> 
             }
             variant.times = times;
         }
+        if let Some(peers) = &mut peers {
+            peers.round()?;
+        }
     }
     Ok(())
+}
+
+/// Other programs on the scene's own F_T and F_R, or why there are none.
+fn start_peers(
+    (python, folder): (&Path, &Path),
+    done: &Pipeline,
+    tests: &TestSet,
+) -> Result<(Option<Peers>, String)> {
+    let nets = done.nets.as_ref().context("no nets")?;
+    let transfer = without_scales(&nets.load(NetKind::Transfer)?)?;
+    let map_net = without_scales(&reconstruction(done)?)?;
+    let x = &tests.presses().first().context("no presses")?.readings_ue;
+    let (mut scratch, mut virtual_um) = (Scratch::default(), vec![0.0; tests.n_virtual]);
+    let mut y = vec![0.0; tests.n_surface];
+    transfer.forward(x, &mut scratch, &mut virtual_um)?;
+    map_net.forward(&virtual_um, &mut scratch, &mut y)?;
+    let peers = Peers::start(python, folder, [&transfer, &map_net], x, &y);
+    Ok(match peers {
+        Ok(peers) => {
+            let missing = peers.missing.iter();
+            let missing: Vec<String> = missing.map(|(row, why)| format!("{row}: {why}")).collect();
+            (Some(peers), missing.join("; "))
+        }
+        Err(error) => (None, format!("{}: {error:#}", python.display())),
+    })
+}
+
+/// Their errors on the same presses, and their times.
+fn peer_points(peers: &mut Peers, tests: &TestSet) -> Result<Vec<Point>> {
+    let readings = tests.all_readings();
+    let names: Vec<String> = peers.rows.keys().cloned().collect();
+    let point = |name: &String| {
+        let maps = peers.outputs(name, &readings)?;
+        let row = &peers.rows[name];
+        Ok(Point {
+            name: format!("{name} ({})", row.program),
+            family: Family::Peer,
+            errors: tests.errors_of_maps(&maps)?,
+            times: row.times.quantiles(),
+            training_s: None,
+            bytes: None,
+            on_map_front: false,
+            on_contact_front: false,
+        })
+    };
+    names.iter().map(point).collect()
 }
 
 fn point((variant, errors): (&Variant, Errors)) -> Point {
@@ -89,22 +186,24 @@ fn point((variant, errors): (&Variant, Errors)) -> Point {
         family: variant.family,
         errors,
         times: variant.times.quantiles(),
-        training_s: variant.training_s,
-        bytes: variant.transfer.bytes() + variant.method.bytes(),
+        training_s: Some(variant.training_s),
+        bytes: Some(
+            variant.transfer.as_ref().map_or(0, PreparedNet::bytes) + variant.method.bytes(),
+        ),
         on_map_front: false,
         on_contact_front: false,
     }
 }
 
 fn mark_fronts(points: &mut [Point]) {
-    let whole = |p: &Point| p.family != Family::Part;
+    let whole = |p: &Point| !matches!(p.family, Family::Part | Family::Peer);
     let of_map: Vec<_> = points
         .iter()
-        .map(|p| whole(p).then_some((p.times.p50_us, p.errors.map_um)))
+        .map(|p| Some((p.times.p50_us, p.errors.map_um.filter(|_| whole(p))?)))
         .collect();
     let of_contacts: Vec<_> = points
         .iter()
-        .map(|p| Some((p.times.p50_us, p.errors.contact_mm?)))
+        .map(|p| Some((p.times.p50_us, p.errors.contact_mm.filter(|_| whole(p))?)))
         .collect();
     for (i, point) in points.iter_mut().enumerate() {
         point.on_map_front = is_on_front(&of_map, i);

@@ -1,6 +1,7 @@
 //! Ways from one frame's virtual gauges to its map.
 
 use anyhow::Result;
+use hapdef_data::Standardiser;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
 use hapdef_repro::{Knn, KnnParams, LinearRegression};
 
@@ -27,8 +28,7 @@ pub(super) struct Linear {
 /// k nearest neighbours on standardised virtual gauges, all training maps in memory.
 pub(super) struct Neighbourhood {
     pub(super) knn: Knn,
-    pub(super) mean: Vec<f32>,
-    pub(super) std: Vec<f32>,
+    pub(super) standardiser: Standardiser,
     /// `[n, n_surface]`, µm.
     pub(super) maps: Vec<f32>,
 }
@@ -57,9 +57,8 @@ impl MapMethod for Linear {
 
 impl MapMethod for Neighbourhood {
     fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()> {
-        let scale = self.mean.iter().zip(&self.std);
-        let query = virtual_um.iter().zip(scale);
-        let query: Vec<f32> = query.map(|(x, (mean, std))| (x - mean) / std).collect();
+        let mut query = virtual_um.to_vec();
+        self.standardiser.apply(&mut query)?;
         let found = self.knn.neighbours(&query, &KnnParams::default())?;
         let width = out.len();
         let fetch = |row: usize, buffer: &mut [f32]| -> std::io::Result<()> {
@@ -70,6 +69,7 @@ impl MapMethod for Neighbourhood {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(&self.maps[..]) + self.knn.n_rows() * self.mean.len() * size_of::<f32>()
+        size_of_val(&self.maps[..])
+            + self.knn.n_rows() * self.standardiser.width() * size_of::<f32>()
     }
 }

@@ -9,6 +9,7 @@ mod narrow;
 mod peers;
 mod testset;
 mod training;
+mod unscaled;
 mod variants;
 
 use std::path::PathBuf;
@@ -65,5 +66,5 @@ fn reduced(args: &BenchNetsArgs) -> Result<Vec<measure::Point>> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let (profile, progress) = (Profile::quick(), Progress::on_stderr());
     let run = Run::new(&args.scene, profile, &args.out, threads, progress)?;
-    Ok(measure::measure(&run, args.rounds.min(20))?.1)
+    Ok(measure::measure(&run, args.rounds.min(20), None)?.points)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context, Result, bail};
@@ -18,6 +18,7 @@ const SCRIPT: &str = include_str!("../../scripts/nets_peers.py");
 /// A running Python that times its rows when told to.
 pub(super) struct Peers {
     child: Child,
+    folder: PathBuf,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     /// Why rows are missing, by name.
@@ -73,6 +74,7 @@ impl Peers {
         let from = BufReader::new(child.stdout.take().context("Python's output")?);
         let mut peers = Self {
             child,
+            folder: folder.to_path_buf(),
             to,
             from,
             missing: BTreeMap::new(),
@@ -105,6 +107,22 @@ impl Peers {
             }
         }
         Ok(())
+    }
+
+    /// Outputs `[n, outputs]` of a row for frames `[n, inputs]`.
+    pub(super) fn outputs(&mut self, row: &str, frames: &[f32]) -> Result<Vec<f32>> {
+        let path = self.folder.join("frames.f32");
+        let bytes: Vec<u8> = frames.iter().flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
+        writeln!(self.to, "frames {row}").context("telling Python")?;
+        let said = self.line()?;
+        if said.trim() != "done" {
+            bail!("{row}: {}", said.trim());
+        }
+        let path = self.folder.join("outputs.f32");
+        let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+        let values = bytes.as_chunks::<4>().0.iter();
+        Ok(values.map(|bytes| f32::from_le_bytes(*bytes)).collect())
     }
 
     fn line(&mut self) -> Result<String> {

@@ -18,6 +18,9 @@ use crate::run::samples::SampleSet;
 const MOST_SIMULATED: usize = 200;
 const MOST_PRESSES: usize = 400;
 
+/// Position and force of a contact: what a direct way gives.
+pub(super) const N_DIRECT: usize = 4;
+
 /// What is tested on.
 pub(super) struct TestSet {
     /// Virtual gauges `[n, n_virtual]` and maps `[n, n_surface]` of simulated samples, µm.
@@ -38,10 +41,11 @@ pub(super) struct Press {
 /// Errors of a way.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub(super) struct Errors {
-    /// Mean absolute error of the map on simulated samples of one to four contacts, µm.
-    pub(super) map_um: f64,
+    /// Mean absolute error of the map on simulated samples of one to four contacts, µm; none for a
+    /// way that gives no map.
+    pub(super) map_um: Option<f64>,
     /// Position error on the rig, mean of `single_mm` and, where the scene has them, `double_mm`;
-    /// none for a way that gives a part of the map.
+    /// none for a way that gives a part of the map, or one contact only.
     pub(super) contact_mm: Option<f64>,
     /// Mean position error of single presses, mm.
     pub(super) single_mm: Option<f64>,
@@ -92,7 +96,7 @@ impl TestSet {
         method: &mut dyn MapMethod,
         outputs: Option<&[usize]>,
     ) -> Result<Errors> {
-        let map_um = self.map_error(method, outputs)?;
+        let map_um = Some(self.map_error(method, outputs)?);
         if outputs.is_some() {
             return Ok(Errors {
                 map_um,
@@ -102,8 +106,38 @@ impl TestSet {
                 found: None,
             });
         }
-        let single = self.contact_errors(transfer, method, &self.single, 1)?;
-        let double = self.contact_errors(transfer, method, &self.double, 2)?;
+        let (mut own, mut virtual_um) = (InferScratch::default(), vec![0.0; self.n_virtual]);
+        self.errors_of(map_um, |press, map| {
+            transfer.forward(&press.readings_ue, &mut own, &mut virtual_um)?;
+            method.map(&virtual_um, map)
+        })
+    }
+
+    /// Readings of every press, `[n, n_gauges]`: single presses, then double ones.
+    pub(super) fn all_readings(&self) -> Vec<f32> {
+        let presses = self.single.iter().chain(&self.double);
+        presses
+            .flat_map(|press| press.readings_ue.iter().copied())
+            .collect()
+    }
+
+    /// Errors of maps `[n, n_surface]` of every press, in the order of [`Self::all_readings`].
+    pub(super) fn errors_of_maps(&self, maps: &[f32]) -> Result<Errors> {
+        let mut maps = maps.chunks_exact(self.n_surface);
+        self.errors_of(None, |_, map| {
+            map.copy_from_slice(maps.next().context("a map for each press")?);
+            Ok(())
+        })
+    }
+
+    /// Errors of what `map_of` makes of each press, the single ones first.
+    fn errors_of(
+        &self,
+        map_um: Option<f64>,
+        mut map_of: impl FnMut(&Press, &mut [f32]) -> Result<()>,
+    ) -> Result<Errors> {
+        let single = self.contact_errors(&self.single, 1, &mut map_of)?;
+        let double = self.contact_errors(&self.double, 2, &mut map_of)?;
         let parts = [single, double];
         let measured: Vec<f64> = parts
             .iter()
@@ -120,6 +154,24 @@ impl TestSet {
             single_mm: mean(&single),
             double_mm: mean(&double),
             found: (n_expected > 0).then(|| n as f64 / n_expected as f64),
+        })
+    }
+
+    /// Errors of a way from readings to position, m, and force, N, of a single contact.
+    pub(super) fn direct_errors(&self, method: &mut dyn MapMethod) -> Result<Errors> {
+        let (mut pairs, mut out) = (Vec::new(), [0.0_f32; N_DIRECT]);
+        for press in &self.single {
+            method.map(&press.readings_ue, &mut out)?;
+            let [x, y, z, force_n] = out.map(f64::from);
+            pairs.extend(score_lenient(&[([x, y, z], force_n)], &press.truth)?);
+        }
+        let stats = ContactStats::of(&pairs, self.single.len());
+        Ok(Errors {
+            map_um: None,
+            contact_mm: None,
+            single_mm: (stats.n > 0).then_some(stats.mean_mm),
+            double_mm: None,
+            found: None,
         })
     }
 
@@ -142,18 +194,15 @@ impl TestSet {
 
     fn contact_errors(
         &self,
-        transfer: &PreparedNet,
-        method: &mut dyn MapMethod,
         presses: &[Press],
         n_contacts: usize,
+        map_of: &mut impl FnMut(&Press, &mut [f32]) -> Result<()>,
     ) -> Result<ContactStats> {
         let mut pairs: Vec<ContactPair> = Vec::new();
-        let (mut scratch, mut own) = (HapdefxScratch::default(), InferScratch::default());
-        let mut virtual_um = vec![0.0; self.n_virtual];
+        let mut scratch = HapdefxScratch::default();
         let mut map = vec![0.0; self.n_surface];
         for press in presses {
-            transfer.forward(&press.readings_ue, &mut own, &mut virtual_um)?;
-            method.map(&virtual_um, &mut map)?;
+            map_of(press, &mut map)?;
             let found = self.chain.candidates(&map, &mut scratch)?;
             let chosen = match n_contacts {
                 1 => self.chain.top(&found, 1),

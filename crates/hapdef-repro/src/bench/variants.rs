@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
 use hapdef::{Limb, Pipeline, Run};
+use hapdef_data::Standardiser;
 use hapdef_nets::Net;
 use hapdef_nets::infer::{InferParams, LowRank, Precision, PreparedNet};
 use hapdef_repro::{Knn, LinearAccumulator, LinearParams};
@@ -29,7 +30,8 @@ const N_WANTED: usize = 800;
 pub(super) struct Variant {
     pub(super) name: String,
     pub(super) family: Family,
-    pub(super) transfer: PreparedNet,
+    /// F_T; none for a way straight from readings.
+    pub(super) transfer: Option<PreparedNet>,
     pub(super) method: Box<dyn MapMethod>,
     /// Nodes of the map it gives; all of them if none.
     pub(super) outputs: Option<Vec<usize>>,
@@ -47,15 +49,19 @@ pub(super) enum Family {
     LowRank,
     Narrow,
     Part,
+    Direct,
+    Peer,
 }
 
 impl Family {
-    pub(super) const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 7] = [
         Self::Baseline,
         Self::Whole,
         Self::LowRank,
         Self::Narrow,
         Self::Part,
+        Self::Direct,
+        Self::Peer,
     ];
 
     pub(super) fn name(self) -> &'static str {
@@ -65,6 +71,8 @@ impl Family {
             Self::LowRank => "low rank",
             Self::Narrow => "narrow nets",
             Self::Part => "part of the map",
+            Self::Direct => "direct net",
+            Self::Peer => "other programs",
         }
     }
 }
@@ -99,12 +107,13 @@ pub(super) fn variants(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Va
     maker.low_rank(&mut variants)?;
     maker.narrow(&mut variants)?;
     maker.part(limb, &mut variants)?;
+    maker.direct(nets, &mut variants)?;
     Ok(variants)
 }
 
 fn training_s(nets: &TrainedNets, kind: NetKind) -> Result<f64> {
     let net = nets.nets.iter().find(|net| net.kind == kind);
-    Ok(net.context("F_R is not trained")?.stage.record.elapsed_s)
+    Ok(net.context("a net is not trained")?.stage.record.elapsed_s)
 }
 
 impl Maker<'_> {
@@ -118,7 +127,10 @@ impl Maker<'_> {
         Ok(Variant {
             name,
             family,
-            transfer: PreparedNet::new(&self.transfer, &InferParams::of(precision))?,
+            transfer: Some(PreparedNet::new(
+                &self.transfer,
+                &InferParams::of(precision),
+            )?),
             method,
             outputs: None,
             training_s: self.training_s,
@@ -150,16 +162,15 @@ impl Maker<'_> {
     fn neighbours(&self) -> Result<Variant> {
         let start = Instant::now();
         let scale = self.reconstruction.input_scale();
-        let mut x = self.rows.x.clone();
-        for row in x.chunks_exact_mut(self.rows.n_virtual) {
-            for ((value, mean), std) in row.iter_mut().zip(scale.mean()).zip(scale.std()) {
-                *value = (*value - mean) / std;
-            }
-        }
-        let method = Box::new(Neighbourhood {
-            knn: Knn::new(&x, self.rows.n_virtual)?,
+        let standardiser = Standardiser {
             mean: scale.mean().to_vec(),
             std: scale.std().to_vec(),
+        };
+        let mut x = self.rows.x.clone();
+        standardiser.apply(&mut x)?;
+        let method = Box::new(Neighbourhood {
+            knn: Knn::new(&x, self.rows.n_virtual)?,
+            standardiser,
             maps: self.rows.y.clone(),
         });
         let variant = self.variant("k-NN".into(), Family::Baseline, Precision::F32, method)?;
@@ -223,6 +234,21 @@ impl Maker<'_> {
                     ..variant
                 });
             }
+        }
+        Ok(())
+    }
+
+    /// Position and force of one contact, straight from readings.
+    fn direct(&self, nets: &TrainedNets, variants: &mut Vec<Variant>) -> Result<()> {
+        let net = nets.load(NetKind::Direct)?;
+        for precision in Precision::ALL {
+            let params = InferParams::of(precision);
+            let variant = self.fnn("direct FNN", Family::Direct, &net, &params)?;
+            variants.push(Variant {
+                transfer: None,
+                training_s: training_s(nets, NetKind::Direct)?,
+                ..variant
+            });
         }
         Ok(())
     }

@@ -95,7 +95,7 @@ pub fn results_markdown(report: &Value) -> String {
     text.push_str("\n## Times\n\n| stage | seconds |\n|---|---|\n");
     for stage in items(&report["stages"]) {
         let seconds = stage["elapsed_s"].as_f64().unwrap_or(f64::NAN);
-        text.push_str(&row(&[shown(&stage["name"]), format!("{seconds:.1}")]));
+        text.push_str(&row(&[shown(&stage["name"]), super::seconds(seconds)]));
     }
     text
 }

@@ -3,8 +3,8 @@
 use anyhow::{Context, Result};
 use hapdef::{Limb, Pipeline, Run, Stage};
 use hapdef_data::Split;
-use hapdef_nets::MlpSpec;
 use hapdef_nets::train::MemorySource;
+use hapdef_nets::{MlpSpec, Net};
 use serde_json::json;
 
 use super::chain::{candidates, chain, forward, maps};
@@ -24,14 +24,7 @@ pub(crate) fn ablations(
 ) -> Result<(Vec<MethodAnswers>, Vec<Stage>)> {
     let data = done.data.as_ref().context("no datasets")?;
     let brief = Brief::reconstruction(&run.profile);
-    let (to_map, map_stage) = fit(
-        run,
-        "R → D",
-        &json!({ "presses": data.rig_single.key }),
-        brief,
-        MlpSpec::reconstruction,
-        || readings_to_maps(done),
-    )?;
+    let (to_map, map_stage) = readings_to_map(run, done)?;
     let (to_contact, contact_stage) = fit(
         run,
         "D → P, A",
@@ -57,6 +50,19 @@ pub(crate) fn ablations(
             .extend(contacts(&forward(&to_contact, &maps)?));
     }
     Ok((answers.to_vec(), vec![map_stage, contact_stage]))
+}
+
+/// The net from readings straight to the map, trained briefly.
+pub(crate) fn readings_to_map(run: &Run, done: &Pipeline) -> Result<(Net, Stage)> {
+    let data = done.data.as_ref().context("no datasets")?;
+    fit(
+        run,
+        "R → D",
+        &json!({ "presses": data.rig_single.key }),
+        Brief::reconstruction(&run.profile),
+        MlpSpec::reconstruction,
+        || readings_to_maps(done),
+    )
 }
 
 fn readings_to_maps(done: &Pipeline) -> Result<MemorySource> {

@@ -180,7 +180,7 @@ pub(crate) fn skipped(run: &Run, with_nets: bool) -> Vec<SkippedStage> {
     ];
     if !with_nets {
         let reason = "need nets of their own: cargo xtask repro";
-        skipped.push(skip("figure 5A, ablations with nets of figure 8", reason));
+        skipped.push(skip("figure 5A, ablations with nets of their own", reason));
     }
     if run.scene.contact.max_contacts < 4 {
         let reason = format!(

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use anyhow::Result;
-use hapdef::{HapdefError, Profile, Run, Stage};
+use hapdef::{HapdefError, Profile, Run, Schedule, Stage};
 use hapdef_data::StandardiserFit;
 use hapdef_nets::train::{BatchSource, Progress, resume, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, load};
@@ -39,6 +39,14 @@ impl Brief {
         }
     }
 
+    /// As long as the profile trains such a net.
+    pub(crate) fn whole(schedule: &Schedule) -> Self {
+        Self {
+            steps: schedule.steps,
+            learning_rate: schedule.learning_rate,
+        }
+    }
+
     /// Half the profile's steps of F_T, at most 2,500.
     pub(crate) fn transfer(profile: &Profile) -> Self {
         Self {
@@ -46,6 +54,15 @@ impl Brief {
             learning_rate: profile.transfer.learning_rate,
         }
     }
+}
+
+/// How a net's outputs are standardised.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum OutputScale {
+    /// Each by its own deviation: all weigh the same.
+    Each,
+    /// All by one: outputs that vary more weigh more.
+    One,
 }
 
 /// Trains a net on the samples that `open` gives, or reads it from the cache. `of` says in the
@@ -58,12 +75,24 @@ pub(crate) fn fit<S: BatchSource>(
     spec: impl FnOnce(usize, usize) -> MlpSpec,
     open: impl FnOnce() -> Result<S>,
 ) -> Result<(Net, Stage)> {
+    fit_scaled(run, name, of, (brief, OutputScale::Each), spec, open)
+}
+
+/// The same with a choice of the outputs' scale, which `of` should say.
+pub(crate) fn fit_scaled<S: BatchSource>(
+    run: &Run,
+    name: &str,
+    of: &Value,
+    (brief, scale): (Brief, OutputScale),
+    spec: impl FnOnce(usize, usize) -> MlpSpec,
+    open: impl FnOnce() -> Result<S>,
+) -> Result<(Net, Stage)> {
     let seed = run.scene.seed;
     let inputs = json!({ "version": VERSION, "net": name, "of": of, "brief": brief, "seed": seed });
     let stage = run.cache.stage("brief-net", &inputs, |dir| {
         run.say(&format!("training {name} briefly: {} steps", brief.steps));
         let fitted = open()
-            .and_then(|samples| steps(run, dir, brief, spec, samples))
+            .and_then(|samples| steps(run, dir, (brief, scale), spec, samples))
             .map_err(|error| match error.downcast::<HapdefError>() {
                 Ok(error) => error,
                 Err(error) => HapdefError::Stale {
@@ -80,7 +109,7 @@ pub(crate) fn fit<S: BatchSource>(
 fn steps(
     run: &Run,
     dir: &std::path::Path,
-    brief: Brief,
+    (brief, scale): (Brief, OutputScale),
     spec: impl FnOnce(usize, usize) -> MlpSpec,
     mut samples: impl BatchSource,
 ) -> Result<Option<f64>> {
@@ -100,7 +129,7 @@ fn steps(
     let info = if checkpoint.exists() {
         resume(&checkpoint, &mut samples, None, &params, &mut watch)?.1
     } else {
-        let [input, output] = scales(&mut samples)?;
+        let [input, output] = scales(&mut samples, scale)?;
         let spec = spec(samples.n_inputs(), samples.n_outputs());
         let mut net = Net::new(Mlp::random(&spec, run.scene.seed)?, input, output)?;
         train(
@@ -119,7 +148,7 @@ fn steps(
 }
 
 /// Means and deviations of a source's inputs and outputs.
-fn scales(samples: &mut impl BatchSource) -> Result<[Scale; 2]> {
+fn scales(samples: &mut impl BatchSource, scale: OutputScale) -> Result<[Scale; 2]> {
     let (n_in, n_out) = (samples.n_inputs(), samples.n_outputs());
     let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];
     let rows: Vec<usize> = (0..samples.n_samples()).collect();
@@ -134,6 +163,10 @@ fn scales(samples: &mut impl BatchSource) -> Result<[Scale; 2]> {
         fits[1].push(&y)?;
     }
     let [x, y] = fits;
-    let ((x, _), (y, _)) = (x.finish()?, y.finish()?);
+    let ((x, _), (mut y, _)) = (x.finish()?, y.finish()?);
+    if scale == OutputScale::One {
+        let squares: f64 = y.std.iter().map(|s| f64::from(*s).powi(2)).sum();
+        y.std.fill((squares / n_out as f64).sqrt() as f32);
+    }
     Ok([Scale::new(x.mean, x.std)?, Scale::new(y.mean, y.std)?])
 }

@@ -1,6 +1,7 @@
 //! The program: stages from the cache, baselines beside them, the report.
 
 mod ablation;
+mod ablation_table;
 pub(crate) mod chain;
 mod claims;
 mod contents;
@@ -11,6 +12,7 @@ mod fit;
 mod frames;
 mod patches;
 mod presses;
+mod ridge;
 pub(crate) mod samples;
 mod scores;
 mod search;
@@ -33,8 +35,10 @@ use hapdef_repro::{
     Golden, MetricLog, Report, Table1, results_markdown, table1_claims, write_report, write_text,
 };
 
+use self::ablation_table::{Ablations, ablation_table};
 use self::frames::Frames;
 use self::patches::SizePoint;
+use self::ridge::RidgeRows;
 use self::singles::Singles;
 use self::summary::Printed;
 use self::svr::SvrScore;
@@ -179,6 +183,9 @@ struct Parts {
     singles: Singles,
     frames: Frames,
     sizes: Option<Vec<SizePoint>>,
+    /// Rows that only the whole reproduction has.
+    ablations: Option<Ablations>,
+    ridge: Option<RidgeRows>,
     stages: Vec<Stage>,
 }
 
@@ -196,6 +203,8 @@ fn measure(run: &Run, limb: &Limb, done: &Pipeline, with_nets: bool) -> Result<P
         singles,
         frames,
         sizes: None,
+        ablations: None,
+        ridge: None,
         stages: vec![
             table1_stage,
             svr_stage,
@@ -208,6 +217,12 @@ fn measure(run: &Run, limb: &Limb, done: &Pipeline, with_nets: bool) -> Result<P
         let (answers, stages) = ablation::ablations(run, limb, done)?;
         parts.singles.ablations.extend(answers);
         parts.stages.extend(stages);
+        let (rows, stages) = ablation_table(run, limb, done)?;
+        parts.ablations = Some(rows);
+        parts.stages.extend(stages);
+        let (rows, stage) = ridge::ridge(run, done)?;
+        parts.ridge = Some(rows);
+        parts.stages.push(stage);
         if !parts.frames.rig_double.is_empty() {
             let (points, stages) = patches::sweep(run, done)?;
             parts.stages.extend(stages);
@@ -265,6 +280,7 @@ fn assemble(
         hashes: facts::hashes(run, limb, done),
         ..Report::default()
     };
+    add_reproduction(&mut report, &parts)?;
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(run));
     let printed = Printed {
         table1: &parts.table1[0],
@@ -276,6 +292,18 @@ fn assemble(
     summary::log(&mut log, &printed, with_nets)?;
     report.metrics = log.records().to_vec();
     Ok((report, log))
+}
+
+/// The tables that only the whole reproduction has, and the times of their frames.
+fn add_reproduction(report: &mut Report, parts: &Parts) -> Result<()> {
+    if let Some(ridge) = &parts.ridge {
+        report.tables.push(ridge.table(&parts.table1[0])?);
+    }
+    if let Some(ablations) = &parts.ablations {
+        report.tables.push(ablations.table()?);
+        report.stages.extend(ablations.times());
+    }
+    Ok(())
 }
 
 /// Whether the limb's mesh is fine enough.

@@ -251,7 +251,7 @@ impl<'a> AtSize<'a> {
 }
 
 /// Contacts of the training samples of all simulated sets.
-fn training_contacts(done: &Pipeline) -> Result<Vec<Vec<DrawnContact>>> {
+pub(crate) fn training_contacts(done: &Pipeline) -> Result<Vec<Vec<DrawnContact>>> {
     let data = done.data.as_ref().context("no datasets")?;
     let mut contacts = vec![];
     for stage in &data.simulated {

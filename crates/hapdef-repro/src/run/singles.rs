@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{ContactPair, ContactStats, FoundContact, HapdefError, Limb, Pipeline, Run, Stage};
-use hapdef_data::{Split, StandardiserFit};
+use hapdef_data::{Split, Standardiser, StandardiserFit};
 use hapdef_repro::{Knn, KnnParams};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -159,8 +159,7 @@ pub(crate) fn strongest(found: &[FoundContact]) -> Option<Contact> {
 /// k nearest training presses by standardised readings, k = 6, weights 1/distance.
 struct NearestPresses {
     knn: Knn,
-    mean: Vec<f32>,
-    std: Vec<f32>,
+    standardiser: Standardiser,
     targets: Vec<Contact>,
 }
 
@@ -171,23 +170,22 @@ impl NearestPresses {
         let n_gauges = x.len() / train.len();
         let mut fit = StandardiserFit::new(n_gauges);
         fit.push(&x)?;
-        let (scale, _) = fit.finish()?;
-        super::table1::standardise(&mut x, &scale.mean, &scale.std);
+        let (standardiser, _) = fit.finish()?;
+        standardiser.apply(&mut x)?;
         let targets = presses.truth(train)?.into_iter().map(|contacts| {
             let (p, force_n) = contacts[0];
             [p[0], p[1], p[2], force_n].map(|v| v as f32)
         });
         Ok(Self {
             knn: Knn::new(&x, n_gauges)?,
-            mean: scale.mean,
-            std: scale.std,
+            standardiser,
             targets: targets.collect(),
         })
     }
 
     fn answers(&self, readings: &[f32]) -> Result<Vec<Option<Contact>>> {
         let mut x = readings.to_vec();
-        super::table1::standardise(&mut x, &self.mean, &self.std);
+        self.standardiser.apply(&mut x)?;
         let found = self.knn.neighbours(&x, &KnnParams::default())?;
         let fetch = |row: usize, out: &mut [f32]| {
             out.copy_from_slice(&self.targets[row]);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{HapdefError, MapError, MapErrorSum, Pipeline, Run, Stage};
-use hapdef_data::StandardiserFit;
+use hapdef_data::{Standardiser, StandardiserFit};
 use hapdef_nets::{Net, Scratch};
 use hapdef_repro::{
     Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, MapMetric, Method, OwnRow,
@@ -83,7 +83,7 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
 }
 
 /// Turns virtual gauges into maps.
-trait Predictor {
+pub(super) trait Predictor {
     /// Maps `[n, n_surface]`, µm, for virtual gauges `x` `[n, n_virtual]`, µm. `own` names the
     /// rows of a training set that the samples are, if they are.
     fn predict(
@@ -128,8 +128,7 @@ impl Predictor for Net {
 /// k nearest neighbours over a union of training sets, on standardised virtual gauges.
 struct Neighbourhood {
     knn: Knn,
-    mean: Vec<f32>,
-    std: Vec<f32>,
+    standardiser: Standardiser,
     /// First training row of each set in the union.
     starts: Vec<usize>,
 }
@@ -146,12 +145,10 @@ impl Neighbourhood {
         let mut fit = StandardiserFit::new(n_virtual);
         fit.push(&x)?;
         let (standardiser, _) = fit.finish()?;
-        let (mean, std) = (standardiser.mean, standardiser.std);
-        standardise(&mut x, &mean, &std);
+        standardiser.apply(&mut x)?;
         Ok(Self {
             knn: Knn::new(&x, n_virtual)?,
-            mean,
-            std,
+            standardiser,
             starts,
         })
     }
@@ -172,7 +169,7 @@ impl Predictor for Neighbourhood {
         out: &mut [f32],
     ) -> Result<()> {
         let mut x = x.to_vec();
-        standardise(&mut x, &self.mean, &self.std);
+        self.standardiser.apply(&mut x)?;
         let own_row = own.map_or(OwnRow::None, |(set, rows)| OwnRow::Exclude {
             first: self.starts[set] + rows.start,
         });
@@ -194,16 +191,8 @@ impl Predictor for Neighbourhood {
     }
 }
 
-/// Takes a scale off rows of its width.
-pub(crate) fn standardise(rows: &mut [f32], mean: &[f32], std: &[f32]) {
-    for row in rows.chunks_exact_mut(mean.len()) {
-        for ((value, mean), std) in row.iter_mut().zip(mean).zip(std) {
-            *value = (*value - mean) / std;
-        }
-    }
-}
-
-fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) -> Result<()> {
+/// Adds a set's training samples to the sums of linear regression.
+pub(super) fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) -> Result<()> {
     for rows in blocks(set.split.train.clone(), BLOCK) {
         let x = set.inputs(rows.clone())?;
         linear.add_block(&x, &set.maps(rows)?)?;
@@ -212,13 +201,24 @@ fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) -> Result<(
 }
 
 /// Error on a set's test samples.
-fn test_error(
+pub(super) fn test_error(
     predictor: &mut dyn Predictor,
     sets: &mut [SampleSet],
     set: usize,
 ) -> Result<MapError> {
+    let test = sets[set].split.test.clone();
+    error_on(predictor, sets, set, test)
+}
+
+/// Error on some rows of a set that it was not trained on.
+pub(super) fn error_on(
+    predictor: &mut dyn Predictor,
+    sets: &mut [SampleSet],
+    set: usize,
+    rows: Range<usize>,
+) -> Result<MapError> {
     let mut sum = MapErrorSum::new(sets[set].n_surface);
-    for rows in blocks(sets[set].split.test.clone(), BLOCK) {
+    for rows in blocks(rows, BLOCK) {
         add_error(predictor, sets, set, rows, false, &mut sum)?;
     }
     Ok(sum.finish())

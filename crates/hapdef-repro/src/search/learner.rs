@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use hapdef_data::{Standardiser, StandardiserFit};
-use hapdef_nets::train::{BatchSource, Progress, SourceError, train, validation_loss};
+use hapdef_nets::train::{BatchSource, Progress, SourceError, train};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch, TrainParams};
 use rayon::prelude::*;
 
@@ -17,9 +17,6 @@ use crate::error::{ReproError, check_finite, check_len, whole_rows};
 const BLOCK: usize = 512;
 /// Rows that one thread sends through a net.
 const NET_ROWS: usize = 32;
-/// Largest √MSE, standardised outputs, of a net that has learned something: no constant is below
-/// 1, which each output's mean has.
-const WORST_LOSS: f64 = 0.999;
 
 /// Inputs and outputs of samples, in raw units.
 #[derive(Clone, Copy, Debug)]
@@ -167,7 +164,7 @@ fn fit_linear(
 
 impl FittedKnn {
     fn new(samples: &Samples<'_>, k: usize) -> Result<Self, ReproError> {
-        let standardiser = standardiser(samples.x, samples.n_inputs, Constant::Ignored)?;
+        let standardiser = standardiser(samples.x, samples.n_inputs)?;
         let mut x = samples.x.to_vec();
         standardiser.apply(&mut x).map_err(ReproError::Data)?;
         check_finite("k-NN training outputs", samples.n_outputs, samples.y)?;
@@ -218,8 +215,8 @@ fn fit_net(
         activation: settings.activation,
     };
     let mlp = Mlp::random(&spec, settings.training.seed).map_err(ReproError::Nets)?;
-    let input = standardiser(samples.x, samples.n_inputs, Constant::Ignored)?;
-    let output = standardiser(samples.y, samples.n_outputs, Constant::Kept)?;
+    let input = standardiser(samples.x, samples.n_inputs)?;
+    let output = standardiser(samples.y, samples.n_outputs)?;
     let [input, output] = [input, output].map(|s| Scale::new(s.mean, s.std));
     let (input, output) = (
         input.map_err(ReproError::Nets)?,
@@ -227,7 +224,6 @@ fn fit_net(
     );
     let mut net = Net::new(mlp, input, output).map_err(ReproError::Nets)?;
     let mut rows = *samples;
-    let before = validation_loss(&net, &mut rows).map_err(ReproError::Nets)?;
     let on_progress = &mut |_: &Progress| match stop() {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
@@ -238,42 +234,13 @@ fn fit_net(
     if info.stopped_early {
         return Err(ReproError::Stopped);
     }
-    let after = validation_loss(&net, &mut rows).map_err(ReproError::Nets)?;
-    if after > WORST_LOSS {
-        return Err(ReproError::NothingLearned {
-            before,
-            after,
-            learning_rate: params.learning_rate,
-            steps: params.steps,
-        });
-    }
     Ok(net)
 }
 
-/// What a column that never varies becomes.
-#[derive(Clone, Copy)]
-enum Constant {
-    /// An input: whatever it shows later, it has no say.
-    Ignored,
-    /// An output: predictions stay at its value, up to rounding.
-    Kept,
-}
-
-fn standardiser(
-    rows: &[f32],
-    width: usize,
-    constant: Constant,
-) -> Result<Standardiser, ReproError> {
+fn standardiser(rows: &[f32], width: usize) -> Result<Standardiser, ReproError> {
     let mut fit = StandardiserFit::new(width);
     fit.push(rows).map_err(ReproError::Data)?;
-    let (mut fitted, info) = fit.finish().map_err(ReproError::Data)?;
-    for column in info.constant_columns {
-        fitted.std[column] = match constant {
-            Constant::Ignored => f32::MAX,
-            Constant::Kept => (fitted.mean[column].abs() * f32::EPSILON).max(f32::MIN_POSITIVE),
-        };
-    }
-    Ok(fitted)
+    Ok(fit.finish().map_err(ReproError::Data)?.0)
 }
 
 fn predict_net(net: &Net, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::row::{StabilityRow, StabilityVerdict};
 
 /// Refusals whose words hold numbers that rounding moves; the file names their kind only.
-const ROUNDED: [&str; 3] = ["Diverged", "NotFinite", "NothingLearned"];
+const ROUNDED: [&str; 4] = ["Diverged", "NotFinite", "NothingLearned", "Overflow"];
 
 const NETS: &str = "# Stability of training, baselines and inference
 
@@ -16,6 +16,8 @@ training and 100 test samples, with one thing at an extreme, and something that 
 - measured: the figure that must not exceed the limit, to its order of magnitude; it depends on
   rounding and is not compared. `cargo xtask stability nets` prints it in full.
 - error: RMS error on test samples over the RMS spread of their outputs; the mean has 1.
+- bf16, int8 weights, int8: the trained net, prepared for run time in that precision, against the same
+  weights in f64. The stated bound is that of `hapdef_nets::infer::Precision`, layer by layer.
 
 A row is `accurate` where what must hold, holds, `refused` where the method gave a typed error, and
 `SILENTLY WRONG` where neither is so.

@@ -8,6 +8,7 @@ mod cases;
 mod document;
 mod inverse;
 mod plant;
+mod quantised;
 mod row;
 
 use std::sync::Arc;
@@ -18,7 +19,9 @@ pub use row::{StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict,
 
 /// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
 pub fn nets_rows(mut progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
-    let rows = cases::cases().into_iter().map(|case| {
+    let mut all = cases::cases();
+    quantised::quantised(&mut all);
+    let rows = all.into_iter().map(|case| {
         let row = case.row();
         progress(&row);
         row

@@ -75,7 +75,11 @@ pub(super) fn calibrate_live(
     };
     let rate_hz = f64::from(hello.rate_mhz) * 1e-3;
     run.say("solving the limb's response");
-    let params = SessionParams::new(n_presses, force_n, rate_hz, quality);
+    let steps = hello.channels.iter().map(|c| f64::from(c.scale).abs());
+    let params = SessionParams {
+        step_ue: steps.take(limb.gauges.len()).collect(),
+        ..SessionParams::new(n_presses, force_n, rate_hz, quality)
+    };
     let mut session = CalibrationSession::new(run, limb, params)?;
     println!("taking the tare: don't touch the limb");
     feed.guide(run, &mut session, limb.gauges.len())?;

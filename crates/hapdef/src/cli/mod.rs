@@ -23,6 +23,7 @@ mod signals;
 mod sim;
 mod source;
 mod stage;
+mod view;
 
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use hapdef_inverse::{
 };
 use nalgebra::Point3;
 
-use super::hold::{Hold, HoldParams};
+use super::hold::{Hold, HoldParams, norm};
 use super::plan::Plan;
 use super::table::PressRow;
 use crate::error::HapdefError;
@@ -37,6 +37,8 @@ pub struct SessionParams {
     pub force_n: f64,
     /// Frames per second.
     pub rate_hz: f64,
+    /// Step of each gauge's converter `[n_gauges]`, µε; empty where it is too small to matter.
+    pub step_ue: Vec<f64>,
     /// What is known of readings and presses; of the noise that of a single frame.
     pub quality: PressQuality,
     /// When a press counts.
@@ -127,9 +129,50 @@ impl SessionParams {
             n_between: 6,
             force_n,
             rate_hz,
+            step_ue: Vec::new(),
             quality,
             hold: HoldParams::at_rate(rate_hz),
         }
+    }
+
+    fn step_ue(&self, gauge: usize) -> f64 {
+        self.step_ue.get(gauge).copied().unwrap_or(0.0)
+    }
+
+    /// The steps of a converter that are larger than the noise are not averaged out.
+    fn is_coarse(&self, gauge: usize) -> bool {
+        self.step_ue(gauge) > self.quality.noise_ue
+    }
+
+    /// Noise of a press `[n_gauges]`, µε: a frame's, averaged over those that are held and those of the
+    /// tare, and the steps of both where they are coarse.
+    fn press_noise_ue(&self, n_gauges: usize) -> Vec<f64> {
+        let tare_frames = ConditionerParams::new(Vec::new(), 1.0).tare_frames as f64;
+        let by_mean = 1.0 / self.hold.hold_frames as f64 + 1.0 / tare_frames;
+        let noise = |gauge| {
+            let step = if self.is_coarse(gauge) {
+                self.step_ue(gauge)
+            } else {
+                0.0
+            };
+            (self.quality.noise_ue.powi(2) * by_mean + step * step / 6.0).sqrt()
+        };
+        (0..n_gauges).map(noise).collect()
+    }
+
+    fn conditioning(&self, n_gauges: usize) -> ConditionerParams {
+        let sd = |gauge| {
+            self.quality
+                .noise_ue
+                .hypot(self.step_ue(gauge) / 12f64.sqrt())
+        };
+        let sds: Vec<f64> = (0..n_gauges).map(sd).collect();
+        let mut params = ConditionerParams::new(sds, 1.0 / self.rate_hz);
+        if (0..n_gauges).any(|gauge| self.is_coarse(gauge)) {
+            // A gauge that is hardly loaded then repeats its value without being dead.
+            params.stuck_frames = usize::MAX;
+        }
+        params
     }
 }
 
@@ -154,12 +197,9 @@ impl CalibrationSession {
             force_sd_n: params.quality.force_sd_n,
             n_next: params.n_between,
             n_threads: run.threads,
-            ..CalibrationParams::new(vec![mean_noise(&params); n_gauges])
+            ..CalibrationParams::new(params.press_noise_ue(n_gauges))
         };
-        let conditioner = Conditioner::new(ConditionerParams::new(
-            vec![noise_ue; n_gauges],
-            1.0 / params.rate_hz,
-        ))?;
+        let conditioner = Conditioner::new(params.conditioning(n_gauges))?;
         Ok(Self {
             plan: Plan::new(response, params.n_first.min(params.n_presses), calibration)?,
             conditioned: conditioner.output(),
@@ -246,8 +286,9 @@ impl CalibrationSession {
         run: &Run,
         limb: &Limb,
     ) -> Result<(Calibration, CalibrationInfo), HapdefError> {
+        let noise = self.params.press_noise_ue(limb.gauges.len());
         let quality = PressQuality {
-            noise_ue: mean_noise(&self.params),
+            noise_ue: norm(noise.iter().copied()) / (noise.len() as f64).sqrt(),
             ..self.params.quality
         };
         Calibration::fit(run, limb, &self.presses, &quality, N_SITES)
@@ -312,11 +353,4 @@ impl CalibrationSession {
         }
         self.ask()
     }
-}
-
-/// Noise of a press: a single frame's, averaged over the frames that are held, and the tare's.
-fn mean_noise(params: &SessionParams) -> f64 {
-    let tare_frames = ConditionerParams::new(Vec::new(), 1.0).tare_frames as f64;
-    let variance = 1.0 / params.hold.hold_frames as f64 + 1.0 / tare_frames;
-    params.quality.noise_ue * variance.sqrt()
 }

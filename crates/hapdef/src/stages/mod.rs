@@ -17,5 +17,5 @@ pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_c
 pub use mesh_check::mesh_check;
 pub use nets::NetKind;
 pub use rig::{real_limb, rig};
-pub use simulate::compliance;
+pub use simulate::{compliance, compliance_table};
 pub use train::{TrainedNet, TrainedNets, train, train_kinds};

@@ -93,7 +93,8 @@ impl NetKind {
     }
 }
 
-/// Means and deviations of a source's inputs and outputs.
+/// Means and deviations of a source's inputs and outputs; those that never vary have the deviation
+/// 0, and no say.
 pub(super) fn fit_scales(samples: &mut dyn BatchSource) -> Result<[Scale; 2], HapdefError> {
     let (n_in, n_out) = (samples.n_inputs(), samples.n_outputs());
     let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];

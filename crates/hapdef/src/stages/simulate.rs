@@ -66,6 +66,15 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
     })
 }
 
+/// The same, read into memory.
+///
+/// # Errors
+/// As [`compliance`], and [`HapdefError::Data`] for a damaged table.
+pub fn compliance_table(run: &Run, limb: &Limb) -> Result<ComplianceTable, HapdefError> {
+    let path = compliance(run, limb)?.dir.join(COMPLIANCE_FILE);
+    ComplianceTable::read(&path, limb.n_surface_nodes())
+}
+
 pub(super) fn inputs(run: &Run, limb: &Limb) -> Value {
     let scene = &run.scene;
     json!({

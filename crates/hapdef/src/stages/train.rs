@@ -79,7 +79,7 @@ impl TrainedNets {
 ///
 /// # Errors
 /// [`HapdefError::Stopped`] when the person stopped it (a checkpoint is kept),
-/// [`HapdefError::Net`] when a loss is no number.
+/// [`HapdefError::Net`] when a loss is no number or a net has learned nothing.
 pub fn train(
     run: &Run,
     limb: &Limb,
@@ -152,13 +152,13 @@ impl Trainer<'_> {
                 dir,
                 output_modes: self.output_modes(kind, fixed.n_outputs()),
             };
-            let info = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
+            let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
                 return Err(HapdefError::Stopped {
                     stage: format!("training {}", kind.name()),
                 });
             }
-            Ok(record(kind, n_samples, &info))
+            Ok(record(kind, n_samples, &info, &net))
         })
     }
 
@@ -258,7 +258,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
     }
 }
 
-fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
+fn record(kind: NetKind, n_samples: usize, info: &TrainInfo, net: &Net) -> Value {
     let looks = || info.looks.iter();
     json!({
         "net": kind.name(),
@@ -268,6 +268,8 @@ fn record(kind: NetKind, n_samples: usize, info: &TrainInfo) -> Value {
         "train_loss": info.train_loss,
         "validation_loss": info.validation_loss,
         "precision": info.precision,
+        "constant_inputs": net.input_scale().constant_columns().collect::<Vec<_>>(),
+        "constant_outputs": net.output_scale().constant_columns().collect::<Vec<_>>(),
         "samples_per_s": info.samples_per_s,
         "history": {
             "step": looks().map(|look| look.step).collect::<Vec<_>>(),

@@ -39,14 +39,15 @@ impl Training<'_> {
         fixed: &mut dyn BatchSource,
         drawn: Option<&mut DrawnSamples<'_>>,
         validation: &mut dyn BatchSource,
-    ) -> Result<TrainInfo, HapdefError> {
+    ) -> Result<(TrainInfo, Net), HapdefError> {
         let scales = fit_scales(fixed)?;
+        self.say_constant(&scales[0]);
         let samples = either(drawn, fixed);
         match self.output_modes {
             Some(rank) => self.run_in_modes(rank, scales, samples, validation),
             None => {
                 let checkpoint = self.dir.join(CHECKPOINT_FILE);
-                Ok(self.fit(&checkpoint, scales, samples, validation)?.1)
+                self.fit(&checkpoint, scales, samples, validation)
             }
         }
     }
@@ -58,7 +59,7 @@ impl Training<'_> {
         [input, output]: [Scale; 2],
         samples: &mut dyn BatchSource,
         validation: &mut dyn BatchSource,
-    ) -> Result<TrainInfo, HapdefError> {
+    ) -> Result<(TrainInfo, Net), HapdefError> {
         let rows = mode_rows(samples);
         let modes = OutputModes::of_samples(samples, &rows, &output, rank)?;
         self.run.say(&format!(
@@ -74,14 +75,14 @@ impl Training<'_> {
         let checkpoint = folder.join(CHECKPOINT_FILE);
         let scales = [input, Scale::identity(rank)];
         let (mut samples, mut validation) = (modes.source(samples), modes.source(validation));
-        let (net, info) = self.fit(&checkpoint, scales, &mut samples, &mut validation)?;
+        let (info, net) = self.fit(&checkpoint, scales, &mut samples, &mut validation)?;
+        let net = modes.unfold(&net)?;
         if !info.stopped_early {
             let record = load(&checkpoint)?.1;
-            let path = self.dir.join(CHECKPOINT_FILE);
-            save(&path, &modes.unfold(&net)?, &record, None)?;
+            save(&self.dir.join(CHECKPOINT_FILE), &net, &record, None)?;
             std::fs::remove_dir_all(&folder).map_err(file_error)?;
         }
-        Ok(info)
+        Ok((info, net))
     }
 
     fn fit(
@@ -90,7 +91,7 @@ impl Training<'_> {
         [input, output]: [Scale; 2],
         samples: &mut dyn BatchSource,
         validation: &mut dyn BatchSource,
-    ) -> Result<(Net, TrainInfo), HapdefError> {
+    ) -> Result<(TrainInfo, Net), HapdefError> {
         let (run, params) = (self.run, self.params);
         let bar = run.progress.training(&self.kind.name(), params.steps);
         let mut go_on = |progress: &Progress| {
@@ -103,13 +104,28 @@ impl Training<'_> {
         };
         let validation = Some(validation);
         if checkpoint.exists() {
-            return Ok(resume(checkpoint, samples, validation, params, &mut go_on)?);
+            let (net, info) = resume(checkpoint, samples, validation, params, &mut go_on)?;
+            return Ok((info, net));
         }
         let spec = self.kind.spec(samples.n_inputs(), samples.n_outputs());
         let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
         let path = Some(checkpoint);
         let info = train_net(&mut net, samples, validation, params, path, &mut go_on)?;
-        Ok((net, info))
+        Ok((info, net))
+    }
+
+    /// Names the inputs that never vary in training: the net can't learn what they mean, and ignores
+    /// them.
+    fn say_constant(&self, input: &Scale) {
+        let columns: Vec<String> = input.constant_columns().map(|c| c.to_string()).collect();
+        if !columns.is_empty() {
+            self.run.say(&format!(
+                "{}: inputs {} (counted from 0) never vary in its training samples; it will ignore \
+                 them",
+                self.kind.name(),
+                columns.join(", ")
+            ));
+        }
     }
 }
 

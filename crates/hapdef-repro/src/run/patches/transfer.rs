@@ -1,7 +1,7 @@
 //! F_T by the three methods that figure 5A compares.
 
 use anyhow::Result;
-use hapdef_data::StandardiserFit;
+use hapdef_data::{Standardiser, StandardiserFit};
 use hapdef_nets::Net;
 use hapdef_repro::{Knn, KnnParams, LinearRegression};
 
@@ -12,8 +12,7 @@ pub(super) enum Transfer {
     Linear(LinearRegression),
     Nearest {
         knn: Knn,
-        mean: Vec<f32>,
-        std: Vec<f32>,
+        standardiser: Standardiser,
         y: Vec<f32>,
         width: usize,
     },
@@ -25,14 +24,13 @@ impl Transfer {
     pub(super) fn nearest(x: &[f32], y: Vec<f32>, n_gauges: usize) -> Result<Self> {
         let mut fit = StandardiserFit::new(n_gauges);
         fit.push(x)?;
-        let (scale, _) = fit.finish()?;
+        let (standardiser, _) = fit.finish()?;
         let mut x = x.to_vec();
-        super::super::table1::standardise(&mut x, &scale.mean, &scale.std);
+        standardiser.apply(&mut x)?;
         Ok(Self::Nearest {
             width: y.len() / (x.len() / n_gauges),
             knn: Knn::new(&x, n_gauges)?,
-            mean: scale.mean,
-            std: scale.std,
+            standardiser,
             y,
         })
     }
@@ -49,13 +47,12 @@ impl Transfer {
             }
             Self::Nearest {
                 knn,
-                mean,
-                std,
+                standardiser,
                 y,
                 width,
             } => {
                 let mut x = readings.to_vec();
-                super::super::table1::standardise(&mut x, mean, std);
+                standardiser.apply(&mut x)?;
                 let found = knn.neighbours(&x, &KnnParams::default())?;
                 let mut out = vec![0.0; found.n_queries() * width];
                 for (query, out) in out.chunks_exact_mut(*width).enumerate() {

@@ -167,3 +167,59 @@ fn mean_and_sd(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let square: f64 = values.map(|v| (v - mean).powi(2)).sum();
     [mean, (square / n).sqrt().max(1.0)]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use hapdef_daq::Frame;
+    use hapdef_daq::hdp1::{Hello, SampleFormat};
+    use hapdef_daq::record::{RecordParams, record};
+    use hapdef_daq::source::ReplaySource;
+
+    use super::super::check::State;
+    use super::*;
+
+    /// Readings of three gauges: presses at 1 s, 2 s and 3 s, answered by these channels.
+    fn pressed(answers: [usize; 3]) -> impl Iterator<Item = Message> + Send {
+        let hello = Message::Hello(Arc::new(Hello::plain(3, SampleFormat::I16, 1000)));
+        let frames = (0..4000u32).map(move |i| {
+            let noise = |k: u32| ((i.wrapping_mul(2_654_435_761) >> (k + 8)) % 9) as i32 - 4;
+            let mut samples = [noise(0), noise(3), noise(6)];
+            let (press, at) = (i as usize / 1000, i % 1000);
+            if press > 0 && at < 300 {
+                samples[answers[press - 1]] += 400;
+                // The others feel it, too.
+                samples[(answers[press - 1] + 1) % 3] -= 90;
+            }
+            let mut frame = Frame::new(i, SampleFormat::I16, samples);
+            frame.t_host_ns = u64::from(i) * 1_000_000;
+            Message::Frame(frame)
+        });
+        std::iter::once(hello).chain(frames)
+    }
+
+    #[test]
+    fn a_channel_that_answers_for_another_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("presses.mcap");
+        let source = ReplaySource::new("made up", pressed([0, 2, 2]), f64::INFINITY);
+        let (_acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
+        let recorder = record(receivers.remove(0), &path, RecordParams::default()).unwrap();
+        while recorder.stats().n_frames < 4000 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        recorder.finish().unwrap();
+        let source: SourceArg = format!("replay:{}@2", path.display()).parse().unwrap();
+        let names = ["toe", "shin", "knee"].map(str::to_owned);
+        let asked = std::sync::Mutex::new(Vec::new());
+        let ask = |text: &str| asked.lock().unwrap().push(text.to_owned());
+        let never = AtomicBool::new(false);
+        let patience = Duration::from_secs(5);
+        let checks = checks(&source, patience, Some(&names), &never, &ask).unwrap();
+        let states: Vec<State> = checks.iter().map(|check| check.state).collect();
+        assert_eq!(states, [State::Ok, State::Bad, State::Ok], "{checks:?}");
+        assert!(checks[1].found.contains("channel 2 (G2)"), "{}", checks[1]);
+        assert_eq!(asked.into_inner().unwrap().len(), 3);
+    }
+}

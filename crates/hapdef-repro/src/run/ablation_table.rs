@@ -1,0 +1,305 @@
+//! The ablations as one table: the chain with one thing changed, a row each.
+
+mod modes;
+mod nets;
+mod refine;
+mod score;
+mod target;
+mod ways;
+
+use anyhow::{Context, Result};
+use hapdef::stages::NetKind;
+use hapdef::{ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage};
+use hapdef_nets::Net;
+use hapdef_repro::{ReportTable, StageTime, TextCell, TextTable};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use self::nets::{AblationNets, Trainer};
+use self::refine::Refiner;
+use self::score::{AblationRow, Tests};
+use self::target::{Target, TrueMaps};
+use self::ways::{Choice, MapsFrom, Way};
+use super::chain::{chain, reconstruction};
+
+const VERSION: u32 = 1;
+
+/// Names of the rows that others are compared with.
+const CHAIN: &str = "the chain";
+const BRIEF: &str = "the chain, F_R trained briefly";
+
+/// The table's rows, and the time of a frame in each.
+#[derive(Deserialize, Serialize)]
+pub(crate) struct Ablations {
+    rows: Vec<AblationRow>,
+    frame_s: Vec<f64>,
+    /// What the modes leave out of the variance, by target.
+    left_out: Vec<(String, f64)>,
+}
+
+/// Trains what is missing and tests every row, or reads the rows from the cache.
+pub(crate) fn ablation_table(
+    run: &Run,
+    limb: &Limb,
+    done: &Pipeline,
+) -> Result<(Ablations, Vec<Stage>)> {
+    let data = done.data.as_ref().context("no datasets")?;
+    let nets = done.nets.as_ref().context("no nets")?;
+    let path = done.compliance.dir.join("compliance.safetensors");
+    let table = ComplianceTable::read(&path, limb.n_surface_nodes())?;
+    let truth = TrueMaps {
+        table: &table,
+        directions: &limb.directions,
+    };
+    let chain = chain(run, limb, done)?;
+    let trainer = Trainer {
+        run,
+        done,
+        data,
+        nets,
+        truth: &truth,
+        chain: &chain,
+    };
+    let (made, mut stages) = trainer.all()?;
+    let keys: Vec<&str> = stages.iter().map(|stage| stage.key.as_str()).collect();
+    let inputs = json!({
+        "version": VERSION, "keys": super::keys_of(run, done), "nets": keys,
+        "singles": data.rig_single.key, "doubles": data.rig_double.as_ref().map(|s| &s.key),
+        "estimator": run.scene.estimator,
+    });
+    let stage = run.cache.stage("ablations", &inputs, |_| {
+        run.say("the ablations, row by row");
+        let world = World {
+            run,
+            limb,
+            truth: &truth,
+            chain: &chain,
+        };
+        let rows = Tests::read(data)
+            .and_then(|tests| world.rows(done, &made, &tests))
+            .and_then(|rows| Ok(serde_json::to_value(rows)?));
+        rows.map_err(|error| match error.downcast::<HapdefError>() {
+            Ok(error) => error,
+            Err(error) => HapdefError::Stale {
+                path: "ablations".into(),
+                what: format!("{error:#}"),
+            },
+        })
+    })?;
+    let found = Ablations::deserialize(&stage.record.info).context("the ablations stage")?;
+    stages.push(stage);
+    Ok((found, stages))
+}
+
+/// What rows are made from.
+struct World<'a> {
+    run: &'a Run,
+    limb: &'a Limb,
+    truth: &'a TrueMaps<'a>,
+    chain: &'a Hapdefx,
+}
+
+impl World<'_> {
+    fn rows(&self, done: &Pipeline, made: &AblationNets, tests: &Tests) -> Result<Ablations> {
+        let nets = done.nets.as_ref().context("no nets")?;
+        let transfer = nets.load(NetKind::Transfer)?;
+        let whole = reconstruction(done)?;
+        let points = self.limb.surface_points();
+        let refiner = Refiner {
+            points: &points,
+            across: self.truth.directions,
+        };
+        let chain_of = |sensitivity: &Net| {
+            let points = points.iter().map(|p| p.coords.into()).collect();
+            let spec = self.run.scene.estimator.hapdefx();
+            let nets = (transfer.clone(), made.brief.clone());
+            Hapdefx::new(nets.0, nets.1, sensitivity.clone(), points, &spec)
+        };
+        let (on_predicted, on_normal) = (chain_of(&made.on_predicted)?, chain_of(&made.on_normal)?);
+        let mut ways = self.whole_ways(&transfer, &whole, made, &on_predicted, &refiner);
+        ways.extend(self.brief_ways(&transfer, made, &on_normal));
+        let (mut rows, mut frame_s) = (vec![], vec![]);
+        for way in &ways {
+            self.run.check_stop("the ablations")?;
+            rows.push(tests.row(way, self.truth)?);
+            frame_s.push(tests.frame_s(way, self.truth)?);
+        }
+        let left_out = made.by_modes.iter();
+        let left_out = left_out.map(|(target, _, modes)| (target.name().into(), modes.left_out));
+        Ok(Ablations {
+            rows,
+            frame_s,
+            left_out: left_out.collect(),
+        })
+    }
+
+    /// Rows that keep the run's own F_R.
+    fn whole_ways<'a>(
+        &'a self,
+        transfer: &'a Net,
+        whole: &'a Net,
+        made: &'a AblationNets,
+        on_predicted: &'a Hapdefx,
+        refiner: &'a Refiner<'a>,
+    ) -> Vec<Way<'a>> {
+        let maps = MapsFrom::Gauges(Some(transfer), whole, None);
+        let row = |name: &str, maps| Way {
+            name: name.into(),
+            against: CHAIN,
+            maps,
+            chain: self.chain,
+            choice: Choice::Force,
+            refiner: None,
+        };
+        vec![
+            Way {
+                against: "",
+                ..row(CHAIN, maps)
+            },
+            Way {
+                choice: Choice::ForceWithSpread,
+                ..row("point T + 1 exchanged for T", maps)
+            },
+            Way {
+                choice: Choice::Displacement,
+                ..row("candidates ranked by displacement", maps)
+            },
+            Way {
+                refiner: Some(refiner),
+                ..row("peaks refined between nodes", maps)
+            },
+            Way {
+                chain: on_predicted,
+                ..row("F_S trained on predicted maps", maps)
+            },
+            row(
+                "F_T trained on superposed presses, too",
+                MapsFrom::Gauges(Some(&made.transfer), whole, None),
+            ),
+            row("true virtual gauges", MapsFrom::Gauges(None, whole, None)),
+            row("true map", MapsFrom::Truth),
+        ]
+    }
+
+    /// Rows with an F_R of their own, all trained equally briefly.
+    fn brief_ways<'a>(
+        &'a self,
+        transfer: &'a Net,
+        made: &'a AblationNets,
+        on_normal: &'a Hapdefx,
+    ) -> Vec<Way<'a>> {
+        let row = |name: String, against, maps| Way {
+            name,
+            against,
+            maps,
+            chain: self.chain,
+            choice: Choice::Force,
+            refiner: None,
+        };
+        let brief = MapsFrom::Gauges(Some(transfer), &made.brief, None);
+        let mut ways = vec![
+            row(BRIEF.into(), CHAIN, brief),
+            row(
+                "readings straight to the map".into(),
+                BRIEF,
+                MapsFrom::Readings(&made.without_gauges),
+            ),
+        ];
+        for (target, net, modes) in &made.by_modes {
+            let name = format!("map of the {} by {} modes", target.name(), modes.n());
+            let maps = MapsFrom::Gauges(Some(transfer), net, Some((*target, modes)));
+            ways.push(Way {
+                chain: match target {
+                    Target::Normal => on_normal,
+                    _ => self.chain,
+                },
+                ..row(name, BRIEF, maps)
+            });
+        }
+        ways
+    }
+}
+
+impl Ablations {
+    /// For people.
+    pub(crate) fn table(&self) -> Result<ReportTable> {
+        let header = [
+            "changed",
+            "compare with",
+            "map, µm",
+            "FVU",
+            "double: FVU",
+            "single, mm",
+            "single, N",
+            "double, lenient, mm",
+            "one-to-one, mm",
+            "one-to-one, N",
+            "found",
+            "weights, M",
+        ];
+        let left_out: Vec<String> = self
+            .left_out
+            .iter()
+            .map(|(target, share)| format!("{target} {:.2} %", share * 100.0))
+            .collect();
+        Ok(ReportTable {
+            title: "Ablations: the chain with one thing changed".into(),
+            note: format!(
+                "At most 400 test presses of each kind on the rig, T given. Map and FVU: the row's \
+                 own map (magnitude, part along the press, or vector, per component) on simulated \
+                 samples, from true virtual gauges; double: FVU is from readings. Nets behind \
+                 \"{BRIEF}\" all have half of F_R's steps, at most 1,500; the others are trained \
+                 as long as the run's own. Modes are those of standardised training maps; they \
+                 leave out of the variance: {}. Contacts on the rig lie on nodes, so refining \
+                 peaks can only make up for errors of the map. The time of a frame in each row is \
+                 among the times below.",
+                left_out.join(", ")
+            ),
+            text: TextTable {
+                header: header.map(str::to_owned).to_vec(),
+                rows: self.rows.iter().map(cells).collect(),
+            },
+            data: serde_json::to_value(&self.rows)?,
+        })
+    }
+
+    /// Median time of a frame, one core, without preparation for fast single passes.
+    pub(crate) fn times(&self) -> impl Iterator<Item = StageTime> + '_ {
+        let rows = self.rows.iter().zip(&self.frame_s);
+        rows.map(|(row, frame_s)| StageTime {
+            name: format!("a frame, {}", row.name),
+            elapsed_s: *frame_s,
+            cached: false,
+        })
+    }
+}
+
+fn cells(row: &AblationRow) -> Vec<TextCell> {
+    let or_none = |value: Option<String>| value.unwrap_or_else(|| "–".into());
+    let mm = |stats: &hapdef::ContactStats| match stats.n {
+        0 => "–".to_owned(),
+        _ => format!("{:.1}", stats.mean_mm),
+    };
+    let newtons = |stats: &hapdef::ContactStats| match stats.n {
+        0 => "–".to_owned(),
+        _ => format!("{:.1}", stats.mean_n),
+    };
+    let percent = |share: f64| format!("{:.1} %", share * 100.0);
+    let found = row.single.n + row.one_to_one.map_or(0, |s| s.n);
+    let expected = row.single.n_expected + row.one_to_one.map_or(0, |s| s.n_expected);
+    let cells = [
+        row.name.clone(),
+        row.against.clone(),
+        or_none(row.simulated.map(|m| format!("{:.2}", m.mean_abs_um))),
+        or_none(row.simulated.map(|m| percent(m.fvu))),
+        or_none(row.double_map.map(|m| percent(m.fvu))),
+        mm(&row.single),
+        newtons(&row.single),
+        or_none(row.lenient.as_ref().map(mm)),
+        or_none(row.one_to_one.as_ref().map(mm)),
+        or_none(row.one_to_one.as_ref().map(newtons)),
+        format!("{found} of {expected}"),
+        format!("{:.2}", row.n_weights as f64 * 1e-6),
+    ];
+    cells.map(TextCell::plain).to_vec()
+}

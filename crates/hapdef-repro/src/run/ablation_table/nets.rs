@@ -1,0 +1,239 @@
+//! The nets that only the ablations need.
+
+use anyhow::{Context, Result};
+use hapdef::stages::{Datasets, NetKind, TrainedNets};
+use hapdef::{DrawnContact, Hapdefx, Pipeline, Run, Stage};
+use hapdef_data::Split;
+use hapdef_nets::train::MemorySource;
+use hapdef_nets::{MlpSpec, Net};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde_json::{Value, json};
+
+use super::super::chain::maps;
+use super::super::fit::{Brief, OutputScale, fit, fit_scaled};
+use super::super::patches::training_contacts;
+use super::super::presses::Presses;
+use super::super::samples::{SampleSet, blocks};
+use super::modes::Modes;
+use super::target::{Target, TrueMaps};
+
+/// Modes of a map.
+const N_MODES: usize = 128;
+
+/// Training samples that tell the modes.
+const N_SNAPSHOTS: usize = 600;
+
+/// Samples computed together.
+const BLOCK: usize = 512;
+
+/// Set into the scene's seed to choose which presses are superposed.
+const SUPERPOSED_SEED: u64 = 0x7375_7065;
+
+/// Everything that rows are made from, beside the pipeline's own nets.
+pub(super) struct AblationNets {
+    /// F_R of the paper, trained briefly.
+    pub(super) brief: Net,
+    /// F_R to the coefficients of modes, for each of [`Target::ALL`], trained as briefly.
+    pub(super) by_modes: Vec<(Target, Net, Modes)>,
+    /// Readings straight to the map, trained as briefly.
+    pub(super) without_gauges: Net,
+    /// F_T on superposed presses, too.
+    pub(super) transfer: Net,
+    /// F_S on maps that the chain predicted.
+    pub(super) on_predicted: Net,
+    /// F_S for the displacement along the press.
+    pub(super) on_normal: Net,
+}
+
+/// Trains nets, or reads them from the cache.
+pub(super) struct Trainer<'a> {
+    pub(super) run: &'a Run,
+    pub(super) done: &'a Pipeline,
+    pub(super) data: &'a Datasets,
+    pub(super) nets: &'a TrainedNets,
+    pub(super) truth: &'a TrueMaps<'a>,
+    pub(super) chain: &'a Hapdefx,
+}
+
+impl Trainer<'_> {
+    /// All of them, and their stages.
+    pub(super) fn all(&self) -> Result<(AblationNets, Vec<Stage>)> {
+        let brief = Brief::reconstruction(&self.run.profile);
+        let mut stages = vec![];
+        let mut keep = |(net, stage): (Net, Stage)| {
+            stages.push(stage);
+            net
+        };
+        let sets: Vec<&str> = self.data.simulated.iter().map(|s| s.key.as_str()).collect();
+        let of = json!({ "sets": sets });
+        let spec = MlpSpec::reconstruction;
+        let whole = || self.map_samples(None);
+        let whole = keep(fit(self.run, "F_R", &of, brief, spec, whole)?);
+        let mut by_modes = vec![];
+        for target in Target::ALL {
+            let modes = self.modes(target)?;
+            let name = format!("F_R to modes, {}", target.name());
+            let scaled = (brief, OutputScale::One);
+            let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
+            let open = || self.map_samples(Some((target, &modes)));
+            let net = keep(fit_scaled(self.run, &name, &of, scaled, spec, open)?);
+            by_modes.push((target, net, modes));
+        }
+        let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
+        stages.push(stage);
+        let (transfer, stage) = self.transfer()?;
+        stages.push(stage);
+        let (on_predicted, stage) = self.on_predicted()?;
+        stages.push(stage);
+        let (on_normal, stage) = self.on_normal()?;
+        stages.push(stage);
+        let nets = AblationNets {
+            brief: whole,
+            by_modes,
+            without_gauges,
+            transfer,
+            on_predicted,
+            on_normal,
+        };
+        Ok((nets, stages))
+    }
+
+    /// Modes of an even choice of the training samples of all sets.
+    fn modes(&self, target: Target) -> Result<Modes> {
+        let contacts = training_contacts(self.done)?;
+        let n = contacts.len().min(N_SNAPSHOTS);
+        let chosen = (0..n).map(|i| contacts[i * contacts.len() / n].clone());
+        let snapshots = self.truth.of(target, &chosen.collect::<Vec<_>>());
+        let width = target.width(self.truth.directions.len());
+        Modes::of(&snapshots, width, N_MODES)
+    }
+
+    /// Virtual gauges → map, or → the coefficients of modes, of all simulated training samples.
+    fn map_samples(&self, by: Option<(Target, &Modes)>) -> Result<MemorySource> {
+        let (mut x, mut y) = (vec![], vec![]);
+        let mut n_virtual = 0;
+        for (set, stage) in SampleSet::open_all(self.data)?
+            .iter_mut()
+            .zip(&self.data.simulated)
+        {
+            let mut presses = Presses::open(stage)?;
+            n_virtual = set.n_virtual;
+            for rows in blocks(set.split.train.clone(), BLOCK) {
+                self.run.check_stop("the ablations")?;
+                x.extend(set.inputs(rows.clone())?);
+                y.extend(match by {
+                    None => set.maps(rows)?,
+                    Some((target, modes)) => {
+                        modes.encode(self.truth.of(target, &presses.drawn(rows)?))?
+                    }
+                });
+            }
+        }
+        let n_out = y.len() / (x.len() / n_virtual);
+        Ok(MemorySource::new(n_virtual, n_out, x, y)?)
+    }
+
+    /// F_T on the rig's single training presses and on sums of several of them.
+    fn transfer(&self) -> Result<(Net, Stage)> {
+        let n_sets = self.data.simulated.len();
+        let of = json!({ "presses": self.data.rig_single.key, "superposed": n_sets });
+        let brief = Brief::whole(&self.run.profile.transfer);
+        let open = || self.superposed(n_sets);
+        let name = "F_T on superposed presses";
+        fit(self.run, name, &of, brief, MlpSpec::transfer, open)
+    }
+
+    /// Readings → virtual gauges of the presses themselves and, for each number of contacts from 2
+    /// to `n_sets`, as many sums of readings of presses drawn with replacement.
+    fn superposed(&self, n_sets: usize) -> Result<MemorySource> {
+        let mut presses = Presses::open(&self.data.rig_single)?;
+        let train = Split::of(presses.n())?.train;
+        let readings = presses.read("readings", train.clone())?;
+        let contacts = presses.drawn(train)?;
+        let n_gauges = readings.len() / contacts.len();
+        let mut rng = ChaCha8Rng::seed_from_u64(self.run.scene.seed ^ SUPERPOSED_SEED);
+        let (mut x, mut all) = (readings.clone(), contacts.clone());
+        for n_contacts in 2..=n_sets {
+            for _ in 0..contacts.len() {
+                let mut sum = vec![0.0; n_gauges];
+                let mut together: Vec<DrawnContact> = vec![];
+                for _ in 0..n_contacts {
+                    let press = (rng.next_u64() % contacts.len() as u64) as usize;
+                    let row = &readings[press * n_gauges..(press + 1) * n_gauges];
+                    sum.iter_mut().zip(row).for_each(|(sum, r)| *sum += r);
+                    together.extend(&contacts[press]);
+                }
+                x.extend(sum);
+                all.push(together);
+            }
+        }
+        let y = self.truth.virtual_gauges(&all);
+        Ok(MemorySource::new(n_gauges, y.len() / all.len(), x, y)?)
+    }
+
+    /// F_S on the displacements that the chain predicts where the rig's training presses were.
+    fn on_predicted(&self) -> Result<(Net, Stage)> {
+        let nets = self.nets.nets.iter();
+        let behind: Vec<&str> = nets
+            .filter(|net| net.kind != NetKind::Sensitivity && net.kind != NetKind::Direct)
+            .map(|net| net.stage.key.as_str())
+            .collect();
+        let of = json!({ "presses": self.data.rig_single.key, "nets": behind });
+        let displacement = |presses: &mut Presses, rows: std::ops::Range<usize>| {
+            let readings = presses.read("readings", rows.clone())?;
+            maps(self.chain, &readings, rows.len(), presses.n_surface)
+        };
+        let stage = &self.data.rig_single;
+        self.sensitivity("F_S on predicted maps", &of, stage, displacement)
+    }
+
+    /// F_S on the true displacements along the press of simulated single contacts.
+    fn on_normal(&self) -> Result<(Net, Stage)> {
+        let stage = &self.data.simulated[0];
+        let of = json!({ "set": stage.key });
+        let displacement = |presses: &mut Presses, rows: std::ops::Range<usize>| {
+            Ok(self.truth.of(Target::Normal, &presses.drawn(rows)?))
+        };
+        self.sensitivity("F_S along the press", &of, stage, displacement)
+    }
+
+    /// F_S on single presses of a set, with the maps that `maps_of` gives.
+    fn sensitivity(
+        &self,
+        name: &str,
+        of: &Value,
+        stage: &Stage,
+        maps_of: impl Fn(&mut Presses, std::ops::Range<usize>) -> Result<Vec<f32>>,
+    ) -> Result<(Net, Stage)> {
+        let brief = Brief::whole(&self.run.profile.sensitivity);
+        let open = || {
+            let mut presses = Presses::open(stage)?;
+            let (mut x, mut y) = (vec![], vec![]);
+            for rows in blocks(Split::of(presses.n())?.train, BLOCK) {
+                self.run.check_stop("the ablations")?;
+                let maps = maps_of(&mut presses, rows.clone())?;
+                let drawn = presses.drawn(rows.clone())?;
+                let truth = presses.truth(rows)?;
+                let each = maps
+                    .chunks_exact(presses.n_surface)
+                    .zip(drawn.iter().zip(&truth));
+                for (map, (drawn, truth)) in each {
+                    let (place, force_n) = *truth.first().context("a press of no contact")?;
+                    x.push(map[drawn[0].node]);
+                    x.extend(place.map(|v| v as f32));
+                    y.push(force_n as f32);
+                }
+            }
+            Ok(MemorySource::new(4, 1, x, y)?)
+        };
+        fit(
+            self.run,
+            name,
+            of,
+            brief,
+            |_, _| MlpSpec::sensitivity(),
+            open,
+        )
+    }
+}

@@ -1,0 +1,209 @@
+//! Frames that every row is tested on, and what a row is worth.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use hapdef::stages::Datasets;
+use hapdef::{
+    ContactPair, ContactStats, DrawnContact, MapError, MapErrorSum, ScoredContact, Stage,
+    score_lenient, score_one_to_one,
+};
+use hapdef_data::Split;
+use serde::{Deserialize, Serialize};
+
+use super::super::presses::Presses;
+use super::super::scores::scored;
+use super::target::TrueMaps;
+use super::ways::Way;
+
+/// Most presses of each kind on the rig, most simulated samples of each set.
+const MOST_PRESSES: usize = 400;
+const MOST_SIMULATED: usize = 100;
+
+/// Presses that pass a row together.
+const BLOCK: usize = 128;
+
+/// Frames that are timed, one by one.
+const N_TIMED: usize = 30;
+
+/// What every row is tested on.
+pub(super) struct Tests {
+    single: Vec<Frames>,
+    double: Vec<Frames>,
+    simulated: Vec<Frames>,
+    timed: Vec<Frames>,
+}
+
+/// Some presses.
+#[derive(Default)]
+pub(super) struct Frames {
+    /// `[n, n_gauges]`, µε; none if simulated.
+    pub(super) readings: Vec<f32>,
+    /// `[n, n_virtual]`, µm.
+    pub(super) virtual_um: Vec<f32>,
+    pub(super) drawn: Vec<Vec<DrawnContact>>,
+    truth: Vec<Vec<ScoredContact>>,
+}
+
+/// What a row is worth.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(super) struct AblationRow {
+    pub(super) name: String,
+    pub(super) against: String,
+    /// Error of its own map on simulated samples, from true virtual gauges.
+    pub(super) simulated: Option<MapError>,
+    /// The same on the rig's double presses, from readings.
+    pub(super) double_map: Option<MapError>,
+    /// Single presses of the rig.
+    pub(super) single: ContactStats,
+    /// Double presses of the rig by the paper's rule.
+    pub(super) lenient: Option<ContactStats>,
+    /// Each found contact with a true one of its own.
+    pub(super) one_to_one: Option<ContactStats>,
+    /// Weights of nets and modes.
+    pub(super) n_weights: usize,
+}
+
+impl Tests {
+    /// An even choice of test presses and test samples.
+    pub(super) fn read(data: &Datasets) -> Result<Self> {
+        let test = |n: usize| Ok(Split::of(n)?.test);
+        let single = frames(&data.rig_single, test, MOST_PRESSES, true)?;
+        let double = match &data.rig_double {
+            Some(stage) => frames(stage, |n| Ok(0..n), MOST_PRESSES, true)?,
+            None => vec![],
+        };
+        let mut simulated = vec![];
+        for stage in &data.simulated {
+            simulated.extend(frames(stage, test, MOST_SIMULATED, false)?);
+        }
+        let timed = single.iter().flat_map(Frames::one_by_one);
+        Ok(Self {
+            timed: timed.take(N_TIMED).collect(),
+            single,
+            double,
+            simulated,
+        })
+    }
+
+    /// What a row is worth.
+    pub(super) fn row(&self, way: &Way<'_>, truth: &TrueMaps<'_>) -> Result<AblationRow> {
+        let single = self.contacts(way, truth, &self.single)?;
+        let double = match self.double.is_empty() {
+            true => None,
+            false => Some(self.contacts(way, truth, &self.double)?),
+        };
+        let mut simulated = error_sum(way, truth);
+        let mut has_maps = false;
+        for frames in &self.simulated {
+            if let Some(maps) = way.simulated_maps(frames)? {
+                simulated.add(&truth.of(way.target(), &frames.drawn), &maps);
+                has_maps = true;
+            }
+        }
+        Ok(AblationRow {
+            name: way.name.clone(),
+            against: way.against.into(),
+            simulated: has_maps.then(|| simulated.finish()),
+            double_map: double.as_ref().map(|d| d.map),
+            single: single.lenient,
+            lenient: double.as_ref().map(|d| d.lenient),
+            one_to_one: double.as_ref().map(|d| d.one_to_one),
+            n_weights: way.n_weights(),
+        })
+    }
+
+    /// Median time of one frame up to its contacts, s.
+    pub(super) fn frame_s(&self, way: &Way<'_>, truth: &TrueMaps<'_>) -> Result<f64> {
+        let n_surface = truth.directions.len();
+        let mut times = vec![];
+        for frame in &self.timed {
+            let start = Instant::now();
+            let field = way.target().field(way.maps(frame, truth)?);
+            way.contacts(&field, n_surface, 1)?;
+            times.push(start.elapsed().as_secs_f64());
+        }
+        times.sort_by(f64::total_cmp);
+        Ok(times.get(times.len() / 2).copied().unwrap_or(f64::NAN))
+    }
+
+    fn contacts(&self, way: &Way<'_>, truth: &TrueMaps<'_>, all: &[Frames]) -> Result<Scores> {
+        let n_surface = truth.directions.len();
+        let (mut lenient, mut strict): (Vec<ContactPair>, Vec<ContactPair>) = (vec![], vec![]);
+        let (mut map, mut n_expected) = (error_sum(way, truth), 0);
+        for frames in all {
+            let maps = way.maps(frames, truth)?;
+            map.add(&truth.of(way.target(), &frames.drawn), &maps);
+            let n_contacts = frames.truth[0].len();
+            let found = way.contacts(&way.target().field(maps), n_surface, n_contacts)?;
+            for (found, truth) in found.iter().zip(&frames.truth) {
+                let found = scored(found);
+                lenient.extend(score_lenient(&found, truth)?);
+                strict.extend(score_one_to_one(&found, truth)?.pairs);
+                n_expected += truth.len();
+            }
+        }
+        Ok(Scores {
+            lenient: ContactStats::of(&lenient, n_expected),
+            one_to_one: ContactStats::of(&strict, n_expected),
+            map: map.finish(),
+        })
+    }
+}
+
+struct Scores {
+    lenient: ContactStats,
+    one_to_one: ContactStats,
+    map: MapError,
+}
+
+impl Frames {
+    fn one_by_one(&self) -> impl Iterator<Item = Self> + '_ {
+        let n = self.drawn.len();
+        let row = move |values: &[f32], i: usize| {
+            let width = values.len() / n;
+            values[i * width..(i + 1) * width].to_vec()
+        };
+        (0..n).map(move |i| Self {
+            readings: row(&self.readings, i),
+            virtual_um: row(&self.virtual_um, i),
+            drawn: vec![self.drawn[i].clone()],
+            truth: vec![self.truth[i].clone()],
+        })
+    }
+}
+
+fn error_sum(way: &Way<'_>, truth: &TrueMaps<'_>) -> MapErrorSum {
+    MapErrorSum::new(way.target().width(truth.directions.len()))
+}
+
+/// At most `most` presses, evenly apart, in blocks.
+fn frames(
+    stage: &Stage,
+    rows: impl Fn(usize) -> Result<std::ops::Range<usize>>,
+    most: usize,
+    has_readings: bool,
+) -> Result<Vec<Frames>> {
+    let mut presses = Presses::open(stage)?;
+    let rows = rows(presses.n())?;
+    let n = rows.len().min(most);
+    let chosen: Vec<usize> = (0..n).map(|i| rows.start + i * rows.len() / n).collect();
+    let mut all = vec![];
+    for block in chosen.chunks(BLOCK) {
+        let mut frames = Frames::default();
+        for &row in block {
+            let rows = row..row + 1;
+            if has_readings {
+                frames
+                    .readings
+                    .extend(presses.read("readings", rows.clone())?);
+            }
+            let virtual_um = presses.read("virtual_gauges", rows.clone())?;
+            frames.virtual_um.extend(virtual_um);
+            frames.drawn.extend(presses.drawn(rows.clone())?);
+            frames.truth.extend(presses.truth(rows)?);
+        }
+        all.push(frames);
+    }
+    Ok(all)
+}

@@ -1,0 +1,151 @@
+//! What of the displacement a map shows, and the true maps.
+
+use hapdef::{ComplianceTable, DrawnContact, SuperpositionScratch};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What of the displacement a map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Target {
+    /// Its magnitude, the paper's choice. Two contacts' magnitudes don't add up.
+    Magnitude,
+    /// Its part along the direction of a press at the node. Adds up.
+    Normal,
+    /// All of it, three numbers a node. Adds up.
+    Vector,
+}
+
+/// True maps of any contacts.
+pub(super) struct TrueMaps<'a> {
+    pub(super) table: &'a ComplianceTable,
+    /// Direction of a press at each surface node.
+    pub(super) directions: &'a [Vector3<f64>],
+}
+
+impl Target {
+    pub(super) const ALL: [Self; 3] = [Self::Magnitude, Self::Normal, Self::Vector];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Magnitude => "magnitude",
+            Self::Normal => "displacement along the press",
+            Self::Vector => "displacement vector",
+        }
+    }
+
+    /// Numbers of a map of `n_surface` nodes.
+    pub(super) fn width(self, n_surface: usize) -> usize {
+        match self {
+            Self::Vector => 3 * n_surface,
+            _ => n_surface,
+        }
+    }
+
+    /// What k-Max looks at, `[n, n_surface]`, of maps `[n, width]`, µm.
+    pub(super) fn field(self, maps: Vec<f32>) -> Vec<f32> {
+        match self {
+            Self::Vector => {
+                let vectors = maps.as_chunks::<3>().0.iter();
+                vectors
+                    .map(|[x, y, z]| (x * x + y * y + z * z).sqrt())
+                    .collect()
+            }
+            _ => maps,
+        }
+    }
+}
+
+impl TrueMaps<'_> {
+    /// Maps `[n, width]`, µm, of presses.
+    pub(super) fn of(&self, target: Target, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
+        let width = target.width(self.directions.len());
+        let mut maps = vec![0.0; presses.len() * width];
+        maps.par_chunks_exact_mut(width).zip(presses).for_each_init(
+            || self.table.scratch(),
+            |scratch, (map, contacts)| self.write(target, contacts, scratch, map),
+        );
+        maps
+    }
+
+    fn write(
+        &self,
+        target: Target,
+        contacts: &[DrawnContact],
+        scratch: &mut SuperpositionScratch,
+        map: &mut [f32],
+    ) {
+        let vectors = self.table.vectors(contacts, scratch);
+        let um = |metres: f64| (metres * 1e6) as f32;
+        match target {
+            Target::Vector => {
+                for (value, metres) in map.iter_mut().zip(vectors.as_flattened()) {
+                    *value = um(*metres);
+                }
+            }
+            Target::Normal => {
+                for ((value, u), d) in map.iter_mut().zip(vectors).zip(self.directions) {
+                    *value = um(Vector3::from(*u).dot(d));
+                }
+            }
+            Target::Magnitude => {
+                for (value, u) in map.iter_mut().zip(vectors) {
+                    *value = um(Vector3::from(*u).norm());
+                }
+            }
+        }
+    }
+
+    /// Virtual gauges `[n, n_virtual]`, µm, of presses.
+    pub(super) fn virtual_gauges(&self, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
+        let n_virtual = self.table.n_virtual();
+        let mut out = vec![0.0; presses.len() * n_virtual];
+        let rows = out.par_chunks_exact_mut(n_virtual).zip(presses);
+        rows.for_each_init(
+            || (self.table.scratch(), vec![0.0; self.table.n_surface()]),
+            |(scratch, map), (out, contacts)| self.table.superpose(contacts, scratch, map, out),
+        );
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_and_vectors_add_up_and_magnitudes_do_not() {
+        let rows = [
+            [3.0, 0.0, 4.0, 0.0, 1.0, 0.0],
+            [-3.0, 0.0, 1.0, 2.0, 0.0, 0.0],
+        ];
+        let metres: Vec<f64> = rows.concat().iter().map(|v| v * 1e-6).collect();
+        let table = ComplianceTable::new(2, 2, &metres);
+        let directions = [Vector3::z(), Vector3::x()];
+        let maps = TrueMaps {
+            table: &table,
+            directions: &directions,
+        };
+        let press = |node| DrawnContact { node, force_n: 1.0 };
+        let presses = [vec![press(0)], vec![press(1)], vec![press(0), press(1)]];
+        let adds_up = |target: Target| {
+            let all = maps.of(target, &presses);
+            let (a, rest) = all.split_at(target.width(2));
+            let (b, both) = rest.split_at(target.width(2));
+            let sums = a.iter().zip(b).map(|(a, b)| a + b);
+            sums.zip(both).all(|(sum, both)| (sum - both).abs() < 1e-6)
+        };
+        assert!(adds_up(Target::Vector) && adds_up(Target::Normal));
+        assert!(!adds_up(Target::Magnitude));
+        let vectors = Target::Vector.field(maps.of(Target::Vector, &presses));
+        let magnitudes = maps.of(Target::Magnitude, &presses);
+        assert!(
+            vectors
+                .iter()
+                .zip(&magnitudes)
+                .all(|(a, b)| (a - b).abs() < 1e-6)
+        );
+        assert_eq!(maps.of(Target::Normal, &presses)[..2], [4.0, 0.0]);
+    }
+}

@@ -1,0 +1,309 @@
+//! From the runtime to what ROS tools read: one recording with everything, and a live view.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver as Queue, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+
+use anyhow::Result;
+use hapdef_daq::record::{RecordInfo, RecordParams, Recorder, TopicWriter, record};
+use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
+use hapdef_daq::{AcquireParams, Acquisition, Message, acquire};
+use hapdef_live::touch::{Touch, TouchContact};
+use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
+use hapdef_ros::{
+    Contact, Contacts, Health as Part, Level, Quality, Readings, RosEncoder, RosParams, Sinks,
+    Uncertainty, topics,
+};
+
+/// Messages that wait for the recorder at most: 8 s at 1 kHz.
+const QUEUE_LEN: usize = 8192;
+/// Messages handed over in one turn at most.
+const A_TURN: usize = 256;
+
+/// A recording of everything that a source says, and of what is made of it.
+pub(super) struct LiveRecording {
+    recorder: Recorder,
+    acquisition: Acquisition,
+    n_missed: Arc<AtomicU64>,
+}
+
+/// A source whose messages go to a recording, too.
+pub(super) struct Tee {
+    inner: Box<dyn FrameSource>,
+    sender: SyncSender<Message>,
+    n_missed: Arc<AtomicU64>,
+}
+
+/// The recording's end of a [`Tee`].
+struct TeeEnd {
+    queue: Queue<Message>,
+    name: String,
+}
+
+/// Frames of the runtime as messages of ROS.
+pub(super) struct RosSink {
+    name: String,
+    encoder: RosEncoder<Sinks>,
+    /// Wall clock less monotonic clock.
+    wall_offset_ns: u64,
+}
+
+/// Records `source` to `path`: the source to use instead, and the recording, whose
+/// [`LiveRecording::topics`] take what is made of the readings.
+pub(super) fn recorded(
+    source: Box<dyn FrameSource>,
+    path: &Path,
+    params: &RosParams,
+    calibration: Option<Vec<u8>>,
+) -> Result<(Tee, LiveRecording)> {
+    let (sender, queue) = sync_channel(QUEUE_LEN);
+    let name = source.name();
+    let end = TeeEnd {
+        queue,
+        name: name.clone(),
+    };
+    let (acquisition, receivers) = acquire(end, AcquireParams::default())?;
+    let record_params = RecordParams {
+        calibration,
+        source: name,
+        topics: topics(params)?,
+        ..RecordParams::default()
+    };
+    let receiver = receivers.into_iter().next();
+    let receiver = receiver.ok_or_else(|| anyhow::anyhow!("one receiver was asked for"))?;
+    let recorder = record(receiver, path, record_params)?;
+    let n_missed = Arc::new(AtomicU64::new(0));
+    let tee = Tee {
+        inner: source,
+        sender,
+        n_missed: Arc::clone(&n_missed),
+    };
+    let recording = LiveRecording {
+        recorder,
+        acquisition,
+        n_missed,
+    };
+    Ok((tee, recording))
+}
+
+impl LiveRecording {
+    /// Takes messages of [`topics`].
+    pub(super) fn topics(&self) -> TopicWriter {
+        self.recorder.topics()
+    }
+
+    /// Ends the file when everything has been said: what is in it, and the readings that are not
+    /// because the disk was too slow.
+    pub(super) fn finish(self) -> Result<(RecordInfo, u64)> {
+        // The source is gone by now: its last messages are on their way.
+        while !self.acquisition.has_ended() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let info = self.recorder.finish()?;
+        let n_missed = info.n_dropped + self.n_missed.load(Ordering::Relaxed);
+        Ok((info, n_missed))
+    }
+
+    /// The file.
+    pub(super) fn is_well(&self) -> bool {
+        self.recorder.stats().fault.is_none()
+    }
+}
+
+impl FrameSource for Tee {
+    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
+        let (sender, n_missed) = (&self.sender, &self.n_missed);
+        self.inner.poll(timeout, &mut |message| {
+            if sender.try_send(message.clone()).is_err() {
+                n_missed.fetch_add(1, Ordering::Relaxed);
+            }
+            sink(message);
+        })
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.inner.stats()
+    }
+
+    fn name(&self) -> String {
+        self.inner.name()
+    }
+}
+
+impl FrameSource for TeeEnd {
+    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
+        match self.queue.recv_timeout(timeout) {
+            Ok(message) => sink(message),
+            Err(RecvTimeoutError::Timeout) => return SourceStatus::Open,
+            Err(RecvTimeoutError::Disconnected) => return SourceStatus::Ended,
+        }
+        self.queue.try_iter().take(A_TURN).for_each(sink);
+        SourceStatus::Open
+    }
+
+    fn stats(&self) -> SourceStats {
+        SourceStats::default()
+    }
+
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+}
+
+impl RosSink {
+    /// A sink to `sinks`; times are those of `recording`, where there is one.
+    pub(super) fn new(
+        name: &str,
+        params: RosParams,
+        sinks: Sinks,
+        wall_offset_ns: u64,
+    ) -> Result<Self> {
+        Ok(Self {
+            name: name.to_owned(),
+            encoder: RosEncoder::new(params, sinks)?,
+            wall_offset_ns,
+        })
+    }
+
+    fn stamp_ns(&self, t_host_ns: u64) -> u64 {
+        t_host_ns.wrapping_add(self.wall_offset_ns)
+    }
+}
+
+impl Sink for RosSink {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn wants(&self) -> Wants {
+        Wants {
+            alternatives: false,
+            ..Wants::ALL
+        }
+    }
+
+    fn delivery(&self) -> Delivery {
+        Delivery::Queue(QUEUE_LEN)
+    }
+
+    fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
+        let stamp_ns = self.stamp_ns(frame.t_host_ns);
+        self.encoder.readings(&Readings {
+            stamp_ns,
+            seq: frame.seq,
+            n_lost_before: frame.n_lost_before,
+            microstrain: &frame.tared_ue,
+        })?;
+        self.encoder
+            .contacts(&contacts(&frame.touch, frame.seq, stamp_ns))?;
+        Ok(())
+    }
+
+    fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
+        if let LiveEvent::Health(health) = event {
+            let stamp_ns = self.stamp_ns(now_ns());
+            self.encoder.health(&parts(health, stamp_ns))?;
+        }
+        Ok(())
+    }
+}
+
+/// What a frame tells, as messages have it. The normal is where the force comes from.
+fn contacts(touch: &Touch, seq: u32, stamp_ns: u64) -> Contacts {
+    let quality = touch.quality.map(|quality| Quality {
+        is_identified: quality.is_identified,
+        p_value: quality.p_value,
+    });
+    Contacts {
+        stamp_ns,
+        seq,
+        quality,
+        contacts: touch.contacts.iter().zip(0..).map(contact).collect(),
+    }
+}
+
+fn contact((contact, place): (&TouchContact, u32)) -> Contact {
+    let uncertainty = contact.uncertainty.map(|u| {
+        let row_by_row = u.covariance.transpose();
+        let mut covariance = [0.0; 9];
+        covariance.copy_from_slice(row_by_row.as_slice());
+        Uncertainty {
+            tangents: u.tangents.map(Into::into),
+            covariance,
+        }
+    });
+    Contact {
+        id: contact.id.map_or(place, |id| id as u32),
+        position_m: contact.position_m.coords.into(),
+        normal: contact.direction.map_or([0.0; 3], |d| (-d).into()),
+        force_n: contact.force_n,
+        uncertainty,
+    }
+}
+
+/// How the runtime is doing, part by part.
+fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
+    let part = |name: &str, level, message: String, values: &[(&str, String)]| Part {
+        stamp_ns,
+        name: format!("hapdef: {name}"),
+        level,
+        message,
+        hardware_id: health.source_name.clone(),
+        values: values.iter().map(|(k, v)| ((*k).to_owned(), v.clone())).collect(),
+    };
+    let link = health.link.as_ref().map(ToString::to_string);
+    let is_open = health.n_frames > 0 && health.rate_hz > 0.0;
+    let acquisition = part(
+        "acquisition",
+        level(is_open, health.n_lost == 0),
+        link.unwrap_or_else(|| "waiting".to_owned()),
+        &[
+            ("rate_hz", format!("{:.1}", health.rate_hz)),
+            ("frames", health.n_frames.to_string()),
+            ("lost", health.n_lost.to_string()),
+            ("dropped", health.n_dropped.to_string()),
+            ("restarts", health.n_restarts.to_string()),
+            ("drift_ppm", format!("{:.1}", health.source.drift_ppm)),
+        ],
+    );
+    let compute = part(
+        "contacts",
+        level(health.device_fault.is_none(), health.n_deadline_missed == 0),
+        health.to_string(),
+        &[
+            ("compute_p50_us", format!("{:.0}", health.second.compute.p50_us)),
+            ("compute_p99_us", format!("{:.0}", health.second.compute.p99_us)),
+            ("deadline_missed", health.n_deadline_missed.to_string()),
+            ("refused", health.n_refused.to_string()),
+            ("contacts", health.n_contacts.to_string()),
+        ],
+    );
+    let bad = health.gauges.iter().enumerate();
+    let bad: Vec<String> = bad
+        .filter(|(_, state)| **state != GaugeHealth::Good)
+        .map(|(i, state)| format!("{i} {state:?}"))
+        .collect();
+    let gauges = part(
+        "gauges",
+        level(true, bad.is_empty()),
+        if bad.is_empty() { "all count".to_owned() } else { bad.join(", ") },
+        &[],
+    );
+    vec![acquisition, compute, gauges]
+}
+
+fn level(works: bool, is_well: bool) -> Level {
+    match (works, is_well) {
+        (false, _) => Level::Error,
+        (true, false) => Level::Warn,
+        (true, true) => Level::Ok,
+    }
+}
+
+/// The host's monotonic clock, ns.
+fn now_ns() -> u64 {
+    use hapdef_daq::clock::{HostClock, SystemClock};
+    SystemClock.now_ns()
+}

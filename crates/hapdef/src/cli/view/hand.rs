@@ -1,0 +1,114 @@
+//! The virtual rig within the program: pressed from the page, by itself while nobody does.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
+use hapdef_daq::source::{MemoryLink, StreamParams, StreamSource, memory_link};
+use hapdef_rig::live::{
+    LiveLimb, Play, PressHandle, Pressed, RandomScriptParams, RunParams, RunningRig, TrueContact,
+    random_script, spawn_rig,
+};
+use nalgebra::Point3;
+
+/// Contacts of the presses by itself, at most.
+const MOST_CONTACTS: usize = 2;
+/// Forces of the presses by itself, as shares of the scene's largest.
+const SHARES: (f64, f64) = (0.15, 0.6);
+/// From a release until it presses by itself again.
+const REST: Duration = Duration::from_secs(4);
+/// Number of the contact that is pressed from the page.
+const BY_HAND: u32 = 1000;
+
+/// The scene's virtual rig, running.
+pub(crate) struct Sim {
+    limb: Arc<LiveLimb>,
+    play: Play,
+    rig: RunningRig,
+}
+
+impl Sim {
+    /// Solves the virtual rig, or reads it where it was solved, and starts it untouched; with the
+    /// source of its frames.
+    pub(crate) fn start(run: &Run, limb: &Limb) -> Result<(Self, StreamSource<MemoryLink>)> {
+        let real = Arc::new(live_limb(run, limb)?);
+        let device = virtual_device(&run.scene, Arc::clone(&real), &VirtualRigParams::default())?;
+        let contact = &run.scene.contact;
+        let largest_n = contact.force_range_n[1];
+        let range_n = (SHARES.0 * largest_n, SHARES.1 * largest_n);
+        let n = contact.max_contacts.min(MOST_CONTACTS);
+        let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, run.scene.seed);
+        let play = Play::new(&random_script(&real, &params), &real)?;
+        let (link, port) = memory_link();
+        let rig = spawn_rig(device, port, RunParams::default(), |_| {})?;
+        let sim = Self {
+            limb: real,
+            play,
+            rig,
+        };
+        Ok((sim, StreamSource::new(link, StreamParams::default())))
+    }
+}
+
+/// What presses the virtual rig.
+pub(super) struct Hand {
+    sim: Sim,
+    press: PressHandle,
+    by_hand: Option<Pressed>,
+    rests_since: Option<Instant>,
+    start: Option<Instant>,
+    contacts: Vec<TrueContact>,
+}
+
+impl Hand {
+    pub(super) fn new(sim: Sim) -> Self {
+        Self {
+            press: sim.rig.press_handle(),
+            sim,
+            by_hand: None,
+            rests_since: None,
+            start: None,
+            contacts: Vec::new(),
+        }
+    }
+
+    /// Presses there until [`Self::release`].
+    pub(super) fn press(&mut self, point_m: [f64; 3], force_n: f64) {
+        self.by_hand = Some(Pressed::normal(BY_HAND, Point3::from(point_m), force_n));
+    }
+
+    pub(super) fn release(&mut self) {
+        self.by_hand = None;
+        self.rests_since = Some(Instant::now());
+    }
+
+    /// What presses now; nothing while it tares.
+    pub(super) fn step(&mut self, is_tared: bool) {
+        let rests = self.rests_since.is_some_and(|since| since.elapsed() < REST);
+        let pressed = match self.by_hand {
+            _ if !is_tared => Vec::new(),
+            Some(by_hand) => vec![by_hand],
+            None if rests => Vec::new(),
+            None => self.by_itself(),
+        };
+        self.press.set(pressed);
+    }
+
+    fn by_itself(&mut self) -> Vec<Pressed> {
+        let t_s = self
+            .start
+            .get_or_insert_with(Instant::now)
+            .elapsed()
+            .as_secs_f64();
+        self.contacts.clear();
+        self.sim.play.at(t_s, &self.sim.limb, &mut self.contacts);
+        let pressed = |contact: &TrueContact| Pressed {
+            id: contact.id,
+            position_m: contact.position_m,
+            force_n: contact.force_n,
+            shear_n: contact.shear_n,
+        };
+        self.contacts.iter().map(pressed).collect()
+    }
+}

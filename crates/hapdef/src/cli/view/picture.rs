@@ -1,0 +1,142 @@
+//! The limb as the page draws it.
+
+use hapdef::Limb;
+use hapdef::scene::Scene;
+use hapdef_live::Bundle;
+use hapdef_mesh::{FeNodeId, PointIndex, SkinRegion};
+use hapdef_view::{GaugeSite, LimbPicture};
+use nalgebra::{Point3, Vector3};
+use std::sync::Arc;
+
+/// The touchable skin, whose nodes are the picture's first.
+#[derive(Clone)]
+pub(super) struct Surface {
+    index: Arc<PointIndex>,
+    points: Arc<Vec<Point3<f64>>>,
+    normals: Arc<Vec<Vector3<f64>>>,
+}
+
+impl Surface {
+    fn new(points: Vec<Point3<f64>>, normals: Vec<Vector3<f64>>) -> Self {
+        Self {
+            index: Arc::new(PointIndex::new(&points)),
+            points: Arc::new(points),
+            normals: Arc::new(normals),
+        }
+    }
+
+    pub(super) fn n_nodes(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The outward normal near a point of the skin.
+    pub(super) fn normal_at(&self, point: &Point3<f64>) -> Vector3<f64> {
+        let nearest = self.index.nearest(point);
+        nearest.map_or_else(Vector3::z, |(node, _)| self.normals[node])
+    }
+
+    /// The three nearest nodes with weights by inverse distance, whose sum is 1.
+    pub(super) fn around(&self, point: &Point3<f64>) -> Vec<(usize, f64)> {
+        let near = self.index.k_nearest(point, 3);
+        let weight = |node: usize| 1.0 / ((self.points[node] - point).norm() + 1e-6);
+        let sum: f64 = near.iter().map(|&node| weight(node)).sum();
+        near.into_iter()
+            .map(|node| (node, weight(node) / sum))
+            .collect()
+    }
+}
+
+/// A scene's limb: the touchable skin, then the rest of the boundary.
+pub(super) fn of_scene(scene: &Scene, limb: &Limb, is_simulated: bool) -> (LimbPicture, Surface) {
+    let skin = &limb.skin;
+    let whole = SkinRegion::new(&limb.mesh, limb.boundary.faces.clone());
+    let whole = whole.unwrap_or_else(|_| skin.clone());
+    let mut place = vec![u32::MAX; limb.mesh.nodes().len()];
+    let mut points = limb.surface_points();
+    let mut normals = skin.normals.clone();
+    for (i, node) in skin.nodes.iter().enumerate() {
+        place[node.index()] = i as u32;
+    }
+    for (node, normal) in whole.nodes.iter().zip(&whole.normals) {
+        if place[node.index()] == u32::MAX {
+            place[node.index()] = points.len() as u32;
+            points.push(limb.mesh.nodes()[node.index()]);
+            normals.push(*normal);
+        }
+    }
+    let faces = whole
+        .faces
+        .iter()
+        .flat_map(|face| parts(face.nodes.map(|node: FeNodeId| place[node.index()])));
+    let axis = Vector3::from(scene.geometry.axis.direction);
+    let sites = scene.gauges.sites.iter().map(|site| GaugeSite {
+        name: site.name.clone(),
+        position_m: site.position_m,
+        axis: site.axis,
+    });
+    let picture = LimbPicture {
+        title: scene.name.clone(),
+        simulated: is_simulated,
+        triangles: faces.collect(),
+        gauges: sites.collect(),
+        up: Some(axis.into()),
+        view_from: view_from(&skin.normals, &axis),
+        ..drawn(&points, &normals)
+    };
+    (
+        picture,
+        Surface::new(limb.surface_points(), skin.normals.clone()),
+    )
+}
+
+/// A bundle's skin.
+pub(super) fn of_bundle(bundle: &Bundle) -> (LimbPicture, Surface) {
+    let skin = bundle.skin();
+    let faces = (0..skin.n_faces()).flat_map(|face| match *skin.face_nodes(face) {
+        [a, b, c, ab, bc, ca] => parts([a, b, c, ab, bc, ca]).to_vec(),
+        [a, b, c] => vec![[a, b, c]],
+        _ => Vec::new(),
+    });
+    let sites = bundle.info.gauges.iter().map(|gauge| GaugeSite {
+        name: gauge.name.clone(),
+        position_m: gauge.position_m,
+        axis: gauge.axis,
+    });
+    let picture = LimbPicture {
+        title: bundle.info.scene.clone(),
+        triangles: faces.collect(),
+        gauges: sites.collect(),
+        view_from: view_from(skin.normals(), &Vector3::zeros()),
+        ..drawn(skin.nodes(), skin.normals())
+    };
+    let surface = Surface::new(skin.nodes().to_vec(), skin.normals().to_vec());
+    (picture, surface)
+}
+
+fn drawn(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> LimbPicture {
+    LimbPicture {
+        vertices_m: points
+            .iter()
+            .map(|p| p.coords.map(|c| c as f32).into())
+            .collect(),
+        normals: normals.iter().map(|n| n.map(|c| c as f32).into()).collect(),
+        ..LimbPicture::default()
+    }
+}
+
+/// The four flat triangles of a six-node face.
+fn parts([a, b, c, ab, bc, ca]: [u32; 6]) -> [[u32; 3]; 4] {
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+}
+
+/// Where most of the skin looks, turned by 40° so that arrows are seen from the side.
+fn view_from(normals: &[Vector3<f64>], axis: &Vector3<f64>) -> Option<[f64; 3]> {
+    let sum: Vector3<f64> = normals.iter().sum();
+    let across = axis
+        .try_normalize(0.0)
+        .map_or(sum, |axis| sum - axis * axis.dot(&sum));
+    let facing = across.try_normalize(1e-6 * normals.len() as f64)?;
+    let side = axis.cross(&facing);
+    let (sin, cos) = 40_f64.to_radians().sin_cos();
+    Some((facing * cos + side.try_normalize(0.0).unwrap_or_default() * sin).into())
+}

@@ -1,0 +1,251 @@
+//! `hapdef record`, `replay`, `recover`, `export` and `doctor`, as commands.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use hapdef_daq::hdp1::{Hello, SampleFormat};
+use hapdef_daq::record::{Content, RecordParams, Recording, record};
+use hapdef_daq::source::ReplaySource;
+use hapdef_daq::{AcquireParams, Frame, Message, acquire};
+use serde_json::Value;
+
+fn hapdef(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hapdef"));
+    command.args(arguments);
+    command
+}
+
+fn run(arguments: &[&str]) -> Output {
+    hapdef(arguments).output().unwrap()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A device of four channels at 1 kHz in two scans a packet: one moves, one is dead, one is at the
+/// end of its range, one has a tooth; packets 100 to 104 are lost.
+fn made(folder: &Path, n: u32) -> PathBuf {
+    let mut hello = Hello::plain(4, SampleFormat::I16, 1000);
+    hello.n_scans = 2;
+    hello.seal();
+    let frames = (0..2 * n)
+        .filter(|i| !(100..105).contains(&(i / 2)))
+        .map(|i| {
+            let seq = i / 2;
+            let wave = (1000.0 * (f64::from(i) * 0.1).sin()) as i32;
+            let samples = [wave, 5, 32767, (i % 17) as i32 - 8];
+            let mut frame = Frame::new(seq, SampleFormat::I16, samples);
+            frame.scan = (i % 2) as u8;
+            frame.n_lost_before = if i == 210 { 5 } else { 0 };
+            frame.t_device_us = 1_000_000 + u64::from(i) * 1000;
+            frame.t_host_ns = 5_000_000_000 + u64::from(i) * 1_000_000;
+            Message::Frame(frame)
+        });
+    let messages: Vec<Message> = std::iter::once(Message::Hello(Arc::new(hello)))
+        .chain(frames)
+        .collect();
+    let source = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
+    let params = AcquireParams {
+        ring_len: 1 << 14,
+        ..AcquireParams::default()
+    };
+    let (_acquisition, mut receivers) = acquire(source, params).unwrap();
+    let path = folder.join("made.mcap");
+    let recorder = record(receivers.remove(0), &path, RecordParams::default()).unwrap();
+    while recorder.stats().n_frames < u64::from(2 * n - 10) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    recorder.finish().unwrap();
+    path
+}
+
+/// Frames with what a wire carries of them.
+fn frames(path: &Path) -> Vec<(u32, u8, u32, u64, Vec<i32>)> {
+    let messages = Recording::open(path).unwrap().messages();
+    let frames = messages.filter_map(|message| match message {
+        Message::Frame(f) => {
+            let bits = f.bits().to_vec();
+            Some((f.seq, f.scan, f.n_lost_before, f.t_device_us, bits))
+        }
+        _ => None,
+    });
+    frames.collect()
+}
+
+/// A replay as a device, and what a host opens.
+fn device(arguments: &[&str]) -> (Child, String) {
+    let mut child = hapdef(arguments).stdout(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    let mut stdout = BufReader::new(child.stdout.take().unwrap());
+    stdout.read_line(&mut line).unwrap();
+    (child, line.trim().to_owned())
+}
+
+#[track_caller]
+fn check_wire(form: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let original = made(folder.path(), 600);
+    let again = folder.path().join("again.mcap");
+    let mut arguments = vec!["replay", text(&original), "--speed", "4"];
+    arguments.extend(form);
+    let (mut child, source) = device(&arguments);
+    let recorded = hapdef(&["record", "--source", &source, "-o", text(&again)])
+        .args(["--seconds", "60", "--quiet"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    assert!(child.wait().unwrap().success());
+    std::thread::sleep(Duration::from_millis(300));
+    let pid = rustix::process::Pid::from_child(&recorded);
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    let output = recorded.wait_with_output().unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert_eq!(frames(&again), frames(&original));
+    let mut recording = Recording::open(&again).unwrap();
+    while recording.next_record().unwrap().is_some() {}
+    assert!(recording.damage().is_finished);
+}
+
+#[test]
+fn a_recording_played_over_tcp_and_recorded_again_is_the_same() {
+    check_wire(&["--tcp", "127.0.0.1:0"]);
+}
+
+#[test]
+fn a_recording_played_on_a_pty_and_recorded_again_is_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    check_wire(&["--pty", text(&folder.path().join("limb"))]);
+}
+
+#[test]
+fn a_replay_is_recorded_to_its_end_with_the_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = made(folder.path(), 300);
+    let calibration = folder.path().join("c.json");
+    std::fs::write(&calibration, "{\"tare\": 1}").unwrap();
+    let again = folder.path().join("again.mcap");
+    let source = format!("replay:{}@max", text(&original));
+    let mut arguments = vec!["record", "--source", &source, "-o", text(&again)];
+    arguments.extend(["--calibration", text(&calibration)]);
+    let output = run(&arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert_eq!(frames(&again), frames(&original));
+    let mut recording = Recording::open(&again).unwrap();
+    let mut n_calibrations = 0;
+    while let Some(record) = recording.next_record().unwrap() {
+        if let Content::Calibration(json) = record.content {
+            assert_eq!(json, b"{\"tare\": 1}");
+            n_calibrations += 1;
+        }
+    }
+    assert_eq!(n_calibrations, 1);
+    // Nothing is overwritten unasked.
+    let refused = run(&arguments);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--force"));
+}
+
+#[test]
+fn recover_says_by_its_exit_code_what_was_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = made(folder.path(), 600);
+    let out = |name: &str| folder.path().join(name);
+    let recover = |file: &Path, to: &str| {
+        let to = out(to);
+        run(&["recover", text(file), "-o", text(&to), "--json"])
+    };
+    let saved = recover(&whole, "a.mcap");
+    assert_eq!(saved.status.code(), Some(0));
+    let info: Value = serde_json::from_slice(&saved.stdout).unwrap();
+    assert_eq!(info["n_frames"], 1190);
+
+    let mut bytes = std::fs::read(&whole).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(out("bad.mcap"), &bytes).unwrap();
+    let saved = recover(&out("bad.mcap"), "b.mcap");
+    assert_eq!(saved.status.code(), Some(1));
+    let info: Value = serde_json::from_slice(&saved.stdout).unwrap();
+    assert!(info["n_missing"].as_u64().unwrap() > 0, "{info}");
+    let n = frames(&out("b.mcap")).len() as u64;
+    assert_eq!(info["n_frames"], n);
+
+    std::fs::write(out("none.mcap"), vec![7; 10_000]).unwrap();
+    assert_eq!(recover(&out("none.mcap"), "c.mcap").status.code(), Some(3));
+    assert_eq!(
+        recover(&out("nowhere.mcap"), "c.mcap").status.code(),
+        Some(2)
+    );
+    assert_eq!(recover(&whole, "a.mcap").status.code(), Some(2));
+}
+
+#[test]
+fn text_has_every_reading() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = made(folder.path(), 200);
+    let csv = run(&["export", text(&whole), "--csv"]).stdout;
+    let csv = String::from_utf8(csv).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 390);
+    assert!(csv.lines().next().unwrap().ends_with("G0,G1,G2,G3"));
+    let exported = run(&["export", text(&whole), "--jsonl"]).stdout;
+    let replayed = run(&["replay", text(&whole), "--json", "--speed", "max"]).stdout;
+    assert_eq!(exported, replayed);
+    for line in String::from_utf8(exported).unwrap().lines() {
+        let value: Value = serde_json::from_str(line).unwrap();
+        assert!(value["topic"].is_string() && value["message"].is_object());
+    }
+}
+
+#[test]
+fn a_replay_has_its_pace() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = made(folder.path(), 300);
+    let start = Instant::now();
+    run(&["replay", text(&whole), "--json", "--speed", "2"]);
+    let took = start.elapsed();
+    // 0.6 s of readings at twice their pace.
+    assert!(took >= Duration::from_millis(290), "{took:?}");
+    assert!(took < Duration::from_secs(5), "{took:?}");
+}
+
+#[test]
+fn doctor_finds_what_is_wrong_with_the_channels() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = made(folder.path(), 300);
+    let source = format!("replay:{}@max", text(&whole));
+    let place = text(folder.path());
+    let output = run(&["doctor", "--source", &source, "--folder", place, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let checks: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = |name: &str| {
+        let all = checks.as_array().unwrap().iter();
+        let one = all.clone().find(|check| check["check"] == name);
+        let one = one.unwrap_or_else(|| panic!("{name}: {checks}"));
+        (
+            one["state"].as_str().unwrap(),
+            one["found"].as_str().unwrap(),
+        )
+    };
+    assert_eq!(found("channel 1 (G1)"), ("bad", "always 5"));
+    assert_eq!(found("channel 2 (G2)").0, "bad");
+    assert_eq!(found("channels").0, "ok");
+    assert_eq!(found("rate").0, "ok");
+    assert_ne!(found("losses").0, "ok");
+    assert_ne!(found("disk speed").0, "bad");
+    for check in checks.as_array().unwrap() {
+        assert_eq!(check["state"] != "ok", check["fix"].is_string(), "{check}");
+    }
+}

@@ -1,0 +1,46 @@
+//! Damaged inputs for every reader.
+
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::pipeline::finish;
+use crate::tool::{cargo, run as run_tool, target_dir};
+
+/// Arguments of `fuzz`.
+#[derive(clap::Args)]
+pub(crate) struct FuzzArgs {
+    /// How long each target is run, s.
+    #[arg(long, default_value_t = 10.0)]
+    seconds: f64,
+    /// One target instead of all: decoder, hello, recover, scene, gltf, deck, safetensors.
+    #[arg(long)]
+    target: Option<String>,
+    /// Seed of the mutations.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// `cargo xtask fuzz`.
+pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
+    let words = [
+        "build",
+        "--quiet",
+        "--release",
+        "--package",
+        "hapdef",
+        "--example",
+        "fuzz",
+    ];
+    run_tool(&mut cargo(&words))?;
+    let target = target_dir()?;
+    let mut command = Command::new(target.join("release/examples/fuzz"));
+    command.args(["--seconds", &args.seconds.to_string()]);
+    command.args(["--seed", &args.seed.to_string()]);
+    if let Some(name) = &args.target {
+        command.args(["--target", name]);
+    }
+    command.arg("--failures").arg(target.join("hapdef/fuzz"));
+    command.arg("--metrics").arg(target.join("hapdef/metrics.json"));
+    finish(&mut command)
+}
