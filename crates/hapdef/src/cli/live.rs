@@ -15,7 +15,8 @@ use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
 use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
 
-use super::live_ros::{Attached, LiveRecording, RosArgs};
+use super::live_record::LiveRecording;
+use super::live_ros::{Attached, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
 use super::view::{Sim, View, ViewArgs};

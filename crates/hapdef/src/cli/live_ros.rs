@@ -1,30 +1,23 @@
 //! From the runtime to what ROS tools read: one recording with everything, and a live view.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver as Queue, RecvTimeoutError, SyncSender, sync_channel};
-use std::time::Duration;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef_daq::clock::{HostClock, SystemClock};
-use hapdef_daq::record::{RecordParams, Recorder, TopicWriter, record};
-use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
-use hapdef_daq::{AcquireParams, Acquisition, Message, acquire};
+use hapdef_daq::source::FrameSource;
 use hapdef_live::touch::{Touch, TouchContact};
 use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
 use hapdef_ros::{
     Contact, Contacts, Health as Part, Level, McapSink, MessageSink, Quality, Readings, RosEncoder,
-    RosParams, Sinks, Uncertainty, topics,
+    RosParams, Sinks, Uncertainty,
 };
 
+use super::live_record::{LiveRecording, recorded};
 use super::truth::TruthFile;
 
-/// Messages that wait for the recorder at most: 8 s at 1 kHz.
+/// Frames that wait to be encoded at most: 8 s at 1 kHz.
 const QUEUE_LEN: usize = 8192;
-/// Messages handed over in one turn at most.
-const A_TURN: usize = 256;
 
 /// What ROS tools are given.
 #[derive(Args, Clone, Debug)]
@@ -55,26 +48,6 @@ pub(super) struct Attached {
     pub(super) sink: Option<RosSink>,
     /// To be finished when everything has been said.
     pub(super) recording: Option<LiveRecording>,
-}
-
-/// A recording of everything that a source says, and of what is made of it.
-pub(super) struct LiveRecording {
-    recorder: Recorder,
-    acquisition: Acquisition,
-    n_missed: Arc<AtomicU64>,
-}
-
-/// A source whose messages go to a recording, too.
-struct Tee {
-    inner: Box<dyn FrameSource>,
-    sender: SyncSender<Message>,
-    n_missed: Arc<AtomicU64>,
-}
-
-/// The recording's end of a [`Tee`].
-struct TeeEnd {
-    queue: Queue<Message>,
-    name: String,
 }
 
 /// Frames of the runtime as messages of ROS.
@@ -171,109 +144,6 @@ fn zenoh(params: &RosParams, domain_id: u32) -> Result<Box<dyn MessageSink>> {
 #[cfg(not(feature = "zenoh"))]
 fn zenoh(_: &RosParams, _: u32) -> Result<Box<dyn MessageSink>> {
     bail!("--zenoh: this build has no zenoh; build with --features zenoh")
-}
-
-/// Records `source` to `path`: the source to use instead, and the recording, whose
-/// [`LiveRecording::topics`] take what is made of the readings.
-fn recorded(
-    source: Box<dyn FrameSource>,
-    path: &Path,
-    params: &RosParams,
-    calibration: Option<Vec<u8>>,
-) -> Result<(Tee, LiveRecording)> {
-    let (sender, queue) = sync_channel(QUEUE_LEN);
-    let name = source.name();
-    let end = TeeEnd {
-        queue,
-        name: name.clone(),
-    };
-    let (acquisition, receivers) = acquire(end, AcquireParams::default())?;
-    let record_params = RecordParams {
-        calibration,
-        source: name,
-        topics: topics(params)?,
-        ..RecordParams::default()
-    };
-    let receiver = receivers.into_iter().next();
-    let receiver = receiver.ok_or_else(|| anyhow::anyhow!("one receiver was asked for"))?;
-    let recorder = record(receiver, path, record_params)?;
-    let n_missed = Arc::new(AtomicU64::new(0));
-    let tee = Tee {
-        inner: source,
-        sender,
-        n_missed: Arc::clone(&n_missed),
-    };
-    let recording = LiveRecording {
-        recorder,
-        acquisition,
-        n_missed,
-    };
-    Ok((tee, recording))
-}
-
-impl LiveRecording {
-    /// Takes messages of [`topics`].
-    fn topics(&self) -> TopicWriter {
-        self.recorder.topics()
-    }
-
-    /// Ends the file when everything has been said, and says what is in it.
-    pub(super) fn finish(self) -> Result<()> {
-        // The source is gone by now: its last messages are on their way.
-        while !self.acquisition.has_ended() {
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        let info = self.recorder.finish()?;
-        let n_missed = info.n_dropped + self.n_missed.load(Ordering::Relaxed);
-        eprintln!(
-            "{}: {} readings, {} messages; missing because the disk was too slow: {n_missed}, {}",
-            info.path.display(),
-            info.n_frames,
-            info.n_messages,
-            info.n_messages_dropped,
-        );
-        Ok(())
-    }
-}
-
-impl FrameSource for Tee {
-    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        let (sender, n_missed) = (&self.sender, &self.n_missed);
-        self.inner.poll(timeout, &mut |message| {
-            if sender.try_send(message.clone()).is_err() {
-                n_missed.fetch_add(1, Ordering::Relaxed);
-            }
-            sink(message);
-        })
-    }
-
-    fn stats(&self) -> SourceStats {
-        self.inner.stats()
-    }
-
-    fn name(&self) -> String {
-        self.inner.name()
-    }
-}
-
-impl FrameSource for TeeEnd {
-    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        match self.queue.recv_timeout(timeout) {
-            Ok(message) => sink(message),
-            Err(RecvTimeoutError::Timeout) => return SourceStatus::Open,
-            Err(RecvTimeoutError::Disconnected) => return SourceStatus::Ended,
-        }
-        self.queue.try_iter().take(A_TURN).for_each(sink);
-        SourceStatus::Open
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
-    }
-
-    fn name(&self) -> String {
-        self.name.clone()
-    }
 }
 
 impl RosSink {

@@ -11,6 +11,7 @@ mod export;
 mod inspect;
 mod limits;
 mod live;
+mod live_record;
 mod live_ros;
 mod place;
 mod plan;
