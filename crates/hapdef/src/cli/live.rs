@@ -10,14 +10,14 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use hapdef::touch::{LiveEstimator, SearchPlace, TouchEstimator, live_estimator};
-use hapdef::{Limb, SceneArgs};
+use hapdef::{Limb, SOURCE_FORMS, SceneArgs, SourceArg};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
 use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
 
+use super::live_ros::{Attached, LiveRecording, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::source::{FORMS, SourceSpec};
 use super::view::{Sim, View, ViewArgs};
 
 /// How often it looks whether to end.
@@ -28,7 +28,7 @@ const LOOK: Duration = Duration::from_millis(20);
     hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
-    hapdef live fixtures/shin/placed.json --sim --seconds 10\n  \
+    hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
     hapdef live fixtures/shin/placed.json --sim --view\n\n\
     Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
     terminal, one line that is refreshed (a line a frame where it is no terminal); each second a \
@@ -37,10 +37,12 @@ const LOOK: Duration = Duration::from_millis(20);
 pub(crate) struct LiveArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Where frames come from: serial:PATH[@BAUD], tcp:HOST:PORT, csv:PATH[@BAUD] or
-    /// replay:FILE[@SPEED].
-    #[arg(long, long_help = FORMS, required_unless_present = "sim")]
-    source: Option<SourceSpec>,
+    #[arg(
+        long,
+        help = format!("Where readings come from: {SOURCE_FORMS}"),
+        required_unless_present = "sim"
+    )]
+    source: Option<SourceArg>,
     /// Play the scene's simulated rig at 1 kHz, pressed at random; needs a scene.
     #[arg(long, conflicts_with = "source")]
     sim: bool,
@@ -61,6 +63,8 @@ pub(crate) struct LiveArgs {
     /// Send JSON lines to whoever connects, too: tcp:127.0.0.1:7650 or unix:PATH.
     #[arg(long, value_name = "ADDRESS")]
     serve: Option<String>,
+    #[command(flatten)]
+    ros: RosArgs,
     /// Time whose mean is the tare, s; 0 for readings that come tared.
     #[arg(long, default_value_t = 1.0)]
     tare_s: f64,
@@ -107,7 +111,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     };
     let stop = Arc::clone(&model.stop);
     let (view, sim) = (model.view.take(), model.sim.take());
-    let mut builder = model.builder(args)?;
+    let (mut builder, recording) = model.builder(args)?;
     if let Some(view) = &view {
         builder = builder.sink(view.sink(args.is_recorded()));
     }
@@ -115,7 +119,9 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let desk = view.map(|view| view.attend(live.control(), sim, (start, args.json)));
     wait(&live, args.seconds, &stop);
     drop(desk);
-    report(&live.stop()?)
+    let health = live.stop()?;
+    recording.map_or(Ok(()), LiveRecording::finish)?;
+    report(&health)
 }
 
 impl Model {
@@ -132,7 +138,7 @@ impl Model {
         };
         let gauges = bundle.info.gauges.iter();
         Ok(Self {
-            source: source.open(gauges.len())?,
+            source: source.open_for(gauges.len())?,
             estimator,
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
@@ -153,7 +159,7 @@ impl Model {
         };
         let view = args.view.of_scene(&run, &limb, args.sim)?;
         let (source, sim): (Box<dyn FrameSource>, _) = match (&args.source, &view) {
-            (Some(source), _) => (source.open(limb.gauges.len())?, None),
+            (Some(source), _) => (source.open_for(limb.gauges.len())?, None),
             (None, Some(_)) => Sim::start(&run, &limb, args.sim_seed)?,
             (None, None) => (simulated(&run, &limb, args.sim_seed)?, None),
         };
@@ -173,7 +179,8 @@ impl Model {
         Ok(model)
     }
 
-    fn builder(self, args: &LiveArgs) -> Result<LiveBuilder> {
+    /// The runtime, and the recording that is to be finished after it.
+    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<LiveRecording>)> {
         if let Some(seconds) = args.seconds {
             ensure!(
                 seconds > 0.0,
@@ -189,11 +196,19 @@ impl Model {
             realtime_priority: args.realtime,
             ..LiveParams::default()
         };
-        let builder = Live::boxed_builder(self.source)
+        let Attached {
+            source,
+            sink,
+            recording,
+        } = args.ros.attach(self.source)?;
+        let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
             .boxed_estimator(self.estimator);
-        with_sinks(builder, args)
+        if let Some(sink) = sink {
+            builder = builder.sink(sink);
+        }
+        Ok((with_sinks(builder, args)?, recording))
     }
 }
 
@@ -208,11 +223,11 @@ impl LiveArgs {
     }
 
     fn is_recorded(&self) -> bool {
-        self.source.as_ref().is_some_and(SourceSpec::is_recorded)
+        self.source.as_ref().is_some_and(SourceArg::is_recorded)
     }
 
     fn is_unpaced(&self) -> bool {
-        self.source.as_ref().is_some_and(SourceSpec::is_unpaced)
+        self.source.as_ref().is_some_and(SourceArg::is_unpaced)
     }
 }
 
