@@ -15,6 +15,7 @@ mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
+mod fuzz;
 mod live;
 mod pipeline;
 mod repro;
@@ -32,14 +33,15 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::pipeline::PipelineArgs;
+use crate::pipeline::{DemoArgs, PipelineArgs};
 
 /// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
     after_help = "Example:\n  cargo xtask demo --quick\n  \
-    cargo xtask demo --scene fixtures/shin/scene.json\n  cargo xtask ci"
+    cargo xtask demo --scene fixtures/shin/scene.json\n  \
+    cargo xtask demo --live\n  cargo xtask ci"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -48,8 +50,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Everything from the limb to the report with the paper's tables.
-    Demo(PipelineArgs),
+    /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
+    Demo(DemoArgs),
     /// The paper's tables and figures in full, with verdicts on its claims.
     Repro(repro::ReproArgs),
     /// The limb's compliance and the datasets only.
@@ -74,6 +76,8 @@ enum Task {
     Search(search::SearchArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
     Tactile(search::TactileArgs),
+    /// Damaged inputs for every reader; ends with exit code 1 if one panics.
+    Fuzz(fuzz::FuzzArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
     Soak(soak::SoakArgs),
     /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
@@ -115,6 +119,7 @@ fn run(task: Task) -> Result<()> {
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
+        Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Rig(args) => rig::run(&args),
         Task::Weight(args) => weight::run(&args),

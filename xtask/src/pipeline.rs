@@ -25,8 +25,42 @@ pub(crate) struct PipelineArgs {
     rest: Vec<String>,
 }
 
+/// Arguments of `demo`.
+#[derive(clap::Args, Clone)]
+pub(crate) struct DemoArgs {
+    #[command(flatten)]
+    pipeline: PipelineArgs,
+    /// The live page instead of the report: the virtual limb is pressed, and the contacts appear.
+    /// What comes after `--` goes to `hapdef live`.
+    #[arg(long)]
+    live: bool,
+}
+
+/// `cargo xtask demo`.
+pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
+    if args.live {
+        return live(&args.pipeline);
+    }
+    report(&args.pipeline)
+}
+
+/// The virtual limb on the live page.
+fn live(args: &PipelineArgs) -> Result<()> {
+    eprintln!("building (the first time takes some minutes) …");
+    let bundled = root().join("fixtures/shin/placed.json");
+    let mut command = Command::new(release_binary("hapdef")?);
+    command
+        .arg("live")
+        .arg(args.scene.as_ref().unwrap_or(&bundled))
+        .args(["--sim", "--view"]);
+    if let Some(seed) = args.seed {
+        command.args(["--sim-seed", &seed.to_string()]);
+    }
+    finish(command.args(&args.rest))
+}
+
 /// From the limb to the report.
-pub(crate) fn demo(args: &PipelineArgs) -> Result<()> {
+fn report(args: &PipelineArgs) -> Result<()> {
     eprintln!("building (the first time takes some minutes) …");
     let hapdef = release_binary("hapdef")?;
     let repro = release_binary("hapdef-repro")?;

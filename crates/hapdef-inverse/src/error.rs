@@ -140,7 +140,7 @@ pub enum InverseError {
     },
     /// Readings of presses that are of another size or sign than the response.
     #[error(
-        "the presses' readings of gauge {gauge} are {ratio} times what the response tells, expected \
+        "the presses' readings of gauge {gauge} are {ratio:.2} times what the response tells, expected \
          {least} to {most}: check its sign, its unit, and that it is this gauge's channel"
     )]
     PressScale {

@@ -101,29 +101,29 @@ pub(crate) fn region_factor(presses: &[LeftOutPress]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     /// Presses whose errors are three times as large as told: the factor is nine.
     #[test]
     fn a_variance_too_small_is_found() {
         let m = 6;
-        let uniform = |i: usize| ((i as f64 * 12.9898).sin() * 43758.5453).fract().abs();
-        // Box and Muller
-        let normal = |i: usize| {
-            let (u, v) = (uniform(2 * i).max(1e-12), uniform(2 * i + 1));
-            (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut normals = |sd: f64| -> Vec<f64> {
+            let each = (0..m).map(|_| -> f64 { StandardNormal.sample(&mut rng) });
+            each.map(|n| sd * n).collect()
         };
-        let press = |k: usize| {
-            let row = |r: usize| (0..m).map(|g| ((k + 7 * r + g * g) as f64).sin()).collect();
-            let mut map_error = vec![0.0; m * m];
-            (0..m).for_each(|g| map_error[g * m + g] = 1e-4);
-            LeftOutPress {
-                jacobian: [row(1), row(2), row(3)],
-                error: (0..m).map(|g| 3e-2 * normal(m * k + g)).collect(),
+        let mut map_error = vec![0.0; m * m];
+        (0..m).for_each(|g| map_error[g * m + g] = 1e-4);
+        let presses: Vec<_> = (0..4000)
+            .map(|_| LeftOutPress {
+                jacobian: [normals(1.0), normals(1.0), normals(1.0)],
+                error: normals(3e-2),
                 noise: vec![1e-9; m],
-                map_error,
-            }
-        };
-        let presses: Vec<_> = (0..4000).map(press).collect();
+                map_error: map_error.clone(),
+            })
+            .collect();
         let factor = region_factor(&presses);
         assert!((8.0..10.2).contains(&factor), "{factor}");
     }
