@@ -18,6 +18,8 @@ pub struct FoxgloveServer {
     channels: Vec<Arc<RawChannel>>,
     handle: Option<WebSocketServerHandle>,
     port: u16,
+    /// The server does not keep it: without it channels are not announced.
+    _context: Arc<Context>,
 }
 
 impl FoxgloveServer {
@@ -57,6 +59,7 @@ impl FoxgloveServer {
             channels,
             port: handle.port(),
             handle: Some(handle),
+            _context: context,
         })
     }
 
