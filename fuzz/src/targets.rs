@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Header, MAJOR_VERSION};
 use hapdef_daq::record::recover;
 use hapdef_mesh::{DeckParams, GltfParams, read_deck_with, read_gltf};
+use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, TrainRecord};
 
 /// A target: its name, and what is done with the bytes; `folder` is for files.
 #[derive(Clone, Copy)]
@@ -144,9 +145,29 @@ fn deck(bytes: &[u8], folder: &Path) {
     let _ = read_deck_with(&written(rest, folder, name), &DeckParams::default());
 }
 
+/// A bundle, and a checkpoint whose weights are these bytes.
 fn safetensors(bytes: &[u8], folder: &Path) {
-    let path = written(bytes, folder, "net.safetensors");
+    let _ = hapdef_live::Bundle::from_bytes(bytes, "fuzz");
+    let path = folder.join("net.json");
+    if !path.exists() {
+        save_net(&path);
+    }
+    written(bytes, folder, "net-0.safetensors");
     let _ = hapdef_nets::load(&path);
+}
+
+/// A net of nine numbers: its JSON file, and `net-0.safetensors` beside it.
+fn save_net(path: &Path) {
+    let spec = MlpSpec {
+        inputs: 2,
+        hidden: vec![2],
+        outputs: 1,
+        activation: Activation::Relu,
+    };
+    let mlp = Mlp::random(&spec, 1).expect("widths above 0");
+    let net = Net::new(mlp, Scale::identity(2), Scale::identity(1)).expect("scales that fit");
+    let record = TrainRecord::new(TrainParams::paper(1));
+    hapdef_nets::save(path, &net, &record, None).expect("the folder can be written");
 }
 
 fn written(bytes: &[u8], folder: &Path, name: &str) -> PathBuf {

@@ -41,6 +41,8 @@ pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
         command.args(["--target", name]);
     }
     command.arg("--failures").arg(target.join("hapdef/fuzz"));
-    command.arg("--metrics").arg(target.join("hapdef/metrics.json"));
+    command
+        .arg("--metrics")
+        .arg(target.join("hapdef/metrics.json"));
     finish(&mut command)
 }

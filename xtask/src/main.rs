@@ -15,6 +15,7 @@ mod compare;
 mod docs;
 mod fixtures;
 mod frontier;
+mod fuzz;
 mod live;
 mod pipeline;
 mod repro;
@@ -75,6 +76,8 @@ enum Task {
     Search(search::SearchArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
     Tactile(search::TactileArgs),
+    /// Damaged inputs for every reader; ends with exit code 1 if one panics.
+    Fuzz(fuzz::FuzzArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
     Soak(soak::SoakArgs),
     /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
@@ -116,6 +119,7 @@ fn run(task: Task) -> Result<()> {
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),
+        Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Rig(args) => rig::run(&args),
         Task::Weight(args) => weight::run(&args),

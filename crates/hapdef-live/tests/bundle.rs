@@ -1,5 +1,4 @@
 //! A bundle comes back as it was written, bit for bit, or is refused with a reason.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 mod support;
 

@@ -62,11 +62,13 @@ impl TouchEstimator for Asked {
     }
 }
 
+type OnFrame = dyn FnMut(&LiveFrame) -> Result<(), AnyError> + Send;
+
 /// A sink that does what a test wants and keeps what it is told.
 struct Probe {
     wants: Wants,
     delivery: Delivery,
-    on_frame: Box<dyn FnMut(&LiveFrame) -> Result<(), AnyError> + Send>,
+    on_frame: Box<OnFrame>,
     events: Collected<LiveEvent>,
     is_finished: Arc<AtomicBool>,
 }

@@ -128,13 +128,34 @@ fn the_refreshed_line_is_wiped_before_another_is_said() {
     );
 }
 
+/// Reads lines until one says that lines were left out and one more; every number is there or
+/// counted as left out. Returns how many were.
+fn read_until_left_out(client: TcpStream) -> u64 {
+    let (mut next, mut n_left_out, mut n_all) = (0, 0, 0);
+    for line in BufReader::new(client).lines() {
+        let value: Value = serde_json::from_str(&line.unwrap()).unwrap();
+        if let Some(seq) = value["seq"].as_u64() {
+            assert_eq!(seq, next + n_left_out);
+            if n_all > 0 {
+                break;
+            }
+            (next, n_left_out) = (seq + 1, 0);
+        } else {
+            let words = value["text"].as_str().unwrap().to_owned();
+            n_left_out = words.split(' ').next().unwrap().parse().unwrap();
+            n_all += n_left_out;
+        }
+    }
+    n_all
+}
+
 /// A client that doesn't read misses whole lines and hears how many; the other one gets all.
 #[test]
 fn clients_are_served_each_at_its_own_pace() {
     let mut server = JsonServer::bind("tcp:127.0.0.1:0").unwrap();
     let address = server.address().strip_prefix("tcp:").unwrap().to_owned();
     let [fast, slow] = [(); 2].map(|()| TcpStream::connect(&address).unwrap());
-    let n_frames = 20_000;
+    let n_frames = 40_000;
     let reader = std::thread::spawn(move || {
         let lines = BufReader::new(fast).lines();
         lines
@@ -152,22 +173,17 @@ fn clients_are_served_each_at_its_own_pace() {
         std::thread::sleep(due.saturating_sub(start.elapsed()));
     }
     assert!(reader.join().unwrap() > 300 * n_frames);
-    let mut lines = BufReader::new(slow).lines();
-    let mut next = 0;
-    let mut n_left_out = 0;
-    while next < u64::from(n_frames as u32) / 20 {
-        let value: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
-        match value["seq"].as_u64() {
-            Some(seq) => {
-                assert_eq!(seq, next + n_left_out);
-                (next, n_left_out) = (seq + 1, 0);
-            }
-            None => {
-                let words = value["text"].as_str().unwrap().to_owned();
-                n_left_out = words.split(' ').next().unwrap().parse().unwrap();
-            }
-        }
+    let late = std::thread::spawn(move || read_until_left_out(slow));
+    while !late.is_finished() && start.elapsed() < Duration::from_secs(20) {
+        frame.seq += 1;
+        server.frame(&frame).unwrap();
+        std::thread::sleep(Duration::from_micros(100));
     }
+    assert!(late.is_finished() && late.join().unwrap() > 0);
+}
+
+#[test]
+fn a_socket_is_gone_when_its_server_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("socket");
     let unix = JsonServer::bind(&format!("unix:{}", path.display())).unwrap();

@@ -1,5 +1,4 @@
 //! The device at real ports, end to end.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod live_support;
 

@@ -1,4 +1,5 @@
 //! The limb at run time and scripts on it: superposition, and truth that is what was asked for.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod live_support;
 

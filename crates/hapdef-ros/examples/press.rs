@@ -82,7 +82,7 @@ fn reading(i: u32) -> f64 {
 fn finger(i: u32) -> Option<Contact> {
     let along = f64::from(i) / f64::from(N_READINGS);
     let force_n = 3.0 * (std::f64::consts::TAU * along).sin();
-    (force_n > 0.1).then(|| Contact {
+    (force_n > 0.1).then_some(Contact {
         id: 1,
         position_m: [0.04, 0.0, 0.1 + 0.2 * along],
         normal: [1.0, 0.0, 0.0],

@@ -1,4 +1,5 @@
 //! Messages and raw readings in one file: whole, damaged and recovered.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 mod support;
 

@@ -1,5 +1,9 @@
 //! `hapdef`: the pipeline's stages on the command line.
-#![expect(clippy::print_stdout, reason = "a command line program prints")]
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command line program prints"
+)]
 
 mod cli;
 

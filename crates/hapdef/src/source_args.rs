@@ -49,8 +49,8 @@ pub enum SourceArg {
     Csv {
         /// Path of the port.
         device: String,
-        /// Integers in a line, 10 where none are named.
-        n_channels: usize,
+        /// Integers in a line, where they are named.
+        n_channels: Option<usize>,
     },
 }
 
@@ -75,16 +75,24 @@ pub enum SourceArgError {
 
 impl SourceArg {
     /// The source. Ports and connections are opened when it is first polled, and again whenever
-    /// they went away; only a recording is opened here.
+    /// they went away; only a recording is opened here. Lines have 10 integers where none are named.
     ///
     /// # Errors
     /// A recording that can't be opened.
     pub fn open(&self) -> Result<Box<dyn FrameSource>, HapdefError> {
+        self.open_for(N_SKETCH_CHANNELS)
+    }
+
+    /// The source, with one integer a line for each of `n_gauges` where no number is named.
+    ///
+    /// # Errors
+    /// A recording that can't be opened.
+    pub fn open_for(&self, n_gauges: usize) -> Result<Box<dyn FrameSource>, HapdefError> {
         Ok(match self {
             Self::Serial { device, baud } => stream(serial(device, *baud), Protocol::Hdp1),
             Self::Tcp { address } => stream(TcpLink::new(address), Protocol::Hdp1),
             Self::Csv { device, n_channels } => {
-                let n_channels = *n_channels;
+                let n_channels = n_channels.unwrap_or(n_gauges);
                 stream(serial(device, BAUD), Protocol::Csv { n_channels })
             }
             Self::Replay { file, speed } => {
@@ -95,10 +103,16 @@ impl SourceArg {
         })
     }
 
-    /// Whether it is something that can be plugged in, rather than a recording.
+    /// Whether its readings were recorded before.
     #[must_use]
-    pub fn is_live(&self) -> bool {
-        !matches!(self, Self::Replay { .. })
+    pub fn is_recorded(&self) -> bool {
+        matches!(self, Self::Replay { .. })
+    }
+
+    /// Whether it hands readings out as fast as they are taken.
+    #[must_use]
+    pub fn is_unpaced(&self) -> bool {
+        matches!(self, Self::Replay { speed, .. } if speed.is_infinite())
     }
 }
 
@@ -109,18 +123,21 @@ impl FromStr for SourceArg {
         let form = || SourceArgError::Form {
             found: text.to_owned(),
         };
+        if text.starts_with('/') {
+            return format!("serial:{text}").parse();
+        }
         let (word, rest) = text.split_once(':').ok_or_else(form)?;
         if rest.is_empty() {
             return Err(form());
         }
         match word {
             "serial" => {
-                let (device, baud) = with_number(text, rest, BAUD, 1..=u32::MAX)?;
+                let (device, baud) = with_number(text, rest, 1..=u32::MAX)?;
+                let baud = baud.unwrap_or(BAUD);
                 Ok(Self::Serial { device, baud })
             }
             "csv" => {
-                let range = 1..=MAX_CHANNELS;
-                let (device, n_channels) = with_number(text, rest, N_SKETCH_CHANNELS, range)?;
+                let (device, n_channels) = with_number(text, rest, 1..=MAX_CHANNELS)?;
                 Ok(Self::Csv { device, n_channels })
             }
             "tcp" => tcp(text, rest),
@@ -139,7 +156,11 @@ impl std::fmt::Display for SourceArg {
                 write!(f, "replay:{}@{speed}", file.display())
             }
             Self::Replay { file, .. } => write!(f, "replay:{}@max", file.display()),
-            Self::Csv { device, n_channels } => write!(f, "csv:{device}@{n_channels}"),
+            Self::Csv {
+                device,
+                n_channels: Some(n),
+            } => write!(f, "csv:{device}@{n}"),
+            Self::Csv { device, .. } => write!(f, "csv:{device}"),
         }
     }
 }
@@ -157,19 +178,18 @@ fn stream(link: impl Link + 'static, protocol: Protocol) -> Box<dyn FrameSource>
     Box::new(StreamSource::new(link, params))
 }
 
-/// Splits `@NUMBER` off; where there is none, the number is `default`.
+/// Splits `@NUMBER` off, where there is one.
 fn with_number<N: FromStr + PartialOrd>(
     text: &str,
     rest: &str,
-    default: N,
     range: std::ops::RangeInclusive<N>,
-) -> Result<(String, N), SourceArgError> {
+) -> Result<(String, Option<N>), SourceArgError> {
     let Some((name, number)) = rest.rsplit_once('@') else {
-        return Ok((rest.to_owned(), default));
+        return Ok((rest.to_owned(), None));
     };
     let number = number.parse().ok().filter(|n| range.contains(n));
     match number {
-        Some(number) if !name.is_empty() => Ok((name.to_owned(), number)),
+        Some(number) if !name.is_empty() => Ok((name.to_owned(), Some(number))),
         _ => Err(SourceArgError::Number {
             found: text.to_owned(),
             expected: "after the @ a whole number: bits per second of a serial port, or 1 to 64 \
@@ -246,7 +266,8 @@ mod tests {
             "serial:/dev/serial/by-id/usb-A@B@921600",
             "serial:/dev/serial/by-id/usb-A@B@921600",
         );
-        check("csv:/dev/ttyUSB0", "csv:/dev/ttyUSB0@10");
+        check("csv:/dev/ttyUSB0", "csv:/dev/ttyUSB0");
+        check("/dev/pts/3", "serial:/dev/pts/3@115200");
         check("csv:COM3@4", "csv:COM3@4");
         check("tcp:robot.local:7000", "tcp:robot.local:7000");
         check("tcp:[::1]:7000", "tcp:[::1]:7000");
@@ -258,7 +279,7 @@ mod tests {
 
     #[test]
     fn what_is_no_source_is_refused_with_the_forms() {
-        for text in ["", "serial:", "usb:/dev/x", "/dev/ttyACM0", ":x"] {
+        for text in ["", "serial:", "usb:/dev/x", "ttyACM0", ":x"] {
             let error = text.parse::<SourceArg>().unwrap_err();
             assert!(error.to_string().contains("tcp:HOST:PORT"), "{error}");
         }

@@ -4,11 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use hapdef::touch::{
-    BundleRequest, Calibration, LiveEstimator, PressQuality, SearchPlace, Touch, TouchEstimator,
-    live_estimator, make_bundle, touch_estimator,
+    BundleRequest, Calibration, LiveEstimator, SearchPlace, Touch, TouchEstimator, live_estimator,
+    make_bundle, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
-use hapdef_inverse::{Press, SkinPoint};
+use hapdef_inverse::SkinPoint;
 use hapdef_live::Bundle;
 
 fn placed() -> PathBuf {
@@ -81,25 +81,25 @@ fn a_bundle_stands_for_its_scene() {
 fn a_calibrated_scene_takes_its_calibration_along() {
     let out = tempfile::tempdir().unwrap();
     let (run, limb) = run_of(&placed(), out.path());
-    let map = through_bytes(&run, &limb);
-    let press = |i: usize| {
-        let face = (37 * i) % map.skin().n_faces();
-        let point = SkinPoint::new(map.skin(), face, [0.4, 0.4, 0.2]).unwrap();
-        let force_n = 5.0 + (i % 25) as f64;
-        let readings = map.map().normal(&point).iter().map(|g| 1.02 * g * force_n);
-        Press {
-            point,
-            force_n,
-            readings: readings.collect(),
-        }
-    };
-    let presses: Vec<Press> = (0..40).map(press).collect();
-    let quality = PressQuality {
+    let plain = through_bytes(&run, &limb);
+    let n_sites = 100;
+    let error = |i: usize| if i % 11 == 0 { 1e-3 } else { 0.0 };
+    let adjoint = plain.map().nodal().into_iter().map(|v| (v * 1.02).into());
+    let calibration = Calibration {
+        version: 1,
+        scene: run.scene.name.clone(),
+        deck_hash: limb.deck_hash.clone(),
+        presses_hash: String::new(),
+        n_presses: 40,
+        n_used: 40,
+        relative_error: 0.01,
+        relative_error_before: 0.1,
         noise_ue: 1.0,
-        position_sd_m: 0.0,
-        force_sd_n: 0.0,
+        n_gauges: 10,
+        n_sites,
+        adjoint_ue_per_n: adjoint.collect(),
+        site_error: (0..n_sites * 100).map(|i| error(i % 100)).collect(),
     };
-    let (calibration, _) = Calibration::fit(&run, &limb, &presses, &quality, 100).unwrap();
     let path = out.path().join("calibration.json");
     calibration.write(&path).unwrap();
     let text = std::fs::read_to_string(placed()).unwrap();

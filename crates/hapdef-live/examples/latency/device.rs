@@ -94,13 +94,14 @@ pub fn play(master: &OwnedFd, hello: &Hello, frames: &[Vec<i32>], stop: &AtomicB
     while !is_asked(&mut asked) && !stop.load(Ordering::Acquire) {
         std::thread::sleep(Duration::from_millis(1));
     }
-    let mut due = Instant::now();
-    for seq in 0.. {
+    let start = Instant::now();
+    let mut due = start;
+    for seq in 0_usize.. {
         if stop.load(Ordering::Acquire) {
             break;
         }
         packet.clear();
-        let t_us = 1000 * seq as u64;
+        let t_us = start.elapsed().as_micros() as u64;
         if seq % 1000 == 0 || is_asked(&mut asked) {
             packet.push(0);
             encoder.hello(hello, t_us, &mut packet).unwrap();

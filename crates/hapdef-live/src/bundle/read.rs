@@ -76,6 +76,9 @@ impl Bundle {
     }
 }
 
+/// `[n_nodes]`.
+type Normals = Vec<Vector3<f64>>;
+
 /// The tensors of a file.
 struct Parts<'a> {
     tensors: SafeTensors<'a>,
@@ -137,7 +140,8 @@ impl<'a> Parts<'a> {
         Err(self.refused(format!("expected {expected} tensors, found {found}")))
     }
 
-    fn skin(&self) -> Result<(Skin, Option<Vec<Vector3<f64>>>), LiveError> {
+    /// The skin, and the normals that it was made with.
+    fn skin(&self) -> Result<(Skin, Option<Normals>), LiveError> {
         let faces = self.part(FACES)?;
         let (n_faces, per_face) = match (faces.shape(), faces.dtype()) {
             (&[n, per_face @ (3 | 6)], Dtype::U32) => (n, per_face),

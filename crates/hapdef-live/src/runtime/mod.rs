@@ -251,8 +251,8 @@ impl LiveBuilder {
     }
 
     fn wanted(&self) -> Result<Wants, LiveError> {
-        let asks = |sink: &&Box<dyn Sink>| sink.wants().has_contacts();
-        if let (None, Some(sink)) = (&self.estimator, self.sinks.iter().find(asks)) {
+        let mut asking = self.sinks.iter().filter(|sink| sink.wants().has_contacts());
+        if let (None, Some(sink)) = (&self.estimator, asking.next()) {
             return Err(LiveError::NoEstimator { sink: sink.name() });
         }
         let each = self.sinks.iter().map(|sink| sink.wants());

@@ -19,7 +19,10 @@ pub const CALIBRATION: &[u8] = b"{\"tare\": [1, 2.5]}";
 
 /// Every message that was put, in order.
 #[derive(Clone, Default)]
-pub struct Kept(pub Arc<Mutex<Vec<(TopicKind, u64, Vec<u8>)>>>);
+pub struct Kept(pub Arc<Mutex<Vec<Put>>>);
+
+/// A message: topic, time, bytes.
+pub type Put = (TopicKind, u64, Vec<u8>);
 
 impl MessageSink for Kept {
     fn put(&mut self, topic: TopicKind, stamp_ns: u64, message: &[u8]) {
@@ -72,7 +75,7 @@ pub fn contacts(i: u32, stamp_ns: u64) -> Contacts {
         stamp_ns,
         seq: i,
         quality: Some(Quality {
-            is_identified: i % 3 > 0,
+            is_identified: !i.is_multiple_of(3),
             p_value: 0.5 + 0.4 * number(u64::from(i)),
         }),
         contacts: list,

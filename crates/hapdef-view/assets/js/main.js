@@ -75,6 +75,7 @@ function hello(message, surface) {
   view.shown = null;
   legend.setUnit(message.unit);
   panel.setGauges(message.gauges);
+  panel.showNoContacts("Waiting for readings");
   view.offers = message.offers;
   controls.offer(message.offers);
   if (!message.offers.commands) byId("link").textContent = "view only";
@@ -105,11 +106,11 @@ function tick(now) {
     if (chosen) timed(() => show(chosen, now));
     view.fresh = false;
   }
-  if (stage.draw() && view.shown) {
-    legend.setRuler(stage.metresPerPixel);
-    placeLabels();
-    view.drawn += 1;
-  }
+  if (!stage.draw() || !view.limb) return;
+  legend.setRuler(stage.metresPerPixel);
+  if (!view.shown) return;
+  placeLabels();
+  view.drawn += 1;
 }
 
 /** Keeps the time of the last pictures' work, ms. */

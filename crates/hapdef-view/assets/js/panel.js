@@ -79,8 +79,12 @@ export class Panel {
 
   showContacts({ contacts, others }) {
     const rows = [...contacts.map((mark) => contactRow(mark, false)), ...others.map((mark) => contactRow(mark, true))];
-    if (!contacts.length) rows.unshift(Object.assign(document.createElement("li"), { className: "none", textContent: "Nothing touches" }));
-    this.byId("contacts").replaceChildren(...rows);
+    if (!rows.length) this.showNoContacts("Nothing touches");
+    else this.byId("contacts").replaceChildren(...rows);
+  }
+
+  showNoContacts(why) {
+    this.byId("contacts").replaceChildren(Object.assign(document.createElement("li"), { className: "none", textContent: why }));
   }
 
   showGauges({ readings, states }) {

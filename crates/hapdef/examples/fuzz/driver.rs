@@ -15,15 +15,6 @@ use crate::targets::Target;
 /// Longest time for one input; the program ends with the input saved when one takes longer.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// How long a target is run.
-#[derive(Clone, Copy, Debug)]
-pub enum Amount {
-    /// So many inputs.
-    Executions(u64),
-    /// So long.
-    Time(Duration),
-}
-
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outcome {
@@ -48,12 +39,13 @@ pub fn corpus(folder: &Path) -> Vec<Vec<u8>> {
     seeds
 }
 
-/// Runs the seeds themselves and mutations of them; inputs that panic are written to `failures`.
+/// Runs the seeds themselves and mutations of them until `is_over` of the inputs so far and the time
+/// since the start; inputs that panic are written to `failures`.
 pub fn fuzz(
     target: Target,
     seeds: &[Vec<u8>],
     seed: u64,
-    amount: Amount,
+    is_over: impl Fn(u64, Duration) -> bool,
     failures: &Path,
 ) -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -61,11 +53,7 @@ pub fn fuzz(
     let watchdog = Watchdog::start(target.name, failures);
     let start = Instant::now();
     let mut outcome = Outcome::default();
-    let is_over = |n: u64| match amount {
-        Amount::Executions(most) => n >= most,
-        Amount::Time(time) => start.elapsed() >= time,
-    };
-    while !is_over(outcome.n_executions) {
+    while !is_over(outcome.n_executions, start.elapsed()) {
         let input = match seeds.get(outcome.n_executions as usize) {
             Some(seed) => seed.clone(),
             None => mutated(seeds, &mut rng),
@@ -87,8 +75,7 @@ pub fn fuzz(
 /// A folder for files, in memory where the system has such a one.
 fn scratch(name: &str) -> tempfile::TempDir {
     let shm = Path::new("/dev/shm");
-    let builder = tempfile::Builder::new();
-    let mut builder = builder;
+    let mut builder = tempfile::Builder::new();
     builder.prefix(name);
     let made = match shm.is_dir() {
         true => builder.tempdir_in(shm).or_else(|_| tempfile::tempdir()),

@@ -19,7 +19,7 @@ use std::time::Duration;
 use clap::Parser;
 use rustix::process::{Resource, Rlimit, setrlimit};
 
-use driver::{Amount, corpus, fuzz};
+use driver::{corpus, fuzz};
 use targets::TARGETS;
 
 /// Address space that a run may have: what asks for more is refused and ends the program.
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     };
     setrlimit(Resource::As, limit).unwrap();
     let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
-    let amount = Amount::Time(Duration::from_secs_f64(args.seconds));
+    let time = Duration::from_secs_f64(args.seconds);
     let (mut n_panics, mut n_executions) = (0, 0);
     for target in TARGETS {
         if args
@@ -64,7 +64,13 @@ fn main() -> ExitCode {
             continue;
         }
         let seeds = corpus(&home.join(target.name));
-        let outcome = fuzz(target, &seeds, args.seed, amount, &args.failures);
+        let outcome = fuzz(
+            target,
+            &seeds,
+            args.seed,
+            |_, elapsed| elapsed >= time,
+            &args.failures,
+        );
         println!(
             "{:12} {:9} executions, {} panics, {:.1} ms for the slowest, {} MiB at most so far",
             target.name,

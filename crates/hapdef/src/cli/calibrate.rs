@@ -41,7 +41,7 @@ pub(crate) struct ProbeArgs {
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n  \
-    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json --live /dev/ttyACM0\n\n\
+    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json --live serial:/dev/ttyACM0\n\n\
     The table has a press a line: x_m, y_m, z_m, force_n, then the tared reading of each gauge in \
     µε; a first line of names is allowed. Name the result in the scene: estimator.calibration.")]
 pub(crate) struct CalibrateArgs {
@@ -124,8 +124,8 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let (calibration, info) = match args.live.port() {
-        Some(port) => calibrate_live(args, port, &run, &limb)?,
+    let (calibration, info) = match args.live.source() {
+        Some(source) => calibrate_live(args, source, &run, &limb)?,
         None => from_table(args, &run, &limb)?,
     };
     calibration.write(&args.calibration)?;

@@ -1,5 +1,7 @@
 //! `hapdef calibrate --live`: guided presses from a port, or from the virtual rig's prober.
 
+use std::path::Path;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -9,12 +11,12 @@ use hapdef::session::{
     AskedPress, CalibrationSession, HeldPress, SessionEvent, SessionParams, write_press_table,
 };
 use hapdef::touch::{Calibration, PressQuality};
-use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
-use hapdef_daq::Message;
-use hapdef_daq::hdp1::{ChannelKind, Hello};
-use hapdef_daq::source::{
-    FrameSource, SerialLink, SerialParams, SourceStatus, StreamParams, StreamSource, TcpLink,
+use hapdef::{
+    Limb, Run, SOURCE_FORMS, SourceArg, SourceArgError, VirtualRigParams, live_limb, virtual_device,
 };
+use hapdef_daq::Message;
+use hapdef_daq::hdp1::{ChannelKind, Hello, MAX_CHANNELS};
+use hapdef_daq::source::{FrameSource, SourceStatus, StreamParams, StreamSource};
 use hapdef_inverse::CalibrationInfo;
 use hapdef_rig::live::{PressHandle, Pressed, RigLink, RunParams};
 
@@ -25,16 +27,26 @@ const POLL: Duration = Duration::from_millis(20);
 
 #[derive(Args)]
 pub(crate) struct LiveArgs {
-    /// Ask for presses and read them from a serial port, from `tcp:HOST:PORT`, or from `virtual`: the
-    /// scene's simulated rig, pressed where it is asked for. The table is written then.
-    #[arg(long, value_name = "PORT")]
-    live: Option<String>,
+    #[arg(long, value_name = "SOURCE", help = format!(
+        "Ask for presses, read them, and write the table: {SOURCE_FORMS}, or virtual, the scene's \
+         simulated rig, pressed where it is asked for"
+    ))]
+    live: Option<PressSource>,
     /// Presses to ask for.
     #[arg(long, default_value_t = 60, requires = "live")]
     presses: usize,
     /// Normal force to press with, N.
     #[arg(long, default_value_t = 10.0, requires = "live")]
     force_n: f64,
+}
+
+/// Where presses come from.
+#[derive(Clone, Debug)]
+pub(crate) enum PressSource {
+    /// The scene's virtual rig.
+    Virtual,
+    /// A device.
+    Device(SourceArg),
 }
 
 /// Frames, and who presses.
@@ -46,16 +58,27 @@ struct Feed {
 }
 
 impl LiveArgs {
-    /// Whether presses come from a port instead of a table.
-    pub(super) fn port(&self) -> Option<&str> {
-        self.live.as_deref()
+    /// Where live presses come from; `None` for a table.
+    pub(super) fn source(&self) -> Option<&PressSource> {
+        self.live.as_ref()
+    }
+}
+
+impl FromStr for PressSource {
+    type Err = SourceArgError;
+
+    fn from_str(text: &str) -> Result<Self, SourceArgError> {
+        if text == "virtual" {
+            return Ok(Self::Virtual);
+        }
+        text.parse().map(Self::Device)
     }
 }
 
 /// Guides through the presses, writes the table, and calibrates.
 pub(super) fn calibrate_live(
     args: &CalibrateArgs,
-    port: &str,
+    source: &PressSource,
     run: &Run,
     limb: &Limb,
 ) -> Result<(Calibration, CalibrationInfo)> {
@@ -65,7 +88,7 @@ pub(super) fn calibrate_live(
         force_n > 0.0,
         "--force-n: expected a force above 0, found {force_n}"
     );
-    let mut feed = Feed::open(port, run, limb)?;
+    let mut feed = Feed::open(source, run, limb)?;
     run.say(&format!("waiting for {}", feed.source.name()));
     let hello = feed.hello(run, limb.gauges.len())?;
     let quality = PressQuality {
@@ -81,29 +104,34 @@ pub(super) fn calibrate_live(
         ..SessionParams::new(n_presses, force_n, rate_hz, quality)
     };
     let mut session = CalibrationSession::new(run, limb, params)?;
-    println!("taking the tare: don't touch the limb");
-    feed.guide(run, &mut session, limb.gauges.len())?;
-    write_press_table(&args.table, &session.rows())?;
-    println!("{}", args.table.display());
+    run.say("taking the tare: don't touch the limb");
+    let table = &args.table;
+    if !feed.guide(run, &mut session, limb.gauges.len(), table)? {
+        let n = session.rows().len();
+        let table = table.display();
+        bail!("stopped after {n} presses; {table} has them: calibrate with it, without --live");
+    }
+    run.say(&format!("presses: {}", table.display()));
     Ok(session.finish(run, limb)?)
 }
 
 impl Feed {
-    fn open(port: &str, run: &Run, limb: &Limb) -> Result<Self> {
+    fn open(source: &PressSource, run: &Run, limb: &Limb) -> Result<Self> {
         let mut prober = None;
-        let params = StreamParams::default();
-        let source: Box<dyn FrameSource> = if port == "virtual" {
-            let rig = Arc::new(live_limb(run, limb)?);
-            let device = virtual_device(&run.scene, rig, &VirtualRigParams::default())?;
-            prober = Some(device.press_handle());
-            let link = RigLink::new(device, &RunParams::default(), |_| {})?;
-            let clock = link.clock();
-            Box::new(StreamSource::new(link, StreamParams { clock, ..params }))
-        } else if let Some(address) = port.strip_prefix("tcp:") {
-            Box::new(StreamSource::new(TcpLink::new(address), params))
-        } else {
-            let link = SerialLink::new(port, SerialParams::default());
-            Box::new(StreamSource::new(link, params))
+        let source = match source {
+            PressSource::Device(source) => source.open()?,
+            PressSource::Virtual => {
+                let rig = Arc::new(live_limb(run, limb)?);
+                let device = virtual_device(&run.scene, rig, &VirtualRigParams::default())?;
+                prober = Some(device.press_handle());
+                let link = RigLink::new(device, &RunParams::default(), |_| {})?;
+                let clock = link.clock();
+                let params = StreamParams {
+                    clock,
+                    ..StreamParams::default()
+                };
+                Box::new(StreamSource::new(link, params))
+            }
         };
         Ok(Self {
             source,
@@ -116,7 +144,8 @@ impl Feed {
     fn hello(&mut self, run: &Run, n_gauges: usize) -> Result<Arc<Hello>> {
         loop {
             let mut said = None;
-            self.poll(run, &mut |message| match message {
+            run.check_stop("the calibration")?;
+            self.poll(&mut |message| match message {
                 Message::Hello(hello) => said = Some(hello),
                 Message::Link(state) => run.say(&state.to_string()),
                 _ => {}
@@ -138,46 +167,58 @@ impl Feed {
         }
     }
 
+    /// Guides to the end, the table written after each press; false when the person stops it.
     fn guide(
         &mut self,
         run: &Run,
         session: &mut CalibrationSession,
         n_gauges: usize,
-    ) -> Result<()> {
-        let mut readings = [0.0; 64];
+        table: &Path,
+    ) -> Result<bool> {
         let mut messages = Vec::new();
-        loop {
-            messages.clear();
-            self.poll(run, &mut |message| messages.push(message))?;
+        while !run.stopping() {
+            self.poll(&mut |message| messages.push(message))?;
             for message in messages.drain(..) {
-                let frame = match message {
-                    Message::Frame(frame) => frame,
-                    Message::Hello(hello) => {
-                        self.hello = Some(hello);
-                        continue;
-                    }
-                    Message::Restarted => {
-                        println!("the device started anew: don't touch the limb");
-                        session.restart();
-                        continue;
-                    }
-                    Message::Link(state) => {
-                        println!("{state}");
-                        continue;
-                    }
-                    _ => continue,
+                let Some(event) = self.take(run, session, n_gauges, message)? else {
+                    continue;
                 };
-                let Some(hello) = &self.hello else { continue };
-                frame.scaled(hello, &mut readings);
-                if let Some(event) = session.frame(&readings[..n_gauges])? {
-                    say(&event);
-                    self.probe(&event);
-                    if event == SessionEvent::Done {
-                        return Ok(());
-                    }
+                say(run, &event);
+                self.probe(&event);
+                match event {
+                    SessionEvent::Held(_) => write_press_table(table, &session.rows())?,
+                    SessionEvent::Done => return Ok(true),
+                    _ => {}
                 }
             }
         }
+        Ok(false)
+    }
+
+    fn take(
+        &mut self,
+        run: &Run,
+        session: &mut CalibrationSession,
+        n_gauges: usize,
+        message: Message,
+    ) -> Result<Option<SessionEvent>> {
+        match message {
+            Message::Frame(frame) => {
+                let Some(hello) = &self.hello else {
+                    return Ok(None);
+                };
+                let mut readings = [0.0; MAX_CHANNELS];
+                frame.scaled(hello, &mut readings);
+                return Ok(session.frame(&readings[..n_gauges])?);
+            }
+            Message::Hello(hello) => self.hello = Some(hello),
+            Message::Restarted => {
+                run.say("the device started anew: don't touch the limb");
+                session.restart();
+            }
+            Message::Link(state) => run.say(&state.to_string()),
+            _ => {}
+        }
+        Ok(None)
     }
 
     /// Presses the virtual rig as the session asks.
@@ -193,8 +234,7 @@ impl Feed {
         }
     }
 
-    fn poll(&mut self, run: &Run, sink: &mut dyn FnMut(Message)) -> Result<()> {
-        run.check_stop("the calibration")?;
+    fn poll(&mut self, sink: &mut dyn FnMut(Message)) -> Result<()> {
         if self.source.poll(POLL, sink) == SourceStatus::Ended {
             bail!("{}: it has ended", self.source.name());
         }
@@ -202,17 +242,17 @@ impl Feed {
     }
 }
 
-fn say(event: &SessionEvent) {
-    match event {
-        SessionEvent::Press(asked) => println!("{}", in_words(asked)),
-        SessionEvent::Touched => println!("  hold still"),
-        SessionEvent::LetGo => println!("  let go too early: press there again"),
+fn say(run: &Run, event: &SessionEvent) {
+    run.say(&match event {
+        SessionEvent::Press(asked) => in_words(asked),
+        SessionEvent::Touched => "  hold still".to_owned(),
+        SessionEvent::LetGo => "  let go too early: press there again".to_owned(),
         SessionEvent::GaugeOut(gauge) => {
-            println!("  gauge {gauge} is saturated, stuck or jumping: press less, check its wires");
+            format!("  gauge {gauge} is saturated, stuck or jumping: press less, check its wires")
         }
-        SessionEvent::Held(held) => println!("  let go; {}", held_in_words(held)),
-        SessionEvent::Done => println!("done"),
-    }
+        SessionEvent::Held(held) => format!("  let go; {}", held_in_words(held)),
+        SessionEvent::Done => "done".to_owned(),
+    });
 }
 
 fn in_words(asked: &AskedPress) -> String {

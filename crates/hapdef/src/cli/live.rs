@@ -10,14 +10,16 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use hapdef::touch::{LiveEstimator, SearchPlace, TouchEstimator, live_estimator};
-use hapdef::{Limb, SceneArgs};
+use hapdef::{Limb, SOURCE_FORMS, SceneArgs, SourceArg};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
 use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
 
+use super::live_record::LiveRecording;
+use super::live_ros::{Attached, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::source::{FORMS, SourceSpec};
+use super::view::{Sim, View, ViewArgs};
 
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
@@ -27,7 +29,8 @@ const LOOK: Duration = Duration::from_millis(20);
     hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
     hapdef live shin.hapdef --source serial:/dev/serial/by-id/usb-Arduino_Due\n  \
     hapdef live shin.hapdef --source replay:press.mcap@max --json | jq .contacts\n  \
-    hapdef live fixtures/shin/placed.json --sim --seconds 10\n\n\
+    hapdef live fixtures/shin/placed.json --sim --seconds 10 --record press.mcap\n  \
+    hapdef live fixtures/shin/placed.json --sim --view\n\n\
     Touch nothing while it tares. A device that goes away is waited for. Contacts go to the \
     terminal, one line that is refreshed (a line a frame where it is no terminal); each second a \
     line says how it is doing. Ctrl-C ends it cleanly. Exit code 0 when it ran, 2 when something \
@@ -35,16 +38,20 @@ const LOOK: Duration = Duration::from_millis(20);
 pub(crate) struct LiveArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Where frames come from: serial:PATH[@BAUD], tcp:HOST:PORT, csv:PATH[@BAUD] or
-    /// replay:FILE[@SPEED].
-    #[arg(long, long_help = FORMS, required_unless_present = "sim")]
-    source: Option<SourceSpec>,
+    #[arg(
+        long,
+        help = format!("Where readings come from: {SOURCE_FORMS}"),
+        required_unless_present = "sim"
+    )]
+    source: Option<SourceArg>,
     /// Play the scene's simulated rig at 1 kHz, pressed at random; needs a scene.
     #[arg(long, conflicts_with = "source")]
     sim: bool,
     /// Seed of those presses.
     #[arg(long, default_value_t = 1, requires = "sim")]
     sim_seed: u64,
+    #[command(flatten)]
+    view: ViewArgs,
     /// What finds contacts; the scene's way if not given.
     #[arg(long)]
     estimator: Option<EstimatorName>,
@@ -57,6 +64,8 @@ pub(crate) struct LiveArgs {
     /// Send JSON lines to whoever connects, too: tcp:127.0.0.1:7650 or unix:PATH.
     #[arg(long, value_name = "ADDRESS")]
     serve: Option<String>,
+    #[command(flatten)]
+    ros: RosArgs,
     /// Time whose mean is the tare, s; 0 for readings that come tared.
     #[arg(long, default_value_t = 1.0)]
     tare_s: f64,
@@ -89,19 +98,31 @@ struct Model {
     gauges: Vec<LiveGauge>,
     noise_ue: f64,
     stop: Arc<AtomicBool>,
+    view: Option<View>,
+    sim: Option<Sim>,
 }
 
 pub(crate) fn run(args: &LiveArgs) -> Result<()> {
+    let start = Instant::now();
     let path = &args.scene.scene;
-    let model = if is_bundle(path)? {
+    let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {
         Model::of_scene(args)?
     };
     let stop = Arc::clone(&model.stop);
-    let live = model.builder(args)?.start()?;
+    let (view, sim) = (model.view.take(), model.sim.take());
+    let (mut builder, recording) = model.builder(args)?;
+    if let Some(view) = &view {
+        builder = builder.sink(view.sink(args.is_recorded()));
+    }
+    let live = builder.start()?;
+    let desk = view.map(|view| view.attend(live.control(), sim, (start, args.json)));
     wait(&live, args.seconds, &stop);
-    report(&live.stop()?)
+    drop(desk);
+    let health = live.stop()?;
+    recording.map_or(Ok(()), LiveRecording::finish)?;
+    report(&health)
 }
 
 impl Model {
@@ -118,11 +139,13 @@ impl Model {
         };
         let gauges = bundle.info.gauges.iter();
         Ok(Self {
-            source: source.open(gauges.len())?,
+            source: source.open_for(gauges.len())?,
             estimator,
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
             stop: stop_flag()?,
+            view: args.view.of_bundle(bundle)?,
+            sim: None,
         })
     }
 
@@ -135,21 +158,30 @@ impl Model {
             Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
             Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
         };
-        let sites = run.scene.gauges.sites.iter();
-        let source = match &args.source {
-            Some(source) => source.open(limb.gauges.len())?,
-            None => simulated(&run, &limb, args.sim_seed)?,
+        let view = args.view.of_scene(&run, &limb, args.sim)?;
+        let (source, sim): (Box<dyn FrameSource>, _) = match (&args.source, &view) {
+            (Some(source), _) => (source.open_for(limb.gauges.len())?, None),
+            (None, Some(_)) => Sim::start(&run, &limb, args.sim_seed)?,
+            (None, None) => (simulated(&run, &limb, args.sim_seed)?, None),
         };
-        Ok(Self {
+        let sites = run.scene.gauges.sites.iter();
+        let model = Self {
             source,
             estimator: live_estimator(&run, &limb, choice)?,
             gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
             noise_ue: run.scene.estimator.superposition().noise_ue,
             stop: Arc::clone(&run.stop),
-        })
+            view,
+            sim,
+        };
+        if let Some(view) = &model.view {
+            view.solve_deformation(run, limb);
+        }
+        Ok(model)
     }
 
-    fn builder(self, args: &LiveArgs) -> Result<LiveBuilder> {
+    /// The runtime, and the recording that is to be finished after it.
+    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<LiveRecording>)> {
         if let Some(seconds) = args.seconds {
             ensure!(
                 seconds > 0.0,
@@ -160,16 +192,24 @@ impl Model {
             tare_s: args.tare_s,
             noise_ue: Some(self.noise_ue),
             deadline: Duration::from_micros(args.deadline_us),
-            is_recorded: args.source.as_ref().is_some_and(SourceSpec::is_recorded),
+            is_recorded: args.is_recorded(),
             is_lossless: args.is_unpaced(),
             realtime_priority: args.realtime,
             ..LiveParams::default()
         };
-        let builder = Live::boxed_builder(self.source)
+        let Attached {
+            source,
+            sink,
+            recording,
+        } = args.ros.attach(self.source)?;
+        let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
             .boxed_estimator(self.estimator);
-        with_sinks(builder, args)
+        if let Some(sink) = sink {
+            builder = builder.sink(sink);
+        }
+        Ok((with_sinks(builder, args)?, recording))
     }
 }
 
@@ -183,8 +223,12 @@ impl LiveArgs {
         }
     }
 
+    fn is_recorded(&self) -> bool {
+        self.source.as_ref().is_some_and(SourceArg::is_recorded)
+    }
+
     fn is_unpaced(&self) -> bool {
-        self.source.as_ref().is_some_and(SourceSpec::is_unpaced)
+        self.source.as_ref().is_some_and(SourceArg::is_unpaced)
     }
 }
 

@@ -1,172 +1,152 @@
 //! From the runtime to what ROS tools read: one recording with everything, and a live view.
 
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver as Queue, RecvTimeoutError, SyncSender, sync_channel};
-use std::time::Duration;
+use std::path::PathBuf;
 
-use anyhow::Result;
-use hapdef_daq::record::{RecordInfo, RecordParams, Recorder, TopicWriter, record};
-use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
-use hapdef_daq::{AcquireParams, Acquisition, Message, acquire};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use hapdef_daq::clock::{HostClock, SystemClock};
+use hapdef_daq::source::FrameSource;
 use hapdef_live::touch::{Touch, TouchContact};
 use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
 use hapdef_ros::{
-    Contact, Contacts, Health as Part, Level, Quality, Readings, RosEncoder, RosParams, Sinks,
-    Uncertainty, topics,
+    Contact, Contacts, Health as Part, Level, McapSink, MessageSink, Quality, Readings, RosEncoder,
+    RosParams, Sinks, Uncertainty,
 };
 
-/// Messages that wait for the recorder at most: 8 s at 1 kHz.
+use super::live_record::{LiveRecording, recorded};
+use super::truth::TruthFile;
+
+/// Frames that wait to be encoded at most: 8 s at 1 kHz.
 const QUEUE_LEN: usize = 8192;
-/// Messages handed over in one turn at most.
-const A_TURN: usize = 256;
 
-/// A recording of everything that a source says, and of what is made of it.
-pub(super) struct LiveRecording {
-    recorder: Recorder,
-    acquisition: Acquisition,
-    n_missed: Arc<AtomicU64>,
+/// What ROS tools are given.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct RosArgs {
+    /// Record everything to one file: raw readings, contacts, wrenches, markers, diagnostics, as
+    /// ROS tools read them.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Calibration in use, a JSON file: kept in the recording as it is.
+    #[arg(long, value_name = "FILE", requires = "record")]
+    record_calibration: Option<PathBuf>,
+    /// Ground truth of a simulated rig, a JSON line a frame as it writes them, for the recording.
+    #[arg(long, value_name = "FILE", requires = "record")]
+    truth: Option<PathBuf>,
+    /// Serve Foxglove at this address: 127.0.0.1:8765.
+    #[arg(long, value_name = "ADDRESS")]
+    foxglove: Option<std::net::SocketAddr>,
+    /// Publish on the topics of ROS 2 by rmw_zenoh, in this ROS_DOMAIN_ID.
+    #[arg(long, value_name = "DOMAIN")]
+    zenoh: Option<u32>,
 }
 
-/// A source whose messages go to a recording, too.
-pub(super) struct Tee {
-    inner: Box<dyn FrameSource>,
-    sender: SyncSender<Message>,
-    n_missed: Arc<AtomicU64>,
-}
-
-/// The recording's end of a [`Tee`].
-struct TeeEnd {
-    queue: Queue<Message>,
-    name: String,
+/// A source that is recorded on its way, and where what is made of it goes.
+pub(super) struct Attached {
+    /// The source to use.
+    pub(super) source: Box<dyn FrameSource>,
+    /// The sink to add.
+    pub(super) sink: Option<RosSink>,
+    /// To be finished when everything has been said.
+    pub(super) recording: Option<LiveRecording>,
 }
 
 /// Frames of the runtime as messages of ROS.
 pub(super) struct RosSink {
     name: String,
     encoder: RosEncoder<Sinks>,
+    truth: Option<TruthFile>,
     /// Wall clock less monotonic clock.
     wall_offset_ns: u64,
 }
 
-/// Records `source` to `path`: the source to use instead, and the recording, whose
-/// [`LiveRecording::topics`] take what is made of the readings.
-pub(super) fn recorded(
-    source: Box<dyn FrameSource>,
-    path: &Path,
-    params: &RosParams,
-    calibration: Option<Vec<u8>>,
-) -> Result<(Tee, LiveRecording)> {
-    let (sender, queue) = sync_channel(QUEUE_LEN);
-    let name = source.name();
-    let end = TeeEnd {
-        queue,
-        name: name.clone(),
-    };
-    let (acquisition, receivers) = acquire(end, AcquireParams::default())?;
-    let record_params = RecordParams {
-        calibration,
-        source: name,
-        topics: topics(params)?,
-        ..RecordParams::default()
-    };
-    let receiver = receivers.into_iter().next();
-    let receiver = receiver.ok_or_else(|| anyhow::anyhow!("one receiver was asked for"))?;
-    let recorder = record(receiver, path, record_params)?;
-    let n_missed = Arc::new(AtomicU64::new(0));
-    let tee = Tee {
-        inner: source,
-        sender,
-        n_missed: Arc::clone(&n_missed),
-    };
-    let recording = LiveRecording {
-        recorder,
-        acquisition,
-        n_missed,
-    };
-    Ok((tee, recording))
-}
-
-impl LiveRecording {
-    /// Takes messages of [`topics`].
-    pub(super) fn topics(&self) -> TopicWriter {
-        self.recorder.topics()
-    }
-
-    /// Ends the file when everything has been said: what is in it, and the readings that are not
-    /// because the disk was too slow.
-    pub(super) fn finish(self) -> Result<(RecordInfo, u64)> {
-        // The source is gone by now: its last messages are on their way.
-        while !self.acquisition.has_ended() {
-            std::thread::sleep(Duration::from_millis(5));
+impl RosArgs {
+    /// Attaches what is asked for to a source.
+    pub(super) fn attach(&self, source: Box<dyn FrameSource>) -> Result<Attached> {
+        let params = RosParams::default();
+        let mut sinks: Vec<Box<dyn MessageSink>> = Vec::new();
+        let mut names = Vec::new();
+        if let Some(address) = self.foxglove {
+            sinks.push(foxglove(&params, address)?);
+            names.push(format!("Foxglove at {address}"));
         }
-        let info = self.recorder.finish()?;
-        let n_missed = info.n_dropped + self.n_missed.load(Ordering::Relaxed);
-        Ok((info, n_missed))
-    }
-
-    /// The file.
-    pub(super) fn is_well(&self) -> bool {
-        self.recorder.stats().fault.is_none()
-    }
-}
-
-impl FrameSource for Tee {
-    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        let (sender, n_missed) = (&self.sender, &self.n_missed);
-        self.inner.poll(timeout, &mut |message| {
-            if sender.try_send(message.clone()).is_err() {
-                n_missed.fetch_add(1, Ordering::Relaxed);
+        if let Some(domain_id) = self.zenoh {
+            sinks.push(zenoh(&params, domain_id)?);
+            names.push(format!("ROS 2 in domain {domain_id}"));
+        }
+        let mut source = source;
+        let mut recording = None;
+        if let Some(path) = &self.record {
+            if path.exists() {
+                bail!(
+                    "--record: {} is there already; choose another name",
+                    path.display()
+                );
             }
-            sink(message);
+            let (tee, new) = recorded(source, path, &params, self.calibration()?)?;
+            source = Box::new(tee);
+            sinks.push(Box::new(McapSink::new(new.topics())));
+            names.push(path.display().to_string());
+            recording = Some(new);
+        }
+        let wall_offset_ns = match &recording {
+            Some(recording) => recording.topics().wall_ns(0),
+            None => SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
+        };
+        let truth = self.truth.as_deref().map(TruthFile::open).transpose()?;
+        let sink = match sinks.is_empty() {
+            true => None,
+            false => Some(RosSink {
+                name: names.join(", "),
+                encoder: RosEncoder::new(params, Sinks(sinks))?,
+                truth,
+                wall_offset_ns,
+            }),
+        };
+        Ok(Attached {
+            source,
+            sink,
+            recording,
         })
     }
+}
 
-    fn stats(&self) -> SourceStats {
-        self.inner.stats()
-    }
-
-    fn name(&self) -> String {
-        self.inner.name()
+impl RosArgs {
+    fn calibration(&self) -> Result<Option<Vec<u8>>> {
+        let read = |path: &PathBuf| {
+            std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
+        };
+        self.record_calibration.as_ref().map(read).transpose()
     }
 }
 
-impl FrameSource for TeeEnd {
-    fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        match self.queue.recv_timeout(timeout) {
-            Ok(message) => sink(message),
-            Err(RecvTimeoutError::Timeout) => return SourceStatus::Open,
-            Err(RecvTimeoutError::Disconnected) => return SourceStatus::Ended,
-        }
-        self.queue.try_iter().take(A_TURN).for_each(sink);
-        SourceStatus::Open
-    }
+#[cfg(feature = "foxglove")]
+fn foxglove(params: &RosParams, address: std::net::SocketAddr) -> Result<Box<dyn MessageSink>> {
+    let host = address.ip().to_string();
+    let server = hapdef_ros::FoxgloveServer::start(params, &host, address.port())?;
+    eprintln!("Foxglove: ws://{host}:{}", server.port());
+    Ok(Box::new(server))
+}
 
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
-    }
+#[cfg(not(feature = "foxglove"))]
+fn foxglove(_: &RosParams, _: std::net::SocketAddr) -> Result<Box<dyn MessageSink>> {
+    bail!("--foxglove: this build has no such server; build with --features foxglove")
+}
 
-    fn name(&self) -> String {
-        self.name.clone()
-    }
+#[cfg(feature = "zenoh")]
+fn zenoh(params: &RosParams, domain_id: u32) -> Result<Box<dyn MessageSink>> {
+    let zenoh = hapdef_ros::ZenohParams {
+        domain_id,
+        ..hapdef_ros::ZenohParams::default()
+    };
+    Ok(Box::new(hapdef_ros::ZenohSink::open(params, &zenoh)?))
+}
+
+#[cfg(not(feature = "zenoh"))]
+fn zenoh(_: &RosParams, _: u32) -> Result<Box<dyn MessageSink>> {
+    bail!("--zenoh: this build has no zenoh; build with --features zenoh")
 }
 
 impl RosSink {
-    /// A sink to `sinks`; times are those of `recording`, where there is one.
-    pub(super) fn new(
-        name: &str,
-        params: RosParams,
-        sinks: Sinks,
-        wall_offset_ns: u64,
-    ) -> Result<Self> {
-        Ok(Self {
-            name: name.to_owned(),
-            encoder: RosEncoder::new(params, sinks)?,
-            wall_offset_ns,
-        })
-    }
-
     fn stamp_ns(&self, t_host_ns: u64) -> u64 {
         t_host_ns.wrapping_add(self.wall_offset_ns)
     }
@@ -198,13 +178,29 @@ impl Sink for RosSink {
         })?;
         self.encoder
             .contacts(&contacts(&frame.touch, frame.seq, stamp_ns))?;
+        if let Some(truth) = &mut self.truth {
+            let encoder = &mut self.encoder;
+            truth.frame(frame.seq, stamp_ns, &mut |known| Ok(encoder.truth(known)?))?;
+        }
         Ok(())
     }
 
     fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
-        if let LiveEvent::Health(health) = event {
-            let stamp_ns = self.stamp_ns(now_ns());
-            self.encoder.health(&parts(health, stamp_ns))?;
+        match (event, &mut self.truth) {
+            (LiveEvent::Health(health), _) => {
+                let stamp_ns = self.stamp_ns(SystemClock.now_ns());
+                self.encoder.health(&parts(health, stamp_ns))?;
+            }
+            (LiveEvent::Restarted, Some(truth)) => truth.restarted()?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), AnyError> {
+        if let Some(truth) = &mut self.truth {
+            let encoder = &mut self.encoder;
+            truth.look(&mut |known| Ok(encoder.truth(known)?))?;
         }
         Ok(())
     }
@@ -251,7 +247,10 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
         level,
         message,
         hardware_id: health.source_name.clone(),
-        values: values.iter().map(|(k, v)| ((*k).to_owned(), v.clone())).collect(),
+        values: values
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), v.clone()))
+            .collect(),
     };
     let link = health.link.as_ref().map(ToString::to_string);
     let is_open = health.n_frames > 0 && health.rate_hz > 0.0;
@@ -273,8 +272,14 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
         level(health.device_fault.is_none(), health.n_deadline_missed == 0),
         health.to_string(),
         &[
-            ("compute_p50_us", format!("{:.0}", health.second.compute.p50_us)),
-            ("compute_p99_us", format!("{:.0}", health.second.compute.p99_us)),
+            (
+                "compute_p50_us",
+                format!("{:.0}", health.second.compute.p50_us),
+            ),
+            (
+                "compute_p99_us",
+                format!("{:.0}", health.second.compute.p99_us),
+            ),
             ("deadline_missed", health.n_deadline_missed.to_string()),
             ("refused", health.n_refused.to_string()),
             ("contacts", health.n_contacts.to_string()),
@@ -288,7 +293,11 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
     let gauges = part(
         "gauges",
         level(true, bad.is_empty()),
-        if bad.is_empty() { "all count".to_owned() } else { bad.join(", ") },
+        if bad.is_empty() {
+            "all count".to_owned()
+        } else {
+            bad.join(", ")
+        },
         &[],
     );
     vec![acquisition, compute, gauges]
@@ -300,10 +309,4 @@ fn level(works: bool, is_well: bool) -> Level {
         (true, false) => Level::Warn,
         (true, true) => Level::Ok,
     }
-}
-
-/// The host's monotonic clock, ns.
-fn now_ns() -> u64 {
-    use hapdef_daq::clock::{HostClock, SystemClock};
-    SystemClock.now_ns()
 }

@@ -11,6 +11,8 @@ mod export;
 mod inspect;
 mod limits;
 mod live;
+mod live_record;
+mod live_ros;
 mod place;
 mod plan;
 mod record;
@@ -21,8 +23,8 @@ mod shell;
 mod shell_table;
 mod signals;
 mod sim;
-mod source;
 mod stage;
+mod truth;
 mod view;
 
 use std::path::PathBuf;

@@ -16,7 +16,7 @@ use hapdef_rig::live::{
 #[derive(Args)]
 #[command(after_help = "Example, in two terminals:\n  \
     hapdef rig fixtures/shin/placed.json --link /tmp/limb --truth truth.jsonl\n  \
-    hapdef live fixtures/shin/placed.json --port /tmp/limb\n\n\
+    hapdef live fixtures/shin/placed.json --source serial:/tmp/limb\n\n\
     Simulated: the scene's limb, perturbed, pressed by a script. It speaks HDP1 (docs/formats.md) on \
     a pseudo-terminal that looks like a serial port. docs/rig.md has the script's format.\n\n\
     Faults: bitflips=RATE, drops=RATE, dups=RATE, bursts=RATExBYTES, holes=RATExBYTES, \

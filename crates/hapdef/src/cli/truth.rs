@@ -163,7 +163,11 @@ mod tests {
         let mut truth = TruthFile::open(&path).unwrap();
         let mut found = Vec::new();
         let mut put = |contacts: &Contacts| {
-            found.push((contacts.seq, contacts.stamp_ns, contacts.contacts[0].force_n));
+            found.push((
+                contacts.seq,
+                contacts.stamp_ns,
+                contacts.contacts[0].force_n,
+            ));
             Ok(())
         };
         // 3 and 4 are lost on the link, 5 comes in two pieces, 1 is from before the file.

@@ -2,7 +2,7 @@
 
 use hapdef_inverse::{
     CalibrationInfo, CalibrationParams, Conditioned, Conditioner, ConditionerParams, Press,
-    SkinPoint, TouchPhase,
+    ResponseMap, SkinPoint, TouchPhase,
 };
 use nalgebra::Point3;
 
@@ -13,9 +13,6 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::touch::{Calibration, PressQuality, UncertainParams, UncertainResponse};
-
-/// Stiffness modes of the fits in between.
-const N_STIFFNESS: usize = 32;
 
 /// Scan sites of the calibration that is written.
 const N_SITES: usize = 800;
@@ -35,6 +32,8 @@ pub struct SessionParams {
     pub n_between: usize,
     /// The force asked for, N.
     pub force_n: f64,
+    /// Stiffness modes of the fits in between; the calibration in the end has 32.
+    pub n_stiffness: usize,
     /// Frames per second.
     pub rate_hz: f64,
     /// Step of each gauge's converter `[n_gauges]`, µε; empty where it is too small to matter.
@@ -128,6 +127,7 @@ impl SessionParams {
             n_first: 12,
             n_between: 6,
             force_n,
+            n_stiffness: 32,
             rate_hz,
             step_ue: Vec::new(),
             quality,
@@ -186,7 +186,7 @@ impl CalibrationSession {
         let solve = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
             refinements: run.scene.estimator.map_refinements(),
-            n_stiffness: N_STIFFNESS,
+            n_stiffness: params.n_stiffness,
             n_threads: run.threads,
         };
         let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &solve)?;
@@ -265,6 +265,12 @@ impl CalibrationSession {
             readings_ue: press.readings.clone(),
         };
         self.presses.iter().map(row).collect()
+    }
+
+    /// The map as far as it is known: after the last fit.
+    #[must_use]
+    pub fn map(&self) -> &ResponseMap {
+        self.plan.map()
     }
 
     /// How far the session is.

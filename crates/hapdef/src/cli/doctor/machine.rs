@@ -42,10 +42,12 @@ fn space(folder: &Path) -> Check {
     let free = stat.f_bavail.saturating_mul(stat.f_frsize);
     let found = format!("{:.1} GB free in {}", free as f64 * 1e-9, folder.display());
     let fix = "make room or record elsewhere: 64 channels at 1 kHz take 2 GB an hour";
-    match free {
-        ..LEAST_BYTES => Check::bad("disk space", found, fix),
-        ..HOUR_BYTES => Check::warn("disk space", found, fix),
-        _ => Check::ok("disk space", found),
+    if free < LEAST_BYTES {
+        Check::bad("disk space", found, fix)
+    } else if free < HOUR_BYTES {
+        Check::warn("disk space", found, fix)
+    } else {
+        Check::ok("disk space", found)
     }
 }
 

@@ -210,7 +210,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
         }
         recorder.finish().unwrap();
-        let source: SourceArg = format!("replay:{}@2", path.display()).parse().unwrap();
+        let source: SourceArg = format!("replay:{}@1", path.display()).parse().unwrap();
         let names = ["toe", "shin", "knee"].map(str::to_owned);
         let asked = std::sync::Mutex::new(Vec::new());
         let ask = |text: &str| asked.lock().unwrap().push(text.to_owned());

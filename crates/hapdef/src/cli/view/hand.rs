@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
-use hapdef_daq::source::{MemoryLink, StreamParams, StreamSource, memory_link};
+use hapdef_daq::source::{FrameSource, StreamParams, StreamSource, memory_link};
 use hapdef_rig::live::{
     LiveLimb, Play, PressHandle, Pressed, RandomScriptParams, RunParams, RunningRig, TrueContact,
     random_script, spawn_rig,
@@ -31,14 +31,18 @@ pub(crate) struct Sim {
 impl Sim {
     /// Solves the virtual rig, or reads it where it was solved, and starts it untouched; with the
     /// source of its frames.
-    pub(crate) fn start(run: &Run, limb: &Limb) -> Result<(Self, StreamSource<MemoryLink>)> {
+    pub(crate) fn start(
+        run: &Run,
+        limb: &Limb,
+        seed: u64,
+    ) -> Result<(Box<dyn FrameSource>, Option<Self>)> {
         let real = Arc::new(live_limb(run, limb)?);
         let device = virtual_device(&run.scene, Arc::clone(&real), &VirtualRigParams::default())?;
         let contact = &run.scene.contact;
         let largest_n = contact.force_range_n[1];
         let range_n = (SHARES.0 * largest_n, SHARES.1 * largest_n);
         let n = contact.max_contacts.min(MOST_CONTACTS);
-        let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, run.scene.seed);
+        let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, seed);
         let play = Play::new(&random_script(&real, &params), &real)?;
         let (link, port) = memory_link();
         let rig = spawn_rig(device, port, RunParams::default(), |_| {})?;
@@ -47,7 +51,8 @@ impl Sim {
             play,
             rig,
         };
-        Ok((sim, StreamSource::new(link, StreamParams::default())))
+        let source = StreamSource::new(link, StreamParams::default());
+        Ok((Box::new(source), Some(sim)))
     }
 }
 

@@ -4,6 +4,7 @@ mod hand;
 mod picture;
 mod sink;
 
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
@@ -13,7 +14,9 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::{ComplianceTable, Limb, Run};
 use hapdef_live::{Bundle, LiveControl};
-use hapdef_view::{Offers, PressOffer, ViewCommand, ViewHandle, ViewParams, ViewServer};
+use hapdef_view::{
+    LimbPicture, Offers, PressOffer, ViewCommand, ViewHandle, ViewParams, ViewServer,
+};
 
 use hand::Hand;
 pub(crate) use hand::Sim;
@@ -26,9 +29,9 @@ const LOOK: Duration = Duration::from_millis(5);
 /// The page, and what stands in for a device.
 #[derive(Args)]
 pub(crate) struct ViewArgs {
-    /// Show the live page; its address is printed.
+    /// Show the live page; its address is printed. With --sim the limb can be pressed there.
     #[arg(long)]
-    pub(crate) view: bool,
+    view: bool,
     /// Port of the page; 0 takes any free one.
     #[arg(long, default_value_t = 7717, value_name = "PORT")]
     view_port: u16,
@@ -54,28 +57,29 @@ struct Shared {
     table: OnceLock<ComplianceTable>,
 }
 
-impl View {
-    /// The page with a scene's limb; `sim` says whether it can be pressed.
-    pub(crate) fn of_scene(args: &ViewArgs, run: &Run, limb: &Limb, sim: bool) -> Result<Self> {
+impl ViewArgs {
+    /// The page with a scene's limb, if it is wanted; `is_sim`: it can be pressed.
+    pub(crate) fn of_scene(&self, run: &Run, limb: &Limb, is_sim: bool) -> Result<Option<View>> {
         let force_n = run.scene.contact.force_range_n[1];
-        let press = sim.then_some(PressOffer {
+        let press = is_sim.then_some(PressOffer {
             default_n: 0.4 * force_n,
             max_n: force_n,
         });
-        let (picture, surface) = picture::of_scene(&run.scene, limb, sim);
-        Self::start(args, picture, surface, press)
+        let page = || View::start(self, picture::of_scene(&run.scene, limb, is_sim), press);
+        self.view.then(page).transpose()
     }
 
-    /// The page with a bundle's skin.
-    pub(crate) fn of_bundle(args: &ViewArgs, bundle: &Bundle) -> Result<Self> {
-        let (picture, surface) = picture::of_bundle(bundle);
-        Self::start(args, picture, surface, None)
+    /// The page with a bundle's skin, if it is wanted.
+    pub(crate) fn of_bundle(&self, bundle: &Bundle) -> Result<Option<View>> {
+        let page = || View::start(self, picture::of_bundle(bundle), None);
+        self.view.then(page).transpose()
     }
+}
 
+impl View {
     fn start(
         args: &ViewArgs,
-        picture: hapdef_view::LimbPicture,
-        surface: Surface,
+        (picture, surface): (LimbPicture, Surface),
         press: Option<PressOffer>,
     ) -> Result<Self> {
         let mut params = ViewParams::default();
@@ -86,7 +90,7 @@ impl View {
             press,
         };
         let handle = ViewServer::start(params, picture)?;
-        eprintln!("live page: {}", handle.url());
+        writeln!(std::io::stderr(), "live page: {}", handle.url())?;
         Ok(Self {
             handle,
             surface,
@@ -107,8 +111,7 @@ impl View {
 
     /// Solves the limb's deformation, or reads it where it was solved, beside everything else; the
     /// page shows it from then on.
-    pub(crate) fn solve_deformation(&self, run: &Arc<Run>, limb: &Arc<Limb>) {
-        let (run, limb) = (Arc::clone(run), Arc::clone(limb));
+    pub(crate) fn solve_deformation(&self, run: Run, limb: Limb) {
         let (shared, pusher) = (Arc::clone(&self.shared), self.handle.pusher());
         std::thread::spawn(
             move || match hapdef::stages::compliance_table(&run, &limb) {
@@ -118,8 +121,14 @@ impl View {
         );
     }
 
-    /// Listens to the page; the first picture's time is told, from `start`.
-    pub(crate) fn attend(self, control: LiveControl, sim: Option<Sim>, start: Instant) -> Desk {
+    /// Listens to the page. The first picture's time is told: from `start`, and not on the standard
+    /// output if that `is_taken`.
+    pub(crate) fn attend(
+        self,
+        control: LiveControl,
+        sim: Option<Sim>,
+        (start, is_taken): (Instant, bool),
+    ) -> Desk {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let mut desk = Attendant {
@@ -128,6 +137,7 @@ impl View {
             control,
             hand: sim.map(Hand::new),
             start,
+            is_taken,
             has_shown: false,
         };
         let attend = move || {
@@ -158,6 +168,7 @@ struct Attendant {
     control: LiveControl,
     hand: Option<Hand>,
     start: Instant,
+    is_taken: bool,
     has_shown: bool,
 }
 
@@ -172,9 +183,19 @@ impl Attendant {
         }
         if !self.has_shown && self.handle.clients().iter().any(|page| page.n_drawn > 0) {
             self.has_shown = true;
-            let elapsed_s = self.start.elapsed().as_secs_f64();
-            println!("METRIC:view.first_picture_s:{elapsed_s:.2}:s");
+            self.tell_time();
         }
+    }
+
+    /// It is lost where nobody reads it any more.
+    fn tell_time(&self) {
+        let elapsed_s = self.start.elapsed().as_secs_f64();
+        let line = format!("METRIC:view.first_picture_s:{elapsed_s:.2}:s");
+        let _ = if self.is_taken {
+            writeln!(std::io::stderr(), "{line}")
+        } else {
+            writeln!(std::io::stdout(), "{line}")
+        };
     }
 
     fn obey(&mut self, command: ViewCommand) {
