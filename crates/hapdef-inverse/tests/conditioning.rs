@@ -187,7 +187,21 @@ fn a_jump_of_one_gauge_is_held_back_and_then_believed() {
 
 #[test]
 fn a_gauge_that_repeats_itself_while_others_move_is_dead() {
-    let mut rig = Rig::new(|_| ());
+    let rig = repeating(|_| ());
+    assert_eq!(rig.out.health[6], GaugeHealth::Dead);
+    assert_eq!(rig.out.live.iter().filter(|l| !**l).count(), 1);
+}
+
+/// Steps beyond the noise repeat a value where the contact hardly loads the gauge.
+#[test]
+fn a_gauge_of_a_coarse_converter_may_repeat_itself() {
+    let rig = repeating(|params| params.coarse = (0..N).map(|g| g == 6).collect());
+    assert_eq!(rig.out.health[6], GaugeHealth::Good);
+}
+
+/// Gauge 6 repeats its value for 300 frames of a contact.
+fn repeating(change: impl Fn(&mut ConditionerParams)) -> Rig {
+    let mut rig = Rig::new(change);
     rig.run(1.0, |_| None, |g, _| offset(g));
     for i in 0..300 {
         let mut raw: Vec<f64> = (0..N)
@@ -196,8 +210,7 @@ fn a_gauge_that_repeats_itself_while_others_move_is_dead() {
         raw[6] = offset(6);
         rig.step(&raw, None);
     }
-    assert_eq!(rig.out.health[6], GaugeHealth::Dead);
-    assert_eq!(rig.out.live.iter().filter(|l| !**l).count(), 1);
+    rig
 }
 
 proptest! {

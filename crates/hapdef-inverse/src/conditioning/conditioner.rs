@@ -1,7 +1,7 @@
 //! The filter in front of the estimator.
 
 use crate::chi_square::upper_tail;
-use crate::conditioning::faults::{GaugeHealth, Watch};
+use crate::conditioning::faults::{Converter, GaugeHealth, Watch};
 use crate::conditioning::params::ConditionerParams;
 use crate::conditioning::touch::Touch;
 use crate::conditioning::tracker::Tracker;
@@ -210,11 +210,14 @@ impl Conditioner {
         out.is_mask_new = false;
         for (gauge, watch) in self.watches.iter_mut().enumerate() {
             let others = if gauge == of_first { second } else { first };
-            let rail = self.params.rails.get(gauge);
+            let converter = Converter {
+                rail: self.params.rails.get(gauge),
+                is_coarse: self.params.coarse.get(gauge).is_some_and(|&coarse| coarse),
+            };
             let was_live = watch.health == GaugeHealth::Good;
             let own =
                 out.readings[gauge] / self.params.gauge_sd[gauge].hypot(out.baseline_sd[gauge]);
-            watch.judge(raw[gauge], rail, own, others, &self.params);
+            watch.judge(raw[gauge], converter, own, others, &self.params);
             out.health[gauge] = watch.health;
             out.live[gauge] = watch.health == GaugeHealth::Good;
             out.is_mask_new |= out.live[gauge] != was_live;

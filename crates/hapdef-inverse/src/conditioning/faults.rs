@@ -31,6 +31,15 @@ pub(crate) struct Watch {
     pub(crate) health: GaugeHealth,
 }
 
+/// What is known of a gauge's converter.
+#[derive(Clone, Copy)]
+pub(crate) struct Converter<'a> {
+    /// Its lowest and highest value.
+    pub(crate) rail: Option<&'a (f64, f64)>,
+    /// Whether its steps are larger than the gauge's noise.
+    pub(crate) is_coarse: bool,
+}
+
 impl Watch {
     pub(crate) fn new() -> Self {
         Self {
@@ -48,12 +57,12 @@ impl Watch {
     pub(crate) fn judge(
         &mut self,
         raw: f64,
-        rail: Option<&(f64, f64)>,
+        converter: Converter<'_>,
         z: f64,
         others_z: f64,
         params: &ConditionerParams,
     ) {
-        let fault = self.fault(raw, rail, z, others_z, params);
+        let fault = self.fault(raw, converter, z, others_z, params);
         self.last = raw;
         self.n_good = match fault {
             Some(_) => 0,
@@ -71,7 +80,7 @@ impl Watch {
     fn fault(
         &mut self,
         raw: f64,
-        rail: Option<&(f64, f64)>,
+        converter: Converter<'_>,
         z: f64,
         others_z: f64,
         params: &ConditionerParams,
@@ -79,7 +88,10 @@ impl Watch {
         if !raw.is_finite() {
             return Some(GaugeHealth::NotFinite);
         }
-        if rail.is_some_and(|(low, high)| raw <= *low || raw >= *high) {
+        if converter
+            .rail
+            .is_some_and(|(low, high)| raw <= *low || raw >= *high)
+        {
             return Some(GaugeHealth::Saturated);
         }
         if raw.total_cmp(&self.last).is_eq() {
@@ -88,7 +100,8 @@ impl Watch {
         } else {
             (self.n_same, self.others_moved) = (0, false);
         }
-        if self.n_same >= params.stuck_frames && self.others_moved {
+        let is_stuck = self.n_same >= params.stuck_frames && self.others_moved;
+        if is_stuck && !converter.is_coarse {
             return Some(GaugeHealth::Dead);
         }
         let is_alone = z.abs() > params.spike_sds && others_z < 0.5 * params.spike_sds;

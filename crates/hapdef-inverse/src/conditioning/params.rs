@@ -34,6 +34,9 @@ pub struct ConditionerParams {
     pub lag_frames: usize,
     /// Lowest and highest raw value of each gauge's converter `[n_gauges]`; empty for no limits.
     pub rails: Vec<(f64, f64)>,
+    /// Whether each gauge's converter has steps larger than the gauge's noise `[n_gauges]`; empty for
+    /// none. Such a gauge repeats one value while it is hardly loaded, and is not dead for that.
+    pub coarse: Vec<bool>,
     /// A gauge is dead that repeats one value for this many frames while another moves by
     /// `moved_sds` standard deviations of its noise.
     pub stuck_frames: usize,
@@ -65,6 +68,7 @@ impl ConditionerParams {
             slow_frames: 64,
             lag_frames: 200,
             rails: Vec::new(),
+            coarse: Vec::new(),
             stuck_frames: 100,
             moved_sds: 20.0,
             spike_sds: 12.0,
@@ -99,9 +103,12 @@ impl ConditionerParams {
                 });
             }
         }
-        if self.rails.is_empty() {
-            return Ok(());
+        let n_gauges = self.gauge_sd.len();
+        for (what, n) in [("rails", self.rails.len()), ("coarse", self.coarse.len())] {
+            if n > 0 {
+                check_length(what, n_gauges, n)?;
+            }
         }
-        check_length("rails", self.gauge_sd.len(), self.rails.len())
+        Ok(())
     }
 }

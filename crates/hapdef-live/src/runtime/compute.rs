@@ -298,6 +298,10 @@ impl Compute {
             period_s: device.period_s,
             tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
             rails: device.rails_ue(),
+            coarse: device
+                .steps_ue()
+                .map(|step| step > self.setup.noise_ue)
+                .collect(),
             ..given
         };
         Conditioner::new(params).map(Some)

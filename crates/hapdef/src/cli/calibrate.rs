@@ -200,18 +200,13 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
             rejected.reason
         );
     }
-    for cause in &info.beyond_prior {
-        let what = match cause.mode {
-            Some(mode) => format!("mode {mode}"),
-            None => "the gain".to_owned(),
-        };
-        let whose = cause
-            .gauge
-            .map_or(String::new(), |g| format!(" of gauge {g}"));
+    let sds = info.beyond_prior.iter().map(|cause| cause.sds.abs());
+    if let Some(worst) = sds.max_by(f64::total_cmp) {
         println!(
-            "warning: {what}{whose} is {:.1} standard deviations from what is expected: check the \
-             gauge, its sign and the presses",
-            cause.sds
+            "{} gains and modes are farther from what is expected than 4 standard deviations, up to \
+             {worst:.0}: the computed map is off by more than they explain, or a gauge or press is \
+             wrong",
+            info.beyond_prior.len()
         );
     }
     println!("\npresses  relative error");

@@ -167,12 +167,10 @@ impl SessionParams {
                 .hypot(self.step_ue(gauge) / 12f64.sqrt())
         };
         let sds: Vec<f64> = (0..n_gauges).map(sd).collect();
-        let mut params = ConditionerParams::new(sds, 1.0 / self.rate_hz);
-        if (0..n_gauges).any(|gauge| self.is_coarse(gauge)) {
-            // A gauge that is hardly loaded then repeats its value without being dead.
-            params.stuck_frames = usize::MAX;
+        ConditionerParams {
+            coarse: (0..n_gauges).map(|gauge| self.is_coarse(gauge)).collect(),
+            ..ConditionerParams::new(sds, 1.0 / self.rate_hz)
         }
-        params
     }
 }
 
