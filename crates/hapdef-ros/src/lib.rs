@@ -2,8 +2,8 @@
 //!
 //! [`RosEncoder`] makes CDR messages of plain structs ([`Readings`], [`Contacts`], [`Health`]) and
 //! hands them to a [`MessageSink`]: [`McapSink`] writes them beside the raw readings of a recording,
-//! [`FoxgloveServer`] (feature `foxglove`) shows them live, [`ZenohSink`] (feature `zenoh`) publishes
-//! them as ROS 2 does by rmw_zenoh. [`topics`] lists what is said where; docs/ros.md explains it.
+//! `FoxgloveServer` (feature `foxglove`) shows them live, `ZenohSink` (feature `zenoh`) publishes
+//! them as ROS 2 does by rmw_zenoh. [`topics()`] lists what is said where; docs/ros.md explains it.
 //!
 //! This crate knows nothing of how contacts are found.
 

@@ -5,7 +5,7 @@ use hapdef_daq::record::TopicWriter;
 use crate::sink::MessageSink;
 use crate::topics::TopicKind;
 
-/// Hands messages to a recorder that was started with [`crate::topics`] among its parameters; the
+/// Hands messages to a recorder that was started with [`crate::topics()`] among its parameters; the
 /// recorder writes them on its own thread, by its own policy. A message that it can't take is
 /// counted by it.
 pub struct McapSink {
