@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use mcap::records::Record as McapRecord;
 use serde_json::{Value, json};
 
 /// Channel number of the first of these topics; the readings' own are below.
@@ -121,11 +120,32 @@ pub(crate) fn topics_json(topics: &[TopicDef]) -> Value {
     Value::Array(all.collect())
 }
 
+/// Fields of a record, read one after the other. Lengths are not trusted: the library's own reader
+/// allocates what they say before it looks whether so much is there.
+struct Fields<'a>(&'a [u8]);
+
 /// The further topics of a file that is being read, as far as they are known.
 #[derive(Default)]
 pub(crate) struct Definitions {
     schemas: BTreeMap<u16, [String; 3]>,
     topics: BTreeMap<u16, Arc<TopicDef>>,
+}
+
+impl Fields<'_> {
+    fn number(&mut self) -> Option<u16> {
+        let (bytes, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(u16::from_le_bytes(*bytes))
+    }
+
+    /// A length of 32 bits and so many bytes.
+    fn text(&mut self) -> Option<String> {
+        let (len, rest) = self.0.split_first_chunk()?;
+        let len = usize::try_from(u32::from_le_bytes(*len)).ok()?;
+        let (bytes, rest) = rest.split_at_checked(len)?;
+        self.0 = rest;
+        Some(String::from_utf8_lossy(bytes).into_owned())
+    }
 }
 
 impl Definitions {
@@ -138,36 +158,36 @@ impl Definitions {
         is_ros2(self.topics.values().map(|topic| &**topic))
     }
 
-    /// Takes a schema's or a channel's record.
-    pub(crate) fn take(&mut self, op: u8, content: &[u8]) {
-        match mcap::parse_record(op, content) {
-            Ok(McapRecord::Schema { header, data }) => {
-                let text = String::from_utf8_lossy(&data).into_owned();
-                self.schemas
-                    .insert(header.id, [header.name, header.encoding, text]);
-            }
-            Ok(McapRecord::Channel(channel)) => {
-                if channel.id < FIRST_ID {
-                    return;
-                }
-                let schema = match channel.schema_id {
-                    0 => Some(<[String; 3]>::default()),
-                    id => self.schemas.get(&id).cloned(),
-                };
-                let Some([schema_name, schema_encoding, schema]) = schema else {
-                    return;
-                };
-                let topic = TopicDef {
-                    name: channel.topic,
-                    message_encoding: channel.message_encoding,
-                    schema_name,
-                    schema_encoding,
-                    schema,
-                };
-                self.topics.insert(channel.id, Arc::new(topic));
-            }
-            _ => {}
-        }
+    /// Takes a schema's record: number, name, encoding, text.
+    pub(crate) fn take_schema(&mut self, content: &[u8]) {
+        let mut fields = Fields(content);
+        let schema = fields.number().and_then(|id| {
+            let [name, encoding] = [fields.text()?, fields.text()?];
+            Some((id, [name, encoding, fields.text()?]))
+        });
+        self.schemas.extend(schema);
+    }
+
+    /// Takes a channel's record: number, schema, topic, encoding of the messages. One whose schema
+    /// is not known is left out: nobody could read it.
+    pub(crate) fn take_channel(&mut self, content: &[u8]) {
+        let mut fields = Fields(content);
+        let topic = fields.number().and_then(|id| {
+            let schema = match fields.number()? {
+                0 => <[String; 3]>::default(),
+                schema_id => self.schemas.get(&schema_id)?.clone(),
+            };
+            let [schema_name, schema_encoding, schema] = schema;
+            let topic = TopicDef {
+                name: fields.text()?,
+                message_encoding: fields.text()?,
+                schema_name,
+                schema_encoding,
+                schema,
+            };
+            (id >= FIRST_ID).then(|| (id, Arc::new(topic)))
+        });
+        self.topics.extend(topic);
     }
 
     /// Takes the second copy, where a session's record has one.
@@ -188,6 +208,40 @@ impl Definitions {
                 let is_further = channel >= FIRST_ID;
                 is_further.then(|| self.topics.entry(channel).or_insert(Arc::new(topic)));
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_that_are_not_there_are_not_believed() {
+        let mut definitions = Definitions::default();
+        let mut schema = vec![7, 0];
+        for text in ["x/msg/X", "ros2msg", "float64 x\n"] {
+            schema.extend((text.len() as u32).to_le_bytes());
+            schema.extend(text.bytes());
+        }
+        definitions.take_schema(&schema);
+        let mut channel = vec![
+            16, 0, 7, 0, 2, 0, 0, 0, b'/', b'x', 3, 0, 0, 0, b'c', b'd', b'r',
+        ];
+        definitions.take_channel(&channel);
+        let topic = definitions.topic(16).unwrap();
+        assert_eq!(
+            (topic.name.as_str(), topic.message_encoding.as_str()),
+            ("/x", "cdr")
+        );
+        assert_eq!(topic.schema, "float64 x\n");
+        assert!(definitions.is_ros2());
+        channel[0] = 17;
+        channel[4..8].fill(0xff);
+        definitions.take_channel(&channel);
+        assert!(definitions.topic(17).is_none());
+        for len in 0..schema.len() {
+            Definitions::default().take_schema(&schema[..len]);
         }
     }
 }

@@ -133,7 +133,8 @@ impl Recording {
                     Some(record) => self.records.push_back(record),
                     None => self.n_undefined += 1,
                 },
-                SCHEMA | CHANNEL => self.definitions.take(op, content),
+                SCHEMA => self.definitions.take_schema(content),
+                CHANNEL => self.definitions.take_channel(content),
                 _ => {}
             }
             chunk = rest;
