@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
 use hapdef::session::{
     CalibrationSession, HeldPress, SessionEvent, SessionParams, write_press_table,
 };
@@ -156,6 +157,11 @@ fn a_session_asks_holds_and_improves_the_map() {
     )
     .unwrap();
     run.scene.rig.electronics.adc_bits = 16;
+    // The made-up limb is made from the map of the scene's own mesh.
+    run.scene.estimator = EstimatorSpec::Superposition(SuperpositionSpec {
+        map_refinements: 0,
+        ..run.scene.estimator.superposition()
+    });
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
     let drawn = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
     let truth = Arc::new(other_limb(&limb, &drawn));
