@@ -61,7 +61,7 @@ impl LiveFrame {
             gauges: vec![GaugeHealth::Good; n_gauges],
             phase: TouchPhase::Untouched,
             temperature: None,
-            touch: Touch::default(),
+            touch: Touch::with_room(),
         }
     }
 

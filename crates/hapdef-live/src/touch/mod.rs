@@ -13,6 +13,9 @@ pub use tracking::{SearchPlace, Tracking};
 
 use crate::error::LiveError;
 
+/// Other explanations of a frame for which room is made ahead.
+const N_ALTERNATIVES: usize = 16;
+
 /// Turns frames of tared gauge readings into contacts. One for each thread.
 pub trait TouchEstimator: Send {
     /// Name for people.
@@ -171,6 +174,17 @@ impl<'a> TouchFrame<'a> {
 }
 
 impl Touch {
+    /// Nothing touches; with room for what a frame may hold, so that filling it allocates nothing.
+    #[must_use]
+    pub fn with_room() -> Self {
+        Self {
+            contacts: Vec::with_capacity(MAX_CONTACTS),
+            released: Vec::with_capacity(MAX_CONTACTS),
+            quality: None,
+            alternatives: Vec::with_capacity(N_ALTERNATIVES),
+        }
+    }
+
     /// Nothing touches, and nothing is known of how sure that is.
     pub fn clear(&mut self) {
         self.contacts.clear();
