@@ -44,6 +44,10 @@ pub struct SceneArgs {
     /// Samples of each step of F_R instead of the profile's; the paper has 100.
     #[arg(long, value_parser = at_least::<1>)]
     pub batch: Option<usize>,
+    /// Train F_R in that many modes of its outputs, and unfold it to all surface nodes after; 0 trains
+    /// the nodes themselves.
+    #[arg(long, value_name = "N")]
+    pub output_modes: Option<usize>,
     /// Where the training samples of F_R come from, instead of the profile's choice.
     #[arg(long)]
     pub samples: Option<Samples>,
@@ -114,6 +118,7 @@ impl SceneArgs {
         profile.reconstruction.batch = self.batch.unwrap_or(profile.reconstruction.batch);
         profile.backend = self.backend;
         profile.samples = self.samples.unwrap_or(profile.samples);
+        profile.output_modes = self.output_modes.unwrap_or(profile.output_modes);
         if let Some(steps) = self.other_steps {
             for schedule in [
                 &mut profile.transfer,

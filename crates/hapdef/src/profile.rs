@@ -113,7 +113,7 @@ impl Profile {
                 precision: TrainPrecision::Mixed,
                 ..schedule(12_000, 2e-3)
             },
-            output_modes: 512,
+            output_modes: 0,
             sensitivity: schedule(10_000, 1e-3),
             direct: schedule(10_000, 1e-3),
             backend: TrainBackend::Slices,
