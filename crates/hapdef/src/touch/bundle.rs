@@ -127,7 +127,8 @@ fn modes(run: &Run, limb: &Limb, n_stiffness: usize) -> Result<Vec<BundleMode>, 
     run.say("solving what may change the response");
     let params = UncertainParams {
         tip_radius_m: run.scene.contact.tip_radius_m,
-        refinements: run.scene.estimator.map_refinements(),
+        // Only the modes are used, which are solved for on the limb's own mesh.
+        refinements: 0,
         n_stiffness,
         n_threads: run.threads,
     };
