@@ -83,7 +83,7 @@ fn direct(factor: &Factor, v: &mut [Row], x: &mut Columns, everywhere: &[bool]) 
     for (row, v) in rows.zip(&*v) {
         row.copy_from_slice(v);
     }
-    factor.solve_in_place(x, everywhere);
+    factor.solve_in_place(x, everywhere, everywhere);
     for (v, row) in v.iter_mut().zip(x.values().chunks_exact(N_VECTORS)) {
         v.copy_from_slice(row);
     }

@@ -11,7 +11,7 @@ use crate::assembly::{Assembled, BlockMatrix, StiffnessExtremes, assemble};
 use crate::dissection::Ordering;
 use crate::elements::{Elements, SolidElements};
 use crate::iterative::{Solver, SolverChoice, SolverInfo};
-use crate::solve::solve_all;
+use crate::solve::{Extent, solve_all};
 use crate::structure::Structure;
 use crate::{
     IsotropicMaterial, MaterialRegion, NodalLoad, SimError, SolveInfo, SolveParams, Supports,
@@ -233,6 +233,7 @@ impl ElasticModel {
             self,
             loads,
             &SolveParams::default(),
+            Extent::Full,
             |block| block.motion(0),
             |_, field| motion = field,
         )?;

@@ -3,7 +3,7 @@
 use hapdef_mesh::GaugeId;
 use nalgebra::Vector3;
 
-use crate::solve::solve_all;
+use crate::solve::{Extent, solve_all};
 use crate::solve_info::{SolveInfo, SolveParams};
 use crate::{ElasticModel, GaugeStrain, NodalLoad, SimError};
 
@@ -70,6 +70,7 @@ impl ElasticModel {
             self,
             loads,
             &SolveParams::default(),
+            Extent::Full,
             |block| {
                 (0..block.loads.len())
                     .map(|column| block.field(column))

@@ -54,9 +54,10 @@ mod thermal_load;
 mod triangular;
 mod unknowns;
 mod wall;
+mod wanted;
 
 pub use assembly::StiffnessExtremes;
-pub use compliance::{Compliance, ComplianceParams};
+pub use compliance::{Compliance, ComplianceParams, Residuals};
 pub use dissection::Ordering;
 pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
 pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};

@@ -10,10 +10,17 @@ use crate::assembly::BlockMatrix;
 use crate::panel::{Columns, Three, Wide as _, add_row, for_vectors, load, store, zero};
 
 /// What a load is on one unknown three-vector, in one column.
+#[derive(Clone, Copy)]
 pub(crate) struct Entry {
     pub(crate) place: u32,
     pub(crate) column: u32,
     pub(crate) force: [f64; 3],
+}
+
+impl Entry {
+    pub(crate) fn place(&self) -> usize {
+        self.place as usize
+    }
 }
 
 /// Norms per column; a NaN in a residual makes its square sum NaN, not its maximum.

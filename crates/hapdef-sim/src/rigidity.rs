@@ -3,7 +3,7 @@
 use hapdef_mesh::FeNodeId;
 
 use crate::load::check_node;
-use crate::solve::solve_all;
+use crate::solve::{Extent, solve_all};
 use crate::solve_info::{SolveInfo, SolveParams};
 use crate::{ElasticModel, NodalLoad, SimError};
 
@@ -35,6 +35,7 @@ impl ElasticModel {
             self,
             loads,
             params,
+            Extent::Full,
             |block| {
                 let own = block.loads.iter().enumerate();
                 own.map(|(column, &load)| block.displacement(column, nodes[load]).norm())

@@ -12,6 +12,7 @@ use crate::panel::Columns;
 use crate::solve_block::{Reached, System, Workspace};
 use crate::solve_info::{SolveInfo, SolveParams, check_forward_error};
 use crate::unknowns::{Link, Unknowns};
+use crate::wanted::Wanted;
 use crate::{ElasticModel, NodalLoad, SimError};
 
 /// Right-hand sides solved together. Fixed, so that results do not depend on the thread count.
@@ -76,12 +77,26 @@ impl<'a> SolvedBlock<'a> {
     }
 }
 
-/// Solves all `loads`; `harvest` takes what is wanted of each block, `sink` receives it with the
-/// block's load numbers, block after block in a fixed order.
+/// Which rows of the solutions are solved for, and which residuals are taken.
+#[derive(Clone, Copy)]
+pub(crate) enum Extent<'a> {
+    /// All rows, all residuals.
+    Full,
+    /// The rows of `nodes`; all rows and residuals of at least `n_sampled` loads, and of all where
+    /// the system asks for refinement.
+    Wanted {
+        nodes: &'a [FeNodeId],
+        n_sampled: usize,
+    },
+}
+
+/// Solves all `loads` as far as `extent` asks; `harvest` takes what is wanted of each block, `sink`
+/// receives it with the block's load numbers, block after block in a fixed order.
 pub(crate) fn solve_all<T: Send>(
     model: &ElasticModel,
     loads: &[NodalLoad],
     params: &SolveParams,
+    extent: Extent<'_>,
     harvest: impl Fn(&SolvedBlock<'_>) -> T + Sync,
     mut sink: impl FnMut(&[usize], T),
 ) -> Result<SolveInfo, SimError> {
@@ -103,36 +118,83 @@ pub(crate) fn solve_all<T: Send>(
         extended: condition > params.extend_above_condition,
     };
     let sequence = by_place(loads, unknowns);
-    let blocks: Vec<&[usize]> = sequence.chunks(block_size(loads.len())).collect();
+    let (full, rest) = split(sequence.chunks(block_size(loads.len())).collect(), extent);
     let mut reached = Reached::default();
-    for wave in blocks.chunks(BLOCKS_PER_WAVE * model.pool.current_num_threads()) {
-        let solved: Vec<(T, Reached)> = model.pool.install(|| {
-            wave.par_iter()
-                .map_init(Workspace::default, |workspace, &block| {
-                    let reached = workspace.solve(&system, loads, block, params);
-                    let solved = SolvedBlock::new(unknowns, block, &workspace.x);
-                    (harvest(&solved), reached)
-                })
-                .collect()
-        });
-        for (block, (harvested, block_reached)) in wave.iter().zip(solved) {
-            reached.take(&block_reached);
-            sink(block, harvested);
+    let mut run = |blocks: &[&[usize]], wanted: Option<&Wanted>, reached: &mut Reached| {
+        for wave in blocks.chunks(BLOCKS_PER_WAVE * model.pool.current_num_threads()) {
+            let solved: Vec<(T, Reached)> = model.pool.install(|| {
+                wave.par_iter()
+                    .map_init(Workspace::default, |workspace, &block| {
+                        let reached = workspace.solve(&system, loads, block, params, wanted);
+                        let solved = SolvedBlock::new(unknowns, block, &workspace.x);
+                        (harvest(&solved), reached)
+                    })
+                    .collect()
+            });
+            for (block, (harvested, block_reached)) in wave.iter().zip(solved) {
+                reached.take(&block_reached);
+                sink(block, harvested);
+            }
+            reached.check(params)?;
         }
-        reached.check(params)?;
-    }
-    let info = SolveInfo {
+        Ok::<(), SimError>(())
+    };
+    run(&full, None, &mut reached)?;
+    let wanted = match extent {
+        Extent::Wanted { nodes, .. } if !rest.is_empty() && reached.n_refinements == 0 => {
+            let bound = condition * (reached.backward_error + model.rounding);
+            Wanted::new(&system, nodes, bound, params)
+        }
+        _ => None,
+    };
+    run(&rest, wanted.as_ref(), &mut reached)?;
+    let info = info(&system, &reached, condition, loads.len(), started);
+    check_forward_error(&info, params)?;
+    Ok(info)
+}
+
+fn info(
+    system: &System<'_>,
+    reached: &Reached,
+    condition: f64,
+    n_loads: usize,
+    started: Instant,
+) -> SolveInfo {
+    let all = system.factor.analysis.n_values() * n_loads;
+    let share = |n_read: usize| n_read as f64 / all.max(1) as f64;
+    SolveInfo {
+        n_residuals: reached.n_residuals,
         condition: Some(condition),
-        stiffness_rounding: model.rounding,
+        stiffness_rounding: system.model.rounding,
         worst_relative_residual: reached.relative_residual,
         worst_backward_error: reached.backward_error,
         worst_load: reached.load,
         n_refinements: reached.n_refinements,
+        worst_reciprocity_error: reached.reciprocity_error,
+        forward_factor_share: share(reached.n_read[0]),
+        backward_factor_share: share(reached.n_read[1]),
         elapsed_s: started.elapsed().as_secs_f64(),
-        ..SolveInfo::new(loads.len())
+        ..SolveInfo::new(n_loads)
+    }
+}
+
+/// The blocks to be solved in full, evenly spread, and the others.
+fn split<'a>(blocks: Vec<&'a [usize]>, extent: Extent<'_>) -> (Vec<&'a [usize]>, Vec<&'a [usize]>) {
+    let Extent::Wanted { n_sampled, .. } = extent else {
+        return (blocks, Vec::new());
     };
-    check_forward_error(&info, params)?;
-    Ok(info)
+    let size = blocks.first().map_or(1, |block| block.len());
+    let n = blocks.len();
+    let n_full = n_sampled.div_ceil(size).clamp(1, n.max(1));
+    let mut numbered: Vec<(bool, &[usize])> =
+        blocks.into_iter().map(|block| (false, block)).collect();
+    for i in 0..n_full.min(n) {
+        // in the middle of as many equal runs of blocks
+        numbered[(2 * i + 1) * n / (2 * n_full)].0 = true;
+    }
+    let (full, rest): (Vec<_>, Vec<_>) = numbered.into_iter().partition(|(is_full, _)| *is_full);
+    let plain = |part: Vec<(bool, &'a [usize])>| part.into_iter().map(|(_, block)| block).collect();
+    (plain(full), plain(rest))
 }
 
 /// Few loads are split in two halves, so that a second thread has work.

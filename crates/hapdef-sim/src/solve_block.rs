@@ -5,20 +5,32 @@ use crate::panel::Columns;
 use crate::product::{Entry, Norms, Residual};
 use crate::solve::unknown_forces;
 use crate::unknowns::Unknowns;
+use crate::wanted::Wanted;
 use crate::{ElasticModel, NodalLoad, SimError, SolveParams};
 
-/// The worst residuals so far.
+/// The worst residuals so far, and what was read for them.
 #[derive(Default)]
 pub(crate) struct Reached {
     pub(crate) relative_residual: f64,
     pub(crate) backward_error: f64,
     pub(crate) load: usize,
     pub(crate) n_refinements: usize,
+    /// Right-hand sides whose residual was taken.
+    pub(crate) n_residuals: usize,
+    /// The worst of those whose residual was not.
+    pub(crate) reciprocity_error: f64,
+    /// Entries of L that substitutions read, forward and backward, times right-hand sides;
+    /// refinement apart.
+    pub(crate) n_read: [usize; 2],
 }
 
 impl Reached {
     pub(crate) fn take(&mut self, other: &Self) {
         self.n_refinements = self.n_refinements.max(other.n_refinements);
+        self.n_residuals += other.n_residuals;
+        self.reciprocity_error = self.reciprocity_error.max(other.reciprocity_error);
+        self.n_read[0] += other.n_read[0];
+        self.n_read[1] += other.n_read[1];
         if other
             .relative_residual
             .total_cmp(&self.relative_residual)
@@ -61,28 +73,52 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
+    /// Solves for the `block` of `loads`; where rows are `wanted`, for those alone, unless their
+    /// check leaves a doubt.
     pub(crate) fn solve(
         &mut self,
         system: &System<'_>,
         loads: &[NodalLoad],
         block: &[usize],
         params: &SolveParams,
+        wanted: Option<&Wanted>,
     ) -> Reached {
-        let (unknowns, factor) = (&system.model.structure.unknowns, system.factor);
-        let n = 3 * unknowns.n_places();
-        self.collect(loads, block, unknowns);
-        let reached = factor.reached(self.entries.iter().map(|entry| entry.place as usize));
-        self.x.reshape(n, block.len());
-        factor.clear(&mut self.x, &reached);
-        for entry in &self.entries {
-            let place = entry.place as usize;
-            let stride = self.x.stride();
-            let rows = self.x.rows_mut(3 * place..3 * place + 3);
-            for c in 0..3 {
-                rows[c * stride + entry.column as usize] += entry.force[c];
+        self.collect(loads, block, &system.model.structure.unknowns);
+        if let Some(wanted) = wanted {
+            let n_read = self.substitute(system, block.len(), &wanted.supernodes);
+            let (entries, x) = (&self.entries, &self.x);
+            let error = wanted.reciprocity_error(system.factor.scale(), entries, x, block.len());
+            // a value that is not a number is in doubt
+            if error <= wanted.doubt_above {
+                return Reached {
+                    reciprocity_error: error,
+                    n_read,
+                    ..Reached::default()
+                };
             }
         }
-        factor.solve_in_place(&mut self.x, &reached);
+        self.solve_full(system, block, params)
+    }
+
+    /// Solves for one right-hand side.
+    pub(crate) fn solve_one(
+        &mut self,
+        system: &System<'_>,
+        entries: &[Entry],
+        params: &SolveParams,
+    ) -> Reached {
+        self.entries = entries.to_vec();
+        self.solve_full(system, &[0], params)
+    }
+
+    fn solve_full(
+        &mut self,
+        system: &System<'_>,
+        block: &[usize],
+        params: &SolveParams,
+    ) -> Reached {
+        let everywhere = vec![true; system.factor.analysis.n_supernodes()];
+        let n_read = self.substitute(system, block.len(), &everywhere);
         let mut worst = self.worst(system, block, false);
         while (system.extended || worst.backward_error > params.refine_above)
             && worst.n_refinements < params.max_refinements
@@ -93,7 +129,37 @@ impl Workspace {
                 ..self.worst(system, block, false)
             };
         }
-        worst
+        Reached {
+            n_residuals: block.len(),
+            n_read,
+            ..worst
+        }
+    }
+
+    /// The entries' solution, in the rows of the `wanted` supernodes; returns the entries of L
+    /// read, forward and backward, times columns.
+    fn substitute(&mut self, system: &System<'_>, n_columns: usize, wanted: &[bool]) -> [usize; 2] {
+        let factor = system.factor;
+        let reached = factor.reached(self.entries.iter().map(Entry::place));
+        self.x
+            .reshape(3 * system.model.structure.unknowns.n_places(), n_columns);
+        factor.clear(&mut self.x, &reached);
+        for entry in &self.entries {
+            let place = entry.place();
+            let stride = self.x.stride();
+            let rows = self.x.rows_mut(3 * place..3 * place + 3);
+            for c in 0..3 {
+                rows[c * stride + entry.column as usize] += entry.force[c];
+            }
+        }
+        factor.solve_in_place(&mut self.x, &reached, wanted);
+        [&reached, wanted].map(|read| n_columns * factor.n_entries(read))
+    }
+
+    /// The entries and their solution.
+    #[cfg(test)]
+    pub(crate) fn parts(self) -> (Vec<Entry>, Columns) {
+        (self.entries, self.x)
     }
 
     /// The block's forces, ascending by place.
@@ -116,7 +182,7 @@ impl Workspace {
         let everywhere = vec![true; system.factor.analysis.n_supernodes()];
         system
             .factor
-            .solve_in_place(&mut self.correction, &everywhere);
+            .solve_in_place(&mut self.correction, &everywhere, &everywhere);
         let correction = self.correction.values();
         for (x, c) in self.x.values_mut().iter_mut().zip(correction) {
             *x += *c;
@@ -163,7 +229,7 @@ impl Reached {
             relative_residual: ratio(left, norms.loaded_squares[column].sqrt()),
             backward_error,
             load,
-            n_refinements: 0,
+            ..Self::default()
         }
     }
 }

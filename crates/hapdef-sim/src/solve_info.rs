@@ -41,9 +41,12 @@ impl Default for SolveParams {
 pub struct SolveInfo {
     /// Right-hand sides solved.
     pub n_loads: usize,
-    /// The largest relative residual ‖b − K u‖₂ / ‖b‖₂ over all of them, after refinement.
+    /// Those of them that were solved in full, with their residual taken: all, unless
+    /// [`crate::Residuals::Sampled`] asked for less and got it.
+    pub n_residuals: usize,
+    /// The largest relative residual ‖b − K u‖₂ / ‖b‖₂ over those, after refinement.
     pub worst_relative_residual: f64,
-    /// The largest backward error (see [`SolveParams`]) over all of them, after refinement.
+    /// The largest backward error (see [`SolveParams`]) over those, after refinement.
     pub worst_backward_error: f64,
     /// The load with the largest backward error.
     pub worst_load: usize,
@@ -59,6 +62,14 @@ pub struct SolveInfo {
     /// The largest estimated relative error in energy (see [`crate::IterativeParams`]); 0 on the
     /// direct path, which makes no estimate.
     pub worst_energy_error: f64,
+    /// The largest reciprocity error (see [`crate::Residuals::Sampled`]) over the other right-hand
+    /// sides; 0 where there are none.
+    pub worst_reciprocity_error: f64,
+    /// The share of the entries of L that the forward substitution reads, a mean over right-hand
+    /// sides; 0 on the iterative path.
+    pub forward_factor_share: f64,
+    /// The same of the backward substitution.
+    pub backward_factor_share: f64,
     /// Seconds.
     pub elapsed_s: f64,
 }
@@ -79,6 +90,7 @@ impl SolveInfo {
     pub(crate) fn new(n_loads: usize) -> Self {
         Self {
             n_loads,
+            n_residuals: n_loads,
             worst_relative_residual: 0.0,
             worst_backward_error: 0.0,
             worst_load: 0,
@@ -87,6 +99,9 @@ impl SolveInfo {
             n_refinements: 0,
             n_iterations: 0,
             worst_energy_error: 0.0,
+            worst_reciprocity_error: 0.0,
+            forward_factor_share: 0.0,
+            backward_factor_share: 0.0,
             elapsed_s: 0.0,
         }
     }

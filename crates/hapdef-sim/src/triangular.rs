@@ -37,15 +37,23 @@ impl Factor {
         }
     }
 
+    /// Entries of L in the given supernodes, as stored.
+    pub(crate) fn n_entries(&self, supernodes: &[bool]) -> usize {
+        let given = (0..supernodes.len()).filter(|&s| supernodes[s]);
+        given.map(|s| self.analysis.values(s).len()).sum()
+    }
+
     /// Solves K x = b in place. Rows of supernodes that are not `reached` hold no right-hand side,
-    /// whatever stands there.
-    pub(crate) fn solve_in_place(&self, x: &mut Columns, reached: &[bool]) {
+    /// whatever stands there; only rows of the `wanted` supernodes hold the solution afterwards.
+    /// Both are closed towards the root: a row of Lᵀ x = y needs its ancestors, and nothing else.
+    pub(crate) fn solve_in_place(&self, x: &mut Columns, reached: &[bool], wanted: &[bool]) {
         let stride = x.stride();
         Arch::new().dispatch(Solve {
             factor: self,
             x: x.values_mut(),
             stride,
             reached,
+            wanted,
         });
     }
 }
@@ -55,6 +63,7 @@ struct Solve<'a> {
     x: &'a mut [f64],
     stride: usize,
     reached: &'a [bool],
+    wanted: &'a [bool],
 }
 
 impl WithSimd for Solve<'_> {
@@ -69,7 +78,7 @@ impl WithSimd for Solve<'_> {
         for s in (0..self.reached.len()).filter(|&s| self.reached[s]) {
             supernode(s).forward(simd, x, n);
         }
-        for s in (0..self.reached.len()).rev() {
+        for s in (0..self.wanted.len()).rev().filter(|&s| self.wanted[s]) {
             let supernode = supernode(s);
             if !self.reached[s] {
                 let rows = 3 * supernode.first * n..3 * (supernode.first + supernode.width) * n;

@@ -9,6 +9,7 @@ mod clock;
 mod others;
 mod plain;
 mod system;
+mod wanted;
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -17,7 +18,7 @@ use std::path::Path;
 use hapdef_mesh::{FeNodeId, SolidDeck, Tet10Mesh, read_deck};
 use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, GaugeSite, GaugeStrain, IsotropicMaterial,
-    NodalLoad,
+    NodalLoad, SolveInfo,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -64,7 +65,7 @@ pub fn run<W: Write>(
     let nodes = surface_nodes(&deck, options.n_loads);
     let loads = unit_loads(&nodes);
     let (solved, compliance) = timed(|| compliance(&model, &loads, &nodes));
-    solved?;
+    let forward_share = solved?.forward_factor_share;
     log.value("fe.nnz_l", model.info().nnz_l as f64, "1")?;
     log.value("fe.order_s", model.info().order_s, "s")?;
     log.value("fe.assemble_s", model.info().assemble_s, "s")?;
@@ -72,7 +73,9 @@ pub fn run<W: Write>(
     log.value("fe.compliance_s", compliance.wall_s, "s")?;
     log.value("fe.compliance_processor_s", compliance.processor_s, "s")?;
     log.value("fe.compliance_rss_gib", peak_gib(), "GiB")?;
-    gauges(&deck, &model, read, built, log)?;
+    log.value("fe.forward_factor_share", forward_share, "1")?;
+    let placed = gauges(&deck, &model, read, built, log)?;
+    wanted::measure(&model, &loads, &nodes, &placed, log)?;
     campaign(&deck, nodes[0], loads.len(), [read, built, compliance], log)?;
     drop(model);
     against(&build(&deck, 1)?, &loads, &nodes, "fe", log)?;
@@ -120,19 +123,21 @@ fn compliance(
     model: &ElasticModel,
     loads: &[NodalLoad],
     wanted: &[FeNodeId],
-) -> Result<(), VerifyError> {
-    model.compliance(loads, wanted, &ComplianceParams::default())?;
-    Ok(())
+) -> Result<SolveInfo, VerifyError> {
+    Ok(model
+        .compliance(loads, wanted, &ComplianceParams::default())?
+        .1)
 }
 
 /// Ten gauges for every force at every node, from the deck on disk; 240 adjoint solves after it.
+/// Returns the gauges, none where they don't fit.
 fn gauges<W: Write>(
     deck: &SolidDeck,
     model: &ElasticModel,
     read: Took,
     build: Took,
     log: &mut MetricLog<W>,
-) -> Result<(), VerifyError> {
+) -> Result<Vec<GaugeStrain>, VerifyError> {
     let faces = deck.mesh.boundary().faces;
     let site = |face: usize| {
         let corners = [0, 1, 2].map(|i| deck.mesh.position(faces[face].nodes[i]).coords);
@@ -148,7 +153,7 @@ fn gauges<W: Write>(
     let sites: Vec<GaugeSite> = tries.filter(fits).take(10).collect();
     if sites.len() < 10 {
         log.skipped("fe.gauges_s", "fewer than ten places where a gauge fits")?;
-        return Ok(());
+        return Ok(Vec::new());
     }
     let place = |site| GaugeStrain::new(&deck.mesh, &faces, site);
     let (gauges, placed) = timed(|| sites.iter().map(place).collect::<Result<Vec<_>, _>>());
@@ -174,7 +179,8 @@ fn gauges<W: Write>(
         "fe.virtual_gauges_processor_s",
         virtual_gauges.processor_s,
         "s",
-    )
+    )?;
+    Ok(gauges)
 }
 
 /// One CalculiX run per load against one factorisation for all.

@@ -1,6 +1,9 @@
 //! Triangulated rectangles mapped into space.
 
+use hapdef_mesh::{FaceCurve, SurfaceMesh};
 use nalgebra::Point3;
+
+use crate::VerifyError;
 
 /// How a benchmark is meshed.
 #[derive(Clone, Copy, Debug)]
@@ -103,6 +106,26 @@ impl Grid {
         all.sort_unstable();
         all.dedup();
         all
+    }
+
+    /// Each triangle split into four, new nodes where `curve` puts them, and the two old nodes that
+    /// each new one stands between.
+    pub(super) fn refined(
+        &self,
+        curve: &FaceCurve<'_>,
+    ) -> Result<(Self, Vec<[usize; 2]>), VerifyError> {
+        let triangles = self.triangles.iter().map(|t| t.map(|node| node as u32));
+        let fine = SurfaceMesh::new(self.nodes.clone(), triangles.collect())?.refined(curve)?;
+        let triangles = fine.mesh.triangles().iter();
+        let grid = Self {
+            nodes: fine.mesh.vertices().to_vec(),
+            triangles: triangles.map(|t| t.map(|node| node as usize)).collect(),
+            nu: 0,
+            nv: 0,
+        };
+        let halved = fine.halved_edges.iter();
+        let halved = halved.map(|ends| ends.map(|node| node as usize));
+        Ok((grid, halved.collect()))
     }
 
     /// The cells in words.

@@ -9,6 +9,7 @@ mod hook;
 mod hypar;
 mod inp;
 mod nafems;
+mod nafems_solid;
 mod patch;
 mod plane;
 mod problem;
@@ -26,6 +27,7 @@ pub(crate) fn cases() -> Vec<Case> {
         curved::cases(),
         hypar::cases(),
         nafems::cases(),
+        nafems_solid::cases(),
         decks::cases(),
     ];
     groups.into_iter().flatten().collect()

@@ -28,7 +28,9 @@ pub(super) fn cases() -> Vec<Case> {
     ));
     cases.extend(le5().missed(
         [Some(0.0205), Some(0.0339)],
-        "the target is a thin-walled beam's; shells of other programs end at −109.7 to −110.4 MPa",
+        "the target is a thin-walled beam's; the same section in TET10 (the rows against the solid) gives \
+            −108.7, −109.1 and −109.3 MPa, −109.5 extrapolated, and shells of other programs end at −109.7 \
+            to −110.4 MPa",
     ));
     cases.extend(le6().missed(
         [None, Some(0.0189)],
@@ -119,7 +121,7 @@ fn le5() -> Benchmark {
 }
 
 /// The section is unrolled along v: flange, web (twice as wide), flange.
-fn z_section(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
+pub(super) fn z_section(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
     let n = mesh.n;
     let grid = Grid::new(10 * n, 4 * n, straight_folds(mesh.pattern), |u, v| {
         let s = 4.0 * v;
