@@ -75,8 +75,8 @@ pub struct SolveInfo {
 }
 
 impl SolveInfo {
-    /// A bound on the relative error of any displacement field, in the norm of the Jacobi-scaled
-    /// system: κ (η + ε), with the condition number κ, the backward error η, and the rounding ε of
+    /// A bound on the relative error of any displacement field whose residual was taken, in the norm
+    /// of the Jacobi-scaled system (for the others see [`crate::Residuals::Sampled`]): κ (η + ε), with the condition number κ, the backward error η, and the rounding ε of
     /// the stiffness itself ([`Self::stiffness_rounding`]; N. J. Higham, Accuracy and Stability of Numerical
     /// Algorithms, 2nd ed., section 7.1). 0 without loads.
     #[must_use]
