@@ -180,6 +180,8 @@ mod tests {
         });
     }
 
+    const ALL: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+
     fn loads() -> Vec<NodalLoad> {
         let node = |i: usize| FeNodeId::from_index(40 * i + 9);
         let force = |i: usize| Vector3::new(1.0, -0.3 * i as f64, 2.0);
@@ -200,11 +202,11 @@ mod tests {
     }
 
     fn solved(system: &System<'_>, wanted: Option<&Wanted>, fill: f64) -> Workspace {
-        let (loads, all) = (loads(), [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        let loads = loads();
         let mut workspace = Workspace::default();
-        workspace.x.reshape(system.factor.scale().len(), all.len());
+        workspace.x.reshape(system.factor.scale().len(), ALL.len());
         workspace.x.values_mut().fill(fill);
-        workspace.solve(system, &loads, &all, &SolveParams::default(), wanted);
+        workspace.solve(system, &loads, &ALL, &SolveParams::default(), wanted);
         workspace
     }
 
@@ -234,6 +236,25 @@ mod tests {
                 n_same > 0 && n_left > n,
                 "{n_same} rows solved, {n_left} left"
             );
+        });
+    }
+
+    #[test]
+    fn loads_in_doubt_are_solved_in_full() {
+        with_system(|system| {
+            let mut wanted = wanted(system);
+            let full = solved(system, None, f64::NAN);
+            let run = |wanted: &Wanted| {
+                let (loads, params) = (loads(), SolveParams::default());
+                let mut workspace = Workspace::default();
+                let reached = workspace.solve(system, &loads, &ALL, &params, Some(wanted));
+                (workspace.parts().1, reached.n_residuals)
+            };
+            assert_eq!(run(&wanted).1, 0);
+            wanted.doubt_above = -1.0;
+            let (x, n_residuals) = run(&wanted);
+            assert_eq!(n_residuals, ALL.len());
+            assert_eq!(x.values(), full.parts().1.values());
         });
     }
 
