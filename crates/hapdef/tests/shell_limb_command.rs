@@ -56,13 +56,21 @@ fn the_command_reads_a_tube_and_writes_its_files() {
     let out = folder.path().join("out");
     let [file, out] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
     let words = [
-        &file, "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5", "--out", &out,
+        &file, "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5", "--solid",
+        "--out", &out,
     ];
     let output = hapdef(&words);
     assert!(output.status.success(), "{}", said(&output.stderr));
     let table = said(&output.stdout);
     assert!(table.contains("best gauge"), "{table}");
-    for name in ["response.glb", "thickness.glb", "response.safetensors"] {
+    assert!(!table.contains("use the solid: "), "{table}");
+    for name in [
+        "response.glb",
+        "thickness.glb",
+        "response.safetensors",
+        "shell-report.html",
+        "shell-report.json",
+    ] {
         assert!(Path::new(&out).join(name).exists(), "{name}");
     }
     let json = std::fs::read(Path::new(&out).join("response.json")).unwrap();

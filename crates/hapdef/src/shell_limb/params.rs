@@ -67,7 +67,7 @@ pub struct ShellLimbParams {
 
 impl ShellLimbParams {
     /// The surface is the outside of `wall`; ten gauges of 8 × 5 mm, the default shell, a tip of
-    /// 2 mm, 24 presses, one thread, held at the low end of the longest axis.
+    /// 2 mm, 240 presses, one thread, held at the low end of the longest axis.
     #[must_use]
     pub fn new(wall: WallChoice, material: IsotropicMaterial) -> Self {
         Self {
@@ -85,7 +85,7 @@ impl ShellLimbParams {
             material,
             kind: ShellKind::default(),
             tip_radius_m: 2e-3,
-            n_presses: 24,
+            n_presses: 240,
             n_solid_halvings: None,
             n_threads: 1,
         }
