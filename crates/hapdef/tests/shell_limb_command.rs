@@ -81,6 +81,24 @@ fn the_command_reads_a_tube_and_writes_its_files() {
 }
 
 #[test]
+fn inspect_counts_crossing_triangles() {
+    let file = fixture("shin_skin.glb");
+    let inspected = |more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+            .arg("inspect")
+            .arg(&file)
+            .args(more)
+            .output();
+        said(&output.unwrap().stdout)
+    };
+    let table = inspected(&[]);
+    assert!(table.contains("crossing pairs      0\n"), "{table}");
+    let json: serde_json::Value = serde_json::from_str(&inspected(&["--json"])).unwrap();
+    assert_eq!(json["n_crossing_pairs"], 0);
+    assert_eq!(json["crossings_m"].as_array().unwrap().len(), 0);
+}
+
+#[test]
 fn without_a_unit_the_guess_is_told() {
     let file = fixture("shin_skin.glb");
     let file = file.to_str().unwrap();

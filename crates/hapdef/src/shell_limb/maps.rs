@@ -151,7 +151,8 @@ impl ShellMaps {
         let share = |differences: &[f64]| {
             let of = |wanted: &dyn Fn(f64) -> bool| -> f64 {
                 let rows = differences.iter().zip(&area_m2);
-                rows.filter(|(d, _)| wanted(**d)).map(|(_, a)| a).sum()
+                rows.filter(|(d, _)| wanted(**d))
+                    .fold(0.0, |sum, (_, a)| sum + a)
             };
             let compared_m2 = of(&|d| !d.is_nan());
             of(&|d| d > GOOD_DIFFERENCE) / compared_m2.max(f64::MIN_POSITIVE)
