@@ -25,6 +25,7 @@ fn shin_limb() -> &'static ShellLimb {
 
 fn shin_limb_on(n_threads: usize) -> ShellLimb {
     let params = ShellLimbParams {
+        n_presses: 60,
         n_threads,
         ..ShellLimbParams::new(WallChoice::Constant(1e-3), pa2200())
     };
@@ -92,6 +93,7 @@ fn measured_tube(edge_m: f64, n_solid_halvings: usize) -> ShellLimb {
     let params = ShellLimbParams {
         edge_m: Some(edge_m),
         n_gauges: 4,
+        n_presses: 60,
         n_threads: 2,
         n_solid_halvings: Some(n_solid_halvings),
         ..ShellLimbParams::new(WallChoice::Measured, pa2200())
@@ -176,8 +178,9 @@ fn a_thick_wall_asks_for_the_solid() {
     let params = ShellLimbParams {
         edge_m: Some(6e-3),
         n_gauges: 4,
+        n_presses: 60,
         n_threads: 2,
-        n_solid_halvings: Some(1),
+        n_solid_halvings: Some(0),
         ..ShellLimbParams::new(WallChoice::Constant(10e-3), pa2200())
     };
     let limb = shell_limb(&outer_wall(&tube(0.1)), &params).unwrap();

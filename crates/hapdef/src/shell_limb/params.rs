@@ -56,7 +56,8 @@ pub struct ShellLimbParams {
     pub kind: ShellKind,
     /// Radius of the tip in comparisons with a solid, m.
     pub tip_radius_m: f64,
-    /// Presses whose displacement is compared with a solid's.
+    /// Presses whose displacement is compared with a solid's; at most 24 where that is too large to
+    /// be factored.
     pub n_presses: usize,
     /// How often the edges of the extruded solid are halved; from 1 on the change by the last
     /// halving is told. Once when not given, if that makes no more than 150,000 nodes.

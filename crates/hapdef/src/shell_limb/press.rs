@@ -5,7 +5,7 @@ use std::time::Instant;
 use hapdef_mesh::{FeNodeId, GaugeId, PointIndex, SkinRegion, SurfaceMesh, Tet10Mesh};
 use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, GaugeResponse, GaugeStrain, NodalLoad,
-    ShellGaugeStrain, SimError,
+    ShellGaugeStrain, SimError, SolverKind,
 };
 use nalgebra::{Point3, Vector3};
 
@@ -24,6 +24,9 @@ const MAX_OFF_CENTRE: f64 = 0.25;
 
 /// Presses solved together: of a finer solid their displacements are kept at all loaded nodes.
 const PRESSES_AT_A_TIME: usize = 60;
+
+/// Presses, at most, where a solid is too large to be factored: each then takes an iteration.
+const MOST_ITERATED: usize = 24;
 
 /// What is compared, and where.
 pub(super) struct Comparison<'a> {
@@ -79,12 +82,16 @@ impl ShellLimb {
         let (response, _) = self
             .elastic_model
             .shell_gauge_response(&comparison.gauges)?;
-        let on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
+        let mut on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
         let on_solids = comparison
             .solids
             .iter()
             .map(|solid| self.solid_answers(solid, comparison, &touches));
-        let on_solids: Vec<Answers> = on_solids.collect::<Result<_, _>>()?;
+        let mut on_solids: Vec<Answers> = on_solids.collect::<Result<_, _>>()?;
+        let everyone = || on_solids.iter().chain([&on_shell]);
+        let n_presses = everyone().map(|a| a.tips.len()).min().unwrap_or(0);
+        on_shell.tips.truncate(n_presses);
+        on_solids.iter_mut().for_each(|a| a.tips.truncate(n_presses));
         let (Some(solid), Some(truth)) = (comparison.solids.last(), on_solids.last()) else {
             return Err(HapdefError::NothingToPress { n_places: 0 });
         };
@@ -206,7 +213,11 @@ impl ShellLimb {
             let gauges = (0..response.n_gauges()).map(GaugeId::from_index);
             gauges.map(|g| response.reading(g, load) * 1e6).collect()
         };
-        let presses = &loads[..loads.len().min(self.params.n_presses)];
+        let most = match model.solver_info().kind {
+            SolverKind::Iterative => self.params.n_presses.min(MOST_ITERATED),
+            SolverKind::Direct => self.params.n_presses,
+        };
+        let presses = &loads[..loads.len().min(most)];
         let mut tips = Vec::new();
         for together in presses.chunks(PRESSES_AT_A_TIME) {
             tips.extend(under_tips(model, together)?);
