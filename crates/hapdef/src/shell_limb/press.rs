@@ -91,7 +91,9 @@ impl ShellLimb {
         let everyone = || on_solids.iter().chain([&on_shell]);
         let n_presses = everyone().map(|a| a.tips.len()).min().unwrap_or(0);
         on_shell.tips.truncate(n_presses);
-        on_solids.iter_mut().for_each(|a| a.tips.truncate(n_presses));
+        on_solids
+            .iter_mut()
+            .for_each(|a| a.tips.truncate(n_presses));
         let (Some(solid), Some(truth)) = (comparison.solids.last(), on_solids.last()) else {
             return Err(HapdefError::NothingToPress { n_places: 0 });
         };
