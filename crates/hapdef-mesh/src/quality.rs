@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::self_intersection::{Crossing, places, self_intersections};
+use crate::self_intersection::{Crossing, number, places, self_intersections};
 use crate::surface::corner_angles_rad;
 use crate::topology::{Edges, count_bodies, count_doubled};
 use crate::weld::repeats;
@@ -40,7 +40,7 @@ pub struct QualityReport {
     pub n_degenerate_triangles: usize,
     /// Triangles with area, but an angle below [`SLIVER_ANGLE_DEG`].
     pub n_sliver_triangles: usize,
-    /// Pairs of triangles that cross.
+    /// Pairs of triangles that cross ([`self_intersections`]).
     pub crossings: Vec<Crossing>,
     /// Holes through the solid, summed over the bodies: V − E + F = 2·bodies − 2·genus. Nothing
     /// unless the surface is [closed](Self::is_closed) and no vertex joins otherwise separate
@@ -114,7 +114,7 @@ impl fmt::Display for QualityReport {
         };
         let crossings = match &self.crossings[..] {
             [] => "0".to_owned(),
-            some => format!("{}, at {}", some.len(), places(some)),
+            some => format!("{}, at {}", number(some), places(some)),
         };
         let lines = [
             (

@@ -13,6 +13,9 @@ use pair::{Overlap, overlap};
 /// roundings of 32-bit coordinates.
 const LEAST_LENGTH: f64 = 1e-6;
 
+/// Pairs after which the search ends: a tangle of n triangles can have n² / 2.
+const MOST_CROSSINGS: usize = 1_000_000;
+
 /// Crossings whose places are told.
 const N_TOLD: usize = 3;
 
@@ -28,7 +31,8 @@ pub struct Crossing {
     pub length_m: f64,
 }
 
-/// All pairs of triangles of `mesh` that cross, by the numbers of their triangles.
+/// All pairs of triangles of `mesh` that cross, by the numbers of their triangles; of a tangle the
+/// first million.
 ///
 /// Pairs that share a vertex are neighbours and left out, so weld first ([`SurfaceMesh::weld`]).
 /// Pairs that only touch are left out, too: they meet in a point, along an edge of one, or over
@@ -44,6 +48,9 @@ pub fn self_intersections(mesh: &SurfaceMesh) -> Vec<Crossing> {
     let mut crossings = Vec::new();
     let mut partners = Vec::new();
     for one in &boxes {
+        if crossings.len() >= MOST_CROSSINGS {
+            break;
+        }
         let near = tree.locate_in_envelope_intersecting(one.envelope);
         let later = near.map(|other| other.triangle as usize);
         partners.clear();
@@ -59,6 +66,7 @@ pub fn self_intersections(mesh: &SurfaceMesh) -> Vec<Crossing> {
             })
         }));
     }
+    crossings.truncate(MOST_CROSSINGS);
     crossings
 }
 
@@ -77,6 +85,14 @@ pub(crate) fn check_uncrossed(
         crossings,
         advice,
     })
+}
+
+/// How many pairs there are, in words.
+pub(crate) fn number(crossings: &[Crossing]) -> String {
+    match crossings.len() {
+        MOST_CROSSINGS => format!("at least {MOST_CROSSINGS}"),
+        n => n.to_string(),
+    }
 }
 
 /// The first places in words, mm.

@@ -5,6 +5,8 @@ mod shell_limb_common;
 
 use std::sync::OnceLock;
 
+use hapdef::Limb;
+use hapdef::plan::Plan;
 use hapdef::shell_limb::{
     ReportSource, ShellComparison, ShellLimb, ShellLimbParams, ShellVerdict, WallChoice, shell_limb,
 };
@@ -260,7 +262,7 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
     let limb = shin_limb();
     let path = fixture("scene.json");
     let scene = hapdef::scene::read_scene(&path).unwrap();
-    let solid = hapdef::Limb::load(&scene, path.parent().unwrap()).unwrap();
+    let solid = Limb::load(&scene, path.parent().unwrap()).unwrap();
     let comparison = limb.against_solid("the ribbed limb", &solid).unwrap();
     println!("{comparison}");
     assert_eq!(
@@ -273,5 +275,35 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
     assert!(text.starts_with("use the solid: "), "{text}");
     assert_eq!(comparison.deck_hash, Some(solid.deck_hash.clone()));
     assert!(comparison.above_good.readings_share > 0.9, "{comparison:?}");
+    check_plan(limb, comparison, &solid);
+}
+
+/// The plan of the scene finds the report by its deck.
+fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
+    let results = tempfile::tempdir().unwrap();
+    let readings = format!("{:.1} %", 100.0 * comparison.shell.readings.median);
+    let source = ReportSource {
+        file: "shin_skin.glb".into(),
+        file_hash: String::new(),
+        scene: None,
+    };
+    let folder = results.path().join("shin_skin");
+    limb.write_report(&folder, &source, &[comparison]).unwrap();
+    let plan = Plan {
+        scene: String::new(),
+        estimator: "superposition",
+        profile: String::new(),
+        steps: Vec::new(),
+    };
+    let plan = plan.with_shell_advice(solid, 3e-3, results.path()).unwrap();
+    let why = &plan.steps[0].why;
+    assert!(
+        why.starts_with("use the solid, as this scene does: compared"),
+        "{why}"
+    );
+    assert!(
+        why.contains(&readings) && why.contains("shin_skin.glb"),
+        "{why}"
+    );
     assert_eq!(comparison.reading_difference.len(), solid.n_surface_nodes());
 }

@@ -124,6 +124,25 @@ fn hanging(height: f64) -> SurfaceMesh {
     SurfaceMesh::new(corners.map(Point3::from).to_vec(), triangles).unwrap()
 }
 
+/// 1500 plates upright on a line, each through 1500 lying ones.
+#[test]
+fn a_tangle_ends_at_a_million_pairs() {
+    let n = 1500;
+    let plate = |i: usize| {
+        let at = i as f64 / n as f64;
+        let (low, high) = (-1.0, 2.0);
+        match i % 2 {
+            0 => [[at, low, low], [at, high, low], [at, 0.5, high]],
+            _ => [[low, low, at], [high, low, at], [0.5, high, at]],
+        }
+    };
+    let vertices = (0..2 * n).flat_map(plate).map(Point3::from).collect();
+    let triangles = (0..2 * n as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    let mesh = SurfaceMesh::new(vertices, triangles.collect()).unwrap();
+    let found = self_intersections(&mesh);
+    assert_eq!(number(&found), "at least 1000000");
+}
+
 /// An edge of one goes through the inside of the other, by plain rounded arithmetic (Möller and
 /// Trumbore, J. Graphics Tools 2(1), 1997).
 fn pierces(one: &[Point3<f64>; 3], two: &[Point3<f64>; 3]) -> bool {

@@ -1,7 +1,7 @@
 //! Why a triangle surface can't become a shell, be remeshed or be extruded.
 
 use super::SurfaceDefects;
-use crate::self_intersection::{Crossing, places};
+use crate::self_intersection::{Crossing, number, places};
 
 /// What is wrong, with the numbers found. Vertices, triangles and bodies count from 0; volumes of
 /// surfaces that are not closed are what the divergence theorem gives for the triangles there are.
@@ -49,7 +49,8 @@ pub enum SurfaceFault {
     /// A surface that goes through itself.
     #[error(
         "{what} goes through itself: {} pairs of triangles cross, at {}; {advice}",
-        crossings.len(), places(crossings)
+        number(crossings),
+        places(crossings)
     )]
     Crosses {
         /// Which surface.

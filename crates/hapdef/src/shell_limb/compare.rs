@@ -72,10 +72,14 @@ impl ShellComparison {
     #[must_use]
     pub fn recommendation(&self) -> Option<String> {
         let Answered { readings, tip } = &self.shell;
+        let unsure = match self.coarser_solid {
+            Some(_) => "",
+            None => ", as far as this solid is fine enough itself",
+        };
         (self.verdict == ShellVerdict::UseTheSolid).then(|| {
             format!(
                 "use the solid: gauge readings of the shell are off by {:.1} % and its displacements \
-                 by {:.1} % (medians of {} places and {} presses; 10 % is allowed)",
+                 by {:.1} % (medians of {} places and {} presses; 10 % is allowed){unsure}",
                 100.0 * readings.median,
                 100.0 * tip.median,
                 self.n_touches,
