@@ -42,5 +42,5 @@ pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::{TrainBackend, TrainParams, TrainPrecision};
+pub use params::{Loss, TrainBackend, TrainParams, TrainPrecision};
 pub use spec::MlpSpec;

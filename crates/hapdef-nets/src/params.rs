@@ -34,6 +34,24 @@ pub enum TrainBackend {
     },
 }
 
+/// What a training minimises, of the differences between a net's outputs and the standardised ones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// √MSE over a batch and all outputs, the paper's.
+    #[default]
+    RootMeanSquare,
+    /// Mean over the samples of each one's √MSE (the norm L2,1 of C. Ding et al., "R1-PCA", ICML
+    /// 2006): no sample is heard more than another because its error is large.
+    MeanOfSamples,
+}
+
+impl Loss {
+    fn is_the_papers(&self) -> bool {
+        *self == Self::RootMeanSquare
+    }
+}
+
 /// How a net is trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,7 +67,10 @@ pub struct TrainParams {
     /// Steps over which the step size first rises, in proportion, to the start of the cosine; 0
     /// for none.
     pub warmup_steps: u64,
-    /// λ of the penalty λ Σ w² over the weights, biases left out, that is added to the loss √MSE.
+    /// What is minimised; without it the paper's √MSE.
+    #[serde(default, skip_serializing_if = "Loss::is_the_papers")]
+    pub loss: Loss,
+    /// λ of the penalty λ Σ w² over the weights, biases left out, that is added to the loss.
     ///
     /// The paper states 1e-3 for F_T, 1e-4 for F_R, 6e-4 for F_S; the authors' published code,
     /// read closely, applies next to none of it, and 0 agrees best with what they report.
@@ -83,6 +104,7 @@ impl TrainParams {
             learning_rate: 1e-4,
             final_learning_rate: None,
             warmup_steps: 0,
+            loss: Loss::RootMeanSquare,
             l2: 0.0,
             precision: TrainPrecision::F32,
             backend: TrainBackend::default(),

@@ -7,7 +7,7 @@ mod training_common;
 use std::ops::ControlFlow;
 
 use hapdef_nets::train::{resume, train};
-use hapdef_nets::{Activation, Net, NetsError, TrainBackend, TrainParams};
+use hapdef_nets::{Activation, Loss, Net, NetsError, TrainBackend, TrainParams};
 use training_common::{PARAMS, go_on, net, samples};
 
 const CANDLE: TrainParams = TrainParams {
@@ -24,9 +24,15 @@ fn trained(params: &TrainParams, activation: Activation) -> Net {
 
 #[test]
 fn both_backends_take_the_same_steps() {
-    for activation in [Activation::Relu, Activation::Tanh] {
+    let cases = [
+        (Activation::Relu, Loss::RootMeanSquare),
+        (Activation::Tanh, Loss::RootMeanSquare),
+        (Activation::Tanh, Loss::MeanOfSamples),
+    ];
+    for (activation, loss) in cases {
         let before = net(&[16, 16], activation);
-        let (ours, candle) = (trained(&PARAMS, activation), trained(&CANDLE, activation));
+        let trained = |params: TrainParams| trained(&TrainParams { loss, ..params }, activation);
+        let (ours, candle) = (trained(PARAMS), trained(CANDLE));
         let layers = before.mlp().layers().iter().zip(ours.mlp().layers());
         for ((before, ours), candle) in layers.zip(candle.mlp().layers()) {
             for ((w0, w), c) in before

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use hapdef_nets::train::{
     BatchSource, Progress, SourceError, TrainInfo, resume, train, validation_loss,
 };
-use hapdef_nets::{Activation, Net, NetsError, TrainParams, load};
+use hapdef_nets::{Activation, Loss, Net, NetsError, TrainParams, load};
 use training_common::{PARAMS, go_on, net, run, samples};
 
 fn checkpoint() -> (tempfile::TempDir, PathBuf) {
@@ -223,6 +223,8 @@ fn a_resume_with_other_knobs_is_refused() {
     assert_eq!(name_refused(TrainParams { seed: 1, ..PARAMS }), "seed");
     assert_eq!(name_refused(TrainParams { batch: 1, ..PARAMS }), "batch");
     assert_eq!(name_refused(TrainParams { l2: 0.0, ..PARAMS }), "l2");
+    let loss = Loss::MeanOfSamples;
+    assert_eq!(name_refused(TrainParams { loss, ..PARAMS }), "loss");
     assert_eq!(
         name_refused(TrainParams {
             steps: 40,

@@ -5,10 +5,10 @@ use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 
-use hapdef_nets::TrainBackend;
+use hapdef_nets::{Loss, TrainBackend};
 
 use crate::error::HapdefError;
-use crate::profile::{Profile, Samples};
+use crate::profile::{OutputScale, Profile, Samples};
 use crate::progress::Progress;
 use crate::run::Run;
 
@@ -48,6 +48,13 @@ pub struct SceneArgs {
     /// the nodes themselves.
     #[arg(long, value_name = "N")]
     pub output_modes: Option<usize>,
+    /// By what F_R's outputs are divided in training, instead of the profile's choice.
+    #[arg(long)]
+    pub output_scale: Option<OutputScale>,
+    /// What the training of F_R minimises, `root-mean-square` (the paper's) or `mean-of-samples`,
+    /// instead of the profile's choice.
+    #[arg(long, value_parser = loss)]
+    pub loss: Option<Loss>,
     /// Where the training samples of F_R come from, instead of the profile's choice.
     #[arg(long)]
     pub samples: Option<Samples>,
@@ -118,6 +125,8 @@ impl SceneArgs {
         profile.reconstruction.batch = self.batch.unwrap_or(profile.reconstruction.batch);
         profile.backend = self.backend;
         profile.samples = self.samples.unwrap_or(profile.samples);
+        profile.output_scale = self.output_scale.unwrap_or(profile.output_scale);
+        profile.reconstruction.loss = self.loss.unwrap_or(profile.reconstruction.loss);
         profile.output_modes = self.output_modes.unwrap_or(profile.output_modes);
         if let Some(steps) = self.other_steps {
             for schedule in [
@@ -133,6 +142,14 @@ impl SceneArgs {
             (profile.n_single, profile.n_real_single) = (singles, singles);
         }
         profile
+    }
+}
+
+fn loss(text: &str) -> Result<Loss, String> {
+    match text {
+        "root-mean-square" => Ok(Loss::RootMeanSquare),
+        "mean-of-samples" => Ok(Loss::MeanOfSamples),
+        _ => Err("expected root-mean-square or mean-of-samples".into()),
     }
 }
 

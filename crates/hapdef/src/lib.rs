@@ -40,7 +40,7 @@ pub use estimator::{FoundContact, Hapdefx, HapdefxScratch};
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};
 pub use pipeline::{Pipeline, Until};
-pub use profile::{Profile, Samples, Schedule};
+pub use profile::{OutputScale, Profile, Samples, Schedule};
 pub use progress::{Progress, TrainingBar};
 pub use run::Run;
 pub use sampling::{DrawnContact, draw_contacts, draw_numbered};

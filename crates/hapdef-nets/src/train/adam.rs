@@ -1,6 +1,6 @@
 //! Adam, in one pass over the weights.
 
-use crate::train::network::sum_of_squares;
+use crate::train::loss::sum_of_squares;
 
 /// One step of Adam (D. P. Kingma and J. Ba, "Adam: A Method for Stochastic Optimization", ICLR
 /// 2015, arXiv 1412.6980, algorithm 1, in the order of operations that its section 2 proposes).

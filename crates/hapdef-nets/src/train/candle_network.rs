@@ -7,7 +7,7 @@ use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
 use crate::optimiser::Moments;
-use crate::params::TrainBackend;
+use crate::params::{Loss, TrainBackend, TrainParams};
 use crate::train::adam::{AdamStep, BETA_1, BETA_2};
 
 /// A network whose weights are variables of candle.
@@ -15,7 +15,8 @@ pub(super) struct CandleNetwork {
     device: Device,
     layers: Vec<CandleLayer>,
     activation: Activation,
-    /// √MSE of the last forward pass, with the way back to the variables.
+    kind: Loss,
+    /// Loss of the last forward pass, with the way back to the variables.
     loss: Option<Tensor>,
 }
 
@@ -34,13 +35,13 @@ struct Learnt {
 }
 
 impl CandleNetwork {
-    /// The weights of `mlp` and the state of Adam on the device of `backend`.
+    /// The weights of `mlp` and the state of Adam on the device of the backend.
     pub(super) fn new(
         mlp: &Mlp,
         moments: &[Moments],
-        backend: TrainBackend,
+        params: &TrainParams,
     ) -> Result<Self, NetsError> {
-        let device = device(backend)?;
+        let device = device(params.backend)?;
         let shapes = mlp.spec().layer_shapes();
         let layers = mlp.layers().iter().zip(moments).zip(shapes);
         let layers = layers.map(|((layer, moments), (n_in, n_out))| {
@@ -56,11 +57,12 @@ impl CandleNetwork {
             device,
             layers,
             activation,
+            kind: params.loss,
             loss: None,
         })
     }
 
-    /// √MSE of a batch, `x` `[batch, inputs]` and `y` `[batch, outputs]`.
+    /// Loss of a batch, `x` `[batch, inputs]` and `y` `[batch, outputs]`.
     pub(super) fn forward(&mut self, x: &[f32], y: &[f32]) -> Result<f64, NetsError> {
         let (_, n_in) = self.layers[0].weights.value.dims2()?;
         let batch = x.len() / n_in;
@@ -77,7 +79,11 @@ impl CandleNetwork {
             }
         }
         let y = Tensor::from_slice(y, a.shape(), &self.device)?;
-        let loss = candle_nn::loss::mse(&a, &y)?.sqrt()?;
+        let squares = (a - y)?.sqr()?;
+        let loss = match self.kind {
+            Loss::RootMeanSquare => squares.mean_all()?.sqrt()?,
+            Loss::MeanOfSamples => squares.mean(1)?.sqrt()?.mean_all()?,
+        };
         let value = f64::from(loss.to_scalar::<f32>()?);
         self.loss = Some(loss);
         Ok(value)

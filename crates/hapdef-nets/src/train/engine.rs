@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::optimiser::Moments;
-use crate::params::{TrainBackend, TrainParams, TrainPrecision};
+use crate::params::{Loss, TrainBackend, TrainParams, TrainPrecision};
 use crate::train::adam::AdamStep;
 #[cfg(feature = "candle")]
 use crate::train::candle_network::CandleNetwork;
@@ -14,7 +14,7 @@ use crate::train::network::Network;
 /// A network with the state of Adam, on the backend that was asked for.
 pub(super) enum Engine {
     /// On slices.
-    Slices(Box<Network>, Vec<Moments>),
+    Slices(Box<Network>, Vec<Moments>, Loss),
     /// On candle's tensors.
     #[cfg(feature = "candle")]
     Candle(CandleNetwork),
@@ -29,19 +29,19 @@ impl Engine {
         match params.backend {
             TrainBackend::Slices => {
                 let network = Box::new(Network::new(mlp, params.precision));
-                Ok(Self::Slices(network, moments))
+                Ok(Self::Slices(network, moments, params.loss))
             }
             #[cfg(feature = "candle")]
-            backend => Ok(Self::Candle(CandleNetwork::new(mlp, &moments, backend)?)),
+            _ => Ok(Self::Candle(CandleNetwork::new(mlp, &moments, params)?)),
             #[cfg(not(feature = "candle"))]
             backend => Err(NetsError::NoBackend { backend }),
         }
     }
 
-    /// √MSE of a batch, `x` `[batch, inputs]` and `y` `[batch, outputs]`.
+    /// Loss of a batch, `x` `[batch, inputs]` and `y` `[batch, outputs]`.
     pub(super) fn forward(&mut self, x: &[f32], y: &[f32]) -> Result<f64, NetsError> {
         match self {
-            Self::Slices(network, _) => Ok(network.forward(x, y)),
+            Self::Slices(network, _, loss) => Ok(network.forward(*loss, x, y)),
             #[cfg(feature = "candle")]
             Self::Candle(network) => network.forward(x, y),
         }
@@ -51,7 +51,7 @@ impl Engine {
     /// 0 where there is no penalty.
     pub(super) fn backward(&mut self, x: &[f32], adam: &AdamStep) -> Result<f64, NetsError> {
         match self {
-            Self::Slices(network, moments) => Ok(network.backward(x, moments, adam)),
+            Self::Slices(network, moments, _) => Ok(network.backward(x, moments, adam)),
             #[cfg(feature = "candle")]
             Self::Candle(network) => network.backward(adam),
         }
@@ -60,7 +60,7 @@ impl Engine {
     /// The weights as they are now, in the architecture of `mlp`.
     pub(super) fn to_mlp(&self, mlp: &Mlp) -> Result<Mlp, NetsError> {
         match self {
-            Self::Slices(network, _) => network.to_mlp(mlp),
+            Self::Slices(network, ..) => network.to_mlp(mlp),
             #[cfg(feature = "candle")]
             Self::Candle(network) => network.to_mlp(mlp),
         }
@@ -69,7 +69,7 @@ impl Engine {
     /// The state of Adam, one per layer.
     pub(super) fn moments(&self) -> Result<Cow<'_, [Moments]>, NetsError> {
         match self {
-            Self::Slices(_, moments) => Ok(Cow::Borrowed(moments)),
+            Self::Slices(_, moments, _) => Ok(Cow::Borrowed(moments)),
             #[cfg(feature = "candle")]
             Self::Candle(network) => Ok(Cow::Owned(network.moments()?)),
         }
@@ -78,7 +78,7 @@ impl Engine {
     /// The precision of its products.
     pub(super) fn precision(&self) -> TrainPrecision {
         match self {
-            Self::Slices(network, _) => network.precision(),
+            Self::Slices(network, ..) => network.precision(),
             #[cfg(feature = "candle")]
             Self::Candle(_) => TrainPrecision::F32,
         }

@@ -6,7 +6,8 @@ use crate::mlp::Mlp;
 use crate::net::Net;
 use crate::params::TrainPrecision;
 use crate::train::batch::Batch;
-use crate::train::network::{Network, sum_of_squares};
+use crate::train::loss::sum_of_squares;
+use crate::train::network::Network;
 use crate::train::source::BatchSource;
 
 /// Fewer steps are a trial run, of which nothing is asked.

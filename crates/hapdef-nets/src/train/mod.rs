@@ -1,7 +1,7 @@
 //! Fitting a net to samples.
 //!
 //! [`train`] draws batches from a [`BatchSource`], standardises them with the net's scales, and
-//! minimises √MSE + λ Σ w² with Adam; [`resume`] continues from a checkpoint, bit for bit as if
+//! minimises a [`crate::Loss`] + λ Σ w² with Adam; [`resume`] continues from a checkpoint, bit for bit as if
 //! there had been no break. The same seed gives the same weights on any number of threads.
 //!
 //! With [`crate::TrainBackend::Slices`], the default, the passes are written out for fully connected layers, on slices that are allocated once: three
@@ -19,6 +19,7 @@ mod clock;
 mod engine;
 mod gemm32;
 mod learned;
+mod loss;
 mod network;
 mod output_modes;
 mod products;

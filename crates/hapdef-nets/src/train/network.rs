@@ -9,8 +9,9 @@ use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
 use crate::optimiser::Moments;
-use crate::params::TrainPrecision;
+use crate::params::{Loss, TrainPrecision};
 use crate::train::adam::{Part, Update};
+use crate::train::loss::differentiate;
 use crate::train::products::{Products, ROW_BLOCK};
 use crate::train::view::View;
 
@@ -67,10 +68,10 @@ impl Network {
         }
     }
 
-    /// Forward, and the derivative of the loss by the outputs; returns the loss, √MSE over the
-    /// batch and all outputs.
-    pub(super) fn forward(&mut self, x: &[f32], y: &[f32]) -> f64 {
-        root_mean_square(self.predict(x), y)
+    /// Forward, and the derivative of the loss by the outputs; returns the loss.
+    pub(super) fn forward(&mut self, loss: Loss, x: &[f32], y: &[f32]) -> f64 {
+        let n_out = self.shapes.last().map_or(1, |(_, n_out)| *n_out);
+        differentiate(loss, self.predict(x), y, n_out)
     }
 
     /// Backward after [`Network::forward`] of `x`, last layer first. `update` gets the derivatives
@@ -170,48 +171,6 @@ fn bias_part<'a>(layer: &'a mut Layer, moments: &'a mut Moments) -> Part<'a> {
         m: &mut moments.bias_m,
         v: &mut moments.bias_v,
     }
-}
-
-/// Values that one thread adds up. Blocks do not depend on the number of threads.
-const SUM_BLOCK: usize = 1 << 15;
-
-/// L = √(Σ (p − y)²/n), and in place of p its derivative (p − y)/(n L); 0 where L is 0.
-fn root_mean_square(p: &mut [f32], y: &[f32]) -> f64 {
-    let n = p.len() as f64;
-    let loss = (subtract(p, y) / n).sqrt();
-    let factor = if loss > 0.0 {
-        (1.0 / (n * loss)) as f32
-    } else {
-        0.0
-    };
-    let blocks = p.par_chunks_mut(SUM_BLOCK);
-    blocks.for_each(|p| p.iter_mut().for_each(|p| *p *= factor));
-    loss
-}
-
-/// `p ← p − y`; returns Σ (p − y)².
-pub(super) fn subtract(p: &mut [f32], y: &[f32]) -> f64 {
-    let blocks = p.par_chunks_mut(SUM_BLOCK).zip(y.par_chunks(SUM_BLOCK));
-    let sums: Vec<f64> = blocks
-        .map(|(p, y)| {
-            p.iter_mut().zip(y).for_each(|(p, y)| *p -= y);
-            sum_of_squares(p)
-        })
-        .collect();
-    sums.into_iter().sum()
-}
-
-/// Σ v² in f64, as eight independent sums added in a fixed order.
-pub(super) fn sum_of_squares(values: &[f32]) -> f64 {
-    let (blocks, rest) = values.as_chunks::<8>();
-    let mut sums = [0.0f64; 8];
-    for block in blocks {
-        for (sum, &v) in sums.iter_mut().zip(block) {
-            *sum += f64::from(v) * f64::from(v);
-        }
-    }
-    let rest = rest.iter().map(|&v| f64::from(v) * f64::from(v));
-    sums.into_iter().chain(rest).sum()
 }
 
 /// Columns that one thread adds up.

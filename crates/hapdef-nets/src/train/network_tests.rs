@@ -44,16 +44,20 @@ impl Update for Keep {
 }
 
 /// Loss and derivatives, weights then bias, first layer first.
-fn gradients(mlp: &Mlp, x: &[f32], y: &[f32], precision: TrainPrecision) -> (f64, Vec<Vec<f32>>) {
+fn gradients(
+    mlp: &Mlp,
+    (x, y): (&[f32], &[f32]),
+    (precision, loss): (TrainPrecision, Loss),
+) -> (f64, Vec<Vec<f32>>) {
     let mut network = Network::new(mlp, precision);
-    let loss = network.forward(x, y);
+    let loss = network.forward(loss, x, y);
     let mut found = Moments::zeros(mlp);
     network.backward(x, &mut found, &Keep);
     let each = found.into_iter();
     (loss, each.flat_map(|m| [m.weights_m, m.bias_m]).collect())
 }
 
-fn autograd(mlp: &Mlp, x: &[f32], y: &[f32]) -> (f64, Vec<Vec<f32>>) {
+fn autograd(mlp: &Mlp, x: &[f32], y: &[f32], kind: Loss) -> (f64, Vec<Vec<f32>>) {
     let var = |values: &[f32], shape: &[usize]| {
         Var::from_tensor(&Tensor::from_slice(values, shape, &Device::Cpu).unwrap()).unwrap()
     };
@@ -79,8 +83,12 @@ fn autograd(mlp: &Mlp, x: &[f32], y: &[f32]) -> (f64, Vec<Vec<f32>>) {
         }
         vars.extend([w, b]);
     }
-    let mean = (a - y).unwrap().sqr().unwrap().mean_all().unwrap();
-    let loss = mean.sqrt().unwrap();
+    let squares = (a - y).unwrap().sqr().unwrap();
+    let root = |mean: candle_core::Result<Tensor>| mean.unwrap().sqrt().unwrap();
+    let loss = match kind {
+        Loss::RootMeanSquare => root(squares.mean_all()),
+        Loss::MeanOfSamples => root(squares.mean(1)).mean_all().unwrap(),
+    };
     let store = loss.backward().unwrap();
     let found = vars.iter().map(|v| {
         let gradient = store.get(v).unwrap().flatten_all().unwrap();
@@ -108,11 +116,16 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn derivatives_are_those_of_candle_s_autograd(seed in 0..1000u64, relu in any::<bool>()) {
+    fn derivatives_are_those_of_candle_s_autograd(
+        seed in 0..1000u64,
+        relu in any::<bool>(),
+        of_samples in any::<bool>(),
+    ) {
         let activation = if relu { Activation::Relu } else { Activation::Tanh };
+        let kind = if of_samples { Loss::MeanOfSamples } else { Loss::RootMeanSquare };
         let (mlp, x, y) = example(activation, seed);
-        let (loss, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
-        let (expected_loss, expected) = autograd(&mlp, &x, &y);
+        let (loss, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
+        let (expected_loss, expected) = autograd(&mlp, &x, &y, kind);
         prop_assert!((loss / expected_loss - 1.0).abs() < 1e-6, "{loss} against {expected_loss}");
         assert_close(&found, &expected, 1e-5);
     }
@@ -123,16 +136,19 @@ proptest! {
         layer in 0..3usize,
         pick in any::<prop::sample::Index>(),
         of_bias in any::<bool>(),
+        of_samples in any::<bool>(),
     ) {
+        let kind = if of_samples { Loss::MeanOfSamples } else { Loss::RootMeanSquare };
         let (mlp, x, y) = example(Activation::Tanh, seed);
-        let (_, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
+        let (_, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
         let derivative = &found[2 * layer + usize::from(of_bias)];
         let index = pick.index(derivative.len());
         let loss_at = |shift: f32| {
             let mut layers = mlp.layers().to_vec();
             let values = if of_bias { &mut layers[layer].bias } else { &mut layers[layer].weights };
             values[index] += shift;
-            gradients(&Mlp::from_layers(mlp.spec(), layers).unwrap(), &x, &y, TrainPrecision::F32).0
+            let mlp = Mlp::from_layers(mlp.spec(), layers).unwrap();
+            gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind)).0
         };
         let h = 4e-3;
         let difference = (loss_at(h) - loss_at(-h)) / (2.0 * f64::from(h));
@@ -157,9 +173,11 @@ proptest! {
 fn a_perfect_fit_has_no_gradient() {
     let (mlp, x, _) = example(Activation::Relu, 1);
     let y = Network::new(&mlp, TrainPrecision::F32).predict(&x).to_vec();
-    let (loss, found) = gradients(&mlp, &x, &y, TrainPrecision::F32);
-    assert_eq!(loss, 0.0);
-    assert!(found.iter().flatten().all(|g| *g == 0.0));
+    for kind in [Loss::RootMeanSquare, Loss::MeanOfSamples] {
+        let (loss, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
+        assert_eq!(loss, 0.0);
+        assert!(found.iter().flatten().all(|g| *g == 0.0));
+    }
 }
 
 /// A factor rounded to bfloat16 is off by 2⁻⁹ at most. Without the switches of a ReLU the
@@ -179,8 +197,9 @@ fn mixed_precision_differs_by_its_rounding_alone() {
             .collect()
     };
     let (x, y) = (values(75 * 57, 0.0), values(75 * 131, 1.0));
-    let (loss, mixed) = gradients(&mlp, &x, &y, TrainPrecision::Mixed);
-    let (exact_loss, exact) = gradients(&mlp, &x, &y, TrainPrecision::F32);
+    let kind = Loss::RootMeanSquare;
+    let (loss, mixed) = gradients(&mlp, (&x, &y), (TrainPrecision::Mixed, kind));
+    let (exact_loss, exact) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
     assert!(
         (loss / exact_loss - 1.0).abs() < 2e-3,
         "{loss} against {exact_loss}"

@@ -8,13 +8,14 @@ use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::net::Net;
 use crate::optimiser::Moments;
-use crate::params::{TrainParams, TrainPrecision};
+use crate::params::{Loss, TrainParams, TrainPrecision};
 use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
 use crate::train::clock::Clock;
 use crate::train::engine::Engine;
 use crate::train::learned::check_learned;
-use crate::train::network::{Network, subtract};
+use crate::train::loss::LossSum;
+use crate::train::network::Network;
 use crate::train::same::check_same;
 use crate::train::source::BatchSource;
 
@@ -27,9 +28,9 @@ pub struct Progress {
     pub steps: u64,
     /// Step size of Adam in the last step.
     pub learning_rate: f64,
-    /// √MSE of the last batch plus the penalty, standardised outputs.
+    /// Loss of the last batch plus the penalty, standardised outputs.
     pub train_loss: f64,
-    /// √MSE of the validation set when last looked at, standardised outputs.
+    /// Loss of the validation set when last looked at, standardised outputs.
     pub validation_loss: Option<f64>,
     /// Samples per second of the last second or so.
     pub samples_per_s: f64,
@@ -44,9 +45,9 @@ pub struct TrainInfo {
     pub stopped_early: bool,
     /// Whether it ended before the last step because the validation loss no longer fell.
     pub out_of_patience: bool,
-    /// √MSE of the last batch plus the penalty, standardised outputs; none if no step was done.
+    /// Loss of the last batch plus the penalty, standardised outputs; none if no step was done.
     pub train_loss: Option<f64>,
-    /// √MSE of the validation set with the net as it is returned, standardised outputs; none
+    /// Loss of the validation set with the net as it is returned, standardised outputs; none
     /// without such a set, or when the caller stopped it.
     pub validation_loss: Option<f64>,
     /// Step whose weights are the net's: the last, or the best.
@@ -128,7 +129,7 @@ pub fn resume(
 /// √MSE of a net over all samples, on standardised outputs. Fails as [`train`] does.
 pub fn validation_loss(net: &Net, samples: &mut dyn BatchSource) -> Result<f64, NetsError> {
     check_source("validation", net, samples)?;
-    mean_loss(net, net.mlp(), samples, 0)
+    mean_loss(net, (net.mlp(), Loss::RootMeanSquare), samples, 0)
 }
 
 struct Run<'a> {
@@ -255,7 +256,8 @@ impl Run<'_> {
         let Some(source) = source else { return Ok(()) };
         let step = self.record.step;
         let mlp = self.engine.to_mlp(self.net.mlp())?;
-        let loss = mean_loss(self.net, &mlp, *source, step)?;
+        let of = (&mlp, self.record.params.loss);
+        let loss = mean_loss(self.net, of, *source, step)?;
         self.record.validation_loss = Some(loss);
         self.record.looks.push(Look {
             step,
@@ -287,23 +289,23 @@ impl Run<'_> {
     }
 }
 
-/// √MSE of the weights `mlp` between the scales of `net`, in 32 bits.
+/// Loss of the weights `mlp` between the scales of `net`, in 32 bits.
 fn mean_loss(
     net: &Net,
-    mlp: &Mlp,
+    (mlp, loss): (&Mlp, Loss),
     source: &mut dyn BatchSource,
     step: u64,
 ) -> Result<f64, NetsError> {
     let mut network = Network::new(mlp, TrainPrecision::F32);
-    let (mut batch, mut sum) = (Batch::default(), 0.0);
+    let (mut batch, mut sum) = (Batch::default(), LossSum::new(loss, source.n_outputs()));
     let n = source.n_samples();
     for first in (0..n).step_by(VALIDATION_BATCH) {
         batch.rows.clear();
         batch.rows.extend(first..(first + VALIDATION_BATCH).min(n));
         let (x, y) = batch.load(source, net, step)?;
-        sum += subtract(network.predict(x), y);
+        sum.add(network.predict(x), y);
     }
-    Ok((sum / (n * source.n_outputs()) as f64).sqrt())
+    Ok(sum.value())
 }
 
 fn check_source(

@@ -31,6 +31,7 @@ pub(super) fn check_same(
             ("l2", p.l2.to_string()),
             ("precision", format!("{:?}", p.precision)),
             ("backend", format!("{:?}", p.backend)),
+            ("loss", format!("{:?}", p.loss)),
             ("validate_every", look.to_string()),
             ("keep_best", p.keep_best.to_string()),
             ("patience", p.patience.to_string()),

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use hapdef_nets::train::{MemorySource, Progress, TrainInfo, train};
 use hapdef_nets::{
-    Activation, Mlp, MlpSpec, Net, Scale, TrainBackend, TrainParams, TrainPrecision,
+    Activation, Loss, Mlp, MlpSpec, Net, Scale, TrainBackend, TrainParams, TrainPrecision,
 };
 
 pub const PARAMS: TrainParams = TrainParams {
@@ -15,6 +15,7 @@ pub const PARAMS: TrainParams = TrainParams {
     learning_rate: 1e-3,
     final_learning_rate: Some(1e-5),
     warmup_steps: 0,
+    loss: Loss::RootMeanSquare,
     l2: 1e-4,
     precision: TrainPrecision::F32,
     backend: TrainBackend::Slices,

@@ -4,7 +4,8 @@ use std::process::Command;
 use std::time::SystemTime;
 
 use hapdef::convergence::Convergence;
-use hapdef::{Limb, Pipeline, Profile, Run, Samples, Schedule, Stage};
+use hapdef::{Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
+use hapdef_nets::Loss;
 use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
@@ -98,21 +99,35 @@ fn training(profile: &Profile) -> String {
             batch,
             learning_rate,
             final_learning_rate,
+            loss,
             l2,
             ..
         } = schedule;
+        let loss = match loss {
+            Loss::RootMeanSquare => "√MSE",
+            Loss::MeanOfSamples => "mean of the samples' √MSE",
+        };
         format!(
             "{name} {steps} steps of {batch} from {learning_rate} to {final_learning_rate:.0e}, \
-             L2 {l2}"
+             {loss} + L2 {l2}"
         )
     });
+    let scale = match profile.output_scale {
+        OutputScale::Each => "their own deviations",
+        OutputScale::One => "one deviation",
+    };
+    let modes = match profile.output_modes {
+        0 => String::new(),
+        n => format!(", in {n} modes"),
+    };
     let samples = match profile.samples {
         Samples::Fixed => "F_R trained on the fixed sets",
         Samples::Drawn => "F_R trained on samples drawn as they are needed, none twice",
     };
     format!(
-        "√MSE + L2, Adam, learning rate along a cosine, best validation loss kept; {samples}: {} \
-         (paper: 1,000,000 steps of 100 at 1e-4, fixed sets)",
+        "Adam, learning rate along a cosine, best validation loss kept; {samples}, its outputs \
+         divided by {scale}{modes}: {} (paper: √MSE + L2, 1,000,000 steps of 100 at 1e-4, fixed \
+         sets, each output divided by its own deviation)",
         each.join("; ")
     )
 }

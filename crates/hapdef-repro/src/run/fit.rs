@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use anyhow::Result;
-use hapdef::{HapdefError, Profile, Run, Schedule, Stage};
-use hapdef_data::StandardiserFit;
+use hapdef::stages::fit_scales;
+use hapdef::{HapdefError, OutputScale, Profile, Run, Schedule, Stage};
 use hapdef_nets::train::{BatchSource, Progress, resume, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, load};
+use hapdef_nets::{Mlp, MlpSpec, Net, TrainParams, load};
 use serde_json::{Value, json};
 
 const CHECKPOINT_FILE: &str = "net.json";
@@ -17,9 +17,6 @@ const BATCH: usize = 100;
 
 /// Steps between checkpoints.
 const CHECKPOINT_EVERY: u64 = 250;
-
-/// Rows that are read together while a scale is fitted.
-const BLOCK: usize = 512;
 
 /// A short training: how many steps, from which learning rate.
 #[derive(Clone, Copy, serde::Serialize)]
@@ -54,15 +51,6 @@ impl Brief {
             learning_rate: profile.transfer.learning_rate,
         }
     }
-}
-
-/// How a net's outputs are standardised.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum OutputScale {
-    /// Each by its own deviation: all weigh the same.
-    Each,
-    /// All by one: outputs that vary more weigh more.
-    One,
 }
 
 /// Trains a net on the samples that `open` gives, or reads it from the cache. `of` says in the
@@ -129,7 +117,7 @@ fn steps(
     let info = if checkpoint.exists() {
         resume(&checkpoint, &mut samples, None, &params, &mut watch)?.1
     } else {
-        let [input, output] = scales(&mut samples, scale)?;
+        let [input, output] = fit_scales(&mut samples, scale)?;
         let spec = spec(samples.n_inputs(), samples.n_outputs());
         let mut net = Net::new(Mlp::random(&spec, run.scene.seed)?, input, output)?;
         train(
@@ -145,28 +133,4 @@ fn steps(
         run.check_stop("a brief training")?;
     }
     Ok(info.train_loss)
-}
-
-/// Means and deviations of a source's inputs and outputs.
-fn scales(samples: &mut impl BatchSource, scale: OutputScale) -> Result<[Scale; 2]> {
-    let (n_in, n_out) = (samples.n_inputs(), samples.n_outputs());
-    let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];
-    let rows: Vec<usize> = (0..samples.n_samples()).collect();
-    for block in rows.chunks(BLOCK) {
-        let (mut x, mut y) = (
-            vec![0.0; block.len() * n_in],
-            vec![0.0; block.len() * n_out],
-        );
-        let filled = samples.fill(block, &mut x, &mut y);
-        filled.map_err(|error| anyhow::anyhow!("samples of a brief training: {error}"))?;
-        fits[0].push(&x)?;
-        fits[1].push(&y)?;
-    }
-    let [x, y] = fits;
-    let ((x, _), (mut y, _)) = (x.finish()?, y.finish()?);
-    if scale == OutputScale::One {
-        let squares: f64 = y.std.iter().map(|s| f64::from(*s).powi(2)).sum();
-        y.std.fill((squares / n_out as f64).sqrt() as f32);
-    }
-    Ok([Scale::new(x.mean, x.std)?, Scale::new(y.mean, y.std)?])
 }

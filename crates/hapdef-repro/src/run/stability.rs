@@ -42,9 +42,18 @@ struct TableArgs {
     metrics: PathBuf,
 }
 
+impl TableArgs {
+    /// Prints a row as it is done; a check tells only what differs.
+    fn show(&self, row: &StabilityRow) {
+        if self.check.is_none() {
+            println!("{}", stability_line(row));
+        }
+    }
+}
+
 /// Runs the rows of nets and baselines.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
-    let rows = nets_rows(|row| println!("{}", stability_line(row)));
+    let rows = nets_rows(|row| args.table.show(row));
     finish(&args.table, &rows, &nets_markdown(&rows))
 }
 
@@ -55,7 +64,7 @@ pub(crate) fn run_inverse(args: &InverseArgs) -> Result<()> {
     let map = response_map(&limb, run.scene.contact.tip_radius_m, run.threads)?;
     let held = limb.clamped.iter().map(|node| limb.mesh.position(*node));
     let world = Arc::new(InverseWorld::new(map, held.collect())?);
-    let rows = inverse_rows(&world, |row| println!("{}", stability_line(row)));
+    let rows = inverse_rows(&world, |row| args.table.show(row));
     finish(&args.table, &rows, &inverse_markdown(&rows))
 }
 

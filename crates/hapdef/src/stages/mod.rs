@@ -15,7 +15,7 @@ pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
 pub use mesh_check::mesh_check;
-pub use nets::NetKind;
+pub use nets::{NetKind, fit_scales};
 pub use rig::{real_limb, rig};
 pub use simulate::{compliance, compliance_table};
 pub use train::{TrainedNet, TrainedNets, train, train_kinds};

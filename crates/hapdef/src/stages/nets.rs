@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::dataset::{Datasets, samples_path};
 use crate::cache::Stage;
 use crate::error::HapdefError;
+use crate::profile::OutputScale;
 
 /// A net of the pipeline.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
@@ -95,7 +96,13 @@ impl NetKind {
 
 /// Means and deviations of a source's inputs and outputs; those that never vary have the deviation
 /// 0, and no say.
-pub(super) fn fit_scales(samples: &mut dyn BatchSource) -> Result<[Scale; 2], HapdefError> {
+///
+/// # Errors
+/// What the source fails with.
+pub fn fit_scales(
+    samples: &mut dyn BatchSource,
+    outputs: OutputScale,
+) -> Result<[Scale; 2], HapdefError> {
     let (n_in, n_out) = (samples.n_inputs(), samples.n_outputs());
     let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];
     let rows: Vec<usize> = (0..samples.n_samples()).collect();
@@ -109,7 +116,11 @@ pub(super) fn fit_scales(samples: &mut dyn BatchSource) -> Result<[Scale; 2], Ha
         fits[1].push(&y)?;
     }
     let [x, y] = fits;
-    let ((x, _), (y, _)) = (x.finish()?, y.finish()?);
+    let ((x, _), (mut y, _)) = (x.finish()?, y.finish()?);
+    if outputs == OutputScale::One {
+        let squares: f64 = y.std.iter().map(|s| f64::from(*s).powi(2)).sum();
+        y.std.fill((squares / n_out as f64).sqrt() as f32);
+    }
     Ok([Scale::new(x.mean, x.std)?, Scale::new(y.mean, y.std)?])
 }
 

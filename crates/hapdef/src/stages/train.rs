@@ -17,7 +17,7 @@ use crate::cache::Stage;
 use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
 use crate::limb::Limb;
-use crate::profile::{Samples, Schedule};
+use crate::profile::{OutputScale, Samples, Schedule};
 use crate::run::Run;
 
 pub(super) const CHECKPOINT_FILE: &str = "net.json";
@@ -151,6 +151,7 @@ impl Trainer<'_> {
                 params: &params,
                 dir,
                 output_modes: self.output_modes(kind, fixed.n_outputs()),
+                output_scale: self.output_scale(kind),
             };
             let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
@@ -167,6 +168,13 @@ impl Trainer<'_> {
         let rank = self.run.profile.output_modes;
         let is_map = matches!(kind, NetKind::Reconstruction { .. });
         (is_map && rank > 0 && rank < n_outputs).then_some(rank)
+    }
+
+    fn output_scale(&self, kind: NetKind) -> OutputScale {
+        match kind {
+            NetKind::Reconstruction { .. } => self.run.profile.output_scale,
+            _ => OutputScale::Each,
+        }
     }
 
     fn is_drawn(&self, kind: NetKind) -> bool {
@@ -190,6 +198,9 @@ impl Trainer<'_> {
         });
         if let Some(rank) = self.output_modes(kind, self.points.len()) {
             inputs["output_modes"] = json!(rank);
+        }
+        if self.output_scale(kind) != OutputScale::Each {
+            inputs["output_scale"] = json!(self.output_scale(kind));
         }
         inputs
     }
@@ -237,6 +248,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
         warmup_steps,
         learning_rate,
         final_learning_rate,
+        loss,
         l2,
         precision,
         patience,
@@ -247,6 +259,7 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
         learning_rate,
         final_learning_rate: Some(final_learning_rate),
         warmup_steps: warmup_steps as u64,
+        loss,
         l2,
         precision,
         backend: profile.backend,

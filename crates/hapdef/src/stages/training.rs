@@ -12,6 +12,7 @@ use super::drawn::DrawnSamples;
 use super::nets::{NetKind, fit_scales};
 use super::train::CHECKPOINT_FILE;
 use crate::error::HapdefError;
+use crate::profile::OutputScale;
 use crate::run::Run;
 
 /// Folder of the net of coordinates while it is trained.
@@ -29,6 +30,8 @@ pub(super) struct Training<'a> {
     pub(super) dir: &'a Path,
     /// Into how many modes the outputs go while it is trained; none: as they are.
     pub(super) output_modes: Option<usize>,
+    /// By what its standardised outputs are divided.
+    pub(super) output_scale: OutputScale,
 }
 
 impl Training<'_> {
@@ -40,7 +43,7 @@ impl Training<'_> {
         drawn: Option<&mut DrawnSamples<'_>>,
         validation: &mut dyn BatchSource,
     ) -> Result<(TrainInfo, Net), HapdefError> {
-        let scales = fit_scales(fixed)?;
+        let scales = fit_scales(fixed, self.output_scale)?;
         self.say_constant(&scales[0]);
         let samples = either(drawn, fixed);
         match self.output_modes {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
-use hapdef::{DrawnContact, Hapdefx, Pipeline, Run, Stage};
+use hapdef::{DrawnContact, Hapdefx, OutputScale, Pipeline, Run, Stage};
 use hapdef_data::Split;
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 
 use super::super::chain::maps;
-use super::super::fit::{Brief, OutputScale, fit, fit_scaled};
+use super::super::fit::{Brief, fit, fit_scaled};
 use super::super::patches::training_contacts;
 use super::super::presses::Presses;
 use super::super::samples::{SampleSet, blocks};
