@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::curve::EdgeMiddles;
+use crate::self_intersection::check_uncrossed;
 use crate::shell::{check_manifold, check_thickness, steps};
 use crate::{
     FaceCurve, FeNodeId, MeshError, SkinSide, SurfaceFault, SurfaceMesh, TET10_EDGES, Tet10Mesh,
@@ -53,7 +54,8 @@ impl Extrusion {
 ///
 /// # Errors
 /// [`MeshError::Surface`]: a skin that is no oriented manifold; a bad thickness or number of
-/// layers; a vertex without a normal; a wedge that folds, with its triangle, layer and node.
+/// layers; a vertex without a normal; a wedge that folds, with its triangle, layer and node; a wall
+/// whose outer and inner side, taken flat, cross.
 pub fn extrude(
     skin: &SurfaceMesh,
     thickness_m: &[f64],
@@ -79,6 +81,9 @@ pub fn extrude(
         .collect();
     let (nodes, elements) = columns.nodes_and_elements(&tets);
     let (volume_m3, least_jacobian_m3) = check_folds(skin, thickness_m, params, &nodes, &elements)?;
+    let advice = "there is no room for the wall there: thin it, or give the skin as the side that \
+                  leaves room";
+    check_uncrossed(&columns.sides()?, "the extruded wall", advice)?;
     Ok(Extrusion {
         mesh: Tet10Mesh::new(nodes, elements)?,
         n_layers: params.n_layers,
@@ -158,6 +163,16 @@ impl<'a> Columns<'a> {
     fn corner(&self, (v, level): Corner) -> Point3<f64> {
         let v = v as usize;
         self.skin.vertices()[v] + self.ways[v] * self.depth(level as f64)
+    }
+
+    /// The outer side of the wall and then its inner side, turned over.
+    fn sides(&self) -> Result<SurfaceMesh, MeshError> {
+        let n = self.ways.len() as u32;
+        let level = |level| (0..n).map(move |v| self.corner((v, level)));
+        let vertices = level(0).chain(level(self.n_layers)).collect();
+        let outer = self.skin.triangles().iter().copied();
+        let inner = outer.clone().map(|[a, b, c]| [a + n, c + n, b + n]);
+        SurfaceMesh::new(vertices, outer.chain(inner).collect())
     }
 
     fn middle(&self, [a, b]: [Corner; 2]) -> Point3<f64> {

@@ -22,6 +22,7 @@ mod refine;
 mod refine_surface;
 mod refined;
 mod remesh;
+mod self_intersection;
 mod shell;
 mod shin;
 mod sites;
@@ -56,6 +57,7 @@ pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
 pub use refine_surface::RefinedSurface;
 pub use refined::{RefinedSolid, is_folded, refine_unfolded};
 pub use remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
+pub use self_intersection::{Crossing, self_intersections};
 pub use shell::{
     BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
     SolidShellParams, SurfaceDefects, SurfaceFault, WallKind, clean_surface, measure_solid,

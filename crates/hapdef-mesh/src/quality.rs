@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::self_intersection::{Crossing, number, places, self_intersections};
 use crate::surface::corner_angles_rad;
 use crate::topology::{Edges, count_bodies, count_doubled};
 use crate::weld::repeats;
@@ -39,6 +40,8 @@ pub struct QualityReport {
     pub n_degenerate_triangles: usize,
     /// Triangles with area, but an angle below [`SLIVER_ANGLE_DEG`].
     pub n_sliver_triangles: usize,
+    /// Pairs of triangles that cross ([`self_intersections`]).
+    pub crossings: Vec<Crossing>,
     /// Holes through the solid, summed over the bodies: V − E + F = 2·bodies − 2·genus. Nothing
     /// unless the surface is [closed](Self::is_closed) and no vertex joins otherwise separate
     /// sheets.
@@ -73,6 +76,7 @@ impl QualityReport {
             n_doubled_triangles: count_doubled(mesh.triangles()),
             n_degenerate_triangles,
             n_sliver_triangles,
+            crossings: self_intersections(mesh),
             genus: None,
             area_m2: mesh.area_m2(),
             signed_volume_m3: mesh.signed_volume_m3(),
@@ -108,6 +112,10 @@ impl fmt::Display for QualityReport {
         } else {
             "not defined, the surface is not closed".to_owned()
         };
+        let crossings = match &self.crossings[..] {
+            [] => "0".to_owned(),
+            some => format!("{}, at {}", number(some), places(some)),
+        };
         let lines = [
             (
                 "triangles",
@@ -129,6 +137,7 @@ impl fmt::Display for QualityReport {
             ("non-manifold edges", self.n_non_manifold_edges.to_string()),
             ("misoriented edges", self.n_misoriented_edges.to_string()),
             ("doubled triangles", self.n_doubled_triangles.to_string()),
+            ("crossing pairs", crossings),
             ("unused vertices", self.n_unused_vertices.to_string()),
             ("without area", with_share(self.n_degenerate_triangles)),
             ("angle below 10°", with_share(self.n_sliver_triangles)),

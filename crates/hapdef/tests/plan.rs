@@ -187,6 +187,49 @@ fn calibration(run: &Run, limb: &Limb) -> Calibration {
     }
 }
 
+/// Without a comparison the deck's ribs speak, with one its figures; the plan says which.
+#[test]
+fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "placed.json", |_| {});
+    let results = folder.path().join("results");
+    let why = || {
+        let made = plan(&run, &limb, &MACHINE).unwrap();
+        let advised = made.with_shell_advice(&limb, run.scene.rig.max_wall_m, &results);
+        let advised = advised.unwrap();
+        let step = advised.step("shell model instead").unwrap();
+        assert_eq!((step.state, step.when), (StepState::Skipped, When::Design));
+        step.why.clone()
+    };
+    let by_wall = why();
+    assert!(by_wall.starts_with("use the solid"), "{by_wall}");
+    assert!(by_wall.contains("not compared"), "{by_wall}");
+    let report = |name: &str, deck: &str, readings: f64| {
+        let median = |m: f64| json!({ "median": m });
+        let report = json!({
+            "source": { "file": name, "file_hash": "", "scene": null },
+            "parameters": { "wall": "1.00 mm" },
+            "comparisons": [{
+                "deck_hash": deck,
+                "shell": { "readings": median(readings), "tip": median(0.05) },
+            }],
+        });
+        let path = results.join(name);
+        fs::create_dir_all(&path).unwrap();
+        fs::write(path.join("shell-report.json"), report.to_string()).unwrap();
+    };
+    report("other-deck", "0", 0.01);
+    assert_eq!(why(), by_wall);
+    report("poor", &limb.deck_hash, 4.486);
+    let poor = why();
+    assert!(poor.starts_with("use the solid"), "{poor}");
+    assert!(poor.contains("448.6 %") && poor.contains("poor"), "{poor}");
+    report("good", &limb.deck_hash, 0.02);
+    let good = why();
+    assert!(good.starts_with("a shell would do"), "{good}");
+    assert!(good.contains("5.0 %") && good.contains("good"), "{good}");
+}
+
 #[test]
 fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
     let folder = tempfile::tempdir().unwrap();

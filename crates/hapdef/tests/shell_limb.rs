@@ -5,7 +5,11 @@ mod shell_limb_common;
 
 use std::sync::OnceLock;
 
-use hapdef::shell_limb::{ShellLimb, ShellLimbParams, ShellVerdict, WallChoice, shell_limb};
+use hapdef::Limb;
+use hapdef::plan::Plan;
+use hapdef::shell_limb::{
+    ReportSource, ShellComparison, ShellLimb, ShellLimbParams, ShellVerdict, WallChoice, shell_limb,
+};
 use hapdef_mesh::{FeNodeId, SurfaceMesh};
 use hapdef_sim::{IsotropicMaterial, NodalLoad};
 use nalgebra::{Point3, Vector3};
@@ -23,6 +27,7 @@ fn shin_limb() -> &'static ShellLimb {
 
 fn shin_limb_on(n_threads: usize) -> ShellLimb {
     let params = ShellLimbParams {
+        n_presses: 60,
         n_threads,
         ..ShellLimbParams::new(WallChoice::Constant(1e-3), pa2200())
     };
@@ -90,6 +95,7 @@ fn measured_tube(edge_m: f64, n_solid_halvings: usize) -> ShellLimb {
     let params = ShellLimbParams {
         edge_m: Some(edge_m),
         n_gauges: 4,
+        n_presses: 60,
         n_threads: 2,
         n_solid_halvings: Some(n_solid_halvings),
         ..ShellLimbParams::new(WallChoice::Measured, pa2200())
@@ -116,6 +122,89 @@ fn a_tube_is_measured_and_its_shell_is_good() {
         "{comparison}"
     );
     assert_eq!(comparison.n_gauges, 4);
+    assert_eq!(comparison.recommendation(), None);
+    check_report(&limb, comparison);
+}
+
+/// The page is well-formed and takes nothing from outside; page and JSON have the figures.
+fn check_report(limb: &ShellLimb, comparison: ShellComparison) {
+    let folder = tempfile::tempdir().unwrap();
+    let source = ReportSource {
+        file: "a & b.glb".into(),
+        file_hash: "0123".into(),
+        scene: None,
+    };
+    let comparisons = [comparison];
+    limb.write_report(folder.path(), &source, &comparisons)
+        .unwrap();
+    let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
+    let page = read("shell-report.html");
+    for outside in ["http:", "https:", "src=", "href=", "url("] {
+        assert!(!page.contains(outside), "{outside} is in the page");
+    }
+    let markup = page.strip_prefix("<!doctype html>").unwrap();
+    let tree = roxmltree::Document::parse(markup).unwrap();
+    let named = |name: &'static str| tree.descendants().filter(move |n| n.has_tag_name(name));
+    let views = named("canvas").filter(|c| c.has_attribute("data-map"));
+    assert_eq!(views.count(), 6 * 4);
+    let data = named("script").find(|s| s.attribute("id") == Some("data"));
+    let data: serde_json::Value = serde_json::from_str(data.unwrap().text().unwrap()).unwrap();
+    let drawn = &data["limbs"][0];
+    let [comparison] = &comparisons;
+    let n_vertices = comparison.skin.vertices().len();
+    assert_eq!(drawn["points"].as_array().unwrap().len(), 3 * n_vertices);
+    for map in drawn["maps"].as_array().unwrap() {
+        assert_eq!(map["values"].as_array().unwrap().len(), n_vertices);
+    }
+    let figures: serde_json::Value = serde_json::from_str(&read("shell-report.json")).unwrap();
+    assert_eq!(figures["source"]["file"], "a & b.glb");
+    let compared = &figures["comparisons"][0];
+    assert_eq!(
+        compared["shell"]["tip"]["median"],
+        comparison.shell.tip.median
+    );
+    assert_eq!(
+        compared["presses"].as_array().unwrap().len(),
+        comparison.presses.len()
+    );
+    assert_eq!(compared["gauges"].as_array().unwrap().len(), 4);
+    assert!(page.contains(&format!(
+        "{:.1} % of the compared surface by displacement",
+        100.0 * comparison.above_good.tip_share
+    )));
+}
+
+/// A wall of 10 mm on a tube of 25 mm radius is no shell's, and its measures say so, too.
+#[test]
+fn a_thick_wall_asks_for_the_solid() {
+    let params = ShellLimbParams {
+        edge_m: Some(6e-3),
+        n_gauges: 4,
+        n_presses: 60,
+        n_threads: 2,
+        n_solid_halvings: Some(0),
+        ..ShellLimbParams::new(WallChoice::Constant(10e-3), pa2200())
+    };
+    let limb = shell_limb(&outer_wall(&tube(0.1)), &params).unwrap();
+    let thin_wall = limb.thin_wall();
+    assert!(thin_wall.recommendation().is_some(), "{thin_wall}");
+    let comparison = limb.against_extruded().unwrap();
+    println!("{comparison}");
+    let text = comparison.recommendation().unwrap();
+    assert!(text.starts_with("use the solid: "), "{text}");
+}
+
+/// Nothing but shell theory and mesh is between a skin's shell and the wall extruded from it.
+#[test]
+fn the_bundled_skin_answers_as_its_own_wall() {
+    let limb = shin_limb();
+    assert_eq!(limb.thin_wall().recommendation(), None);
+    let comparison = limb.against_extruded().unwrap();
+    println!("{comparison}");
+    assert_eq!(comparison.recommendation(), None, "{comparison}");
+    assert!(comparison.above_good.tip_share < 0.5, "{comparison}");
+    let gauges = &comparison.gauges;
+    assert!(gauges.iter().all(|g| g.difference < 0.3), "{gauges:?}");
 }
 
 /// The displacements of the finer mesh hold those of the coarser, so it gives way more.
@@ -128,6 +217,15 @@ fn halving_the_solids_edges_softens_it() {
     assert!(coarser.tip.median_ratio > 0.5, "{coarser:?}");
 }
 
+/// The outer wall of a tube, open at both ends.
+fn outer_wall(tube: &SurfaceMesh) -> SurfaceMesh {
+    let n_outer = 48 * 21;
+    let is_outer = |t: &&[u32; 3]| t.iter().all(|v| *v < n_outer);
+    let outer = tube.triangles().iter().filter(is_outer).copied().collect();
+    let vertices = tube.vertices()[..n_outer as usize].to_vec();
+    SurfaceMesh::new(vertices, outer).unwrap()
+}
+
 /// A moment of 1 N m at the free end of a tube turns it by L / (E I).
 #[test]
 fn a_tube_bends_as_a_beam() {
@@ -136,13 +234,7 @@ fn a_tube_bends_as_a_beam() {
         n_gauges: 1,
         ..ShellLimbParams::new(WallChoice::Constant(1e-3), pa2200())
     };
-    let tube = tube(0.12);
-    let n_outer = 48 * 21;
-    let is_outer = |t: &&[u32; 3]| t.iter().all(|v| *v < n_outer);
-    let outer = tube.triangles().iter().filter(is_outer).copied().collect();
-    let vertices = tube.vertices()[..n_outer as usize].to_vec();
-    let skin = SurfaceMesh::new(vertices, outer).unwrap();
-    let limb = shell_limb(&skin, &params).unwrap();
+    let limb = shell_limb(&outer_wall(&tube(0.12)), &params).unwrap();
     let nodes = limb.mesh.nodes();
     let is_top = |&i: &usize| nodes[i].y > 0.12 - 1e-9;
     let top: Vec<usize> = (0..nodes.len()).filter(is_top).collect();
@@ -170,7 +262,7 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
     let limb = shin_limb();
     let path = fixture("scene.json");
     let scene = hapdef::scene::read_scene(&path).unwrap();
-    let solid = hapdef::Limb::load(&scene, path.parent().unwrap()).unwrap();
+    let solid = Limb::load(&scene, path.parent().unwrap()).unwrap();
     let comparison = limb.against_solid("the ribbed limb", &solid).unwrap();
     println!("{comparison}");
     assert_eq!(
@@ -179,5 +271,39 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
         "{comparison}"
     );
     assert!(comparison.shell.readings.median > 0.5, "{comparison}");
+    let text = comparison.recommendation().unwrap();
+    assert!(text.starts_with("use the solid: "), "{text}");
+    assert_eq!(comparison.deck_hash, Some(solid.deck_hash.clone()));
+    assert!(comparison.above_good.readings_share > 0.9, "{comparison:?}");
     assert_eq!(comparison.reading_difference.len(), solid.n_surface_nodes());
+    check_plan(limb, comparison, &solid);
+}
+
+/// The plan of the scene finds the report by its deck.
+fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
+    let results = tempfile::tempdir().unwrap();
+    let readings = format!("{:.1} %", 100.0 * comparison.shell.readings.median);
+    let source = ReportSource {
+        file: "shin_skin.glb".into(),
+        file_hash: String::new(),
+        scene: None,
+    };
+    let folder = results.path().join("shin_skin");
+    limb.write_report(&folder, &source, &[comparison]).unwrap();
+    let plan = Plan {
+        scene: String::new(),
+        estimator: "superposition",
+        profile: String::new(),
+        steps: Vec::new(),
+    };
+    let plan = plan.with_shell_advice(solid, 3e-3, results.path()).unwrap();
+    let why = &plan.steps[0].why;
+    assert!(
+        why.starts_with("use the solid, as this scene does: compared"),
+        "{why}"
+    );
+    assert!(
+        why.contains(&readings) && why.contains("shin_skin.glb"),
+        "{why}"
+    );
 }

@@ -56,13 +56,21 @@ fn the_command_reads_a_tube_and_writes_its_files() {
     let out = folder.path().join("out");
     let [file, out] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
     let words = [
-        &file, "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5", "--out", &out,
+        &file, "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5", "--solid",
+        "--out", &out,
     ];
     let output = hapdef(&words);
     assert!(output.status.success(), "{}", said(&output.stderr));
     let table = said(&output.stdout);
     assert!(table.contains("best gauge"), "{table}");
-    for name in ["response.glb", "thickness.glb", "response.safetensors"] {
+    assert!(!table.contains("use the solid: "), "{table}");
+    for name in [
+        "response.glb",
+        "thickness.glb",
+        "response.safetensors",
+        "shell-report.html",
+        "shell-report.json",
+    ] {
         assert!(Path::new(&out).join(name).exists(), "{name}");
     }
     let json = std::fs::read(Path::new(&out).join("response.json")).unwrap();
@@ -70,6 +78,24 @@ fn the_command_reads_a_tube_and_writes_its_files() {
     assert_eq!(json["limb"]["gauges"].as_array().unwrap().len(), 3);
     let skin = surface(&Path::new(&out).join("response.glb"));
     assert_eq!(json["limb"]["model"]["n_nodes"], skin.vertices().len());
+}
+
+#[test]
+fn inspect_counts_crossing_triangles() {
+    let file = fixture("shin_skin.glb");
+    let inspected = |more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+            .arg("inspect")
+            .arg(&file)
+            .args(more)
+            .output();
+        said(&output.unwrap().stdout)
+    };
+    let table = inspected(&[]);
+    assert!(table.contains("crossing pairs      0\n"), "{table}");
+    let json: serde_json::Value = serde_json::from_str(&inspected(&["--json"])).unwrap();
+    assert_eq!(json["n_crossing_pairs"], 0);
+    assert_eq!(json["crossings_m"].as_array().unwrap().len(), 0);
 }
 
 #[test]

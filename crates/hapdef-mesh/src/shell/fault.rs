@@ -1,6 +1,7 @@
 //! Why a triangle surface can't become a shell, be remeshed or be extruded.
 
 use super::SurfaceDefects;
+use crate::self_intersection::{Crossing, number, places};
 
 /// What is wrong, with the numbers found. Vertices, triangles and bodies count from 0; volumes of
 /// surfaces that are not closed are what the divergence theorem gives for the triangles there are.
@@ -44,6 +45,20 @@ pub enum SurfaceFault {
         volume_m3: f64,
         /// The bounding box's volume, m³.
         box_volume_m3: f64,
+    },
+    /// A surface that goes through itself.
+    #[error(
+        "{what} goes through itself: {} pairs of triangles cross, at {}; {advice}",
+        number(crossings),
+        places(crossings)
+    )]
+    Crosses {
+        /// Which surface.
+        what: &'static str,
+        /// The pairs; of a wall's triangles the outer side's come first, then the inner side's.
+        crossings: Vec<Crossing>,
+        /// What to do.
+        advice: &'static str,
     },
     /// A surface whose size is no limb's in metres.
     #[error(

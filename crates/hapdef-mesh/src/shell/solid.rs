@@ -4,6 +4,7 @@ use super::pieces::{largest_piece, split_pinched};
 use super::walls::Walls;
 use super::{ShellSurface, SkinSide, SolidShellParams, check_closed, check_size};
 use crate::rays::FaceRays;
+use crate::self_intersection::check_uncrossed;
 use crate::shell::clean::part;
 use crate::topology::bodies;
 use crate::{MeshError, SurfaceFault, SurfaceMesh};
@@ -79,12 +80,11 @@ pub struct SolidShellInfo {
 /// narrow cone of rays, of the distance to the first surface parallel to the skin, times the cosine
 /// of the ray's angle, in the manner of the shape diameter
 /// function (Shapira, Shamir and Cohen-Or, The Visual Computer 24, 2008). Ribs count to the wall.
-/// Self-intersections are not looked for, and the inner side of a solid ring counts as inside where
-/// the ring's far side hides it.
+/// The inner side of a solid ring counts as inside where the ring's far side hides it.
 ///
 /// # Errors
 /// [`MeshError::Surface`]: open, non-manifold, misoriented, degenerate or doubled; several solids;
-/// a volume no solid has; a size no limb has; no outer skin; not a shell over too large a share;
+/// a volume no solid has; a size no limb has; a surface that goes through itself; no outer skin; not a shell over too large a share;
 /// a shell whose volume is not the solid's. The measured shell is still to be had with
 /// [`measure_solid`].
 pub fn shell_from_solid(
@@ -125,6 +125,9 @@ pub fn measure_solid(
         check_size(solid)?;
     }
     let n_cavities = check_one_solid(solid)?;
+    let advice = "what is inside is not defined there: unite the parts where the solid was drawn, or \
+                  take its outer skin with a given thickness";
+    check_uncrossed(solid, "the solid", advice)?;
     let mut walls = Walls::of(solid, params);
     if walls.kinds.iter().all(|kind| *kind == WallKind::Inside) {
         let n_triangles = solid.triangles().len();

@@ -83,6 +83,8 @@ fn inspect_surface(args: &InspectArgs) -> Result<()> {
 
 fn surface_json(report: &QualityReport, weld: &WeldInfo, n_parts: usize) -> serde_json::Value {
     let size_m: [f64; 3] = report.bounding_box.size_m().into();
+    let places = report.crossings.iter().map(|c| c.place.coords.into());
+    let crossings_m: Vec<[f64; 3]> = places.collect();
     serde_json::json!({
         "n_parts": n_parts,
         "n_merged_vertices": weld.n_merged_vertices,
@@ -96,6 +98,8 @@ fn surface_json(report: &QualityReport, weld: &WeldInfo, n_parts: usize) -> serd
         "n_doubled_triangles": report.n_doubled_triangles,
         "n_degenerate_triangles": report.n_degenerate_triangles,
         "n_sliver_triangles": report.n_sliver_triangles,
+        "n_crossing_pairs": report.crossings.len(),
+        "crossings_m": crossings_m,
         "area_m2": report.area_m2,
         "volume_m3": report.is_closed().then_some(report.signed_volume_m3),
         "size_m": size_m,

@@ -23,7 +23,9 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let machine = Machine::read_or_measure(&args.scene.out.join("machine.json"), run.threads)?;
+    let max_wall_m = run.scene.rig.max_wall_m;
     let plan = plan(&run, &limb, &machine)?;
+    let plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&plan)?);
     } else {

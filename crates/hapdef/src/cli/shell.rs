@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use hapdef::scene::read_scene;
 use hapdef::shell_limb::{
-    MountChoice, MountEnd, ShellComparison, ShellLimb, ShellLimbParams, WallChoice, shell_limb,
-    write_measured_wall,
+    MountChoice, MountEnd, ReportSource, SHELL_REPORT_HTML, SceneSource, ShellComparison,
+    ShellLimb, ShellLimbParams, WallChoice, shell_limb, write_measured_wall,
 };
 use hapdef::{HapdefError, Limb};
 use hapdef_mesh::{
@@ -144,15 +144,43 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
     let compared = compare(args, &limb);
     let comparisons = compared.as_deref().unwrap_or_default();
     limb.write(&out, comparisons)?;
+    if !comparisons.is_empty() {
+        limb.write_report(&out, &source(args)?, comparisons)?;
+    }
     if args.json {
         let report = limb.report(comparisons);
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {
         println!("{}", args.file.display());
         show(&limb, comparisons);
+        if !comparisons.is_empty() {
+            println!(
+                "report            {}",
+                out.join(SHELL_REPORT_HTML).display()
+            );
+        }
         println!("written to        {}", out.display());
     }
     compared.map(|_| ())
+}
+
+fn source(args: &ShellArgs) -> Result<ReportSource> {
+    let scene = args.against.as_deref().map(|path| -> Result<_> {
+        Ok(SceneSource {
+            file: path.display().to_string(),
+            file_hash: hash_of(path)?,
+        })
+    });
+    Ok(ReportSource {
+        file: args.file.display().to_string(),
+        file_hash: hash_of(&args.file)?,
+        scene: scene.transpose()?,
+    })
+}
+
+fn hash_of(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    Ok(blake3::hash(&bytes).to_hex().to_string())
 }
 
 fn read_surface(args: &ShellArgs) -> Result<SurfaceMesh> {

@@ -43,10 +43,18 @@ pub(crate) fn show(limb: &ShellLimb, comparisons: &[ShellComparison]) {
         .iter()
         .map(|stage| format!("{} {:.2} s", stage.stage, stage.elapsed_s));
     println!("time              {}", times.collect::<Vec<_>>().join(", "));
+    let thin_wall = limb.thin_wall();
+    println!("thin wall         {thin_wall}");
+    if let Some(text) = thin_wall.recommendation() {
+        println!("{text}");
+    }
     for comparison in comparisons {
         show_comparison(comparison);
     }
 }
+
+/// Presses that are printed; all are in the report.
+const SHOWN_PRESSES: usize = 24;
 
 fn show_wall(wall: &WallInfo) {
     println!("as read           {}", surface_line(&wall.given));
@@ -187,8 +195,13 @@ fn show_comparison(comparison: &ShellComparison) {
         println!("the solid with edges twice as long instead of the shell:");
         show_answered(coarser);
     }
+    println!(
+        "above 10 %          readings on {:.1} % of the compared surface, displacement on {:.1} %",
+        100.0 * comparison.above_good.readings_share,
+        100.0 * comparison.above_good.tip_share
+    );
     println!("press at, mm              shell µm/N  solid µm/N   displ. %  readings %");
-    for press in &comparison.presses {
+    for press in comparison.presses.iter().take(SHOWN_PRESSES) {
         let [x, y, z] = press.position_m.map(|c| c * 1e3);
         let ratio = press.shell_tip_um_per_n / press.solid_tip_um_per_n;
         println!(
@@ -200,6 +213,9 @@ fn show_comparison(comparison: &ShellComparison) {
         );
     }
     println!("{comparison}");
+    if let Some(text) = comparison.recommendation() {
+        println!("{text}");
+    }
 }
 
 fn show_answered(answered: &Answered) {

@@ -9,6 +9,7 @@ mod chain;
 mod cost;
 mod elastic;
 mod machine;
+mod shell;
 mod superposition;
 
 use std::collections::BTreeMap;

@@ -25,18 +25,21 @@ impl ShellLimb {
             let nearest = index.nearest(point);
             0.5 * nearest.map_or(0.0, |(node, _)| self.mesh.thickness_m()[node])
         };
-        let (mut on_shell, mut on_solid) = (Vec::new(), Vec::new());
+        let (mut on_shell, mut on_solid, mut sites) = (Vec::new(), Vec::new(), Vec::new());
         for (site, gauge) in solid.sites.iter().zip(&solid.gauges) {
             let depth_m = depth_m(&site.position);
             if let Some(same) = gauge_at(&self.mesh, site, depth_m, &self.params)? {
                 on_shell.push(same);
                 on_solid.push(gauge.clone());
+                sites.push(site.position);
             }
         }
         let points = solid.surface_points();
         let places = points.iter().zip(&solid.directions);
         self.compare(&Comparison {
             name: name.to_owned(),
+            deck_hash: Some(solid.deck_hash.clone()),
+            sites,
             n_gauges_left_out: solid.gauges.len() - on_shell.len(),
             gauges: on_shell,
             solids: vec![Solid {

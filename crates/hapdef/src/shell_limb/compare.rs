@@ -6,15 +6,18 @@ use hapdef_mesh::SurfaceMesh;
 use serde::Serialize;
 
 use super::info::quartiles;
+use super::maps::{AboveGood, GaugeDifference, ShellMaps, TouchDifference};
 
-/// Median difference up to which a shell is good enough, and a solid fine enough.
-const GOOD: f64 = 0.1;
+/// Relative difference up to which a shell is good enough, and a solid fine enough.
+pub const GOOD_DIFFERENCE: f64 = 0.1;
 
 /// What a shell and a solid answer to the same presses.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShellComparison {
     /// The solid.
     pub solid: String,
+    /// Hash of the solid's deck, where it has one.
+    pub deck_hash: Option<String>,
     /// Nodes of the solid.
     pub n_fe_nodes: usize,
     /// Equations of the solid.
@@ -33,6 +36,12 @@ pub struct ShellComparison {
     pub coarser_solid: Option<Answered>,
     /// The presses whose displacement is compared.
     pub presses: Vec<PressDifference>,
+    /// The places where readings are compared.
+    pub touches: Vec<TouchDifference>,
+    /// Each gauge over all places.
+    pub gauges: Vec<GaugeDifference>,
+    /// Shares of the compared surface with larger differences than is good.
+    pub above_good: AboveGood,
     /// What follows.
     pub verdict: ShellVerdict,
     /// Seconds.
@@ -43,6 +52,9 @@ pub struct ShellComparison {
     /// The readings' difference at the nearest place, `[n_vertices]` of [`Self::skin`].
     #[serde(skip)]
     pub reading_difference: Vec<f64>,
+    /// Both models' answers over the skin.
+    #[serde(skip)]
+    pub maps: ShellMaps,
 }
 
 /// How far a model's answers are from the solid's.
@@ -52,6 +64,29 @@ pub struct Answered {
     pub readings: Differences,
     /// Displacement under the tip along the force at every press.
     pub tip: Differences,
+}
+
+impl ShellComparison {
+    /// What to take instead of the shell and by which figures; nothing where the shell is good or
+    /// the solid no judge.
+    #[must_use]
+    pub fn recommendation(&self) -> Option<String> {
+        let Answered { readings, tip } = &self.shell;
+        let unsure = match self.coarser_solid {
+            Some(_) => "",
+            None => ", as far as this solid is fine enough itself",
+        };
+        (self.verdict == ShellVerdict::UseTheSolid).then(|| {
+            format!(
+                "use the solid: gauge readings of the shell are off by {:.1} % and its displacements \
+                 by {:.1} % (medians of {} places and {} presses; 10 % is allowed){unsure}",
+                100.0 * readings.median,
+                100.0 * tip.median,
+                self.n_touches,
+                self.presses.len()
+            )
+        })
+    }
 }
 
 /// Relative differences from a solid's answers; those of one place or press are
@@ -107,7 +142,7 @@ impl ShellVerdict {
 
 impl Answered {
     fn is_good(&self) -> bool {
-        self.readings.median <= GOOD && self.tip.median <= GOOD
+        self.readings.median <= GOOD_DIFFERENCE && self.tip.median <= GOOD_DIFFERENCE
     }
 }
 
@@ -135,7 +170,7 @@ pub(super) fn relative(a: &[f64], solid: &[f64]) -> f64 {
     }
 }
 
-fn norm(values: &[f64]) -> f64 {
+pub(super) fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
@@ -168,10 +203,8 @@ impl fmt::Display for ShellComparison {
                 percent(coarser.readings.median),
                 percent(coarser.tip.median)
             ),
-            (_, Some(_)) => f.write_str("more than 10 %, use the solid"),
-            (_, None) => f.write_str(
-                "more than 10 %, use the solid, as far as this one is fine enough itself",
-            ),
+            (_, Some(_)) => f.write_str("more than 10 %"),
+            (_, None) => f.write_str("more than 10 %, as far as this solid is fine enough itself"),
         }
     }
 }

@@ -52,6 +52,8 @@ impl ShellLimb {
         let edge_mm = 1e3 * edge_m * 0.5_f64.powi(halvings as i32);
         self.compare(&Comparison {
             name: format!("its extruded solid (edges of {edge_mm:.2} mm)"),
+            deck_hash: None,
+            sites: carried.iter().map(|&g| self.sites[g].position).collect(),
             solids: walls.iter().map(|wall| wall.solid(&carried)).collect(),
             n_gauges_left_out: self.gauges.len() - carried.len(),
             gauges: carried.iter().map(|&g| self.gauges[g].clone()).collect(),

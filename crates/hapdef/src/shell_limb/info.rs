@@ -192,8 +192,18 @@ impl SurfaceCounts {
 pub(super) fn quartiles(values: impl IntoIterator<Item = f64>) -> [f64; 5] {
     let mut sorted: Vec<f64> = values.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return [0.0; 5];
-    };
-    [0.0, 0.25, 0.5, 0.75, 1.0].map(|q| sorted[(q * last as f64).round() as usize])
+    [0.0, 0.25, 0.5, 0.75, 1.0].map(|q| of_rank(&sorted, q))
+}
+
+/// The share `q` of the values is at most this, nearest rank; 0 without values.
+pub(super) fn quantile(values: impl IntoIterator<Item = f64>, q: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    of_rank(&sorted, q)
+}
+
+fn of_rank(sorted: &[f64], q: f64) -> f64 {
+    let last = sorted.len().saturating_sub(1);
+    let rank = (q * last as f64).round() as usize;
+    sorted.get(rank).copied().unwrap_or(0.0)
 }

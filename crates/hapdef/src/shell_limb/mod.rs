@@ -8,20 +8,28 @@ mod against;
 mod compare;
 mod extruded;
 mod info;
+mod maps;
 mod mount;
 mod output;
 mod params;
 mod press;
+mod report;
 mod response;
 mod sites;
 mod stopwatch;
+mod thin_wall;
 mod wall;
 
-pub use compare::{Answered, Differences, PressDifference, ShellComparison, ShellVerdict};
+pub use compare::{
+    Answered, Differences, GOOD_DIFFERENCE, PressDifference, ShellComparison, ShellVerdict,
+};
 pub use info::{
     EdgeRefused, GaugeInfo, MeasuredWall, ModelInfo, MountInfo, ShellLimbInfo, StageTime,
     SurfaceCounts, WallInfo,
 };
+pub use maps::{AboveGood, GaugeDifference, ShellMaps, TouchDifference};
 pub use output::write_measured_wall;
 pub use params::{MountChoice, MountEnd, ShellLimbParams, WallChoice};
+pub use report::{ReportSource, SHELL_REPORT_HTML, SHELL_REPORT_JSON, SceneSource};
 pub use response::{ShellLimb, shell_limb};
+pub use thin_wall::ThinWall;

@@ -56,7 +56,8 @@ pub struct ShellLimbParams {
     pub kind: ShellKind,
     /// Radius of the tip in comparisons with a solid, m.
     pub tip_radius_m: f64,
-    /// Presses whose displacement is compared with a solid's.
+    /// Presses whose displacement is compared with a solid's; at most 24 where that is too large to
+    /// be factored.
     pub n_presses: usize,
     /// How often the edges of the extruded solid are halved; from 1 on the change by the last
     /// halving is told. Once when not given, if that makes no more than 150,000 nodes.
@@ -67,7 +68,7 @@ pub struct ShellLimbParams {
 
 impl ShellLimbParams {
     /// The surface is the outside of `wall`; ten gauges of 8 × 5 mm, the default shell, a tip of
-    /// 2 mm, 24 presses, one thread, held at the low end of the longest axis.
+    /// 2 mm, 240 presses, one thread, held at the low end of the longest axis.
     #[must_use]
     pub fn new(wall: WallChoice, material: IsotropicMaterial) -> Self {
         Self {
@@ -85,7 +86,7 @@ impl ShellLimbParams {
             material,
             kind: ShellKind::default(),
             tip_radius_m: 2e-3,
-            n_presses: 24,
+            n_presses: 240,
             n_solid_halvings: None,
             n_threads: 1,
         }

@@ -4,13 +4,15 @@ use std::time::Instant;
 
 use hapdef_mesh::{FeNodeId, GaugeId, PointIndex, SkinRegion, SurfaceMesh, Tet10Mesh};
 use hapdef_sim::{
-    ElasticModel, ElasticParams, GaugeResponse, GaugeStrain, NodalLoad, ShellGaugeStrain, SimError,
+    ComplianceParams, ElasticModel, ElasticParams, GaugeResponse, GaugeStrain, NodalLoad,
+    ShellGaugeStrain, SimError, SolverKind,
 };
 use nalgebra::{Point3, Vector3};
 
+use super::ShellLimb;
 use super::compare::{Answered, Differences, PressDifference, ShellComparison, ShellVerdict};
+use super::maps::{ShellMaps, Tables};
 use super::sites::spread;
-use super::{ShellLimb, compare};
 use crate::error::HapdefError;
 
 /// Places where readings are compared, at most.
@@ -20,13 +22,23 @@ const N_TOUCHES: usize = 480;
 /// hole it is farther off.
 const MAX_OFF_CENTRE: f64 = 0.25;
 
+/// Presses solved together: of a finer solid their displacements are kept at all loaded nodes.
+const PRESSES_AT_A_TIME: usize = 60;
+
+/// Presses, at most, where a solid is too large to be factored: each then takes an iteration.
+const MOST_ITERATED: usize = 24;
+
 /// What is compared, and where.
 pub(super) struct Comparison<'a> {
     pub name: String,
+    /// Hash of the solid's deck.
+    pub deck_hash: Option<String>,
     /// The solid; before it, perhaps, one with longer edges.
     pub solids: Vec<Solid<'a>>,
     /// Gauges on the shell, in the order of those on the solids.
     pub gauges: Vec<ShellGaugeStrain>,
+    /// Where they are glued.
+    pub sites: Vec<Point3<f64>>,
     pub n_gauges_left_out: usize,
     /// Places on the skin, and the same places on the shell's middle.
     pub places: Vec<[Point3<f64>; 2]>,
@@ -70,43 +82,50 @@ impl ShellLimb {
         let (response, _) = self
             .elastic_model
             .shell_gauge_response(&comparison.gauges)?;
-        let on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
+        let mut on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
         let on_solids = comparison
             .solids
             .iter()
             .map(|solid| self.solid_answers(solid, comparison, &touches));
-        let on_solids: Vec<Answers> = on_solids.collect::<Result<_, _>>()?;
+        let mut on_solids: Vec<Answers> = on_solids.collect::<Result<_, _>>()?;
+        let everyone = || on_solids.iter().chain([&on_shell]);
+        let n_presses = everyone().map(|a| a.tips.len()).min().unwrap_or(0);
+        on_shell.tips.truncate(n_presses);
+        on_solids
+            .iter_mut()
+            .for_each(|a| a.tips.truncate(n_presses));
         let (Some(solid), Some(truth)) = (comparison.solids.last(), on_solids.last()) else {
             return Err(HapdefError::NothingToPress { n_places: 0 });
         };
         let shell = on_shell.against(truth);
         let coarser = on_solids.len().checked_sub(2).map(|i| &on_solids[i]);
         let coarser_solid = coarser.map(|coarser| coarser.against(truth));
-        let at_touch: Vec<f64> = (0..touches.places.len())
-            .map(|i| compare::relative(&on_shell.readings[i], &truth.readings[i]))
-            .collect();
         let touched = touches.places.iter().map(|&i| comparison.places[i][0]);
-        let touched: Vec<Point3<f64>> = touched.collect();
-        let presses = (0..truth.tips.len()).map(|i| PressDifference {
-            position_m: touched[i].coords.into(),
-            shell_tip_um_per_n: on_shell.tips[i][0],
-            solid_tip_um_per_n: truth.tips[i][0],
-            reading_difference: at_touch[i],
-        });
-        let vertices = comparison.picture.vertices();
+        let tables = Tables {
+            places: touched.collect(),
+            sites: &comparison.sites,
+            readings: [&truth.readings, &on_shell.readings],
+            tips: [&truth.tips, &on_shell.tips],
+        };
+        let maps = ShellMaps::new(&comparison.picture, &tables);
         Ok(ShellComparison {
             solid: comparison.name.clone(),
+            deck_hash: comparison.deck_hash.clone(),
             n_fe_nodes: solid.mesh.nodes().len(),
             n_equations: truth.n_equations,
             n_gauges: comparison.gauges.len(),
             n_gauges_left_out: comparison.n_gauges_left_out,
-            n_touches: touched.len(),
+            n_touches: touches.places.len(),
             n_touches_left_out: touches.n_left_out,
-            presses: presses.collect(),
+            presses: press_differences(&tables),
+            touches: tables.touches(),
+            gauges: tables.gauges(),
+            above_good: maps.above_good(&comparison.picture),
             verdict: ShellVerdict::new(&shell, coarser_solid.as_ref()),
             shell,
             coarser_solid,
-            reading_difference: nearest_values(vertices, &touched, &at_touch),
+            reading_difference: tables.nearest_difference(comparison.picture.vertices()),
+            maps,
             skin: comparison.picture.clone(),
             elapsed_s: started.elapsed().as_secs_f64(),
         })
@@ -196,17 +215,38 @@ impl ShellLimb {
             let gauges = (0..response.n_gauges()).map(GaugeId::from_index);
             gauges.map(|g| response.reading(g, load) * 1e6).collect()
         };
-        let under_tip = |load: &NodalLoad| -> Result<Vec<f64>, HapdefError> {
-            let (displacement, _) = model.solve(load)?;
-            Ok(vec![load.work_j(&displacement)? * 1e6])
+        let most = match model.solver_info().kind {
+            SolverKind::Iterative => self.params.n_presses.min(MOST_ITERATED),
+            SolverKind::Direct => self.params.n_presses,
         };
-        let presses = loads.iter().take(self.params.n_presses);
+        let presses = &loads[..loads.len().min(most)];
+        let mut tips = Vec::new();
+        for together in presses.chunks(PRESSES_AT_A_TIME) {
+            tips.extend(under_tips(model, together)?);
+        }
         Ok(Answers {
             n_equations: model.info().n_equations,
             readings: loads.iter().map(readings).collect(),
-            tips: presses.map(under_tip).collect::<Result<_, _>>()?,
+            tips,
         })
     }
+}
+
+/// The displacement under each load along its force, µm/N.
+fn under_tips(model: &ElasticModel, loads: &[NodalLoad]) -> Result<Vec<Vec<f64>>, SimError> {
+    let loaded = loads.iter().flat_map(|load| &load.forces_n);
+    let mut wanted: Vec<FeNodeId> = loaded.map(|(node, _)| *node).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    let (moved, _) = model.compliance(loads, &wanted, &ComplianceParams::default())?;
+    let work = |(i, load): (usize, &NodalLoad)| {
+        let shares = load.forces_n.iter().map(|(node, force)| {
+            let place = wanted.partition_point(|other| other < node);
+            force.dot(&moved.displacement(i, place))
+        });
+        vec![shares.sum::<f64>() * 1e6]
+    };
+    Ok(loads.iter().enumerate().map(work).collect())
 }
 
 impl Answers {
@@ -218,9 +258,13 @@ impl Answers {
     }
 }
 
-/// At each of `points` the value of the nearest of `places`.
-fn nearest_values(points: &[Point3<f64>], places: &[Point3<f64>], values: &[f64]) -> Vec<f64> {
-    let index = PointIndex::new(places);
-    let value = |point| index.nearest(point).map_or(0.0, |(i, _)| values[i]);
-    points.iter().map(value).collect()
+fn press_differences(tables: &Tables<'_>) -> Vec<PressDifference> {
+    let [solid, shell] = tables.tips;
+    let press = |i: usize| PressDifference {
+        position_m: tables.places[i].coords.into(),
+        shell_tip_um_per_n: shell[i][0],
+        solid_tip_um_per_n: solid[i][0],
+        reading_difference: tables.difference(i),
+    };
+    (0..solid.len()).map(press).collect()
 }

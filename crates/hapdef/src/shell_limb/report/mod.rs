@@ -1,0 +1,138 @@
+//! The report of a shell against solids: one HTML page without anything from outside, and the same
+//! figures as JSON.
+
+mod page;
+mod pictures;
+
+use std::io::Write;
+use std::path::Path;
+
+use hapdef_mesh::atomic_write;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::{ShellComparison, ShellLimb, WallChoice};
+use crate::cache::write_json;
+use crate::error::HapdefError;
+
+/// Name of the page.
+pub const SHELL_REPORT_HTML: &str = "shell-report.html";
+
+/// Name of the figures.
+pub const SHELL_REPORT_JSON: &str = "shell-report.json";
+
+/// Where the limb of a report comes from.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+pub struct ReportSource {
+    /// The surface file.
+    pub file: String,
+    /// Hash of its bytes (BLAKE3).
+    pub file_hash: String,
+    /// The scene compared with, if one is.
+    pub scene: Option<SceneSource>,
+}
+
+/// A scene compared with.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+pub struct SceneSource {
+    /// Its file.
+    pub file: String,
+    /// Hash of its bytes (BLAKE3).
+    pub file_hash: String,
+}
+
+/// A parameter in words.
+type Fact = (&'static str, String);
+
+impl ShellLimb {
+    /// Writes [`SHELL_REPORT_HTML`] and [`SHELL_REPORT_JSON`] into `folder`.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when the disk refuses.
+    pub fn write_report(
+        &self,
+        folder: &Path,
+        source: &ReportSource,
+        comparisons: &[ShellComparison],
+    ) -> Result<(), HapdefError> {
+        std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
+        let facts = self.facts(source);
+        let page = page::page(self, source, &facts, comparisons);
+        let path = folder.join(SHELL_REPORT_HTML);
+        atomic_write(&path, |file| file.write_all(page.as_bytes()))
+            .map_err(HapdefError::file(&path))?;
+        let figures = figures(source, &facts, comparisons);
+        write_json(&folder.join(SHELL_REPORT_JSON), &figures)
+    }
+
+    fn facts(&self, source: &ReportSource) -> Vec<Fact> {
+        let (params, info) = (&self.params, &self.info);
+        let mm = |m: f64| format!("{:.2} mm", m * 1e3);
+        let wall = match params.wall {
+            WallChoice::Constant(thickness_m) => mm(thickness_m),
+            WallChoice::Measured => {
+                let [least, _, median, _, most] = info.wall.thickness_quantiles_m.map(mm);
+                format!("measured: {least} to {most}, median {median}")
+            }
+        };
+        let [length, width] = params.gauge_size_m.map(mm);
+        let mut facts = vec![
+            (
+                "surface",
+                format!("{}, BLAKE3 {}", source.file, source.file_hash),
+            ),
+            (
+                "wall",
+                format!("{wall}; the skin is its {} side", info.wall.side),
+            ),
+            ("edges", mm(info.wall.target_edge_m)),
+            (
+                "mount",
+                format!(
+                    "{} end of {}, {}",
+                    info.mount.end,
+                    info.mount.axis,
+                    mm(info.mount.length_m)
+                ),
+            ),
+            (
+                "material",
+                format!(
+                    "E {:.3e} Pa, ν {}",
+                    params.material.youngs_modulus_pa(),
+                    params.material.poissons_ratio()
+                ),
+            ),
+            (
+                "shell",
+                format!("{:?}, {} nodes", params.kind, info.model.n_nodes).to_lowercase(),
+            ),
+            (
+                "gauges",
+                format!("{} of {length} × {width}", info.gauges.len()),
+            ),
+            ("tip", format!("{} radius", mm(params.tip_radius_m))),
+        ];
+        if let Some(scene) = &source.scene {
+            facts.push((
+                "scene",
+                format!("{}, BLAKE3 {}", scene.file, scene.file_hash),
+            ));
+        }
+        facts
+    }
+}
+
+fn figures(source: &ReportSource, facts: &[Fact], comparisons: &[ShellComparison]) -> Value {
+    let parameters: serde_json::Map<String, Value> = facts
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), json!(text)))
+        .collect();
+    let recommendations: Vec<_> = comparisons.iter().map(|c| c.recommendation()).collect();
+    json!({
+        "source": source,
+        "parameters": parameters,
+        "comparisons": comparisons,
+        "recommendations": recommendations,
+    })
+}

@@ -1,0 +1,82 @@
+"use strict";
+const { palette, limbs } = JSON.parse(document.getElementById("data").textContent);
+const NOT_COMPARED = "#a9a9a9";
+const INNER_SIDE = "#e2e2e2";
+
+function colour(limb, map, triangle) {
+  let sum = 0;
+  for (let k = 0; k < 3; k++) {
+    const value = map.values[limb.triangles[3 * triangle + k]];
+    if (value === null) return NOT_COMPARED;
+    sum += value / 3;
+  }
+  const part = (sum - map.low) / (map.high - map.low || 1);
+  return palette[Math.round(Math.min(Math.max(part, 0), 1) * (palette.length - 1))];
+}
+
+/* Right, up and towards the eye, for a view turned about the long axis and tilted. */
+function projected(limb, yaw, tilt) {
+  const [u, a, b] = [limb.up, (limb.up + 1) % 3, (limb.up + 2) % 3];
+  const [cy, sy, ct, st] = [Math.cos(yaw), Math.sin(yaw), Math.cos(tilt), Math.sin(tilt)];
+  const n = limb.points.length / 3;
+  const out = new Float64Array(3 * n);
+  for (let i = 0; i < n; i++) {
+    const [pa, pb, pu] = [a, b, u].map((axis) => limb.points[3 * i + axis] - limb.centre[axis]);
+    const near = cy * pb + sy * pa;
+    out[3 * i] = sy * pb - cy * pa;
+    out[3 * i + 1] = ct * pu - st * near;
+    out[3 * i + 2] = st * pu + ct * near;
+  }
+  return out;
+}
+
+/* The limb, far triangles first, so large that an extent of `size` fits. */
+function draw(canvas, limb, map, size, yaw, tilt) {
+  const g = canvas.getContext("2d");
+  const scale = Math.min(canvas.width / size[0], canvas.height / size[1]) * 0.96;
+  const p = projected(limb, yaw, tilt);
+  const n = limb.triangles.length / 3;
+  const depth = new Float64Array(n);
+  for (let t = 0; t < n; t++)
+    for (let k = 0; k < 3; k++) depth[t] += p[3 * limb.triangles[3 * t + k] + 2];
+  const order = Array.from(depth.keys()).sort((s, t) => depth[s] - depth[t]);
+  g.fillStyle = "#fff";
+  g.fillRect(0, 0, canvas.width, canvas.height);
+  g.lineWidth = 0.7;
+  g.lineJoin = "round";
+  for (const t of order) {
+    const [i, j, k] = [0, 1, 2].map((corner) => 3 * limb.triangles[3 * t + corner]);
+    const turn =
+      (p[j] - p[i]) * (p[k + 1] - p[i + 1]) - (p[k] - p[i]) * (p[j + 1] - p[i + 1]);
+    g.fillStyle = g.strokeStyle = turn < 0 ? INNER_SIDE : colour(limb, map, t);
+    g.beginPath();
+    for (const v of [i, j, k])
+      g.lineTo(canvas.width / 2 + scale * p[v], canvas.height / 2 - scale * p[v + 1]);
+    g.closePath();
+    g.fill();
+    g.stroke();
+  }
+}
+
+for (const canvas of document.querySelectorAll("canvas[data-map]")) {
+  const limb = limbs[canvas.dataset.limb];
+  const yaw = (canvas.dataset.turn * Math.PI) / 2;
+  draw(canvas, limb, limb.maps[canvas.dataset.map], limb.size, yaw, 0);
+}
+
+for (const canvas of document.querySelectorAll("canvas.turn")) {
+  const limb = limbs[canvas.dataset.limb];
+  const choice = canvas.parentElement.querySelector("select");
+  let [yaw, tilt] = [0.6, 0.3];
+  const across = Math.hypot(...limb.size);
+  const show = () => draw(canvas, limb, limb.maps[choice.value], [across, across], yaw, tilt);
+  canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    if (!event.buttons) return;
+    yaw -= event.movementX * 0.01;
+    tilt = Math.min(Math.max(tilt + event.movementY * 0.01, -1.5), 1.5);
+    show();
+  });
+  choice.addEventListener("change", show);
+  show();
+}
