@@ -28,9 +28,9 @@ pub struct TrainRecord {
     pub step: u64,
     /// The knobs.
     pub params: TrainParams,
-    /// √MSE of the last batch plus the penalty, standardised outputs.
+    /// Loss of the last batch plus the penalty, standardised outputs.
     pub train_loss: Option<f64>,
-    /// √MSE of the validation set when last looked at, standardised outputs.
+    /// Loss of the validation set when last looked at, standardised outputs.
     pub validation_loss: Option<f64>,
     /// Every look at the validation set, the first one first.
     pub looks: Vec<Look>,
@@ -44,10 +44,10 @@ pub struct TrainRecord {
 pub struct Look {
     /// Steps done before it.
     pub step: u64,
-    /// √MSE of the batch of the last step plus the penalty, standardised outputs; none before the
+    /// Loss of the batch of the last step plus the penalty, standardised outputs; none before the
     /// first step.
     pub train_loss: Option<f64>,
-    /// √MSE of the validation set, standardised outputs.
+    /// Loss of the validation set, standardised outputs.
     pub validation_loss: f64,
 }
 
