@@ -1,4 +1,5 @@
-//! Writes the limb of `fixtures/shin`, or checks that it is what the generator makes.
+//! Writes the limb of `fixtures/shin` and the other mesh of it that its simulated rig is solved on,
+//! or checks that they are what the generator makes.
 //!
 //! ```text
 //! cargo run --release -p hapdef-mesh --example make_shin -- fixtures/shin
@@ -29,6 +30,8 @@ use nalgebra::{Point3, Vector3};
 
 const DECK: &str = "shin.inp.gz";
 const SKIN: &str = "shin_skin.glb";
+const RIG_DECK: &str = "shin_rig.inp.gz";
+const FILES: [&str; 3] = [DECK, SKIN, RIG_DECK];
 
 /// A gauge keeps this from rims and ribs: an 8 × 5 mm gauge then fits.
 const CLEARANCE_M: f64 = 5e-3;
@@ -82,6 +85,10 @@ fn write(limb: &Shin, folder: &Path) -> Result<(), Box<dyn Error>> {
         &limb.skin.surface(&limb.deck.mesh)?,
         None,
     )?;
+    write_inp(
+        &folder.join(RIG_DECK),
+        &shin(&ShinParams::meshed_anew())?.deck,
+    )?;
     Ok(())
 }
 
@@ -89,11 +96,11 @@ fn write(limb: &Shin, folder: &Path) -> Result<(), Box<dyn Error>> {
 fn check(limb: &Shin, folder: &Path) -> Result<(), Box<dyn Error>> {
     let fresh = std::env::temp_dir().join(format!("make_shin-{}", std::process::id()));
     write(limb, &fresh)?;
-    let same = [DECK, SKIN].map(|name| -> Result<bool, std::io::Error> {
+    let same = FILES.map(|name| -> Result<bool, std::io::Error> {
         Ok(contents(&fresh.join(name))? == contents(&folder.join(name))?)
     });
     fs::remove_dir_all(&fresh)?;
-    for (name, same) in [DECK, SKIN].into_iter().zip(same) {
+    for (name, same) in FILES.into_iter().zip(same) {
         if !same? {
             let path = folder.join(name);
             return Err(format!(

@@ -7,22 +7,26 @@ use crate::SurfaceMesh;
 
 /// Triangles, or edges as triangles of two corners, indexed for nearest-point queries.
 #[derive(Debug)]
-pub(crate) struct ClosestPoint {
+pub struct ClosestPoint {
     tree: RTree<Entry>,
 }
 
 /// What a query found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Closest {
-    pub(crate) point: Point3<f64>,
-    pub(crate) distance_m: f64,
+pub struct Closest {
+    /// The nearest point, m.
+    pub point: Point3<f64>,
+    /// Its distance from the query, m.
+    pub distance_m: f64,
 }
 
 /// How many candidates are asked whether they agree before the nearest is taken after all.
 const MAX_CANDIDATES: usize = 64;
 
 impl ClosestPoint {
-    pub(crate) fn of_surface(mesh: &SurfaceMesh) -> Self {
+    /// The triangles of a surface.
+    #[must_use]
+    pub fn of_surface(mesh: &SurfaceMesh) -> Self {
         let entry = |triangle| {
             let normal = mesh.area_normal_m2(triangle).try_normalize(0.0);
             Entry {
@@ -46,7 +50,8 @@ impl ClosestPoint {
     }
 
     /// The nearest point; `None` only where there is nothing.
-    pub(crate) fn nearest(&self, query: &Point3<f64>) -> Option<Closest> {
+    #[must_use]
+    pub fn nearest(&self, query: &Point3<f64>) -> Option<Closest> {
         let entry = self.tree.nearest_neighbor(query.coords.into())?;
         Some(entry.closest(query))
     }

@@ -43,6 +43,7 @@ pub use self::gltf::{
 };
 pub use atomic::atomic_write;
 pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
+pub use closest::{Closest, ClosestPoint};
 pub use curve::FaceCurve;
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,

@@ -39,12 +39,27 @@ pub struct ShinParams {
     pub n_bands: usize,
     /// Cells across a panel (the wall between two axial and two ring ribs): around, along.
     pub panel_cells: (usize, usize),
+    /// Cuts cells along their other diagonals where the shape leaves a choice.
+    pub other_diagonals: bool,
     /// How much sectors and bands differ in size, relative; breaks the symmetry.
     pub unevenness: f64,
     /// The holes.
     pub holes: Vec<ShinHole>,
     /// What the limb is made of.
     pub material: DeckMaterial,
+}
+
+impl ShinParams {
+    /// The same limb in a mesh of its own, of other divisions and diagonals: what the simulated rig is
+    /// solved on.
+    #[must_use]
+    pub fn meshed_anew() -> Self {
+        Self {
+            panel_cells: (8, 8),
+            other_diagonals: true,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for ShinParams {
@@ -61,6 +76,7 @@ impl Default for ShinParams {
             n_sectors: 7,
             n_bands: 3,
             panel_cells: panel::PANEL_CELLS,
+            other_diagonals: false,
             unevenness: 0.12,
             holes: panel::default_holes(),
             material: DeckMaterial {

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use hapdef_mesh::{
     DeckMaterial, GltfParams, MeshError, QualityReport, Shin, ShinHole, ShinOutline, ShinParams,
-    TET10_FACES, Tet10Mesh, clear_nodes, farthest_nodes, gauge_patch, read_deck, read_gltf, shin,
-    tet10, wall,
+    TET10_FACES, Tet10Mesh, clear_nodes, farthest_nodes, gauge_patch, read_deck, read_gltf,
+    refine_unfolded, shin, tet10, wall,
 };
 use nalgebra::Point3;
 
@@ -49,16 +49,48 @@ fn the_limb_has_the_paper_s_size() {
         let across_m = extent(axis).1 - extent(axis).0;
         assert!((0.069..0.073).contains(&across_m), "{across_m}");
     }
-    let volume_m3: f64 = (0..mesh.elements().len())
-        .map(|e| tet10::volume(&mesh.element_positions(e)))
-        .sum();
-    let mass_kg = volume_m3 * limb.deck.material.unwrap().density_kg_m3.unwrap();
+    let mass_kg = volume_m3(mesh) * limb.deck.material.unwrap().density_kg_m3.unwrap();
     assert!((mass_kg - 0.035210).abs() < 1e-6, "{mass_kg}");
+}
+
+fn volume_m3(mesh: &Tet10Mesh) -> f64 {
+    let volumes = (0..mesh.elements().len()).map(|e| tet10::volume(&mesh.element_positions(e)));
+    volumes.sum()
+}
+
+/// The rig's mesh: mass, skin and holes of the same limb, but less than a quarter of its nodes, most of
+/// them where ribs and rings cross.
+#[test]
+fn meshed_anew_it_is_the_same_limb() {
+    let (limb, anew) = (limb(), shin(&ShinParams::meshed_anew()).unwrap());
+    let [one, other] = [&limb, &anew].map(|limb| &limb.deck.mesh);
+    let ratio = volume_m3(other) / volume_m3(one);
+    println!(
+        "{} elements, volume {ratio} of the other's",
+        other.elements().len()
+    );
+    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+    let ratio = anew.skin.area_m2(other) / limb.skin.area_m2(one);
+    assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
+    outside_is_one_perforated_piece(&anew, 20);
+    let scaled = (0..other.elements().len()).map(|e| scaled_jacobian(other, e));
+    assert!(scaled.fold(f64::INFINITY, f64::min) > 0.15);
+    assert_eq!(refine_unfolded(other).unwrap().n_straightened, 0);
+    let places = |mesh: &Tet10Mesh| -> std::collections::BTreeSet<[u64; 3]> {
+        let bits = |x: &Point3<f64>| [x.x, x.y, x.z].map(f64::to_bits);
+        mesh.nodes().iter().map(bits).collect()
+    };
+    let common = places(one).intersection(&places(other)).count();
+    assert!(common * 4 < one.nodes().len(), "{common} nodes in common");
+    assert_eq!(read_deck(&fixture("shin_rig.inp.gz")).unwrap(), anew.deck);
 }
 
 #[test]
 fn the_outside_is_one_perforated_piece() {
-    let limb = limb();
+    outside_is_one_perforated_piece(&limb(), 0);
+}
+
+fn outside_is_one_perforated_piece(limb: &Shin, most_slivers: usize) {
     let report = QualityReport::of(&limb.skin.surface(&limb.deck.mesh).unwrap());
     assert_eq!(
         (
@@ -68,12 +100,11 @@ fn the_outside_is_one_perforated_piece() {
         ),
         (1, 0, 0)
     );
-    assert_eq!(
-        (report.n_degenerate_triangles, report.n_sliver_triangles),
-        (0, 0)
-    );
+    assert_eq!(report.n_degenerate_triangles, 0);
+    let slivers = report.n_sliver_triangles;
+    assert!(slivers <= most_slivers, "{slivers}");
     // 19 holes and two ends
-    let euler = report.n_vertices as i64 - n_edges(&limb) + report.n_triangles as i64;
+    let euler = report.n_vertices as i64 - n_edges(limb) + report.n_triangles as i64;
     assert_eq!(euler, 2 - 2 - 19);
 }
 

@@ -37,6 +37,19 @@ pub enum RigError {
         /// Directions tried.
         tried: usize,
     },
+    /// A press beside the rig's skin.
+    #[error(
+        "a press at {at_m:?} m is {off_mm:.2} mm off the rig's skin, expected at most {most_mm:.2}: \
+         is the rig's mesh of the same limb, in the same place?"
+    )]
+    OffSkin {
+        /// Where, m.
+        at_m: [f64; 3],
+        /// Distance from the skin, mm.
+        off_mm: f64,
+        /// Distance allowed, mm.
+        most_mm: f64,
+    },
     /// Too few pairs of contact sites lie within the wanted distance of each other.
     #[error(
         "found {found} of {wanted} press pairs {min_mm:.0}–{max_mm:.0} mm apart; enlarge the \

@@ -47,8 +47,11 @@ pub struct ElectronicsParams {
 /// The simulated hardware as a whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigParams {
-    /// Times the training mesh is refined uniformly before it is solved.
+    /// Times the nominal limb's mesh is refined uniformly before it is solved.
     pub refinements: u32,
+    /// How far from the nominal skin a press may be told, m: it goes to the nearest point, as it
+    /// must where places come from another mesh of the limb. `None` takes places as they are.
+    pub max_off_skin_m: Option<f64>,
     /// Variation of Young's modulus.
     pub stiffness: VariationParams,
     /// Variation of the wall thickness.

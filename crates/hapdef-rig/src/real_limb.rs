@@ -1,8 +1,10 @@
-//! The limb behind the gauges: refined, perturbed, solved once per gauge.
+//! The limb behind the gauges: another mesh, perturbed, solved once per gauge.
 
 use std::time::Instant;
 
-use hapdef_mesh::{FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded};
+use hapdef_mesh::{
+    ClosestPoint, FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded,
+};
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
     IsotropicMaterial, NodalLoad, SolveInfo,
@@ -19,7 +21,7 @@ use crate::warp::vary_thickness;
 
 /// The limb as it is drawn, before anything is perturbed.
 pub struct NominalLimb<'a> {
-    /// The training side's mesh.
+    /// The training side's mesh, or another one of the same limb.
     pub mesh: &'a Tet10Mesh,
     /// Nodes held fast.
     pub clamped: &'a [FeNodeId],
@@ -63,7 +65,14 @@ pub struct RealLimb {
     response: GaugeResponse,
     gains: Vec<f64>,
     tip_radius_m: f64,
+    projection: Option<Projection>,
     info: RealLimbInfo,
+}
+
+/// Takes places from another mesh of the limb onto this one's skin.
+struct Projection {
+    skin: ClosestPoint,
+    max_off_skin_m: f64,
 }
 
 impl RealLimb {
@@ -109,7 +118,17 @@ impl RealLimb {
             elapsed_s: start.elapsed().as_secs_f64(),
         };
         let gains = draw_gains(gauges.len(), &params.gain);
+        let projection = params
+            .max_off_skin_m
+            .map(|max_off_skin_m| -> Result<_, MeshError> {
+                let skin = ClosestPoint::of_surface(&skin.surface(&mesh)?);
+                Ok(Projection {
+                    skin,
+                    max_off_skin_m,
+                })
+            });
         Ok(Self {
+            projection: projection.transpose()?,
             mesh,
             skin,
             response,
@@ -123,7 +142,7 @@ impl RealLimb {
     /// `[n_gauges]`, µε/N.
     ///
     /// # Errors
-    /// [`RigError::Sim`] when the tip does not touch the skin there.
+    /// [`RigError::Sim`] when the tip does not touch the skin there; [`RigError::OffSkin`].
     pub fn response_ue_per_n(
         &self,
         position: &Point3<f64>,
@@ -142,7 +161,8 @@ impl RealLimb {
         direction: &Vector3<f64>,
         tip_radius_m: f64,
     ) -> Result<Vec<f64>, RigError> {
-        let load = NodalLoad::patch(&self.mesh, &self.skin, position, tip_radius_m, direction)?;
+        let position = self.on_skin(position)?;
+        let load = NodalLoad::patch(&self.mesh, &self.skin, &position, tip_radius_m, direction)?;
         Ok((0..self.gains.len())
             .map(|gauge| {
                 self.gains[gauge] * self.response.reading(GaugeId::from_index(gauge), &load) * 1e6
@@ -165,6 +185,22 @@ impl RealLimb {
         Ok((0..self.gains.len())
             .map(|gauge| Vector3::new(x[gauge], y[gauge], z[gauge]))
             .collect())
+    }
+
+    fn on_skin(&self, position: &Point3<f64>) -> Result<Point3<f64>, RigError> {
+        let Some(projection) = &self.projection else {
+            return Ok(*position);
+        };
+        let nearest = projection.skin.nearest(position);
+        let off_m = nearest.map_or(f64::INFINITY, |nearest| nearest.distance_m);
+        nearest
+            .filter(|nearest| nearest.distance_m <= projection.max_off_skin_m)
+            .map(|nearest| nearest.point)
+            .ok_or(RigError::OffSkin {
+                at_m: position.coords.into(),
+                off_mm: off_m * 1e3,
+                most_mm: projection.max_off_skin_m * 1e3,
+            })
     }
 
     /// What building took.

@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 
 use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh};
 use hapdef_rig::{
-    GainParams, MisplacementParams, NominalLimb, RealLimb, RigParams, VariationParams,
+    GainParams, MisplacementParams, NominalLimb, RealLimb, RigError, RigParams, VariationParams,
 };
 use hapdef_sim::{
     ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad,
 };
 use nalgebra::{Point3, Vector3};
 
-/// Cells of the plate in x, y and z, and their size, m.
+/// Cells of the plate in x, y and z, and its size, m.
 const CELLS: [usize; 3] = [10, 6, 1];
-const SIZE_M: [f64; 3] = [0.004, 0.004, 0.001];
+const SIZE_M: [f64; 3] = [0.04, 0.024, 0.001];
 
 /// Six tetrahedra to a cell, one for each order of the axes from corner 000 to corner 111.
 const AXIS_ORDERS: [[usize; 3]; 6] = [
@@ -26,21 +26,22 @@ const AXIS_ORDERS: [[usize; 3]; 6] = [
     [1, 0, 2],
 ];
 
-/// A plate of 40 × 24 × 1 mm.
-fn plate() -> Tet10Mesh {
-    let [nx, ny, nz] = CELLS.map(|n| n + 1);
+/// A plate of 40 × 24 × 1 mm in `cells` cells.
+fn plate(cells: [usize; 3]) -> Tet10Mesh {
+    let [nx, ny, nz] = cells.map(|n| n + 1);
+    let size_m: [f64; 3] = std::array::from_fn(|a| SIZE_M[a] / cells[a] as f64);
     let corner = |[i, j, k]: [usize; 3]| i + nx * (j + ny * k);
     let mut nodes: Vec<Point3<f64>> = (0..nx * ny * nz)
         .map(|n| [n % nx, n / nx % ny, n / (nx * ny)])
-        .map(|at| Point3::from(std::array::from_fn(|a| at[a] as f64 * SIZE_M[a])))
+        .map(|at| Point3::from(std::array::from_fn(|a| at[a] as f64 * size_m[a])))
         .collect();
     let mut middles = BTreeMap::new();
     let mut elements = Vec::new();
-    for cell in 0..CELLS.iter().product::<usize>() {
+    for cell in 0..cells.iter().product::<usize>() {
         let at = [
-            cell % CELLS[0],
-            cell / CELLS[0] % CELLS[1],
-            cell / (CELLS[0] * CELLS[1]),
+            cell % cells[0],
+            cell / cells[0] % cells[1],
+            cell / (cells[0] * cells[1]),
         ];
         for order in AXIS_ORDERS {
             let mut path = [at; 4];
@@ -85,7 +86,11 @@ struct Bench {
 impl Bench {
     /// Held at x = 0, touched on top, one gauge below.
     fn new() -> Self {
-        let mesh = plate();
+        Self::meshed(CELLS)
+    }
+
+    fn meshed(cells: [usize; 3]) -> Self {
+        let mesh = plate(cells);
         let at = |keep: &dyn Fn(&Point3<f64>) -> bool| {
             let nodes = mesh.nodes().iter().enumerate().filter(|(_, x)| keep(x));
             nodes
@@ -147,6 +152,7 @@ fn unperturbed() -> RigParams {
     };
     RigParams {
         refinements: 1,
+        max_off_skin_m: None,
         stiffness: none(1),
         thickness: none(2),
         max_wall_m: 0.003,
@@ -260,6 +266,33 @@ fn each_perturbation_acts_by_about_its_size() {
         (1e-6..=0.03 + 1e-12).contains(&gain),
         "gain ±3 % changed readings by {gain}"
     );
+}
+
+/// On a mesh of its own the plate answers as on the other's refined one, but for the meshes' errors;
+/// places beside its skin go to it, those far from it are refused.
+#[test]
+fn a_mesh_of_its_own_answers_alike() {
+    let params = RigParams {
+        refinements: 0,
+        max_off_skin_m: Some(5e-4),
+        ..unperturbed()
+    };
+    let own = Bench::meshed([17, 11, 2]);
+    let real = RealLimb::build(&own.nominal(), &params, 1).unwrap();
+    let refined = Bench::new().readings(&unperturbed());
+    let off = Vector3::new(0.0, 0.0, 3e-4);
+    for (point, refined) in presses().iter().zip(refined) {
+        let at = |p: &Point3<f64>| real.response_ue_per_n(p, &-Vector3::z()).map(|r| r[0]);
+        let found = at(point).unwrap();
+        assert!(
+            (found / refined - 1.0).abs() < 0.02,
+            "{found} and {refined}"
+        );
+        assert!(found != refined);
+        assert!((at(&(point + off)).unwrap() / found - 1.0).abs() < 1e-12);
+        let refused = at(&(point + 2.0 * off)).unwrap_err();
+        assert!(matches!(refused, RigError::OffSkin { .. }), "{refused}");
+    }
 }
 
 #[test]

@@ -86,6 +86,22 @@ impl Hapdefx {
         Ok(())
     }
 
+    /// Deformation maps of frames whose virtual gauges `virtual_um` `[n, n_virtual]`, µm, are known:
+    /// what the chain would do if its transfer were perfect.
+    ///
+    /// # Errors
+    /// As [`Hapdefx::maps`].
+    pub fn maps_of_virtual_gauges(
+        &self,
+        virtual_um: &[f32],
+        scratch: &mut HapdefxScratch,
+        map_um: &mut [f32],
+    ) -> Result<(), HapdefError> {
+        self.reconstruction
+            .forward_batch(virtual_um, &mut scratch.nets, map_um)?;
+        Ok(())
+    }
+
     /// All candidate contacts of a map `[n_surface]`, µm, greatest force first.
     ///
     /// # Errors

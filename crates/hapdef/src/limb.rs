@@ -45,6 +45,20 @@ pub struct Limb {
     pub deck_hash: String,
 }
 
+/// A deck's solid with what the scene finds on it.
+pub(crate) struct Solid {
+    /// In metres, refined.
+    pub(crate) mesh: Tet10Mesh,
+    boundary: BoundarySurface,
+    pub(crate) skin: SkinRegion,
+    /// Nodes held fast.
+    pub(crate) clamped: Vec<FeNodeId>,
+    /// The deck in metres as it was read.
+    deck: SolidDeck,
+    /// Hash of the file's bytes.
+    hash: String,
+}
+
 impl Limb {
     /// Reads the deck that `scene` names (relative to `scene_dir`) and finds everything on it.
     ///
@@ -53,26 +67,14 @@ impl Limb {
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
         let path = scene_dir.join(&scene.geometry.solid_deck);
-        let bytes = std::fs::read(&path).map_err(|source| HapdefError::NoDeck {
-            path: path.clone(),
-            source,
-        })?;
-        let deck_hash = blake3::hash(&bytes).to_hex().to_string();
-        let deck = in_metres(read_deck(&path)?, &scene.geometry)?;
-        let mut clamped = find_mount(&scene.mount, &deck)?;
-        let mut mesh = deck.mesh.clone();
-        for _ in 0..scene.geometry.refinements {
-            let refined = refine_unfolded(&mesh)?;
-            clamped = refined.node_set(&clamped);
-            mesh = refined.mesh;
-        }
-        let boundary = mesh.boundary();
-        let skin = find_skin(
-            &scene.contact.region,
-            &scene.geometry.axis,
-            &mesh,
-            &boundary,
-        )?;
+        let Solid {
+            mesh,
+            boundary,
+            skin,
+            clamped,
+            deck,
+            hash: deck_hash,
+        } = Solid::load(scene, &path, scene.geometry.refinements)?;
         let directions = load_directions(scene, &mesh, &skin);
         let material = find_material(scene.material.as_ref(), &deck, &path)?;
         let sites: Vec<_> = scene
@@ -140,6 +142,48 @@ impl Limb {
             .copied()
             .collect()
     }
+}
+
+impl Solid {
+    /// Reads the deck at `path` in the scene's unit, refines it, and finds the scene's mount and
+    /// contact region on it.
+    ///
+    /// # Errors
+    /// [`HapdefError`] when the deck, the mount or the skin is not usable.
+    pub(crate) fn load(scene: &Scene, path: &Path, refinements: u32) -> Result<Self, HapdefError> {
+        let hash = deck_hash(path)?;
+        let deck = in_metres(read_deck(path)?, &scene.geometry)?;
+        let mut clamped = find_mount(&scene.mount, &deck)?;
+        let mut mesh = deck.mesh.clone();
+        for _ in 0..refinements {
+            let refined = refine_unfolded(&mesh)?;
+            clamped = refined.node_set(&clamped);
+            mesh = refined.mesh;
+        }
+        let boundary = mesh.boundary();
+        let region = &scene.contact.region;
+        let skin = find_skin(region, &scene.geometry.axis, &mesh, &boundary)?;
+        Ok(Self {
+            mesh,
+            boundary,
+            skin,
+            clamped,
+            deck,
+            hash,
+        })
+    }
+}
+
+/// Hash of the bytes of a deck file.
+///
+/// # Errors
+/// [`HapdefError::NoDeck`] when it can't be read.
+pub(crate) fn deck_hash(path: &Path) -> Result<String, HapdefError> {
+    let bytes = std::fs::read(path).map_err(|source| HapdefError::NoDeck {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    Ok(blake3::hash(&bytes).to_hex().to_string())
 }
 
 /// The boundary faces that the scene's contact region names.

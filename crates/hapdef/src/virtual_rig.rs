@@ -18,7 +18,7 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::{LiveSpec, Scene};
-use crate::stages::real_limb;
+use crate::stages::{real_limb, rig_mesh_key};
 
 const FILE: &str = "columns.safetensors";
 const TENSOR: &str = "columns";
@@ -55,9 +55,9 @@ impl Default for VirtualRigParams {
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
-    let stage = run.cache.stage("rig-live", &inputs(run, limb), |dir| {
+    let stage = run.cache.stage("rig-live", &inputs(run, limb)?, |dir| {
         run.check_stop("the virtual rig")?;
-        run.say("solving the simulated real limb on its refined, perturbed mesh");
+        run.say("solving the simulated real limb on its own, perturbed mesh");
         let real = real_limb(run, limb, &limb.sites)?;
         let points = limb.surface_points();
         let rows = points.par_iter().map(|point| real.columns_ue_per_n(point));
@@ -167,9 +167,9 @@ fn read(stage: &Stage, limb: &Limb) -> Result<LiveLimb, HapdefError> {
     Ok(LiveLimb::new(surface, n_gauges, columns.collect())?)
 }
 
-fn inputs(run: &Run, limb: &Limb) -> Value {
+fn inputs(run: &Run, limb: &Limb) -> Result<Value, HapdefError> {
     let scene = &run.scene;
-    json!({
+    Ok(json!({
         "version": VERSION,
         "deck": limb.deck_hash,
         "geometry": scene.geometry,
@@ -179,11 +179,11 @@ fn inputs(run: &Run, limb: &Limb) -> Value {
         "direction": scene.contact.direction,
         "tip_radius_m": scene.contact.tip_radius_m,
         "gauges": scene.gauges,
-        "mesh": scene.rig.mesh,
+        "mesh": rig_mesh_key(run)?,
         "stiffness": scene.rig.stiffness,
         "thickness": scene.rig.thickness,
         "max_wall_m": scene.rig.max_wall_m,
         "misplacement": scene.rig.misplacement,
         "gain": scene.rig.gain,
-    })
+    }))
 }

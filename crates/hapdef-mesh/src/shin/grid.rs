@@ -28,6 +28,7 @@ pub(super) struct Grid {
     cells: Vec<Cell>,
     rims: Vec<Option<usize>>,
     ellipses: Vec<Ellipse>,
+    other_diagonals: bool,
 }
 
 /// Rounds of averaging that spread the rims' displacement over the columns around them.
@@ -51,6 +52,7 @@ impl Grid {
             cells: Vec::new(),
             rims: vec![None; n_around * (n_along + 1)],
             ellipses,
+            other_diagonals: params.other_diagonals,
         };
         grid.cells = grid.classify(&around.parts, &along.parts);
         grid.snap_rims();
@@ -94,7 +96,7 @@ impl Grid {
         };
         let gain = smallest(&one) - smallest(&other);
         let draw = gain.abs() < 0.02;
-        if (draw && (i + j).is_multiple_of(2)) || (!draw && gain > 0.0) {
+        if (draw && (i + j).is_multiple_of(2) != self.other_diagonals) || (!draw && gain > 0.0) {
             one
         } else {
             other

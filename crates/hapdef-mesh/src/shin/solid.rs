@@ -75,7 +75,7 @@ fn tetrahedra(params: &ShinParams, grid: &Grid, depths_m: &[f64]) -> Vec<[Corner
             };
             for layer in 0..n_layers {
                 for triangle in grid.triangles(i, j) {
-                    tets.extend(prism(triangle, layer));
+                    tets.extend(prism(triangle, layer, params.other_diagonals));
                 }
             }
         }
@@ -92,9 +92,12 @@ fn tetrahedra(params: &ShinParams, grid: &Grid, depths_m: &[f64]) -> Vec<[Corner
 /// The prism over three columns between level `layer` and the next as three tetrahedra. Every
 /// side's diagonal runs from the column with the smaller number above to the other below, so that
 /// neighbours agree (Dompierre, Labbé, Vallet and Camarero, 8th International Meshing Roundtable,
-/// 1999).
-fn prism(mut columns: [usize; 3], layer: usize) -> [[Corner; 4]; 3] {
+/// 1999); from the larger number if `other_diagonals`.
+fn prism(mut columns: [usize; 3], layer: usize, other_diagonals: bool) -> [[Corner; 4]; 3] {
     columns.sort_unstable();
+    if other_diagonals {
+        columns.reverse();
+    }
     let [p, q, r] = columns;
     let (above, below) = (layer, layer + 1);
     [

@@ -14,7 +14,7 @@ use hapdef_repro::{
 use serde::Serialize;
 
 use super::cells::Map;
-use super::paper::{PaperPipeline, Ranking};
+use super::paper::{PaperPipeline, VirtualGauges};
 use super::run::{Bench, CompareArgs};
 use super::score::{Row, at, sorted};
 use super::world::Frame;
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
             of_k.push(by_effort(&map, &effort, &frames)?);
         }
         if let Some(paper) = &mut paper {
-            of_k.extend(bench.paper_rows(paper, &frames, Ranking::ALL)?);
+            of_k.extend(bench.paper_rows(paper, &frames, VirtualGauges::Transferred)?);
         }
         points.extend(with_front(k, of_k));
         floors.push(floor_mm(&map, bench.params(), &frames)?);

@@ -3,11 +3,13 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use hapdef::stages::{
-    Datasets, NetKind, TrainedNets, compliance, datasets, rig, train_kinds, trained_chain,
+use hapdef::stages::{compliance_table, trained_chain};
+use hapdef::touch::{ChainStages, chain_stages};
+use hapdef::{
+    ComplianceTable, DrawnContact, FoundContact, Hapdefx, HapdefxScratch, Limb, Run, ScoredContact,
 };
-use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Run, ScoredContact};
 use hapdef_inverse::Skin;
+use hapdef_mesh::tri6;
 
 use super::score::Score;
 use super::world::Frame;
@@ -17,6 +19,27 @@ pub(crate) struct PaperPipeline {
     chain: Hapdefx,
     scratch: HapdefxScratch,
     map_um: Vec<f32>,
+    /// The nominal limb's, for exact virtual gauges.
+    compliance: ComplianceTable,
+}
+
+/// Where the virtual gauges come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum VirtualGauges {
+    /// From the readings, by F_T.
+    Transferred,
+    /// Those of the nominal limb under the true contacts: no rig, no noise, no F_T.
+    Exact,
+}
+
+impl VirtualGauges {
+    /// What a row's name begins with.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Transferred => "paper",
+            Self::Exact => "exact virtual gauges",
+        }
+    }
 }
 
 /// How the T contacts are chosen among the candidates; T is given.
@@ -42,11 +65,12 @@ impl Ranking {
 impl PaperPipeline {
     /// Trains the chain's three nets, or takes them from the cache.
     pub(crate) fn train(run: &Run, limb: &Limb) -> Result<Self> {
-        let (data, nets) = trained(run, limb)?;
+        let ChainStages { data, nets, .. } = chain_stages(run, limb)?;
         Ok(Self {
             chain: trained_chain(run, limb, &data, &nets)?,
             scratch: HapdefxScratch::default(),
             map_um: vec![0.0; limb.n_surface_nodes()],
+            compliance: compliance_table(run, limb)?,
         })
     }
 
@@ -56,17 +80,27 @@ impl PaperPipeline {
         skin: &Skin,
         frames: &[Frame],
         n_gauges: usize,
+        virtual_gauges: VirtualGauges,
         ranking: Ranking,
     ) -> Result<Score> {
         let mut score = Score::default();
         for frame in frames {
-            let readings: Vec<f32> = frame.readings_ue[..n_gauges]
-                .iter()
-                .map(|r| *r as f32)
-                .collect();
+            let inputs = match virtual_gauges {
+                VirtualGauges::Transferred => {
+                    let readings = frame.readings_ue[..n_gauges].iter();
+                    readings.map(|r| *r as f32).collect()
+                }
+                VirtualGauges::Exact => self.exact_virtual_um(skin, frame),
+            };
             let start = Instant::now();
-            self.chain
-                .maps(&readings, &mut self.scratch, &mut self.map_um)?;
+            let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
+            match virtual_gauges {
+                VirtualGauges::Transferred => self.chain.maps(&inputs, scratch, map_um)?,
+                VirtualGauges::Exact => {
+                    self.chain
+                        .maps_of_virtual_gauges(&inputs, scratch, map_um)?;
+                }
+            }
             let mut found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
             let n_contacts = frame.contacts.len();
             let taken = match ranking {
@@ -83,20 +117,27 @@ impl PaperPipeline {
         }
         Ok(score)
     }
-}
 
-fn trained(run: &Run, limb: &Limb) -> Result<(Datasets, TrainedNets)> {
-    let compliance = compliance(run, limb)?;
-    let rig = rig(run, limb, &compliance)?;
-    let data = datasets(run, limb, &compliance, &rig)?;
-    let n_sets = data.simulated.len();
-    let kinds = [
-        NetKind::Transfer,
-        NetKind::Reconstruction { n_sets },
-        NetKind::Sensitivity,
-    ];
-    let nets = train_kinds(run, limb, &compliance, &data, &kinds)?;
-    Ok((data, nets))
+    /// Displacement magnitudes at the virtual gauges under the frame's contacts, friction left out,
+    /// `[n_virtual]`, µm. A contact inside a face loads its nodes with their shape functions.
+    fn exact_virtual_um(&self, skin: &Skin, frame: &Frame) -> Vec<f32> {
+        let at_nodes = frame.contacts.iter().flat_map(|contact| {
+            let [_, xi, eta] = contact.point.bary();
+            let nodes = skin.face_nodes(contact.point.face()).iter();
+            let load = |(node, share): (&u32, f64)| DrawnContact {
+                node: *node as usize,
+                force_n: contact.force_n * share,
+            };
+            nodes.zip(tri6::shape(xi, eta)).map(load)
+        });
+        let contacts: Vec<DrawnContact> = at_nodes.collect();
+        let mut surface_um = vec![0.0; self.compliance.n_surface()];
+        let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
+        let scratch = &mut self.compliance.scratch();
+        self.compliance
+            .superpose(&contacts, scratch, &mut surface_um, &mut virtual_um);
+        virtual_um
+    }
 }
 
 fn scored(contact: &FoundContact) -> ScoredContact {

@@ -10,7 +10,7 @@ use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::cells::{self, Map};
-use super::paper::{PaperPipeline, Ranking};
+use super::paper::{PaperPipeline, Ranking, VirtualGauges};
 use super::score::{Row, Score, mean, sorted};
 use super::sequence::{Followed, Script};
 use super::tables;
@@ -247,13 +247,17 @@ impl<'a> Bench<'a> {
         let mut paper = PaperPipeline::train(self.run, self.limb)?;
         let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
         for (what, frames) in [("single", singles), ("double", doubles)] {
-            let mut rows = self.paper_rows(&mut paper, &frames, Ranking::ALL)?;
-            for row in &mut rows {
-                row.name.push_str(&format!(", {what}"));
+            for of in [VirtualGauges::Transferred, VirtualGauges::Exact] {
+                let mut rows = self.paper_rows(&mut paper, &frames, of)?;
+                for row in &mut rows {
+                    row.name.push_str(&format!(", {what}"));
+                }
+                rows.sort_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm));
+                if of == VirtualGauges::Transferred {
+                    measured.best_paper = rows.first().map(|row| row.name.clone());
+                }
+                measured.rows.extend(rows);
             }
-            rows.sort_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm));
-            measured.best_paper = rows.first().map(|row| row.name.clone());
-            measured.rows.extend(rows);
         }
         Ok(())
     }
@@ -263,14 +267,14 @@ impl<'a> Bench<'a> {
         &self,
         paper: &mut PaperPipeline,
         frames: &[Frame],
-        rankings: [Ranking; 2],
+        of: VirtualGauges,
     ) -> Result<Vec<Row>> {
         let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
         let row = |ranking: Ranking| {
-            let score = paper.score(skin, frames, n_gauges, ranking)?;
-            Ok(score.row(&format!("paper, {}", ranking.name())))
+            let score = paper.score(skin, frames, n_gauges, of, ranking)?;
+            Ok(score.row(&format!("{}, {}", of.name(), ranking.name())))
         };
-        rankings.into_iter().map(row).collect()
+        Ranking::ALL.into_iter().map(row).collect()
     }
 
     fn singles(&self, n: usize) -> Result<Vec<Frame>> {

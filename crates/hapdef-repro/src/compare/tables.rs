@@ -14,7 +14,9 @@ use crate::run::summary::terminal_table;
 const NOTE: &str = "Simulated: readings come from the scene's rig, another and perturbed mesh, with \
     noise and converter. Contacts are matched one to one; errors are those of matched contacts, \
     missed and spurious ones stand beside them, and \"within 10 mm\" counts a missed contact as \
-    far. By superposition the number of contacts is estimated; the paper's pipeline is given it. \
+    far. By superposition the number of contacts is estimated; the paper's pipeline is given it; with \
+    exact virtual gauges it has the nominal limb's displacements under the true contacts in place of \
+    what its first net makes of the readings. \
     Doubles: 30 N held, 0–34 N varied, 12–75 mm apart. Triples, quadruples and arrivals: 5 N to the \
     strongest, 20 mm apart. Friction: coefficients uniform in 0–.2 in any direction and a tip 8 mm \
     across, neither seen in calibration; the covariance is told the friction. Four arriving: the \

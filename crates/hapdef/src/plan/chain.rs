@@ -1,14 +1,13 @@
 //! The steps of the paper's chain.
 
 use super::cost::{Cost, elastic, superposed, training};
-use super::elastic::{left_out_loads, limb_estimate, refined_estimate};
+use super::elastic::{left_out_loads, limb_estimate, rig_estimate};
 use super::{Machine, PlanStep, StepState};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::profile::{Samples, Schedule};
 use crate::run::Run;
-use crate::scene::RigMesh;
 use crate::stages::NetKind;
 use crate::touch::{ChainStages, chain_stages};
 
@@ -83,14 +82,13 @@ impl Planner<'_> {
 
     fn rig(&self, stage: &Stage) -> Result<PlanStep, HapdefError> {
         let limb = self.limb;
-        let RigMesh::Refined { times } = self.run.scene.rig.mesh;
         let why = "the simulated hardware's readings, which the transfer net learns from";
         let n_gauges = limb.gauges.len();
         if stage.cached {
             let step = PlanStep::runs("rig", why, &[("right-hand sides", n_gauges)]);
             return Ok(cached(step, stage));
         }
-        let (estimate, prepare_s) = refined_estimate(self.run, limb, times)?;
+        let (estimate, prepare_s) = rig_estimate(self.run, limb)?;
         let sizes = [
             ("FE nodes", estimate.n_fe_nodes),
             ("equations", estimate.n_equations),

@@ -9,28 +9,28 @@ use super::PlanStep;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
+use crate::stages::rig_solid;
 
 /// What a factorisation of the limb would take, and how long its ordering took, s.
 pub(super) fn limb_estimate(run: &Run, limb: &Limb) -> Result<(FactorEstimate, f64), HapdefError> {
     ordered(run, limb, &limb.mesh, limb.clamped.clone())
 }
 
-/// The same of the limb refined `times`, refinement included.
-pub(super) fn refined_estimate(
-    run: &Run,
-    limb: &Limb,
-    times: u32,
-) -> Result<(FactorEstimate, f64), HapdefError> {
+/// The same of the rig's mesh, reading or refining it included.
+pub(super) fn rig_estimate(run: &Run, limb: &Limb) -> Result<(FactorEstimate, f64), HapdefError> {
     let start = Instant::now();
-    let (mut mesh, mut clamped) = (limb.mesh.clone(), limb.clamped.clone());
-    for _ in 0..times {
+    let (mut mesh, mut clamped) = match rig_solid(run)? {
+        Some(own) => (own.mesh, own.clamped),
+        None => (limb.mesh.clone(), limb.clamped.clone()),
+    };
+    for _ in 0..run.scene.rig.mesh.refinements() {
         let refined = refine_unfolded(&mesh)?;
         clamped = refined.node_set(&clamped);
         mesh = refined.mesh;
     }
-    let refine_s = start.elapsed().as_secs_f64();
+    let mesh_s = start.elapsed().as_secs_f64();
     let (estimate, order_s) = ordered(run, limb, &mesh, clamped)?;
-    Ok((estimate, refine_s + order_s))
+    Ok((estimate, mesh_s + order_s))
 }
 
 /// Right-hand sides that the scene leaves out: nodes that are held or not touched, directions that

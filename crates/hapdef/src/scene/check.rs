@@ -139,13 +139,7 @@ fn check_gauges(scene: &Scene) -> Checked {
 
 fn check_rig(scene: &Scene) -> Checked {
     let rig = &scene.rig;
-    let RigMesh::Refined { times } = rig.mesh;
-    require(
-        (1..=2).contains(&times),
-        "rig.mesh.times",
-        "1 or 2: the rig needs a mesh other than the training side's",
-        times.to_string(),
-    )?;
+    check_rig_mesh(&rig.mesh)?;
     for (name, variation) in [("stiffness", rig.stiffness), ("thickness", rig.thickness)] {
         let path = format!("rig.{name}.fraction");
         let fraction = variation.fraction;
@@ -185,6 +179,23 @@ fn check_rig(scene: &Scene) -> Checked {
         "at least rig.presses.held_spread_n",
         rig.presses.held_force_n.to_string(),
     )
+}
+
+fn check_rig_mesh(mesh: &RigMesh) -> Checked {
+    match mesh {
+        RigMesh::Refined { times } => require(
+            (1..=2).contains(times),
+            "rig.mesh.times",
+            "1 or 2: the rig needs a mesh other than the training side's",
+            times.to_string(),
+        ),
+        RigMesh::Deck { refinements, .. } => require(
+            *refinements <= 2,
+            "rig.mesh.refinements",
+            "0, 1 or 2",
+            refinements.to_string(),
+        ),
+    }
 }
 
 fn positive(path: &str, value: f64) -> Checked {

@@ -1,5 +1,7 @@
 //! Scene section about the simulated hardware. Every perturbation has a seed of its own.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 /// The simulated hardware: how it differs from the drawing and what it presses.
@@ -75,7 +77,7 @@ pub struct CreepSpec {
 }
 
 /// The mesh the rig is solved on.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum RigMesh {
     /// The training side's mesh, every tetrahedron cut into eight, `times` times.
@@ -83,6 +85,26 @@ pub enum RigMesh {
         /// How often; 0 would be the training mesh itself and is refused.
         times: u32,
     },
+    /// A mesh of its own: the same limb, meshed independently.
+    Deck {
+        /// Deck of ten-node tetrahedra, relative to the scene file; mount, region and gauges are
+        /// found on it as on `geometry.solid_deck`, whose unit it has.
+        solid_deck: PathBuf,
+        /// How many times every tetrahedron of it is cut into eight.
+        #[serde(default)]
+        refinements: u32,
+    },
+}
+
+impl RigMesh {
+    /// How often its tetrahedra are cut into eight.
+    #[must_use]
+    pub fn refinements(&self) -> u32 {
+        match self {
+            Self::Refined { times } => *times,
+            Self::Deck { refinements, .. } => *refinements,
+        }
+    }
 }
 
 /// A smooth relative variation over the limb.

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::cache::Stage;
 use crate::error::HapdefError;
-use crate::limb::Limb;
+use crate::limb::{Limb, Solid, deck_hash};
 use crate::run::Run;
 use crate::scene::{RigMesh, RigSpec, VariationSpec};
 
@@ -20,14 +20,18 @@ const RESPONSE_FILE: &str = "response.safetensors";
 const TENSOR: &str = "strain";
 const VERSION: u32 = 1;
 
+/// How far a place on the limb's skin may be from that of the rig's own mesh, m: both follow the same
+/// drawing, curved faces and rims each in their own way.
+const MAX_OFF_SKIN_M: f64 = 1e-3;
+
 /// Builds the rig's limb on its own mesh and records its response, `[n_surface, n_gauges]`, µε/N.
 ///
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefError> {
-    run.cache.stage("rig", &inputs(run, compliance), |dir| {
+    run.cache.stage("rig", &inputs(run, compliance)?, |dir| {
         run.check_stop("the rig")?;
-        run.say("solving the simulated real limb on its refined, perturbed mesh");
+        run.say("solving the simulated real limb on its own, perturbed mesh");
         let real = real_limb(run, limb, &limb.sites)?;
         write_response(
             &dir.join(RESPONSE_FILE),
@@ -49,18 +53,21 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
     })
 }
 
-/// The rig's limb with `gauges` glued on, perturbed as the scene says.
+/// The rig's limb with `gauges` glued on, perturbed as the scene says: the limb's mesh refined, or
+/// the rig's own, on which mount, skin and gauges are found anew.
 ///
 /// # Errors
-/// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
+/// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved; [`HapdefError::NoDeck`]
+/// and what [`Limb::load`] returns for the rig's own deck.
 pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLimb, HapdefError> {
+    let own = rig_solid(run)?;
     let nominal = NominalLimb {
-        mesh: &limb.mesh,
-        clamped: &limb.clamped,
+        mesh: own.as_ref().map_or(&limb.mesh, |own| &own.mesh),
+        clamped: own.as_ref().map_or(&limb.clamped, |own| &own.clamped),
         material: limb.material,
         gauges,
         gauge_params: limb.gauge_params,
-        skin: &limb.skin,
+        skin: own.as_ref().map_or(&limb.skin, |own| &own.skin),
         tip_radius_m: run.scene.contact.tip_radius_m,
     };
     Ok(RealLimb::build(
@@ -68,6 +75,34 @@ pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLim
         &rig_params(&run.scene.rig),
         run.threads,
     )?)
+}
+
+/// The rig's own mesh, not refined, with mount and skin; none where it is the limb's refined.
+///
+/// # Errors
+/// As [`Limb::load`], of the rig's deck.
+pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
+    match &run.scene.rig.mesh {
+        RigMesh::Refined { .. } => Ok(None),
+        RigMesh::Deck { solid_deck, .. } => {
+            let path = run.scene_dir.join(solid_deck);
+            Ok(Some(Solid::load(&run.scene, &path, 0)?))
+        }
+    }
+}
+
+/// What the rig's mesh is in the keys of stages: the scene's words, and its own deck's hash.
+///
+/// # Errors
+/// [`HapdefError::NoDeck`] when the deck can't be read.
+pub(crate) fn rig_mesh_key(run: &Run) -> Result<Value, HapdefError> {
+    let mesh = &run.scene.rig.mesh;
+    Ok(match mesh {
+        RigMesh::Refined { .. } => json!(mesh),
+        RigMesh::Deck { solid_deck, .. } => {
+            json!([mesh, deck_hash(&run.scene_dir.join(solid_deck))?])
+        }
+    })
 }
 
 /// Reads the response `[n_surface, n_gauges]`, µε/N.
@@ -100,18 +135,18 @@ fn write_response(path: &Path, rows: &[f32], limb: &Limb) -> Result<(), HapdefEr
     Ok(())
 }
 
-fn inputs(run: &Run, compliance: &Stage) -> Value {
+fn inputs(run: &Run, compliance: &Stage) -> Result<Value, HapdefError> {
     let rig = &run.scene.rig;
-    json!({
+    Ok(json!({
         "version": VERSION,
         "limb": compliance.key,
-        "mesh": rig.mesh,
+        "mesh": rig_mesh_key(run)?,
         "stiffness": rig.stiffness,
         "thickness": rig.thickness,
         "max_wall_m": rig.max_wall_m,
         "misplacement": rig.misplacement,
         "gain": rig.gain,
-    })
+    }))
 }
 
 fn rig_params(rig: &RigSpec) -> RigParams {
@@ -120,9 +155,13 @@ fn rig_params(rig: &RigSpec) -> RigParams {
         correlation_length_m: spec.correlation_length_m,
         seed: spec.seed,
     };
-    let RigMesh::Refined { times } = rig.mesh;
+    let max_off_skin_m = match rig.mesh {
+        RigMesh::Refined { .. } => None,
+        RigMesh::Deck { .. } => Some(MAX_OFF_SKIN_M),
+    };
     RigParams {
-        refinements: times,
+        refinements: rig.mesh.refinements(),
+        max_off_skin_m,
         stiffness: variation(&rig.stiffness),
         thickness: variation(&rig.thickness),
         max_wall_m: rig.max_wall_m,

@@ -83,18 +83,23 @@ fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefEr
 }
 
 /// The stages behind the paper's chain.
-pub(crate) struct ChainStages {
-    pub(crate) compliance: Stage,
-    pub(crate) rig: Stage,
-    pub(crate) data: Datasets,
-    pub(crate) nets: TrainedNets,
+#[derive(Clone, Debug)]
+pub struct ChainStages {
+    /// The limb's compliance.
+    pub compliance: Stage,
+    /// The rig's response.
+    pub rig: Stage,
+    /// The datasets.
+    pub data: Datasets,
+    /// F_T, F_R on all sets, and F_S.
+    pub nets: TrainedNets,
 }
 
 /// Runs the stages that the paper's chain needs, and no others.
 ///
 /// # Errors
 /// What the first stage that fails returns.
-pub(crate) fn chain_stages(run: &Run, limb: &Limb) -> Result<ChainStages, HapdefError> {
+pub fn chain_stages(run: &Run, limb: &Limb) -> Result<ChainStages, HapdefError> {
     let compliance = compliance(run, limb)?;
     let rig = rig(run, limb, &compliance)?;
     let data = datasets(run, limb, &compliance, &rig)?;

@@ -15,8 +15,7 @@ mod superposition;
 
 pub use bundle::{BundleRequest, make_bundle};
 pub use calibration::{Calibration, PressQuality};
-pub(crate) use chosen::{ChainStages, chain_stages};
-pub use chosen::{LiveEstimator, live_estimator, touch_estimator};
+pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
 pub use hapdef_live::touch::{
     Alternative, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator, TouchFrame,
     TouchQuality, TouchUncertainty, TouchWanted, Tracking,
