@@ -17,7 +17,6 @@ mod deck;
 mod error;
 mod inputs;
 pub mod meshes;
-mod metrics;
 mod run;
 mod shell;
 mod solid;
@@ -30,7 +29,6 @@ pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
-pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
 pub use stability::{
     Refusal, StabilityFigures, StabilityRow, StabilityVerdict, Wanted, stability_differences,

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage};
 use hapdef_nets::Net;
-use hapdef_repro::{ReportTable, StageTime, TextCell, TextTable};
+use hapdef_report::{ReportTable, StageTime, TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

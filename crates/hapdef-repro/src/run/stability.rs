@@ -6,9 +6,10 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use hapdef::touch::response_map;
 use hapdef::{Limb, SceneArgs};
+use hapdef_report::MetricLog;
 use hapdef_repro::{
-    InverseWorld, MetricLog, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows,
-    nets_markdown, nets_rows, stability_differences, stability_line,
+    InverseWorld, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows, nets_markdown,
+    nets_rows, stability_differences, stability_line,
 };
 
 use super::facts;

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::SystemTime;
 
-use hapdef_verify::MetricContext;
+use hapdef_report::MetricContext;
 
 /// Commit, machine and time of this run.
 pub(crate) fn context(seed: u64) -> MetricContext {

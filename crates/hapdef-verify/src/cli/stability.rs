@@ -6,9 +6,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use hapdef_mesh::atomic_write;
+use hapdef_report::MetricLog;
 use hapdef_verify::{
-    MetricLog, StabilityRow, StabilityVerdict, stability_differences, stability_line,
-    stability_markdown, stability_rows,
+    StabilityRow, StabilityVerdict, stability_differences, stability_line, stability_markdown,
+    stability_rows,
 };
 
 use super::context::context;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
-use hapdef_verify::{MetricLog, Report, all_cases, differences, markdown, people_table, run_cases};
+use hapdef_report::MetricLog;
+use hapdef_verify::{Report, all_cases, differences, markdown, people_table, run_cases};
 
 use super::context::context;
 
