@@ -81,7 +81,7 @@ pub struct Figure {
 pub struct Report {
     /// Heading.
     pub title: String,
-    /// Name of the scene.
+    /// Name of the scene; empty without one.
     pub scene: String,
     /// How much was made: `quick` or `full`.
     pub profile: String,
@@ -187,10 +187,10 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReportError> {
 }
 
 fn page(report: &Report) -> Page {
-    let scene = NamedText {
+    let scene = (!report.scene.is_empty()).then(|| NamedText {
         name: "scene".into(),
         text: report.scene.clone(),
-    };
+    });
     let mut blocks = Vec::new();
     for table in &report.tables {
         blocks.push(Block::Heading(table.title.clone()));
@@ -209,9 +209,7 @@ fn page(report: &Report) -> Page {
     }
     Page {
         title: report.title.clone(),
-        facts: std::iter::once(scene)
-            .chain(report.facts.iter().cloned())
-            .collect(),
+        facts: scene.into_iter().chain(report.facts.clone()).collect(),
         blocks,
     }
 }

@@ -4,7 +4,10 @@ use super::{Report, record_tables};
 
 /// The report as Markdown, pictures by their files.
 pub(super) fn page(report: &Report) -> String {
-    let mut text = format!("# {}\n\nScene: {}\n", report.title, report.scene);
+    let mut text = format!("# {}\n\n", report.title);
+    if !report.scene.is_empty() {
+        text.push_str(&format!("Scene: {}\n", report.scene));
+    }
     for fact in &report.facts {
         text.push_str(&format!("- {}: {}\n", fact.name, fact.text));
     }

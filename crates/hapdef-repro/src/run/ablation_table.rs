@@ -215,6 +215,11 @@ impl World<'_> {
                 },
                 ..row(name, BRIEF, maps)
             });
+            if *target == Target::Vector {
+                let name = "the same, virtual gauges as vectors, F_T on superposed presses".into();
+                let maps = MapsFrom::Vectors(&made.by_vectors, modes);
+                ways.push(row(name, BRIEF, maps));
+            }
         }
         ways
     }
