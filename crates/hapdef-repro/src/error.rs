@@ -160,14 +160,9 @@ pub enum ReproError {
         /// Every value that is off.
         what: String,
     },
-    /// A figure could not be drawn.
-    #[error("drawing {figure}: {message}")]
-    Draw {
-        /// Which figure.
-        figure: &'static str,
-        /// What the drawing library said.
-        message: String,
-    },
+    /// A figure or a report could not be made.
+    #[error(transparent)]
+    Report(#[from] hapdef_report::ReportError),
     /// A file could not be read or written.
     #[error("{action} {path}: {source}", path = path.display())]
     Io {

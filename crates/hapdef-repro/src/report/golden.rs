@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use hapdef_report::write_text;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::write_text;
 use crate::ReproError;
 
 /// Linear regression, k-NN and SVR are solved, not trained: only the order of sums differs from one
@@ -94,7 +94,7 @@ impl Golden {
             path: path.to_owned(),
             source,
         })?;
-        write_text(path, &format!("{json}\n"))
+        Ok(write_text(path, &format!("{json}\n"))?)
     }
 
     /// Compares a report with them; how many values were compared.
