@@ -35,6 +35,7 @@ pub(crate) fn check() -> Result<()> {
         let mut command = Command::new(&python);
         command.args(words).current_dir(root().join(CRATE));
         command.env("HAPDEF_BIN", &program);
+        command.env("PYTHONDONTWRITEBYTECODE", "1");
         run(&mut command)
     };
     ours(&["-W", "error", "-m", "unittest", "discover", "-s", "tests"])?;
