@@ -1,6 +1,6 @@
 //! What can go wrong in this crate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why something could not be drawn, printed or written. Each variant carries what was found.
 #[derive(Debug, thiserror::Error)]
@@ -94,6 +94,27 @@ pub enum ReportError {
         /// Where and why it does not fit.
         source: serde_json::Error,
     },
+}
+
+impl ReportError {
+    /// [`ReportError::Io`] of what was being done with a file, such as "writing".
+    pub fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Io {
+            action,
+            path: path.clone(),
+            source,
+        }
+    }
+
+    /// [`ReportError::Json`] of a file.
+    pub fn json(path: &Path) -> impl Fn(serde_json::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Json {
+            path: path.clone(),
+            source,
+        }
+    }
 }
 
 /// Refuses a slice whose length is not `expected`.

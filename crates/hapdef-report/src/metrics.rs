@@ -135,22 +135,16 @@ impl<W: Write> MetricLog<W> {
     /// left as it is then.
     pub fn append_to(&self, path: &Path) -> Result<(), ReportError> {
         let mut all: Vec<MetricRecord> = match std::fs::read(path) {
-            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|source| ReportError::Json {
-                path: path.to_owned(),
-                source,
-            })?,
+            Ok(bytes) => serde_json::from_slice(&bytes).map_err(ReportError::json(path))?,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            Err(source) => return Err(io("reading", path, source)),
+            Err(source) => return Err(ReportError::io("reading", path)(source)),
         };
         all.extend_from_slice(&self.records);
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| io("making folder", folder, e))?;
+            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
         }
-        let json = serde_json::to_vec_pretty(&all).map_err(|source| ReportError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        atomic_write(path, |file| file.write_all(&json)).map_err(|e| io("writing", path, e))
+        let json = serde_json::to_vec_pretty(&all).map_err(ReportError::json(path))?;
+        atomic_write(path, |file| file.write_all(&json)).map_err(ReportError::io("writing", path))
     }
 
     fn push(&mut self, name: &str, outcome: MetricOutcome) -> Result<(), ReportError> {
@@ -169,8 +163,10 @@ impl<W: Write> MetricLog<W> {
             outcome,
             context,
         };
-        writeln!(self.out, "{}", record.line())
-            .map_err(|e| io("printing metrics to", Path::new("standard output"), e))?;
+        writeln!(self.out, "{}", record.line()).map_err(ReportError::io(
+            "printing metrics to",
+            Path::new("standard output"),
+        ))?;
         self.records.push(record);
         Ok(())
     }
@@ -184,14 +180,6 @@ impl MetricRecord {
             MetricOutcome::Value { value, unit } => format!("METRIC:{}:{value}:{unit}", self.name),
             MetricOutcome::Skipped { skipped } => format!("METRIC:{}:skipped:{skipped}", self.name),
         }
-    }
-}
-
-fn io(action: &'static str, path: &Path, source: std::io::Error) -> ReportError {
-    ReportError::Io {
-        action,
-        path: path.to_owned(),
-        source,
     }
 }
 

@@ -114,23 +114,14 @@ pub struct Report {
 /// found before anything is written; then files that can't be written.
 pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReportError> {
     check_figures(&report.figures)?;
-    std::fs::create_dir_all(folder).map_err(|source| ReportError::Io {
-        action: "making folder",
-        path: folder.to_owned(),
-        source,
-    })?;
-    let json = serde_json::to_vec_pretty(report).map_err(|source| ReportError::Json {
-        path: folder.join("report.json"),
-        source,
-    })?;
+    std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
+    let json = serde_json::to_vec_pretty(report)
+        .map_err(ReportError::json(&folder.join("report.json")))?;
     let mut paths = Vec::new();
     let mut write = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
-        atomic_write(&path, |file| file.write_all(bytes)).map_err(|source| ReportError::Io {
-            action: "writing",
-            path: path.clone(),
-            source,
-        })?;
+        atomic_write(&path, |file| file.write_all(bytes))
+            .map_err(ReportError::io("writing", &path))?;
         paths.push(path);
         Ok::<(), ReportError>(())
     };
@@ -151,11 +142,8 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
 /// # Errors
 /// [`ReportError::Io`] when the disk refuses.
 pub fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
-    atomic_write(path, |file| file.write_all(text.as_bytes())).map_err(|source| ReportError::Io {
-        action: "writing",
-        path: path.to_owned(),
-        source,
-    })
+    atomic_write(path, |file| file.write_all(text.as_bytes()))
+        .map_err(ReportError::io("writing", path))
 }
 
 fn check_figures(figures: &[Figure]) -> Result<(), ReportError> {

@@ -90,13 +90,8 @@ impl Page {
     /// # Errors
     /// [`ReportError::Io`] when the disk refuses.
     pub fn write(&self, path: &Path) -> Result<(), ReportError> {
-        atomic_write(path, |file| file.write_all(self.html().as_bytes())).map_err(|source| {
-            ReportError::Io {
-                action: "writing",
-                path: path.to_owned(),
-                source,
-            }
-        })
+        atomic_write(path, |file| file.write_all(self.html().as_bytes()))
+            .map_err(ReportError::io("writing", path))
     }
 }
 

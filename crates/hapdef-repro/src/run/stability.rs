@@ -105,7 +105,7 @@ fn finish(args: &TableArgs, names: &Names, rows: &[StabilityRow], text: &str) ->
     };
     let pages = write_report(&args.metrics.with_file_name(names.folder), &report)?;
     if let Some(page) = pages.last() {
-        eprintln!("page: {}", page.display());
+        println!("page: {}", page.display());
     }
     if let Some(path) = &args.write {
         super::search::write(path, text)?;
