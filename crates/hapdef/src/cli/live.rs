@@ -359,7 +359,7 @@ fn report(health: &Health) -> Result<()> {
 }
 
 /// A bundle begins with the length of a header and `{`; a scene is text.
-fn is_bundle(path: &Path) -> Result<bool> {
+pub(super) fn is_bundle(path: &Path) -> Result<bool> {
     use std::io::Read;
     let shown = || path.display().to_string();
     let mut begin = [0; 9];
