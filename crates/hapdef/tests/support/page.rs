@@ -62,7 +62,7 @@ impl Program {
         std::thread::spawn(move || {
             lines
                 .map_while(Result::ok)
-                .for_each(|line| println!("program: {line}"))
+                .for_each(|line| println!("program: {line}"));
         });
         let (address, token) = url.split_once("/#token=").unwrap();
         Self {
