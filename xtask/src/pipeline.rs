@@ -13,7 +13,7 @@ use crate::tool::{release_binary, root, shown, status};
 pub(crate) struct PipelineArgs {
     /// The scene; the bundled shin if absent.
     #[arg(long)]
-    scene: Option<PathBuf>,
+    pub(crate) scene: Option<PathBuf>,
     /// Fewer samples and short training: minutes instead of hours.
     #[arg(long)]
     pub(crate) quick: bool,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
 use crate::pipeline::{PipelineArgs, common, finish};
 use crate::tool::{release_binary, root, run};
@@ -16,13 +16,12 @@ pub(crate) struct ReproArgs {
     /// The paper's amounts of data; so without `--quick`, too.
     #[arg(long, conflicts_with = "quick")]
     full: bool,
-    /// Also writes docs/results.md, and docs/results.json in a full run.
+    /// Also writes docs/results.md, and docs/results.json in a full run; those of a scene other than
+    /// the bundled one have its name, docs/results-NAME.md.
     #[arg(long)]
     write: bool,
 }
 
-const RESULTS: &str = "docs/results.md";
-const METRICS: &str = "docs/results.json";
 const GOLDEN: &str = "crates/hapdef-repro/golden/quick.json";
 
 /// `cargo xtask repro`: the report with every table and figure.
@@ -31,24 +30,49 @@ pub(crate) fn repro(args: &ReproArgs) -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-repro")?);
     command.arg("repro").args(common(&args.pipeline));
     if args.write {
-        for option in written(is_quick, root().join(METRICS).exists())? {
-            command.args(option);
-        }
+        let files = files(args.pipeline.scene.as_deref())?;
+        let has_full_run = files[1].exists();
+        command.args(written(is_quick, has_full_run, files)?);
     }
     finish(&mut command)
 }
 
+/// The Markdown and the JSON that `--write` writes.
+fn files(scene: Option<&Path>) -> Result<[PathBuf; 2]> {
+    let of_scene = |scene| scene_name(scene).map(|name| format!("-{name}"));
+    let suffix = scene.map(of_scene).transpose()?.unwrap_or_default();
+    Ok(["md", "json"].map(|kind| root().join(format!("docs/results{suffix}.{kind}"))))
+}
+
 /// What `--write` adds to the command line.
-fn written(is_quick: bool, has_full_run: bool) -> Result<Vec<[PathBuf; 2]>> {
-    let option = |flag: &str, file: &str| [PathBuf::from(flag), root().join(file)];
+fn written(
+    is_quick: bool,
+    has_full_run: bool,
+    [text, metrics]: [PathBuf; 2],
+) -> Result<Vec<PathBuf>> {
     if is_quick && has_full_run {
-        bail!("{RESULTS} is from a full run and {METRICS} with it; write with --full");
+        bail!(
+            "{} is from a full run and {} with it; write with --full",
+            text.display(),
+            metrics.display()
+        );
     }
-    let mut options = vec![option("--results", RESULTS)];
+    let mut words = vec!["--results".into(), text];
     if !is_quick {
-        options.push(option("--metrics", METRICS));
+        words.extend(["--metrics".into(), metrics]);
     }
-    Ok(options)
+    Ok(words)
+}
+
+/// The name that a scene gives itself.
+fn scene_name(scene: &Path) -> Result<String> {
+    let text = std::fs::read_to_string(scene).with_context(|| scene.display().to_string())?;
+    let scene_json: serde_json::Value =
+        serde_json::from_str(&text).with_context(|| scene.display().to_string())?;
+    let name = scene_json["name"].as_str();
+    Ok(name
+        .with_context(|| format!("{}: no name", scene.display()))?
+        .to_owned())
 }
 
 /// Compares the report of a quick run of the bundled limb with the golden values.
@@ -62,12 +86,26 @@ pub(crate) fn check_golden(report: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::written;
+    use std::path::Path;
+
+    use super::{files, written};
+    use crate::tool::root;
 
     #[test]
     fn a_quick_run_never_replaces_a_full_one() {
-        assert_eq!(written(true, false).unwrap().len(), 1);
-        assert_eq!(written(false, true).unwrap().len(), 2);
-        assert!(written(true, true).is_err());
+        let files = || ["r.md", "r.json"].map(Into::into);
+        assert_eq!(written(true, false, files()).unwrap().len(), 2);
+        assert_eq!(written(false, true, files()).unwrap().len(), 4);
+        assert!(written(true, true, files()).is_err());
+    }
+
+    #[test]
+    fn results_of_another_scene_have_its_name() {
+        let of = |scene: &str| files(Some(Path::new(scene)));
+        let scene = root().join("fixtures/paper-shin/scene.json");
+        let [text, _] = of(&scene.display().to_string()).unwrap();
+        assert_eq!(text, root().join("docs/results-paper-shin.md"));
+        assert_eq!(files(None).unwrap()[1], root().join("docs/results.json"));
+        assert!(of("no-such-scene.json").is_err());
     }
 }

@@ -160,32 +160,9 @@ pub enum ReproError {
         /// Every value that is off.
         what: String,
     },
-    /// A figure could not be drawn.
-    #[error("drawing {figure}: {message}")]
-    Draw {
-        /// Which figure.
-        figure: &'static str,
-        /// What the drawing library said.
-        message: String,
-    },
-    /// A file could not be read or written.
-    #[error("{action} {path}: {source}", path = path.display())]
-    Io {
-        /// What was being done, such as "writing".
-        action: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A file that should hold JSON of a known form holds something else.
-    #[error("{path}: {source}; move the file away or repair it", path = path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// Where and why it does not fit.
-        source: serde_json::Error,
-    },
+    /// A figure or a report could not be made.
+    #[error(transparent)]
+    Report(#[from] hapdef_report::ReportError),
 }
 
 /// Refuses a slice whose length is not `expected`.

@@ -4,9 +4,6 @@
 //!
 //! - [`LinearAccumulator`], [`Knn`], [`Svr`]: the methods the paper compares its networks with.
 //! - [`Table1`], [`Table2`]: what was measured beside what the paper prints, and the verdicts.
-//! - [`render_limb_png`], [`unrolled_svg`] and the charts: figures as bytes and text.
-//! - [`write_report`], [`MetricLog`]: what is left on disk and printed.
-//!
 //! - [`Learner`]: one method with its settings, on samples in memory; [`tactile_scores`]: the
 //!   methods on a real tactile skin.
 //!
@@ -16,8 +13,6 @@
 
 mod baselines;
 mod error;
-mod metrics;
-mod plots;
 mod report;
 mod search;
 mod stability;
@@ -29,16 +24,7 @@ pub use baselines::{
     OwnRow, Svr, SvrInfo, SvrParams,
 };
 pub use error::ReproError;
-pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
-pub use plots::{
-    BarChart, BarPanel, LimbMarker, LimbPicture, LineChart, Mark, RenderParams, Scatter, Series,
-    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, render_limb_png,
-    render_limb_row_png, scatter_svg, table1_svg, unroll, unrolled_row_svg, unrolled_svg,
-};
-pub use report::{
-    Figure, FigureContent, Golden, GoldenValue, NamedText, Report, ReportTable, SkippedStage,
-    StageTime, results_markdown, write_report, write_text,
-};
+pub use report::{Golden, GoldenValue, results_markdown};
 pub use search::{
     Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
     TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
@@ -52,7 +38,7 @@ pub use stability::{
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,
     PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2,
-    TestSet, TextCell, TextTable, TrainSet, claims_text, fnn_over_lr, table1_claims,
+    TestSet, TrainSet, claims_text, fnn_over_lr, table1_claims, table1_svg,
 };
 pub use tactile::{
     TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,

@@ -21,6 +21,9 @@ pub enum VerifyError {
     /// A model that could not be built or solved.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// A figure or metric that could not be reported.
+    #[error(transparent)]
+    Report(#[from] hapdef_report::ReportError),
     /// A case whose own set-up is wrong.
     #[error("{what}: expected {expected}, found {found}")]
     Setup {
@@ -31,14 +34,6 @@ pub enum VerifyError {
         /// What was found.
         found: String,
     },
-    /// A metric that no reader could parse.
-    #[error("metric {name:?}: {expected}")]
-    Metric {
-        /// The metric's name, unit or reason as given.
-        name: String,
-        /// What is allowed.
-        expected: &'static str,
-    },
     /// A file that could not be read or written.
     #[error("{action} {}: {cause}", path.display())]
     Io {
@@ -48,14 +43,6 @@ pub enum VerifyError {
         path: PathBuf,
         /// The system's answer.
         cause: std::io::Error,
-    },
-    /// A file that is not the JSON it should be.
-    #[error("{}: {cause}", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// What the reader says.
-        cause: serde_json::Error,
     },
 }
 

@@ -17,7 +17,7 @@ mod deck;
 mod error;
 mod inputs;
 pub mod meshes;
-mod metrics;
+mod page;
 mod run;
 mod shell;
 mod solid;
@@ -30,7 +30,7 @@ pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
-pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
+pub use page::{stability_page, verification_page};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
 pub use stability::{
     Refusal, StabilityFigures, StabilityRow, StabilityVerdict, Wanted, stability_differences,

@@ -188,7 +188,7 @@ fn unit(unit: &str) -> String {
     }
 }
 
-fn value(reference: Reference, value: f64) -> String {
+pub(crate) fn value(reference: Reference, value: f64) -> String {
     match reference {
         Reference::Zero if value.abs() < ROUND_OFF => "round-off".to_owned(),
         Reference::Zero => format!("{value:.2e}"),
@@ -196,7 +196,7 @@ fn value(reference: Reference, value: f64) -> String {
     }
 }
 
-fn against(reference: Reference) -> String {
+pub(crate) fn against(reference: Reference) -> String {
     match reference {
         Reference::Exact(r) | Reference::Published(r) => digits(r),
         Reference::Zero => "0".to_owned(),
@@ -224,7 +224,7 @@ fn digits(value: f64) -> String {
     }
 }
 
-fn error(row: &Row) -> String {
+pub(crate) fn error(row: &Row) -> String {
     row.rel_err.map_or("–".to_owned(), |e| match e {
         e if e < ROUND_OFF => "round-off".to_owned(),
         e if e < 1e-4 => format!("{e:.1e}"),
@@ -237,7 +237,7 @@ fn order(row: &Row) -> String {
         .map_or("–".to_owned(), |order| format!("{order:.1}"))
 }
 
-fn target(case: &CaseReport) -> String {
+pub(crate) fn target(case: &CaseReport) -> String {
     let error = case.target.rel_err;
     let percent = if error < 1e-3 {
         format!("{error:.0e}")

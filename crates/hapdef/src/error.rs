@@ -58,6 +58,9 @@ pub enum HapdefError {
     /// The limb's geometry was refused.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A page or a figure could not be made.
+    #[error(transparent)]
+    Report(#[from] hapdef_report::ReportError),
     /// The elastic model failed.
     #[error(transparent)]
     Sim(#[from] SimError),

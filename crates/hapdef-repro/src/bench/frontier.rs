@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use hapdef::SceneArgs;
-use hapdef_repro::{
+use hapdef_report::{
     Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
     lines_svg, write_report,
 };

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use hapdef_nets::infer::{InferParams, InferScratch, LowRank, Precision, PreparedNet};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch};
-use hapdef_repro::MetricLog;
+use hapdef_report::MetricLog;
 use serde::Serialize;
 
 use super::BenchNetsArgs;

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use hapdef::{Profile, Progress, Run};
-use hapdef_repro::MetricLog;
+use hapdef_report::MetricLog;
 
 use crate::run::facts;
 

@@ -3,11 +3,10 @@
 use std::ops::ControlFlow;
 
 use anyhow::{Context, Result};
-use hapdef::stages::Datasets;
-use hapdef::{HapdefError, Run, Stage};
-use hapdef_data::StandardiserFit;
+use hapdef::stages::{Datasets, fit_scales};
+use hapdef::{HapdefError, OutputScale, Run, Stage};
 use hapdef_nets::train::{MemorySource, train};
-use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, load};
+use hapdef_nets::{Activation, Mlp, MlpSpec, Net, TrainParams, load};
 use serde_json::{Value, json};
 
 use crate::run::samples::{SampleSet, blocks};
@@ -18,8 +17,10 @@ const CHECKPOINT_FILE: &str = "net.json";
 /// Rows read together.
 const BLOCK: usize = 512;
 
-/// A narrow net does less work a step; it gets more of them.
+/// A narrow net does less work a step; after a brief schedule it gets more of them, up to
+/// [`MOST_STEPS`].
 const MORE_STEPS: usize = 4;
+const MOST_STEPS: usize = 24_000;
 
 /// Training samples of F_R on every simulated set, in memory.
 pub(super) struct TrainingRows {
@@ -70,7 +71,10 @@ pub(super) fn narrow(
     let keys: Vec<&str> = data.simulated.iter().map(|s| s.key.as_str()).collect();
     let schedule = run.profile.reconstruction;
     let params = TrainParams {
-        steps: (MORE_STEPS * schedule.steps) as u64,
+        steps: (MORE_STEPS * schedule.steps).min(MOST_STEPS.max(schedule.steps)) as u64,
+        batch: schedule.batch,
+        warmup_steps: schedule.warmup_steps as u64,
+        loss: schedule.loss,
         learning_rate: schedule.learning_rate,
         final_learning_rate: Some(schedule.final_learning_rate),
         l2: schedule.l2,
@@ -78,9 +82,12 @@ pub(super) fn narrow(
         validate_every: 0,
         ..TrainParams::paper(run.scene.seed)
     };
-    let inputs = json!({
+    let mut inputs = json!({
         "version": VERSION, "hidden": hidden, "datasets": keys, "params": params,
     });
+    if run.profile.output_scale != OutputScale::Each {
+        inputs["output_scale"] = json!(run.profile.output_scale);
+    }
     let stage = run.cache.stage("net-narrow", &inputs, |dir| {
         run.say(&format!("training F_R of {hidden:?} neurons"));
         fit(run, rows, hidden, &params, &dir.join(CHECKPOINT_FILE))
@@ -102,13 +109,10 @@ fn fit(
         outputs: rows.n_surface,
         activation: Activation::Relu,
     };
-    let (input, output) = (
-        scale(&rows.x, rows.n_virtual)?,
-        scale(&rows.y, rows.n_surface)?,
-    );
-    let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
     let (x, y) = (rows.x.clone(), rows.y.clone());
     let mut samples = MemorySource::new(rows.n_virtual, rows.n_surface, x, y)?;
+    let [input, output] = fit_scales(&mut samples, run.profile.output_scale)?;
+    let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
     let info = train(
         &mut net,
         &mut samples,
@@ -125,13 +129,4 @@ fn fit(
     )?;
     run.check_stop("training a narrow net")?;
     Ok(json!({ "train_loss": info.train_loss, "steps": info.step }))
-}
-
-fn scale(values: &[f32], width: usize) -> Result<Scale, HapdefError> {
-    let mut fit = StandardiserFit::new(width);
-    for block in values.chunks(BLOCK * width) {
-        fit.push(block)?;
-    }
-    let (standardiser, _) = fit.finish()?;
-    Ok(Scale::new(standardiser.mean, standardiser.std)?)
 }

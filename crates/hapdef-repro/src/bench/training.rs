@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use hapdef_nets::train::{MemorySource, Progress, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
-use hapdef_repro::MetricLog;
+use hapdef_report::MetricLog;
 
 /// The script, as it was when this program was built.
 const SCRIPT: &str = include_str!("../../scripts/torch_training.py");

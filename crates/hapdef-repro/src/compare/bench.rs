@@ -12,7 +12,7 @@ use hapdef_inverse::{
     BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
     ResponseMap, ScanSites, TrackerParams,
 };
-use hapdef_repro::MetricLog;
+use hapdef_report::MetricLog;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::cells;

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::{Limb, SceneArgs};
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_repro::{
+use hapdef_report::{
     Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
     lines_svg, write_report,
 };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_repro::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
+use hapdef_report::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
 
 use super::run::{Measured, paper_time_us};
 use super::score::{Row, at};

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use hapdef_report::{ReportError, write_text};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::write_text;
 use crate::ReproError;
 
 /// Linear regression, k-NN and SVR are solved, not trained: only the order of sums differs from one
@@ -72,29 +72,19 @@ impl Golden {
     /// Reads golden values.
     ///
     /// # Errors
-    /// [`ReproError::Io`], [`ReproError::Json`].
+    /// [`ReportError::Io`], [`ReportError::Json`].
     pub fn read(path: &Path) -> Result<Self, ReproError> {
-        let bytes = std::fs::read(path).map_err(|source| ReproError::Io {
-            action: "reading",
-            path: path.to_owned(),
-            source,
-        })?;
-        serde_json::from_slice(&bytes).map_err(|source| ReproError::Json {
-            path: path.to_owned(),
-            source,
-        })
+        let bytes = std::fs::read(path).map_err(ReportError::io("reading", path))?;
+        Ok(serde_json::from_slice(&bytes).map_err(ReportError::json(path))?)
     }
 
     /// Writes them.
     ///
     /// # Errors
-    /// [`ReproError::Io`], [`ReproError::Json`].
+    /// [`ReportError::Io`], [`ReportError::Json`].
     pub fn write(&self, path: &Path) -> Result<(), ReproError> {
-        let json = serde_json::to_string_pretty(self).map_err(|source| ReproError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        write_text(path, &format!("{json}\n"))
+        let json = serde_json::to_string_pretty(self).map_err(ReportError::json(path))?;
+        Ok(write_text(path, &format!("{json}\n"))?)
     }
 
     /// Compares a report with them; how many values were compared.

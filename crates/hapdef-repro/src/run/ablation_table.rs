@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage};
 use hapdef_nets::Net;
-use hapdef_repro::{ReportTable, StageTime, TextCell, TextTable};
+use hapdef_report::{ReportTable, StageTime, TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -215,6 +215,11 @@ impl World<'_> {
                 },
                 ..row(name, BRIEF, maps)
             });
+            if *target == Target::Vector {
+                let name = "the same, virtual gauges as vectors, F_T on superposed presses".into();
+                let maps = MapsFrom::Vectors(&made.by_vectors, modes);
+                ways.push(row(name, BRIEF, maps));
+            }
         }
         ways
     }

@@ -3,13 +3,26 @@
 use anyhow::Result;
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
+use hapdef_report::{ReportTable, TextCell, TextTable};
 use hapdef_repro::{
-    MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, ReportTable, Table1, Table2,
-    TextCell, TextTable,
+    Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
 };
 
 use super::patches::{METHODS, SizePoint};
 use super::scores::Scores;
+
+/// Title of the claims' table.
+pub(crate) const CLAIMS: &str = "What the paper claims";
+
+/// The paper's claims and how they fared.
+pub(crate) fn claims_table(claims: &[Claim]) -> Result<ReportTable> {
+    Ok(ReportTable {
+        title: CLAIMS.into(),
+        note: String::new(),
+        text: claims_text(claims),
+        data: serde_json::to_value(claims)?,
+    })
+}
 
 /// Table 2: HapDef 2018's support vectors, the direct net, the chain on one and two contacts.
 pub(crate) fn table2(scores: &EvalReport, svr: &ContactStats) -> Table2 {

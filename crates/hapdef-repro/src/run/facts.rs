@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use hapdef::convergence::Convergence;
 use hapdef::{Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
-use hapdef_repro::{MetricContext, NamedText, SkippedStage, StageTime};
+use hapdef_report::{MetricContext, NamedText, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
 

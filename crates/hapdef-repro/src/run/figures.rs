@@ -9,7 +9,8 @@ use std::path::Path;
 use anyhow::Result;
 use hapdef::{ComplianceTable, Hapdefx, Limb, Pipeline, Run};
 use hapdef_mesh::{VertexField, write_glb};
-use hapdef_repro::{Figure, FigureContent, LineChart, Series, Table1, lines_svg, table1_svg};
+use hapdef_report::{Figure, FigureContent, LimbMap, LimbView, LineChart, Series, lines_svg};
+use hapdef_repro::{Table1, table1_svg};
 use serde_json::Value;
 
 use self::surface::Surface;
@@ -82,6 +83,21 @@ pub(crate) fn write_surface(path: &Path, limb: &Limb, done: &Pipeline) -> Result
         &limb.skin.surface(&limb.mesh)?,
         Some(&field),
     )?)
+}
+
+/// The same on the page, to be turned, with the gauges.
+pub(crate) fn limb_view(limb: &Limb, done: &Pipeline) -> Result<LimbView> {
+    let values = self_compliance(limb, done)?;
+    let map = LimbMap {
+        title: "Figure 3: one newton on each node in turn".into(),
+        unit: "µm".into(),
+        factor: 1.0,
+        range: [0.0, values.iter().copied().fold(0.0, f64::max)],
+        values,
+    };
+    let gauges = limb.sites.iter().map(|site| site.position.coords.into());
+    let surface = limb.skin.surface(&limb.mesh)?;
+    Ok(LimbView::new(&surface, vec![map], gauges.collect()))
 }
 
 fn self_compliance(limb: &Limb, done: &Pipeline) -> Result<Vec<f64>> {

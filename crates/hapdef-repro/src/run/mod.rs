@@ -31,9 +31,8 @@ use clap::{Args, Parser, Subcommand};
 use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
-use hapdef_repro::{
-    Golden, MetricLog, Report, Table1, results_markdown, table1_claims, write_report, write_text,
-};
+use hapdef_report::{MetricLog, Report, write_report, write_text};
+use hapdef_repro::{Golden, Table1, results_markdown, table1_claims};
 
 use self::ablation_table::{Ablations, ablation_table};
 use self::frames::Frames;
@@ -266,15 +265,23 @@ fn assemble(
         examples: &examples::examples(run, limb, done)?,
         sizes,
     })?;
+    let mut tables = vec![contents::claims_table(&claims)?];
+    tables.extend(contents::tables(
+        &parts.table1,
+        &table2,
+        scores,
+        &both,
+        sizes,
+    )?);
     let mut report = Report {
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
         seed: run.scene.seed,
         facts: facts::facts(run, done, &parts.svr, &parts.mesh_check),
-        claims,
-        tables: contents::tables(&parts.table1, &table2, scores, &both, sizes)?,
+        tables,
         figures,
+        limbs: vec![figures::limb_view(limb, done)?],
         stages: facts::stage_times(done, &parts.stages),
         skipped: facts::skipped(run, with_nets),
         hashes: facts::hashes(run, limb, done),
@@ -285,7 +292,7 @@ fn assemble(
     let printed = Printed {
         table1: &parts.table1[0],
         table2: &table2,
-        claims: &report.claims,
+        claims: &claims,
         done,
         wall_s: facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64()),
     };

@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use hapdef::{HapdefError, MapError, Pipeline, Run, Stage};
+use hapdef_report::{ReportTable, TextCell, TextTable};
 use hapdef_repro::{
-    LinearAccumulator, LinearParams, LinearRegression, Method, ReportTable, Table1, TestSet,
-    TextCell, TextTable, TrainSet,
+    LinearAccumulator, LinearParams, LinearRegression, Method, Table1, TestSet, TrainSet,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::json;

@@ -5,7 +5,7 @@ use hapdef::{
     ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, ScoredContact, gospa,
     score_lenient, score_one_to_one,
 };
-use hapdef_repro::{ReportTable, TextCell, TextTable};
+use hapdef_report::{ReportTable, TextCell, TextTable};
 use serde::Serialize;
 
 use super::frames::{Frame, Frames};

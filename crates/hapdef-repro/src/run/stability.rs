@@ -6,10 +6,12 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use hapdef::touch::response_map;
 use hapdef::{Limb, SceneArgs};
+use hapdef_report::{MetricLog, Report, ReportTable, TextCell, TextTable, write_report};
 use hapdef_repro::{
-    InverseWorld, MetricLog, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows,
-    nets_markdown, nets_rows, stability_differences, stability_line,
+    InverseWorld, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows, nets_markdown,
+    nets_rows, stability_differences, stability_line,
 };
+use serde_json::json;
 
 use super::facts;
 
@@ -42,6 +44,23 @@ struct TableArgs {
     metrics: PathBuf,
 }
 
+/// A table's page.
+struct Names {
+    title: &'static str,
+    /// Its folder, beside the metrics' file.
+    folder: &'static str,
+}
+
+const NETS: Names = Names {
+    title: "Training, baselines and inference at their extremes",
+    folder: "stability-nets",
+};
+
+const INVERSE: Names = Names {
+    title: "Contacts by superposition at their extremes",
+    folder: "stability-inverse",
+};
+
 impl TableArgs {
     /// Prints a row as it is done; a check tells only what differs.
     fn show(&self, row: &StabilityRow) {
@@ -54,7 +73,7 @@ impl TableArgs {
 /// Runs the rows of nets and baselines.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     let rows = nets_rows(|row| args.table.show(row));
-    finish(&args.table, &rows, &nets_markdown(&rows))
+    finish(&args.table, &NETS, &rows, &nets_markdown(&rows))
 }
 
 /// Runs the rows of superposition on a scene's limb.
@@ -65,10 +84,10 @@ pub(crate) fn run_inverse(args: &InverseArgs) -> Result<()> {
     let held = limb.clamped.iter().map(|node| limb.mesh.position(*node));
     let world = Arc::new(InverseWorld::new(map, held.collect())?);
     let rows = inverse_rows(&world, |row| args.table.show(row));
-    finish(&args.table, &rows, &inverse_markdown(&rows))
+    finish(&args.table, &INVERSE, &rows, &inverse_markdown(&rows))
 }
 
-fn finish(args: &TableArgs, rows: &[StabilityRow], text: &str) -> Result<()> {
+fn finish(args: &TableArgs, names: &Names, rows: &[StabilityRow], text: &str) -> Result<()> {
     let failed = rows.iter().filter(|row| row.is_failed()).count();
     let wrong = rows
         .iter()
@@ -78,6 +97,16 @@ fn finish(args: &TableArgs, rows: &[StabilityRow], text: &str) -> Result<()> {
     log.value("stability.failed", failed as f64, "1")?;
     log.value("stability.silently_wrong", wrong.count() as f64, "1")?;
     log.append_to(&args.metrics)?;
+    let report = Report {
+        title: names.title.into(),
+        tables: vec![table(rows)],
+        metrics: log.records().to_vec(),
+        ..Report::default()
+    };
+    let pages = write_report(&args.metrics.with_file_name(names.folder), &report)?;
+    if let Some(page) = pages.last() {
+        println!("page: {}", page.display());
+    }
     if let Some(path) = &args.write {
         super::search::write(path, text)?;
     }
@@ -99,4 +128,60 @@ fn finish(args: &TableArgs, rows: &[StabilityRow], text: &str) -> Result<()> {
         bail!("{unknown} of {} rows failed", rows.len());
     }
     Ok(())
+}
+
+/// The rows for people and for machines.
+fn table(rows: &[StabilityRow]) -> ReportTable {
+    let header = [
+        "method",
+        "extreme",
+        "must hold",
+        "limit",
+        "measured",
+        "said",
+        "verdict",
+    ];
+    let cells = |row: &StabilityRow| {
+        let short = |value: f64| format!("{value:.1e}");
+        let figure = row.outcome.as_ref().ok();
+        let said = match &row.outcome {
+            Ok(_) => row.said().to_owned(),
+            Err(refusal) => refusal.text.clone(),
+        };
+        let mut cells = [
+            row.method.to_owned(),
+            row.extreme.clone(),
+            row.must_hold.to_owned(),
+            figure.map_or_else(String::new, |f| short(f.limit)),
+            figure.map_or_else(String::new, |f| short(f.measured)),
+            said,
+            row.verdict().word().to_owned(),
+        ]
+        .map(TextCell::plain);
+        cells[6].strong = !row.is_failed();
+        cells.to_vec()
+    };
+    let data = rows.iter().map(|row| {
+        let figure = row.outcome.as_ref().ok();
+        json!({
+            "method": row.method,
+            "extreme": row.extreme,
+            "must_hold": row.must_hold,
+            "measured": figure.map(|f| f.measured),
+            "limit": figure.map(|f| f.limit),
+            "said": row.said(),
+            "text": row.outcome.as_ref().err().map(|refusal| &refusal.text),
+            "verdict": row.verdict().word(),
+            "failed": row.is_failed(),
+        })
+    });
+    ReportTable {
+        title: "Rows".into(),
+        note: "Measured: the figure that must not exceed the limit.".into(),
+        text: TextTable {
+            header: header.map(str::to_owned).to_vec(),
+            rows: rows.iter().map(cells).collect(),
+        },
+        data: data.collect(),
+    }
 }

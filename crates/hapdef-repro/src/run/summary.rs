@@ -4,9 +4,10 @@ use std::io::Stdout;
 
 use anyhow::Result;
 use hapdef::Pipeline;
-use hapdef_repro::{Claim, MetricLog, Report, Table1, Table2, TestSet, TextTable, fnn_over_lr};
+use hapdef_report::{MetricLog, Report, TextTable};
+use hapdef_repro::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 
-use super::claims;
+use super::{claims, contents};
 
 /// What the metrics are taken from.
 pub(crate) struct Printed<'a> {
@@ -72,16 +73,25 @@ fn log_demo(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
 /// Tables and verdicts on the terminal.
 pub(crate) fn print(report: &Report) {
     for table in &report.tables {
-        println!("\n{}\n{}", table.title, terminal_table(&table.text));
-    }
-    for claim in &report.claims {
-        println!("\n{}", claim.text);
-        for verdict in &claim.verdicts {
-            let fate = verdict.fate.name();
-            println!("  {}: {fate}; {}", verdict.metric, verdict.reason);
+        if table.title == contents::CLAIMS {
+            print_claims(&table.text);
+        } else {
+            println!("\n{}\n{}", table.title, terminal_table(&table.text));
         }
     }
     println!();
+}
+
+/// A claim, and a line for each metric: too wide for a table.
+fn print_claims(text: &TextTable) {
+    for row in &text.rows {
+        if let [claim, _, metric, fate, reason] = row.as_slice() {
+            if !claim.text.is_empty() {
+                println!("\n{}", claim.text);
+            }
+            println!("  {}: {}; {}", metric.text, fate.text, reason.text);
+        }
+    }
 }
 
 pub(crate) fn terminal_table(text: &TextTable) -> comfy_table::Table {

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use hapdef::Progress;
+use hapdef_report::{MetricLog, TextCell, TextTable};
 use hapdef_repro::{
-    MetricLog, TactileMethod, TactileParams, TactileRun, TactileScore, TextCell, TextTable,
-    numpy_permutations, read_tactile_runs, seeded_permutation, tactile_folder, tactile_scores,
+    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
+    seeded_permutation, tactile_folder, tactile_scores,
 };
 
 use super::facts;

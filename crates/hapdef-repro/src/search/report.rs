@@ -3,8 +3,7 @@
 use super::space::{Knob, KnobValues};
 use super::trials::{Trial, TrialHeader, TrialSource, best_trial};
 use crate::ReproError;
-use crate::plots::{LineChart, Series, lines_svg};
-use crate::tables::{TextCell, TextTable};
+use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
 
 /// The search in Markdown: what it rests on, the best point beside the paper's, every trial.
 #[must_use]
@@ -108,7 +107,7 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
     let each = trials
         .iter()
         .filter_map(|t| Some((t.index as f64, t.objective?)));
-    lines_svg(&LineChart {
+    Ok(lines_svg(&LineChart {
         title: format!("{}: best so far", header.method),
         x_label: "trial".into(),
         y_label: header.objective.clone(),
@@ -124,7 +123,7 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
                 points: loose(each),
             },
         ],
-    })
+    })?)
 }
 
 fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::space::KnobValues;
 use crate::ReproError;
+use hapdef_report::ReportError;
 
 /// What the trials of a file rest on: its first line. Trials of other headers don't compare.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,13 +73,14 @@ impl TrialLog {
     /// A file that can't be read or written, or that rests on something else.
     pub fn open(path: &Path, header: &TrialHeader) -> Result<(Self, Vec<Trial>), ReproError> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(io("making folder", folder))?;
+            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
         }
         let file = OpenOptions::new().append(true).create(true).open(path);
-        let file = file.map_err(io("opening", path))?;
-        let text = std::fs::read_to_string(path).map_err(io("reading", path))?;
+        let file = file.map_err(ReportError::io("opening", path))?;
+        let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
         let whole = text.rfind('\n').map_or(0, |at| at + 1);
-        file.set_len(whole as u64).map_err(io("cutting", path))?;
+        file.set_len(whole as u64)
+            .map_err(ReportError::io("cutting", path))?;
         let mut log = Self {
             file,
             path: path.to_owned(),
@@ -101,15 +103,13 @@ impl TrialLog {
     }
 
     fn append(&mut self, line: &impl Serialize) -> Result<(), ReproError> {
-        let mut text = serde_json::to_vec(line).map_err(|source| ReproError::Json {
-            path: self.path.clone(),
-            source,
-        })?;
+        let mut text = serde_json::to_vec(line).map_err(ReportError::json(&self.path))?;
         text.push(b'\n');
-        self.file
+        Ok(self
+            .file
             .write_all(&text)
             .and_then(|()| self.file.sync_data())
-            .map_err(io("writing", &self.path))
+            .map_err(ReportError::io("writing", &self.path))?)
     }
 }
 
@@ -118,7 +118,7 @@ impl TrialLog {
 /// # Errors
 /// A file that can't be read or holds something else.
 pub fn read_trials(path: &Path) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
-    let text = std::fs::read_to_string(path).map_err(io("reading", path))?;
+    let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
     let whole = text.rfind('\n').map_or(0, |at| at + 1);
     parse_trials(path, &text[..whole])
 }
@@ -172,12 +172,8 @@ pub fn best_trial(trials: &[Trial]) -> Option<&Trial> {
 /// # Errors
 /// A number that JSON can't hold.
 pub fn trials_text(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproError> {
-    let json = |line: serde_json::Result<String>| {
-        line.map_err(|source| ReproError::Json {
-            path: "trials".into(),
-            source,
-        })
-    };
+    let bad = ReportError::json(Path::new("trials"));
+    let json = |line: serde_json::Result<String>| line.map_err(&bad);
     let mut text = json(serde_json::to_string(header))? + "\n";
     for trial in trials {
         text += &(json(serde_json::to_string(trial))? + "\n");
@@ -186,14 +182,11 @@ pub fn trials_text(header: &TrialHeader, trials: &[Trial]) -> Result<String, Rep
 }
 
 fn parse_trials(path: &Path, text: &str) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
-    let bad = |source| ReproError::Json {
-        path: path.to_owned(),
-        source,
-    };
+    let bad = ReportError::json(path);
     let mut lines = text.lines();
-    let header = serde_json::from_str(lines.next().unwrap_or_default()).map_err(bad)?;
+    let header = serde_json::from_str(lines.next().unwrap_or_default()).map_err(&bad)?;
     let mut trials: Vec<Trial> = lines
-        .map(|line| serde_json::from_str(line).map_err(bad))
+        .map(|line| serde_json::from_str(line).map_err(&bad))
         .collect::<Result<_, _>>()?;
     trials.sort_by_key(|trial| trial.index);
     Ok((header, trials))
@@ -210,15 +203,6 @@ fn check_header(path: &Path, asked: &TrialHeader, found: &TrialHeader) -> Result
             path.display()
         ),
     })
-}
-
-fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> ReproError {
-    let path = path.to_owned();
-    move |source| ReproError::Io {
-        action,
-        path: path.clone(),
-        source,
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Claims of the paper and how they fared, by comparisons of two numbers each.
 
-use super::text::{TextCell, TextTable, cell_text};
+use hapdef_report::{TextCell, TextTable, cell_text};
 
 /// How a claim fared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

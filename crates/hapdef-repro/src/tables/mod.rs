@@ -4,17 +4,17 @@ mod claim;
 mod metric;
 mod orderings;
 mod table1;
+mod table1_bars;
 mod table2;
-pub(crate) mod text;
 
 pub use claim::{Check, Claim, Fate, MetricVerdict, claims_text};
 pub use metric::MapMetric;
 pub use orderings::{fnn_over_lr, table1_claims};
 pub use table1::{CellState, Method, Table1, Table1Record, TestSet, TrainSet};
+pub use table1_bars::table1_svg;
 pub use table2::{
     OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table2,
 };
-pub use text::{TextCell, TextTable};
 
 /// How many cells of a table there are, hold a number, or hold a NaN or infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]

@@ -1,7 +1,7 @@
 //! Table 2: accuracy of position and force.
 
 use super::CellCount;
-use super::text::{TextCell, TextTable, cell_text};
+use hapdef_report::{TextCell, TextTable, cell_text};
 
 /// Fraction of variance unexplained of the map, one contact (Sun & Martius 2019).
 pub const PAPER_FVU_SINGLE: f64 = 0.04;

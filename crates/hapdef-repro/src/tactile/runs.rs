@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::ReproError;
+use hapdef_report::ReportError;
 
 /// Channels of the skin: five magnetometers of three axes.
 const N_CHANNELS: usize = 15;
@@ -72,11 +73,7 @@ fn read_run(folder: &Path, name: &str) -> Result<TactileRun, ReproError> {
 }
 
 fn read_table(path: &Path, n_columns: usize) -> Result<Vec<Vec<f32>>, ReproError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ReproError::Io {
-        action: "reading",
-        path: path.to_owned(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
     let rows = text.lines().enumerate().map(|(i, line)| {
         read_line(line, n_columns).map_err(|what| ReproError::Line {
             path: path.to_owned(),

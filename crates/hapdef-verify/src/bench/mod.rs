@@ -24,8 +24,9 @@ use nalgebra::{Point3, Vector3};
 
 use self::clock::{Took, peak_gib, timed};
 use self::system::System;
+use crate::VerifyError;
 use crate::meshes::{Blocks, nodes_where};
-use crate::{MetricLog, VerifyError};
+use hapdef_report::MetricLog;
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,11 +201,12 @@ fn campaign<W: Write>(
         Ok(run_s) => {
             let ours_s: f64 = stages.iter().map(|stage| stage.wall_s).sum();
             log.value("fe.ccx_run_s", run_s, "s")?;
-            log.value("fe.campaign_vs_ccx", run_s * n_loads as f64 / ours_s, "1")
+            log.value("fe.campaign_vs_ccx", run_s * n_loads as f64 / ours_s, "1")?;
         }
-        Err(VerifyError::NotRun { reason }) => log.skipped("fe.campaign_vs_ccx", &reason),
-        Err(error) => Err(error),
+        Err(VerifyError::NotRun { reason }) => log.skipped("fe.campaign_vs_ccx", &reason)?,
+        Err(error) => return Err(error),
     }
+    Ok(())
 }
 
 /// `model`, on one thread, against faer's plain call, CHOLMOD and the dense product.
@@ -262,7 +264,7 @@ fn against<W: Write>(
     let factor = (order_s + factor_s) / plain.factor.wall_s;
     log.value(&name("order_and_factor_vs_faer"), factor, "1")?;
     let ratio = solve.processor_s / plain.solve.processor_s;
-    log.value(&name("solve_vs_faer"), ratio, "1")
+    Ok(log.value(&name("solve_vs_faer"), ratio, "1")?)
 }
 
 /// A thick plate of 304,920 equations, 240 loads.

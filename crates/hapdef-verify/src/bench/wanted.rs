@@ -5,7 +5,8 @@ use hapdef_sim::{ComplianceParams, ElasticModel, GaugeStrain, NodalLoad, Residua
 use std::io::Write;
 
 use super::clock::timed;
-use crate::{MetricLog, VerifyError};
+use crate::VerifyError;
+use hapdef_report::MetricLog;
 
 /// Rounds; each takes every variant once.
 const N_ROUNDS: usize = 3;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_verify::MetricLog;
+use hapdef_report::MetricLog;
 use hapdef_verify::bench::{self, BenchOptions};
 
 use super::context::context;

@@ -1,9 +1,12 @@
-//! What every metric carries.
+//! What every metric carries, and where pages go.
 
+use std::io::Stdout;
+use std::path::Path;
 use std::process::Command;
 use std::time::SystemTime;
 
-use hapdef_verify::MetricContext;
+use anyhow::Result;
+use hapdef_report::{MetricContext, MetricLog, NamedText, Report, write_report};
 
 /// Commit, machine and time of this run.
 pub(crate) fn context(seed: u64) -> MetricContext {
@@ -14,6 +17,36 @@ pub(crate) fn context(seed: u64) -> MetricContext {
         seed,
         time: now(),
     }
+}
+
+/// Writes a report into `folder` beside the metrics' file, with the metrics of `log`, and says where.
+pub(crate) fn write_page(
+    mut report: Report,
+    log: &MetricLog<Stdout>,
+    metrics: &Path,
+    folder: &str,
+) -> Result<()> {
+    let records = log.records();
+    report.metrics = records.to_vec();
+    if let Some(record) = records.first() {
+        let of = &record.context;
+        report.facts.extend(
+            [
+                ("commit", &of.commit),
+                ("machine", &of.machine),
+                ("time", &of.time),
+            ]
+            .map(|(name, text)| NamedText {
+                name: name.into(),
+                text: text.clone(),
+            }),
+        );
+    }
+    let paths = write_report(&metrics.with_file_name(folder), &report)?;
+    if let Some(page) = paths.last() {
+        eprintln!("page: {}", page.display());
+    }
+    Ok(())
 }
 
 /// Seconds since 1970 as RFC 3339 in UTC, by the date program; plain seconds without it.

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_verify::{DeckFigures, KnownFigures, MetricLog, read_displacements};
+use hapdef_report::MetricLog;
+use hapdef_verify::{DeckFigures, KnownFigures, read_displacements};
 
 use super::context::context;
 

@@ -6,12 +6,13 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use hapdef_mesh::atomic_write;
+use hapdef_report::MetricLog;
 use hapdef_verify::{
-    MetricLog, StabilityRow, StabilityVerdict, stability_differences, stability_line,
-    stability_markdown, stability_rows,
+    StabilityRow, StabilityVerdict, stability_differences, stability_line, stability_markdown,
+    stability_page, stability_rows,
 };
 
-use super::context::context;
+use super::context::{context, write_page};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -51,8 +52,9 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
             println!("{}", stability_line(row));
         }
     })?;
+    let data: serde_json::Value = rows.iter().map(json).collect();
     if args.json {
-        println!("{}", rows.iter().map(json).collect::<serde_json::Value>());
+        println!("{data}");
     }
     if let Some(path) = &args.write {
         let text = stability_markdown(&rows);
@@ -60,7 +62,13 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
             .with_context(|| format!("writing {}", path.display()))?;
     }
     let n_failed = rows.iter().filter(|row| row.is_failed()).count();
-    metrics(args, &rows, n_failed)?;
+    let log = metrics(args, &rows, n_failed)?;
+    write_page(
+        stability_page(&rows, data),
+        &log,
+        &args.metrics,
+        "stability-fe",
+    )?;
     Ok(agrees(args, &rows)? && n_failed == 0)
 }
 
@@ -96,7 +104,11 @@ fn json(row: &StabilityRow) -> serde_json::Value {
     })
 }
 
-fn metrics(args: &StabilityArgs, rows: &[StabilityRow], n_failed: usize) -> Result<()> {
+fn metrics(
+    args: &StabilityArgs,
+    rows: &[StabilityRow],
+    n_failed: usize,
+) -> Result<MetricLog<std::io::Stdout>> {
     let wrong = |row: &&StabilityRow| row.verdict() == StabilityVerdict::SilentlyWrong;
     let n_wrong = rows.iter().filter(wrong).count();
     let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
@@ -104,5 +116,5 @@ fn metrics(args: &StabilityArgs, rows: &[StabilityRow], n_failed: usize) -> Resu
     log.value("stability.failed", n_failed as f64, "1")?;
     log.value("stability.silently_wrong", n_wrong as f64, "1")?;
     log.append_to(&args.metrics)?;
-    Ok(())
+    Ok(log)
 }

@@ -5,9 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
-use hapdef_verify::{MetricLog, Report, all_cases, differences, markdown, people_table, run_cases};
+use hapdef_report::MetricLog;
+use hapdef_verify::{
+    Report, all_cases, differences, markdown, people_table, run_cases, verification_page,
+};
 
-use super::context::context;
+use super::context::{context, write_page};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -48,15 +51,18 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
             print!("{}", people_table(case));
         }
     });
+    let data = json(&report);
     if args.json {
-        println!("{}", json(&report));
+        println!("{data}");
     }
     if let Some(path) = &args.write {
         let text = markdown(&report);
         atomic_write(path, |file| file.write_all(text.as_bytes()))
             .with_context(|| format!("writing {}", path.display()))?;
     }
-    metrics(args, &report)?;
+    let log = metrics(args, &report)?;
+    let page = verification_page(&report, data)?;
+    write_page(page, &log, &args.metrics, "verify")?;
     Ok(agrees(args, &report)? && report.n_failed() == 0)
 }
 
@@ -96,7 +102,7 @@ fn json(report: &Report) -> serde_json::Value {
     rows.collect()
 }
 
-fn metrics(args: &VerifyArgs, report: &Report) -> Result<()> {
+fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdout>> {
     let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
     log.value("verify.rows", report.n_judged() as f64, "1")?;
     log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
@@ -109,5 +115,5 @@ fn metrics(args: &VerifyArgs, report: &Report) -> Result<()> {
         )?,
     }
     log.append_to(&args.metrics)?;
-    Ok(())
+    Ok(log)
 }

@@ -5,16 +5,19 @@ use std::path::Path;
 use anyhow::Result;
 use clap::Args;
 use hapdef::touch::{LimitsReport, LimitsRequest, limits, response_map};
-use hapdef::{Limb, SceneArgs};
+use hapdef::{Limb, Run, SceneArgs, write_json};
 use hapdef_inverse::LimitParams;
 use hapdef_mesh::{VertexField, write_glb};
+use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable};
 use serde_json::{Value, json};
+
+use super::pages;
 
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  hapdef limits fixtures/shin/scene.json --noise-ue 5\n\n\
-    Bounds are Cramér–Rao's: no unbiased estimator does better. The picture is a .glb with the \
-    bound as colour."
+    Bounds are Cramér–Rao's: no unbiased estimator does better. The page limits.html has them on \
+    the limb, limits.json the figures, limits.glb the limb with the bound as colour."
 )]
 pub(crate) struct LimitsArgs {
     #[command(flatten)]
@@ -53,12 +56,85 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
     let report = limits(map, &request)?;
     let picture = args.scene.out.join(&run.scene.name).join("limits.glb");
     draw(&picture, &limb, &report, request.carried.usable_sd_m)?;
+    let figures = as_json(&limb, &request, &report);
+    write_json(&picture.with_extension("json"), &figures)?;
+    let page_file = picture.with_extension("html");
+    page(&run, &limb, &request, &report)?.write(&page_file)?;
     if args.json {
-        println!("{}", as_json(&limb, &request, &report));
+        println!("{figures}");
     } else {
-        print(&request, &report, &picture);
+        print(&request, &report, &page_file);
     }
     Ok(())
+}
+
+/// Bounds in tables and on the limb.
+fn page(run: &Run, limb: &Limb, request: &LimitsRequest, report: &LimitsReport) -> Result<Page> {
+    let usable_m = request.carried.usable_sd_m;
+    let fact = |name: &str, text: String| pages::fact(name, text);
+    let most = report.carried.iter().filter(|row| row.is_carried);
+    let most = most.map(|row| row.n_contacts).max().unwrap_or_default();
+    let n_blind = report.blind_nodes.len();
+    Ok(Page {
+        title: format!("What the gauges of {} can tell", run.scene.name),
+        facts: vec![
+            fact("scene", run.scene.name.clone()),
+            fact("noise", format!("{} µε", request.noise_ue)),
+            fact("contacts", format!("{} N each", request.carried.force_n)),
+            fact("usable", format!("a bound up to {} mm", usable_m * 1e3)),
+            fact("seed", request.carried.seed.to_string()),
+        ],
+        blocks: vec![
+            Block::Verdict {
+                text: format!(
+                    "{most} contacts at a time; {n_blind} of {} surface nodes are blind spots",
+                    report.single_m.len()
+                ),
+                warns: most == 0 || n_blind > 0,
+            },
+            Block::Heading("Bounds of a position".into()),
+            Block::Table(bounds_table(report)),
+            Block::Note(
+                "Cramér–Rao's, one standard deviation: no unbiased estimator does better. Carried: \
+                 the median is usable."
+                    .into(),
+            ),
+            Block::Heading("One contact".into()),
+            Block::Limb(LimbView::new(
+                &limb.skin.surface(&limb.mesh)?,
+                vec![LimbMap {
+                    title: "bound of the position".into(),
+                    unit: "mm".into(),
+                    factor: 1e3,
+                    values: report.single_m.iter().map(|b| b.min(usable_m)).collect(),
+                    range: [0.0, report.single_quantile_m(0.99).min(usable_m)],
+                }],
+                limb.sites.iter().map(|site| site.position.coords.into()).collect(),
+            )),
+            Block::Note("Rings: gauges, dashed on the far side.".into()),
+        ],
+    })
+}
+
+fn bounds_table(report: &LimitsReport) -> TextTable {
+    let mm = |metres: f64| format!("{:.2}", metres * 1e3);
+    let of = |name: &str, quantile: &dyn Fn(f64) -> f64| {
+        let [median, p95] = [0.5, 0.95].map(|q| mm(quantile(q)));
+        [name.into(), median, p95, "–".into(), "–".into()]
+    };
+    let single = of("one, all over the skin", &|q| report.single_quantile_m(q));
+    let pair = of("one of two", &|q| report.pair_quantile_m(q));
+    let carried = report.carried.iter().map(|row| {
+        [
+            format!("{} drawn at random", row.n_contacts),
+            mm(row.median_sd_m),
+            mm(row.p95_sd_m),
+            format!("{:.1} %", row.singular_share * 100.0),
+            if row.is_carried { "yes" } else { "no" }.into(),
+        ]
+    });
+    let header = ["contacts", "median, mm", "95 %, mm", "singular", "carried"];
+    pages::table(header, [single, pair].into_iter().chain(carried))
 }
 
 /// The single bound as colour, from 0 to what is usable.
@@ -76,7 +152,7 @@ fn draw(path: &Path, limb: &Limb, report: &LimitsReport, usable_m: f64) -> Resul
     Ok(write_glb(path, &surface, Some(&field))?)
 }
 
-fn print(request: &LimitsRequest, report: &LimitsReport, picture: &Path) {
+fn print(request: &LimitsRequest, report: &LimitsReport, page: &Path) {
     let mm = |metres: f64| format!("{:8.2}", metres * 1e3);
     println!(
         "bounds at {} µε of noise, contacts of {} N\n\n{:16} median mm  95 % mm",
@@ -105,11 +181,11 @@ fn print(request: &LimitsRequest, report: &LimitsReport, picture: &Path) {
         );
     }
     println!(
-        "\n{} of {} surface nodes are blind spots (bound beyond {} mm)\npicture: {}",
+        "\n{} of {} surface nodes are blind spots (bound beyond {} mm)\npage: {}",
         report.blind_nodes.len(),
         report.single_m.len(),
         request.carried.usable_sd_m * 1e3,
-        picture.display()
+        page.display()
     );
 }
 

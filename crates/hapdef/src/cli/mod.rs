@@ -13,6 +13,7 @@ mod limits;
 mod live;
 mod live_record;
 mod live_ros;
+mod pages;
 mod place;
 mod plan;
 mod record;

@@ -9,13 +9,30 @@ use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
 use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, study_layouts};
 use hapdef::{Limb, Run, SceneArgs, write_json};
 use hapdef_inverse::PlacementScore;
+use hapdef_report::{
+    Block, Figure, FigureContent, LimbMap, LimbView, LineChart, Page, Series, TextTable, lines_svg,
+};
 use nalgebra::Point3;
 use serde_json::{Value, json};
+
+use super::pages;
+
+/// A bound of a layout, m.
+type Bound = fn(&PlacementScore) -> f64;
+
+/// Bounds that the page plots.
+const BOUNDS: [(&str, Bound); 4] = [
+    ("One contact: mean", |score| score.single_mean_m),
+    ("One contact: 95 %", |score| score.single_p95_m),
+    ("One of two contacts: median", |score| score.pair_median_m),
+    ("One of two contacts: 95 %", |score| score.pair_p95_m),
+];
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
     hapdef place fixtures/shin/scene.json --gauges 10 --keep-out 0,0.06,0,0.02\n\n\
-    The layout is written as gauges.sites, ready for the scene file.")]
+    The layout is written as gauges.sites, ready for the scene file; placement.html has it on the \
+    limb and the bounds by number of gauges as a plot.")]
 pub(crate) struct PlaceArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -83,6 +100,9 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     let curves = path.with_file_name("placement.csv");
     std::fs::write(&curves, as_csv(&study))
         .with_context(|| format!("writing {}", curves.display()))?;
+    write_json(&curves.with_extension("json"), &as_json(&study))?;
+    let page_file = curves.with_extension("html");
+    page(&run, &limb, &params, &study)?.write(&page_file)?;
     if let Some(path) = &args.write {
         write_scene(path, &run, best, args)?;
     }
@@ -91,8 +111,127 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     } else {
         print(&study, &params);
         println!("\n{}: {} (gauges.sites)", best.name, path.display());
+        println!("page: {}", page_file.display());
     }
     Ok(())
+}
+
+/// Layouts in a table, bounds as plots, the recommended one on the limb.
+fn page(run: &Run, limb: &Limb, params: &LayoutParams, study: &LayoutStudy) -> Result<Page> {
+    let best = study.layouts.last().context("no layout was made")?;
+    let n_candidates = study.n_candidates;
+    let mut blocks = vec![
+        Block::Verdict {
+            text: format!("{}: the layout of the table's last row", best.name),
+            warns: false,
+        },
+        Block::Heading(format!("Bounds of {} gauges", params.n_gauges)),
+        Block::Table(layouts_table(study)),
+        Block::Note("Cramér–Rao bounds of the position, one standard deviation.".into()),
+        Block::Heading("By number of gauges".into()),
+    ];
+    for (title, bound) in BOUNDS {
+        blocks.push(Block::Figure(curves(study, title, bound)?));
+    }
+    blocks.extend([
+        Block::Heading(format!("The layout: {}", best.name)),
+        Block::Limb(LimbView::new(
+            &limb.skin.surface(&limb.mesh)?,
+            vec![distances(limb, best)],
+            best.gauges
+                .iter()
+                .map(|g| g.position_m.coords.into())
+                .collect(),
+        )),
+        Block::Note("Rings: gauges, on the inner wall, dashed on the far side.".into()),
+    ]);
+    Ok(Page {
+        title: format!("Where to put gauges on {}", run.scene.name),
+        facts: vec![
+            pages::fact("scene", run.scene.name.clone()),
+            pages::fact(
+                "gauges",
+                format!("{}, {} mounted", params.n_gauges, params.n_mounted),
+            ),
+            pages::fact("noise", format!("{} µε", params.noise_ue)),
+            pages::fact("contacts", format!("{} N", params.force_n)),
+            pages::fact(
+                "candidates",
+                format!("{n_candidates}, {} don't fit", study.n_refused),
+            ),
+            pages::fact("solved in", format!("{:.2} s", study.solve_s)),
+            pages::fact("seed", params.seed.to_string()),
+        ],
+        blocks,
+    })
+}
+
+fn layouts_table(study: &LayoutStudy) -> TextTable {
+    let mm = |metres: f64| format!("{:.2}", metres * 1e3);
+    let row = |layout: &ScoredLayout| {
+        let score = &layout.score;
+        [
+            layout.name.clone(),
+            mm(score.single_mean_m),
+            mm(score.single_p95_m),
+            mm(score.pair_median_m),
+            mm(score.pair_p95_m),
+            format!("{:.2}", layout.elapsed_s),
+        ]
+    };
+    let header = [
+        "layout",
+        "one: mean, mm",
+        "95 %",
+        "two: median, mm",
+        "95 %",
+        "chosen in, s",
+    ];
+    pages::table(header, study.layouts.iter().map(row))
+}
+
+/// One bound of every method by number of gauges.
+fn curves(study: &LayoutStudy, title: &str, bound: Bound) -> Result<Figure> {
+    let mut series: Vec<Series> = Vec::new();
+    for counted in &study.by_count {
+        let point = (counted.n_gauges as f64, bound(&counted.score) * 1e3);
+        match series.iter_mut().find(|s| s.name == counted.name) {
+            Some(found) => found.points.push(point),
+            None => series.push(Series {
+                name: counted.name.into(),
+                points: vec![point],
+            }),
+        }
+    }
+    let chart = LineChart {
+        title: title.into(),
+        x_label: "gauges".into(),
+        y_label: "bound, mm".into(),
+        log_y: true,
+        dots: true,
+        series,
+    };
+    Ok(Figure {
+        file: String::new(),
+        caption: format!("{title}, by number of gauges and method"),
+        content: FigureContent::Svg(lines_svg(&chart)?),
+    })
+}
+
+/// How far each place of the skin is from the nearest gauge.
+fn distances(limb: &Limb, layout: &ScoredLayout) -> LimbMap {
+    let nearest = |x: &Point3<f64>| {
+        let gaps = layout.gauges.iter().map(|g| (g.position_m - x).norm());
+        gaps.fold(f64::INFINITY, f64::min)
+    };
+    let values: Vec<f64> = limb.surface_points().iter().map(nearest).collect();
+    LimbMap {
+        title: "distance to the nearest gauge".into(),
+        unit: "mm".into(),
+        factor: 1e3,
+        range: [0.0, values.iter().copied().fold(0.0, f64::max)],
+        values,
+    }
 }
 
 fn print(study: &LayoutStudy, params: &LayoutParams) {

@@ -36,6 +36,9 @@ pub(super) struct AblationNets {
     pub(super) brief: Net,
     /// F_R to the coefficients of modes, for each of [`Target::ALL`], trained as briefly.
     pub(super) by_modes: Vec<(Target, Net, Modes)>,
+    /// F_T to the virtual gauges' vectors on superposed presses, and F_R from them to modes of the
+    /// map of vectors, trained as briefly.
+    pub(super) by_vectors: [Net; 2],
     /// Readings straight to the map, trained as briefly.
     pub(super) without_gauges: Net,
     /// F_T on superposed presses, too.
@@ -44,6 +47,25 @@ pub(super) struct AblationNets {
     pub(super) on_predicted: Net,
     /// F_S for the displacement along the press.
     pub(super) on_normal: Net,
+}
+
+/// What F_R is told of each virtual gauge.
+#[derive(Clone, Copy)]
+enum Inputs {
+    /// How far it moves, as in the paper.
+    Magnitudes,
+    /// Where to, as well.
+    Vectors,
+}
+
+impl Inputs {
+    /// Numbers of a gauge.
+    fn per_gauge(self) -> usize {
+        match self {
+            Self::Magnitudes => 1,
+            Self::Vectors => 3,
+        }
+    }
 }
 
 /// Trains nets, or reads them from the cache.
@@ -68,7 +90,7 @@ impl Trainer<'_> {
         let sets: Vec<&str> = self.data.simulated.iter().map(|s| s.key.as_str()).collect();
         let of = json!({ "sets": sets });
         let spec = MlpSpec::reconstruction;
-        let whole = || self.map_samples(None);
+        let whole = || self.map_samples(Inputs::Magnitudes, None);
         let whole = keep(fit(self.run, "F_R", &of, brief, spec, whole)?);
         let mut by_modes = vec![];
         for target in Target::ALL {
@@ -76,13 +98,26 @@ impl Trainer<'_> {
             let name = format!("F_R to modes, {}", target.name());
             let scaled = (brief, OutputScale::One);
             let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
-            let open = || self.map_samples(Some((target, &modes)));
+            let open = || self.map_samples(Inputs::Magnitudes, Some((target, &modes)));
             let net = keep(fit_scaled(self.run, &name, &of, scaled, spec, open)?);
             by_modes.push((target, net, modes));
         }
+        let vectors = by_modes
+            .iter()
+            .find(|(target, ..)| *target == Target::Vector);
+        let (_, _, modes) = vectors.context("no modes of the map of vectors")?;
+        let open = || self.map_samples(Inputs::Vectors, Some((Target::Vector, modes)));
+        let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
+        let name = "F_R to modes, from vectors";
+        let scaled = (brief, OutputScale::One);
+        let from_vectors = keep(fit_scaled(self.run, name, &of, scaled, spec, open)?);
+        let to_vectors =
+            keep(self.transfer("F_T to vectors", |all| self.truth.virtual_vectors(all))?);
         let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
         stages.push(stage);
-        let (transfer, stage) = self.transfer()?;
+        let (transfer, stage) = self.transfer("F_T on superposed presses", |all| {
+            self.truth.virtual_gauges(all)
+        })?;
         stages.push(stage);
         let (on_predicted, stage) = self.on_predicted()?;
         stages.push(stage);
@@ -91,6 +126,7 @@ impl Trainer<'_> {
         let nets = AblationNets {
             brief: whole,
             by_modes,
+            by_vectors: [to_vectors, from_vectors],
             without_gauges,
             transfer,
             on_predicted,
@@ -110,18 +146,21 @@ impl Trainer<'_> {
     }
 
     /// Virtual gauges → map, or → the coefficients of modes, of all simulated training samples.
-    fn map_samples(&self, by: Option<(Target, &Modes)>) -> Result<MemorySource> {
+    fn map_samples(&self, inputs: Inputs, by: Option<(Target, &Modes)>) -> Result<MemorySource> {
         let (mut x, mut y) = (vec![], vec![]);
-        let mut n_virtual = 0;
+        let mut n_in = 0;
         for (set, stage) in SampleSet::open_all(self.data)?
             .iter_mut()
             .zip(&self.data.simulated)
         {
             let mut presses = Presses::open(stage)?;
-            n_virtual = set.n_virtual;
+            n_in = set.n_virtual * inputs.per_gauge();
             for rows in blocks(set.split.train.clone(), BLOCK) {
                 self.run.check_stop("the ablations")?;
-                x.extend(set.inputs(rows.clone())?);
+                x.extend(match inputs {
+                    Inputs::Magnitudes => set.inputs(rows.clone())?,
+                    Inputs::Vectors => self.truth.virtual_vectors(&presses.drawn(rows.clone())?),
+                });
                 y.extend(match by {
                     None => set.maps(rows)?,
                     Some((target, modes)) => {
@@ -130,23 +169,31 @@ impl Trainer<'_> {
                 });
             }
         }
-        let n_out = y.len() / (x.len() / n_virtual);
-        Ok(MemorySource::new(n_virtual, n_out, x, y)?)
+        let n_out = y.len() / (x.len() / n_in);
+        Ok(MemorySource::new(n_in, n_out, x, y)?)
     }
 
-    /// F_T on the rig's single training presses and on sums of several of them.
-    fn transfer(&self) -> Result<(Net, Stage)> {
+    /// F_T on the rig's single training presses and on sums of several of them, to what `gauges_of`
+    /// gives of them.
+    fn transfer(
+        &self,
+        name: &str,
+        gauges_of: impl Fn(&[Vec<DrawnContact>]) -> Vec<f32>,
+    ) -> Result<(Net, Stage)> {
         let n_sets = self.data.simulated.len();
         let of = json!({ "presses": self.data.rig_single.key, "superposed": n_sets });
         let brief = Brief::whole(&self.run.profile.transfer);
-        let open = || self.superposed(n_sets);
-        let name = "F_T on superposed presses";
+        let open = || self.superposed(n_sets, &gauges_of);
         fit(self.run, name, &of, brief, MlpSpec::transfer, open)
     }
 
     /// Readings → virtual gauges of the presses themselves and, for each number of contacts from 2
     /// to `n_sets`, as many sums of readings of presses drawn with replacement.
-    fn superposed(&self, n_sets: usize) -> Result<MemorySource> {
+    fn superposed(
+        &self,
+        n_sets: usize,
+        gauges_of: &impl Fn(&[Vec<DrawnContact>]) -> Vec<f32>,
+    ) -> Result<MemorySource> {
         let mut presses = Presses::open(&self.data.rig_single)?;
         let train = Split::of(presses.n())?.train;
         let readings = presses.read("readings", train.clone())?;
@@ -168,7 +215,7 @@ impl Trainer<'_> {
                 all.push(together);
             }
         }
-        let y = self.truth.virtual_gauges(&all);
+        let y = gauges_of(&all);
         Ok(MemorySource::new(n_gauges, y.len() / all.len(), x, y)?)
     }
 

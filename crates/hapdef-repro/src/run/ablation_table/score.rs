@@ -96,7 +96,7 @@ impl Tests {
         let mut simulated = error_sum(way, truth);
         let mut has_maps = false;
         for frames in &self.simulated {
-            if let Some(maps) = way.simulated_maps(frames)? {
+            if let Some(maps) = way.simulated_maps(frames, truth)? {
                 simulated.add(&truth.of(way.target(), &frames.drawn), &maps);
                 has_maps = true;
             }

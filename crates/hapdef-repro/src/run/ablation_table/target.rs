@@ -108,6 +108,23 @@ impl TrueMaps<'_> {
         );
         out
     }
+
+    /// Displacement vectors of the virtual gauges `[n, n_virtual, 3]`, µm, of presses. They add up.
+    pub(super) fn virtual_vectors(&self, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
+        let width = 3 * self.table.n_virtual();
+        let mut out = vec![0.0; presses.len() * width];
+        let rows = out.par_chunks_exact_mut(width).zip(presses);
+        rows.for_each_init(
+            || self.table.scratch(),
+            |scratch, (out, contacts)| {
+                let vectors = &self.table.vectors(contacts, scratch)[self.table.n_surface()..];
+                for (value, metres) in out.iter_mut().zip(vectors.as_flattened()) {
+                    *value = (metres * 1e6) as f32;
+                }
+            },
+        );
+        out
+    }
 }
 
 #[cfg(test)]
@@ -147,5 +164,22 @@ mod tests {
                 .all(|(a, b)| (a - b).abs() < 1e-6)
         );
         assert_eq!(maps.of(Target::Normal, &presses)[..2], [4.0, 0.0]);
+    }
+
+    #[test]
+    fn vectors_of_virtual_gauges_add_up() {
+        let metres = [1.0, 2.0, 3.0, -3.0, 0.0, 4.0].map(|um| um * 1e-6);
+        let table = ComplianceTable::new(1, 2, &metres);
+        let maps = TrueMaps {
+            table: &table,
+            directions: &[Vector3::z()],
+        };
+        let press = |force_n| DrawnContact { node: 0, force_n };
+        let presses = [vec![press(1.0)], vec![press(1.0), press(2.0)]];
+        let found = maps.virtual_vectors(&presses);
+        for (found, expected) in found.iter().zip([-3.0, 0.0, 4.0, -9.0, 0.0, 12.0]) {
+            assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+        }
+        assert_eq!(found.len(), 6);
     }
 }

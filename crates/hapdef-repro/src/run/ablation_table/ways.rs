@@ -30,6 +30,8 @@ pub(super) enum MapsFrom<'a> {
     Truth,
     /// Virtual gauges by F_T, the true ones without it, then F_R.
     Gauges(Option<&'a Net>, &'a Net, Option<(Target, &'a Modes)>),
+    /// The virtual gauges' vectors by F_T, then coefficients of modes of the map of vectors by F_R.
+    Vectors(&'a [Net; 2], &'a Modes),
     /// Straight from readings.
     Readings(&'a Net),
 }
@@ -50,6 +52,7 @@ impl Way<'_> {
     pub(super) fn target(&self) -> Target {
         match self.maps {
             MapsFrom::Gauges(_, _, Some((target, _))) => target,
+            MapsFrom::Vectors(..) => Target::Vector,
             _ => Target::Magnitude,
         }
     }
@@ -60,8 +63,9 @@ impl Way<'_> {
         match self.maps {
             MapsFrom::Truth => 0,
             MapsFrom::Readings(net) => of(net),
+            MapsFrom::Vectors(nets, modes) => nets.iter().map(of).sum::<usize>() + weights(modes),
             MapsFrom::Gauges(transfer, net, by) => {
-                let modes = by.map_or(0, |(_, modes)| (modes.n() + 1) * modes.width());
+                let modes = by.map_or(0, |(_, modes)| weights(modes));
                 transfer.map_or(0, of) + of(net) + modes
             }
         }
@@ -72,6 +76,10 @@ impl Way<'_> {
         match self.maps {
             MapsFrom::Truth => Ok(truth.of(Target::Magnitude, &frames.drawn)),
             MapsFrom::Readings(net) => forward(net, &frames.readings),
+            MapsFrom::Vectors([transfer, net], modes) => {
+                let vectors = forward(transfer, &frames.readings)?;
+                modes.decode(&forward(net, &vectors)?)
+            }
             MapsFrom::Gauges(None, net, by) => from_gauges(&frames.virtual_um, net, by),
             MapsFrom::Gauges(Some(transfer), net, by) => {
                 from_gauges(&forward(transfer, &frames.readings)?, net, by)
@@ -80,8 +88,16 @@ impl Way<'_> {
     }
 
     /// Maps of simulated frames from their true virtual gauges; none for ways without those.
-    pub(super) fn simulated_maps(&self, frames: &Frames) -> Result<Option<Vec<f32>>> {
+    pub(super) fn simulated_maps(
+        &self,
+        frames: &Frames,
+        truth: &TrueMaps<'_>,
+    ) -> Result<Option<Vec<f32>>> {
         match self.maps {
+            MapsFrom::Vectors([_, net], modes) => {
+                let vectors = truth.virtual_vectors(&frames.drawn);
+                modes.decode(&forward(net, &vectors)?).map(Some)
+            }
             MapsFrom::Gauges(_, net, by) => from_gauges(&frames.virtual_um, net, by).map(Some),
             _ => Ok(None),
         }
@@ -126,6 +142,11 @@ impl Way<'_> {
             }
         })
     }
+}
+
+/// Numbers that modes and their mean hold.
+fn weights(modes: &Modes) -> usize {
+    (modes.n() + 1) * modes.width()
 }
 
 fn from_gauges(virtual_um: &[f32], net: &Net, by: Option<(Target, &Modes)>) -> Result<Vec<f32>> {

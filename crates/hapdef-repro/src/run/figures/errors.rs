@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
-use hapdef_repro::{
+use hapdef_report::{
     BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow, bars_svg, lines_svg,
     unrolled_svg,
 };

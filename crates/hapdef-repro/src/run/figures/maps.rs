@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef::Limb;
-use hapdef_repro::{Figure, LimbMarker, Mark};
+use hapdef_report::{Figure, LimbMarker, Mark};
 
 use super::super::examples::Example;
 use super::surface::{Panel, Surface, marks};

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{Limb, Run};
-use hapdef_repro::{
+use hapdef_report::{
     Figure, FigureContent, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker,
     render_limb_row_png, unroll, unrolled_row_svg, unrolled_svg,
 };

@@ -2,9 +2,8 @@
 
 use anyhow::{Result, bail};
 use hapdef::SceneArgs;
-use hapdef_repro::{
-    KnobValues, SearchMethod, TextCell, TextTable, TrialSource, best_trial, values_in_words,
-};
+use hapdef_report::{TextCell, TextTable};
+use hapdef_repro::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 use super::data::MethodData;
 use super::{PatchArg, Prepared, budget, folder, found_trials, prepare, write};

@@ -1,13 +1,11 @@
 //! The report of a shell against solids: one HTML page without anything from outside, and the same
 //! figures as JSON.
 
-mod page;
-mod pictures;
+mod blocks;
 
-use std::io::Write;
 use std::path::Path;
 
-use hapdef_mesh::atomic_write;
+use hapdef_report::{NamedText, Page};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -41,9 +39,6 @@ pub struct SceneSource {
     pub file_hash: String,
 }
 
-/// A parameter in words.
-type Fact = (&'static str, String);
-
 impl ShellLimb {
     /// Writes [`SHELL_REPORT_HTML`] and [`SHELL_REPORT_JSON`] into `folder`.
     ///
@@ -57,15 +52,17 @@ impl ShellLimb {
     ) -> Result<(), HapdefError> {
         std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
         let facts = self.facts(source);
-        let page = page::page(self, source, &facts, comparisons);
-        let path = folder.join(SHELL_REPORT_HTML);
-        atomic_write(&path, |file| file.write_all(page.as_bytes()))
-            .map_err(HapdefError::file(&path))?;
+        let page = Page {
+            title: format!("Shell against solid: {}", source.file),
+            facts: facts.clone(),
+            blocks: comparisons.iter().flat_map(blocks::blocks).collect(),
+        };
+        page.write(&folder.join(SHELL_REPORT_HTML))?;
         let figures = figures(source, &facts, comparisons);
         write_json(&folder.join(SHELL_REPORT_JSON), &figures)
     }
 
-    fn facts(&self, source: &ReportSource) -> Vec<Fact> {
+    fn facts(&self, source: &ReportSource) -> Vec<NamedText> {
         let (params, info) = (&self.params, &self.info);
         let mm = |m: f64| format!("{:.2} mm", m * 1e3);
         let wall = match params.wall {
@@ -119,14 +116,19 @@ impl ShellLimb {
                 format!("{}, BLAKE3 {}", scene.file, scene.file_hash),
             ));
         }
-        facts
+        facts.push(("thin wall", self.thin_wall().to_string()));
+        let named = |(name, text): (&str, String)| NamedText {
+            name: name.into(),
+            text,
+        };
+        facts.into_iter().map(named).collect()
     }
 }
 
-fn figures(source: &ReportSource, facts: &[Fact], comparisons: &[ShellComparison]) -> Value {
+fn figures(source: &ReportSource, facts: &[NamedText], comparisons: &[ShellComparison]) -> Value {
     let parameters: serde_json::Map<String, Value> = facts
         .iter()
-        .map(|(name, text)| ((*name).to_owned(), json!(text)))
+        .map(|fact| (fact.name.clone(), json!(fact.text)))
         .collect();
     let recommendations: Vec<_> = comparisons.iter().map(|c| c.recommendation()).collect();
     json!({

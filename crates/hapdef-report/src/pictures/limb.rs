@@ -8,7 +8,7 @@ use super::marker::{INK, Mark, draw_marker, paint};
 use super::raster::{Canvas, Vertex};
 use super::style::tick;
 use super::unrolled::colour_range;
-use crate::ReproError;
+use crate::ReportError;
 use crate::error::check_len;
 
 /// Pixels at the right that hold the colour bar and its numbers.
@@ -80,7 +80,7 @@ impl Default for RenderParams {
 pub fn render_limb_png(
     picture: &LimbPicture<'_>,
     params: &RenderParams,
-) -> Result<Vec<u8>, ReproError> {
+) -> Result<Vec<u8>, ReportError> {
     render_limb_row_png(&[(*picture, *params)])
 }
 
@@ -90,14 +90,14 @@ pub fn render_limb_png(
 /// As [`render_limb_png`], and no picture at all.
 pub fn render_limb_row_png(
     pictures: &[(LimbPicture<'_>, RenderParams)],
-) -> Result<Vec<u8>, ReproError> {
+) -> Result<Vec<u8>, ReportError> {
     let drawn = pictures
         .iter()
         .map(|(picture, params)| render(picture, params));
     let drawn: Vec<Pixmap> = drawn.collect::<Result<_, _>>()?;
     let width = drawn.iter().map(Pixmap::width).sum();
     let height = drawn.iter().map(Pixmap::height).max().unwrap_or(0);
-    let refuse = |message: String| ReproError::Draw {
+    let refuse = |message: String| ReportError::Draw {
         figure: "limb picture",
         message,
     };
@@ -120,7 +120,7 @@ pub fn render_limb_row_png(
     row.encode_png().map_err(|e| refuse(e.to_string()))
 }
 
-fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, ReproError> {
+fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, ReportError> {
     check(picture, params)?;
     let scale = colour_range(params.range, picture.values)?;
     let view = View::new(picture, params);
@@ -142,7 +142,7 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
     }
     let mut pixmap = IntSize::from_wh(params.width_px, params.height_px)
         .and_then(|size| Pixmap::from_vec(canvas.to_rgba(), size))
-        .ok_or_else(|| ReproError::Draw {
+        .ok_or_else(|| ReportError::Draw {
             figure: "limb picture",
             message: format!("no picture of {w} x {h} px"),
         })?;
@@ -157,7 +157,7 @@ fn render(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<Pixmap, Re
     Ok(pixmap)
 }
 
-fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReproError> {
+fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReportError> {
     let n = picture.positions.len();
     check_len("values of the limb picture", n, picture.values.len())?;
     let positions = picture.positions.iter();
@@ -167,7 +167,7 @@ fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReproEr
     for (position, index) in picture.triangles.iter().flatten().enumerate() {
         let (what, index) = ("node of a triangle of the limb picture", *index as usize);
         if index >= n {
-            return Err(ReproError::Index {
+            return Err(ReportError::Index {
                 what,
                 index,
                 position,
@@ -177,7 +177,7 @@ fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReproEr
     }
     if picture.triangles.is_empty() {
         let what = "triangles of the limb picture";
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what,
             needed: 1,
             found: 0,
@@ -189,18 +189,18 @@ fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReproEr
 fn check_places<'a>(
     what: &'static str,
     places: impl Iterator<Item = &'a [f64; 3]>,
-) -> Result<(), ReproError> {
+) -> Result<(), ReportError> {
     for (index, place) in places.enumerate() {
         if let Some(&value) = place.iter().find(|v| !v.is_finite()) {
-            return Err(ReproError::NotFinite { what, index, value });
+            return Err(ReportError::NotFinite { what, index, value });
         }
     }
     Ok(())
 }
 
-fn check_params(params: &RenderParams) -> Result<(), ReproError> {
+fn check_params(params: &RenderParams) -> Result<(), ReportError> {
     let refuse = |what, value, expected| {
-        Err(ReproError::Parameter {
+        Err(ReportError::Parameter {
             what,
             value,
             expected,

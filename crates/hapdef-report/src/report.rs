@@ -1,11 +1,6 @@
 //! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
 
-mod golden;
-mod html;
 mod markdown;
-
-pub use golden::{Golden, GoldenValue};
-pub use markdown::results_markdown;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,9 +8,10 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
-use crate::ReproError;
+use crate::ReportError;
 use crate::metrics::{MetricOutcome, MetricRecord};
-use crate::tables::{Claim, TextCell, TextTable};
+use crate::page::{Block, LimbView, Page};
+use crate::text::{TextCell, TextTable};
 
 /// A name and what it stands for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -85,7 +81,7 @@ pub struct Figure {
 pub struct Report {
     /// Heading.
     pub title: String,
-    /// Name of the scene.
+    /// Name of the scene; empty without one.
     pub scene: String,
     /// How much was made: `quick` or `full`.
     pub profile: String,
@@ -93,12 +89,13 @@ pub struct Report {
     pub seed: u64,
     /// What the run rests on: profile, seed, commit, machine, sample counts, thinning.
     pub facts: Vec<NamedText>,
-    /// Claims of the paper and how they fared.
-    pub claims: Vec<Claim>,
     /// Tables, in order.
     pub tables: Vec<ReportTable>,
     /// Figures, in order.
     pub figures: Vec<Figure>,
+    /// Limbs to be turned, on the page only.
+    #[serde(skip)]
+    pub limbs: Vec<LimbView>,
     /// Measured figures.
     pub metrics: Vec<MetricRecord>,
     /// Stages that ran.
@@ -115,27 +112,18 @@ pub struct Report {
 /// # Errors
 /// A figure whose file name is no plain name with the ending of its content or is used twice,
 /// found before anything is written; then files that can't be written.
-pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReproError> {
+pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReportError> {
     check_figures(&report.figures)?;
-    std::fs::create_dir_all(folder).map_err(|source| ReproError::Io {
-        action: "making folder",
-        path: folder.to_owned(),
-        source,
-    })?;
-    let json = serde_json::to_vec_pretty(report).map_err(|source| ReproError::Json {
-        path: folder.join("report.json"),
-        source,
-    })?;
+    std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
+    let json = serde_json::to_vec_pretty(report)
+        .map_err(ReportError::json(&folder.join("report.json")))?;
     let mut paths = Vec::new();
     let mut write = |name: &str, bytes: &[u8]| {
         let path = folder.join(name);
-        atomic_write(&path, |file| file.write_all(bytes)).map_err(|source| ReproError::Io {
-            action: "writing",
-            path: path.clone(),
-            source,
-        })?;
+        atomic_write(&path, |file| file.write_all(bytes))
+            .map_err(ReportError::io("writing", &path))?;
         paths.push(path);
-        Ok::<(), ReproError>(())
+        Ok::<(), ReportError>(())
     };
     for figure in &report.figures {
         match &figure.content {
@@ -145,23 +133,20 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repr
     }
     write("report.json", &json)?;
     write("report.md", markdown::page(report).as_bytes())?;
-    write("report.html", html::page(report).as_bytes())?;
+    write("report.html", page(report).html().as_bytes())?;
     Ok(paths)
 }
 
 /// Writes a text file, whole or not at all; its folder must exist.
 ///
 /// # Errors
-/// [`ReproError::Io`] when the disk refuses.
-pub fn write_text(path: &Path, text: &str) -> Result<(), ReproError> {
-    atomic_write(path, |file| file.write_all(text.as_bytes())).map_err(|source| ReproError::Io {
-        action: "writing",
-        path: path.to_owned(),
-        source,
-    })
+/// [`ReportError::Io`] when the disk refuses.
+pub fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
+    atomic_write(path, |file| file.write_all(text.as_bytes()))
+        .map_err(ReportError::io("writing", path))
 }
 
-fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
+fn check_figures(figures: &[Figure]) -> Result<(), ReportError> {
     for (index, figure) in figures.iter().enumerate() {
         let (ending, expected) = match figure.content {
             FigureContent::Svg(_) => (".svg", "letters, digits, _ and -, then .svg"),
@@ -171,7 +156,7 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
         let name = || figure.file.clone();
         if stem.is_empty() || !stem.chars().all(plain) {
-            return Err(ReproError::Name {
+            return Err(ReportError::Name {
                 what: "figure file",
                 name: name(),
                 expected,
@@ -179,7 +164,7 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
         }
         if figures[..index].iter().any(|f| f.file == figure.file) {
             let expected = "each figure needs a file of its own";
-            return Err(ReproError::Name {
+            return Err(ReportError::Name {
                 what: "figure file",
                 name: name(),
                 expected,
@@ -189,8 +174,37 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReproError> {
     Ok(())
 }
 
+fn page(report: &Report) -> Page {
+    let scene = (!report.scene.is_empty()).then(|| NamedText {
+        name: "scene".into(),
+        text: report.scene.clone(),
+    });
+    let mut blocks = Vec::new();
+    for table in &report.tables {
+        blocks.push(Block::Heading(table.title.clone()));
+        blocks.push(Block::Table(table.text.clone()));
+        if !table.note.is_empty() {
+            blocks.push(Block::Note(table.note.clone()));
+        }
+    }
+    if !report.figures.is_empty() || !report.limbs.is_empty() {
+        blocks.push(Block::Heading("Figures".into()));
+    }
+    blocks.extend(report.limbs.iter().cloned().map(Block::Limb));
+    blocks.extend(report.figures.iter().cloned().map(Block::Figure));
+    for (title, table) in record_tables(report) {
+        blocks.extend([Block::Heading(title.into()), Block::Table(table)]);
+    }
+    Page {
+        title: report.title.clone(),
+        facts: scene.into_iter().chain(report.facts.clone()).collect(),
+        blocks,
+    }
+}
+
 /// Seconds, in tenths; short times in tenths of a millisecond.
-fn seconds(seconds: f64) -> String {
+#[must_use]
+pub fn seconds_text(seconds: f64) -> String {
     if seconds < 0.05 {
         format!("{seconds:.4}")
     } else {
@@ -202,7 +216,7 @@ fn seconds(seconds: f64) -> String {
 fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
     let stages = report.stages.iter().map(|s| {
         let from = if s.cached { "cache" } else { "run" };
-        vec![s.name.clone(), seconds(s.elapsed_s), from.to_owned()]
+        vec![s.name.clone(), seconds_text(s.elapsed_s), from.to_owned()]
     });
     let skipped = report
         .skipped

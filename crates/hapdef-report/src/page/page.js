@@ -1,13 +1,13 @@
 "use strict";
 const { palette, limbs } = JSON.parse(document.getElementById("data").textContent);
-const NOT_COMPARED = "#a9a9a9";
+const NO_VALUE = "#a9a9a9";
 const INNER_SIDE = "#e2e2e2";
 
 function colour(limb, map, triangle) {
   let sum = 0;
   for (let k = 0; k < 3; k++) {
     const value = map.values[limb.triangles[3 * triangle + k]];
-    if (value === null) return NOT_COMPARED;
+    if (value === null) return NO_VALUE;
     sum += value / 3;
   }
   const part = (sum - map.low) / (map.high - map.low || 1);
@@ -15,13 +15,13 @@ function colour(limb, map, triangle) {
 }
 
 /* Right, up and towards the eye, for a view turned about the long axis and tilted. */
-function projected(limb, yaw, tilt) {
+function projected(points, limb, yaw, tilt) {
   const [u, a, b] = [limb.up, (limb.up + 1) % 3, (limb.up + 2) % 3];
   const [cy, sy, ct, st] = [Math.cos(yaw), Math.sin(yaw), Math.cos(tilt), Math.sin(tilt)];
-  const n = limb.points.length / 3;
+  const n = points.length / 3;
   const out = new Float64Array(3 * n);
   for (let i = 0; i < n; i++) {
-    const [pa, pb, pu] = [a, b, u].map((axis) => limb.points[3 * i + axis] - limb.centre[axis]);
+    const [pa, pb, pu] = [a, b, u].map((axis) => points[3 * i + axis] - limb.centre[axis]);
     const near = cy * pb + sy * pa;
     out[3 * i] = sy * pb - cy * pa;
     out[3 * i + 1] = ct * pu - st * near;
@@ -34,7 +34,8 @@ function projected(limb, yaw, tilt) {
 function draw(canvas, limb, map, size, yaw, tilt) {
   const g = canvas.getContext("2d");
   const scale = Math.min(canvas.width / size[0], canvas.height / size[1]) * 0.96;
-  const p = projected(limb, yaw, tilt);
+  const place = (p, v) => [canvas.width / 2 + scale * p[v], canvas.height / 2 - scale * p[v + 1]];
+  const p = projected(limb.points, limb, yaw, tilt);
   const n = limb.triangles.length / 3;
   const depth = new Float64Array(n);
   for (let t = 0; t < n; t++)
@@ -50,12 +51,35 @@ function draw(canvas, limb, map, size, yaw, tilt) {
       (p[j] - p[i]) * (p[k + 1] - p[i + 1]) - (p[k] - p[i]) * (p[j + 1] - p[i + 1]);
     g.fillStyle = g.strokeStyle = turn < 0 ? INNER_SIDE : colour(limb, map, t);
     g.beginPath();
-    for (const v of [i, j, k])
-      g.lineTo(canvas.width / 2 + scale * p[v], canvas.height / 2 - scale * p[v + 1]);
+    for (const v of [i, j, k]) g.lineTo(...place(p, v));
     g.closePath();
     g.fill();
     g.stroke();
   }
+  const marks = projected(limb.marks, limb, yaw, tilt);
+  g.font = "bold 20px system-ui, sans-serif";
+  for (let m = 0; m < marks.length / 3; m++) {
+    const [x, y] = place(marks, 3 * m);
+    ring(g, x, y, marks[3 * m + 2] < 0, String(m));
+  }
+}
+
+/* A numbered ring; a dashed one on the far side. */
+function ring(g, x, y, isFar, name) {
+  g.setLineDash(isFar ? [3, 4] : []);
+  for (const [width, ink] of [[6, "#fff"], [2.5, "#c2185b"]]) {
+    g.lineWidth = width;
+    g.strokeStyle = ink;
+    g.beginPath();
+    g.arc(x, y, 9, 0, 2 * Math.PI);
+    g.stroke();
+  }
+  g.setLineDash([]);
+  g.lineWidth = 5;
+  g.strokeStyle = "#fff";
+  g.strokeText(name, x + 12, y + 7);
+  g.fillStyle = "#c2185b";
+  g.fillText(name, x + 12, y + 7);
 }
 
 for (const canvas of document.querySelectorAll("canvas[data-map]")) {
@@ -67,14 +91,18 @@ for (const canvas of document.querySelectorAll("canvas[data-map]")) {
 for (const canvas of document.querySelectorAll("canvas.turn")) {
   const limb = limbs[canvas.dataset.limb];
   const choice = canvas.parentElement.querySelector("select");
-  let [yaw, tilt] = [0.6, 0.3];
-  const across = Math.hypot(...limb.size);
+  let [yaw, tilt, across] = [0.6, 0.3, Math.hypot(...limb.size)];
   const show = () => draw(canvas, limb, limb.maps[choice.value], [across, across], yaw, tilt);
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     if (!event.buttons) return;
     yaw -= event.movementX * 0.01;
     tilt = Math.min(Math.max(tilt + event.movementY * 0.01, -1.5), 1.5);
+    show();
+  });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    across *= Math.exp(0.001 * event.deltaY);
     show();
   });
   choice.addEventListener("change", show);

@@ -4,9 +4,8 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
 use super::style::{self, INK, Marked, font, message, series_colour};
-use crate::ReproError;
+use crate::ReportError;
 use crate::error::check_len;
-use crate::tables::{Method, Table1, TestSet, TrainSet};
 
 /// One panel of grouped bars.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +41,7 @@ pub struct BarChart {
 ///
 /// # Errors
 /// A panel whose shape is not `[n_series][n_groups]`, or no bar that can be drawn.
-pub fn bars_svg(chart: &BarChart) -> Result<String, ReproError> {
+pub fn bars_svg(chart: &BarChart) -> Result<String, ReportError> {
     for panel in &chart.panels {
         check_shape(chart, "bar chart values", &panel.values)?;
         if !panel.paper.is_empty() {
@@ -58,7 +57,7 @@ pub fn bars_svg(chart: &BarChart) -> Result<String, ReproError> {
     });
     let Some((low, high)) = style::range(cells, chart.log_y) else {
         let what = "bar chart (no bar that can be drawn)";
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what,
             needed: 1,
             found: 0,
@@ -84,42 +83,11 @@ pub fn bars_svg(chart: &BarChart) -> Result<String, ReproError> {
     })
 }
 
-/// Table 1 as bars on a log axis: a panel per training set, a group per test set, the paper's
-/// number as a black tick.
-///
-/// # Errors
-/// No measured cell is no error, as the paper's ticks remain; drawing errors only.
-pub fn table1_svg(table: &Table1) -> Result<String, ReproError> {
-    let paper = Table1::paper();
-    let cells = |table: &Table1, train| {
-        let row = |m| {
-            let um = |test| table.test(m, train, test).map(|v: f64| v * 1e6);
-            TestSet::ALL.map(um).to_vec()
-        };
-        Method::ALL.map(row).to_vec()
-    };
-    bars_svg(&BarChart {
-        y_label: "displacement error, µm".to_owned(),
-        x_label: "contacts in test".to_owned(),
-        log_y: true,
-        groups: TestSet::ALL.map(|t| t.name().to_owned()).to_vec(),
-        series: Method::ALL.map(|m| m.name().to_owned()).to_vec(),
-        panels: TrainSet::ALL
-            .map(|train| BarPanel {
-                title: format!("trained on {}", train.name()),
-                values: cells(table, train),
-                paper: cells(&paper, train),
-                spread: vec![],
-            })
-            .to_vec(),
-    })
-}
-
 fn check_shape(
     chart: &BarChart,
     what: &'static str,
     rows: &[Vec<Option<f64>>],
-) -> Result<(), ReproError> {
+) -> Result<(), ReportError> {
     check_len(what, chart.series.len(), rows.len())?;
     rows.iter()
         .try_for_each(|row| check_len(what, chart.groups.len(), row.len()))

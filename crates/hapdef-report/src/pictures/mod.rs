@@ -9,7 +9,7 @@ mod raster;
 mod style;
 mod unrolled;
 
-pub use bars::{BarChart, BarPanel, bars_svg, table1_svg};
+pub use bars::{BarChart, BarPanel, bars_svg};
 pub use limb::{LimbMarker, LimbPicture, RenderParams, render_limb_png, render_limb_row_png};
 pub use lines::{LineChart, Scatter, Series, lines_svg, scatter_svg};
 pub use marker::Mark;

@@ -1,9 +1,8 @@
 //! The figures as documents: well-formed, labelled, with a mark for each value.
 
-use hapdef_repro::{
-    BarChart, BarPanel, LineChart, Mark, Method, Scatter, Series, Table1, TestSet, TrainSet,
-    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, scatter_svg, table1_svg, unroll,
-    unrolled_row_svg, unrolled_svg,
+use hapdef_report::{
+    BarChart, BarPanel, LineChart, Mark, Scatter, Series, Unrolled, UnrolledArrow, UnrolledMarker,
+    bars_svg, lines_svg, scatter_svg, unroll, unrolled_row_svg, unrolled_svg,
 };
 
 /// Parses the SVG; returns its texts and how often each element occurs.
@@ -36,34 +35,6 @@ fn assert_says(texts: &[String], expected: &[&str]) {
             "{text:?} is not among {texts:?}"
         );
     }
-}
-
-/// 1 background, 3 in the legend, one per finite cell; a tick per cell of the paper.
-#[test]
-fn table1_has_a_bar_per_cell() {
-    let mut ours = Table1::default();
-    let bars = |table: &Table1| parse(&table1_svg(table).unwrap()).1("rect");
-    let none = bars(&ours);
-    for (i, train) in TrainSet::ALL.into_iter().enumerate() {
-        ours.set_test(Method::Fnn, train, TestSet::II, 1e-6 * (i + 1) as f64);
-    }
-    ours.set_test(Method::Linear, TrainSet::I, TestSet::I, f64::NAN);
-    assert_eq!(bars(&ours), none + 4, "the NaN draws no bar");
-    let (texts, count) = parse(&table1_svg(&ours).unwrap());
-    assert_says(
-        &texts,
-        &[
-            "LR",
-            "k-NN",
-            "FNN",
-            "paper",
-            "trained on I–III",
-            "IV",
-            "10",
-            "100",
-        ],
-    );
-    assert!(count("polyline") >= 48, "{} polylines", count("polyline"));
 }
 
 /// The error bar of the second bar reaches above every bar: the axis has room for it.

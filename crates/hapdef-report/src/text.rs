@@ -72,7 +72,8 @@ impl TextTable {
 }
 
 /// A number for a table: two or three significant digits, "–" where not measured.
-pub(super) fn cell_text(value: Option<f64>) -> String {
+#[must_use]
+pub fn cell_text(value: Option<f64>) -> String {
     match value {
         None => "–".to_owned(),
         Some(v) if !v.is_finite() => "NaN".to_owned(),
@@ -84,7 +85,8 @@ pub(super) fn cell_text(value: Option<f64>) -> String {
 }
 
 /// Text for HTML, in elements and in quoted attributes.
-pub(crate) fn escape_html(text: &str) -> String {
+#[must_use]
+pub fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

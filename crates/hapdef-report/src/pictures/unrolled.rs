@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use super::marker::Mark;
 use super::style::{self, Marked, font, message, tick};
-use crate::ReproError;
+use crate::ReportError;
 use crate::error::check_len;
 
 /// Nodes without a value.
@@ -64,10 +64,10 @@ pub fn unroll(
     positions: &[[f64; 3]],
     reference: &[[f64; 3]],
     axis: usize,
-) -> Result<Vec<[f64; 2]>, ReproError> {
+) -> Result<Vec<[f64; 2]>, ReportError> {
     if axis > 2 {
         let expected = "0, 1 or 2";
-        return Err(ReproError::Parameter {
+        return Err(ReportError::Parameter {
             what: "axis",
             value: axis as f64,
             expected,
@@ -75,7 +75,7 @@ pub fn unroll(
     }
     if reference.is_empty() {
         let what = "reference positions of the unrolled surface";
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what,
             needed: 1,
             found: 0,
@@ -97,7 +97,7 @@ pub fn unroll(
 ///
 /// # Errors
 /// Lengths that differ, no node, a position that is not finite, or a colour range that is empty.
-pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReproError> {
+pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReportError> {
     let scale = check(figure)?;
     style::svg("unrolled surface", (720, 420), |root| {
         draw(root, figure, scale)
@@ -108,7 +108,7 @@ pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReproError> {
 ///
 /// # Errors
 /// As [`unrolled_svg`], and no surface at all.
-pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReproError> {
+pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReportError> {
     let scales: Vec<[f64; 2]> = figures.iter().map(check).collect::<Result<_, _>>()?;
     let size = (450 * figures.len() as u32, 330);
     style::svg("unrolled surfaces", size, |root| {
@@ -121,7 +121,7 @@ pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReproError> 
 }
 
 /// Refuses what can't be drawn; the ends of the colour scale.
-fn check(figure: &Unrolled<'_>) -> Result<[f64; 2], ReproError> {
+fn check(figure: &Unrolled<'_>) -> Result<[f64; 2], ReportError> {
     check_len(
         "values on the unrolled surface",
         figure.points.len(),
@@ -130,7 +130,7 @@ fn check(figure: &Unrolled<'_>) -> Result<[f64; 2], ReproError> {
     check_places(figure)?;
     if figure.points.is_empty() {
         let what = "points of the unrolled surface";
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what,
             needed: 1,
             found: 0,
@@ -149,7 +149,7 @@ fn draw(root: &style::Area<'_>, figure: &Unrolled<'_>, scale: [f64; 2]) -> Resul
     draw_bar(&side, figure.value_label, scale)
 }
 
-fn check_places(figure: &Unrolled<'_>) -> Result<(), ReproError> {
+fn check_places(figure: &Unrolled<'_>) -> Result<(), ReportError> {
     let markers: Vec<[f64; 2]> = figure.markers.iter().map(|m| m.at).collect();
     let arrows: Vec<[f64; 2]> = figure.arrows.iter().flat_map(|a| [a.from, a.to]).collect();
     for (what, places) in [
@@ -159,7 +159,7 @@ fn check_places(figure: &Unrolled<'_>) -> Result<(), ReproError> {
     ] {
         for (index, place) in places.iter().enumerate() {
             if let Some(&value) = place.iter().find(|v| !v.is_finite()) {
-                return Err(ReproError::NotFinite { what, index, value });
+                return Err(ReportError::NotFinite { what, index, value });
             }
         }
     }
@@ -170,7 +170,7 @@ fn check_places(figure: &Unrolled<'_>) -> Result<(), ReproError> {
 pub(super) fn colour_range(
     given: Option<[f64; 2]>,
     values: &[f64],
-) -> Result<[f64; 2], ReproError> {
+) -> Result<[f64; 2], ReportError> {
     let fit = || values.iter().copied().filter(|v| v.is_finite());
     let found = given.unwrap_or_else(|| {
         let high = fit().fold(f64::NEG_INFINITY, f64::max);
@@ -182,7 +182,7 @@ pub(super) fn colour_range(
         }
     });
     if !(found[0] < found[1] && found[0].is_finite() && found[1].is_finite()) {
-        return Err(ReproError::Parameter {
+        return Err(ReportError::Parameter {
             what: "upper end of the colour range",
             value: found[1],
             expected: "finite and above the lower end",

@@ -4,7 +4,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
 use super::style::{self, INK, font, message, series_colour, tick};
-use crate::ReproError;
+use crate::ReportError;
 use crate::error::check_len;
 
 /// A named line.
@@ -38,14 +38,14 @@ pub struct LineChart {
 ///
 /// # Errors
 /// No point that can be drawn.
-pub fn lines_svg(chart: &LineChart) -> Result<String, ReproError> {
+pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
     let points = || chart.series.iter().flat_map(|s| s.points.iter().copied());
     let x = style::range(points().map(|p| p.0), false);
     let y = style::range(points().map(|p| p.1), chart.log_y);
     let (Some(x), Some(mut y)) = (x, y) else {
         let found = points().count();
         let what = "line chart (no point that can be drawn)";
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what,
             needed: 1,
             found,
@@ -132,7 +132,7 @@ pub struct Scatter<'a> {
 ///
 /// # Errors
 /// Lengths that differ, `max_points` of 0, or no finite pair.
-pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReproError> {
+pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReportError> {
     check_len(
         "scatter predictions",
         scatter.truth.len(),
@@ -140,7 +140,7 @@ pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReproError> {
     )?;
     if scatter.max_points == 0 {
         let expected = "at least 1";
-        return Err(ReproError::Parameter {
+        return Err(ReportError::Parameter {
             what: "max_points",
             value: 0.0,
             expected,
@@ -157,7 +157,7 @@ pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReproError> {
         .filter(|p| p.0.is_finite() && p.1.is_finite())
         .collect();
     let Some((low, high)) = style::range(fit.iter().flat_map(|p| [p.0, p.1]), false) else {
-        return Err(ReproError::TooFewSamples {
+        return Err(ReportError::TooFew {
             what: "scatter (no finite pair)",
             needed: 1,
             found: pairs().count(),

@@ -1,41 +1,7 @@
-//! The report as Markdown, and the short results page.
+//! The short results page.
 
+use hapdef_report::seconds_text;
 use serde_json::Value;
-
-use super::{Report, record_tables};
-use crate::tables::claims_text;
-
-/// The report as Markdown, pictures by their files.
-pub(super) fn page(report: &Report) -> String {
-    let mut text = format!("# {}\n\nScene: {}\n", report.title, report.scene);
-    for fact in &report.facts {
-        text.push_str(&format!("- {}: {}\n", fact.name, fact.text));
-    }
-    if !report.claims.is_empty() {
-        let claims = claims_text(&report.claims).to_markdown();
-        text.push_str(&format!("\n## What the paper claims\n\n{claims}"));
-    }
-    for table in &report.tables {
-        text.push_str(&format!(
-            "\n## {}\n\n{}",
-            table.title,
-            table.text.to_markdown()
-        ));
-        if !table.note.is_empty() {
-            text.push_str(&format!("\n{}\n", table.note));
-        }
-    }
-    if !report.figures.is_empty() {
-        text.push_str("\n## Figures\n");
-    }
-    for figure in &report.figures {
-        text.push_str(&format!("\n![]({})\n\n{}\n", figure.file, figure.caption));
-    }
-    for (title, table) in record_tables(report) {
-        text.push_str(&format!("\n## {title}\n\n{}", table.to_markdown()));
-    }
-    text
-}
 
 /// The results page from a report's JSON: facts, verdicts, tables and times; no pictures.
 ///
@@ -65,37 +31,21 @@ pub fn results_markdown(report: &Value) -> String {
             text.push_str(&format!("- {key}: {}\n", shown(&metric[key])));
         }
     }
-    text.push_str("\n## What the paper claims\n\n");
-    text.push_str(&row(
-        &["claim", "paper", "metric", "verdict", "why"].map(str::to_owned)
-    ));
-    text.push_str("|---|---|---|---|---|\n");
-    for claim in items(&report["claims"]) {
-        for (i, verdict) in items(&claim["verdicts"]).iter().enumerate() {
-            let first = |key: &str| {
-                if i == 0 {
-                    shown(&claim[key])
-                } else {
-                    String::new()
-                }
-            };
-            let fate = shown(&verdict["fate"]).replace('_', " ");
-            let (metric, reason) = (shown(&verdict["metric"]), shown(&verdict["reason"]));
-            text.push_str(&row(&[first("text"), first("paper"), metric, fate, reason]));
-        }
-    }
     for table in items(&report["tables"]) {
         text.push_str(&format!(
             "\n## {}\n\n{}",
             shown(&table["title"]),
             cells(&table["text"])
         ));
-        text.push_str(&format!("\n{}\n", shown(&table["note"])));
+        match table["note"].as_str() {
+            Some("") | None => {}
+            Some(note) => text.push_str(&format!("\n{note}\n")),
+        }
     }
     text.push_str("\n## Times\n\n| stage | seconds |\n|---|---|\n");
     for stage in items(&report["stages"]) {
         let seconds = stage["elapsed_s"].as_f64().unwrap_or(f64::NAN);
-        text.push_str(&row(&[shown(&stage["name"]), super::seconds(seconds)]));
+        text.push_str(&row(&[shown(&stage["name"]), seconds_text(seconds)]));
     }
     text
 }
@@ -126,4 +76,62 @@ fn shown(value: &Value) -> String {
     value
         .as_str()
         .map_or_else(|| value.to_string(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_report::{
+        MetricContext, MetricOutcome, MetricRecord, Report, ReportTable, StageTime,
+    };
+
+    use super::*;
+    use crate::tables::{Table1, claims_text, table1_claims};
+
+    #[test]
+    fn the_results_page_has_verdicts_tables_and_times() {
+        let table = Table1::paper();
+        let claims = table1_claims(std::slice::from_ref(&table));
+        let of = |title: &str, text, data| ReportTable {
+            title: title.to_owned(),
+            note: String::new(),
+            text,
+            data,
+        };
+        let report = Report {
+            profile: "quick".to_owned(),
+            tables: vec![
+                of("What the paper claims", claims_text(&claims), Value::Null),
+                of("Table 1", table.to_text(), Value::Null),
+            ],
+            metrics: vec![MetricRecord {
+                name: "a.b".to_owned(),
+                outcome: MetricOutcome::Skipped {
+                    skipped: "no net".to_owned(),
+                },
+                context: MetricContext {
+                    commit: "c".to_owned(),
+                    machine: "m".to_owned(),
+                    seed: 1,
+                    time: "t".to_owned(),
+                },
+            }],
+            stages: vec![StageTime {
+                name: "compliance".to_owned(),
+                elapsed_s: 12.34,
+                cached: true,
+            }],
+            ..Report::default()
+        };
+        let page = results_markdown(&serde_json::to_value(report).unwrap());
+        for part in [
+            "**A quick run**",
+            "- commit: c\n",
+            "| mean \\|error\\| | **holds** | all 3; closest",
+            "| LR | I | 2.2 (2.2) |",
+            "| compliance | 12.3 |",
+        ] {
+            assert!(page.contains(part), "{part} is missing in\n{page}");
+        }
+        assert!(!page.contains("!["), "no pictures");
+    }
 }

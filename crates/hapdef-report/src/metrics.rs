@@ -9,7 +9,7 @@ use std::path::Path;
 use hapdef_mesh::atomic_write;
 use serde::{Deserialize, Serialize};
 
-use crate::ReproError;
+use crate::ReportError;
 
 /// What every record carries besides its own.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -77,10 +77,10 @@ impl<W: Write> MetricLog<W> {
     ///
     /// # Errors
     /// A value that is not finite, a bad name or unit, or `out` failing.
-    pub fn value(&mut self, name: &str, value: f64, unit: &str) -> Result<(), ReproError> {
+    pub fn value(&mut self, name: &str, value: f64, unit: &str) -> Result<(), ReportError> {
         if !value.is_finite() {
             let index = self.records.len();
-            return Err(ReproError::NotFinite {
+            return Err(ReportError::NotFinite {
                 what: "metric",
                 index,
                 value,
@@ -89,7 +89,7 @@ impl<W: Write> MetricLog<W> {
         let plain = |c: char| c.is_alphanumeric() || "_/%·²³µ".contains(c);
         if unit.is_empty() || !unit.chars().all(plain) {
             let expected = "a unit is letters, digits, _ / % and · ² ³, and not empty";
-            return Err(ReproError::Name {
+            return Err(ReportError::Name {
                 what: "unit",
                 name: unit.to_owned(),
                 expected,
@@ -103,10 +103,10 @@ impl<W: Write> MetricLog<W> {
     ///
     /// # Errors
     /// A bad name, a reason that is empty or has a line break, or `out` failing.
-    pub fn skipped(&mut self, name: &str, reason: &str) -> Result<(), ReproError> {
+    pub fn skipped(&mut self, name: &str, reason: &str) -> Result<(), ReportError> {
         if reason.trim().is_empty() || reason.chars().any(char::is_control) {
             let expected = "a reason is one line and not empty";
-            return Err(ReproError::Name {
+            return Err(ReportError::Name {
                 what: "reason",
                 name: reason.to_owned(),
                 expected,
@@ -133,31 +133,25 @@ impl<W: Write> MetricLog<W> {
     /// # Errors
     /// A file that can't be read or written, or that holds no array of metric records; it is
     /// left as it is then.
-    pub fn append_to(&self, path: &Path) -> Result<(), ReproError> {
+    pub fn append_to(&self, path: &Path) -> Result<(), ReportError> {
         let mut all: Vec<MetricRecord> = match std::fs::read(path) {
-            Ok(bytes) => serde_json::from_slice(&bytes).map_err(|source| ReproError::Json {
-                path: path.to_owned(),
-                source,
-            })?,
+            Ok(bytes) => serde_json::from_slice(&bytes).map_err(ReportError::json(path))?,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-            Err(source) => return Err(io("reading", path, source)),
+            Err(source) => return Err(ReportError::io("reading", path)(source)),
         };
         all.extend_from_slice(&self.records);
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| io("making folder", folder, e))?;
+            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
         }
-        let json = serde_json::to_vec_pretty(&all).map_err(|source| ReproError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
-        atomic_write(path, |file| file.write_all(&json)).map_err(|e| io("writing", path, e))
+        let json = serde_json::to_vec_pretty(&all).map_err(ReportError::json(path))?;
+        atomic_write(path, |file| file.write_all(&json)).map_err(ReportError::io("writing", path))
     }
 
-    fn push(&mut self, name: &str, outcome: MetricOutcome) -> Result<(), ReproError> {
+    fn push(&mut self, name: &str, outcome: MetricOutcome) -> Result<(), ReportError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c);
         if name.is_empty() || !name.chars().all(plain) {
             let expected = "a metric's name is letters, digits, _ and ., and not empty";
-            return Err(ReproError::Name {
+            return Err(ReportError::Name {
                 what: "metric",
                 name: name.to_owned(),
                 expected,
@@ -169,8 +163,10 @@ impl<W: Write> MetricLog<W> {
             outcome,
             context,
         };
-        writeln!(self.out, "{}", record.line())
-            .map_err(|e| io("printing metrics to", Path::new("standard output"), e))?;
+        writeln!(self.out, "{}", record.line()).map_err(ReportError::io(
+            "printing metrics to",
+            Path::new("standard output"),
+        ))?;
         self.records.push(record);
         Ok(())
     }
@@ -184,14 +180,6 @@ impl MetricRecord {
             MetricOutcome::Value { value, unit } => format!("METRIC:{}:{value}:{unit}", self.name),
             MetricOutcome::Skipped { skipped } => format!("METRIC:{}:skipped:{skipped}", self.name),
         }
-    }
-}
-
-fn io(action: &'static str, path: &Path, source: std::io::Error) -> ReproError {
-    ReproError::Io {
-        action,
-        path: path.to_owned(),
-        source,
     }
 }
 
@@ -244,19 +232,19 @@ mod tests {
         let mut log = MetricLog::new(Vec::new(), context());
         assert!(matches!(
             log.value("a", f64::NAN, "s"),
-            Err(ReproError::NotFinite { .. })
+            Err(ReportError::NotFinite { .. })
         ));
         assert!(matches!(
             log.value("a:b", 1.0, "s"),
-            Err(ReproError::Name { .. })
+            Err(ReportError::Name { .. })
         ));
         assert!(matches!(
             log.value("a", 1.0, "m:s"),
-            Err(ReproError::Name { .. })
+            Err(ReportError::Name { .. })
         ));
         assert!(matches!(
             log.skipped("a", "two\nlines"),
-            Err(ReproError::Name { .. })
+            Err(ReportError::Name { .. })
         ));
         assert!(log.records().is_empty());
     }
@@ -269,7 +257,7 @@ mod tests {
         let mut log = MetricLog::new(Vec::new(), context());
         log.value("a.b", 1.0, "1").unwrap();
         let error = log.append_to(&path).unwrap_err();
-        assert!(matches!(error, ReproError::Json { .. }), "{error}");
+        assert!(matches!(error, ReportError::Json { .. }), "{error}");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "{\"mine\": 1}");
     }
 }

@@ -4,7 +4,7 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, ValueFormatter}
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use crate::ReproError;
+use crate::ReportError;
 
 /// A chart's drawing area.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -40,7 +40,7 @@ pub(super) fn svg(
     figure: &'static str,
     size: (u32, u32),
     draw: impl FnOnce(&Area<'_>) -> Result<(), String>,
-) -> Result<String, ReproError> {
+) -> Result<String, ReportError> {
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -49,7 +49,7 @@ pub(super) fn svg(
             .map_err(message)
             .and_then(|()| draw(&root))
             .and_then(|()| root.present().map_err(message));
-        drawn.map_err(|message| ReproError::Draw { figure, message })?;
+        drawn.map_err(|message| ReportError::Draw { figure, message })?;
     }
     Ok(shorter(&text))
 }

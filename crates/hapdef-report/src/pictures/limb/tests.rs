@@ -163,7 +163,7 @@ fn bad_pictures_are_refused() {
     };
     assert!(matches!(
         render_limb_png(&short, &params),
-        Err(ReproError::Shape { .. })
+        Err(ReportError::Shape { .. })
     ));
     let index = LimbPicture {
         triangles: &[[0, 1, 3]],
@@ -173,7 +173,7 @@ fn bad_pictures_are_refused() {
     assert!(
         matches!(
             error,
-            ReproError::Index {
+            ReportError::Index {
                 index: 3,
                 position: 2,
                 len: 3,
@@ -188,7 +188,7 @@ fn bad_pictures_are_refused() {
     };
     assert!(matches!(
         render_limb_png(&empty, &params),
-        Err(ReproError::TooFewSamples { .. })
+        Err(ReportError::TooFew { .. })
     ));
     let huge = RenderParams {
         width_px: 100_000,
@@ -196,6 +196,6 @@ fn bad_pictures_are_refused() {
     };
     assert!(matches!(
         render_limb_png(&good, &huge),
-        Err(ReproError::Parameter { .. })
+        Err(ReportError::Parameter { .. })
     ));
 }

@@ -1,0 +1,135 @@
+//! What can go wrong in this crate.
+
+use std::path::{Path, PathBuf};
+
+/// Why something could not be drawn, printed or written. Each variant carries what was found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// A slice does not have the length its documented shape asks for.
+    #[error("{what}: expected {expected} values, found {found}; check the shape passed in")]
+    Shape {
+        /// The argument.
+        what: &'static str,
+        /// Values its shape asks for.
+        expected: usize,
+        /// Values it has.
+        found: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("{what}: value {index} is {value}; every value must be finite")]
+    NotFinite {
+        /// The argument.
+        what: &'static str,
+        /// Position in the slice.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// There is less than a figure needs.
+    #[error("{what}: {found} values, at least {needed} are needed")]
+    TooFew {
+        /// The figure.
+        what: &'static str,
+        /// The least number that works.
+        needed: usize,
+        /// Values given.
+        found: usize,
+    },
+    /// A knob lies outside the range the figure is defined for.
+    #[error("{what} = {value}: must be {expected}")]
+    Parameter {
+        /// The knob.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// The allowed range, in words.
+        expected: &'static str,
+    },
+    /// An index points past the end of what it indexes.
+    #[error("{what}: index {index} at position {position}, but there are only {len}")]
+    Index {
+        /// What is indexed.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// Where the index was found.
+        position: usize,
+        /// Entries there are.
+        len: usize,
+    },
+    /// A name is not fit for the place it goes to.
+    #[error("{what} {name:?}: {expected}")]
+    Name {
+        /// Kind of name.
+        what: &'static str,
+        /// The name found.
+        name: String,
+        /// What is allowed, in words.
+        expected: &'static str,
+    },
+    /// A figure could not be drawn.
+    #[error("drawing {figure}: {message}")]
+    Draw {
+        /// Which figure.
+        figure: &'static str,
+        /// What the drawing library said.
+        message: String,
+    },
+    /// A file could not be read or written.
+    #[error("{action} {path}: {source}", path = path.display())]
+    Io {
+        /// What was being done, such as "writing".
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file that should hold JSON of a known form holds something else.
+    #[error("{path}: {source}; move the file away or repair it", path = path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Where and why it does not fit.
+        source: serde_json::Error,
+    },
+}
+
+impl ReportError {
+    /// [`ReportError::Io`] of what was being done with a file, such as "writing".
+    pub fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Io {
+            action,
+            path: path.clone(),
+            source,
+        }
+    }
+
+    /// [`ReportError::Json`] of a file.
+    pub fn json(path: &Path) -> impl Fn(serde_json::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::Json {
+            path: path.clone(),
+            source,
+        }
+    }
+}
+
+/// Refuses a slice whose length is not `expected`.
+pub(crate) fn check_len(
+    what: &'static str,
+    expected: usize,
+    found: usize,
+) -> Result<(), ReportError> {
+    if expected == found {
+        Ok(())
+    } else {
+        Err(ReportError::Shape {
+            what,
+            expected,
+            found,
+        })
+    }
+}

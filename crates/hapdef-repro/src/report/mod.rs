@@ -1,0 +1,7 @@
+//! What a report of this crate is compared with, and the short page made from it.
+
+mod golden;
+mod results;
+
+pub use golden::{Golden, GoldenValue};
+pub use results::results_markdown;

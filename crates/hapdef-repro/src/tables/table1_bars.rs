@@ -1,0 +1,77 @@
+//! Table 1 as a chart.
+
+use hapdef_report::{BarChart, BarPanel, ReportError, bars_svg};
+
+use super::{Method, Table1, TestSet, TrainSet};
+
+/// Table 1 as bars on a log axis: a panel per training set, a group per test set, the paper's
+/// number as a black tick.
+///
+/// # Errors
+/// No measured cell is no error, as the paper's ticks remain; drawing errors only.
+pub fn table1_svg(table: &Table1) -> Result<String, ReportError> {
+    let paper = Table1::paper();
+    let cells = |table: &Table1, train| {
+        let row = |m| {
+            let um = |test| table.test(m, train, test).map(|v: f64| v * 1e6);
+            TestSet::ALL.map(um).to_vec()
+        };
+        Method::ALL.map(row).to_vec()
+    };
+    bars_svg(&BarChart {
+        y_label: "displacement error, µm".to_owned(),
+        x_label: "contacts in test".to_owned(),
+        log_y: true,
+        groups: TestSet::ALL.map(|t| t.name().to_owned()).to_vec(),
+        series: Method::ALL.map(|m| m.name().to_owned()).to_vec(),
+        panels: TrainSet::ALL
+            .map(|train| BarPanel {
+                title: format!("trained on {}", train.name()),
+                values: cells(table, train),
+                paper: cells(&paper, train),
+                spread: vec![],
+            })
+            .to_vec(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1 background, 3 in the legend, one per finite cell; a tick per cell of the paper.
+    #[test]
+    fn table1_has_a_bar_per_cell() {
+        let mut ours = Table1::default();
+        let bars = |table: &Table1| count(&table1_svg(table).unwrap(), "rect");
+        let none = bars(&ours);
+        for (i, train) in TrainSet::ALL.into_iter().enumerate() {
+            ours.set_test(Method::Fnn, train, TestSet::II, 1e-6 * (i + 1) as f64);
+        }
+        ours.set_test(Method::Linear, TrainSet::I, TestSet::I, f64::NAN);
+        assert_eq!(bars(&ours), none + 4, "the NaN draws no bar");
+        let svg = table1_svg(&ours).unwrap();
+        for text in [
+            "LR",
+            "k-NN",
+            "FNN",
+            "paper",
+            "trained on I–III",
+            "IV",
+            "10",
+            "100",
+        ] {
+            assert!(
+                svg.contains(&format!("{text}\n")),
+                "{text} is missing in {svg}"
+            );
+        }
+        assert!(count(&svg, "polyline") >= 48);
+    }
+
+    fn count(svg: &str, name: &str) -> usize {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let is = |node: &roxmltree::Node<'_, '_>| node.tag_name().name() == name;
+        document.descendants().filter(is).count()
+    }
+}

@@ -1,0 +1,212 @@
+//! The rows as a report with a page: docs/verification.md and docs/stability-fe.md to look at.
+
+use hapdef_report::{
+    Figure, FigureContent, LineChart, NamedText, ReportError, ReportTable, Series, TextCell,
+    TextTable, lines_svg,
+};
+use serde_json::Value;
+
+use crate::table::{against, error, target, value};
+use crate::{CaseReport, Report, StabilityRow, StabilityVerdict, Verdict};
+
+/// A problem is plotted where an element was tried on at least so many meshes.
+const PLOTTED_MESHES: usize = 3;
+
+/// The cases, the finest mesh of each in a table, convergence as plots; `data` is for machines.
+///
+/// # Errors
+/// A plot that can't be drawn.
+pub fn verification_page(
+    report: &Report,
+    data: Value,
+) -> Result<hapdef_report::Report, ReportError> {
+    let counts = [
+        ("judged", report.n_judged()),
+        ("known misses", report.n_known_misses()),
+        ("failed", report.n_failed()),
+    ];
+    Ok(hapdef_report::Report {
+        title: "Is the elasticity solver right?".into(),
+        facts: facts(&counts),
+        tables: vec![ReportTable {
+            title: "Cases, each on its finest mesh".into(),
+            note: "Errors are relative to the reference; docs/verification.md names the source of \
+                   each and lists every mesh."
+                .into(),
+            text: cases_table(report),
+            data,
+        }],
+        figures: convergence(report)?,
+        ..hapdef_report::Report::default()
+    })
+}
+
+/// The rows of the solver at its extremes; `data` is for machines.
+#[must_use]
+pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Report {
+    let count = |verdict| rows.iter().filter(|row| row.verdict() == verdict).count();
+    let counts = [
+        ("accurate", count(StabilityVerdict::Accurate)),
+        ("refused", count(StabilityVerdict::Refused)),
+        ("silently wrong", count(StabilityVerdict::SilentlyWrong)),
+    ];
+    hapdef_report::Report {
+        title: "The elasticity solver at its extremes".into(),
+        facts: facts(&counts),
+        tables: vec![ReportTable {
+            title: "Rows".into(),
+            note:
+                "Error: the largest of a displacement over the largest displacement. Bound: what \
+                   the solver says that it is at most."
+                    .into(),
+            text: stability_table(rows),
+            data,
+        }],
+        ..hapdef_report::Report::default()
+    }
+}
+
+fn facts(counts: &[(&str, usize)]) -> Vec<NamedText> {
+    let fact = |(name, n): &(&str, usize)| NamedText {
+        name: (*name).into(),
+        text: n.to_string(),
+    };
+    counts.iter().map(fact).collect()
+}
+
+fn cases_table(report: &Report) -> TextTable {
+    let header = [
+        "case",
+        "problem",
+        "element",
+        "quantity",
+        "unit",
+        "reference",
+        "value",
+        "error",
+        "target",
+        "verdict",
+        "why",
+    ];
+    let row = |case: &CaseReport| {
+        let finest = case.rows.last();
+        let why = match &case.verdict {
+            Verdict::KnownMiss(why) | Verdict::Fail(why) | Verdict::NotRun(why) => why.clone(),
+            Verdict::Pass | Verdict::Told => String::new(),
+        };
+        let is_good = case.verdict == Verdict::Pass;
+        cells(
+            [
+                case.id.into(),
+                case.title.into(),
+                case.element.into(),
+                case.quantity.into(),
+                case.unit.into(),
+                against(case.reference),
+                finest.map_or("–".into(), |row| {
+                    value(case.reference, row.measured.value)
+                }),
+                finest.map_or("–".into(), error),
+                target(case),
+                case.verdict.word().into(),
+                why,
+            ],
+            is_good.then_some(9),
+        )
+    };
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: report.cases.iter().map(row).collect(),
+    }
+}
+
+fn stability_table(rows: &[StabilityRow]) -> TextTable {
+    let header = [
+        "case",
+        "extreme",
+        "path",
+        "equations",
+        "error",
+        "bound",
+        "condition",
+        "said",
+        "verdict",
+    ];
+    let row = |row: &StabilityRow| {
+        let figures = row.outcome.as_ref().ok();
+        let short = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.1e}"));
+        let said = match &row.outcome {
+            Ok(_) => row.said().to_owned(),
+            Err(refusal) => refusal.text.clone(),
+        };
+        cells(
+            [
+                row.case.into(),
+                row.extreme.clone(),
+                row.path.into(),
+                figures.map_or(String::new(), |f| f.n_equations.to_string()),
+                short(figures.map(|f| f.error)),
+                short(figures.map(|f| f.bound())),
+                short(figures.and_then(|f| f.info.condition)),
+                said,
+                row.verdict().word().into(),
+            ],
+            (!row.is_failed()).then_some(8),
+        )
+    };
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: rows.iter().map(row).collect(),
+    }
+}
+
+/// Cells of a row; the one at `strong` stands out.
+fn cells<const N: usize>(texts: [String; N], strong: Option<usize>) -> Vec<TextCell> {
+    let cell = |(at, text)| TextCell {
+        text,
+        strong: strong == Some(at),
+    };
+    texts.into_iter().enumerate().map(cell).collect()
+}
+
+/// Error against equations, a plot for each problem.
+fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
+    let mut problems: Vec<(&str, Vec<Series>)> = Vec::new();
+    for case in &report.cases {
+        let point = |row: &crate::Row| {
+            let error = row.rel_err.filter(|e| *e > 0.0)?;
+            Some(((row.measured.n_equations as f64).log10(), error))
+        };
+        let points: Vec<(f64, f64)> = case.rows.iter().filter_map(point).collect();
+        if points.len() < PLOTTED_MESHES {
+            continue;
+        }
+        let series = Series {
+            name: format!("{} {}", case.element, case.quantity)
+                .chars()
+                .take(30)
+                .collect(),
+            points,
+        };
+        match problems.iter_mut().find(|(title, _)| *title == case.title) {
+            Some((_, all)) => all.push(series),
+            None => problems.push((case.title, vec![series])),
+        }
+    }
+    let figure = |(i, (title, series)): (usize, (&str, Vec<Series>))| {
+        let chart = LineChart {
+            title: title.into(),
+            x_label: "log₁₀ of the equations".into(),
+            y_label: "relative error".into(),
+            log_y: true,
+            dots: true,
+            series,
+        };
+        Ok(Figure {
+            file: format!("convergence-{i}.svg"),
+            caption: format!("{title}: error against equations."),
+            content: FigureContent::Svg(lines_svg(&chart)?),
+        })
+    };
+    problems.into_iter().enumerate().map(figure).collect()
+}
