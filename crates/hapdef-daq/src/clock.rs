@@ -97,6 +97,16 @@ impl ClockMap {
         (self.minima.len() > 2).then_some(-1e6 * self.line[1])
     }
 
+    /// How far the least delays are from the line, root mean square with two degrees of freedom taken
+    /// by the line, µs; as far as it is known.
+    #[must_use]
+    pub fn residual_us(&self) -> Option<f64> {
+        let n_free = self.minima.len().checked_sub(2).filter(|n| *n > 0)?;
+        let above = |p: &[f64; 2]| p[1] - self.line[0] - self.line[1] * p[0];
+        let square: f64 = self.minima.iter().map(|p| above(p).powi(2)).sum();
+        Some(1e6 * (square / n_free as f64).sqrt())
+    }
+
     /// How often one of the clocks jumped.
     #[must_use]
     pub fn n_jumps(&self) -> u64 {
@@ -213,6 +223,9 @@ mod tests {
                 errors.push(mapped as f64 - true_ns);
             }
         }
+        let residual_us = map.residual_us().unwrap();
+        // The least of 1,000 exponential delays of 1 ms is exponential with 1 µs; times are whole µs.
+        assert!((0.4..4.0).contains(&residual_us), "{residual_us} µs");
         let found = map.drift_ppm().unwrap();
         assert!((found - drift_ppm).abs() < 5.0, "{found} for {drift_ppm}");
         errors

@@ -81,6 +81,12 @@ pub enum DaqError {
         /// Its length.
         n_bytes: u64,
     },
+    /// A recording without a reading.
+    #[error("{path}: not one reading in it: there is nothing to play")]
+    NoFrames {
+        /// The file.
+        path: std::path::PathBuf,
+    },
     /// A calibration record that is no JSON object.
     #[error("the calibration record is no JSON object: {message}")]
     BadCalibration {

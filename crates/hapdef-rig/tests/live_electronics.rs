@@ -52,6 +52,57 @@ fn noise_has_its_spread_and_no_memory() {
     assert!(lag_1.abs() < 0.02, "correlation {lag_1}");
 }
 
+/// One-sided spectral density at `f_hz`, mean over pieces of `n` samples with Hann's window, µε²/Hz
+/// (Welch, IEEE Trans. Audio Electroacoust. 15(2), 1967).
+fn density(values: &[f64], n: usize, f_hz: f64) -> f64 {
+    use std::f64::consts::TAU;
+    let window: Vec<f64> = (0..n)
+        .map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos())
+        .collect();
+    let power: f64 = window.iter().map(|w| w * w).sum();
+    let pieces = values.chunks_exact(n);
+    let n_pieces = pieces.len() as f64;
+    let one = |piece: &[f64]| {
+        let mean = piece.iter().sum::<f64>() / n as f64;
+        let (mut re, mut im) = (0.0, 0.0);
+        for (i, (value, weight)) in piece.iter().zip(&window).enumerate() {
+            let (sin, cos) = (TAU * f_hz * i as f64 / RATE_HZ).sin_cos();
+            re += weight * (value - mean) * cos;
+            im += weight * (value - mean) * sin;
+        }
+        2.0 * (re * re + im * im) / (RATE_HZ * power)
+    };
+    pieces.map(one).sum::<f64>() / n_pieces
+}
+
+/// 1/f from 1 Hz to 100 Hz: density times frequency is the square of what was asked for, and no piece
+/// of the band has more than 10 % too much or too little.
+#[test]
+fn flicker_goes_with_one_over_f() {
+    let mut params = quiet();
+    params.flicker_ue = 2.0;
+    let values = readings(&mut chain(params.clone(), 1), 0.0, 600_000);
+    let mut all = Vec::new();
+    for octave in 0..7 {
+        let from_hz = 2_f64.powi(octave);
+        // 8 frequencies of an octave in 150 pieces or more: a standard error of about 4 %
+        let n = if octave < 3 { 4000 } else { 1000 };
+        let frequencies = (0..8).map(|i| from_hz * 2_f64.powf((f64::from(i) + 0.5) / 8.0));
+        let each = frequencies.map(|f_hz| density(&values, n, f_hz) * f_hz);
+        let mean = each.sum::<f64>() / 8.0;
+        println!("{from_hz} Hz: {mean:.3} µε²");
+        all.push(mean);
+    }
+    for (octave, mean) in all.iter().enumerate() {
+        assert!(
+            (mean / 4.0 - 1.0).abs() < 0.1,
+            "octave {octave}: {mean} µε²"
+        );
+    }
+    let again = readings(&mut chain(params, 1), 0.0, 1000);
+    assert_eq!(again, values[..1000]);
+}
+
 /// ARDUINO DUE, gauge factor 2, 3.3 V: 1.65 µV/µε in front of the amplifier, so a step of 12 bits over
 /// 3.3 V is 3.3 / 4096 / gain / 1.65e-6 µε.
 #[test]
@@ -255,6 +306,7 @@ fn values_out_of_range_are_refused() {
         assert!(error.to_string().contains(name), "{error}");
     };
     refused(&|p| p.walk_ue_per_sqrt_s = -1.0, "walk_ue_per_sqrt_s");
+    refused(&|p| p.flicker_ue = f64::NAN, "flicker_ue");
     refused(&|p| p.offset_ue = f64::NAN, "offset_ue");
     refused(&|p| p.dead = vec![1], "dead channel");
     refused(&|p| p.swapped = vec![(0, 1)], "swapped");

@@ -78,7 +78,8 @@ impl Demo {
                 ViewCommand::Release => self.press = None,
                 ViewCommand::Record(on) => self.recording_since = on.then_some(t),
                 ViewCommand::Tare => view.say("Tared"),
-                ViewCommand::Snapshot | ViewCommand::Pause(_) | ViewCommand::Seek { .. } => {}
+                ViewCommand::Snapshot { .. } | ViewCommand::Pause(_) | ViewCommand::Seek { .. } => {
+                }
             }
         }
     }

@@ -11,8 +11,12 @@ pub enum ViewCommand {
     Tare,
     /// Start or stop recording.
     Record(bool),
-    /// Keep what is shown now.
-    Snapshot,
+    /// Keep what is shown.
+    Snapshot {
+        /// Time of the frame that the page shows, [`crate::ViewFrame::t_s`]; the newest if it does not
+        /// say.
+        t_s: Option<f64>,
+    },
     /// Stop or go on with a replay.
     Pause(bool),
     /// Go to a time of a replay.
@@ -47,7 +51,9 @@ pub(crate) enum PageMessage {
     Record {
         on: bool,
     },
-    Snapshot,
+    Snapshot {
+        t_s: Option<f64>,
+    },
     Pause {
         on: bool,
     },
@@ -87,7 +93,10 @@ impl PageMessage {
                 offered(offers.record, "recording")?;
                 ViewCommand::Record(on)
             }
-            Self::Snapshot => ViewCommand::Snapshot,
+            Self::Snapshot { t_s } if t_s.is_none_or(f64::is_finite) => {
+                ViewCommand::Snapshot { t_s }
+            }
+            Self::Snapshot { t_s } => return Err(format!("no time to keep: {t_s:?} s")),
             Self::Pause { on } => ViewCommand::Pause(on),
             Self::Seek { position_s } if position_s.is_finite() && position_s >= 0.0 => {
                 ViewCommand::Seek { position_s }
@@ -165,6 +174,11 @@ mod tests {
         check(r#"{"cmd":"tare"}"#, ViewCommand::Tare);
         check(r#"{"cmd":"record","on":true}"#, ViewCommand::Record(true));
         check(r#"{"cmd":"pause","on":false}"#, ViewCommand::Pause(false));
+        check(r#"{"cmd":"snapshot"}"#, ViewCommand::Snapshot { t_s: None });
+        check(
+            r#"{"cmd":"snapshot","t_s":-2.5}"#,
+            ViewCommand::Snapshot { t_s: Some(-2.5) },
+        );
         check(
             r#"{"cmd":"seek","position_s":2.5}"#,
             ViewCommand::Seek { position_s: 2.5 },

@@ -304,7 +304,9 @@ fn buttons_command(scene: &mut Scene) {
     click(scene, "record");
     scene.feed.hears(|c| *c == ViewCommand::Record(true));
     click(scene, "snapshot");
-    scene.feed.hears(|c| *c == ViewCommand::Snapshot);
+    scene
+        .feed
+        .hears(|c| matches!(c, ViewCommand::Snapshot { t_s: Some(_) }));
     let n_tares = |scene: &Scene| {
         scene
             .feed

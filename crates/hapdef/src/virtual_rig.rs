@@ -136,6 +136,7 @@ fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {
         }),
         offset_ue: live.offset_ue,
         walk_ue_per_sqrt_s: live.walk_ue_per_sqrt_s,
+        flicker_ue: live.flicker_ue,
         temperature_ue_per_k: live.temperature_ue_per_k,
         temperature_c: live.temperature_c.iter().map(|[s, c]| (*s, *c)).collect(),
         creep: live

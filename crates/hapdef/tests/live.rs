@@ -75,6 +75,7 @@ fn a_recording_is_played_into_contacts() {
     assert!(made.status.success(), "{made:?}");
     let bundle = Bundle::read(file.as_ref()).unwrap();
     record_to(recording.as_ref(), messages(&bundle));
+    the_doctor_looks_at_it(&file, &recording);
     let source = format!("replay:{recording}@max");
     let play = || {
         let words = [
@@ -109,6 +110,30 @@ fn a_recording_is_played_into_contacts() {
         std::fs::read_to_string(&table).unwrap().lines().count(),
         801
     );
+}
+
+/// The bundle is whole and of this version; the recording has as many channels.
+fn the_doctor_looks_at_it(file: &str, recording: &str) {
+    let source = format!("replay:{recording}@max");
+    let seen = hapdef(&["doctor", "--json", "--source", &source, file]);
+    let checks: Vec<Value> = serde_json::from_slice(&seen.stdout).unwrap();
+    let check = |name: &str| checks.iter().find(|c| c["check"] == name).unwrap();
+    for name in ["bundle", "version"] {
+        assert_eq!(check(name)["state"], "ok", "{checks:?}");
+    }
+    assert_eq!(check("calibration")["state"], "warn");
+    assert_ne!(check("gauges")["state"], "bad");
+    let whole = std::fs::read(file).unwrap();
+    let mut bytes = whole.clone();
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    std::fs::write(file, bytes).unwrap();
+    let seen = hapdef(&["doctor", "--json", file]);
+    assert_eq!(seen.status.code(), Some(1));
+    let checks: Vec<Value> = serde_json::from_slice(&seen.stdout).unwrap();
+    let check = checks.iter().find(|c| c["check"] == "bundle").unwrap();
+    assert_eq!(check["state"], "bad", "{check}");
+    std::fs::write(file, whole).unwrap();
 }
 
 #[track_caller]

@@ -55,6 +55,8 @@ pub struct Recording {
     records: VecDeque<Record>,
     definitions: Definitions,
     n_undefined: u64,
+    /// Of what is before this time only the device's own messages are read.
+    from_ns: u64,
 }
 
 impl Recording {
@@ -75,7 +77,37 @@ impl Recording {
             records: VecDeque::new(),
             definitions: Definitions::default(),
             n_undefined: 0,
+            from_ns: 0,
         })
+    }
+
+    /// The same without the frames before a time, which are passed over fast; what the device said of
+    /// itself before is read.
+    pub(crate) fn with_frames_from(self, from_ns: u64) -> Self {
+        Self { from_ns, ..self }
+    }
+
+    /// Times of the first and the last frame on the wall clock, ns, from all of the file; none
+    /// where it has no frame.
+    ///
+    /// # Errors
+    /// The file can't be read.
+    pub fn span_ns(mut self) -> Result<Option<(u64, u64)>, DaqError> {
+        let mut span = None;
+        while self.next_chunk()? {
+            let mut chunk = &self.chunk[..];
+            while let Some((op, content, rest)) = next_record(chunk) {
+                if op == MESSAGE
+                    && let Some((channel, time_ns)) = channel_and_time(content)
+                    && channel == Topic::Gauges.id()
+                {
+                    let (first_ns, _) = *span.get_or_insert((time_ns, time_ns));
+                    span = Some((first_ns, time_ns));
+                }
+                chunk = rest;
+            }
+        }
+        Ok(span)
     }
 
     /// The next record; none at the end.
@@ -84,13 +116,7 @@ impl Recording {
     /// The file can't be read on.
     pub fn next_record(&mut self) -> Result<Option<Record>, DaqError> {
         while self.records.is_empty() {
-            let more = self.scanner.next_chunk(&mut self.chunk);
-            let more = more.map_err(|source| DaqError::File {
-                action: "reading",
-                path: self.path.clone(),
-                source,
-            })?;
-            if !more {
+            if !self.next_chunk()? {
                 return Ok(None);
             }
             self.take_records();
@@ -125,10 +151,20 @@ impl Recording {
         self.n_undefined
     }
 
+    fn next_chunk(&mut self) -> Result<bool, DaqError> {
+        let more = self.scanner.next_chunk(&mut self.chunk);
+        more.map_err(|source| DaqError::File {
+            action: "reading",
+            path: self.path.clone(),
+            source,
+        })
+    }
+
     fn take_records(&mut self) {
         let mut chunk = &self.chunk[..];
         while let Some((op, content, rest)) = next_record(chunk) {
             match op {
+                MESSAGE if is_passed_over(content, self.from_ns) => {}
                 MESSAGE => match record(content, &mut self.definitions) {
                     Some(record) => self.records.push_back(record),
                     None => self.n_undefined += 1,
@@ -142,11 +178,23 @@ impl Recording {
     }
 }
 
+fn channel_and_time(content: &[u8]) -> Option<(u16, u64)> {
+    let (fields, _) = content.split_at_checked(MESSAGE_FIELDS_LEN)?;
+    let channel = u16::from_le_bytes([fields[0], fields[1]]);
+    Some((channel, u64::from_le_bytes(fields[6..14].try_into().ok()?)))
+}
+
+/// Whether a message is from before `from_ns` and none of the device's own.
+fn is_passed_over(content: &[u8], from_ns: u64) -> bool {
+    from_ns > 0
+        && channel_and_time(content)
+            .is_some_and(|(channel, time_ns)| time_ns < from_ns && channel != Topic::Device.id())
+}
+
 /// A message's record; none if its channel is not known.
 fn record(content: &[u8], definitions: &mut Definitions) -> Option<Record> {
-    let (fields, json) = content.split_at_checked(MESSAGE_FIELDS_LEN)?;
-    let channel = u16::from_le_bytes([fields[0], fields[1]]);
-    let log_time_ns = u64::from_le_bytes(fields[6..14].try_into().ok()?);
+    let (channel, log_time_ns) = channel_and_time(content)?;
+    let json = &content[MESSAGE_FIELDS_LEN..];
     let content = match Topic::of(channel) {
         Some(topic) => own_content(topic, json, definitions),
         None => Content::Further(Arc::clone(definitions.topic(channel)?)),

@@ -87,6 +87,9 @@ pub struct SourceStats {
     pub round_trip_ns: u64,
     /// How much faster the device's clock runs than the host's, ppm; 0 until it is known.
     pub drift_ppm: f64,
+    /// How far the map from the device's time to the host's is off the packets that came fastest, root
+    /// mean square, µs; none until it is known.
+    pub clock_residual_us: Option<f64>,
 }
 
 /// A link that carries bytes both ways.

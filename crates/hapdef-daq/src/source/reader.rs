@@ -88,6 +88,7 @@ impl Reader {
         stats.drift_ppm = self.state.map.drift_ppm().unwrap_or(0.0);
         match &self.decoding {
             Decoding::Hdp1(decoder) => {
+                stats.clock_residual_us = self.state.map.residual_us();
                 (stats.losses, stats.rejected) = (decoder.losses(), decoder.rejected());
             }
             Decoding::Csv { decoder, .. } => {

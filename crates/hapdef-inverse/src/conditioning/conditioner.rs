@@ -5,7 +5,7 @@ use crate::conditioning::faults::{Converter, GaugeHealth, Watch};
 use crate::conditioning::params::ConditionerParams;
 use crate::conditioning::touch::Touch;
 use crate::conditioning::tracker::Tracker;
-use crate::error::{InverseError, check_length};
+use crate::error::{InverseError, check_length, check_positive};
 
 /// What the conditioner is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,6 +113,21 @@ impl Conditioner {
         self.touch = Touch::new();
         (self.touched_s, self.released_s) = (0.0, 0.0);
         self.tare_temperature_k = None;
+    }
+
+    /// Another standard deviation of the readings' noise `[n_gauges]`, as if it had been given at first.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a wrong length or a value that is not above 0.
+    pub fn set_gauge_sd(&mut self, gauge_sd: &[f64]) -> Result<(), InverseError> {
+        check_length("gauge_sd", self.trackers.len(), gauge_sd.len())?;
+        for &sd in gauge_sd {
+            check_positive("gauge_sd", sd)?;
+        }
+        self.params.gauge_sd.copy_from_slice(gauge_sd);
+        let trackers = self.trackers.iter_mut().zip(gauge_sd);
+        trackers.for_each(|(tracker, sd)| tracker.set_noise(*sd));
+        Ok(())
     }
 
     /// One frame of raw readings `[n_gauges]` with the temperature (K or °C) where there is a channel

@@ -34,6 +34,10 @@ impl Tracker {
         self.covariance[0][0] = self.noise / n as f64;
     }
 
+    pub(crate) fn set_noise(&mut self, sd: f64) {
+        self.noise = sd * sd;
+    }
+
     /// Time passes: the baseline walks.
     pub(crate) fn drift(&mut self, variance: f64) {
         self.covariance[0][0] += variance;

@@ -68,6 +68,28 @@ impl ContactEstimator {
         Self::with_gauges(map, sites, self.noise.clone(), self.params, live)
     }
 
+    /// Standard deviation of each gauge's noise `[n_gauges]`, in the unit of the map, without what its
+    /// converter adds.
+    #[must_use]
+    pub fn gauge_sd(&self) -> &[f64] {
+        &self.noise.gauge_sd
+    }
+
+    /// The same estimator with other noise `[n_gauges]`.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a wrong length or a value that is not above 0.
+    pub fn with_gauge_sd(&self, gauge_sd: &[f64]) -> Result<Self, InverseError> {
+        let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
+        let noise = NoiseParams {
+            gauge_sd: gauge_sd.to_vec(),
+            ..self.noise.clone()
+        };
+        let mut live = vec![false; map.n_gauges()];
+        self.model.live.iter().for_each(|&gauge| live[gauge] = true);
+        Self::with_gauges(map, sites, noise, self.params, &live)
+    }
+
     fn with_gauges(
         map: Arc<ResponseMap>,
         sites: Arc<ScanSites>,

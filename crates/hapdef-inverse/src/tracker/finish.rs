@@ -1,5 +1,7 @@
 //! The end of a frame: who is let go, and what is said.
 
+use nalgebra::Point3;
+
 use crate::chi_square::upper_tail;
 use crate::estimator::{Contact, Verdict, WhyNot};
 use crate::tracker::follow::{ContactTracker, Mode};
@@ -99,6 +101,21 @@ impl ContactTracker {
         frame.n_runner_ups = self.hypotheses.n_alive() - 1;
         frame.info.is_inquiry = matches!(self.mode, Mode::Inquiry { .. });
         self.frame.verdict = self.verdict();
+    }
+
+    /// What else may explain the frames so far, in no order: how much worse it is than the best
+    /// explanation in −2 ln evidence, and its contacts' places, m, and normal forces, N. There are
+    /// [`crate::TrackedFrame::n_runner_ups`].
+    pub fn runner_ups(
+        &self,
+    ) -> impl Iterator<Item = (f64, impl Iterator<Item = (Point3<f64>, f64)>)> {
+        let best = self.hypotheses.best().total();
+        let skin = self.model.skin();
+        self.hypotheses.others().iter().map(move |other| {
+            let slots = other.slots().iter();
+            let contacts = slots.map(move |slot| (skin.position(&slot.point), slot.force_n));
+            (other.total() - best, contacts)
+        })
     }
 
     /// Standard deviation of a place anywhere on the skin, m.

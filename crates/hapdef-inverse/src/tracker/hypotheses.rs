@@ -54,6 +54,11 @@ impl Hypotheses {
         &mut self.all[..self.n]
     }
 
+    /// Those beside the best, in no order.
+    pub(super) fn others(&self) -> &[Belief] {
+        &self.all[1..self.n]
+    }
+
     /// How much worse the second hypothesis is in −2 ln evidence.
     pub(super) fn lead(&self) -> f64 {
         let others = self.all[1..self.n].iter();

@@ -1,5 +1,7 @@
 //! The computing thread: from messages to frames with contacts.
 
+mod conditioning;
+
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -7,9 +9,7 @@ use std::time::Duration;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
 use hapdef_daq::{Acquisition, Frame, Message, Receiver};
-use hapdef_inverse::{
-    Conditioned, Conditioner, ConditionerParams, GaugeHealth, InverseError, TouchPhase,
-};
+use hapdef_inverse::TouchPhase;
 
 use super::counts::Counts;
 use super::device::Device;
@@ -20,6 +20,7 @@ use crate::frame::LiveFrame;
 use crate::health::Health;
 use crate::sink::{LiveEvent, Wants};
 use crate::touch::{TouchEstimator, TouchFrame};
+use conditioning::Conditioning;
 
 /// Longest wait for a message, so that a stop is seen.
 const POLL: Duration = Duration::from_millis(20);
@@ -45,7 +46,7 @@ pub(super) struct Compute {
     outlets: Vec<Outlet>,
     shared: Arc<Shared>,
     device: Option<Device>,
-    conditioning: Option<(Conditioner, Conditioned)>,
+    conditioning: Option<Conditioning>,
     frame: LiveFrame,
     counts: Counts,
     stages: Stages,
@@ -183,37 +184,6 @@ impl Compute {
         true
     }
 
-    fn condition(&mut self) {
-        if !self.setup.wants.has_tared() {
-            return;
-        }
-        self.counts.n_conditioned += 1;
-        let to = &mut self.frame;
-        let Some((conditioner, out)) = &mut self.conditioning else {
-            to.tared_ue.copy_from_slice(&to.raw_ue);
-            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
-                *health = health_of_number(*raw);
-            }
-            return;
-        };
-        let was_taring = out.phase == TouchPhase::Taring;
-        if let Err(error) = conditioner.step_into(&to.raw_ue, to.temperature, out) {
-            // lengths are those of the device; said all the same
-            self.counts.device_fault = Some(error.to_string().into());
-            return;
-        }
-        to.phase = out.phase;
-        to.tared_ue.copy_from_slice(&out.readings);
-        to.gauges.copy_from_slice(&out.health);
-        if out.phase == TouchPhase::Taring {
-            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
-                *health = health_of_number(*raw);
-            }
-        } else if was_taring {
-            self.tell(&LiveEvent::Tared);
-        }
-    }
-
     fn estimate(&mut self) {
         let wants = self.setup.wants;
         let to = &mut self.frame;
@@ -226,7 +196,7 @@ impl Compute {
             return;
         }
         self.counts.n_estimated += 1;
-        let live = self.conditioning.as_ref().map(|(_, out)| &out.live[..]);
+        let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
         let frame = TouchFrame {
             readings_ue: &to.tared_ue,
             live,
@@ -270,49 +240,12 @@ impl Compute {
             told.map_err(|error| error.to_string())?;
         }
         if !is_same {
-            let conditioner = self
-                .conditioner(&device)
-                .map_err(|error| error.to_string())?;
-            self.conditioning = conditioner.map(|conditioner| {
-                let out = conditioner.output();
-                (conditioner, out)
-            });
+            let conditioning = self.conditioning(&device);
+            self.conditioning = conditioning.map_err(|error| error.to_string())?;
             self.frame = LiveFrame::new(device.n_gauges());
         }
         self.device = Some(device);
         Ok(())
-    }
-
-    fn conditioner(&self, device: &Device) -> Result<Option<Conditioner>, InverseError> {
-        let params = &self.setup.params;
-        if params.tare_s == 0.0 {
-            return Ok(None);
-        }
-        // a step adds step²/12
-        let sd = |step_ue: f64| self.setup.noise_ue.hypot(step_ue / 12.0_f64.sqrt());
-        let gauge_sd: Vec<f64> = device.steps_ue().map(sd).collect();
-        let defaults = || ConditionerParams::new(Vec::new(), device.period_s);
-        let given = params.conditioning.clone().unwrap_or_else(defaults);
-        let params = ConditionerParams {
-            gauge_sd,
-            period_s: device.period_s,
-            tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
-            rails: device.rails_ue(),
-            coarse: device
-                .steps_ue()
-                .map(|step| step > self.setup.noise_ue)
-                .collect(),
-            ..given
-        };
-        Conditioner::new(params).map(Some)
-    }
-
-    fn tare(&mut self) {
-        if let Some((conditioner, out)) = &mut self.conditioning {
-            conditioner.tare();
-            out.phase = TouchPhase::Taring;
-            self.start_over();
-        }
     }
 
     fn start_over(&mut self) {
@@ -358,13 +291,5 @@ impl Compute {
 
     fn now_ns(&self) -> u64 {
         self.setup.params.clock.now_ns()
-    }
-}
-
-fn health_of_number(value: f64) -> GaugeHealth {
-    if value.is_finite() {
-        GaugeHealth::Good
-    } else {
-        GaugeHealth::NotFinite
     }
 }

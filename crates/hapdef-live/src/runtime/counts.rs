@@ -22,6 +22,8 @@ pub(super) struct Counts {
     pub(super) last_refusal: Option<Arc<str>>,
     pub(super) device_fault: Option<Arc<str>>,
     pub(super) link: Option<LinkState>,
+    pub(super) noise_ue: Vec<f64>,
+    pub(super) n_noisier: usize,
 }
 
 impl Counts {
@@ -40,5 +42,7 @@ impl Counts {
         health.last_refusal.clone_from(&self.last_refusal);
         health.device_fault.clone_from(&self.device_fault);
         health.link.clone_from(&self.link);
+        health.noise_ue.clone_from(&self.noise_ue);
+        health.n_noisier = self.n_noisier;
     }
 }

@@ -3,6 +3,7 @@
 mod compute;
 mod counts;
 mod device;
+mod noise;
 mod outlet;
 mod source;
 mod stages;

@@ -4,7 +4,7 @@ mod settings;
 mod superposition;
 mod tracking;
 
-use hapdef_inverse::{MAX_CONTACTS, Phase, Verdict, WhyNot};
+use hapdef_inverse::{ContactEstimator, MAX_CONTACTS, Phase, Verdict, WhyNot};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 pub use settings::{SuperpositionSettings, friction_rms};
@@ -54,6 +54,35 @@ pub trait TouchEstimator: Send {
     fn set_frame_period(&mut self, _period_s: f64) -> Result<(), LiveError> {
         Ok(())
     }
+
+    /// Is told after each tare how large the noise of each gauge is at least `[n_gauges]`, µε; 0 where
+    /// it is not larger than was said. An estimator that weighs readings by their noise takes the
+    /// larger of this and what it was made with.
+    ///
+    /// # Errors
+    /// [`LiveError`] for a wrong length or noise that can't be used.
+    fn set_least_noise(&mut self, _least_ue: &[f64]) -> Result<(), LiveError> {
+        Ok(())
+    }
+}
+
+/// `estimator` with the larger of the noise that it was made with and `least_ue`; none if it has
+/// that.
+fn noisier(
+    estimator: &ContactEstimator,
+    made_with_ue: &[f64],
+    least_ue: &[f64],
+) -> Result<Option<ContactEstimator>, LiveError> {
+    let (expected, found) = (made_with_ue.len(), least_ue.len());
+    if expected != found {
+        return Err(LiveError::FrameLength { expected, found });
+    }
+    let pairs = made_with_ue.iter().zip(least_ue);
+    let wanted: Vec<f64> = pairs.map(|(made, least)| made.max(*least)).collect();
+    if estimator.gauge_sd() == wanted {
+        return Ok(None);
+    }
+    Ok(Some(estimator.with_gauge_sd(&wanted)?))
 }
 
 /// A frame as an estimator gets it.

@@ -3,13 +3,14 @@
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
 
 use super::{Alternative, Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality};
-use super::{TouchUncertainty, TouchWanted};
+use super::{TouchUncertainty, TouchWanted, noisier};
 use crate::error::LiveError;
 
 /// [`ContactEstimator`] with its buffers. When gauges fail it is whitened anew without them, which
 /// takes milliseconds once.
 pub struct Superposition {
     estimator: ContactEstimator,
+    made_with_ue: Vec<f64>,
     scratch: EstimatorScratch,
     masked: Option<Masked>,
     estimate: ContactEstimate,
@@ -30,6 +31,7 @@ impl Superposition {
             scratch: estimator.scratch(),
             masked: None,
             estimate: ContactEstimate::default(),
+            made_with_ue: estimator.gauge_sd().to_vec(),
             estimator,
         }
     }
@@ -116,6 +118,15 @@ impl TouchEstimator for Superposition {
         frame.check(self.n_gauges())?;
         self.search(frame)?;
         self.report(frame.wanted, touch);
+        Ok(())
+    }
+
+    fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {
+        if let Some(estimator) = noisier(&self.estimator, &self.made_with_ue, least_ue)? {
+            self.scratch = estimator.scratch();
+            self.masked = None;
+            self.estimator = estimator;
+        }
         Ok(())
     }
 }

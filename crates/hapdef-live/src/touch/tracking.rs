@@ -5,7 +5,7 @@ use hapdef_inverse::{
     TrackerParams,
 };
 
-use super::TouchWanted;
+use super::{Alternative, TouchWanted, noisier};
 use super::{Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality, TouchUncertainty};
 use crate::error::LiveError;
 
@@ -26,8 +26,10 @@ pub enum SearchPlace {
 /// [`ContactTracker`] with full searches beside it. Contacts keep their names.
 pub struct Tracking {
     estimator: ContactEstimator,
+    made_with_ue: Vec<f64>,
     tracker: ContactTracker,
     params: TrackerParams,
+    place: SearchPlace,
     search: Search,
     n_failed_searches: u64,
     /// Added to the tracker's names, so that none comes twice when the tracker is made anew.
@@ -42,6 +44,20 @@ enum Search {
     Never,
 }
 
+impl Search {
+    fn new(estimator: &ContactEstimator, place: SearchPlace) -> Result<Self, LiveError> {
+        Ok(match place {
+            SearchPlace::Background => {
+                Self::Background(BackgroundSearch::start(estimator.clone())?)
+            }
+            SearchPlace::Here => {
+                Self::Here(Box::new((estimator.scratch(), SearchOutcome::default())))
+            }
+            SearchPlace::Never => Self::Never,
+        })
+    }
+}
+
 impl Tracking {
     /// Follows contacts on the map, sites and noise of `estimator`.
     ///
@@ -52,20 +68,13 @@ impl Tracking {
         params: TrackerParams,
         place: SearchPlace,
     ) -> Result<Self, LiveError> {
-        let search = match place {
-            SearchPlace::Background => {
-                Search::Background(BackgroundSearch::start(estimator.clone())?)
-            }
-            SearchPlace::Here => {
-                Search::Here(Box::new((estimator.scratch(), SearchOutcome::default())))
-            }
-            SearchPlace::Never => Search::Never,
-        };
         Ok(Self {
+            search: Search::new(&estimator, place)?,
             tracker: ContactTracker::new(&estimator, params)?,
+            made_with_ue: estimator.gauge_sd().to_vec(),
             estimator,
             params,
-            search,
+            place,
             n_failed_searches: 0,
             first_id: 0,
             next_id: 0,
@@ -141,6 +150,14 @@ impl Tracking {
         touch.released.extend(released);
         let largest = touch.contacts.iter().filter_map(|contact| contact.id).max();
         self.next_id = self.next_id.max(largest.map_or(0, |id| id + 1));
+        if wanted.alternatives {
+            let others = self.tracker.runner_ups();
+            let others = others.map(|(delta, contacts)| Alternative::new(delta, contacts));
+            touch.alternatives.extend(others);
+            let by_delta =
+                |a: &Alternative, b: &Alternative| a.delta_evidence.total_cmp(&b.delta_evidence);
+            touch.alternatives.sort_unstable_by(by_delta);
+        }
         touch.quality = Some(TouchQuality {
             n_alternatives: frame.n_runner_ups,
             ..TouchQuality::of(frame.verdict, frame.chi2, frame.n_dof, frame.p_value)
@@ -184,6 +201,17 @@ impl TouchEstimator for Tracking {
         };
         self.tracker = ContactTracker::new(&self.estimator, params)?;
         self.params = params;
+        self.first_id = self.next_id;
+        Ok(())
+    }
+
+    fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {
+        let Some(estimator) = noisier(&self.estimator, &self.made_with_ue, least_ue)? else {
+            return Ok(());
+        };
+        self.search = Search::new(&estimator, self.place)?;
+        self.tracker = ContactTracker::new(&estimator, self.params)?;
+        self.estimator = estimator;
         self.first_id = self.next_id;
         Ok(())
     }

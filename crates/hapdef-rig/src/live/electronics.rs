@@ -6,11 +6,13 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::electronics::Electronics;
 use crate::error::RigError;
+use crate::live::flicker::Flicker;
 use crate::params::ElectronicsParams;
 
 /// Streams of the seed, beside the noise's own.
 const CHANNEL_STREAM: u64 = 1;
 const WALK_STREAM: u64 = 2;
+const FLICKER_STREAM: u64 = 3;
 
 /// What the chain does to a strain.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,8 @@ pub struct LiveElectronicsParams {
     pub offset_ue: f64,
     /// Random walk of each channel: its standard deviation after t is this times √t, µε/√s.
     pub walk_ue_per_sqrt_s: f64,
+    /// 1/f noise of each channel from 1 mHz up: its density at 1 Hz, µε/√Hz.
+    pub flicker_ue: f64,
     /// Largest temperature coefficient; the channels' are uniform up to it, µε/K.
     pub temperature_ue_per_k: f64,
     /// Temperature over time: (s, °C), ascending, straight lines between, constant outside; empty for
@@ -66,6 +70,7 @@ pub struct LiveElectronics {
     converter: Electronics,
     period_s: f64,
     walk_rng: ChaCha8Rng,
+    flicker: Flicker,
     /// Gauge behind each channel `[n]`.
     gauge_of: Vec<usize>,
     offset_ue: Vec<f64>,
@@ -86,6 +91,7 @@ impl LiveElectronicsParams {
             bridge: None,
             offset_ue: 0.0,
             walk_ue_per_sqrt_s: 0.0,
+            flicker_ue: 0.0,
             temperature_ue_per_k: 0.0,
             temperature_c: Vec::new(),
             creep: Vec::new(),
@@ -185,6 +191,7 @@ impl LiveElectronics {
             converter,
             period_s: 1.0 / rate_hz,
             walk_rng: stream(WALK_STREAM),
+            flicker: Flicker::new(params.flicker_ue, rate_hz, n, stream(FLICKER_STREAM)),
             gauge_of,
             walk_ue: vec![0.0; n],
             creep_ue: vec![0.0; n * params.creep.len()],
@@ -249,6 +256,7 @@ impl LiveElectronics {
             self.volts[channel] = seen
                 + self.offset_ue[channel]
                 + self.walk_ue[channel]
+                + self.flicker.next(channel)
                 + self.coefficient_ue_per_k[channel] * warmer_k;
         }
         self.saturated = self.converter.sample(&self.volts, codes);
@@ -295,6 +303,7 @@ fn check(params: &LiveElectronicsParams, rate_hz: f64, n: usize) -> Result<(), R
     require((1..=64).contains(&n), "channels", "1 to 64", n as f64)?;
     not_negative("offset_ue", params.offset_ue)?;
     not_negative("walk_ue_per_sqrt_s", params.walk_ue_per_sqrt_s)?;
+    not_negative("flicker_ue", params.flicker_ue)?;
     not_negative("temperature_ue_per_k", params.temperature_ue_per_k)?;
     for pair in params.temperature_c.windows(2) {
         let rises = pair[0].0 < pair[1].0;

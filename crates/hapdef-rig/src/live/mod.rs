@@ -11,6 +11,7 @@ mod device;
 mod electronics;
 mod events;
 mod faults;
+mod flicker;
 mod limb;
 mod link;
 mod nearest;

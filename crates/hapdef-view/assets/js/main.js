@@ -86,6 +86,8 @@ function frame(buffer) {
   const before = history.last;
   const now = history.add(buffer);
   announce(before, now);
+  byId("record").ariaPressed = String(now.health.recording === "on");
+  panel.showHealth(now.health, performance.now());
   if (!view.paused || now.replay) view.fresh = true;
 }
 
@@ -129,7 +131,6 @@ function show(chosen, now) {
   byId("legend").hidden = chosen.components === 0;
   legend.setRange(view.limb.range);
   panel.show(chosen, recent, now);
-  byId("record").ariaPressed = String(chosen.health.recording === "on");
   view.shown = chosen;
   stage.stale = true;
   showTime(chosen);
@@ -194,7 +195,7 @@ function snapshot() {
     Object.assign(document.createElement("a"), { href: url, download: "hapdef.png" }).click();
     URL.revokeObjectURL(url);
   });
-  if (view.offers.commands) send({ cmd: "snapshot" });
+  if (view.offers.commands && view.shown) send({ cmd: "snapshot", t_s: view.shown.t });
 }
 
 function send(message, done) {

@@ -18,6 +18,7 @@ export class Panel {
     this.seen = -1;
     this.textAt = 0;
     this.plotAt = 0;
+    this.healthAt = 0;
   }
 
   /** Rows for `gauges`. */
@@ -57,7 +58,6 @@ export class Panel {
     this.textAt = now;
     this.showContacts(frame);
     this.showGauges(frame);
-    this.showHealth(frame.health);
   }
 
   refresh() {
@@ -101,7 +101,10 @@ export class Panel {
     });
   }
 
-  showHealth(health) {
+  /** Health is always the newest, whatever frame is shown. */
+  showHealth(health, now) {
+    if (now - this.healthAt < TEXT_MS) return;
+    this.healthAt = now;
     const items = [
       ["Rate", Number.isFinite(health.rate) ? `${health.rate.toFixed(0)} Hz` : "–", false],
       ["Lost", count(health.lost), health.lost > 0],

@@ -5,21 +5,24 @@ use std::io::{BufWriter, IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use hapdef::touch::{LiveEstimator, SearchPlace, TouchEstimator, live_estimator};
-use hapdef::{Limb, SOURCE_FORMS, SceneArgs, SourceArg};
+use hapdef::{Limb, Run, SOURCE_FORMS, SceneArgs, SourceArg};
+use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
 use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
+use hapdef_rig::live::TruthFrame;
 
-use super::live_record::LiveRecording;
+use super::live_record::Tape;
 use super::live_ros::{Attached, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::view::{Sim, View, ViewArgs};
+use super::view::{Origin, Reach, Sim, View, ViewArgs};
 
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
@@ -93,13 +96,20 @@ enum EstimatorName {
 
 /// A model and a source, made ready.
 struct Model {
-    source: Box<dyn FrameSource>,
+    source: Source,
     estimator: Box<dyn TouchEstimator>,
     gauges: Vec<LiveGauge>,
     noise_ue: f64,
     stop: Arc<AtomicBool>,
     view: Option<View>,
+}
+
+/// Where frames come from, with what else is known of them.
+struct Source {
+    frames: Box<dyn FrameSource>,
+    truth: Option<Receiver<TruthFrame>>,
     sim: Option<Sim>,
+    player: Option<PlayerControl>,
 }
 
 pub(crate) fn run(args: &LiveArgs) -> Result<()> {
@@ -111,17 +121,25 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         Model::of_scene(args)?
     };
     let stop = Arc::clone(&model.stop);
-    let (view, sim) = (model.view.take(), model.sim.take());
-    let (mut builder, recording) = model.builder(args)?;
+    let view = model.view.take();
+    let (sim, player) = (model.source.sim.take(), model.source.player.take());
+    let (mut builder, tape) = model.builder(args)?;
     if let Some(view) = &view {
         builder = builder.sink(view.sink(args.is_recorded()));
     }
     let live = builder.start()?;
-    let desk = view.map(|view| view.attend(live.control(), sim, (start, args.json)));
+    let reach = Reach {
+        sim,
+        tape: tape.clone(),
+        player,
+    };
+    let desk = view.map(|view| view.attend(live.control(), reach, (start, args.json)));
     wait(&live, args.seconds, &stop);
     drop(desk);
     let health = live.stop()?;
-    recording.map_or(Ok(()), LiveRecording::finish)?;
+    if let Some(recorded) = tape.map_or(Ok(None), |tape| tape.finish())? {
+        eprintln!("{recorded}");
+    }
     report(&health)
 }
 
@@ -138,14 +156,14 @@ impl Model {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
         };
         let gauges = bundle.info.gauges.iter();
+        let view = || args.view.of_bundle(bundle, args.origin());
         Ok(Self {
-            source: source.open_for(gauges.len())?,
+            source: Source::of(args, source, gauges.len())?,
             estimator,
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
             stop: stop_flag()?,
-            view: args.view.of_bundle(bundle)?,
-            sim: None,
+            view: args.view.is_wanted().then(view).transpose()?,
         })
     }
 
@@ -158,11 +176,11 @@ impl Model {
             Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
             Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
         };
-        let view = args.view.of_scene(&run, &limb, args.sim)?;
-        let (source, sim): (Box<dyn FrameSource>, _) = match (&args.source, &view) {
-            (Some(source), _) => (source.open_for(limb.gauges.len())?, None),
-            (None, Some(_)) => Sim::start(&run, &limb, args.sim_seed)?,
-            (None, None) => (simulated(&run, &limb, args.sim_seed)?, None),
+        let view = || args.view.of_scene(&run, &limb, args.origin());
+        let view = args.view.is_wanted().then(view).transpose()?;
+        let source = match &args.source {
+            Some(source) => Source::of(args, source, limb.gauges.len())?,
+            None => Source::simulated(args, &run, &limb)?,
         };
         let sites = run.scene.gauges.sites.iter();
         let model = Self {
@@ -172,7 +190,6 @@ impl Model {
             noise_ue: run.scene.estimator.superposition().noise_ue,
             stop: Arc::clone(&run.stop),
             view,
-            sim,
         };
         if let Some(view) = &model.view {
             view.solve_deformation(run, limb);
@@ -180,8 +197,8 @@ impl Model {
         Ok(model)
     }
 
-    /// The runtime, and the recording that is to be finished after it.
-    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<LiveRecording>)> {
+    /// The runtime, and what is to be finished after it.
+    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<Tape>)> {
         if let Some(seconds) = args.seconds {
             ensure!(
                 seconds > 0.0,
@@ -197,11 +214,9 @@ impl Model {
             realtime_priority: args.realtime,
             ..LiveParams::default()
         };
-        let Attached {
-            source,
-            sink,
-            recording,
-        } = args.ros.attach(self.source)?;
+        let may_record = args.view.is_wanted() && !args.is_recorded();
+        let Source { frames, truth, .. } = self.source;
+        let Attached { source, sink, tape } = args.ros.attach(frames, truth, may_record)?;
         let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
@@ -209,17 +224,66 @@ impl Model {
         if let Some(sink) = sink {
             builder = builder.sink(sink);
         }
-        Ok((with_sinks(builder, args)?, recording))
+        Ok((with_sinks(builder, args)?, tape))
+    }
+}
+
+impl Source {
+    /// What `--source` names; a recording that is looked at can be stopped and gone to any time of.
+    fn of(args: &LiveArgs, source: &SourceArg, n_gauges: usize) -> Result<Self> {
+        let (frames, player): (Box<dyn FrameSource>, _) = match source {
+            SourceArg::Replay { file, speed } if args.view.is_wanted() => {
+                ensure!(
+                    args.ros.record.is_none(),
+                    "--record: a replay on the page can go back, which a recording can't: leave \
+                     out --record or --view"
+                );
+                let player = Player::open(file, *speed)?;
+                let control = player.control();
+                (Box::new(player), Some(control))
+            }
+            source => (source.open_for(n_gauges)?, None),
+        };
+        Ok(Self {
+            frames,
+            truth: None,
+            sim: None,
+            player,
+        })
+    }
+
+    /// The scene's virtual rig.
+    fn simulated(args: &LiveArgs, run: &Run, limb: &Limb) -> Result<Self> {
+        let ((frames, truth), sim) = if args.view.is_wanted() {
+            let (simulated, sim) = Sim::start(run, limb, args.sim_seed)?;
+            (simulated, Some(sim))
+        } else {
+            (simulated(run, limb, args.sim_seed)?, None)
+        };
+        Ok(Self {
+            frames,
+            truth: Some(truth),
+            sim,
+            player: None,
+        })
     }
 }
 
 impl LiveArgs {
-    /// A replay as fast as it goes gives the same contacts each time.
+    /// A replay gives the same contacts each time.
     fn place(&self) -> SearchPlace {
-        if self.is_unpaced() {
+        if self.is_recorded() {
             SearchPlace::Here
         } else {
             SearchPlace::Background
+        }
+    }
+
+    fn origin(&self) -> Origin {
+        match &self.source {
+            None => Origin::Sim,
+            Some(source) if source.is_recorded() => Origin::Recording,
+            Some(_) => Origin::Device,
         }
     }
 
@@ -295,7 +359,7 @@ fn report(health: &Health) -> Result<()> {
 }
 
 /// A bundle begins with the length of a header and `{`; a scene is text.
-fn is_bundle(path: &Path) -> Result<bool> {
+pub(super) fn is_bundle(path: &Path) -> Result<bool> {
     use std::io::Read;
     let shown = || path.display().to_string();
     let mut begin = [0; 9];

@@ -1,34 +1,85 @@
-//! Everything that a source says in a recording, while others use it, too.
+//! Everything that a source says in recordings, while others use it, too.
 
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver as Queue, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
-use anyhow::Result;
-use hapdef_daq::record::{RecordParams, Recorder, TopicWriter, record};
+use anyhow::{Result, anyhow, bail};
+use hapdef_daq::clock::{HostClock, SystemClock};
+use hapdef_daq::hdp1::Hello;
+use hapdef_daq::record::{RecordInfo, RecordParams, Recorder, TopicDef, TopicWriter, record};
 use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
 use hapdef_daq::{AcquireParams, Acquisition, Message, acquire};
-use hapdef_ros::{RosParams, topics};
+use hapdef_ros::{MessageSink, RosParams, TopicKind, topics};
 
 /// Messages that wait for the recorder at most: 8 s at 1 kHz.
 const QUEUE_LEN: usize = 8192;
 /// Messages handed over in one turn at most.
 const A_TURN: usize = 256;
+/// What is made of the last readings is waited for so long while the source goes on.
+const GRACE: Duration = Duration::from_millis(200);
 
-/// A recording of everything that a source says, and of what is made of it.
-pub(super) struct LiveRecording {
-    recorder: Recorder,
-    acquisition: Acquisition,
-    n_missed: Arc<AtomicU64>,
+/// Records a source and what is made of it, once or several times, each to a file of its own.
+#[derive(Clone)]
+pub(super) struct Tape {
+    shared: Arc<Shared>,
 }
 
-/// A source whose messages go to a recording, too.
+/// A source whose messages go to a tape, too.
 pub(super) struct Tee {
     inner: Box<dyn FrameSource>,
-    sender: SyncSender<Message>,
-    n_missed: Arc<AtomicU64>,
+    shared: Arc<Shared>,
+}
+
+/// Messages of ROS for a tape.
+pub(super) struct TapeSink {
+    shared: Arc<Shared>,
+}
+
+/// How a tape is doing.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum TapeState {
+    /// Nothing is recorded.
+    Off,
+    /// Readings of so many seconds are recorded.
+    On { recorded_s: f64 },
+    /// The recording stopped, and why.
+    Failed { why: String },
+}
+
+struct Shared {
+    source: String,
+    topics: Vec<TopicDef>,
+    calibration: Option<Vec<u8>>,
+    /// Wall clock less monotonic clock while nothing is recorded.
+    wall_offset_ns: u64,
+    /// For the threads that read and that make messages: held for a moment only.
+    feed: Mutex<Feed>,
+    running: Mutex<Option<Running>>,
+}
+
+/// What the source's thread and the messages' thread hand over to.
+#[derive(Default)]
+struct Feed {
+    /// What the device said it is.
+    hello: Option<Arc<Hello>>,
+    /// None when a recording ends: it takes messages for the readings that it has then.
+    sender: Option<SyncSender<Message>>,
+    topics: Option<TopicWriter>,
+    /// Host times of the first and the last reading, ns.
+    span_ns: Option<(u64, u64)>,
+    n_missed: u64,
+}
+
+enum Running {
+    On {
+        path: PathBuf,
+        recorder: Recorder,
+        acquisition: Acquisition,
+    },
+    Ending(JoinHandle<Result<String>>),
 }
 
 /// The recording's end of a [`Tee`].
@@ -37,76 +88,221 @@ struct TeeEnd {
     name: String,
 }
 
-/// Records `source` to `path`: the source to use instead, and the recording, whose
-/// [`LiveRecording::topics`] take what is made of the readings.
-pub(super) fn recorded(
-    source: Box<dyn FrameSource>,
-    path: &Path,
-    params: &RosParams,
-    calibration: Option<Vec<u8>>,
-) -> Result<(Tee, LiveRecording)> {
-    let (sender, queue) = sync_channel(QUEUE_LEN);
-    let name = source.name();
-    let end = TeeEnd {
-        queue,
-        name: name.clone(),
-    };
-    let (acquisition, receivers) = acquire(end, AcquireParams::default())?;
-    let record_params = RecordParams {
-        calibration,
-        source: name,
-        topics: topics(params)?,
-        ..RecordParams::default()
-    };
-    let receiver = receivers.into_iter().next();
-    let receiver = receiver.ok_or_else(|| anyhow::anyhow!("one receiver was asked for"))?;
-    let recorder = record(receiver, path, record_params)?;
-    let n_missed = Arc::new(AtomicU64::new(0));
-    let tee = Tee {
-        inner: source,
-        sender,
-        n_missed: Arc::clone(&n_missed),
-    };
-    let recording = LiveRecording {
-        recorder,
-        acquisition,
-        n_missed,
-    };
-    Ok((tee, recording))
-}
-
-impl LiveRecording {
-    /// Takes messages of [`topics`].
-    pub(super) fn topics(&self) -> TopicWriter {
-        self.recorder.topics()
+impl Tape {
+    /// A tape for `source`, with the source to use instead.
+    pub(super) fn new(
+        source: Box<dyn FrameSource>,
+        params: &RosParams,
+        calibration: Option<Vec<u8>>,
+    ) -> Result<(Tee, Self)> {
+        let shared = Arc::new(Shared {
+            source: source.name(),
+            topics: topics(params)?,
+            calibration,
+            wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
+            feed: Mutex::default(),
+            running: Mutex::default(),
+        });
+        let tee = Tee {
+            inner: source,
+            shared: Arc::clone(&shared),
+        };
+        Ok((tee, Self { shared }))
     }
 
-    /// Ends the file when everything has been said, and says what is in it.
-    pub(super) fn finish(self) -> Result<()> {
-        // The source is gone by now: its last messages are on their way.
-        while !self.acquisition.has_ended() {
+    /// Begins a recording.
+    pub(super) fn start(&self, path: &Path) -> Result<()> {
+        let mut running = lock(&self.shared.running);
+        if running.is_some() {
+            bail!("the last recording is still being written: try again");
+        }
+        let (sender, queue) = sync_channel(QUEUE_LEN);
+        let name = self.shared.source.clone();
+        let (acquisition, receivers) = acquire(TeeEnd { queue, name }, AcquireParams::default())?;
+        let receiver = receivers.into_iter().next();
+        let receiver = receiver.ok_or_else(|| anyhow!("one receiver was asked for"))?;
+        let params = RecordParams {
+            calibration: self.shared.calibration.clone(),
+            source: self.shared.source.clone(),
+            topics: self.shared.topics.clone(),
+            ..RecordParams::default()
+        };
+        let recorder = record(receiver, path, params)?;
+        let mut feed = lock(&self.shared.feed);
+        if let Some(hello) = &feed.hello {
+            // It was said before the recording began; the queue is empty.
+            let _ = sender.try_send(Message::Hello(Arc::clone(hello)));
+        }
+        *feed = Feed {
+            hello: feed.hello.take(),
+            sender: Some(sender),
+            topics: Some(recorder.topics()),
+            span_ns: None,
+            n_missed: 0,
+        };
+        *running = Some(Running::On {
+            path: path.to_owned(),
+            recorder,
+            acquisition,
+        });
+        Ok(())
+    }
+
+    /// Ends the recording on a thread of its own; [`Self::ended`] has what became of it.
+    pub(super) fn stop(&self) {
+        let mut running = lock(&self.shared.running);
+        *running = match running.take() {
+            Some(Running::On {
+                recorder,
+                acquisition,
+                ..
+            }) => {
+                lock(&self.shared.feed).sender = None;
+                let shared = Arc::clone(&self.shared);
+                let end = move || {
+                    std::thread::sleep(GRACE);
+                    shared.finish(recorder, &acquisition)
+                };
+                Some(Running::Ending(std::thread::spawn(end)))
+            }
+            other => other,
+        };
+    }
+
+    /// What is in a recording that was stopped, once it is complete; or why it is not.
+    pub(super) fn ended(&self) -> Option<Result<String>> {
+        let mut running = lock(&self.shared.running);
+        match running.take() {
+            Some(Running::Ending(thread)) if thread.is_finished() => Some(joined(thread)),
+            other => {
+                *running = other;
+                None
+            }
+        }
+    }
+
+    /// Ends what is recorded when everything has been said: what is in it, where there is one.
+    pub(super) fn finish(&self) -> Result<Option<String>> {
+        let running = lock(&self.shared.running).take();
+        running
+            .map(|running| match running {
+                Running::Ending(thread) => joined(thread),
+                Running::On {
+                    recorder,
+                    acquisition,
+                    ..
+                } => {
+                    // Whoever makes messages has ended by now: those it made are on their way.
+                    lock(&self.shared.feed).sender = None;
+                    self.shared.finish(recorder, &acquisition)
+                }
+            })
+            .transpose()
+    }
+
+    pub(super) fn state(&self) -> TapeState {
+        let running = lock(&self.shared.running);
+        let Some(Running::On { recorder, .. }) = &*running else {
+            return TapeState::Off;
+        };
+        if let Some(why) = recorder.stats().fault {
+            let why = why.to_string();
+            return TapeState::Failed { why };
+        }
+        let span_ns = lock(&self.shared.feed).span_ns;
+        let recorded_ns = span_ns.map_or(0, |(first, last)| last.saturating_sub(first));
+        TapeState::On {
+            recorded_s: recorded_ns as f64 * 1e-9,
+        }
+    }
+
+    /// The file that is recorded to.
+    pub(super) fn path(&self) -> Option<PathBuf> {
+        match &*lock(&self.shared.running) {
+            Some(Running::On { path, .. }) => Some(path.clone()),
+            _ => None,
+        }
+    }
+
+    /// What takes messages of [`topics`] for it.
+    pub(super) fn sink(&self) -> TapeSink {
+        TapeSink {
+            shared: Arc::clone(&self.shared),
+        }
+    }
+
+    /// The wall clock at a moment of the monotonic clock, ns, as the recording maps it.
+    pub(super) fn wall_ns(&self, t_host_ns: u64) -> u64 {
+        let feed = lock(&self.shared.feed);
+        match &feed.topics {
+            Some(topics) => topics.wall_ns(t_host_ns),
+            None => t_host_ns.wrapping_add(self.shared.wall_offset_ns),
+        }
+    }
+}
+
+impl Shared {
+    fn finish(&self, recorder: Recorder, acquisition: &Acquisition) -> Result<String> {
+        while !acquisition.has_ended() {
             std::thread::sleep(Duration::from_millis(5));
         }
-        let info = self.recorder.finish()?;
-        let n_missed = info.n_dropped + self.n_missed.load(Ordering::Relaxed);
-        eprintln!(
-            "{}: {} readings, {} messages; missing because the disk was too slow: {n_missed}, {}",
-            info.path.display(),
-            info.n_frames,
-            info.n_messages,
-            info.n_messages_dropped,
-        );
-        Ok(())
+        let n_missed = {
+            let mut feed = lock(&self.feed);
+            feed.topics = None;
+            feed.n_missed
+        };
+        let info = recorder.finish()?;
+        Ok(in_words(&info, info.n_dropped + n_missed))
+    }
+}
+
+fn in_words(info: &RecordInfo, n_missed: u64) -> String {
+    format!(
+        "{}: {} readings, {} messages; missing because the disk was too slow: {n_missed}, {}",
+        info.path.display(),
+        info.n_frames,
+        info.n_messages,
+        info.n_messages_dropped,
+    )
+}
+
+fn joined(thread: JoinHandle<Result<String>>) -> Result<String> {
+    let ended = thread.join();
+    ended.unwrap_or_else(|_| Err(anyhow!("the thread that ends a recording has panicked")))
+}
+
+impl Feed {
+    fn take(&mut self, message: &Message) {
+        if let Message::Hello(hello) = message {
+            self.hello = Some(Arc::clone(hello));
+        }
+        let Some(sender) = &self.sender else { return };
+        if let Message::Frame(frame) = message {
+            let t_ns = frame.t_host_ns;
+            self.span_ns = Some(
+                self.span_ns
+                    .map_or((t_ns, t_ns), |(first, _)| (first, t_ns)),
+            );
+        }
+        if sender.try_send(message.clone()).is_err() {
+            self.n_missed += 1;
+        }
+    }
+
+    /// Whether a message belongs to the readings that are recorded.
+    fn has(&self, topics: &TopicWriter, stamp_ns: u64) -> bool {
+        self.span_ns.is_some_and(|(first_ns, last_ns)| {
+            let is_over = self.sender.is_none() && stamp_ns > topics.wall_ns(last_ns);
+            stamp_ns >= topics.wall_ns(first_ns) && !is_over
+        })
     }
 }
 
 impl FrameSource for Tee {
     fn poll(&mut self, timeout: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        let (sender, n_missed) = (&self.sender, &self.n_missed);
+        let shared = &self.shared;
         self.inner.poll(timeout, &mut |message| {
-            if sender.try_send(message.clone()).is_err() {
-                n_missed.fetch_add(1, Ordering::Relaxed);
-            }
+            lock(&shared.feed).take(&message);
             sink(message);
         })
     }
@@ -117,6 +313,19 @@ impl FrameSource for Tee {
 
     fn name(&self) -> String {
         self.inner.name()
+    }
+}
+
+impl MessageSink for TapeSink {
+    fn put(&mut self, topic: TopicKind, stamp_ns: u64, message: &[u8]) {
+        let feed = lock(&self.shared.feed);
+        if let Some(topics) = feed.topics.as_ref().filter(|t| feed.has(t, stamp_ns)) {
+            topics.put(topic.number(), stamp_ns, message.to_vec());
+        }
+    }
+
+    fn wants(&self, _topic: TopicKind) -> bool {
+        lock(&self.shared.feed).topics.is_some()
     }
 }
 
@@ -138,4 +347,8 @@ impl FrameSource for TeeEnd {
     fn name(&self) -> String {
         self.name.clone()
     }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,6 +1,7 @@
 //! From the runtime to what ROS tools read: one recording with everything, and a live view.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::Receiver;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -8,13 +9,14 @@ use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::touch::{Touch, TouchContact};
 use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
+use hapdef_rig::live::TruthFrame;
 use hapdef_ros::{
-    Contact, Contacts, Health as Part, Level, McapSink, MessageSink, Quality, Readings, RosEncoder,
+    Contact, Contacts, Health as Part, Level, MessageSink, Quality, Readings, RosEncoder,
     RosParams, Sinks, Uncertainty,
 };
 
-use super::live_record::{LiveRecording, recorded};
-use super::truth::TruthFile;
+use super::live_record::Tape;
+use super::truth::Truth;
 
 /// Frames that wait to be encoded at most: 8 s at 1 kHz.
 const QUEUE_LEN: usize = 8192;
@@ -23,14 +25,14 @@ const QUEUE_LEN: usize = 8192;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RosArgs {
     /// Record everything to one file: raw readings, contacts, wrenches, markers, diagnostics, as
-    /// ROS tools read them.
+    /// ROS tools read them; with --sim what really touches, too.
     #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
+    pub(super) record: Option<PathBuf>,
     /// Calibration in use, a JSON file: kept in the recording as it is.
     #[arg(long, value_name = "FILE", requires = "record")]
     record_calibration: Option<PathBuf>,
     /// Ground truth of a simulated rig, a JSON line a frame as it writes them, for the recording.
-    #[arg(long, value_name = "FILE", requires = "record")]
+    #[arg(long, value_name = "FILE", requires = "record", conflicts_with = "sim")]
     truth: Option<PathBuf>,
     /// Serve Foxglove at this address: 127.0.0.1:8765.
     #[arg(long, value_name = "ADDRESS")]
@@ -40,28 +42,35 @@ pub(crate) struct RosArgs {
     zenoh: Option<u32>,
 }
 
-/// A source that is recorded on its way, and where what is made of it goes.
+/// A source that can be recorded on its way, and where what is made of it goes.
 pub(super) struct Attached {
     /// The source to use.
     pub(super) source: Box<dyn FrameSource>,
     /// The sink to add.
     pub(super) sink: Option<RosSink>,
-    /// To be finished when everything has been said.
-    pub(super) recording: Option<LiveRecording>,
+    /// What records, where that is wanted.
+    pub(super) tape: Option<Tape>,
 }
 
 /// Frames of the runtime as messages of ROS.
 pub(super) struct RosSink {
     name: String,
     encoder: RosEncoder<Sinks>,
-    truth: Option<TruthFile>,
+    truth: Option<Truth>,
+    tape: Option<Tape>,
     /// Wall clock less monotonic clock.
     wall_offset_ns: u64,
 }
 
 impl RosArgs {
-    /// Attaches what is asked for to a source.
-    pub(super) fn attach(&self, source: Box<dyn FrameSource>) -> Result<Attached> {
+    /// Attaches what is asked for to a source: its frames can be recorded later, too, where they
+    /// `may_record`. `truth` tells what a simulated rig is pressed by.
+    pub(super) fn attach(
+        &self,
+        source: Box<dyn FrameSource>,
+        truth: Option<Receiver<TruthFrame>>,
+        may_record: bool,
+    ) -> Result<Attached> {
         let params = RosParams::default();
         let mut sinks: Vec<Box<dyn MessageSink>> = Vec::new();
         let mut names = Vec::new();
@@ -73,50 +82,51 @@ impl RosArgs {
             sinks.push(zenoh(&params, domain_id)?);
             names.push(format!("ROS 2 in domain {domain_id}"));
         }
-        let mut source = source;
-        let mut recording = None;
-        if let Some(path) = &self.record {
-            if path.exists() {
-                bail!(
-                    "--record: {} is there already; choose another name",
-                    path.display()
-                );
-            }
-            let (tee, new) = recorded(source, path, &params, self.calibration()?)?;
+        let (mut source, mut tape) = (source, None);
+        if may_record || self.record.is_some() {
+            let (tee, new) = Tape::new(source, &params, self.calibration()?)?;
             source = Box::new(tee);
-            sinks.push(Box::new(McapSink::new(new.topics())));
-            names.push(path.display().to_string());
-            recording = Some(new);
+            sinks.push(Box::new(new.sink()));
+            names.push("recording".to_owned());
+            if let Some(path) = &self.record {
+                is_new(path)?;
+                new.start(path)?;
+            }
+            tape = Some(new);
         }
-        let wall_offset_ns = match &recording {
-            Some(recording) => recording.topics().wall_ns(0),
-            None => SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
+        let truth = match (&self.truth, truth) {
+            (Some(path), _) => Some(Truth::in_file(path)?),
+            (None, truth) => truth.map(Truth::of_rig),
         };
-        let truth = self.truth.as_deref().map(TruthFile::open).transpose()?;
         let sink = match sinks.is_empty() {
             true => None,
             false => Some(RosSink {
                 name: names.join(", "),
                 encoder: RosEncoder::new(params, Sinks(sinks))?,
                 truth,
-                wall_offset_ns,
+                tape: tape.clone(),
+                wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
             }),
         };
-        Ok(Attached {
-            source,
-            sink,
-            recording,
-        })
+        Ok(Attached { source, sink, tape })
     }
-}
 
-impl RosArgs {
     fn calibration(&self) -> Result<Option<Vec<u8>>> {
         let read = |path: &PathBuf| {
             std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
         };
         self.record_calibration.as_ref().map(read).transpose()
     }
+}
+
+fn is_new(path: &Path) -> Result<()> {
+    if path.exists() {
+        bail!(
+            "--record: {} is there already; choose another name",
+            path.display()
+        );
+    }
+    Ok(())
 }
 
 #[cfg(feature = "foxglove")]
@@ -148,7 +158,10 @@ fn zenoh(_: &RosParams, _: u32) -> Result<Box<dyn MessageSink>> {
 
 impl RosSink {
     fn stamp_ns(&self, t_host_ns: u64) -> u64 {
-        t_host_ns.wrapping_add(self.wall_offset_ns)
+        match &self.tape {
+            Some(tape) => tape.wall_ns(t_host_ns),
+            None => t_host_ns.wrapping_add(self.wall_offset_ns),
+        }
     }
 }
 

@@ -1,28 +1,40 @@
-//! Ground truth of a simulated rig, as it is written: a JSON line for each frame.
+//! Ground truth of a simulated rig: from itself, or as it writes it, a JSON line for each frame.
 
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::Receiver;
 
 use anyhow::{Context, Result, bail};
+use hapdef_rig::live::{TrueContact, TruthFrame};
 use hapdef_ros::{Contact, Contacts};
 use serde::Deserialize;
 
 /// Frames that wait for their line at most; the rig writes a moment later than it sends.
 const MAX_WAITING: usize = 1 << 16;
 
-/// Follows a file that may still grow and finds the line of each frame by its number.
-pub(super) struct TruthFile {
-    path: PathBuf,
-    lines: BufReader<File>,
-    /// A line that is not whole yet.
-    partial: String,
+/// What a simulated rig is pressed by, found for each frame by its number.
+pub(super) struct Truth {
+    lines: Lines,
     /// A line that is ahead of the frames.
     next: Option<Line>,
     /// Frames without their line: number and time.
     waiting: VecDeque<(u32, u64)>,
     boot_id: Option<u32>,
+}
+
+/// Where lines come from.
+enum Lines {
+    /// A file that may still grow.
+    File {
+        path: PathBuf,
+        lines: BufReader<File>,
+        /// A line that is not whole yet.
+        partial: String,
+    },
+    /// A rig within the program.
+    Rig(Receiver<TruthFrame>),
 }
 
 #[derive(Deserialize)]
@@ -40,17 +52,29 @@ struct LineContact {
     force_n: f64,
 }
 
-impl TruthFile {
-    pub(super) fn open(path: &Path) -> Result<Self> {
+impl Truth {
+    /// In a file, as a rig writes it.
+    pub(super) fn in_file(path: &Path) -> Result<Self> {
         let file = File::open(path).with_context(|| format!("{}: reading", path.display()))?;
-        Ok(Self {
+        Ok(Self::new(Lines::File {
             path: path.to_owned(),
             lines: BufReader::with_capacity(1 << 16, file),
             partial: String::new(),
+        }))
+    }
+
+    /// From a rig within the program.
+    pub(super) fn of_rig(frames: Receiver<TruthFrame>) -> Self {
+        Self::new(Lines::Rig(frames))
+    }
+
+    fn new(lines: Lines) -> Self {
+        Self {
+            lines,
             next: None,
             waiting: VecDeque::new(),
             boot_id: None,
-        })
+        }
     }
 
     /// Takes a frame's number and time, and hands out the truth of all frames that have it by now.
@@ -102,24 +126,57 @@ impl TruthFile {
         if let Some(line) = self.next.take() {
             return Ok(Some(line));
         }
-        self.lines
-            .read_line(&mut self.partial)
-            .with_context(|| format!("{}: reading", self.path.display()))?;
-        if !self.partial.ends_with('\n') {
+        let line = self.lines.next()?;
+        if let Some(line) = &line {
+            self.boot_id = Some(line.boot_id);
+        }
+        Ok(line)
+    }
+}
+
+impl Lines {
+    fn next(&mut self) -> Result<Option<Line>> {
+        let (path, lines, partial) = match self {
+            Self::Rig(frames) => return Ok(frames.try_recv().ok().map(Line::from)),
+            Self::File {
+                path,
+                lines,
+                partial,
+            } => (path, lines, partial),
+        };
+        lines
+            .read_line(partial)
+            .with_context(|| format!("{}: reading", path.display()))?;
+        if !partial.ends_with('\n') {
             return Ok(None);
         }
-        let parsed = serde_json::from_str::<Line>(&self.partial);
+        let parsed = serde_json::from_str::<Line>(partial);
         let Ok(line) = parsed else {
             bail!(
                 "{}: expected a line of a rig's ground truth with boot_id, seq and contacts, found \
                  {:.60}",
-                self.path.display(),
-                self.partial.trim_end()
+                path.display(),
+                partial.trim_end()
             );
         };
-        self.partial.clear();
-        self.boot_id = Some(line.boot_id);
+        partial.clear();
         Ok(Some(line))
+    }
+}
+
+impl From<TruthFrame> for Line {
+    fn from(frame: TruthFrame) -> Self {
+        let contact = |c: &TrueContact| LineContact {
+            id: c.id,
+            position_m: c.position_m.coords.into(),
+            normal: c.normal.into(),
+            force_n: c.force_n,
+        };
+        Self {
+            boot_id: frame.boot_id,
+            seq: frame.seq,
+            contacts: frame.contacts.iter().map(contact).collect(),
+        }
     }
 }
 
@@ -160,7 +217,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("truth.jsonl");
         let mut file = File::create(&path).unwrap();
-        let mut truth = TruthFile::open(&path).unwrap();
+        let mut truth = Truth::in_file(&path).unwrap();
         let mut found = Vec::new();
         let mut put = |contacts: &Contacts| {
             found.push((
@@ -185,11 +242,37 @@ mod tests {
     }
 
     #[test]
+    fn a_rig_within_the_program_tells_it() {
+        let (rig, frames) = std::sync::mpsc::sync_channel(8);
+        let mut truth = Truth::of_rig(frames);
+        let tell = |seq| {
+            let frame = TruthFrame {
+                boot_id: 1,
+                seq,
+                ..TruthFrame::default()
+            };
+            rig.try_send(frame).unwrap();
+        };
+        let mut found = Vec::new();
+        let mut put = |contacts: &Contacts| {
+            found.push((contacts.seq, contacts.stamp_ns));
+            Ok(())
+        };
+        // 7 is lost on the link, 8 comes before the rig tells of it.
+        (5..8).for_each(tell);
+        truth.frame(6, 60, &mut put).unwrap();
+        truth.frame(8, 80, &mut put).unwrap();
+        tell(8);
+        truth.look(&mut put).unwrap();
+        assert_eq!(found, [(6, 60), (8, 80)]);
+    }
+
+    #[test]
     fn what_is_no_truth_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("truth.jsonl");
         std::fs::write(&path, "hello\n").unwrap();
-        let mut truth = TruthFile::open(&path).unwrap();
+        let mut truth = Truth::in_file(&path).unwrap();
         let error = truth.frame(0, 0, &mut |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("boot_id"), "{error}");
     }

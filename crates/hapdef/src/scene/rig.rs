@@ -40,6 +40,9 @@ pub struct LiveSpec {
     pub offset_ue: f64,
     /// Random walk of a channel, µε/√s.
     pub walk_ue_per_sqrt_s: f64,
+    /// 1/f noise of a channel: its density at 1 Hz, µε/√Hz.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub flicker_ue: f64,
     /// Largest temperature coefficient of a channel, µε/K.
     pub temperature_ue_per_k: f64,
     /// Temperature over time: pairs of s and °C, ascending.
@@ -169,4 +172,9 @@ pub struct PressSpec {
     pub held_force_n: f64,
     /// Half width of the held force's uniform spread, N.
     pub held_spread_n: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }

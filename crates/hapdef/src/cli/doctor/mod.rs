@@ -1,5 +1,6 @@
 //! `hapdef doctor`: what is in the way of good readings, and what to do about it.
 
+mod bundle;
 mod channels;
 mod check;
 mod machine;
@@ -17,6 +18,7 @@ use hapdef::{SOURCE_FORMS, SourceArg};
 use serde_json::Value;
 
 use self::check::{Check, State};
+use super::live::is_bundle;
 use super::record::seconds;
 use super::signals::stop_flag;
 
@@ -27,13 +29,14 @@ const BAD: i32 = 1;
 #[command(after_help = "Examples:\n  \
     hapdef doctor\n  \
     hapdef doctor --source serial:/dev/ttyACM0 fixtures/shin/scene.json\n  \
+    hapdef doctor --source serial:/dev/ttyACM0 shin.hapdef\n  \
     hapdef doctor --source tcp:127.0.0.1:7000 --press-check\n\n\
     Each line is ok, warn or bad; what is not ok says what to do. Exit codes: 0 nothing is bad, \
     1 something is, 2 the command can't be done.")]
 pub(crate) struct DoctorArgs {
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
-    /// Scene whose gauges the channels should be.
+    /// Scene or bundle whose gauges the channels should be; a bundle is looked at, too.
     scene: Option<PathBuf>,
     /// How long readings are looked at, s.
     #[arg(long, default_value = "3", value_parser = seconds)]
@@ -54,8 +57,9 @@ pub(crate) struct DoctorArgs {
 
 pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
     let stop = stop_flag()?;
-    let gauges = args.scene.as_deref().map(gauge_names).transpose()?;
+    let (of_scene, gauges) = scene(args)?;
     let mut checks = ports::checks(args.source.as_ref());
+    checks.extend(of_scene);
     checks.extend(machine::checks(&args.folder));
     if let Some(source) = &args.source {
         let names = gauges.as_deref();
@@ -76,10 +80,16 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
     Ok(())
 }
 
-fn gauge_names(scene: &std::path::Path) -> Result<Vec<String>> {
-    let scene = read_scene(scene)?;
-    let sites = scene.gauges.sites.into_iter();
-    Ok(sites.map(|site| site.name).collect())
+/// Checks of the scene or bundle that was named, and its gauges' names where they are known.
+fn scene(args: &DoctorArgs) -> Result<(Vec<Check>, Option<Vec<String>>)> {
+    let Some(path) = &args.scene else {
+        return Ok((Vec::new(), None));
+    };
+    if is_bundle(path)? {
+        return Ok(bundle::checks(path));
+    }
+    let sites = read_scene(path)?.gauges.sites.into_iter();
+    Ok((Vec::new(), Some(sites.map(|site| site.name).collect())))
 }
 
 fn print(args: &DoctorArgs, checks: &[Check]) -> Result<()> {

@@ -5,12 +5,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, virtual_device};
-use hapdef_daq::source::{FrameSource, StreamParams, StreamSource, memory_link};
+use hapdef_daq::source::{StreamParams, StreamSource, memory_link};
 use hapdef_rig::live::{
     LiveLimb, Play, PressHandle, Pressed, RandomScriptParams, RunParams, RunningRig, TrueContact,
     random_script, spawn_rig,
 };
 use nalgebra::Point3;
+
+use crate::cli::sim::{Simulated, truth_line};
 
 /// Contacts of the presses by itself, at most.
 const MOST_CONTACTS: usize = 2;
@@ -30,12 +32,8 @@ pub(crate) struct Sim {
 
 impl Sim {
     /// Solves the virtual rig, or reads it where it was solved, and starts it untouched; with the
-    /// source of its frames.
-    pub(crate) fn start(
-        run: &Run,
-        limb: &Limb,
-        seed: u64,
-    ) -> Result<(Box<dyn FrameSource>, Option<Self>)> {
+    /// source of its frames and what presses it.
+    pub(crate) fn start(run: &Run, limb: &Limb, seed: u64) -> Result<(Simulated, Self)> {
         let real = Arc::new(live_limb(run, limb)?);
         let device = virtual_device(&run.scene, Arc::clone(&real), &VirtualRigParams::default())?;
         let contact = &run.scene.contact;
@@ -45,14 +43,15 @@ impl Sim {
         let params = RandomScriptParams::new(n, contact.min_spacing_m, range_n, seed);
         let play = Play::new(&random_script(&real, &params), &real)?;
         let (link, port) = memory_link();
-        let rig = spawn_rig(device, port, RunParams::default(), |_| {})?;
+        let (tell, truth) = truth_line();
+        let rig = spawn_rig(device, port, RunParams::default(), tell)?;
         let sim = Self {
             limb: real,
             play,
             rig,
         };
         let source = StreamSource::new(link, StreamParams::default());
-        Ok((Box::new(source), Some(sim)))
+        Ok(((Box::new(source), truth), sim))
     }
 }
 

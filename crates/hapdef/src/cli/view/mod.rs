@@ -1,30 +1,36 @@
-//! `hapdef live --view`: contacts on the live page, and the virtual rig that it can press.
+//! `hapdef live --view`: contacts on the live page, recordings and snapshots from it, replays that it
+//! steers, and the virtual rig that it can press.
 
+mod desk;
 mod hand;
+mod keep;
 mod picture;
+mod show;
 mod sink;
 
 use std::io::Write;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 use hapdef::{ComplianceTable, Limb, Run};
+use hapdef_daq::record::PlayerControl;
 use hapdef_live::{Bundle, LiveControl};
-use hapdef_view::{
-    LimbPicture, Offers, PressOffer, ViewCommand, ViewHandle, ViewParams, ViewServer,
-};
+use hapdef_view::{LimbPicture, Offers, PressOffer, ViewHandle, ViewParams, ViewServer};
 
+use super::live_record::Tape;
+pub(crate) use desk::Desk;
+use desk::{Attendant, Pace};
 use hand::Hand;
 pub(crate) use hand::Sim;
+use keep::Keep;
 use picture::Surface;
+use show::Show;
+use sink::Newest;
 pub(crate) use sink::ViewSink;
-
-/// How often it looks for commands and presses anew.
-const LOOK: Duration = Duration::from_millis(5);
 
 /// The page, and what stands in for a device.
 #[derive(Args)]
@@ -35,19 +41,35 @@ pub(crate) struct ViewArgs {
     /// Port of the page; 0 takes any free one.
     #[arg(long, default_value_t = 7717, value_name = "PORT")]
     view_port: u16,
+    /// Folder for recordings and snapshots that the page asks for; the working folder if not given.
+    #[arg(long, value_name = "FOLDER", requires = "view")]
+    view_out: Option<PathBuf>,
 }
 
 /// The page that is served, before frames come.
 pub(crate) struct View {
     handle: ViewHandle,
     surface: Surface,
+    keep: Keep,
     shared: Arc<Shared>,
 }
 
-/// The page with frames; it ends when this is dropped.
-pub(crate) struct Desk {
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+/// Where frames come from, and what the page can do with that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A device.
+    Device,
+    /// The virtual rig, which can be pressed.
+    Sim,
+    /// A recording.
+    Recording,
+}
+
+/// What the page reaches beside the runtime.
+pub(crate) struct Reach {
+    pub(crate) sim: Option<Sim>,
+    pub(crate) tape: Option<Tape>,
+    pub(crate) player: Option<PlayerControl>,
 }
 
 /// What the page's thread and the sink's have in common.
@@ -55,24 +77,32 @@ pub(crate) struct Desk {
 struct Shared {
     is_tared: AtomicBool,
     table: OnceLock<ComplianceTable>,
+    newest: Mutex<Newest>,
 }
 
 impl ViewArgs {
-    /// The page with a scene's limb, if it is wanted; `is_sim`: it can be pressed.
-    pub(crate) fn of_scene(&self, run: &Run, limb: &Limb, is_sim: bool) -> Result<Option<View>> {
-        let force_n = run.scene.contact.force_range_n[1];
-        let press = is_sim.then_some(PressOffer {
-            default_n: 0.4 * force_n,
-            max_n: force_n,
-        });
-        let page = || View::start(self, picture::of_scene(&run.scene, limb, is_sim), press);
-        self.view.then(page).transpose()
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.view
     }
 
-    /// The page with a bundle's skin, if it is wanted.
-    pub(crate) fn of_bundle(&self, bundle: &Bundle) -> Result<Option<View>> {
-        let page = || View::start(self, picture::of_bundle(bundle), None);
-        self.view.then(page).transpose()
+    /// The page with a scene's limb.
+    pub(crate) fn of_scene(&self, run: &Run, limb: &Limb, origin: Origin) -> Result<View> {
+        let force_n = run.scene.contact.force_range_n[1];
+        let press = PressOffer {
+            default_n: 0.4 * force_n,
+            max_n: force_n,
+        };
+        let picture = picture::of_scene(&run.scene, limb, origin == Origin::Sim);
+        View::start(self, picture, origin, press)
+    }
+
+    /// The page with a bundle's skin.
+    pub(crate) fn of_bundle(&self, bundle: &Bundle, origin: Origin) -> Result<View> {
+        let press = PressOffer {
+            default_n: 1.0,
+            max_n: 1.0,
+        };
+        View::start(self, picture::of_bundle(bundle), origin, press)
     }
 }
 
@@ -80,33 +110,36 @@ impl View {
     fn start(
         args: &ViewArgs,
         (picture, surface): (LimbPicture, Surface),
-        press: Option<PressOffer>,
+        origin: Origin,
+        press: PressOffer,
     ) -> Result<Self> {
         let mut params = ViewParams::default();
         params.bind.set_port(args.view_port);
         params.offers = Offers {
             tare: true,
-            record: false,
-            press,
+            record: origin != Origin::Recording,
+            press: (origin == Origin::Sim).then_some(press),
         };
+        let folder = args.view_out.as_deref().unwrap_or(Path::new(""));
+        let gauges = picture.gauges.iter().map(|site| site.name.clone());
+        let keep = Keep::new(folder, &picture.title, gauges.collect(), picture.simulated);
         let handle = ViewServer::start(params, picture)?;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
         Ok(Self {
             handle,
             surface,
+            keep,
             shared: Arc::default(),
         })
     }
 
-    /// Where frames go; those of a recording have no delay that could be told.
+    /// Where frames go.
     pub(crate) fn sink(&self, is_recorded: bool) -> ViewSink {
-        let shared = Arc::clone(&self.shared);
-        ViewSink::new(
-            self.handle.pusher(),
-            self.surface.clone(),
-            shared,
+        ViewSink {
+            pusher: self.handle.pusher(),
+            shared: Arc::clone(&self.shared),
             is_recorded,
-        )
+        }
     }
 
     /// Solves the limb's deformation, or reads it where it was solved, beside everything else; the
@@ -121,106 +154,28 @@ impl View {
         );
     }
 
-    /// Listens to the page. The first picture's time is told: from `start`, and not on the standard
-    /// output if that `is_taken`.
+    /// Shows frames and listens to the page. The first picture's time is told: from `start`, and not
+    /// on the standard output if that `is_taken`.
     pub(crate) fn attend(
         self,
         control: LiveControl,
-        sim: Option<Sim>,
+        reach: Reach,
         (start, is_taken): (Instant, bool),
     ) -> Desk {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = Arc::clone(&stop);
-        let mut desk = Attendant {
+        let Reach { sim, tape, player } = reach;
+        let shared = Arc::clone(&self.shared);
+        let show = Show::new(self.handle.pusher(), self.surface, shared, player.clone());
+        Desk::start(Attendant {
             handle: self.handle,
             shared: self.shared,
+            show,
+            keep: self.keep,
             control,
             hand: sim.map(Hand::new),
-            start,
-            is_taken,
-            has_shown: false,
-        };
-        let attend = move || {
-            while !stopped.load(Ordering::Relaxed) {
-                desk.step();
-                std::thread::sleep(LOOK);
-            }
-        };
-        Desk {
-            stop,
-            thread: Some(std::thread::spawn(attend)),
-        }
-    }
-}
-
-impl Drop for Desk {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
-
-struct Attendant {
-    handle: ViewHandle,
-    shared: Arc<Shared>,
-    control: LiveControl,
-    hand: Option<Hand>,
-    start: Instant,
-    is_taken: bool,
-    has_shown: bool,
-}
-
-impl Attendant {
-    fn step(&mut self) {
-        let commands: Vec<ViewCommand> = self.handle.commands().try_iter().collect();
-        for command in commands {
-            self.obey(command);
-        }
-        if let Some(hand) = &mut self.hand {
-            hand.step(self.shared.is_tared.load(Ordering::Relaxed));
-        }
-        if !self.has_shown && self.handle.clients().iter().any(|page| page.n_drawn > 0) {
-            self.has_shown = true;
-            self.tell_time();
-        }
-    }
-
-    /// It is lost where nobody reads it any more.
-    fn tell_time(&self) {
-        let elapsed_s = self.start.elapsed().as_secs_f64();
-        let line = format!("METRIC:view.first_picture_s:{elapsed_s:.2}:s");
-        let _ = if self.is_taken {
-            writeln!(std::io::stderr(), "{line}")
-        } else {
-            writeln!(std::io::stdout(), "{line}")
-        };
-    }
-
-    fn obey(&mut self, command: ViewCommand) {
-        match command {
-            ViewCommand::Tare => {
-                self.shared.is_tared.store(false, Ordering::Relaxed);
-                self.control.tare();
-                self.handle.say("Taring: touch nothing");
-            }
-            ViewCommand::Press {
-                point_m, force_n, ..
-            } => {
-                if let Some(hand) = &mut self.hand {
-                    hand.press(point_m, force_n);
-                }
-            }
-            ViewCommand::Release => {
-                if let Some(hand) = &mut self.hand {
-                    hand.release();
-                }
-            }
-            ViewCommand::Record(_)
-            | ViewCommand::Snapshot
-            | ViewCommand::Pause(_)
-            | ViewCommand::Seek { .. } => {}
-        }
+            tape,
+            player,
+            start: (start, is_taken),
+            pace: Pace::default(),
+        })
     }
 }

@@ -1,136 +1,40 @@
-//! From frames of the runtime to frames of the page.
+//! The newest frame of the runtime, for the page's thread.
 
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use hapdef_live::touch::{Alternative, Touch, TouchContact};
-use hapdef_live::{AnyError, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
-use hapdef_view::{ContactMark, Displacement, Uncertainty, ViewFrame, ViewPusher};
-use nalgebra::{Point3, Vector3};
+use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, Sink, Wants};
+use hapdef_view::ViewPusher;
 
 use super::Shared;
-use super::picture::Surface;
 
-/// Between frames of the page.
-const PERIOD: Duration = Duration::from_millis(15);
-/// Delays that the shown quantiles come from.
-const N_DELAYS: usize = 256;
-/// Other explanations that are shown, and how probable they must be.
-const MOST_ALTERNATIVES: usize = 3;
-const LEAST_PROBABILITY: f64 = 0.05;
-
-/// Shows the latest frame, 60 a second at most.
+/// Hands over the newest frame and says what happens.
 pub(crate) struct ViewSink {
-    pusher: ViewPusher,
-    surface: Surface,
-    shared: Arc<Shared>,
-    is_recorded: bool,
-    shown: ViewFrame,
-    shown_at: Option<Instant>,
-    first_ns: Option<u64>,
-    delays_us: Vec<f64>,
-    n_delays: usize,
-    sum_m: Vec<[f32; 3]>,
+    pub(super) pusher: ViewPusher,
+    pub(super) shared: Arc<Shared>,
+    pub(super) is_recorded: bool,
 }
 
-impl ViewSink {
-    pub(super) fn new(
-        pusher: ViewPusher,
-        surface: Surface,
-        shared: Arc<Shared>,
-        is_recorded: bool,
-    ) -> Self {
-        Self {
-            sum_m: vec![[0.0; 3]; surface.n_nodes()],
-            pusher,
-            surface,
-            shared,
-            is_recorded,
-            shown: ViewFrame::default(),
-            shown_at: None,
-            first_ns: None,
-            delays_us: Vec::with_capacity(N_DELAYS),
-            n_delays: 0,
-        }
-    }
+/// The newest of what came.
+#[derive(Default)]
+pub(super) struct Newest {
+    /// Frames so far.
+    pub(super) n_frames: u64,
+    pub(super) frame: Option<LiveFrame>,
+    pub(super) health: Option<Arc<Health>>,
+}
 
-    fn take_readings(&mut self, frame: &LiveFrame) {
-        let first_ns = *self.first_ns.get_or_insert(frame.t_host_ns);
-        self.shown.t_s = frame.t_host_ns.saturating_sub(first_ns) as f64 * 1e-9;
-        self.shown.readings_ue.clone_from(&frame.tared_ue);
-        let states = frame.gauges.iter().map(|health| match health {
-            GaugeHealth::Good | GaugeHealth::Spike | GaugeHealth::Recovering => {
-                hapdef_view::GaugeHealth::Good
-            }
-            GaugeHealth::Saturated => hapdef_view::GaugeHealth::Saturated,
-            GaugeHealth::Dead | GaugeHealth::NotFinite => hapdef_view::GaugeHealth::Dead,
-        });
-        self.shown.gauge_health.clear();
-        self.shown.gauge_health.extend(states);
+impl Newest {
+    fn take(&mut self, frame: &LiveFrame) {
+        self.n_frames += 1;
+        self.frame
+            .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
+            .copy_from(frame);
     }
+}
 
-    fn take_touch(&mut self, touch: &Touch) {
-        let contacts = touch.contacts.iter().enumerate();
-        self.shown.contacts.clear();
-        self.shown
-            .contacts
-            .extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
-        self.shown.alternatives.clear();
-        let weight = |other: &Alternative| (-0.5 * other.delta_evidence).exp();
-        let sum = 1.0 + touch.alternatives.iter().map(weight).sum::<f64>();
-        let others = touch
-            .alternatives
-            .iter()
-            .map(|other| (weight(other) / sum, other));
-        let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
-        for (probability, other) in others.take(MOST_ALTERNATIVES) {
-            let marks = other.contacts().enumerate();
-            let marks = marks.map(|(i, (at, force_n))| normal_mark(&self.surface, i, at, force_n));
-            self.shown.alternatives.push((probability, marks.collect()));
-        }
-    }
-
-    fn deform(&mut self, touch: &Touch) {
-        let Some(table) = self.shared.table.get() else {
-            return;
-        };
-        self.sum_m.fill([0.0; 3]);
-        for contact in &touch.contacts {
-            for (node, weight) in self.surface.around(&contact.position_m) {
-                table.add_displacement_m(node, weight * contact.force_n, &mut self.sum_m);
-            }
-        }
-        match &mut self.shown.displacement {
-            Displacement::Vector(shown) => shown.clone_from(&self.sum_m),
-            shown => *shown = Displacement::Vector(self.sum_m.clone()),
-        }
-    }
-
-    /// Quantiles of the delays from sample to contacts of the frames shown.
-    fn take_delay(&mut self, frame: &LiveFrame) {
-        if self.is_recorded {
-            return;
-        }
-        let delay_us = frame.t_done_ns.saturating_sub(frame.t_host_ns) as f64 * 1e-3;
-        if self.delays_us.len() < N_DELAYS {
-            self.delays_us.push(delay_us);
-        } else {
-            self.delays_us[self.n_delays % N_DELAYS] = delay_us;
-        }
-        self.n_delays += 1;
-        let mut sorted = self.delays_us.clone();
-        sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
-        self.shown.health.latency_p50_us = at(0.5);
-        self.shown.health.latency_p99_us = at(0.99);
-    }
-
-    fn take_health(&mut self, health: &Health) {
-        self.shown.health.rate_hz = health.rate_hz;
-        self.shown.health.n_lost = health.n_lost;
-        self.shown.health.n_crc_errors = health.source.rejected.n_damaged;
-    }
+pub(super) fn lock(newest: &Mutex<Newest>) -> MutexGuard<'_, Newest> {
+    newest.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Sink for ViewSink {
@@ -143,15 +47,8 @@ impl Sink for ViewSink {
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
-        if self.shown_at.is_some_and(|at| at.elapsed() < PERIOD) {
-            return Ok(());
-        }
-        self.shown_at = Some(Instant::now());
-        self.take_readings(frame);
-        self.take_touch(&frame.touch);
-        self.deform(&frame.touch);
-        self.take_delay(frame);
-        Ok(self.pusher.push(&self.shown)?)
+        lock(&self.shared.newest).take(frame);
+        Ok(())
     }
 
     fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
@@ -160,40 +57,15 @@ impl Sink for ViewSink {
                 self.shared.is_tared.store(true, Ordering::Relaxed);
                 self.pusher.say("Tared");
             }
-            LiveEvent::Restarted => self.pusher.say("The device started anew"),
-            LiveEvent::Health(health) => self.take_health(health),
+            LiveEvent::Restarted if !self.is_recorded => {
+                self.pusher.say("The device started anew");
+            }
+            LiveEvent::Health(health) => {
+                lock(&self.shared.newest).health = Some(Arc::clone(health));
+            }
             LiveEvent::Link(state) => self.pusher.say(&state.to_string()),
             _ => {}
         }
         Ok(())
-    }
-}
-
-fn mark(surface: &Surface, index: usize, contact: &TouchContact) -> ContactMark {
-    let mut mark = normal_mark(surface, index, contact.position_m, contact.force_n);
-    mark.id = contact.id.map_or(mark.id, |id| id as u32);
-    if let Some(direction) = contact.direction {
-        mark.force_n = (direction * contact.force_n).into();
-    }
-    mark.uncertainty = contact.uncertainty.map(|found| {
-        let c = found.covariance;
-        Uncertainty {
-            tangents: found.tangents.map(Into::into),
-            covariance_m2: [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]],
-            force_sd_n: found.force_sd_n(),
-        }
-    });
-    mark
-}
-
-/// A contact that presses along the skin's normal.
-fn normal_mark(surface: &Surface, index: usize, at: Point3<f64>, force_n: f64) -> ContactMark {
-    let normal: Vector3<f64> = surface.normal_at(&at);
-    ContactMark {
-        id: index as u32,
-        position_m: at.coords.into(),
-        normal: normal.into(),
-        force_n: (normal * -force_n).into(),
-        uncertainty: None,
     }
 }

@@ -1,0 +1,134 @@
+//! Tare, drift, bad gauges, noise: what is between a reading and the estimator.
+
+use hapdef_inverse::{
+    Conditioned, Conditioner, ConditionerParams, GaugeHealth, InverseError, TouchPhase,
+};
+
+use super::Compute;
+use crate::runtime::device::Device;
+use crate::runtime::noise::TareNoise;
+use crate::sink::LiveEvent;
+
+/// The filter in front of the estimator, with its output.
+pub(super) struct Conditioning {
+    conditioner: Conditioner,
+    pub(super) out: Conditioned,
+    noise: TareNoise,
+}
+
+impl Compute {
+    pub(super) fn condition(&mut self) {
+        if !self.setup.wants.has_tared() {
+            return;
+        }
+        self.counts.n_conditioned += 1;
+        let to = &mut self.frame;
+        let Some(conditioning) = &mut self.conditioning else {
+            to.tared_ue.copy_from_slice(&to.raw_ue);
+            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
+                *health = health_of_number(*raw);
+            }
+            return;
+        };
+        let was_taring = conditioning.out.phase == TouchPhase::Taring;
+        if was_taring && conditioning.noise.take(&to.raw_ue) {
+            self.take_noise();
+        }
+        self.step(was_taring);
+    }
+
+    fn step(&mut self, was_taring: bool) {
+        let to = &mut self.frame;
+        let Some(Conditioning {
+            conditioner, out, ..
+        }) = &mut self.conditioning
+        else {
+            return;
+        };
+        if let Err(error) = conditioner.step_into(&to.raw_ue, to.temperature, out) {
+            // lengths are those of the device; said all the same
+            self.counts.device_fault = Some(error.to_string().into());
+            return;
+        }
+        to.phase = out.phase;
+        to.tared_ue.copy_from_slice(&out.readings);
+        to.gauges.copy_from_slice(&out.health);
+        if out.phase == TouchPhase::Taring {
+            for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
+                *health = health_of_number(*raw);
+            }
+        } else if was_taring {
+            self.tell(&LiveEvent::Tared);
+        }
+    }
+
+    /// Noise of the tare that is surely larger than what was told counts from now on.
+    fn take_noise(&mut self) {
+        let Some(conditioning) = &mut self.conditioning else {
+            return;
+        };
+        let least_ue = conditioning.noise.least_ue();
+        self.counts.n_noisier = least_ue.iter().filter(|sd| **sd > 0.0).count();
+        let told = match &mut self.setup.estimator {
+            Some(estimator) => estimator.set_least_noise(least_ue),
+            None => Ok(()),
+        };
+        self.counts.noise_ue = conditioning.noise.to_use_ue();
+        let conditioner = &mut conditioning.conditioner;
+        let taken = told.and_then(|()| Ok(conditioner.set_gauge_sd(&self.counts.noise_ue)?));
+        if let Err(error) = taken {
+            self.counts.device_fault = Some(error.to_string().into());
+        }
+    }
+
+    /// What conditions the frames of `device`; none where they come tared.
+    pub(super) fn conditioning(
+        &self,
+        device: &Device,
+    ) -> Result<Option<Conditioning>, InverseError> {
+        let params = &self.setup.params;
+        if params.tare_s == 0.0 {
+            return Ok(None);
+        }
+        // a step adds step²/12
+        let sd = |step_ue: f64| self.setup.noise_ue.hypot(step_ue / 12.0_f64.sqrt());
+        let gauge_sd: Vec<f64> = device.steps_ue().map(sd).collect();
+        let defaults = || ConditionerParams::new(Vec::new(), device.period_s);
+        let given = params.conditioning.clone().unwrap_or_else(defaults);
+        let params = ConditionerParams {
+            gauge_sd,
+            period_s: device.period_s,
+            tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
+            rails: device.rails_ue(),
+            coarse: device
+                .steps_ue()
+                .map(|step| step > self.setup.noise_ue)
+                .collect(),
+            ..given
+        };
+        let noise = TareNoise::new(params.gauge_sd.clone(), params.tare_frames);
+        let conditioner = Conditioner::new(params)?;
+        Ok(Some(Conditioning {
+            out: conditioner.output(),
+            conditioner,
+            noise,
+        }))
+    }
+
+    pub(super) fn tare(&mut self) {
+        if let Some(conditioning) = &mut self.conditioning {
+            conditioning.conditioner.tare();
+            conditioning.noise.start_over();
+            conditioning.out.phase = TouchPhase::Taring;
+            self.start_over();
+        }
+    }
+}
+
+fn health_of_number(value: f64) -> GaugeHealth {
+    if value.is_finite() {
+        GaugeHealth::Good
+    } else {
+        GaugeHealth::NotFinite
+    }
+}

@@ -1,0 +1,106 @@
+//! The noise of the gauges, measured while they are tared.
+
+/// A measured standard deviation is larger than what was told if it exceeds that by so many times
+/// its own standard deviation, 1/√(2(n − 1)) of it.
+const SURE_SDS: f64 = 3.0;
+
+/// Mean squares of the readings of a tare (Welford, Technometrics 4(3), 1962).
+pub(super) struct TareNoise {
+    /// Frames of a tare.
+    n_wanted: usize,
+    /// What was told `[n_gauges]`, µε.
+    told_ue: Vec<f64>,
+    n: usize,
+    mean_ue: Vec<f64>,
+    square_ue2: Vec<f64>,
+    least_ue: Vec<f64>,
+}
+
+impl TareNoise {
+    pub(super) fn new(told_ue: Vec<f64>, n_wanted: usize) -> Self {
+        let zeros = vec![0.0; told_ue.len()];
+        Self {
+            n_wanted,
+            told_ue,
+            n: 0,
+            mean_ue: zeros.clone(),
+            square_ue2: zeros.clone(),
+            least_ue: zeros,
+        }
+    }
+
+    /// A new tare begins.
+    pub(super) fn start_over(&mut self) {
+        self.n = 0;
+        self.mean_ue.fill(0.0);
+        self.square_ue2.fill(0.0);
+    }
+
+    /// Takes a frame of a tare; true after the last of them.
+    pub(super) fn take(&mut self, raw_ue: &[f64]) -> bool {
+        if self.n >= self.n_wanted || raw_ue.iter().any(|raw| !raw.is_finite()) {
+            return false;
+        }
+        self.n += 1;
+        for (gauge, raw) in raw_ue.iter().enumerate() {
+            let off = raw - self.mean_ue[gauge];
+            self.mean_ue[gauge] += off / self.n as f64;
+            self.square_ue2[gauge] += off * (raw - self.mean_ue[gauge]);
+        }
+        self.n == self.n_wanted
+    }
+
+    /// Standard deviation of each gauge where it is surely larger than told, else 0 `[n_gauges]`, µε.
+    pub(super) fn least_ue(&mut self) -> &[f64] {
+        let n_free = self.n.saturating_sub(1) as f64;
+        let factor = 1.0 + SURE_SDS / (2.0 * n_free).sqrt();
+        for (gauge, least) in self.least_ue.iter_mut().enumerate() {
+            let sd = (self.square_ue2[gauge] / n_free).sqrt();
+            let is_larger = n_free > 0.0 && sd > self.told_ue[gauge] * factor;
+            *least = if is_larger { sd } else { 0.0 };
+        }
+        &self.least_ue
+    }
+
+    /// The larger of what was told and `least_ue` `[n_gauges]`, µε.
+    pub(super) fn to_use_ue(&self) -> Vec<f64> {
+        let pairs = self.told_ue.iter().zip(&self.least_ue);
+        pairs.map(|(told, least)| told.max(*least)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+
+    #[test]
+    fn only_noise_that_is_surely_larger_is_taken() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut noise = TareNoise::new(vec![1.0, 1.0, 1.0], 400);
+        for tare in 0..2 {
+            noise.start_over();
+            for i in 0..400 {
+                let mut draw = |sd: f64| -> f64 {
+                    let z: f64 = StandardNormal.sample(&mut rng);
+                    300.0 + sd * z
+                };
+                let louder = if tare == 0 { 4.0 } else { 1.0 };
+                let raw = [draw(1.0), draw(louder), draw(0.3)];
+                assert!(!noise.take(&[1.0, f64::NAN, 0.0]));
+                assert_eq!(noise.take(&raw), i == 399);
+            }
+            let least = noise.least_ue().to_vec();
+            assert_eq!((least[0], least[2]), (0.0, 0.0));
+            if tare == 0 {
+                assert!((least[1] - 4.0).abs() < 0.5, "{least:?}");
+                assert_eq!(noise.to_use_ue(), [1.0, least[1], 1.0]);
+            } else {
+                assert_eq!(noise.to_use_ue(), [1.0; 3]);
+            }
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! Who sits at the page: shows what is newest, does what people ask for.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use hapdef_daq::record::PlayerControl;
+use hapdef_live::{LiveControl, LiveFrame};
+use hapdef_view::{ViewCommand, ViewHandle};
+
+use super::Shared;
+use super::hand::Hand;
+use super::keep::{Keep, Shown};
+use super::show::Show;
+use super::sink::lock;
+use crate::cli::live_record::{Tape, TapeState};
+
+/// How often it looks for commands and presses anew.
+const LOOK: Duration = Duration::from_millis(5);
+/// Between frames of the page.
+const PERIOD: Duration = Duration::from_millis(15);
+/// Between frames of the page where nothing new came: its health goes on.
+const SLOW_PERIOD: Duration = Duration::from_millis(250);
+
+/// The page with frames; it ends when this is dropped.
+pub(crate) struct Desk {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What the page's thread works with.
+pub(super) struct Attendant {
+    pub(super) handle: ViewHandle,
+    pub(super) shared: Arc<Shared>,
+    pub(super) show: Show,
+    pub(super) keep: Keep,
+    pub(super) control: LiveControl,
+    pub(super) hand: Option<Hand>,
+    pub(super) tape: Option<Tape>,
+    pub(super) player: Option<PlayerControl>,
+    /// From when the first picture's time is told, and whether the standard output is taken.
+    pub(super) start: (Instant, bool),
+    pub(super) pace: Pace,
+}
+
+/// What was shown when.
+#[derive(Default)]
+pub(super) struct Pace {
+    has_shown: bool,
+    at: Option<Instant>,
+    n_frames: u64,
+    is_failure_told: bool,
+    frame: Option<LiveFrame>,
+    shown: Shown,
+}
+
+impl Desk {
+    pub(super) fn start(mut attendant: Attendant) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let attend = move || {
+            while !stopped.load(Ordering::Relaxed) {
+                attendant.step();
+                std::thread::sleep(LOOK);
+            }
+        };
+        Self {
+            stop,
+            thread: Some(std::thread::spawn(attend)),
+        }
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Attendant {
+    fn step(&mut self) {
+        let commands: Vec<ViewCommand> = self.handle.commands().try_iter().collect();
+        for command in commands {
+            self.obey(command);
+        }
+        if let Some(hand) = &mut self.hand {
+            hand.step(self.shared.is_tared.load(Ordering::Relaxed));
+        }
+        self.tell_of_recordings();
+        if let Err(error) = self.show_newest() {
+            self.say(&error.to_string());
+        }
+        let is_drawn = || self.handle.clients().iter().any(|page| page.n_drawn > 0);
+        if !self.pace.has_shown && is_drawn() {
+            self.pace.has_shown = true;
+            self.tell_time();
+        }
+    }
+
+    /// Shows the newest frame; the same one again, with what became of everything else, where none
+    /// comes.
+    fn show_newest(&mut self) -> Result<()> {
+        let pace = &mut self.pace;
+        let since = pace.at.map_or(Duration::MAX, |at| at.elapsed());
+        if since < PERIOD {
+            return Ok(());
+        }
+        let (is_new, health) = {
+            let newest = lock(&self.shared.newest);
+            let is_new = newest.n_frames != pace.n_frames;
+            if let Some(frame) = newest.frame.as_ref().filter(|_| is_new) {
+                pace.n_frames = newest.n_frames;
+                pace.frame
+                    .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
+                    .copy_from(frame);
+            }
+            (is_new, newest.health.clone())
+        };
+        let Some(frame) = &pace.frame else {
+            return Ok(());
+        };
+        if !is_new && since < SLOW_PERIOD {
+            return Ok(());
+        }
+        pace.at = Some(Instant::now());
+        if is_new {
+            let t_s = self.show.take(frame);
+            pace.shown.add(t_s, frame);
+        }
+        if let Some(health) = health {
+            self.show.take_health(&health);
+        }
+        let state = self.tape.as_ref().map_or(TapeState::Off, Tape::state);
+        self.show.take_recording(&state);
+        self.show.push()
+    }
+
+    /// What became of recordings that were asked for.
+    fn tell_of_recordings(&mut self) {
+        let Some(tape) = &self.tape else { return };
+        let state = match tape.ended() {
+            Some(Ok(found)) => Some(found),
+            Some(Err(error)) => Some(error.to_string()),
+            None => None,
+        };
+        let failure = match tape.state() {
+            TapeState::Failed { why } if !self.pace.is_failure_told => {
+                self.pace.is_failure_told = true;
+                Some(format!("The recording stopped: {why}"))
+            }
+            _ => None,
+        };
+        for text in [state, failure].into_iter().flatten() {
+            self.say(&text);
+        }
+    }
+
+    /// Tells the page and the terminal; lost where nobody reads it any more.
+    fn say(&self, text: &str) {
+        self.handle.say(text);
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+
+    fn tell_time(&self) {
+        let (start, is_taken) = self.start;
+        let elapsed_s = start.elapsed().as_secs_f64();
+        let line = format!("METRIC:view.first_picture_s:{elapsed_s:.2}:s");
+        let _ = if is_taken {
+            writeln!(std::io::stderr(), "{line}")
+        } else {
+            writeln!(std::io::stdout(), "{line}")
+        };
+    }
+
+    fn obey(&mut self, command: ViewCommand) {
+        match command {
+            ViewCommand::Tare => {
+                self.shared.is_tared.store(false, Ordering::Relaxed);
+                self.control.tare();
+                self.handle.say("Taring: touch nothing");
+            }
+            ViewCommand::Press {
+                point_m, force_n, ..
+            } => {
+                if let Some(hand) = &mut self.hand {
+                    hand.press(point_m, force_n);
+                }
+            }
+            ViewCommand::Release => {
+                if let Some(hand) = &mut self.hand {
+                    hand.release();
+                }
+            }
+            ViewCommand::Record(on) => self.record(on),
+            ViewCommand::Snapshot { t_s } => self.snapshot(t_s),
+            ViewCommand::Pause(on) => {
+                if let Some(player) = &self.player {
+                    player.pause(on);
+                }
+            }
+            ViewCommand::Seek { position_s } => {
+                if let Some(player) = &self.player {
+                    player.seek(position_s);
+                }
+            }
+        }
+    }
+
+    fn record(&mut self, on: bool) {
+        let Some(tape) = &self.tape else { return };
+        match (on, tape.state()) {
+            (true, TapeState::On { .. }) => {}
+            (true, TapeState::Off) => {
+                let path = self.keep.recording();
+                self.pace.is_failure_told = false;
+                match tape.start(&path) {
+                    Ok(()) => self.say(&format!("Recording to {}", path.display())),
+                    Err(error) => self.say(&format!("Not recording: {error}")),
+                }
+            }
+            // One that failed has to be put away before the next.
+            (true, TapeState::Failed { .. }) | (false, _) => tape.stop(),
+        }
+    }
+
+    fn snapshot(&self, t_s: Option<f64>) {
+        let Some(shown) = self.pace.shown.at(t_s) else {
+            return self.say("Nothing was shown yet: there is nothing to keep");
+        };
+        let recording = self.tape.as_ref().and_then(Tape::path);
+        let text = match self.keep.snapshot(shown, recording.as_deref()) {
+            Ok(path) => format!("Kept in {}", Path::display(&path)),
+            Err(error) => format!("Not kept: {error:#}"),
+        };
+        self.say(&text);
+    }
+}

@@ -1,0 +1,200 @@
+//! From frames of the runtime to frames of the page.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use hapdef_daq::record::PlayerControl;
+use hapdef_live::touch::{Alternative, Touch, TouchContact};
+use hapdef_live::{GaugeHealth, Health, LiveFrame};
+use hapdef_view::{
+    ContactMark, Displacement, Recording, ReplayPosition, Uncertainty, ViewFrame, ViewPusher,
+};
+use nalgebra::{Point3, Vector3};
+
+use super::Shared;
+use super::picture::Surface;
+use crate::cli::live_record::TapeState;
+
+/// Delays that the shown quantiles come from.
+const N_DELAYS: usize = 256;
+/// Other explanations that are shown, and how probable they must be.
+const MOST_ALTERNATIVES: usize = 3;
+const LEAST_PROBABILITY: f64 = 0.05;
+
+/// Makes frames of the page and pushes them.
+pub(super) struct Show {
+    pusher: ViewPusher,
+    surface: Surface,
+    shared: Arc<Shared>,
+    player: Option<PlayerControl>,
+    shown: ViewFrame,
+    first_ns: Option<u64>,
+    delays_us: Vec<f64>,
+    n_delays: usize,
+    sum_m: Vec<[f32; 3]>,
+}
+
+impl Show {
+    /// Frames of a recording have no delay that could be told, but a place in it: `player` knows
+    /// that.
+    pub(super) fn new(
+        pusher: ViewPusher,
+        surface: Surface,
+        shared: Arc<Shared>,
+        player: Option<PlayerControl>,
+    ) -> Self {
+        Self {
+            sum_m: vec![[0.0; 3]; surface.n_nodes()],
+            pusher,
+            surface,
+            shared,
+            player,
+            shown: ViewFrame::default(),
+            first_ns: None,
+            delays_us: Vec::with_capacity(N_DELAYS),
+            n_delays: 0,
+        }
+    }
+
+    /// Takes a frame; its time on the page, s.
+    pub(super) fn take(&mut self, frame: &LiveFrame) -> f64 {
+        self.take_time(frame);
+        self.take_readings(frame);
+        self.take_touch(&frame.touch);
+        self.deform(&frame.touch);
+        self.take_delay(frame);
+        self.shown.t_s
+    }
+
+    pub(super) fn take_health(&mut self, health: &Health) {
+        self.shown.health.rate_hz = health.rate_hz;
+        self.shown.health.n_lost = health.n_lost;
+        self.shown.health.n_crc_errors = health.source.rejected.n_damaged;
+        let residual_us = health.source.clock_residual_us;
+        self.shown.health.clock_residual_us = residual_us.unwrap_or(f64::NAN);
+    }
+
+    pub(super) fn take_recording(&mut self, state: &TapeState) {
+        self.shown.health.recording = match *state {
+            TapeState::Off => Recording::Off,
+            TapeState::On { recorded_s } => Recording::On { recorded_s },
+            TapeState::Failed { .. } => Recording::Failed,
+        };
+    }
+
+    /// Shows what was taken.
+    pub(super) fn push(&self) -> Result<()> {
+        Ok(self.pusher.push(&self.shown)?)
+    }
+
+    fn take_time(&mut self, frame: &LiveFrame) {
+        let first_ns = *self.first_ns.get_or_insert(frame.t_host_ns);
+        self.shown.t_s = frame.t_host_ns.saturating_sub(first_ns) as f64 * 1e-9;
+        if let Some(player) = &self.player {
+            let position_s = player.position_s(frame.t_host_ns);
+            self.shown.t_s = position_s;
+            self.shown.replay = Some(ReplayPosition {
+                position_s,
+                duration_s: player.duration_s(),
+            });
+        }
+    }
+
+    fn take_readings(&mut self, frame: &LiveFrame) {
+        self.shown.readings_ue.clone_from(&frame.tared_ue);
+        let states = frame.gauges.iter().map(|health| match health {
+            GaugeHealth::Good | GaugeHealth::Spike | GaugeHealth::Recovering => {
+                hapdef_view::GaugeHealth::Good
+            }
+            GaugeHealth::Saturated => hapdef_view::GaugeHealth::Saturated,
+            GaugeHealth::Dead | GaugeHealth::NotFinite => hapdef_view::GaugeHealth::Dead,
+        });
+        self.shown.gauge_health.clear();
+        self.shown.gauge_health.extend(states);
+    }
+
+    fn take_touch(&mut self, touch: &Touch) {
+        let contacts = touch.contacts.iter().enumerate();
+        self.shown.contacts.clear();
+        self.shown
+            .contacts
+            .extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
+        self.shown.alternatives.clear();
+        let weight = |other: &Alternative| (-0.5 * other.delta_evidence).exp();
+        let sum = 1.0 + touch.alternatives.iter().map(weight).sum::<f64>();
+        let others = touch
+            .alternatives
+            .iter()
+            .map(|other| (weight(other) / sum, other));
+        let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
+        for (probability, other) in others.take(MOST_ALTERNATIVES) {
+            let marks = other.contacts().enumerate();
+            let marks = marks.map(|(i, (at, force_n))| normal_mark(&self.surface, i, at, force_n));
+            self.shown.alternatives.push((probability, marks.collect()));
+        }
+    }
+
+    fn deform(&mut self, touch: &Touch) {
+        let Some(table) = self.shared.table.get() else {
+            return;
+        };
+        self.sum_m.fill([0.0; 3]);
+        for contact in &touch.contacts {
+            for (node, weight) in self.surface.around(&contact.position_m) {
+                table.add_displacement_m(node, weight * contact.force_n, &mut self.sum_m);
+            }
+        }
+        match &mut self.shown.displacement {
+            Displacement::Vector(shown) => shown.clone_from(&self.sum_m),
+            shown => *shown = Displacement::Vector(self.sum_m.clone()),
+        }
+    }
+
+    /// Quantiles of the delays from sample to contacts of the frames shown.
+    fn take_delay(&mut self, frame: &LiveFrame) {
+        if self.player.is_some() {
+            return;
+        }
+        let delay_us = frame.t_done_ns.saturating_sub(frame.t_host_ns) as f64 * 1e-3;
+        if self.delays_us.len() < N_DELAYS {
+            self.delays_us.push(delay_us);
+        } else {
+            self.delays_us[self.n_delays % N_DELAYS] = delay_us;
+        }
+        self.n_delays += 1;
+        let mut sorted = self.delays_us.clone();
+        sorted.sort_by(f64::total_cmp);
+        let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+        self.shown.health.latency_p50_us = at(0.5);
+        self.shown.health.latency_p99_us = at(0.99);
+    }
+}
+
+fn mark(surface: &Surface, index: usize, contact: &TouchContact) -> ContactMark {
+    let mut mark = normal_mark(surface, index, contact.position_m, contact.force_n);
+    mark.id = contact.id.map_or(mark.id, |id| id as u32);
+    if let Some(direction) = contact.direction {
+        mark.force_n = (direction * contact.force_n).into();
+    }
+    mark.uncertainty = contact.uncertainty.map(|found| {
+        let c = found.covariance;
+        Uncertainty {
+            tangents: found.tangents.map(Into::into),
+            covariance_m2: [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]],
+            force_sd_n: found.force_sd_n(),
+        }
+    });
+    mark
+}
+
+/// A contact that presses along the skin's normal.
+fn normal_mark(surface: &Surface, index: usize, at: Point3<f64>, force_n: f64) -> ContactMark {
+    let normal: Vector3<f64> = surface.normal_at(&at);
+    ContactMark {
+        id: index as u32,
+        position_m: at.coords.into(),
+        normal: normal.into(),
+        force_n: (normal * -force_n).into(),
+        uncertainty: None,
+    }
+}

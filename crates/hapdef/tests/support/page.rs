@@ -1,0 +1,203 @@
+//! The live page without a browser: the program's own server, the page's messages.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tungstenite::{Message, WebSocket};
+
+/// Longest wait for anything; the first run solves the virtual rig.
+const PATIENCE: Duration = Duration::from_secs(240);
+/// Bytes of a contact.
+const MARK_LEN: usize = 72;
+
+/// `hapdef live --view`, ended when dropped.
+pub struct Program {
+    child: Child,
+    address: String,
+    token: String,
+}
+
+/// A page's connection.
+pub struct Page {
+    socket: WebSocket<TcpStream>,
+    /// The server's first message.
+    pub hello: Value,
+    surface: Vec<u8>,
+}
+
+/// What a frame says; NaN where it does not say.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub t_s: f64,
+    /// 0 off, 1 on, 2 failed.
+    pub recording: u8,
+    pub recorded_s: f64,
+    pub clock_residual_us: f64,
+    pub position_s: f64,
+    pub duration_s: f64,
+    /// Place, m, and force, N.
+    pub contacts: Vec<([f64; 3], f64)>,
+}
+
+impl Program {
+    pub fn start(scene: &Path, words: &[&str], port: u16) -> Self {
+        let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+            .arg("live")
+            .arg(scene)
+            .args(["--view", "--view-port", &port.to_string(), "--out"])
+            .arg(out)
+            .args(words)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let url = lines.find_map(|line| Some(line.ok()?.strip_prefix("live page: ")?.to_owned()));
+        let url = url.expect("the page's address");
+        std::thread::spawn(move || {
+            lines
+                .map_while(Result::ok)
+                .for_each(|line| println!("program: {line}"));
+        });
+        let (address, token) = url.split_once("/#token=").unwrap();
+        Self {
+            child,
+            address: address.replace("http", "ws"),
+            token: token.to_owned(),
+        }
+    }
+
+    pub fn port(&self) -> u16 {
+        self.address.rsplit(':').next().unwrap().parse().unwrap()
+    }
+
+    /// A page that was greeted.
+    pub fn page(&self) -> Page {
+        let stream = TcpStream::connect(("127.0.0.1", self.port())).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (socket, _) = tungstenite::client(format!("{}/live", self.address), stream).unwrap();
+        let mut page = Page {
+            socket,
+            hello: Value::Null,
+            surface: Vec::new(),
+        };
+        page.say(&json!({"cmd": "hello", "token": self.token}));
+        while page.surface.is_empty() {
+            match page.socket.read().unwrap() {
+                Message::Text(text) => page.hello = serde_json::from_str(&text).unwrap(),
+                Message::Binary(bytes) => page.surface = bytes.to_vec(),
+                _ => {}
+            }
+        }
+        assert_eq!(page.hello["type"], "hello");
+        page
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+impl Page {
+    pub fn say(&mut self, message: &Value) {
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
+    }
+
+    /// A node of the surface and the normal there.
+    pub fn node(&self, node: usize) -> ([f64; 3], [f64; 3]) {
+        let n = u32_at(&self.surface, 4) as usize;
+        assert!(node < n);
+        let vector = |i: usize| [0, 1, 2].map(|k| f32_at(&self.surface, 16 + 12 * i + 4 * k));
+        (vector(node), vector(n + node))
+    }
+
+    /// The first notice that has `words` in it.
+    pub fn hear(&mut self, words: &str) -> String {
+        let start = Instant::now();
+        loop {
+            if let Next::Text(text) = self.next()
+                && text.contains(words)
+            {
+                return text;
+            }
+            assert!(start.elapsed() < PATIENCE, "never heard {words:?}");
+        }
+    }
+
+    /// The first frame that is as wanted.
+    pub fn until(&mut self, what: &str, is_wanted: impl Fn(&Frame) -> bool) -> Frame {
+        let start = Instant::now();
+        loop {
+            if let Next::Frame(frame) = self.next() {
+                if is_wanted(&frame) {
+                    return frame;
+                }
+                assert!(start.elapsed() < PATIENCE / 4, "not {what}: {frame:?}");
+            }
+        }
+    }
+
+    fn next(&mut self) -> Next {
+        match self.socket.read().unwrap() {
+            Message::Binary(bytes) => {
+                self.say(&json!({"cmd": "got"}));
+                Next::Frame(Frame::read(&bytes))
+            }
+            Message::Text(text) => {
+                let value: Value = serde_json::from_str(&text).unwrap();
+                println!("page: {value}");
+                assert_eq!(value["type"], "notice", "{value}");
+                Next::Text(value["text"].as_str().unwrap().to_owned())
+            }
+            _ => Next::Nothing,
+        }
+    }
+}
+
+enum Next {
+    Frame(Frame),
+    Text(String),
+    Nothing,
+}
+
+impl Frame {
+    fn read(bytes: &[u8]) -> Self {
+        assert_eq!(bytes[0], 2);
+        let n_gauges = usize::from(bytes[16]) + 256 * usize::from(bytes[17]);
+        let first = 64 + 4 * n_gauges + n_gauges.next_multiple_of(4);
+        let contact = |i: usize| {
+            let at = first + MARK_LEN * i;
+            let vector = |at: usize| [0, 1, 2].map(|k| f32_at(bytes, at + 4 * k));
+            let force = vector(at + 32).map(|f| f * f).iter().sum::<f64>().sqrt();
+            (vector(at + 8), force)
+        };
+        let f64_at = |at: usize| f64::from_le_bytes(bytes[at..][..8].try_into().unwrap());
+        Self {
+            t_s: f64_at(8),
+            recording: bytes[3],
+            recorded_s: f32_at(bytes, 52),
+            clock_residual_us: f32_at(bytes, 48),
+            position_s: f32_at(bytes, 56),
+            duration_s: f32_at(bytes, 60),
+            contacts: (0..usize::from(bytes[18])).map(contact).collect(),
+        }
+    }
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(bytes[at..][..4].try_into().unwrap())
+}
+
+fn f32_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from(f32::from_le_bytes(bytes[at..][..4].try_into().unwrap()))
+}
