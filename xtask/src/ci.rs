@@ -6,10 +6,13 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, repro, stability, tidy, verify, weight};
+use crate::{docs, fixtures, python, repro, stability, tidy, verify, weight};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
+
+/// Crates that are not checked alone: nothing stands on xtask, and the wheel is hapdef-py alone.
+const NOT_ALONE: [&str; 2] = ["xtask", "hapdef-py"];
 
 /// Runs every check; stops at the first that fails.
 fn run_all() -> Result<Vec<(String, f64)>> {
@@ -54,6 +57,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
+    step(&mut times, "python", python::check)?;
     Ok(times)
 }
 
@@ -80,7 +84,7 @@ fn step(
     Ok(())
 }
 
-/// Names of the workspace's library crates.
+/// Names of the crates that are checked alone.
 fn crates() -> Result<Vec<String>> {
     let metadata = metadata()?;
     let packages = metadata["packages"]
@@ -88,7 +92,7 @@ fn crates() -> Result<Vec<String>> {
         .context("cargo metadata: packages")?;
     let names = packages.iter().filter_map(|p| p["name"].as_str());
     Ok(names
-        .filter(|name| *name != "xtask")
+        .filter(|name| !NOT_ALONE.contains(name))
         .map(str::to_owned)
         .collect())
 }

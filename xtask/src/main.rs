@@ -18,6 +18,7 @@ mod frontier;
 mod fuzz;
 mod live;
 mod pipeline;
+mod python;
 mod repro;
 mod rig;
 mod search;
@@ -82,6 +83,8 @@ enum Task {
     Soak(soak::SoakArgs),
     /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
     Rig(rig::RigArgs),
+    /// The Python module: its wheel, installed and tested; says so where there is no Python.
+    Python,
     /// How many crates somebody compiles who takes one layer alone.
     Weight(weight::WeightArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers.
@@ -122,6 +125,7 @@ fn run(task: Task) -> Result<()> {
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Rig(args) => rig::run(&args),
+        Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),

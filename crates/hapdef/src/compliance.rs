@@ -50,6 +50,12 @@ impl ComplianceTable {
         self.n_wanted - self.n_surface
     }
 
+    /// The rows `[n_loads, n_surface + n_virtual, 3]`, m/N, handed over.
+    #[must_use]
+    pub fn into_rows(self) -> Vec<f32> {
+        self.displacement_m_per_n
+    }
+
     /// Scratch of the right size.
     #[must_use]
     pub fn scratch(&self) -> SuperpositionScratch {

@@ -1,0 +1,382 @@
+//! A scene with its limb.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use hapdef::scene::{EstimatorSpec, GaugeEntry, Scene, SuperpositionSpec, read_scene};
+use hapdef::stages::compliance_table;
+use hapdef::touch::{LayoutParams, live_estimator, response_map, study_layouts, touch_estimator};
+use hapdef::{Limb, Pipeline, Until, live_limb, write_json};
+use nalgebra::Point3;
+use numpy::{PyArray2, PyArray3};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Value, json};
+
+use crate::array::{Numbers, Table, numbers, positions, rows, three, triples, two, vectors};
+use crate::calibration::{PressTable, PyCalibration};
+use crate::error::to_python;
+use crate::estimator::{PyEstimator, choice};
+use crate::layout::PyLayout;
+use crate::live::{LiveRequest, PyLive};
+use crate::profile;
+use crate::response::PyResponse;
+use crate::rig::PyRig;
+use crate::setup::Setup;
+
+/// A limb with its gauges, as a scene file says it; see `hapdef.pyi` for every argument.
+#[pyclass(frozen, module = "hapdef", name = "Scene")]
+pub struct PyScene {
+    setup: Setup,
+    limb: Arc<Limb>,
+}
+
+#[pymethods]
+impl PyScene {
+    /// Reads a scene file and the limb that it names, and checks both.
+    #[new]
+    #[pyo3(signature = (path, *, out = None, threads = None, seed = None, profile = "quick", amounts = None, verbose = false))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        out: Option<PathBuf>,
+        threads: Option<usize>,
+        seed: Option<u64>,
+        profile: &str,
+        amounts: Option<&Bound<'_, PyDict>>,
+        verbose: bool,
+    ) -> PyResult<Self> {
+        let mut scene = read_scene(&path).map_err(|error| to_python(error.into()))?;
+        scene.seed = seed.unwrap_or(scene.seed);
+        let n_cores = std::thread::available_parallelism().map_or(1, Into::into);
+        let setup = Setup {
+            scene,
+            scene_dir: path.parent().unwrap_or(Path::new(".")).to_path_buf(),
+            profile: profile::profile_of(profile, amounts)?,
+            out: out.unwrap_or_else(|| PathBuf::from("target/hapdef")),
+            threads: threads.unwrap_or(n_cores).max(1),
+            is_verbose: verbose,
+        };
+        Self::load(py, setup)
+    }
+
+    /// Name of the scene.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.setup.scene.name
+    }
+
+    /// Number of gauges.
+    #[getter]
+    fn n_gauges(&self) -> usize {
+        self.limb.gauges.len()
+    }
+
+    /// Number of surface nodes, at which contacts may be.
+    #[getter]
+    fn n_surface_nodes(&self) -> usize {
+        self.limb.n_surface_nodes()
+    }
+
+    /// Names of the gauges, in channel order.
+    #[getter]
+    fn gauge_names(&self) -> Vec<String> {
+        let sites = self.setup.scene.gauges.sites.iter();
+        sites.map(|site| site.name.clone()).collect()
+    }
+
+    /// Centres of the gauges, m, `[n_gauges, 3]`.
+    #[getter]
+    fn gauge_positions_m(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
+        let sites = self.limb.sites.iter();
+        positions(py, &sites.map(|site| site.position).collect::<Vec<_>>())
+    }
+
+    /// Measuring directions of the gauges, unit length, `[n_gauges, 3]`.
+    #[getter]
+    fn gauge_axes(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
+        let gauges = self.limb.gauges.iter();
+        vectors(py, &gauges.map(|gauge| gauge.axis()).collect::<Vec<_>>())
+    }
+
+    /// Positions of the surface nodes, m, `[n_surface_nodes, 3]`.
+    #[getter]
+    fn surface_m(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
+        positions(py, &self.limb.surface_points())
+    }
+
+    /// Direction of a press at each surface node, unit length, into the limb, `[n_surface_nodes, 3]`.
+    #[getter]
+    fn directions(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
+        vectors(py, &self.limb.directions)
+    }
+
+    /// Six-node faces of the skin: three corners, then the middles of their sides; `[n_faces, 6]`.
+    #[getter]
+    fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<u32>>> {
+        let skin = &self.limb.skin;
+        let place = |node| skin.nodes.partition_point(|other| *other < node) as u32;
+        let faces: Vec<[u32; 6]> = skin.faces.iter().map(|f| f.nodes.map(place)).collect();
+        let n_faces = faces.len();
+        two(py, faces.into_flattened(), [n_faces, 6])
+    }
+
+    /// The scene as JSON text, ready for a file.
+    fn json(&self) -> PyResult<String> {
+        serde_json::to_string_pretty(&self.setup.scene)
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Writes the scene to a file; its paths stay relative to the folder of the first one.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        write_json(&path, &self.setup.scene).map_err(to_python)
+    }
+
+    /// The same limb with other gauges.
+    #[pyo3(signature = (positions_m, axes, *, names = None, name = None))]
+    fn with_gauges(
+        &self,
+        py: Python<'_>,
+        positions_m: Table<'_>,
+        axes: Table<'_>,
+        names: Option<Vec<String>>,
+        name: Option<String>,
+    ) -> PyResult<Self> {
+        let places = triples("positions_m", &positions_m)?;
+        let axes = triples("axes", &axes)?;
+        let names = names.unwrap_or_else(|| (0..places.len()).map(|i| format!("g{i}")).collect());
+        if places.len() != axes.len() || places.len() != names.len() {
+            return Err(PyValueError::new_err(format!(
+                "expected one axis and one name for each gauge, found {} positions, {} axes, {} \
+                 names",
+                places.len(),
+                axes.len(),
+                names.len()
+            )));
+        }
+        let sites = names.into_iter().zip(places.into_iter().zip(axes));
+        let entry = |(name, (position_m, axis))| GaugeEntry {
+            name,
+            position_m,
+            axis,
+        };
+        let sites = sites.map(entry).collect();
+        let mut setup = self.setup.clone();
+        setup.scene.gauges.sites = sites;
+        setup.scene.name = name.unwrap_or(setup.scene.name);
+        Self::load(py, setup)
+    }
+
+    /// The same scene, its contacts found by superposition, with these settings in place of its own.
+    #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, n_sites = None, calibration = None))]
+    fn with_superposition(
+        &self,
+        noise_ue: Option<f64>,
+        map_error: Option<f64>,
+        map_refinements: Option<u32>,
+        friction: Option<f64>,
+        n_sites: Option<usize>,
+        calibration: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let own = self.setup.scene.estimator.superposition();
+        // The scene's paths are relative to its folder.
+        let calibration = calibration.map(std::path::absolute).transpose()?;
+        let spec = SuperpositionSpec {
+            noise_ue: noise_ue.unwrap_or(own.noise_ue),
+            map_error: map_error.unwrap_or(own.map_error),
+            map_refinements: map_refinements.unwrap_or(own.map_refinements),
+            friction: friction.unwrap_or(own.friction),
+            calibration: calibration.or(own.calibration),
+            n_sites: n_sites.unwrap_or(own.n_sites),
+        };
+        let mut setup = self.setup.clone();
+        setup.scene.estimator = EstimatorSpec::Superposition(spec);
+        let limb = Arc::clone(&self.limb);
+        Ok(Self { setup, limb })
+    }
+
+    /// Layouts of gauges on the inner wall, by several methods, the recommended one last.
+    #[pyo3(signature = (n_gauges = 10, *, noise_ue = 1.0, force_n = 10.0, n_positions = 160, n_axes = 4, n_sites = 400, n_mounted = 0, min_spacing_m = 0.01, keep_out = None, compare = false, seed = None))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn place(
+        &self,
+        py: Python<'_>,
+        n_gauges: usize,
+        noise_ue: f64,
+        force_n: f64,
+        n_positions: usize,
+        n_axes: usize,
+        n_sites: usize,
+        n_mounted: usize,
+        min_spacing_m: f64,
+        keep_out: Option<Table<'_>>,
+        compare: bool,
+        seed: Option<u64>,
+    ) -> PyResult<Vec<PyLayout>> {
+        let balls = keep_out.map_or(Ok(Vec::new()), |table| rows("keep_out", &table, 4))?;
+        let balls = balls.as_chunks::<4>().0;
+        let params = LayoutParams {
+            n_gauges,
+            n_mounted,
+            n_positions,
+            n_axes,
+            n_sites,
+            keep_out: balls
+                .iter()
+                .map(|[x, y, z, r]| (Point3::new(*x, *y, *z), *r))
+                .collect(),
+            min_spacing_m,
+            noise_ue,
+            force_n,
+            compares: compare,
+            other_counts: Vec::new(),
+            seed: seed.unwrap_or(self.setup.scene.seed),
+            ..LayoutParams::default()
+        };
+        let study = self.setup.work(py, &self.limb, move |run, limb| {
+            study_layouts(run, limb, &params)
+        })?;
+        Ok(study.layouts.into_iter().map(PyLayout::new).collect())
+    }
+
+    /// What every gauge reads for a newton anywhere on the skin, by one adjoint solve for each gauge.
+    fn response(&self, py: Python<'_>) -> PyResult<PyResponse> {
+        let map = self.setup.work(py, &self.limb, |run, limb| {
+            response_map(limb, run.scene.contact.tip_radius_m, run.threads)
+        })?;
+        Ok(PyResponse::new(map))
+    }
+
+    /// Displacements per newton at each surface node, m/N, 32 bits,
+    /// `[n_surface_nodes, n_surface_nodes + n_virtual_gauges, 3]`.
+    fn compliance(&self, py: Python<'_>) -> PyResult<Py<PyArray3<f32>>> {
+        let table = self.setup.work(py, &self.limb, compliance_table)?;
+        let (n_loads, n_wanted) = (table.n_surface(), table.n_surface() + table.n_virtual());
+        three(py, table.into_rows(), [n_loads, n_wanted, 3])
+    }
+
+    /// The simulated hardware.
+    fn rig(&self, py: Python<'_>) -> PyResult<PyRig> {
+        let limb = self.setup.work(py, &self.limb, live_limb)?;
+        Ok(PyRig::new(Arc::new(limb), &self.setup.scene))
+    }
+
+    /// Corrects the response by presses of known place and force.
+    #[pyo3(signature = (positions_m, forces_n, readings_ue, *, noise_ue = 1.0, position_sd_m = 0.0, force_sd_n = 0.0, off_skin_m = 2e-3, n_sites = 800))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn calibrate(
+        &self,
+        py: Python<'_>,
+        positions_m: Table<'_>,
+        forces_n: Numbers<'_>,
+        readings_ue: Table<'_>,
+        noise_ue: f64,
+        position_sd_m: f64,
+        force_sd_n: f64,
+        off_skin_m: f64,
+        n_sites: usize,
+    ) -> PyResult<PyCalibration> {
+        let positions_m = triples("positions_m", &positions_m)?;
+        let n = positions_m.len();
+        let readings_ue = rows("readings_ue", &readings_ue, self.n_gauges())?;
+        let table = PressTable {
+            forces_n: numbers("forces_n", &forces_n, n)?,
+            positions_m,
+            readings_ue,
+            quality: hapdef::touch::PressQuality {
+                noise_ue,
+                position_sd_m,
+                force_sd_n,
+            },
+            off_skin_m,
+            n_sites,
+        };
+        PyCalibration::fit(py, self.setup.clone(), Arc::clone(&self.limb), table)
+    }
+
+    /// Runs the pipeline up to `until` ('simulate', 'dataset', 'train' or 'eval') and returns the
+    /// records of its stages.
+    #[pyo3(signature = (until = "train"))]
+    fn train<'py>(&self, py: Python<'py>, until: &str) -> PyResult<Bound<'py, PyAny>> {
+        let until = match until {
+            "simulate" => Until::Simulate,
+            "dataset" => Until::Dataset,
+            "train" => Until::Train,
+            "eval" => Until::Eval,
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "until: expected 'simulate', 'dataset', 'train' or 'eval', found {until:?}"
+                )));
+            }
+        };
+        let work = move |run: &hapdef::Run, limb: &Limb| Pipeline::run(run, limb, until);
+        let done = self.setup.work(py, &self.limb, work)?;
+        let record = |stage: &&hapdef::Stage| {
+            json!({
+                "stage": stage.record.stage,
+                "cached": stage.cached,
+                "elapsed_s": stage.record.elapsed_s,
+                "folder": stage.dir,
+                "info": stage.record.info,
+            })
+        };
+        let records: Vec<Value> = done.stages().iter().map(record).collect();
+        profile::to_python(py, &Value::from(records))
+    }
+
+    /// What finds contacts in arrays of frames: the scene's own way, or 'superposition', 'tracking' or
+    /// 'hapdefx' (the paper's nets, trained where they are not).
+    #[pyo3(signature = (kind = None))]
+    fn estimator(&self, py: Python<'_>, kind: Option<&str>) -> PyResult<PyEstimator> {
+        let choice = kind.map(choice).transpose()?;
+        let estimator = self
+            .setup
+            .work(py, &self.limb, move |run, limb| match choice {
+                Some(choice) => live_estimator(run, limb, choice),
+                None => touch_estimator(run, limb),
+            })?;
+        Ok(PyEstimator::new(estimator))
+    }
+
+    /// Live contacts, frame by frame: from a source, or from the simulated rig pressed at random.
+    #[pyo3(signature = (source = None, *, kind = "tracking", seconds = None, tare_s = 1.0, seed = 1))]
+    fn live(
+        &self,
+        py: Python<'_>,
+        source: Option<&str>,
+        kind: &str,
+        seconds: Option<f64>,
+        tare_s: f64,
+        seed: u64,
+    ) -> PyResult<PyLive> {
+        let request = LiveRequest {
+            choice: choice(kind)?,
+            seconds,
+            tare_s,
+            seed,
+        };
+        PyLive::start(py, &self.setup, &self.limb, source, request)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Scene({:?}, {} gauges, {} surface nodes)",
+            self.name(),
+            self.n_gauges(),
+            self.n_surface_nodes()
+        )
+    }
+}
+
+impl PyScene {
+    fn load(py: Python<'_>, setup: Setup) -> PyResult<Self> {
+        let (scene, folder): (&Scene, &Path) = (&setup.scene, &setup.scene_dir);
+        let limb = py.detach(|| Limb::load(scene, folder)).map_err(to_python)?;
+        Ok(Self {
+            setup,
+            limb: Arc::new(limb),
+        })
+    }
+}

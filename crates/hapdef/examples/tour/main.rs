@@ -1,0 +1,70 @@
+//! hapdef in five small programs, each of which is a test with a number.
+//!
+//! ```text
+//! cargo run --release -p hapdef --example tour -- press-one
+//! cargo run --release -p hapdef --example tour -- two-fingers
+//! cargo run --release -p hapdef --example tour -- own-limb limb.glb 1.0
+//! cargo run --release -p hapdef --example tour -- own-board lines.csv
+//! cargo run --release -p hapdef --example tour -- replay press.mcap
+//! ```
+//!
+//! Read them in this order: `press_one.rs` is the whole way from a scene to a contact. Without a file
+//! of your own the last three make one up.
+#![allow(clippy::print_stdout, reason = "an example shows what it does")]
+
+mod own_board;
+mod own_limb;
+mod press_one;
+mod replay;
+mod scene;
+mod two_fingers;
+
+use anyhow::{Result, bail};
+
+fn main() -> Result<()> {
+    let mut words = std::env::args().skip(1);
+    let name = words.next().unwrap_or_default();
+    let file = words.next().map(std::path::PathBuf::from);
+    match name.as_str() {
+        "press-one" => {
+            let pressed = press_one::press_one()?;
+            println!("the gauges read {:.2?} µε", pressed.readings_ue);
+            println!(
+                "found {:.3} N, {:.4} mm off",
+                pressed.force_n, pressed.miss_mm
+            );
+        }
+        "two-fingers" => {
+            for (force_n, miss_mm) in two_fingers::two_fingers()? {
+                println!("found {force_n:.3} N, {miss_mm:.4} mm off");
+            }
+        }
+        "own-limb" => {
+            let wall_mm = words.next().map_or(Ok(1.0), |word| word.parse())?;
+            let limb = own_limb::own_limb(file.as_deref(), wall_mm)?;
+            println!("{} nodes, {} gauges", limb.n_nodes, limb.n_gauges);
+            println!(
+                "a newton moves the best gauge by {:.2} µε",
+                limb.median_best_ue
+            );
+            println!("10 N found {:.4} mm off", limb.miss_mm);
+        }
+        "own-board" => {
+            for (force_n, miss_mm) in own_board::own_board(file.as_deref())? {
+                println!("{force_n:.3} N, {miss_mm:.3} mm from the made-up press");
+            }
+        }
+        "replay" => {
+            let played = replay::replay(file)?;
+            println!(
+                "{} frames, {} with contacts",
+                played.n_frames, played.n_touched
+            );
+            println!("the last contact: {:.3} N", played.last_n);
+        }
+        other => {
+            bail!("expected press-one, two-fingers, own-limb, own-board or replay, found {other:?}")
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! A board of your own: lines of integers, as the paper's authors' sketch prints them.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use hapdef::touch::{Touch, TouchEstimator};
+use hapdef_daq::csv_line::CsvDecoder;
+use nalgebra::Point3;
+
+use super::scene::Placed;
+
+/// µε of a count: 12 bits over ±4 × 256 µε.
+const UE_PER_COUNT: f64 = 0.5;
+/// Lines at the beginning in which nothing touches: their mean is the tare.
+const N_TARE: usize = 50;
+/// Face and force of the made-up press, N.
+const PRESSED: (usize, f64) = (700, 12.0);
+
+/// Force, N, and distance from the made-up press, mm, of each contact in the mean of what comes after
+/// the tare.
+pub fn own_board(file: Option<&Path>) -> Result<Vec<(f64, f64)>> {
+    let placed = Placed::load()?;
+    let n_gauges = placed.map.n_gauges();
+    let (place, readings_ue) = placed.press(PRESSED.0, PRESSED.1)?;
+    let text = match file {
+        Some(path) => std::fs::read(path).with_context(|| path.display().to_string())?,
+        None => made_up(&readings_ue).into_bytes(),
+    };
+    let mut lines: Vec<Vec<i32>> = Vec::new();
+    let mut decoder = CsvDecoder::new(n_gauges);
+    decoder.push(&text, &mut |values| lines.push(values.to_vec()));
+    ensure!(
+        lines.len() > N_TARE,
+        "expected more than {N_TARE} lines of {n_gauges} integers from 0 to 4095, found {}",
+        lines.len()
+    );
+    let (untouched, touched) = lines.split_at(N_TARE);
+    let (zero, mean) = (mean(untouched), mean(touched));
+    let tared = mean
+        .iter()
+        .zip(zero)
+        .map(|(value, zero)| (value - zero) * UE_PER_COUNT);
+    contacts(&placed, &tared.collect::<Vec<_>>(), &place)
+}
+
+fn contacts(placed: &Placed, tared_ue: &[f64], place: &Point3<f64>) -> Result<Vec<(f64, f64)>> {
+    let mut touch = Touch::default();
+    placed.estimator()?.estimate(tared_ue, &mut touch)?;
+    let found = touch.contacts.iter();
+    Ok(found
+        .map(|c| (c.force_n, (c.position_m - place).norm() * 1e3))
+        .collect())
+}
+
+/// Mean of each column, counts.
+fn mean(lines: &[Vec<i32>]) -> Vec<f64> {
+    let mut sums = vec![0.0; lines[0].len()];
+    for line in lines {
+        sums.iter_mut()
+            .zip(line)
+            .for_each(|(sum, v)| *sum += f64::from(*v));
+    }
+    sums.iter().map(|sum| sum / lines.len() as f64).collect()
+}
+
+/// What a board would print: a line whose beginning is missing, the tare, then the press. A gauge's zero
+/// lies somewhere, and its last bit wobbles.
+fn made_up(readings_ue: &[f64]) -> String {
+    let mut text = "1,2048\n".to_owned();
+    for line in 0..3 * N_TARE {
+        let count = |(gauge, reading): (usize, &f64)| {
+            let zero = 2000.0 + 9.3 * gauge as f64 + (line % 3) as f64 - 1.0;
+            let strain = if line < N_TARE { 0.0 } else { *reading };
+            (zero + strain / UE_PER_COUNT).round().to_string()
+        };
+        let counts: Vec<String> = readings_ue.iter().enumerate().map(count).collect();
+        let _ = writeln!(text, "{}", counts.join(","));
+    }
+    text
+}
+
+#[test]
+fn the_press_is_found_in_whole_counts() {
+    let found = own_board(None).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    let (force_n, miss_mm) = found[0];
+    // Rounding to half a microstrain is all that stands between.
+    assert!((force_n - PRESSED.1).abs() < 0.3, "{force_n} N");
+    assert!(miss_mm < 0.5, "{miss_mm} mm");
+}

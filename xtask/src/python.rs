@@ -1,0 +1,137 @@
+//! The Python module: its wheel, installed in a clean environment, its tests, notebook and example.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::tool::{release_binary, root, run, target_dir};
+
+/// Oldest Python that the module runs on.
+const OLDEST: (u32, u32) = (3, 9);
+
+/// Says why not, if Python can't make environments; else its version.
+const PROBE: &str = "import sys, venv, ensurepip; print(*sys.version_info[:2])";
+
+/// Where the module is in the tree.
+const CRATE: &str = "crates/hapdef-py";
+
+/// `cargo xtask python` and CI's step; without Python it says so and does nothing.
+pub(crate) fn check() -> Result<()> {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    if let Err(reason) = usable(&python) {
+        println!("skipped: {reason}");
+        return Ok(());
+    }
+    let folder = target_dir()?.join("python");
+    let wheel = build(&python, &folder)?;
+    println!("wheel: {}", wheel.display());
+    let python = environment(&python, &folder.join("venv"), true)?;
+    let wheel = wheel.to_string_lossy().into_owned();
+    install(&python, &[&wheel, "dask[distributed]"])?;
+    println!("installed for {}", python.display());
+    let program = release_binary("hapdef")?;
+    let ours = |words: &[&str]| -> Result<()> {
+        let mut command = Command::new(&python);
+        command.args(words).current_dir(root().join(CRATE));
+        command.env("HAPDEF_BIN", &program);
+        command.env("PYTHONDONTWRITEBYTECODE", "1");
+        run(&mut command)
+    };
+    ours(&["-W", "error", "-m", "unittest", "discover", "-s", "tests"])?;
+    ours(&["tests/run_notebook.py", "notebook/first_touch.ipynb"])?;
+    ours(&["examples/scale_out.py", "--check"])
+}
+
+/// The version is old enough, and environments can be made.
+fn usable(python: &str) -> Result<(), String> {
+    let advice = format!(
+        "expected Python {}.{} or newer with venv and pip",
+        OLDEST.0, OLDEST.1
+    );
+    let output = Command::new(python).args(["-c", PROBE]).output();
+    let output = output.map_err(|error| format!("{advice}; {python}: {error}"))?;
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stderr);
+        let last = text.lines().last().unwrap_or_default();
+        return Err(format!("{advice}; {python}: {last}"));
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    match version(&text) {
+        Some(found) if found >= OLDEST => Ok(()),
+        _ => Err(format!("{advice}; {python} is {}", text.trim())),
+    }
+}
+
+fn version(text: &str) -> Option<(u32, u32)> {
+    let (major, minor) = text.trim().split_once(' ')?;
+    Some((major.parse().ok()?, minor.parse().ok()?))
+}
+
+/// The wheel, built by maturin.
+fn build(python: &str, folder: &Path) -> Result<PathBuf> {
+    let tools = environment(python, &folder.join("tools"), false)?;
+    install(&tools, &["maturin>=1.9,<2"])?;
+    let wheels = folder.join("wheels");
+    if wheels.exists() {
+        std::fs::remove_dir_all(&wheels).context("removing old wheels")?;
+    }
+    let mut command = Command::new(&tools);
+    command.args(["-m", "maturin", "build", "--release", "--locked", "--out"]);
+    command.arg(&wheels).current_dir(root().join(CRATE));
+    run(&mut command)?;
+    let entries = std::fs::read_dir(&wheels).context("reading the folder of the wheel")?;
+    let paths = entries.map(|entry| Ok(entry?.path()));
+    match paths.collect::<Result<Vec<_>>>()?.as_slice() {
+        [wheel] => Ok(wheel.clone()),
+        others => bail!(
+            "expected one wheel in {}, found {}",
+            wheels.display(),
+            others.len()
+        ),
+    }
+}
+
+/// A virtual environment's Python; made anew if it is to be clean.
+fn environment(python: &str, folder: &Path, is_clean: bool) -> Result<PathBuf> {
+    let own = folder.join("bin/python");
+    if is_clean || !own.exists() {
+        let mut command = Command::new(python);
+        run(command.args(["-m", "venv", "--clear"]).arg(folder))?;
+    }
+    Ok(own)
+}
+
+fn install(python: &Path, packages: &[&str]) -> Result<()> {
+    let mut command = Command::new(python);
+    command.args([
+        "-m",
+        "pip",
+        "--quiet",
+        "--disable-pip-version-check",
+        "install",
+    ]);
+    run(command.args(packages))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{usable, version};
+
+    #[test]
+    fn versions_are_compared_as_numbers() {
+        assert_eq!(version("3 11\n"), Some((3, 11)));
+        assert!(version("3 11\n").unwrap() > super::OLDEST);
+        assert!(version("3 8").unwrap() < super::OLDEST);
+        assert_eq!(version("three"), None);
+    }
+
+    #[test]
+    fn a_python_that_is_not_there_is_a_reason() {
+        let reason = usable("no-such-python").unwrap_err();
+        assert!(
+            reason.contains("3.9") && reason.contains("no-such-python"),
+            "{reason}"
+        );
+    }
+}
