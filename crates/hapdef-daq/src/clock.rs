@@ -224,8 +224,11 @@ mod tests {
             }
         }
         let residual_us = map.residual_us().unwrap();
-        // The least of 1,000 exponential delays of 1 ms is exponential with 1 µs; times are whole µs.
-        assert!((0.4..4.0).contains(&residual_us), "{residual_us} µs");
+        // Once every window is from after the drift was known: the least of 1,000 exponential delays
+        // of 1 ms is exponential with 1 µs, and times are whole µs.
+        if to_s > 30 {
+            assert!((0.4..4.0).contains(&residual_us), "{residual_us} µs");
+        }
         let found = map.drift_ppm().unwrap();
         assert!((found - drift_ppm).abs() < 5.0, "{found} for {drift_ppm}");
         errors
