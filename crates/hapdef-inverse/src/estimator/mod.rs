@@ -1,6 +1,7 @@
 //! Contacts from one frame of readings.
 
 mod capacity;
+mod contact_estimator;
 mod doubt;
 mod explanation;
 mod forces;
@@ -17,11 +18,11 @@ mod scratch;
 mod search;
 mod shear;
 
+pub use contact_estimator::ContactEstimator;
 pub use explanation::MAX_CONTACTS;
 pub use output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, ShearContact, Verdict, WhyNot};
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
-pub use search::ContactEstimator;
 
 pub(crate) use explanation::Explanation;
 pub(crate) use forces::non_negative;
