@@ -16,7 +16,7 @@ const PROBE: &str = "import sys, venv, ensurepip; print(*sys.version_info[:2])";
 /// Where the module is in the tree.
 const CRATE: &str = "crates/hapdef-py";
 
-/// `cargo xtask python` and CI's step; without Python it says so and does nothing.
+/// `cargo xtask python`; without Python it says so and does nothing.
 pub(crate) fn check() -> Result<()> {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     if let Err(reason) = usable(&python) {

@@ -34,9 +34,7 @@ fn prepared(folder: &Path, scene: &str, change: impl FnOnce(&mut Value)) -> (Run
     change(&mut scene);
     let path = folder.join("scene.json");
     fs::write(&path, scene.to_string()).unwrap();
-    for deck in ["shin.inp.gz", "shin_rig.inp.gz"] {
-        fs::copy(shin().join(deck), folder.join(deck)).unwrap();
-    }
+    fs::copy(shin().join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
     let out = folder.join("out");
     let run = Run::new(&path, Profile::quick(), &out, 2, Progress::silent()).unwrap();
     let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
