@@ -26,16 +26,6 @@ pub enum ReproError {
         /// Values found.
         found: usize,
     },
-    /// A value is NaN or infinite.
-    #[error("{what}: value {index} is {value}; every value must be finite")]
-    NotFinite {
-        /// The argument.
-        what: &'static str,
-        /// Position in the slice.
-        index: usize,
-        /// The value found.
-        value: f64,
-    },
     /// A value of a table of samples is NaN or infinite.
     #[error("{what}: row {row}, column {column} is {value}; every value must be finite")]
     RowNotFinite {
