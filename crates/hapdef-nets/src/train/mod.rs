@@ -11,7 +11,7 @@
 
 mod adam;
 mod batch;
-#[cfg_attr(not(target_arch = "x86_64"), path = "no_bf16.rs")]
+#[cfg_attr(not(target_arch = "x86_64"), path = "bf16/none.rs")]
 mod bf16;
 #[cfg(feature = "candle")]
 mod candle_network;

@@ -9,7 +9,7 @@ use crate::train::view::View;
 
 /// Rows that one thread computes and finishes together. Blocks do not depend on the number of
 /// threads, and neither does a sum over them.
-pub(super) const ROW_BLOCK: usize = 8 * TILE_ROWS;
+pub(super) const ROW_BLOCK: usize = 4 * TILE_ROWS;
 
 /// Multiplies matrices.
 pub(super) struct Products {

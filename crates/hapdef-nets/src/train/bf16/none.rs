@@ -3,7 +3,7 @@
 use crate::train::view::View;
 
 /// Rows of a tile.
-pub(super) const TILE_ROWS: usize = 8;
+pub(super) const TILE_ROWS: usize = 16;
 
 /// The left matrix of a product.
 #[derive(Default)]
