@@ -2,21 +2,35 @@
 
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::{PipelineArgs, common, finish};
-use crate::tool::release_binary;
+use crate::tool::{release_binary, root};
+
+/// The scene of the whole chain: the bundled limb with its gauges placed.
+const PLACED: &str = "fixtures/shin/placed.json";
+
+const LIMITS: &str = "docs/limits.md";
 
 /// Arguments of `frontier`.
 #[derive(clap::Args)]
 pub(crate) struct FrontierArgs {
-    /// What is compared.
-    what: Subject,
+    /// What is compared; the whole chain if nothing is said.
+    what: Option<Subject>,
+    /// No new way is begun after so many minutes (20); whole chain only.
+    #[arg(long)]
+    minutes: Option<f64>,
     /// `--quick` takes the quick run's data and nets; this is also the default. `--full` takes the
     /// paper's amounts.
     #[arg(long, conflicts_with = "quick")]
     full: bool,
+    /// Write docs/limits.md and docs/limits.json; whole chain only.
+    #[arg(long)]
+    write: bool,
+    /// Fail where docs/limits.md is stale: the usual way is measured again; whole chain only.
+    #[arg(long, conflicts_with = "write")]
+    check: bool,
     #[command(flatten)]
     pipeline: PipelineArgs,
 }
@@ -33,11 +47,35 @@ enum Subject {
 /// `cargo xtask frontier`.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let program = match args.what {
-        Subject::Nets => "frontier-nets",
-        Subject::Inverse => "frontier-inverse",
+        None => "frontier",
+        Some(Subject::Nets) => "frontier-nets",
+        Some(Subject::Inverse) => "frontier-inverse",
     };
     let mut pipeline = args.pipeline.clone();
     pipeline.quick = !args.full;
+    if args.what.is_none() && pipeline.scene.is_none() {
+        pipeline.scene = Some(root().join(PLACED));
+    }
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    finish(command.arg(program).args(common(&pipeline)))
+    command.arg(program).args(common(&pipeline));
+    if args.what.is_some() && (args.minutes.is_some() || args.write || args.check) {
+        bail!("--minutes, --write and --check are for the whole chain: `cargo xtask frontier`");
+    }
+    if let Some(minutes) = args.minutes {
+        command.args(["--minutes", &minutes.to_string()]);
+    }
+    for (flag, on) in [("--write", args.write), ("--check", args.check)] {
+        if on {
+            command.arg(flag).arg(root().join(LIMITS));
+        }
+    }
+    finish(&mut command)
+}
+
+/// Whether docs/limits.md still holds.
+pub(crate) fn check() -> Result<()> {
+    let mut command = Command::new(release_binary("hapdef-repro")?);
+    command.arg("frontier").arg(root().join(PLACED));
+    command.args(["--profile", "quick", "--check"]);
+    crate::tool::run(command.arg(root().join(LIMITS)))
 }

@@ -1,4 +1,4 @@
-//! Solvers, nets, baselines and superposition at their extremes.
+//! Every layer at its extremes.
 
 use std::process::Command;
 
@@ -11,9 +11,9 @@ use crate::tool::{release_binary, root, target_dir};
 /// Arguments of `stability`.
 #[derive(clap::Args)]
 pub(crate) struct StabilityArgs {
-    /// What is tried.
-    #[arg(value_enum, default_value = "fe")]
-    part: Part,
+    /// What is tried; everything if nothing is said.
+    #[arg(value_enum)]
+    part: Option<Part>,
     /// Write the table in docs/.
     #[arg(long)]
     write: bool,
@@ -36,21 +36,24 @@ enum Part {
     Fe,
     /// Training, baselines and inference.
     Nets,
-    /// Contacts by superposition.
+    /// Contacts by superposition, and the calibration.
     Inverse,
+    /// Meshes, datasets, k-Max, decoder, clock, recordings.
+    Parts,
 }
 
 /// `cargo xtask stability`.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
-    if args.part != Part::Fe && (args.json || args.seed.is_some()) {
+    let Some(part) = args.part else {
+        if args.json || args.seed.is_some() {
+            bail!("--json and --seed are for `stability fe`");
+        }
+        return all(args);
+    };
+    if part != Part::Fe && (args.json || args.seed.is_some()) {
         bail!("--json and --seed are for `stability fe`");
     }
-    let mut command = args.part.command()?;
-    for (flag, on) in [("--write", args.write), ("--check", args.check)] {
-        if on {
-            command.arg(flag).arg(root().join(args.part.document()));
-        }
-    }
+    let mut command = part.with_files(args)?;
     if args.json {
         command.arg("--json");
     }
@@ -60,9 +63,24 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     finish(&mut command)
 }
 
+/// Every layer; then which failed.
+fn all(args: &StabilityArgs) -> Result<()> {
+    let mut failed = Vec::new();
+    for part in Part::ALL {
+        println!("── {}", part.document());
+        if crate::tool::run(&mut part.with_files(args)?).is_err() {
+            failed.push(part.document());
+        }
+    }
+    if !failed.is_empty() {
+        bail!("rows failed in {}", failed.join(", "));
+    }
+    Ok(())
+}
+
 /// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    for part in [Part::Fe, Part::Nets, Part::Inverse] {
+    for part in Part::ALL {
         let mut command = part.command()?;
         crate::tool::run(command.arg("--check").arg(root().join(part.document())))?;
     }
@@ -70,11 +88,24 @@ pub(crate) fn check() -> Result<()> {
 }
 
 impl Part {
+    const ALL: [Self; 4] = [Self::Fe, Self::Nets, Self::Inverse, Self::Parts];
+
+    fn with_files(self, args: &StabilityArgs) -> Result<Command> {
+        let mut command = self.command()?;
+        for (flag, on) in [("--write", args.write), ("--check", args.check)] {
+            if on {
+                command.arg(flag).arg(root().join(self.document()));
+            }
+        }
+        Ok(command)
+    }
+
     fn document(self) -> &'static str {
         match self {
             Self::Fe => "docs/stability-fe.md",
             Self::Nets => "docs/stability-nets.md",
             Self::Inverse => "docs/stability-inverse.md",
+            Self::Parts => "docs/stability-parts.md",
         }
     }
 
@@ -83,6 +114,7 @@ impl Part {
             Self::Fe => ("hapdef-verify", &["stability", "fe"]),
             Self::Nets => ("hapdef-repro", &["stability"]),
             Self::Inverse => ("hapdef-repro", &["stability-inverse"]),
+            Self::Parts => ("hapdef-repro", &["stability-parts"]),
         };
         let mut command = Command::new(release_binary(program)?);
         command.args(words);

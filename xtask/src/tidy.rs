@@ -12,14 +12,17 @@ const MAX_LINES: usize = 400;
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// `cargo xtask tidy`: layers, file lengths, leftovers.
+/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers.
 pub(crate) fn run() -> Result<()> {
     let mut faults = Vec::new();
+    let architecture = read("ARCHITECTURE.md")?;
     layer_faults(
-        &drawn_arrows(&read("ARCHITECTURE.md")?)?,
+        &drawn_arrows(&architecture)?,
         &manifest_arrows()?,
         &mut faults,
     );
+    let is_there = |path: &str| root().join("crates").join(path).exists();
+    name_faults(&architecture, is_there, &mut faults);
     for file in tracked_files()? {
         if file.ends_with(".rs") {
             source_faults(&file, &read(&file)?, &mut faults);
@@ -103,6 +106,16 @@ fn layer_faults(drawn: &Arrows, manifest: &Arrows, faults: &mut Vec<String>) {
     }
 }
 
+/// Paths within crates, in backticks, that are not there.
+fn name_faults(architecture: &str, is_there: impl Fn(&str) -> bool, faults: &mut Vec<String>) {
+    let in_backticks = architecture.split('`').skip(1).step_by(2);
+    for path in in_backticks.filter(|text| text.starts_with("hapdef") && text.contains('/')) {
+        if !path.contains(char::is_whitespace) && !is_there(path) {
+            faults.push(format!("ARCHITECTURE.md: crates/{path} is not there"));
+        }
+    }
+}
+
 fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
     let n_lines = text.lines().count();
     if n_lines > MAX_LINES {
@@ -160,6 +173,15 @@ mod tests {
     #[test]
     fn a_crate_that_is_not_drawn_is_named() {
         assert_eq!(faults("a ->", "a ->\nb ->").len(), 1);
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_named() {
+        let text =
+            "`hapdef-mesh/src/skin.rs` and `gone.rs`, `hapdef-mesh/src/gone.rs`, `hapdef eval`";
+        let mut faults = Vec::new();
+        name_faults(text, |path| path.ends_with("skin.rs"), &mut faults);
+        assert_eq!(faults.len(), 1, "{faults:?}");
     }
 
     #[test]

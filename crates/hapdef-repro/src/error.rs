@@ -6,6 +6,18 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproError {
+    /// A mesh that can't be used.
+    #[error(transparent)]
+    Mesh(#[from] hapdef_mesh::MeshError),
+    /// Arguments of k-Max.
+    #[error(transparent)]
+    KMax(#[from] hapdef_kmax::KMaxError),
+    /// A stream or a recording.
+    #[error(transparent)]
+    Daq(#[from] hapdef_daq::DaqError),
+    /// A folder for files that come and go.
+    #[error("a temporary folder: {0}")]
+    Folder(std::io::Error),
     /// A slice does not have the length its documented shape asks for.
     #[error("{what}: expected {expected} values, found {found}; check the shape passed in")]
     Shape {
@@ -107,9 +119,9 @@ pub enum ReproError {
     /// A net could not be made, trained or used.
     #[error(transparent)]
     Nets(hapdef_nets::NetsError),
-    /// Samples could not be standardised.
+    /// Samples could not be standardised, written or read.
     #[error(transparent)]
-    Data(hapdef_data::DataError),
+    Data(#[from] hapdef_data::DataError),
     /// Contacts could not be estimated, followed, calibrated or conditioned.
     #[error(transparent)]
     Inverse(#[from] hapdef_inverse::InverseError),

@@ -32,8 +32,8 @@ pub use search::{
 };
 pub use stability::{
     InverseWorld, StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict,
-    StabilityWanted, inverse_markdown, inverse_rows, nets_markdown, nets_rows,
-    stability_differences, stability_line,
+    StabilityWanted, inverse_markdown, inverse_rows, nets_markdown, nets_rows, parts_markdown,
+    parts_rows, stability_differences, stability_line,
 };
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,

@@ -4,6 +4,7 @@
 mod allocations;
 mod bench;
 mod compare;
+mod frontier;
 mod run;
 
 use std::process::ExitCode;

@@ -63,7 +63,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
         let script = Script::draw(&mut draw, 4, 0.02, contact.force_range_n[1]);
         frames.push(presses.frames(&script, &mut draw));
     }
-    let tracked = track(&estimator, &frames)?;
+    let tracked = track(&estimator, &TrackerParams::default(), &frames)?;
     let times = sorted(tracked.times_us.into_iter());
     log.value("inverse.track_p50_us", at(&times, 0.5), "µs")?;
     log.value("inverse.track_p99_us", at(&times, 0.99), "µs")?;
@@ -104,9 +104,9 @@ fn estimator(scene: &Scene, map: &Arc<ResponseMap>) -> Result<ContactEstimator> 
 }
 
 /// Readings on the map itself, with noise.
-struct Presses<'a> {
-    map: &'a ResponseMap,
-    noise_ue: f64,
+pub(crate) struct Presses<'a> {
+    pub(crate) map: &'a ResponseMap,
+    pub(crate) noise_ue: f64,
 }
 
 impl Presses<'_> {
@@ -124,21 +124,28 @@ impl Presses<'_> {
         sum
     }
 
-    fn frames(&self, script: &Script, draw: &mut Draw<'_>) -> Vec<Vec<f64>> {
+    /// Readings of every frame of a script.
+    pub(crate) fn frames(&self, script: &Script, draw: &mut Draw<'_>) -> Vec<Vec<f64>> {
         (0..script.n_frames())
             .map(|frame| self.reading(&script.contacts, &script.forces_n(frame), draw))
             .collect()
     }
 }
 
-struct Tracked {
-    times_us: Vec<f64>,
+/// What following scripts took.
+pub(crate) struct Tracked {
+    /// Of every frame of every script, µs.
+    pub(crate) times_us: Vec<f64>,
     n_allocations: u64,
     n_searches: usize,
 }
 
 /// Follows every script with the full searches on a second thread, as a robot would.
-fn track(estimator: &ContactEstimator, scripts: &[Vec<Vec<f64>>]) -> Result<Tracked> {
+pub(crate) fn track(
+    estimator: &ContactEstimator,
+    params: &TrackerParams,
+    scripts: &[Vec<Vec<f64>>],
+) -> Result<Tracked> {
     let n_frames = scripts.iter().map(Vec::len).sum();
     let mut tracked = Tracked {
         times_us: Vec::with_capacity(n_frames),
@@ -147,7 +154,7 @@ fn track(estimator: &ContactEstimator, scripts: &[Vec<Vec<f64>>]) -> Result<Trac
     };
     let mut background = BackgroundSearch::start(estimator.clone())?;
     for frames in scripts {
-        let mut tracker = ContactTracker::new(estimator, TrackerParams::default())?;
+        let mut tracker = ContactTracker::new(estimator, *params)?;
         for readings in frames {
             let (before, start) = (allocations(), Instant::now());
             background.poll(|outcome| {

@@ -1,5 +1,6 @@
 //! The rows by superposition: maps calibrated with presses, frames drawn, contacts found.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -28,7 +29,7 @@ pub(crate) struct Map {
     sites: Arc<ScanSites>,
     noise: NoiseParams,
     /// Channels of the rig that its gauges are.
-    pub(crate) channels: std::ops::Range<usize>,
+    pub(crate) channels: Range<usize>,
 }
 
 /// Single presses for a calibration: places uniform over the skin, forces over the scene's range.
@@ -53,7 +54,7 @@ impl Map {
     pub(crate) fn calibrate(
         response: &UncertainResponse,
         presses: &[Frame],
-        channels: std::ops::Range<usize>,
+        channels: Range<usize>,
         noise: NoiseParams,
         n_threads: usize,
     ) -> Result<Self> {
@@ -141,17 +142,7 @@ impl Map {
 
     /// Finds the contacts of all `frames`.
     pub(crate) fn score(&self, estimator: &ContactEstimator, frames: &[Frame]) -> Result<Score> {
-        let mut score = Score::default();
-        let mut scratch = estimator.scratch();
-        let mut estimate = ContactEstimate::default();
-        for frame in frames {
-            let readings = &frame.readings_ue[self.channels.clone()];
-            let start = Instant::now();
-            estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
-            let time_us = start.elapsed().as_secs_f64() * 1e6;
-            score.add_estimate(estimator.map().skin(), frame, &estimate, time_us)?;
-        }
-        Ok(score)
+        score(estimator, self.channels.clone(), frames, |_, _| Ok(()))
     }
 
     /// Root mean square of the position error over the Cramér–Rao bound of the noise alone, over
@@ -192,6 +183,28 @@ impl Map {
         }
         Ok((n > 0.0).then(|| f64::sqrt(sum / n)))
     }
+}
+
+/// Finds the contacts of all `frames`, whose `channels` are the estimator's gauges, and shows `also`
+/// each frame with its estimate.
+pub(crate) fn score(
+    estimator: &ContactEstimator,
+    channels: Range<usize>,
+    frames: &[Frame],
+    mut also: impl FnMut(&Frame, &ContactEstimate) -> Result<()>,
+) -> Result<Score> {
+    let mut score = Score::default();
+    let mut scratch = estimator.scratch();
+    let mut estimate = ContactEstimate::default();
+    for frame in frames {
+        let readings = &frame.readings_ue[channels.clone()];
+        let start = Instant::now();
+        estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
+        let time_us = start.elapsed().as_secs_f64() * 1e6;
+        score.add_estimate(estimator.map().skin(), frame, &estimate, time_us)?;
+        also(frame, &estimate)?;
+    }
+    Ok(score)
 }
 
 /// Single contacts.

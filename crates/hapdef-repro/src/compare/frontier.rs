@@ -41,10 +41,73 @@ struct Point {
 }
 
 /// How hard is searched.
-struct Effort {
+pub(crate) struct Effort {
+    pub(crate) name: &'static str,
+    pub(crate) n_sites: usize,
+    knobs: Knobs,
+}
+
+/// What of the search an effort sets.
+enum Knobs {
+    Usual,
+    Set {
+        n_starts: usize,
+        n_finalists: usize,
+        n_hops: usize,
+    },
+}
+
+/// Every effort, the least first.
+pub(crate) const EFFORTS: [Effort; 6] = [
+    effort("least", 200, 10, 2, 0),
+    effort("small", 400, 30, 4, 0),
+    effort("less", 800, 60, 8, 0),
+    Effort {
+        name: "usual",
+        n_sites: 800,
+        knobs: Knobs::Usual,
+    },
+    effort("more", 800, 300, 32, 2),
+    effort("most", 1200, 600, 64, 2),
+];
+
+const fn effort(
     name: &'static str,
     n_sites: usize,
-    params: EstimatorParams,
+    n_starts: usize,
+    n_finalists: usize,
+    n_hops: usize,
+) -> Effort {
+    let knobs = Knobs::Set {
+        n_starts,
+        n_finalists,
+        n_hops,
+    };
+    Effort {
+        name,
+        n_sites,
+        knobs,
+    }
+}
+
+impl Effort {
+    /// The usual knobs with those that this effort sets.
+    pub(crate) fn params(&self, usual: EstimatorParams) -> EstimatorParams {
+        match self.knobs {
+            Knobs::Usual => usual,
+            Knobs::Set {
+                n_starts,
+                n_finalists,
+                n_hops,
+            } => EstimatorParams {
+                n_starts,
+                n_finalists,
+                n_hops,
+                n_bases: 2 * n_starts,
+                ..usual
+            },
+        }
+    }
 }
 
 /// Measures every effort and writes the page.
@@ -63,8 +126,8 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
         run.say(&format!("frames of {k} contacts"));
         let frames = bench.apart(k, 50 + k as u64)?;
         let mut of_k = Vec::new();
-        for effort in efforts(bench.params()) {
-            of_k.push(by_effort(&map, &effort, &frames)?);
+        for effort in &EFFORTS {
+            of_k.push(by_effort(&map, bench.params(), effort, &frames)?);
         }
         if let Some(paper) = &mut paper {
             of_k.extend(bench.paper_rows(paper, &frames, VirtualGauges::Transferred)?);
@@ -75,35 +138,9 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
     write(scene, &run, &bench, &points, &floors)
 }
 
-fn efforts(usual: EstimatorParams) -> Vec<Effort> {
-    let effort = |name, n_sites, n_starts: usize, n_finalists: usize, n_hops: usize| Effort {
-        name,
-        n_sites,
-        params: EstimatorParams {
-            n_starts,
-            n_finalists,
-            n_hops,
-            n_bases: 2 * n_starts,
-            ..usual
-        },
-    };
-    vec![
-        effort("least", 200, 10, 2, 0),
-        effort("small", 400, 30, 4, 0),
-        effort("less", 800, 60, 8, 0),
-        Effort {
-            name: "usual",
-            n_sites: 800,
-            params: usual,
-        },
-        effort("more", 800, 300, 32, 2),
-        effort("most", 1200, 600, 64, 2),
-    ]
-}
-
-fn by_effort(map: &Map, effort: &Effort, frames: &[Frame]) -> Result<Row> {
+fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame]) -> Result<Row> {
     let sites = ScanSites::farthest(map.calibrated.map.skin(), effort.n_sites)?;
-    let estimator = map.estimator_at(&Arc::new(sites), effort.params)?;
+    let estimator = map.estimator_at(&Arc::new(sites), effort.params(usual))?;
     Ok(map.score(&estimator, frames)?.row(effort.name))
 }
 

@@ -1,16 +1,16 @@
 //! `compare`: contacts by superposition against the paper's trained pipeline, on the same frames of
 //! the same simulated rig.
 
-mod bench;
-mod cells;
-mod frontier;
-mod paper;
+pub(crate) mod bench;
+pub(crate) mod cells;
+pub(crate) mod frontier;
+pub(crate) mod paper;
 mod run;
-mod score;
-mod sequence;
+pub(crate) mod score;
+pub(crate) mod sequence;
 mod tables;
-mod world;
+pub(crate) mod world;
 
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};
 pub(crate) use frontier::{FrontierInverseArgs, run as run_frontier};
-pub(crate) use run::{CompareArgs, run};
+pub(crate) use run::{CompareArgs, N_STIFFNESS, placed_gauges, run};

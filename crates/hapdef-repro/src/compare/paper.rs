@@ -8,7 +8,7 @@ use hapdef::touch::{ChainStages, chain_stages};
 use hapdef::{
     ComplianceTable, DrawnContact, FoundContact, Hapdefx, HapdefxScratch, Limb, Run, ScoredContact,
 };
-use hapdef_inverse::Skin;
+use hapdef_inverse::{Skin, SkinPoint};
 use hapdef_mesh::tri6;
 
 use super::score::Score;
@@ -119,25 +119,35 @@ impl PaperPipeline {
     }
 
     /// Displacement magnitudes at the virtual gauges under the frame's contacts, friction left out,
-    /// `[n_virtual]`, µm. A contact inside a face loads its nodes with their shape functions.
+    /// `[n_virtual]`, µm.
     fn exact_virtual_um(&self, skin: &Skin, frame: &Frame) -> Vec<f32> {
-        let at_nodes = frame.contacts.iter().flat_map(|contact| {
-            let [_, xi, eta] = contact.point.bary();
-            let nodes = skin.face_nodes(contact.point.face()).iter();
-            let load = |(node, share): (&u32, f64)| DrawnContact {
-                node: *node as usize,
-                force_n: contact.force_n * share,
-            };
-            nodes.zip(tri6::shape(xi, eta)).map(load)
-        });
-        let contacts: Vec<DrawnContact> = at_nodes.collect();
+        let contacts = frame.contacts.iter().map(|c| (c.point, c.force_n));
         let mut surface_um = vec![0.0; self.compliance.n_surface()];
         let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
+        let loads = node_loads(skin, contacts);
         let scratch = &mut self.compliance.scratch();
         self.compliance
-            .superpose(&contacts, scratch, &mut surface_um, &mut virtual_um);
+            .superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
         virtual_um
     }
+}
+
+/// Contacts as loads on nodes: one inside a face loads its nodes with their shape functions.
+pub(crate) fn node_loads(
+    skin: &Skin,
+    contacts: impl Iterator<Item = (SkinPoint, f64)>,
+) -> Vec<DrawnContact> {
+    let of_contact = |(point, force_n): (SkinPoint, f64)| {
+        let [_, xi, eta] = point.bary();
+        let nodes = skin.face_nodes(point.face()).iter();
+        nodes
+            .zip(tri6::shape(xi, eta))
+            .map(move |(node, share)| DrawnContact {
+                node: *node as usize,
+                force_n: force_n * share,
+            })
+    };
+    contacts.flat_map(of_contact).collect()
 }
 
 fn scored(contact: &FoundContact) -> ScoredContact {

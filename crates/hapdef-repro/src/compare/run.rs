@@ -34,7 +34,7 @@ const N_COVERAGE: usize = 10_000;
 const N_SCRIPTS: usize = 200;
 
 /// Stiffness modes of a calibration.
-const N_STIFFNESS: usize = 32;
+pub(crate) const N_STIFFNESS: usize = 32;
 
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -120,7 +120,7 @@ impl<'a> Bench<'a> {
         };
         run.say("solving the response and what may change it");
         let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
-        let (sites, gauges) = more_gauges(run, limb)?;
+        let (sites, gauges) = placed_gauges(run, limb, N_MORE)?;
         let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, ten.map.skin(), &sites)?;
@@ -313,10 +313,14 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Sixteen gauges where greedy log-det puts them.
-fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
+/// `n_gauges` gauges where log-det puts them.
+pub(crate) fn placed_gauges(
+    run: &Run,
+    limb: &Limb,
+    n_gauges: usize,
+) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
     let params = LayoutParams {
-        n_gauges: N_MORE,
+        n_gauges,
         noise_ue: run.scene.rig.electronics.noise_ue,
         seed: run.scene.seed,
         compares: false,
@@ -324,8 +328,8 @@ fn more_gauges(run: &Run, limb: &Limb) -> Result<(Vec<GaugeSite>, Vec<GaugeStrai
         ..LayoutParams::default()
     };
     let study = study_layouts(run, limb, &params)?;
-    let mut sites = Vec::with_capacity(N_MORE);
-    let mut gauges = Vec::with_capacity(N_MORE);
+    let mut sites = Vec::with_capacity(n_gauges);
+    let mut gauges = Vec::with_capacity(n_gauges);
     for placed in study
         .layouts
         .last()

@@ -48,6 +48,12 @@ impl Script {
         }
     }
 
+    /// The script with its first `n` contacts, and its frames before the next arrives.
+    pub(crate) fn first(&self, n: usize) -> (Self, usize) {
+        let contacts = self.contacts[..n].to_vec();
+        (Self { contacts }, BETWEEN * n + BETWEEN / 2)
+    }
+
     pub(crate) fn n_frames(&self) -> usize {
         BETWEEN * (self.contacts.len() + 1)
     }

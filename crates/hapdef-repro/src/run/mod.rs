@@ -43,6 +43,7 @@ use self::summary::Printed;
 use self::svr::SvrScore;
 use crate::bench::{self, BenchNetsArgs, FrontierArgs};
 use crate::compare::{self, BenchInverseArgs, CompareArgs, FrontierInverseArgs};
+use crate::frontier::{self, ChainFrontierArgs};
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
 #[derive(Parser)]
@@ -72,10 +73,14 @@ enum Command {
     Stability(stability::StabilityArgs),
     /// Contacts by superposition with frames, layouts and presses at their extremes.
     StabilityInverse(stability::InverseArgs),
+    /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
+    StabilityParts(stability::StabilityArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     BenchNets(BenchNetsArgs),
     /// Error against run time: every method, precision, rank and width in one table and plot.
     FrontierNets(FrontierArgs),
+    /// Error against run time of the whole chain, its growth, and what leaving things out is worth.
+    Frontier(ChainFrontierArgs),
     /// The same with what needs nets of its own: figure 5A and the ablations of figure 8.
     Repro(ReproArgs),
     /// Contacts by superposition against the paper's pipeline, the same frames of the same rig.
@@ -120,8 +125,10 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::SearchCompare(args) => search::compare(args),
         Command::Stability(args) => stability::run(args),
         Command::StabilityInverse(args) => stability::run_inverse(args),
+        Command::StabilityParts(args) => stability::run_parts(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
+        Command::Frontier(args) => frontier::run(args),
         Command::Compare(args) => compare::run(args),
         Command::FrontierInverse(args) => compare::run_frontier(args),
         Command::BenchInverse(args) => compare::run_bench(args),

@@ -9,7 +9,7 @@ use hapdef::{Limb, SceneArgs};
 use hapdef_report::{MetricLog, Report, ReportTable, TextCell, TextTable, write_report};
 use hapdef_repro::{
     InverseWorld, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows, nets_markdown,
-    nets_rows, stability_differences, stability_line,
+    nets_rows, parts_markdown, parts_rows, stability_differences, stability_line,
 };
 use serde_json::json;
 
@@ -56,6 +56,11 @@ const NETS: Names = Names {
     folder: "stability-nets",
 };
 
+const PARTS: Names = Names {
+    title: "Meshes, datasets, k-Max, decoder, clock and recordings at their extremes",
+    folder: "stability-parts",
+};
+
 const INVERSE: Names = Names {
     title: "Contacts by superposition at their extremes",
     folder: "stability-inverse",
@@ -74,6 +79,12 @@ impl TableArgs {
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     let rows = nets_rows(|row| args.table.show(row));
     finish(&args.table, &NETS, &rows, &nets_markdown(&rows))
+}
+
+/// Runs the rows of the parts around them.
+pub(crate) fn run_parts(args: &StabilityArgs) -> Result<()> {
+    let rows = parts_rows(|row| args.table.show(row));
+    finish(&args.table, &PARTS, &rows, &parts_markdown(&rows))
 }
 
 /// Runs the rows of superposition on a scene's limb.

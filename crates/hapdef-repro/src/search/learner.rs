@@ -166,7 +166,7 @@ impl FittedKnn {
     fn new(samples: &Samples<'_>, k: usize) -> Result<Self, ReproError> {
         let standardiser = standardiser(samples.x, samples.n_inputs)?;
         let mut x = samples.x.to_vec();
-        standardiser.apply(&mut x).map_err(ReproError::Data)?;
+        standardiser.apply(&mut x)?;
         check_finite("k-NN training outputs", samples.n_outputs, samples.y)?;
         Ok(Self {
             knn: Knn::new(&x, samples.n_inputs)?,
@@ -188,7 +188,7 @@ impl FittedKnn {
         check_finite("k-NN queries", n_in, x)?;
         for (x, out) in x.chunks(BLOCK * n_in).zip(out.chunks_mut(BLOCK * n_out)) {
             let mut x = x.to_vec();
-            self.standardiser.apply(&mut x).map_err(ReproError::Data)?;
+            self.standardiser.apply(&mut x)?;
             let found = self.knn.neighbours(&x, &params)?;
             let rows = out.par_chunks_mut(n_out).enumerate();
             rows.try_for_each(|(query, out)| {
@@ -239,8 +239,8 @@ fn fit_net(
 
 fn standardiser(rows: &[f32], width: usize) -> Result<Standardiser, ReproError> {
     let mut fit = StandardiserFit::new(width);
-    fit.push(rows).map_err(ReproError::Data)?;
-    Ok(fit.finish().map_err(ReproError::Data)?.0)
+    fit.push(rows)?;
+    Ok(fit.finish()?.0)
 }
 
 fn predict_net(net: &Net, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {

@@ -1,5 +1,5 @@
-//! Whether a baseline, a net or superposition is ever silently wrong: data and settings at their
-//! extremes.
+//! Whether a baseline, a net, superposition or a part around them is ever silently wrong: data and
+//! settings at their extremes.
 //!
 //! Every row says what must hold. It is `accurate` where that holds, `refused` where the method
 //! gave a typed error, and wrong where neither is so.
@@ -7,34 +7,41 @@
 mod cases;
 mod document;
 mod inverse;
+mod parts;
 mod plant;
 mod quantised;
 mod row;
 
 use std::sync::Arc;
 
-pub use document::{inverse_markdown, nets_markdown, stability_differences, stability_line};
+pub use document::{
+    inverse_markdown, nets_markdown, parts_markdown, stability_differences, stability_line,
+};
 pub use inverse::InverseWorld;
 pub use row::{StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict, StabilityWanted};
 
 /// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
-pub fn nets_rows(mut progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
+pub fn nets_rows(progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
     let mut all = cases::cases();
     quantised::quantised(&mut all);
-    let rows = all.into_iter().map(|case| {
-        let row = case.row();
-        progress(&row);
-        row
-    });
-    rows.collect()
+    rows(all, progress)
+}
+
+/// Runs every row of docs/stability-parts.md in its order; each goes to `progress` as it comes.
+pub fn parts_rows(progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
+    rows(parts::cases(), progress)
 }
 
 /// Runs every row of docs/stability-inverse.md in its order; each goes to `progress` as it comes.
 pub fn inverse_rows(
     world: &Arc<InverseWorld>,
-    mut progress: impl FnMut(&StabilityRow),
+    progress: impl FnMut(&StabilityRow),
 ) -> Vec<StabilityRow> {
-    let rows = inverse::cases(world).into_iter().map(|case| {
+    rows(inverse::cases(world), progress)
+}
+
+fn rows(cases: Vec<row::Case>, mut progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {
+    let rows = cases.into_iter().map(|case| {
         let row = case.row();
         progress(&row);
         row

@@ -107,6 +107,9 @@ impl StabilityRefusal {
             ReproError::Nets(cause) => format!("{cause:?}"),
             ReproError::Data(cause) => format!("{cause:?}"),
             ReproError::Inverse(cause) => format!("{cause:?}"),
+            ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => format!("{cause:?}"),
+            ReproError::KMax(cause) => format!("{cause:?}"),
+            ReproError::Daq(cause) => format!("{cause:?}"),
             other => format!("{other:?}"),
         };
         let is_letter = |c: &char| c.is_ascii_alphanumeric();

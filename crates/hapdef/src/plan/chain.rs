@@ -1,6 +1,6 @@
 //! The steps of the paper's chain.
 
-use super::cost::{Cost, elastic, superposed, training};
+use super::cost::{Cost, elastic, projected, superposed, training};
 use super::elastic::{left_out_loads, limb_estimate, rig_estimate};
 use super::{Machine, PlanStep, StepState};
 use crate::cache::Stage;
@@ -175,7 +175,13 @@ impl Planner<'_> {
         {
             let n = schedule.steps * schedule.batch;
             let drawn = superposed(n, n_sets.div_ceil(2), self.n_nodes(), self.machine);
-            cost = cost.plus(drawn);
+            let modes = self
+                .run
+                .profile
+                .output_modes
+                .min(self.limb.n_surface_nodes());
+            let projected = projected(n, self.limb.n_surface_nodes(), modes, self.machine);
+            cost = cost.plus(drawn).plus(projected);
         }
         let why = "a net of the chain";
         from_stage(PlanStep::runs(&kind.name(), why, &sizes), stage, cost)

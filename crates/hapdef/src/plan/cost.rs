@@ -62,6 +62,16 @@ pub(super) fn superposed(n: usize, n_contacts: usize, n_nodes: usize, machine: &
     }
 }
 
+/// Maps of `n` samples at `n_nodes` nodes told in `n_modes` modes: a product in 32 bits.
+pub(super) fn projected(n: usize, n_nodes: usize, n_modes: usize, machine: &Machine) -> Cost {
+    let flops = 2.0 * n as f64 * (n_nodes * n_modes) as f64;
+    Cost {
+        flops,
+        bytes: 0.0,
+        seconds: Some(flops / machine.train_flops_per_s),
+    }
+}
+
 /// Training of a net of `n_parameters`: two operations a parameter and sample forward, four
 /// backward, and the looks at the validation set.
 pub(super) fn training(n_parameters: usize, schedule: &Schedule, machine: &Machine) -> Cost {

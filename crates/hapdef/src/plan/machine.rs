@@ -47,6 +47,9 @@ pub struct Machine {
 /// Cubes along each side of the block that is solved.
 const N_CUBES: usize = 10;
 
+/// Steps of a training that are not timed.
+const WARM_UP: u64 = 3;
+
 /// Nodes at which samples are superposed, and samples.
 const SUPERPOSED: [usize; 2] = [3500, 2000];
 
@@ -84,6 +87,7 @@ impl Machine {
             few_solves_flops_per_s,
         ] = solver_rates(threads)?;
         let wide = MlpSpec::reconstruction(240, 3200);
+        let in_modes = MlpSpec::reconstruction(240, 512);
         let narrow = MlpSpec::transfer(10, 240);
         Ok(Self {
             threads,
@@ -91,9 +95,9 @@ impl Machine {
             factor_flops_per_s,
             solve_flops_per_s,
             few_solves_flops_per_s,
-            train_flops_per_s: training_rate(&wide, 10, TrainPrecision::F32)?,
-            train_mixed_flops_per_s: training_rate(&wide, 10, TrainPrecision::Mixed)?,
-            train_narrow_flops_per_s: training_rate(&narrow, 50, TrainPrecision::F32)?,
+            train_flops_per_s: training_rate(&wide, 10, 100, TrainPrecision::F32)?,
+            train_mixed_flops_per_s: training_rate(&in_modes, 10, 256, TrainPrecision::Mixed)?,
+            train_narrow_flops_per_s: training_rate(&narrow, 50, 100, TrainPrecision::F32)?,
             superpose_flops_per_s: superposition_rate(threads),
             write_bytes_per_s: writing_rate(&folder.join("machine.safetensors"))?,
         })
@@ -132,29 +136,39 @@ fn solver_rates(threads: usize) -> Result<[f64; 4], HapdefError> {
     ])
 }
 
-/// Operations per second of `steps` steps of 100 samples.
+/// Operations per second of `steps` steps of `batch` samples, once a few have warmed up.
 fn training_rate(
     spec: &MlpSpec,
     steps: u64,
+    batch: usize,
     precision: TrainPrecision,
 ) -> Result<f64, HapdefError> {
-    let n = 200;
     let values = |n: usize| (0..n).map(|i| (i % 17) as f32 - 8.0).collect::<Vec<_>>();
     let (n_in, n_out) = (spec.inputs, spec.outputs);
-    let mut samples = MemorySource::new(n_in, n_out, values(n * n_in), values(n * n_out))?;
-    let scales = [Scale::identity(n_in), Scale::identity(n_out)];
-    let [input, output] = scales;
-    let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
-    let params = TrainParams {
-        steps,
-        precision,
-        validate_every: 0,
-        checkpoint_every: 0,
-        ..TrainParams::paper(1)
+    let mut samples = MemorySource::new(n_in, n_out, values(batch * n_in), values(batch * n_out))?;
+    let mut net = Net::new(
+        Mlp::random(spec, 1)?,
+        Scale::identity(n_in),
+        Scale::identity(n_out),
+    )?;
+    let mut elapsed_s = |steps| {
+        let params = TrainParams {
+            steps,
+            batch,
+            precision,
+            validate_every: 0,
+            checkpoint_every: 0,
+            ..TrainParams::paper(1)
+        };
+        let go_on = &mut |_: &_| ControlFlow::Continue(());
+        let start = Instant::now();
+        train(&mut net, &mut samples, None, &params, None, go_on)?;
+        Ok::<_, HapdefError>(start.elapsed().as_secs_f64())
     };
-    let go_on = &mut |_: &_| ControlFlow::Continue(());
-    let info = train(&mut net, &mut samples, None, &params, None, go_on)?;
-    Ok(6.0 * spec.n_parameters() as f64 * info.samples_per_s)
+    let warm_up_s = elapsed_s(WARM_UP)?;
+    let steps_s = elapsed_s(WARM_UP + steps)? - warm_up_s;
+    let flops = 6.0 * spec.n_parameters() as f64 * (steps as usize * batch) as f64;
+    Ok(flops / steps_s.max(f64::EPSILON))
 }
 
 /// Operations per second of superposition on all threads; one is timed.

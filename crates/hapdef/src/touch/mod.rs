@@ -26,5 +26,5 @@ pub use layout::{
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use paper_chain::PaperChain;
-pub use response::{gauge_map, response_map};
+pub use response::{gauge_map, response_map, touchable_skin};
 pub use superposition::{estimator_params, estimator_settings, superposition};

@@ -70,7 +70,10 @@ pub(super) fn field_map(
 }
 
 /// The scene's skin with the directions of contacts as its normals.
-pub(super) fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
+///
+/// # Errors
+/// [`HapdefError::Inverse`] for a skin with a face of no area.
+pub fn touchable_skin(limb: &Limb) -> Result<Skin, HapdefError> {
     let place = |node| limb.skin.nodes.partition_point(|other| *other < node) as u32;
     let faces: Vec<[u32; 6]> = limb.skin.faces.iter().map(|f| f.nodes.map(place)).collect();
     let outward: Vec<Vector3<f64>> = limb.directions.iter().map(|d| -d).collect();

@@ -1,0 +1,263 @@
+//! What ways are measured with: one simulated rig with the gauges of every layout, its presses and
+//! frames, and the maps that several ways share.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use hapdef::touch::{UncertainParams, UncertainResponse, estimator_params};
+use hapdef::{Limb, Run};
+use hapdef_inverse::{ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites};
+use hapdef_sim::{GaugeSite, GaugeStrain};
+
+use super::map_error::TrueMaps;
+use super::way::{Layout, MOST_PRESSES, Mesh, Way};
+use crate::compare::cells::{self, Map};
+use crate::compare::frontier::EFFORTS;
+use crate::compare::sequence::Script;
+use crate::compare::world::{Draw, Frame, World};
+use crate::compare::{N_STIFFNESS, placed_gauges};
+
+/// Contacts of a script, and their least distance, m.
+const SCRIPTED: (usize, f64) = (2, 0.02);
+
+/// The rig, its frames, and what ways share.
+pub(super) struct Lab<'a> {
+    pub(super) run: &'a Run,
+    pub(super) limb: &'a Limb,
+    layouts: HashMap<Layout, Placed>,
+    responses: HashMap<(Mesh, Layout), Solved>,
+    maps: HashMap<(Mesh, Layout, usize), Calibrated>,
+    world: World,
+    presses: Vec<Frame>,
+    pub(super) singles: Vec<Frame>,
+    pub(super) doubles: Vec<Frame>,
+    /// Contacts that arrive one after another, and the readings of every frame.
+    pub(super) scripts: Vec<(Script, Vec<Vec<f64>>)>,
+    pub(super) maps_of: TrueMaps,
+}
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Amounts {
+    pub(super) test_seed: u64,
+    pub(super) n_frames: usize,
+    pub(super) n_scripts: usize,
+}
+
+struct Placed {
+    sites: Vec<GaugeSite>,
+    gauges: Vec<GaugeStrain>,
+    /// The rig's channels that they are.
+    channels: Range<usize>,
+}
+
+struct Solved {
+    response: UncertainResponse,
+    elapsed_s: f64,
+}
+
+struct Calibrated {
+    map: Map,
+    elapsed_s: f64,
+}
+
+/// An estimator and what it took to make it.
+pub(super) struct Ready {
+    pub(super) estimator: ContactEstimator,
+    pub(super) channels: Range<usize>,
+    pub(super) design: Design,
+}
+
+/// Times at design, s.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub(super) struct Design {
+    /// The response and what may change it, or the compliance and the rig.
+    pub(super) solve_s: f64,
+    /// The calibration, or the training.
+    pub(super) learn_s: f64,
+    /// Everything that a frame needs ready at hand.
+    pub(super) prepare_s: f64,
+}
+
+impl Design {
+    pub(super) fn all_s(&self) -> f64 {
+        self.solve_s + self.learn_s + self.prepare_s
+    }
+}
+
+impl<'a> Lab<'a> {
+    pub(super) fn build(
+        run: &'a Run,
+        limb: &'a Limb,
+        amounts: Amounts,
+        layouts: &[Layout],
+    ) -> Result<Self> {
+        let (layouts, further) = place(run, limb, layouts)?;
+        let maps_of = TrueMaps::read(run, limb)?;
+        run.say("solving the simulated real limb");
+        let world = World::build(run, limb, maps_of.skin(), &further)?;
+        let mut lab = Self {
+            run,
+            limb,
+            layouts,
+            responses: HashMap::new(),
+            maps: HashMap::new(),
+            world,
+            presses: Vec::new(),
+            singles: Vec::new(),
+            doubles: Vec::new(),
+            scripts: Vec::new(),
+            maps_of,
+        };
+        lab.draw_frames(amounts)?;
+        Ok(lab)
+    }
+
+    fn draw_frames(&mut self, amounts: Amounts) -> Result<()> {
+        let scene = &self.run.scene;
+        let range = scene.contact.force_range_n;
+        let skin = self.maps_of.skin().clone();
+        let draw = |row: u64| Draw::new(&skin, amounts.test_seed.wrapping_add(row));
+        self.presses = cells::presses(&self.world, &mut draw(1), MOST_PRESSES, range)?;
+        let n = amounts.n_frames;
+        let drawn = cells::singles(&mut draw(11), n, [5.0, range[1]]);
+        self.singles = self.world.frames(drawn, 11)?;
+        let drawn = cells::doubles(&mut draw(12), n, &scene.rig.presses, range, 0.0);
+        self.doubles = self.world.frames(drawn, 12)?;
+        let mut draw = draw(40);
+        for i in 0..amounts.n_scripts as u64 {
+            let script = Script::draw(&mut draw, SCRIPTED.0, SCRIPTED.1, range[1]);
+            let readings = script.readings(&self.world, 1000 + i)?;
+            self.scripts.push((script, readings));
+        }
+        Ok(())
+    }
+
+    /// Makes the estimator of a way; what it shares with others is made once.
+    pub(super) fn ready(&mut self, way: &Way) -> Result<Ready> {
+        let solve_s = self.solve(way)?;
+        let learn_s = self.calibrate(way)?;
+        let channels = self.layouts[&way.layout].channels.clone();
+        let start = Instant::now();
+        let estimator = self.estimator(way, &channels)?;
+        Ok(Ready {
+            estimator,
+            channels,
+            design: Design {
+                solve_s,
+                learn_s,
+                prepare_s: start.elapsed().as_secs_f64(),
+            },
+        })
+    }
+
+    fn estimator(&self, way: &Way, channels: &Range<usize>) -> Result<ContactEstimator> {
+        let effort = &EFFORTS[way.effort];
+        let params = effort.params(self.params());
+        let solved = &self.responses[&(way.mesh, way.layout)];
+        let map = &solved.response.map;
+        let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
+        if let Some(known) = self.maps.get(&(way.mesh, way.layout, way.presses)) {
+            return known.map.estimator_at(&sites, params);
+        }
+        let noise = NoiseParams {
+            model_error: ModelError {
+                relative: self.run.scene.estimator.superposition().map_error,
+                ..ModelError::default()
+            },
+            ..self.noise(channels)?
+        };
+        let map = Arc::new(map.clone());
+        Ok(ContactEstimator::new(map, sites, noise, params)?)
+    }
+
+    pub(super) fn params(&self) -> EstimatorParams {
+        estimator_params(&self.run.scene)
+    }
+
+    fn noise(&self, channels: &Range<usize>) -> Result<NoiseParams> {
+        let steps = self.world.resolution_ue()?;
+        Ok(NoiseParams {
+            quantisation_step: steps[channels.clone()].to_vec(),
+            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
+        })
+    }
+
+    /// Solves the response of a way unless it is there; the time that it took.
+    fn solve(&mut self, way: &Way) -> Result<f64> {
+        let key = (way.mesh, way.layout);
+        if !self.responses.contains_key(&key) {
+            let placed = self
+                .layouts
+                .get(&way.layout)
+                .context("a layout is missing")?;
+            let params = UncertainParams {
+                tip_radius_m: self.run.scene.contact.tip_radius_m,
+                refinements: u32::from(way.mesh == Mesh::Refined),
+                n_stiffness: N_STIFFNESS,
+                n_threads: self.run.threads,
+            };
+            self.run.say(&format!("solving: {}", way.name()));
+            let start = Instant::now();
+            let response =
+                UncertainResponse::solve(self.limb, &placed.sites, &placed.gauges, &params)?;
+            let elapsed_s = start.elapsed().as_secs_f64();
+            let solved = Solved {
+                response,
+                elapsed_s,
+            };
+            self.responses.insert(key, solved);
+        }
+        Ok(self.responses[&key].elapsed_s)
+    }
+
+    /// Calibrates the map of a way unless that is done; the time that it took, 0 without presses.
+    fn calibrate(&mut self, way: &Way) -> Result<f64> {
+        let key = (way.mesh, way.layout, way.presses);
+        if way.presses > 0 && !self.maps.contains_key(&key) {
+            let channels = self.layouts[&way.layout].channels.clone();
+            let noise = self.noise(&channels)?;
+            let (run, presses) = (self.run, &self.presses[..way.presses]);
+            let response = &self.responses[&(way.mesh, way.layout)].response;
+            run.say(&format!("calibrating: {}", way.name()));
+            let start = Instant::now();
+            let map = Map::calibrate(response, presses, channels, noise, run.threads)?;
+            let elapsed_s = start.elapsed().as_secs_f64();
+            self.maps.insert(key, Calibrated { map, elapsed_s });
+        }
+        Ok(self.maps.get(&key).map_or(0.0, |known| known.elapsed_s))
+    }
+}
+
+/// Places every layout; the sites of the chosen ones follow the scene's on the rig.
+fn place(
+    run: &Run,
+    limb: &Limb,
+    layouts: &[Layout],
+) -> Result<(HashMap<Layout, Placed>, Vec<GaugeSite>)> {
+    let mut placed = HashMap::new();
+    let mut further = Vec::new();
+    for &layout in layouts {
+        let (sites, gauges, first) = match layout {
+            Layout::Scene => (limb.sites.clone(), limb.gauges.clone(), 0),
+            Layout::Greedy(n) => {
+                run.say(&format!("placing {n} gauges"));
+                let (sites, gauges) = placed_gauges(run, limb, n)?;
+                let first = limb.gauges.len() + further.len();
+                further.extend_from_slice(&sites);
+                (sites, gauges, first)
+            }
+        };
+        let channels = first..first + gauges.len();
+        let of_layout = Placed {
+            sites,
+            gauges,
+            channels,
+        };
+        placed.insert(layout, of_layout);
+    }
+    Ok((placed, further))
+}

@@ -1,0 +1,142 @@
+//! What `hapdef plan` expected beside what was measured.
+
+use anyhow::{Context, Result};
+use hapdef::plan::{Machine, Plan, StepState, When, plan};
+use hapdef::stages::NetKind;
+use hapdef::touch::{ChainStages, chain_stages};
+use hapdef::{Cache, Limb, Profile, Run, Stage};
+use hapdef_report::{ReportTable, TextCell, TextTable};
+use serde::Serialize;
+use std::path::Path;
+
+/// Stages below this time, s, are not judged: a plan is for what one waits for.
+const JUDGED_S: f64 = 0.5;
+
+/// A stage as it was expected and as it went.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Planned {
+    pub(super) stage: String,
+    pub(super) predicted_s: f64,
+    pub(super) measured_s: f64,
+}
+
+impl Planned {
+    /// The larger of both over the smaller.
+    fn ratio(&self) -> f64 {
+        let ratio = self.predicted_s / self.measured_s;
+        ratio.max(ratio.recip())
+    }
+
+    fn is_judged(&self) -> bool {
+        self.measured_s >= JUDGED_S
+    }
+}
+
+/// Plans the paper's chain in a cache of its own, `folder`, which is emptied, runs it, and lays one
+/// beside the other. `machine` has the rates, measured once.
+pub(super) fn measure(
+    run: &Run,
+    limb: &Limb,
+    machine: &Path,
+    folder: &Path,
+) -> Result<Vec<Planned>> {
+    run.say("a plan, and what it comes to");
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let machine = Machine::read_or_measure(machine, run.threads)?;
+    let fresh = Run {
+        scene: run.scene.clone(),
+        scene_dir: run.scene_dir.clone(),
+        scene_hash: run.scene_hash.clone(),
+        profile: Profile::quick(),
+        cache: Cache::new(folder),
+        threads: run.threads,
+        progress: run.progress.clone(),
+        stop: run.stop.clone(),
+    };
+    let mut scene = fresh;
+    scene.scene.estimator = hapdef::scene::EstimatorSpec::Hapdefx(run.scene.estimator.hapdefx());
+    let planned = plan(&scene, limb, &machine)?;
+    let stages = chain_stages(&scene, limb)?;
+    let rows = rows(&planned, &stages);
+    std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
+    rows
+}
+
+fn rows(planned: &Plan, stages: &ChainStages) -> Result<Vec<Planned>> {
+    let mut rows = Vec::new();
+    for step in &planned.steps {
+        if step.when != When::Design || step.state != StepState::Runs {
+            continue;
+        }
+        let stage = stage_of(&step.name, stages)
+            .with_context(|| format!("the plan's step {} is no stage", step.name))?;
+        rows.push(Planned {
+            stage: step.name.clone(),
+            predicted_s: step.predicted_s.context("a step without expected time")?,
+            measured_s: stage.record.elapsed_s,
+        });
+    }
+    Ok(rows)
+}
+
+fn stage_of<'a>(name: &str, stages: &'a ChainStages) -> Option<&'a Stage> {
+    let ChainStages {
+        compliance,
+        rig,
+        data,
+        nets,
+    } = stages;
+    let set = |i: usize| data.simulated.get(i);
+    match name {
+        "compliance" => Some(compliance),
+        "rig" => Some(rig),
+        "set I" => set(0),
+        "set II" => set(1),
+        "set III" => set(2),
+        "set IV" => set(3),
+        "rig's single presses" => Some(&data.rig_single),
+        "rig's double presses" => data.rig_double.as_ref(),
+        _ => {
+            let is_named = |kind: NetKind| kind.name() == name;
+            let net = nets.nets.iter().find(|net| is_named(net.kind));
+            net.map(|net| &net.stage)
+        }
+    }
+}
+
+/// The worst ratio of the judged stages; none if none is.
+pub(super) fn worst_ratio(rows: &[Planned]) -> Option<f64> {
+    let judged = rows.iter().filter(|row| row.is_judged());
+    judged.map(Planned::ratio).reduce(f64::max)
+}
+
+pub(super) fn table(rows: &[Planned]) -> Result<ReportTable> {
+    let header = ["stage", "expected, s", "measured, s", "ratio"];
+    let row = |p: &Planned| {
+        let ratio = match p.is_judged() {
+            true => format!("{:.2}", p.ratio()),
+            false => "–".into(),
+        };
+        let cells = [
+            p.stage.clone(),
+            format!("{:.2}", p.predicted_s),
+            format!("{:.2}", p.measured_s),
+            ratio,
+        ];
+        cells.map(TextCell::plain).to_vec()
+    };
+    Ok(ReportTable {
+        title: "What `hapdef plan` expected".into(),
+        note: format!(
+            "The paper's chain in quick amounts, nothing in the cache. Stages of less than {JUDGED_S} s \
+             have no ratio."
+        ),
+        text: TextTable {
+            header: header.map(str::to_owned).to_vec(),
+            rows: rows.iter().map(row).collect(),
+        },
+        data: serde_json::to_value(rows)?,
+    })
+}

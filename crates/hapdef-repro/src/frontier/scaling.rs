@@ -1,0 +1,276 @@
+//! How times grow with nodes, gauges, contacts and frames.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Result;
+use hapdef::Run;
+use hapdef_inverse::{
+    ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap, ResponseParams,
+    ScanSites, TrackerParams,
+};
+use hapdef_mesh::GaugeId;
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch};
+use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use super::tube::Tube;
+use crate::compare::bench::{Presses, track};
+use crate::compare::score::{at, sorted};
+use crate::compare::sequence::Script;
+use crate::compare::world::Draw;
+
+/// Cells around of tubes of about 1, 3, 10, 30, 100 and 300 thousand nodes.
+const CELLS: [usize; 6] = [9, 16, 29, 50, 91, 158];
+
+/// The tube on which gauges and contacts are counted.
+const USUAL_CELLS: usize = 29;
+const USUAL_GAUGES: usize = 10;
+
+const GAUGES: [usize; 5] = [4, 8, 16, 32, 64];
+
+/// Gauges that six contacts need, and then some.
+const GAUGES_OF_CONTACTS: usize = 24;
+
+const BATCHES: [usize; 5] = [1, 4, 16, 64, 256];
+
+/// Standard deviation of a reading's noise, µε, relative error of the map, tip, m.
+const NOISE_UE: f64 = 1.0;
+const MAP_ERROR: f64 = 0.01;
+const TIP_M: f64 = 0.002;
+
+/// Sites of the scans, scripts that are followed, their strongest force, N, and gap, m.
+const N_SITES: usize = 800;
+const N_SCRIPTS: usize = 12;
+const STRONGEST_N: f64 = 34.0;
+const GAP_M: f64 = 0.015;
+
+/// One quantity along what it grows with.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Growth {
+    /// What was measured, with its unit.
+    pub(super) what: String,
+    /// What it grows with.
+    pub(super) with: &'static str,
+    /// What theory says of the exponent.
+    pub(super) theory: &'static str,
+    /// Sizes and measured values.
+    pub(super) points: Vec<(f64, f64)>,
+    /// Slope of the straight line through the logarithms, of the larger half of the sizes.
+    pub(super) exponent: f64,
+}
+
+impl Growth {
+    fn new(what: &str, with: &'static str, theory: &'static str, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            what: what.into(),
+            with,
+            theory,
+            exponent: exponent(&points),
+            points,
+        }
+    }
+}
+
+/// Measures every growth, tubes up to `most_nodes` nodes.
+pub(super) fn measure(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
+    let mut all = nodes(run, most_nodes, seed)?;
+    all.push(gauges(run, seed)?);
+    all.push(contacts(run, seed)?);
+    all.push(batches(run)?);
+    Ok(all)
+}
+
+fn nodes(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
+    let (mut factor, mut adjoint, mut memory, mut frame) = (vec![], vec![], vec![], vec![]);
+    for n_cells in CELLS {
+        if 12 * n_cells * n_cells > most_nodes {
+            break;
+        }
+        run.check_stop("the scaling")?;
+        run.say(&format!("a tube of {} nodes", 12 * n_cells * n_cells));
+        let solved = Solved::new(run, n_cells, USUAL_GAUGES)?;
+        let n = solved.n_nodes as f64;
+        factor.push((n, solved.build_s));
+        adjoint.push((n, solved.adjoint_s));
+        memory.push((n, 8e-6 * solved.nnz_l as f64));
+        frame.push((n, solved.tracking_us(2, seed)?));
+    }
+    Ok(vec![
+        Growth::new("ordering and factor, s", "nodes", "1.5", factor),
+        Growth::new("10 adjoint solves, s", "nodes", "1, times log n", adjoint),
+        Growth::new("factor, MB", "nodes", "1, times log n", memory),
+        Growth::new(
+            "a frame while two contacts are followed, µs",
+            "nodes",
+            "0",
+            frame,
+        ),
+    ])
+}
+
+fn gauges(run: &Run, seed: u64) -> Result<Growth> {
+    let mut points = Vec::new();
+    for n_gauges in GAUGES {
+        run.check_stop("the scaling")?;
+        let solved = Solved::new(run, USUAL_CELLS, n_gauges)?;
+        points.push((n_gauges as f64, solved.tracking_us(1, seed)?));
+    }
+    let what = "a frame while one contact is followed, µs";
+    Ok(Growth::new(what, "gauges", "1", points))
+}
+
+fn contacts(run: &Run, seed: u64) -> Result<Growth> {
+    let solved = Solved::new(run, USUAL_CELLS, GAUGES_OF_CONTACTS)?;
+    let of = |k: usize| Ok((k as f64, solved.tracking_us(k, seed)?));
+    let points: Result<Vec<_>> = (1..=6).map(of).collect();
+    let what = "a frame while contacts are followed, 24 gauges, µs";
+    Ok(Growth::new(what, "contacts", "1 to 2", points?))
+}
+
+/// Frames that pass nets of the paper's widths together, on one thread.
+fn batches(run: &Run) -> Result<Growth> {
+    run.say("batches of frames through nets of the paper's widths");
+    let spec = MlpSpec::reconstruction(240, 3200);
+    let net = Net::new(
+        Mlp::random(&spec, 1)?,
+        Scale::identity(spec.inputs),
+        Scale::identity(spec.outputs),
+    )?;
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut points = Vec::new();
+    for batch in BATCHES {
+        let x: Vec<f32> = (0..batch * spec.inputs).map(|i| (i % 17) as f32).collect();
+        let mut y = vec![0.0; batch * spec.outputs];
+        let mut scratch = Scratch::default();
+        let mut times = Vec::new();
+        for _ in 0..8 {
+            let start = Instant::now();
+            alone.install(|| net.forward_batch(&x, &mut scratch, &mut y))?;
+            times.push(start.elapsed().as_secs_f64() * 1e6);
+        }
+        points.push((batch as f64, at(&sorted(times.into_iter()), 0.5)));
+    }
+    let what = "frames through F_R together, f32, µs";
+    Ok(Growth::new(what, "frames", "1", points))
+}
+
+/// A tube, solved for its gauges.
+struct Solved {
+    n_nodes: usize,
+    /// Assembly, ordering and factor.
+    build_s: f64,
+    adjoint_s: f64,
+    nnz_l: usize,
+    map: Arc<ResponseMap>,
+}
+
+impl Solved {
+    fn new(run: &Run, n_cells: usize, n_gauges: usize) -> Result<Self> {
+        let tube = Tube::new(n_cells)?;
+        let gauges = tube.gauges(n_gauges)?;
+        let material = IsotropicMaterial::new(2e9, 0.35, 1000.0)?;
+        let params = ElasticParams {
+            n_threads: run.threads,
+            ..ElasticParams::new(material, tube.clamped.clone())
+        };
+        let start = Instant::now();
+        let model = ElasticModel::build(&tube.mesh, &params)?;
+        let build_s = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (response, _) = model.gauge_response(&gauges)?;
+        let adjoint_s = start.elapsed().as_secs_f64();
+        let at_node = |node: &hapdef_mesh::FeNodeId| {
+            let fields = (0..n_gauges).map(GaugeId::from_index);
+            let values = fields.map(|gauge| response.field(gauge)[node.index()] * 1e6);
+            values.collect::<Vec<Vector3<f64>>>()
+        };
+        let adjoint: Vec<Vector3<f64>> = tube.outside.iter().flat_map(at_node).collect();
+        let tip = ResponseParams {
+            tip_radius_m: TIP_M,
+        };
+        let map = ResponseMap::from_nodal(tube.skin()?, n_gauges, &adjoint, &tip)?;
+        Ok(Self {
+            n_nodes: tube.mesh.nodes().len(),
+            build_s,
+            adjoint_s,
+            nnz_l: model.info().nnz_l,
+            map: Arc::new(map),
+        })
+    }
+
+    fn estimator(&self, max_contacts: usize) -> Result<ContactEstimator> {
+        let sites = Arc::new(ScanSites::farthest(self.map.skin(), N_SITES)?);
+        let noise = NoiseParams {
+            model_error: ModelError {
+                relative: MAP_ERROR,
+                ..ModelError::default()
+            },
+            ..NoiseParams::uniform(self.map.n_gauges(), NOISE_UE)
+        };
+        let params = EstimatorParams {
+            max_contacts,
+            ..EstimatorParams::default()
+        };
+        Ok(ContactEstimator::new(
+            self.map.clone(),
+            sites,
+            noise,
+            params,
+        )?)
+    }
+
+    /// Median time of a frame once `n_contacts` are there, searches on a second thread.
+    fn tracking_us(&self, n_contacts: usize, seed: u64) -> Result<f64> {
+        let estimator = self.estimator(n_contacts)?;
+        let presses = Presses {
+            map: &self.map,
+            noise_ue: NOISE_UE,
+        };
+        let mut draw = Draw::new(self.map.skin(), seed);
+        let mut frames = Vec::new();
+        for _ in 0..N_SCRIPTS {
+            let script = Script::draw(&mut draw, n_contacts, GAP_M, STRONGEST_N);
+            frames.push(presses.frames(&script, &mut draw));
+        }
+        let params = TrackerParams {
+            max_contacts: n_contacts,
+            ..TrackerParams::default()
+        };
+        let tracked = track(&estimator, &params, &frames)?;
+        let n_last = frames.first().map_or(0, Vec::len) / (2 * n_contacts + 2);
+        let of_scripts = tracked.times_us.chunks(tracked.times_us.len() / N_SCRIPTS);
+        let last = of_scripts.flat_map(|times| &times[times.len() - n_last..]);
+        Ok(at(&sorted(last.copied()), 0.5))
+    }
+}
+
+/// Least-squares slope of ln value over ln size, over the larger half of the sizes.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let larger = &points[points.len() / 2 - usize::from(points.len() > 3)..];
+    let logs = larger.iter().map(|(x, y)| (x.ln(), y.ln()));
+    let n = larger.len() as f64;
+    let (sx, sy) = logs
+        .clone()
+        .fold((0.0, 0.0), |s, (x, y)| (s.0 + x, s.1 + y));
+    let (mx, my) = (sx / n, sy / n);
+    let (sxy, sxx) = logs.fold((0.0, 0.0), |s, (x, y)| {
+        (s.0 + (x - mx) * (y - my), s.1 + (x - mx).powi(2))
+    });
+    sxy / sxx
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponent_of_a_power_is_found() {
+        let points: Vec<(f64, f64)> = (1..7)
+            .map(|i| f64::from(1 << i))
+            .map(|x| (x, 3.0 * x.powf(1.25)))
+            .collect();
+        assert!((exponent(&points) - 1.25).abs() < 1e-12);
+    }
+}

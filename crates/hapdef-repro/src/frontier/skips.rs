@@ -1,0 +1,207 @@
+//! What leaving out what a scene does not want is worth: single contacts alone, against everything.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use hapdef::stages::compliance;
+use hapdef::touch::{response_map, superposition};
+use hapdef::{Limb, Run};
+use hapdef_inverse::{Contact, ContactEstimate, ContactEstimator, ContactTracker, TrackerParams};
+use serde::Serialize;
+
+use super::lab::Lab;
+use crate::compare::score::{at, sorted};
+use crate::compare::world::Frame;
+
+/// Contacts nearer than this, and forces nearer than this share, are equal, m.
+const EQUAL_M: f64 = 1e-9;
+const EQUAL_SHARE: f64 = 1e-9;
+
+/// Rounds in which frames are timed.
+const ROUNDS: usize = 5;
+
+/// A scene that wants everything, and one that wants single contacts alone, on the same frames of
+/// one contact.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Skips {
+    /// Response, estimator, and the displacement of the whole skin under a load on each of its
+    /// nodes, s.
+    pub(super) full_design_s: f64,
+    /// Response and estimator, s.
+    pub(super) lean_design_s: f64,
+    /// Frames of which nothing is known before.
+    pub(super) searched: Compared,
+    /// Frames of a contact that is followed from the one before, as in live use.
+    pub(super) followed: Compared,
+}
+
+/// Both on the same frames.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Compared {
+    /// Median of a frame: up to the scene's number of contacts, and the displacement of the whole
+    /// skin, µs.
+    pub(super) full_us: f64,
+    /// Median of a frame: one contact, µs.
+    pub(super) lean_us: f64,
+    /// Answers compared, and those in which both find the same contact to rounding.
+    pub(super) n: usize,
+    pub(super) n_equal: usize,
+    /// Answers of the full scene that are one contact.
+    pub(super) n_single: usize,
+}
+
+impl Compared {
+    pub(super) fn speedup(&self) -> f64 {
+        self.full_us / self.lean_us
+    }
+}
+
+impl Skips {
+    pub(super) fn design_speedup(&self) -> f64 {
+        self.full_design_s / self.lean_design_s
+    }
+}
+
+/// Measures both.
+pub(super) fn measure(lab: &Lab<'_>) -> Result<Skips> {
+    let (run, limb) = (lab.run, lab.limb);
+    run.say("a scene that wants everything, and one that wants single contacts");
+    let (full, _) = estimator(run, limb, run.scene.contact.max_contacts)?;
+    let (lean, lean_design_s) = estimator(run, limb, 1)?;
+    let all_loads_s = compliance(run, limb)?.record.elapsed_s;
+    Ok(Skips {
+        full_design_s: all_loads_s + lean_design_s,
+        lean_design_s,
+        searched: searched(lab, &full, &lean)?,
+        followed: followed(lab, &full, &lean)?,
+    })
+}
+
+fn searched(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> Result<Compared> {
+    let mut both = Both::default();
+    for round in 0..ROUNDS {
+        for frame in &lab.singles {
+            let (found, full_us) = estimate(full, frame, |found| lab.show(&found.contacts))?;
+            let (alone, lean_us) = estimate(lean, frame, |_| ())?;
+            both.time(full_us, lean_us);
+            if round == 0 {
+                both.answers(&found.contacts, &alone.contacts);
+            }
+        }
+    }
+    Ok(both.compared())
+}
+
+/// The first contact of every script; the answers of the last frame are compared.
+fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> Result<Compared> {
+    let mut both = Both::default();
+    let n_gauges = full.map().n_gauges();
+    for (script, readings) in &lab.scripts {
+        let (_, n_frames) = script.first(1);
+        let mut trackers = [
+            tracker(full, lab.run.scene.contact.max_contacts)?,
+            tracker(lean, 1)?,
+        ];
+        for frame in &readings[..n_frames] {
+            let [full, lean] = &mut trackers;
+            let start = Instant::now();
+            full.step(&frame[..n_gauges], None)?;
+            lab.show(&contacts(full));
+            let full_us = start.elapsed().as_secs_f64() * 1e6;
+            let start = Instant::now();
+            lean.step(&frame[..n_gauges], None)?;
+            both.time(full_us, start.elapsed().as_secs_f64() * 1e6);
+        }
+        let [found, alone] = trackers.each_ref().map(contacts);
+        both.answers(&found, &alone);
+    }
+    Ok(both.compared())
+}
+
+fn tracker(estimator: &ContactEstimator, max_contacts: usize) -> Result<ContactTracker> {
+    let params = TrackerParams {
+        max_contacts,
+        ..TrackerParams::default()
+    };
+    Ok(ContactTracker::new(estimator, params)?)
+}
+
+fn contacts(tracker: &ContactTracker) -> Vec<Contact> {
+    let held = tracker.last().contacts.iter();
+    held.map(|held| held.contact).collect()
+}
+
+impl Lab<'_> {
+    /// The displacement of the whole skin, which only the full scene wants.
+    fn show(&self, contacts: &[Contact]) {
+        if !contacts.is_empty() {
+            std::hint::black_box(self.maps_of.found_um(contacts));
+        }
+    }
+}
+
+/// Times and answers of both scenes.
+#[derive(Default)]
+struct Both {
+    full_us: Vec<f64>,
+    lean_us: Vec<f64>,
+    n: usize,
+    n_equal: usize,
+    n_single: usize,
+}
+
+impl Both {
+    fn time(&mut self, full_us: f64, lean_us: f64) {
+        self.full_us.push(full_us);
+        self.lean_us.push(lean_us);
+    }
+
+    fn answers(&mut self, full: &[Contact], lean: &[Contact]) {
+        self.n += 1;
+        self.n_single += usize::from(full.len() == 1);
+        self.n_equal += usize::from(is_equal(full, lean));
+    }
+
+    fn compared(self) -> Compared {
+        let median = |times: Vec<f64>| at(&sorted(times.into_iter()), 0.5);
+        Compared {
+            full_us: median(self.full_us),
+            lean_us: median(self.lean_us),
+            n: self.n,
+            n_equal: self.n_equal,
+            n_single: self.n_single,
+        }
+    }
+}
+
+fn estimator(run: &Run, limb: &Limb, max_contacts: usize) -> Result<(ContactEstimator, f64)> {
+    let mut scene = run.scene.clone();
+    scene.contact.max_contacts = max_contacts;
+    let start = Instant::now();
+    let map = response_map(limb, scene.contact.tip_radius_m, run.threads)?;
+    let spec = scene.estimator.superposition();
+    let made = superposition(&scene, &spec, map)?.into_estimator();
+    Ok((made, start.elapsed().as_secs_f64()))
+}
+
+fn estimate(
+    estimator: &ContactEstimator,
+    frame: &Frame,
+    further: impl Fn(&ContactEstimate),
+) -> Result<(ContactEstimate, f64)> {
+    let mut scratch = estimator.scratch();
+    let mut estimate = ContactEstimate::default();
+    let readings = &frame.readings_ue[..estimator.map().n_gauges()];
+    let start = Instant::now();
+    estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
+    further(&estimate);
+    Ok((estimate, start.elapsed().as_secs_f64() * 1e6))
+}
+
+fn is_equal(a: &[Contact], b: &[Contact]) -> bool {
+    let ([a], [b]) = (a, b) else {
+        return false;
+    };
+    let gap_m = (a.position_m - b.position_m).norm();
+    gap_m < EQUAL_M && (a.force_n / b.force_n - 1.0).abs() < EQUAL_SHARE
+}

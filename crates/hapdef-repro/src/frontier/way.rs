@@ -1,0 +1,167 @@
+//! The ways from readings to contacts that are compared, and the order in which they are measured.
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use crate::compare::frontier::EFFORTS;
+
+/// Gauges of the largest layout that greedy log-det chooses; smaller ones are its beginnings.
+pub(super) const MOST_GAUGES: usize = 16;
+
+/// Presses of the largest calibration.
+pub(super) const MOST_PRESSES: usize = 3000;
+
+const MESHES: [Mesh; 2] = [Mesh::Solid, Mesh::Refined];
+const PRESSES: [usize; 6] = [0, 30, 100, 300, 1000, MOST_PRESSES];
+/// Every layout.
+pub(super) const LAYOUTS: [Layout; 6] = [
+    Layout::Scene,
+    Layout::Greedy(6),
+    Layout::Greedy(8),
+    Layout::Greedy(10),
+    Layout::Greedy(12),
+    Layout::Greedy(MOST_GAUGES),
+];
+
+/// The mesh behind the response map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Mesh {
+    /// The limb's own ten-node tetrahedra.
+    Solid,
+    /// Each of them cut into eight.
+    Refined,
+}
+
+/// Where the gauges are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Layout {
+    /// The scene's own.
+    Scene,
+    /// So many by greedy log-det.
+    Greedy(usize),
+}
+
+/// What of a frame is known before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Knows {
+    /// Nothing: every frame is searched.
+    Nothing,
+    /// The frames before it: contacts are followed.
+    Before,
+}
+
+/// A way by superposition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Way {
+    pub(super) mesh: Mesh,
+    pub(super) layout: Layout,
+    pub(super) presses: usize,
+    /// Index in [`EFFORTS`].
+    pub(super) effort: usize,
+    pub(super) knows: Knows,
+}
+
+impl Way {
+    /// The one that every other differs from, and whose time all others are measured beside.
+    pub(super) const USUAL: Self = Self {
+        mesh: Mesh::Refined,
+        layout: Layout::Scene,
+        presses: 300,
+        effort: 3,
+        knows: Knows::Nothing,
+    };
+
+    pub(super) fn name(&self) -> String {
+        let mesh = match self.mesh {
+            Mesh::Solid => "own mesh",
+            Mesh::Refined => "refined mesh",
+        };
+        let layout = match self.layout {
+            Layout::Scene => "the scene's gauges".to_owned(),
+            Layout::Greedy(n) => format!("{n} gauges"),
+        };
+        let search = match self.knows {
+            Knows::Nothing => format!("search: {}", EFFORTS[self.effort].name),
+            Knows::Before => "followed".to_owned(),
+        };
+        format!("{mesh}, {layout}, {} presses, {search}", self.presses)
+    }
+
+    /// Ways that differ from the usual one in one thing, then all others in an order drawn from
+    /// `seed`: whenever the time is over, what was measured is spread over all of them.
+    pub(super) fn in_order(seed: u64) -> Vec<Self> {
+        let mut first = vec![Self::USUAL];
+        let usual = Self::USUAL;
+        first.extend(MESHES.map(|mesh| Self { mesh, ..usual }));
+        first.extend(PRESSES.map(|presses| Self { presses, ..usual }));
+        first.extend(LAYOUTS.map(|layout| Self { layout, ..usual }));
+        first.extend((0..EFFORTS.len()).map(|effort| Self { effort, ..usual }));
+        first.push(Self {
+            knows: Knows::Before,
+            ..usual
+        });
+        let mut rest = Self::all();
+        rest.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+        let mut ways: Vec<Self> = Vec::new();
+        for way in first.into_iter().chain(rest) {
+            if !ways.contains(&way) {
+                ways.push(way);
+            }
+        }
+        ways
+    }
+
+    fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for mesh in MESHES {
+            for layout in LAYOUTS {
+                for presses in PRESSES {
+                    let of_effort = |effort| Self {
+                        mesh,
+                        layout,
+                        presses,
+                        effort,
+                        knows: Knows::Nothing,
+                    };
+                    all.extend((0..EFFORTS.len()).map(of_effort));
+                    all.push(Self {
+                        knows: Knows::Before,
+                        ..of_effort(Self::USUAL.effort)
+                    });
+                }
+            }
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_way_comes_once_and_single_changes_come_first() {
+        let ways = Way::in_order(1);
+        assert_eq!(ways[0], Way::USUAL);
+        assert_eq!(
+            ways.len(),
+            MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1)
+        );
+        let changes = |w: &Way| {
+            usize::from(w.mesh != Way::USUAL.mesh)
+                + usize::from(w.layout != Way::USUAL.layout)
+                + usize::from(w.presses != Way::USUAL.presses)
+                + usize::from(w.effort != Way::USUAL.effort)
+                + usize::from(w.knows != Way::USUAL.knows)
+        };
+        let n_first = ways.iter().filter(|w| changes(w) <= 1).count();
+        assert!(ways[..n_first].iter().all(|w| changes(w) <= 1));
+        assert_eq!(ways, Way::in_order(1));
+        assert_ne!(ways, Way::in_order(2));
+    }
+}

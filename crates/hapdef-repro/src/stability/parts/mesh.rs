@@ -1,0 +1,148 @@
+//! A curved block of ten-node tetrahedra, stretched, moved, and broken.
+
+use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh, tet10};
+use nalgebra::{Point3, Vector3};
+
+use crate::ReproError;
+use crate::stability::row::StabilityWanted::{Refusal, Result as Wanted};
+use crate::stability::row::{Case, case};
+
+const ROUND_OFF: f64 = 1e-12;
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut all = Vec::new();
+    for factor in [1e-6_f64, 1e-3, 1e3, 1e6] {
+        all.push(case(
+            "mesh",
+            format!("a limb of {factor:e} times its size"),
+            ("its volume grows with the cube, relative error", ROUND_OFF),
+            Wanted,
+            move || volume_error(|p| p * factor, factor.powi(3)),
+        ));
+    }
+    for stretch in [1e2, 1e4, 1e6] {
+        all.push(case(
+            "mesh",
+            format!("elements {stretch:e} times longer than wide"),
+            (
+                "its volume grows with the length, relative error",
+                ROUND_OFF,
+            ),
+            Wanted,
+            move || volume_error(|p| Point3::new(p.x * stretch, p.y, p.z), stretch),
+        ));
+    }
+    all.push(case(
+        "mesh",
+        "a limb 1 km from the origin",
+        ("its volume stays, relative error", 1e-4),
+        Wanted,
+        || volume_error(|p| p + Vector3::repeat(1e3), 1.0),
+    ));
+    all.push(case(
+        "mesh",
+        "refined twice",
+        ("its volume stays, relative error", ROUND_OFF),
+        Wanted,
+        || {
+            let mesh = block(|p| p)?;
+            Ok(relative(volume(&mesh.refine().refine()), volume(&mesh)))
+        },
+    ));
+    all.extend(refusals());
+    all
+}
+
+/// Meshes that are none.
+fn refusals() -> [Case; 5] {
+    let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
+        case("mesh", extreme, ("it is refused", 0.0), Refusal(words), run)
+    };
+    [
+        refused("a coordinate is NaN", "NaN", || {
+            with_nodes(|nodes| nodes[7].x = f64::NAN)
+        }),
+        refused("a coordinate is infinite", "inf", || {
+            with_nodes(|nodes| nodes[7].y = f64::INFINITY)
+        }),
+        refused("turned inside out", "volume", || {
+            with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = -p.z))
+        }),
+        refused("flat", "volume", || {
+            with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))
+        }),
+        refused("an element names a node that is not there", "node", || {
+            let (nodes, mut elements) = lattice();
+            elements[2][9] = FeNodeId::from_index(nodes.len());
+            Ok(volume(&Tet10Mesh::new(nodes, elements)?))
+        }),
+    ]
+}
+
+fn with_nodes(change: impl Fn(&mut [Point3<f64>])) -> Result<f64, ReproError> {
+    let (mut nodes, elements) = lattice();
+    change(&mut nodes);
+    Ok(volume(&Tet10Mesh::new(nodes, elements)?))
+}
+
+fn volume_error(map: impl Fn(Point3<f64>) -> Point3<f64>, grows: f64) -> Result<f64, ReproError> {
+    let unit = volume(&block(|p| p)?);
+    Ok(relative(volume(&block(map)?), grows * unit))
+}
+
+fn relative(value: f64, expected: f64) -> f64 {
+    (value / expected - 1.0).abs()
+}
+
+fn volume(mesh: &Tet10Mesh) -> f64 {
+    let n = mesh.elements().len();
+    (0..n)
+        .map(|e| tet10::volume(&mesh.element_positions(e)))
+        .sum()
+}
+
+/// A cube of 0.1 m with straight edges, mapped.
+fn block(map: impl Fn(Point3<f64>) -> Point3<f64>) -> Result<Tet10Mesh, ReproError> {
+    let (nodes, elements) = lattice();
+    Ok(Tet10Mesh::new(
+        nodes.into_iter().map(map).collect(),
+        elements,
+    )?)
+}
+
+/// One cube in six tetrahedra (Kuhn).
+fn lattice() -> (Vec<Point3<f64>>, Vec<[FeNodeId; 10]>) {
+    const WALKS: [[usize; 3]; 6] = [
+        [0, 1, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [0, 2, 1],
+        [2, 1, 0],
+        [1, 0, 2],
+    ];
+    let nodes = (0..27).map(|i| Point3::from([i % 3, i / 3 % 3, i / 9].map(|x| 0.05 * x as f64)));
+    let element = |(i, walk): (usize, &[usize; 3])| {
+        let mut corners = [[0; 3]; 4];
+        for step in 0..3 {
+            corners[step + 1] = corners[step];
+            corners[step + 1][walk[step]] = 2;
+        }
+        if i >= 3 {
+            corners.swap(1, 2);
+        }
+        std::array::from_fn(|k| {
+            let at: [usize; 3] = match corners.get(k) {
+                Some(corner) => *corner,
+                None => {
+                    let [a, b] = TET10_EDGES[k - 4].map(|corner| corners[corner]);
+                    std::array::from_fn(|d| (a[d] + b[d]) / 2)
+                }
+            };
+            FeNodeId::from_index(at[0] + 3 * at[1] + 9 * at[2])
+        })
+    };
+    (
+        nodes.collect(),
+        WALKS.iter().enumerate().map(element).collect(),
+    )
+}

@@ -1,0 +1,22 @@
+//! The parts around solver, nets and superposition at their extremes: mesh, datasets, k-Max,
+//! compliance maps, decoder, clock, recorder.
+
+mod clock;
+mod data;
+mod kmax;
+mod mesh;
+mod recorder;
+mod wire;
+
+use super::row::Case;
+
+/// Every row of docs/stability-parts.md.
+pub(super) fn cases() -> Vec<Case> {
+    let mut all = mesh::cases();
+    all.extend(data::cases());
+    all.extend(kmax::cases());
+    all.extend(wire::cases());
+    all.extend(clock::cases());
+    all.extend(recorder::cases());
+    all
+}
