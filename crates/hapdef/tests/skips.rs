@@ -1,0 +1,197 @@
+//! What a scene leaves out changes nothing that it wants: each skip of the plan, with and without.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::path::Path;
+
+use hapdef::scene::{ContactRegion, EstimatorSpec, SuperpositionSpec};
+use hapdef::stages::{NetKind, compliance, datasets, rig, train, train_kinds};
+use hapdef::touch::{response_map, superposition};
+use hapdef::{Limb, Profile, Progress, Run};
+use hapdef_inverse::{ContactEstimate, ResponseMap, SkinPoint};
+use hapdef_mesh::{FeNodeId, GaugeId};
+use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, NodalLoad};
+use nalgebra::Vector3;
+
+/// Rounding of a solve with a condition of some 1e7.
+const ROUNDING: f64 = 1e-8;
+
+fn run_of(scene: &str, out: &Path) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
+    Run::new(
+        &path.join(scene),
+        Profile::quick(),
+        out,
+        2,
+        Progress::silent(),
+    )
+    .unwrap()
+}
+
+fn loaded(run: &Run) -> Limb {
+    Limb::load(&run.scene, &run.scene_dir).unwrap()
+}
+
+fn solved(limb: &Limb) -> ElasticModel {
+    let params = ElasticParams {
+        n_threads: 2,
+        ..ElasticParams::new(limb.material, limb.clamped.clone())
+    };
+    ElasticModel::build(&limb.mesh, &params).unwrap()
+}
+
+/// Displacements at `wanted` under each load, m `[n_loads, n_wanted]`.
+fn moved(model: &ElasticModel, loads: &[NodalLoad], wanted: &[FeNodeId]) -> Vec<Vector3<f64>> {
+    let params = ComplianceParams::default();
+    let (rows, _) = model.compliance(loads, wanted, &params).unwrap();
+    let of_load = |i| (0..wanted.len()).map(move |j| (i, j));
+    let all = (0..loads.len()).flat_map(of_load);
+    all.map(|(i, j)| rows.displacement(i, j)).collect()
+}
+
+fn assert_equal(a: &[Vector3<f64>], b: &[Vector3<f64>]) {
+    let largest = a.iter().map(Vector3::norm).fold(0.0, f64::max);
+    assert!(largest > 0.0 && a.len() == b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).norm() <= ROUNDING * largest, "{a} {b}");
+    }
+}
+
+/// Normal loads alone move the limb as they do among loads in all three directions, and a few of them
+/// as they do among all.
+#[test]
+fn loads_that_are_left_out_change_no_other() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_of("scene.json", out.path());
+    let limb = loaded(&run);
+    let model = solved(&limb);
+    let normal = limb.unit_loads(run.scene.contact.tip_radius_m).unwrap();
+    let some: Vec<NodalLoad> = normal.iter().step_by(700).cloned().collect();
+    let wanted: Vec<FeNodeId> = limb.wanted_nodes().into_iter().step_by(90).collect();
+    let alone = moved(&model, &some, &wanted);
+    let tangential = limb.skin.nodes.iter().step_by(700).flat_map(|node| {
+        [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| NodalLoad::nodal(*node, axis))
+    });
+    let among: Vec<NodalLoad> = some.iter().cloned().chain(tangential).collect();
+    let among = moved(&model, &among, &wanted);
+    assert_equal(&alone, &among[..alone.len()]);
+}
+
+/// A narrower region of contacts has the same displacements where it has them.
+#[test]
+fn nodes_that_nothing_touches_change_no_other() {
+    let out = tempfile::tempdir().unwrap();
+    let mut run = run_of("scene.json", out.path());
+    let whole = loaded(&run);
+    let ContactRegion::Radial { axial_range_m, .. } = &mut run.scene.contact.region else {
+        panic!("the bundled scene has a radial region")
+    };
+    *axial_range_m = [0.08, 0.13];
+    let part = loaded(&run);
+    let is_inner = |node: &FeNodeId| {
+        // a tip at the region's rim is cut off there
+        let along_m = part.mesh.position(*node).y;
+        (0.103..0.107).contains(&along_m)
+    };
+    let loads = |limb: &Limb| -> Vec<NodalLoad> {
+        let all = limb.unit_loads(run.scene.contact.tip_radius_m).unwrap();
+        let both = limb.skin.nodes.iter().zip(all);
+        let inner = both.filter(|(node, _)| is_inner(node) && part.skin.nodes.contains(node));
+        inner.map(|(_, load)| load).collect()
+    };
+    assert!(part.n_surface_nodes() < whole.n_surface_nodes() * 2 / 3);
+    let wanted: Vec<FeNodeId> = part.skin.nodes.iter().step_by(5).copied().collect();
+    let of = |limb: &Limb| moved(&solved(limb), &loads(limb), &wanted);
+    assert_equal(&of(&part), &of(&whole));
+}
+
+/// One solve for each gauge tells what a solve for each load tells.
+#[test]
+fn adjoint_solves_read_what_a_load_at_every_node_reads() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_of("placed.json", out.path());
+    let limb = loaded(&run);
+    let model = solved(&limb);
+    let (response, _) = model.gauge_response(&limb.gauges).unwrap();
+    let normal = limb.unit_loads(run.scene.contact.tip_radius_m).unwrap();
+    for load in normal.iter().step_by(800) {
+        let (displacement, _) = model.solve(load).unwrap();
+        for (i, gauge) in limb.gauges.iter().enumerate() {
+            let forward = gauge.strain(&displacement);
+            let adjoint = load.work_j(response.field(GaugeId::from_index(i))).unwrap();
+            assert!((forward - adjoint).abs() <= ROUNDING * forward.abs().max(1e-9));
+        }
+    }
+}
+
+/// A scene of two contacts makes its sets as one of four does, and the chain's nets are those that are
+/// trained among all nets: their keys are equal, so that one takes the other's from the cache.
+#[test]
+fn sets_and_nets_that_are_left_out_change_no_other() {
+    let out = tempfile::tempdir().unwrap();
+    let of = |max_contacts| {
+        let mut run = run_of("scene.json", out.path());
+        run.scene.contact.max_contacts = max_contacts;
+        run.cache = run.cache.looking();
+        let limb = loaded(&run);
+        let table = compliance(&run, &limb).unwrap();
+        let real = rig(&run, &limb, &table).unwrap();
+        let data = datasets(&run, &limb, &table, &real).unwrap();
+        (run, limb, table, data)
+    };
+    let (_, _, _, two) = of(2);
+    let (run, limb, table, four) = of(4);
+    assert_eq!((two.simulated.len(), four.simulated.len()), (2, 4));
+    for (of_two, of_four) in two.simulated.iter().zip(&four.simulated) {
+        assert_eq!(of_two.key, of_four.key);
+    }
+    let kinds = [NetKind::Transfer, NetKind::Reconstruction { n_sets: 4 }];
+    let some = train_kinds(&run, &limb, &table, &four, &kinds).unwrap();
+    let all = train(&run, &limb, &table, &four).unwrap();
+    assert!(all.nets.len() > some.nets.len());
+    for net in &some.nets {
+        let same = all.nets.iter().find(|other| other.kind == net.kind);
+        assert_eq!(same.unwrap().stage.key, net.stage.key);
+    }
+}
+
+fn estimate(
+    run: &Run,
+    spec: &SuperpositionSpec,
+    map: &ResponseMap,
+    readings: &[f64],
+) -> ContactEstimate {
+    let made = superposition(&run.scene, spec, map.clone()).unwrap();
+    made.into_estimator().estimate(readings).unwrap()
+}
+
+/// Where one contact is wanted nothing looks for pairs, and where nothing rubs no shear is in the
+/// noise: single contacts are found as by the estimator that has both.
+#[test]
+fn pair_search_and_friction_change_no_single_contact() {
+    let out = tempfile::tempdir().unwrap();
+    let mut run = run_of("placed.json", out.path());
+    let limb = loaded(&run);
+    let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
+    let EstimatorSpec::Superposition(spec) = run.scene.estimator.clone() else {
+        panic!("placed.json chooses superposition")
+    };
+    for face in [150, 700, 1300] {
+        let point = SkinPoint::new(map.skin(), face, [0.5, 0.3, 0.2]).unwrap();
+        let readings: Vec<f64> = map.normal(&point).iter().map(|g| 20.0 * g).collect();
+        run.scene.contact.max_contacts = 4;
+        let full = estimate(&run, &spec, &map, &readings);
+        let barely = SuperpositionSpec {
+            friction: 1e-12,
+            ..spec.clone()
+        };
+        let rubbed = estimate(&run, &barely, &map, &readings);
+        run.scene.contact.max_contacts = 1;
+        let lean = estimate(&run, &spec, &map, &readings);
+        assert_eq!(full.contacts.len(), 1);
+        for other in [&lean, &rubbed] {
+            let (a, b) = (&full.contacts[0], &other.contacts[0]);
+            assert!((a.position_m - b.position_m).norm() < 1e-9);
+            assert!((a.force_n - b.force_n).abs() < 1e-9 * a.force_n);
+        }
+    }
+}
