@@ -1,9 +1,11 @@
 //! What is fuzzed: each target takes any bytes and must neither panic nor run away.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Header, MAJOR_VERSION};
 use hapdef_daq::record::recover;
+use hapdef_live::touch::Hapdefx;
 use hapdef_mesh::{DeckParams, GltfParams, read_deck_with, read_gltf};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, TrainRecord};
 
@@ -145,9 +147,12 @@ fn deck(bytes: &[u8], folder: &Path) {
     let _ = read_deck_with(&written(rest, folder, name), &DeckParams::default());
 }
 
-/// A bundle, and a checkpoint whose weights are these bytes.
+/// A bundle, a net in one file, the places of the paper's chain, and a checkpoint whose weights are
+/// these bytes.
 fn safetensors(bytes: &[u8], folder: &Path) {
     let _ = hapdef_live::Bundle::from_bytes(bytes, "fuzz");
+    let _ = Net::from_bytes(bytes, "fuzz");
+    let _ = Hapdefx::from_files(&chain_files(bytes));
     let path = folder.join("net.json");
     if !path.exists() {
         save_net(&path);
@@ -156,8 +161,23 @@ fn safetensors(bytes: &[u8], folder: &Path) {
     let _ = hapdef_nets::load(&path);
 }
 
-/// A net of nine numbers: its JSON file, and `net-0.safetensors` beside it.
+/// The paper's chain with small nets and these bytes for its places.
+fn chain_files(places: &[u8]) -> BTreeMap<String, Vec<u8>> {
+    let net = small_net().to_bytes().expect("a small net");
+    let nets = ["transfer", "reconstruction", "sensitivity"];
+    let nets = nets.map(|name| (format!("{name}.safetensors"), net.clone()));
+    let places = ("places.safetensors".to_owned(), places.to_vec());
+    nets.into_iter().chain([places]).collect()
+}
+
+/// Its JSON file, and `net-0.safetensors` beside it.
 fn save_net(path: &Path) {
+    let record = TrainRecord::new(TrainParams::paper(1));
+    hapdef_nets::save(path, &small_net(), &record, None).expect("the folder can be written");
+}
+
+/// A net of nine numbers.
+fn small_net() -> Net {
     let spec = MlpSpec {
         inputs: 2,
         hidden: vec![2],
@@ -165,9 +185,7 @@ fn save_net(path: &Path) {
         activation: Activation::Relu,
     };
     let mlp = Mlp::random(&spec, 1).expect("widths above 0");
-    let net = Net::new(mlp, Scale::identity(2), Scale::identity(1)).expect("scales that fit");
-    let record = TrainRecord::new(TrainParams::paper(1));
-    hapdef_nets::save(path, &net, &record, None).expect("the folder can be written");
+    Net::new(mlp, Scale::identity(2), Scale::identity(1)).expect("scales that fit")
 }
 
 fn written(bytes: &[u8], folder: &Path, name: &str) -> PathBuf {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
@@ -25,6 +25,9 @@ pub(crate) struct BenchArgs {
     /// is drawn at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// How long is measured in all, s; 40 if not given.
+    #[arg(long)]
+    seconds: Option<u64>,
     /// Everything else goes to the program as it is: `--skip-large` to `hapdef-verify`, `--rounds 20`
     /// to `hapdef-repro` (see `hapdef-repro bench-nets --help`).
     #[arg(last = true)]
@@ -47,10 +50,13 @@ enum Subject {
 
 /// `cargo xtask bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
+    if args.seconds.is_some() && !matches!(args.what, Subject::Live) {
+        bail!("--seconds is for `bench live`: the others take as long as they need");
+    }
     match args.what {
         Subject::Fe => fe(args),
         Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
-        Subject::Live => live::bench(args.scene.as_deref(), args.seed, &args.rest),
+        Subject::Live => live::bench(args.scene.as_deref(), args.seed, args.seconds, &args.rest),
         Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, frontier, repro, stability, tidy, verify, weight};
+use crate::{docs, fixtures, frontier, repro, soak, stability, tidy, verify, weight};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -52,6 +52,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
         let words = ["test", "--workspace", "--release", "--no-fail-fast"];
         run(cargo(&words).env("PROPTEST_RNG_SEED", PROPTEST_SEED))
     })?;
+    step(&mut times, "soak --short", soak::short)?;
     step(&mut times, "verification table", verify::check)?;
     step(&mut times, "stability tables", stability::check)?;
     step(&mut times, "limits page", frontier::check)?;

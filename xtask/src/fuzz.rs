@@ -13,6 +13,9 @@ pub(crate) struct FuzzArgs {
     /// How long each target is run, s.
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
+    /// The same in minutes.
+    #[arg(long, conflicts_with = "seconds")]
+    minutes: Option<f64>,
     /// One target instead of all: decoder, hello, recover, scene, gltf, deck, safetensors.
     #[arg(long)]
     target: Option<String>,
@@ -35,7 +38,8 @@ pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
     run_tool(&mut cargo(&words))?;
     let target = target_dir()?;
     let mut command = Command::new(target.join("release/examples/fuzz"));
-    command.args(["--seconds", &args.seconds.to_string()]);
+    let seconds = args.minutes.map_or(args.seconds, |minutes| 60.0 * minutes);
+    command.args(["--seconds", &seconds.to_string()]);
     command.args(["--seed", &args.seed.to_string()]);
     if let Some(name) = &args.target {
         command.args(["--target", name]);

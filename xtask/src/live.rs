@@ -10,7 +10,12 @@ use crate::pipeline::finish;
 use crate::tool::{cargo, release_binary, root, run as run_tool, target_dir};
 
 /// `cargo xtask bench live`: bundles the scene, then a device on a pseudo-terminal plays presses.
-pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<()> {
+pub(crate) fn bench(
+    scene: Option<&Path>,
+    seed: u64,
+    seconds: Option<u64>,
+    rest: &[String],
+) -> Result<()> {
     let folder = target_dir()?.join("hapdef");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let bundle = folder.join("bench.hapdef");
@@ -22,6 +27,9 @@ pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<
     run_tool(cargo(&words).args(["--example", "latency"]))?;
     let mut command = Command::new(target_dir()?.join("release/examples/latency"));
     command.arg(&bundle).args(["--seed", &seed.to_string()]);
+    if let Some(seconds) = seconds {
+        command.args(["--seconds", &seconds.to_string()]);
+    }
     command.arg("--metrics").arg(folder.join("metrics.json"));
     finish(command.args(rest))
 }

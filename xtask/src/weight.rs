@@ -19,32 +19,48 @@ pub(crate) struct WeightArgs {
     check: bool,
 }
 
-/// A build of few layers: its name in metrics and in the table, and its packages, which are taken
-/// without default features.
+/// A build of one layer with those below it: its name in metrics and in the table, its package, which
+/// is taken without default features, and the features that it is taken with.
 struct Layers {
     name: &'static str,
-    packages: &'static [&'static str],
+    package: &'static str,
+    feature: Option<&'static str>,
 }
 
-const LAYERS: [Layers; 3] = [
+const LAYERS: [Layers; 4] = [
     Layers {
         name: "kmax",
-        packages: &["hapdef-kmax"],
+        package: "hapdef-kmax",
+        feature: Some("points"),
     },
     Layers {
         name: "daq",
-        packages: &["hapdef-daq"],
+        package: "hapdef-daq",
+        feature: None,
     },
     Layers {
         name: "robot",
-        packages: &["hapdef-live"],
+        package: ROBOT,
+        feature: None,
+    },
+    Layers {
+        name: "robot_nets",
+        package: ROBOT,
+        feature: Some("nets"),
     },
 ];
+
+/// What a robot builds.
+const ROBOT: &str = "hapdef-live";
+
+/// A robot's build has fewer crates than this.
+const MAX_ROBOT_CRATES: usize = 60;
 
 /// `cargo xtask weight`.
 pub(crate) fn run(args: &WeightArgs) -> Result<()> {
     let counts = counts()?;
     println!("{}", table(&counts));
+    check_robot(&counts)?;
     if args.check {
         check(&counts)?;
     }
@@ -59,9 +75,11 @@ pub(crate) fn run(args: &WeightArgs) -> Result<()> {
     Ok(())
 }
 
-/// Fails where the table in ARCHITECTURE.md says something else.
+/// Fails where a robot's build is too heavy, or the table in ARCHITECTURE.md says something else.
 pub(crate) fn check_table() -> Result<()> {
-    check(&counts()?)
+    let counts = counts()?;
+    check_robot(&counts)?;
+    check(&counts)
 }
 
 /// Crates of each build, its own included, as Cargo.lock has them.
@@ -83,7 +101,7 @@ fn tree(layers: &Layers) -> Result<BTreeSet<String>> {
         "none",
     ];
     let mut command = cargo(&words);
-    command.args(packages(layers));
+    command.args(layers.words());
     let output = command.output().context("starting cargo tree")?;
     if !output.status.success() {
         let what = String::from_utf8_lossy(&output.stderr);
@@ -102,18 +120,44 @@ fn crates(tree: &str) -> BTreeSet<String> {
     tree.lines().filter_map(name).collect()
 }
 
-fn packages(layers: &Layers) -> impl Iterator<Item = &'static str> {
-    layers.packages.iter().flat_map(|name| ["--package", name])
+impl Layers {
+    /// What cargo takes it by.
+    fn words(&self) -> impl Iterator<Item = &'static str> {
+        let feature = self.feature.into_iter().flat_map(|f| ["--features", f]);
+        ["--package", self.package].into_iter().chain(feature)
+    }
+
+    /// `package`, or `package/feature`.
+    fn shown(&self) -> String {
+        let feature = self.feature.map(|feature| format!("/{feature}"));
+        format!("{}{}", self.package, feature.unwrap_or_default())
+    }
 }
 
 /// Rows as they stand in ARCHITECTURE.md.
 fn table(counts: &[usize]) -> String {
-    let row = |(layers, n): (&Layers, &usize)| {
-        format!("| {} | {} | {n} |", layers.name, layers.packages.join(", "))
-    };
+    let row =
+        |(layers, n): (&Layers, &usize)| format!("| {} | {} | {n} |", layers.name, layers.shown());
     let rows = LAYERS.iter().zip(counts).map(row);
     let head = ["| build | packages | crates |", "|---|---|---|"].map(str::to_owned);
     head.into_iter().chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+fn check_robot(counts: &[usize]) -> Result<()> {
+    let robots = LAYERS
+        .iter()
+        .zip(counts)
+        .filter(|(l, _)| l.package == ROBOT);
+    for (layers, n) in robots {
+        if *n >= MAX_ROBOT_CRATES {
+            bail!(
+                "a robot's build of {} is {n} crates, expected less than {MAX_ROBOT_CRATES}: \
+                 cargo tree --no-default-features shows which came",
+                layers.shown()
+            );
+        }
+    }
+    Ok(())
 }
 
 fn check(counts: &[usize]) -> Result<()> {
@@ -145,7 +189,7 @@ fn build_s(layers: &Layers) -> Result<f64> {
     let folder = target_dir()?.join(format!("weight-{}", std::process::id()));
     let mut command = cargo(&["build", "--release", "--locked", "--no-default-features"]);
     command
-        .args(packages(layers))
+        .args(layers.words())
         .env("CARGO_TARGET_DIR", &folder);
     let start = Instant::now();
     let built = run_to_end(&mut command);
@@ -171,12 +215,23 @@ mod tests {
     fn a_count_that_differs_is_named() {
         let page = format!(
             "# A\n\n## Weight\n\n{}\n\n## B\n| robot |\n",
-            table(&[1, 2, 3])
+            table(&[1, 2, 3, 4])
         );
-        assert!(missing_rows(&page, &table(&[1, 2, 3])).unwrap().is_empty());
-        let grown = table(&[1, 2, 4]);
+        assert!(
+            missing_rows(&page, &table(&[1, 2, 3, 4]))
+                .unwrap()
+                .is_empty()
+        );
+        let grown = table(&[1, 2, 5, 4]);
         let missing = missing_rows(&page, &grown).unwrap();
-        assert_eq!(missing, ["| robot | hapdef-live | 4 |"]);
+        assert_eq!(missing, ["| robot | hapdef-live | 5 |"]);
         assert!(missing_rows("# A\n", &grown).is_err());
+    }
+
+    #[test]
+    fn a_robots_build_that_is_too_heavy_fails() {
+        assert!(check_robot(&[1, 2, 3, MAX_ROBOT_CRATES - 1]).is_ok());
+        let error = check_robot(&[1, 2, 3, MAX_ROBOT_CRATES]).unwrap_err();
+        assert!(error.to_string().contains("hapdef-live/nets"), "{error}");
     }
 }

@@ -8,12 +8,15 @@ use hapdef_daq::hdp1::SampleFormat;
 use hapdef_daq::record::{
     Content, RecordParams, Recording, export_csv, export_json_lines, record, recover,
 };
-use hapdef_daq::source::{FrameSource, ReplaySource, SourceStatus};
+use hapdef_daq::source::{
+    FrameSource, LinkFault, LinkState, ReplaySource, SourceStatus, StreamParams, StreamSource,
+    memory_link,
+};
 use hapdef_daq::{AcquireParams, DaqError, Message, acquire};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use support::recorded::{CALIBRATION, check_frames, frames, params, recorded};
-use support::{Device, is_right};
+use support::{Device, is_right, wait_for};
 
 #[test]
 fn a_recording_comes_back() {
@@ -197,4 +200,66 @@ fn bad_beginnings_are_refused() {
     assert!(matches!(refused, DaqError::DiskFull { .. }), "{refused}");
     let nowhere = record(receiver(), &folder.path().join("no/x.mcap"), params());
     assert!(matches!(nowhere.map(|_| ()), Err(DaqError::File { .. })));
+}
+
+/// A cable that is pulled, seven packets that nobody hears, and a reset: the file tells of both.
+#[test]
+fn gaps_and_restarts_are_in_the_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    let (link, device) = memory_link();
+    let source = StreamSource::new(link, StreamParams::default());
+    let acquire_params = AcquireParams {
+        n_receivers: 2,
+        ..AcquireParams::default()
+    };
+    let (acquisition, mut receivers) = acquire(source, acquire_params).unwrap();
+    let recorder = record(receivers.remove(1), &path, params()).unwrap();
+    let mut sim = Device::new(10, SampleFormat::I16);
+    let mut wait = |kind: &str| {
+        let is_it = |m: &Message| (said(m) == kind).then_some(());
+        wait_for(&mut receivers[0], Duration::from_secs(1), is_it);
+    };
+    let send = |sim: &mut Device, n: u32| {
+        let mut bytes = Vec::new();
+        (0..n).for_each(|_| sim.tick(&mut bytes));
+        device.send(&bytes);
+    };
+    wait("open");
+    send(&mut sim, 10);
+    wait("9 lost 0");
+    device.unplug();
+    wait("away");
+    (0..7).for_each(|_| sim.tick(&mut Vec::new()));
+    device.replug();
+    wait("open");
+    send(&mut sim, 1);
+    wait("17 lost 7");
+    sim.reset();
+    send(&mut sim, 2);
+    wait("1 lost 0");
+    assert_eq!(acquisition.stop().source.n_opened, 2);
+    recorder.finish().unwrap();
+
+    let kept: Vec<String> = Recording::open(&path)
+        .unwrap()
+        .messages()
+        .map(|m| said(&m))
+        .filter(|words| words != "other")
+        .collect();
+    let first = (0..10).map(|seq| format!("{seq} lost 0"));
+    let then = ["17 lost 7", "restarted", "0 lost 0", "1 lost 0"];
+    let expected: Vec<String> = first.chain(then.map(str::to_owned)).collect();
+    assert_eq!(kept, expected);
+}
+
+/// A message in a word or two.
+fn said(message: &Message) -> String {
+    match message {
+        Message::Link(LinkState::Open) => "open".to_owned(),
+        Message::Link(LinkState::Away(LinkFault::Disconnected { .. })) => "away".to_owned(),
+        Message::Restarted => "restarted".to_owned(),
+        Message::Frame(frame) => format!("{} lost {}", frame.seq, frame.n_lost_before),
+        _ => "other".to_owned(),
+    }
 }

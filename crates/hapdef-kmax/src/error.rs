@@ -40,6 +40,14 @@ pub enum KMaxError {
         /// Values of the field.
         got: usize,
     },
+    /// A neighbour that is no node.
+    #[error("a neighbour is node {neighbour}, but there are {n_nodes} nodes, counted from 0")]
+    NeighbourOutOfRange {
+        /// The neighbour.
+        neighbour: u32,
+        /// Nodes of the graph.
+        n_nodes: usize,
+    },
     /// A candidate names a node that does not exist.
     #[error("a candidate names node {node}, but there are {n_points} points")]
     NodeOutOfRange {

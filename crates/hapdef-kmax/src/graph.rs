@@ -1,16 +1,6 @@
 //! Which nodes are neighbours of which.
 
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
-
 use crate::error::KMaxError;
-
-/// Knobs of [`KMaxGraph::new`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct KMaxParams {
-    /// How many nearest nodes each node is compared with (1 ≤ k < number of points).
-    pub k_neighbours: usize,
-}
 
 /// The nearest neighbours of every node.
 ///
@@ -22,60 +12,25 @@ pub struct KMaxGraph {
     incoming: Adjacency,
 }
 
-/// Two distances closer than this share of the larger one count as equal.
-const DISTANCE_TIE: f64 = 1e-9;
-
-impl KMaxParams {
-    /// The k whose neighbours span about `radius_m`: the median, over the points, of how many
-    /// other points lie within `radius_m` (at least 1).
-    ///
-    /// The paper's k spans about 10 mm (section 3.3). Fails on fewer than two points, on a point
-    /// that is not finite, and on a radius that is not positive and finite.
-    pub fn spanning_radius(points: &[[f64; 3]], radius_m: f64) -> Result<Self, KMaxError> {
-        if !(radius_m > 0.0 && radius_m.is_finite()) {
-            return Err(KMaxError::Radius { radius_m });
-        }
-        check_points(points, 1)?;
-        let tree = build_tree(points);
-        let mut counts: Vec<usize> = points
-            .iter()
-            .map(|p| {
-                tree.locate_within_distance(*p, radius_m * radius_m)
-                    .count()
-                    .saturating_sub(1)
-            })
-            .collect();
-        counts.sort_unstable();
-        Ok(Self {
-            k_neighbours: counts[counts.len() / 2].max(1),
-        })
-    }
-}
-
 impl KMaxGraph {
-    /// Finds the neighbours of every point (metres, any order).
+    /// A graph of known neighbours: for each node those that it is compared with, as
+    /// [`KMaxGraph::neighbours`] lists them.
     ///
-    /// Fails on `k_neighbours` outside 1..n and on a point that is not finite.
-    pub fn new(points: &[[f64; 3]], params: KMaxParams) -> Result<Self, KMaxError> {
-        check_points(points, params.k_neighbours)?;
-        let tree = build_tree(points);
-        let mut outgoing = Adjacency::with_capacity(points.len(), params.k_neighbours);
-        for (i, point) in points.iter().enumerate() {
-            let mut reach = f64::INFINITY;
-            let nearest = tree
-                .nearest_neighbor_iter_with_distance_2(*point)
-                .filter(|(entry, _)| entry.data as usize != i)
-                .enumerate()
-                .take_while(|(rank, (_, squared))| {
-                    if rank + 1 == params.k_neighbours {
-                        reach = squared * (1.0 + 2.0 * DISTANCE_TIE);
-                    }
-                    *squared <= reach
-                });
-            outgoing.push_row(nearest.map(|(_, (entry, _))| entry.data));
+    /// Fails on a neighbour that is no node.
+    pub fn from_neighbours<Row>(rows: impl IntoIterator<Item = Row>) -> Result<Self, KMaxError>
+    where
+        Row: IntoIterator<Item = u32>,
+    {
+        let mut outgoing = Adjacency::with_capacity(0, 0);
+        for row in rows {
+            outgoing.push_row(row.into_iter());
         }
-        let incoming = outgoing.transposed();
-        Ok(Self { outgoing, incoming })
+        let n_nodes = outgoing.n_rows();
+        let stray = outgoing.targets.iter().find(|&&j| j as usize >= n_nodes);
+        match stray {
+            Some(&neighbour) => Err(KMaxError::NeighbourOutOfRange { neighbour, n_nodes }),
+            None => Ok(Self::of(outgoing)),
+        }
     }
 
     /// Number of nodes.
@@ -92,17 +47,23 @@ impl KMaxGraph {
     pub(crate) fn compared_with(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
         self.incoming.row(node).iter().map(|&j| j as usize)
     }
+
+    /// The graph of the nodes that each is compared with.
+    pub(crate) fn of(outgoing: Adjacency) -> Self {
+        let incoming = outgoing.transposed();
+        Self { outgoing, incoming }
+    }
 }
 
 /// Lists of node indices, one per node, in one allocation.
 #[derive(Debug, Clone)]
-struct Adjacency {
+pub(crate) struct Adjacency {
     starts: Vec<usize>,
     targets: Vec<u32>,
 }
 
 impl Adjacency {
-    fn with_capacity(n_rows: usize, n_per_row: usize) -> Self {
+    pub(crate) fn with_capacity(n_rows: usize, n_per_row: usize) -> Self {
         let mut starts = Vec::with_capacity(n_rows + 1);
         starts.push(0);
         Self {
@@ -111,7 +72,7 @@ impl Adjacency {
         }
     }
 
-    fn push_row(&mut self, row: impl Iterator<Item = u32>) {
+    pub(crate) fn push_row(&mut self, row: impl Iterator<Item = u32>) {
         let start = self.targets.len();
         self.targets.extend(row);
         self.targets[start..].sort_unstable();
@@ -141,31 +102,5 @@ impl Adjacency {
             result.push_row(row.into_iter());
         }
         result
-    }
-}
-
-fn build_tree(points: &[[f64; 3]]) -> RTree<GeomWithData<[f64; 3], u32>> {
-    let entries = points.iter().enumerate();
-    RTree::bulk_load(
-        entries
-            .map(|(i, p)| GeomWithData::new(*p, i as u32))
-            .collect(),
-    )
-}
-
-fn check_points(points: &[[f64; 3]], k_neighbours: usize) -> Result<(), KMaxError> {
-    let n_points = points.len();
-    if k_neighbours == 0 || k_neighbours >= n_points || u32::try_from(n_points).is_err() {
-        return Err(KMaxError::NeighbourCount {
-            k_neighbours,
-            n_points,
-        });
-    }
-    match points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        Some(index) => Err(KMaxError::PointNotFinite {
-            index,
-            point: points[index],
-        }),
-        None => Ok(()),
     }
 }

@@ -218,3 +218,22 @@ fn bad_arguments_are_refused_with_their_numbers() {
         })
     );
 }
+
+/// A graph of the neighbours that another one lists finds what that one finds.
+#[test]
+fn a_graph_comes_back_from_its_neighbours() {
+    let points = sheet(12);
+    let whole = graph(&points, 12);
+    let rows = (0..whole.n_nodes()).map(|i| whole.neighbours(i).map(|j| j as u32));
+    let again = KMaxGraph::from_neighbours(rows).unwrap();
+    let field: Vec<f32> = (0..144).map(|i| (i * 37 % 23) as f32).collect();
+    let found = peaks(&whole, &field, 0.0);
+    assert!(!found.is_empty());
+    assert_eq!(peaks(&again, &field, 0.0), found);
+    let stray = KMaxGraph::from_neighbours([vec![1], vec![2]]).unwrap_err();
+    let expected = KMaxError::NeighbourOutOfRange {
+        neighbour: 2,
+        n_nodes: 2,
+    };
+    assert_eq!(stray, expected);
+}

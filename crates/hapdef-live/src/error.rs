@@ -19,6 +19,37 @@ pub enum LiveError {
     /// The acquisition could not be started.
     #[error(transparent)]
     Daq(#[from] DaqError),
+    /// A net of the paper's chain could not be read or used.
+    #[cfg(feature = "nets")]
+    #[error(transparent)]
+    Net(#[from] hapdef_nets::NetsError),
+    /// Peaks of a map could not be looked for.
+    #[cfg(feature = "nets")]
+    #[error(transparent)]
+    KMax(#[from] hapdef_kmax::KMaxError),
+    /// Parts of the paper's chain that don't belong together.
+    #[cfg(feature = "nets")]
+    #[error(
+        "the paper's chain: {what} are {found}, expected {expected}: take nets and places of one \
+         limb"
+    )]
+    Chain {
+        /// What has another number.
+        what: &'static str,
+        /// What the rest of the chain has.
+        expected: usize,
+        /// What it has.
+        found: usize,
+    },
+    /// A bundle with nets for a build that runs none.
+    #[error(
+        "the scene {scene} wants the paper's nets, which this build does not run: build hapdef-live \
+         with its feature nets, or take Bundle::tracking"
+    )]
+    NetsLeftOut {
+        /// Name of the scene.
+        scene: String,
+    },
     /// A frame has another number of readings than the estimator has gauges.
     #[error("a frame of {found} readings, but there are {expected} gauges; one reading each")]
     FrameLength {

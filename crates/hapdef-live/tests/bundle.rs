@@ -120,7 +120,7 @@ fn another_version_names_both_and_the_remedy() {
     let header: serde_json::Value = serde_json::from_str(&text).unwrap();
     let entry = header["__metadata__"]["hapdef.bundle"].as_str().unwrap();
     let json = entry.split_once(' ').unwrap().1;
-    let later = json.replacen("\"version\":1", "\"version\":2", 1);
+    let later = json.replacen("\"version\":2", "\"version\":3", 1);
     let entry_of = |json: &str| {
         let entry = format!("{} {json}", blake3::hash(json.as_bytes()).to_hex());
         serde_json::to_string(&entry).unwrap()
@@ -133,8 +133,8 @@ fn another_version_names_both_and_the_remedy() {
         matches!(
             error,
             LiveError::BundleVersion {
-                found: 2,
-                expected: 1,
+                found: 3,
+                expected: 2,
                 ..
             }
         ),

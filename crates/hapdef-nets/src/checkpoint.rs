@@ -240,15 +240,23 @@ fn net_of(mlp: Mlp, file: &CheckpointFile) -> Result<Net, NetsError> {
 
 fn read_mlp(path: &Path, spec: &MlpSpec, name: &str) -> Result<Mlp, NetsError> {
     spec.check()?;
-    let mut tensors = read_tensors(&sibling(path, name)?, &weight_shapes(spec))?.into_iter();
-    let mut layers = vec![];
+    mlp_of(
+        spec,
+        read_tensors(&sibling(path, name)?, &weight_shapes(spec))?,
+    )
+}
+
+/// The network of tensors as [`weight_shapes`] has them.
+pub(crate) fn mlp_of(spec: &MlpSpec, tensors: Vec<Vec<f32>>) -> Result<Mlp, NetsError> {
+    let (mut tensors, mut layers) = (tensors.into_iter(), vec![]);
     while let (Some(weights), Some(bias)) = (tensors.next(), tensors.next()) {
         layers.push(Layer { weights, bias });
     }
     Mlp::from_layers(spec, layers)
 }
 
-fn weight_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
+/// Names and shapes of the weights and biases, layer by layer.
+pub(crate) fn weight_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
     let layers = spec.layer_shapes().into_iter().enumerate();
     layers
         .flat_map(|(i, (n_in, n_out))| {
@@ -271,7 +279,8 @@ fn moment_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
     .collect()
 }
 
-fn weight_tensors(mlp: &Mlp) -> Vec<NamedTensor<'_>> {
+/// The weights and biases, layer by layer.
+pub(crate) fn weight_tensors(mlp: &Mlp) -> Vec<NamedTensor<'_>> {
     let slices = mlp
         .layers()
         .iter()

@@ -216,6 +216,14 @@ pub enum NetsError {
         /// The name.
         name: String,
     },
+    /// A safetensors file without a net.
+    #[error("{} holds no net: it lacks the entry {entry}; make it anew", path.display())]
+    NotANet {
+        /// The file.
+        path: PathBuf,
+        /// Name of the metadata entry that a net has.
+        entry: &'static str,
+    },
     /// A weights file that is cut off or not a safetensors file.
     #[error("{} is not a readable safetensors file: {source}", path.display())]
     Safetensors {

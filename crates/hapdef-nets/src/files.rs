@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use safetensors::tensor::TensorView;
-use safetensors::{Dtype, SafeTensors};
+use safetensors::{Dtype, SafeTensorError, SafeTensors};
 
 use crate::error::NetsError;
 
@@ -34,18 +34,25 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, NetsError> {
 
 /// Writes named tensors as one safetensors file.
 pub(crate) fn write_tensors(path: &Path, tensors: &[NamedTensor<'_>]) -> Result<(), NetsError> {
-    let invalid = |source| NetsError::Safetensors {
-        path: path.to_path_buf(),
-        source,
-    };
+    write_atomic(path, &tensor_bytes(path, tensors, None)?)
+}
+
+/// Named tensors as the bytes of a safetensors file, with one entry (name, text) of metadata.
+pub(crate) fn tensor_bytes(
+    path: &Path,
+    tensors: &[NamedTensor<'_>],
+    entry: Option<(&str, String)>,
+) -> Result<Vec<u8>, NetsError> {
+    let invalid = unreadable(path);
     let to_bytes = |t: &NamedTensor<'_>| t.values.iter().flat_map(|v| v.to_le_bytes()).collect();
     let bytes: Vec<Vec<u8>> = tensors.iter().map(to_bytes).collect();
     let mut views = Vec::with_capacity(tensors.len());
     for (tensor, bytes) in tensors.iter().zip(&bytes) {
-        let view = TensorView::new(Dtype::F32, tensor.shape.clone(), bytes).map_err(invalid)?;
+        let view = TensorView::new(Dtype::F32, tensor.shape.clone(), bytes).map_err(&invalid)?;
         views.push((&tensor.name, view));
     }
-    write_atomic(path, &safetensors::serialize(views, None).map_err(invalid)?)
+    let metadata = entry.map(|(name, text)| [(name.to_owned(), text)].into_iter().collect());
+    safetensors::serialize(views, metadata).map_err(invalid)
 }
 
 /// Reads named f32 tensors of known shapes from a safetensors file, in the order asked for.
@@ -54,14 +61,30 @@ pub(crate) fn read_tensors(
     path: &Path,
     wanted: &[(String, Vec<usize>)],
 ) -> Result<Vec<Vec<f32>>, NetsError> {
-    let bytes = read(path)?;
-    let file = SafeTensors::deserialize(&bytes).map_err(|source| NetsError::Safetensors {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    tensors_of(path, &read(path)?, wanted)
+}
+
+/// The same from the bytes of `path`.
+pub(crate) fn tensors_of(
+    path: &Path,
+    bytes: &[u8],
+    wanted: &[(String, Vec<usize>)],
+) -> Result<Vec<Vec<f32>>, NetsError> {
+    let file = SafeTensors::deserialize(bytes).map_err(unreadable(path))?;
     let each = wanted.iter();
     each.map(|(name, shape)| read_tensor(path, &file, name, shape))
         .collect()
+}
+
+/// An entry of a safetensors file's metadata, if it is there.
+pub(crate) fn metadata_entry(
+    path: &Path,
+    bytes: &[u8],
+    name: &str,
+) -> Result<Option<String>, NetsError> {
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(unreadable(path))?;
+    let entries = metadata.metadata().as_ref();
+    Ok(entries.and_then(|entries| entries.get(name).cloned()))
 }
 
 fn read_tensor(
@@ -91,6 +114,14 @@ fn read_tensor(
             value: values[index],
         }),
         None => Ok(values),
+    }
+}
+
+fn unreadable(path: &Path) -> impl Fn(SafeTensorError) -> NetsError {
+    let path = path.to_path_buf();
+    move |source| NetsError::Safetensors {
+        path: path.clone(),
+        source,
     }
 }
 

@@ -11,6 +11,7 @@ use hapdef_nets::{
     TrainParams, TrainRecord, load, load_for_resume, save,
 };
 use proptest::prelude::*;
+use safetensors::tensor::TensorView;
 
 fn spec(inputs: usize, hidden: &[usize], outputs: usize, activation: Activation) -> MlpSpec {
     MlpSpec {
@@ -360,4 +361,22 @@ fn a_checkpoint_of_another_architecture_version_or_folder_is_told() {
     check_edited("0.25", "-0.25", |e| {
         matches!(e, NetsError::Deviation { column: 1, .. })
     });
+}
+
+#[test]
+fn a_net_comes_back_from_its_bytes_or_is_refused() {
+    let net = net();
+    let bytes = net.to_bytes().unwrap();
+    assert_eq!(Net::from_bytes(&bytes, "net").unwrap(), net);
+    assert_eq!(net.to_bytes().unwrap(), bytes);
+    for len in 0..bytes.len() {
+        assert!(
+            Net::from_bytes(&bytes[..len], "net").is_err(),
+            "{len} bytes"
+        );
+    }
+    let plain = safetensors::serialize(Vec::<(&str, TensorView<'_>)>::new(), None).unwrap();
+    let error = Net::from_bytes(&plain, "some file").unwrap_err();
+    assert!(matches!(error, NetsError::NotANet { .. }), "{error}");
+    assert!(error.to_string().contains("some file"), "{error}");
 }

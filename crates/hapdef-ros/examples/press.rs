@@ -56,6 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             seq: i,
             quality: None,
             contacts: finger(i).into_iter().collect(),
+            alternatives: Vec::new(),
         })?;
         if i % 250 == 0 {
             // The recorder has a disk to write to; a limb would give it the time.

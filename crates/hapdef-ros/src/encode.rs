@@ -8,8 +8,8 @@ use crate::frames::frame_of;
 use crate::input::{self, Health, Readings};
 use crate::markers::markers;
 use crate::msg::{
-    Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue, TfMessage,
-    Time, Transform, TransformStamped, Vector3, Wrench, WrenchStamped,
+    Alternative, Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue,
+    TfMessage, Time, Transform, TransformStamped, Vector3, Wrench, WrenchStamped,
 };
 use crate::sink::MessageSink;
 use crate::slots::{Slot, Slots};
@@ -127,6 +127,7 @@ impl<S: MessageSink> RosEncoder<S> {
             is_identified: quality.is_some_and(|q| q.is_identified),
             p_value: quality.map_or(0.0, |q| q.p_value),
             contacts: contacts.contacts.iter().map(contact).collect(),
+            alternatives: contacts.alternatives.iter().map(alternative).collect(),
         }
     }
 
@@ -199,6 +200,15 @@ impl<S: MessageSink> RosEncoder<S> {
         self.put(TopicKind::Markers, stamp_ns, |this| {
             markers(&this.params, &this.header(stamp_ns), &gone)
         })
+    }
+}
+
+fn alternative(other: &input::Alternative) -> Alternative {
+    let contacts = other.contacts.iter();
+    Alternative {
+        delta_evidence: other.delta_evidence,
+        positions: contacts.clone().map(|(place, _)| (*place).into()).collect(),
+        forces: contacts.map(|(_, force_n)| *force_n).collect(),
     }
 }
 

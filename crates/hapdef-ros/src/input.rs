@@ -24,6 +24,17 @@ pub struct Contacts {
     pub quality: Option<Quality>,
     /// The contacts, the strongest first.
     pub contacts: Vec<Contact>,
+    /// Other explanations of the reading, nearly as good, the best first; may be empty.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// Another explanation of a reading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Alternative {
+    /// How much worse it is: −2 ln evidence less that of the reported contacts.
+    pub delta_evidence: f64,
+    /// Its contacts: where on the skin, m, and normal force, N.
+    pub contacts: Vec<([f64; 3], f64)>,
 }
 
 /// How good an explanation of a reading is.

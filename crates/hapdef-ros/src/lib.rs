@@ -31,7 +31,7 @@ pub use encode::RosEncoder;
 pub use error::RosError;
 #[cfg(feature = "foxglove")]
 pub use foxglove_server::FoxgloveServer;
-pub use input::{Contact, Contacts, Health, Level, Quality, Readings, Uncertainty};
+pub use input::{Alternative, Contact, Contacts, Health, Level, Quality, Readings, Uncertainty};
 pub use mcap_sink::McapSink;
 pub use schema::{dds_name, definition, type_hash};
 pub use sink::{MessageSink, Sinks};

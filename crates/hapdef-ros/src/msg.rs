@@ -145,6 +145,19 @@ pub struct Contacts {
     pub p_value: f64,
     /// The contacts, the strongest first.
     pub contacts: Vec<Contact>,
+    /// Other explanations of the reading, the best first.
+    pub alternatives: Vec<Alternative>,
+}
+
+/// hapdef_msgs/Alternative.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Alternative {
+    /// −2 ln evidence less that of the reported contacts.
+    pub delta_evidence: f64,
+    /// Its contacts on the skin, m.
+    pub positions: Vec<Vector3>,
+    /// Their normal forces, N.
+    pub forces: Vec<f64>,
 }
 
 /// diagnostic_msgs/KeyValue.

@@ -30,6 +30,7 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "geometry_msgs" / "Vector3",
     "geometry_msgs" / "Wrench",
     "geometry_msgs" / "WrenchStamped",
+    "hapdef_msgs" / "Alternative",
     "hapdef_msgs" / "Contact",
     "hapdef_msgs" / "Contacts",
     "hapdef_msgs" / "Gauges",
@@ -56,7 +57,7 @@ const HASHES: &[(&str, &str)] = &[
     ),
     (
         "hapdef_msgs/Contacts",
-        "RIHS01_d60d0d80555b9050427ab6052e369225cdf4ebe13bb1327a443905a79edb7f96",
+        "RIHS01_bda1d410f3c48b73d311976ac41ab5fa8d2e9c823704791b91f041ea37cff598",
     ),
     (
         "hapdef_msgs/Gauges",

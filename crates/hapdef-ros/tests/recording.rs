@@ -67,6 +67,34 @@ fn everything_is_in_one_file_and_comes_back() {
     assert_eq!(calibrations.count(), 1);
 }
 
+/// Readings with none, one and two other explanations, each as it was said.
+#[test]
+fn other_explanations_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("press.mcap");
+    recorded(&path, 90);
+    let records = records(&path);
+    let found = further(&records);
+    let lists = found
+        .iter()
+        .filter(|(name, ..)| *name == "/hapdef/contacts");
+    let mut counts = [0; 3];
+    for (_, stamp_ns, bytes) in lists {
+        let list: msg::Contacts = from_cdr(bytes).unwrap();
+        let said = support::contacts(list.seq, *stamp_ns).alternatives;
+        counts[said.len()] += 1;
+        let read = list.alternatives.iter().map(|other| {
+            let places = other.positions.iter().map(|p| [p.x, p.y, p.z]);
+            hapdef_ros::Alternative {
+                delta_evidence: other.delta_evidence,
+                contacts: places.zip(other.forces.iter().copied()).collect(),
+            }
+        });
+        assert_eq!(read.collect::<Vec<_>>(), said);
+    }
+    assert_eq!(counts, [30; 3]);
+}
+
 #[test]
 fn the_file_says_how_its_messages_are_read() {
     let folder = tempfile::tempdir().unwrap();

@@ -106,15 +106,36 @@ pub enum HapdefError {
         /// What to do.
         advice: String,
     },
-    /// The deck can't be read.
-    #[error(
-        "geometry.solid_deck: {path}: {source}; the path is relative to the scene file: correct it"
-    )]
+    /// A deck can't be read.
+    #[error("{field}: {path}: {source}; the path is relative to the scene file: correct it")]
     NoDeck {
+        /// Which of the scene's decks.
+        field: &'static str,
         /// The deck.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// The rig's own mesh can't be used.
+    #[error(
+        "rig.mesh.solid_deck: {path}: {source}; mount, contact region and gauges must be found on it \
+         as on geometry.solid_deck"
+    )]
+    RigDeck {
+        /// The deck.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<HapdefError>,
+    },
+    /// The rig's own mesh is the limb's.
+    #[error(
+        "rig.mesh.solid_deck: {path} is geometry.solid_deck itself, cut as often: the simulated \
+         hardware would be the model; name another mesh of the limb, or cut it more often \
+         (rig.mesh.refinements)"
+    )]
+    RigDeckIsLimb {
+        /// The deck.
+        path: PathBuf,
     },
     /// Neither scene nor deck names a whole material.
     #[error(

@@ -49,14 +49,14 @@ pub struct Limb {
 pub(crate) struct Solid {
     /// In metres, refined.
     pub(crate) mesh: Tet10Mesh,
-    boundary: BoundarySurface,
+    pub(crate) boundary: BoundarySurface,
     pub(crate) skin: SkinRegion,
     /// Nodes held fast.
     pub(crate) clamped: Vec<FeNodeId>,
     /// The deck in metres as it was read.
     deck: SolidDeck,
     /// Hash of the file's bytes.
-    hash: String,
+    pub(crate) hash: String,
 }
 
 impl Limb {
@@ -180,6 +180,7 @@ impl Solid {
 /// [`HapdefError::NoDeck`] when it can't be read.
 pub(crate) fn deck_hash(path: &Path) -> Result<String, HapdefError> {
     let bytes = std::fs::read(path).map_err(|source| HapdefError::NoDeck {
+        field: "geometry.solid_deck",
         path: path.to_path_buf(),
         source,
     })?;
@@ -323,7 +324,11 @@ fn gauge_params(scene: &Scene) -> GaugeParams {
     }
 }
 
-fn place_gauges(
+/// The scene's gauges on a mesh, with their patches of virtual gauges.
+///
+/// # Errors
+/// [`HapdefError::Gauge`] for the first that can't be placed.
+pub(crate) fn place_gauges(
     scene: &Scene,
     sites: &[GaugeSite],
     mesh: &Tet10Mesh,

@@ -40,7 +40,12 @@ fn refused(change: impl FnOnce(&mut Value), expected: &[&str]) {
 
 #[track_caller]
 fn refused_in(folder: &Path, expected: &[&str]) {
-    let output = hapdef(&["simulate", "scene.json"], folder);
+    refused_by("simulate", folder, expected);
+}
+
+#[track_caller]
+fn refused_by(command: &str, folder: &Path, expected: &[&str]) {
+    let output = hapdef(&[command, "scene.json"], folder);
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert_eq!(text.matches("error:").count(), 1, "{text}");
@@ -171,6 +176,59 @@ fn a_contact_region_without_skin() {
         |scene| scene["contact"]["region"]["axial_range_m"] = json!([5.0, 6.0]),
         &["region"],
     );
+}
+
+/// `hapdef check` refuses the rig's own deck, which `prepare` puts or changes at the path it is given.
+#[track_caller]
+fn rig_deck_refused(prepare: impl FnOnce(&Path), expected: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |scene| {
+        scene["rig"]["mesh"] = json!({"kind": "deck", "solid_deck": "other.inp.gz"});
+    });
+    prepare(&folder.path().join("other.inp.gz"));
+    let expected = [&["rig.mesh.solid_deck", "other.inp.gz"], expected].concat();
+    refused_by("check", folder.path(), &expected);
+}
+
+#[test]
+fn a_rigs_deck_that_is_not_there() {
+    rig_deck_refused(|_| {}, &["relative to the scene"]);
+    rig_deck_refused(
+        |path| fs::create_dir(path).unwrap(),
+        &["relative to the scene"],
+    );
+}
+
+#[test]
+fn a_rigs_deck_that_is_truncated_or_none() {
+    let bytes = fs::read(shin().join("shin_rig.inp.gz")).unwrap();
+    let half = &bytes[..bytes.len() / 2];
+    let advice = &["must be found on it"];
+    rig_deck_refused(|path| fs::write(path, half).unwrap(), advice);
+    rig_deck_refused(|path| fs::write(path, "no deck").unwrap(), advice);
+}
+
+#[test]
+fn a_rigs_deck_that_is_the_limbs() {
+    let same = |path: &Path| {
+        fs::copy(shin().join("shin.inp.gz"), path).unwrap();
+    };
+    rig_deck_refused(same, &["the simulated hardware would be the model"]);
+}
+
+/// A deck of another limb: what the scene names is not on it.
+#[test]
+fn a_rigs_deck_of_another_limb() {
+    let other = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,.5,0,0\n6,.5,.5,0\n7,0,.5,0\n\
+                 8,0,0,.5\n9,.5,0,.5\n10,0,.5,.5\n*ELEMENT,TYPE=C3D10,ELSET=ALL\n\
+                 1,1,2,3,4,5,6,7,8,9,10\n";
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |scene| {
+        scene["rig"]["mesh"] = json!({"kind": "deck", "solid_deck": "other.inp"});
+    });
+    fs::write(folder.path().join("other.inp"), other).unwrap();
+    let expected = ["rig.mesh.solid_deck", "other.inp", "MOUNT"];
+    refused_by("check", folder.path(), &expected);
 }
 
 /// Khronos' broken files, each refused or read whole: what its validator finds wrong with the

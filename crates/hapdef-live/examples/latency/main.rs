@@ -26,15 +26,19 @@ use hapdef_live::{Bundle, Delivery, FnSink, Health, Live, LiveParams, Wants};
 
 use crate::device::{SENT_NS, pty, readings};
 
-const USAGE: &str = "latency BUNDLE [--rounds N] [--seconds N] [--seed N] [--metrics FILE]";
+const USAGE: &str = "latency BUNDLE [--seconds N] [--seed N] [--metrics FILE]";
 
 /// Time at the start of a turn that is not counted, with the tare.
 const WARM: Duration = Duration::from_secs(1);
 
+/// Turns of each kind at most, and how long one is at least, s.
+const MOST_ROUNDS: u64 = 5;
+const LEAST_TURN_S: u64 = 4;
+
 /// What is measured, and how long.
 struct Plan {
     bundle: PathBuf,
-    n_rounds: usize,
+    n_rounds: u64,
     turn: Duration,
     seed: u64,
     metrics: Option<PathBuf>,
@@ -79,10 +83,18 @@ fn plan() -> Plan {
     let value = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
     let number =
         |name: &str, default: u64| value(name).map_or(default, |v| v.parse().expect(USAGE));
+    let all_s = number("--seconds", 2 * MOST_ROUNDS * LEAST_TURN_S);
+    let n_rounds = (all_s / (2 * LEAST_TURN_S)).clamp(1, MOST_ROUNDS);
+    let turn = Duration::from_secs(all_s) / (2 * n_rounds as u32);
+    assert!(
+        turn > WARM,
+        "--seconds: more than {} is needed",
+        2 * WARM.as_secs()
+    );
     Plan {
         bundle: words.first().expect(USAGE).into(),
-        n_rounds: number("--rounds", 5) as usize,
-        turn: Duration::from_secs(number("--seconds", 4)),
+        n_rounds,
+        turn,
         seed: number("--seed", 1),
         metrics: value("--metrics").map(PathBuf::from),
     }

@@ -18,10 +18,10 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::LiveError;
-use crate::touch::{SearchPlace, Superposition, SuperpositionSettings, Tracking};
+use crate::touch::{SearchPlace, Superposition, SuperpositionSettings, TouchEstimator, Tracking};
 
 /// Version of the form that is written and read here.
-pub const BUNDLE_VERSION: u32 = 1;
+pub const BUNDLE_VERSION: u32 = 2;
 
 /// Everything that a robot needs to find contacts, and where it comes from.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub struct Bundle {
     pub modes: Vec<BundleMode>,
     /// What the map was calibrated with, JSON, if it was.
     pub calibration_json: Option<String>,
-    /// Files of trained nets by name; may be empty.
+    /// Files of the paper's chain with its trained nets, by name; may be empty.
     pub nets: BTreeMap<String, Vec<u8>>,
     map: Arc<ResponseMap>,
     /// The normals that the skin was made with.
@@ -56,8 +56,20 @@ pub struct BundleInfo {
     pub deck_hash: Option<String>,
     /// The gauges in the order of the map.
     pub gauges: Vec<BundleGauge>,
-    /// How contacts are looked for.
+    /// What finds contacts, as the scene chooses it.
+    pub estimator: BundleEstimator,
+    /// How contacts are looked for by superposition, and how many there are at most.
     pub settings: SuperpositionSettings,
+}
+
+/// What finds contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BundleEstimator {
+    /// Superposition on the response map.
+    Superposition,
+    /// The paper's chain of nets.
+    Hapdefx,
 }
 
 /// A gauge.
@@ -174,6 +186,46 @@ impl Bundle {
             ..TrackerParams::default()
         };
         Tracking::new(self.contact_estimator()?, params, place)
+    }
+
+    /// The paper's chain of the bundle's nets; as many contacts at most as the settings say.
+    ///
+    /// # Errors
+    /// [`LiveError::NotABundle`] where it has no nets, or no whole ones; as
+    /// [`crate::touch::Hapdefx::new`].
+    #[cfg(feature = "nets")]
+    pub fn paper_chain(&self) -> Result<crate::touch::PaperChain, LiveError> {
+        if self.nets.is_empty() {
+            return Err(LiveError::NotABundle {
+                file: format!("the bundle of {}", self.info.scene),
+                what: "it has no nets (hapdef bundle --nets adds them)".to_owned(),
+            });
+        }
+        let chain = crate::touch::Hapdefx::from_files(&self.nets)?;
+        let (expected, found) = (self.info.gauges.len(), chain.n_gauges());
+        if expected != found {
+            return Err(LiveError::FrameLength { expected, found });
+        }
+        let max_contacts = self.info.settings.max_contacts;
+        Ok(crate::touch::PaperChain::new(chain, max_contacts))
+    }
+
+    /// What the scene chooses: contacts followed from frame to frame by superposition, or the paper's
+    /// chain, which takes the feature `nets`.
+    ///
+    /// # Errors
+    /// As [`Bundle::tracking`] and [`Bundle::paper_chain`]; [`LiveError::NetsLeftOut`] without the
+    /// feature.
+    pub fn estimator(&self, place: SearchPlace) -> Result<Box<dyn TouchEstimator>, LiveError> {
+        match self.info.estimator {
+            BundleEstimator::Superposition => Ok(Box::new(self.tracking(place)?)),
+            #[cfg(feature = "nets")]
+            BundleEstimator::Hapdefx => Ok(Box::new(self.paper_chain()?)),
+            #[cfg(not(feature = "nets"))]
+            BundleEstimator::Hapdefx => Err(LiveError::NetsLeftOut {
+                scene: self.info.scene.clone(),
+            }),
+        }
     }
 }
 

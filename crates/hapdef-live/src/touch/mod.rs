@@ -1,5 +1,7 @@
 //! From one frame of readings to contacts: estimators behind one trait, and what they say.
 
+#[cfg(feature = "nets")]
+mod hapdefx;
 mod settings;
 mod superposition;
 mod tracking;
@@ -7,6 +9,8 @@ mod tracking;
 use hapdef_inverse::{ContactEstimator, MAX_CONTACTS, Phase, Verdict, WhyNot};
 use nalgebra::{Matrix3, Point3, Vector3};
 
+#[cfg(feature = "nets")]
+pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
 pub use settings::{SuperpositionSettings, friction_rms};
 pub use superposition::Superposition;
 pub use tracking::{SearchPlace, Tracking};

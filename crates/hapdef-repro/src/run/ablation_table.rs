@@ -9,7 +9,9 @@ mod ways;
 
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
-use hapdef::{ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage};
+use hapdef::{
+    ChainNets, ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage, hapdefx,
+};
 use hapdef_nets::Net;
 use hapdef_report::{ReportTable, StageTime, TextCell, TextTable};
 use serde::{Deserialize, Serialize};
@@ -112,8 +114,12 @@ impl World<'_> {
         let chain_of = |sensitivity: &Net| {
             let points = points.iter().map(|p| p.coords.into()).collect();
             let spec = self.run.scene.estimator.hapdefx();
-            let nets = (transfer.clone(), made.brief.clone());
-            Hapdefx::new(nets.0, nets.1, sensitivity.clone(), points, &spec)
+            let nets = ChainNets {
+                transfer: transfer.clone(),
+                reconstruction: made.brief.clone(),
+                sensitivity: sensitivity.clone(),
+            };
+            hapdefx(nets, points, &spec)
         };
         let (on_predicted, on_normal) = (chain_of(&made.on_predicted)?, chain_of(&made.on_normal)?);
         let mut ways = self.whole_ways(&transfer, &whole, made, &on_predicted, &refiner);

@@ -11,8 +11,8 @@ use hapdef_daq::record::{RecordInfo, RecordParams, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_ros::{
-    Contact, Contacts, Health, Level, McapSink, MessageSink, Quality, Readings, RosEncoder,
-    RosParams, Sinks, TopicKind, Uncertainty, topics,
+    Alternative, Contact, Contacts, Health, Level, McapSink, MessageSink, Quality, Readings,
+    RosEncoder, RosParams, Sinks, TopicKind, Uncertainty, topics,
 };
 
 pub const CALIBRATION: &[u8] = b"{\"tare\": [1, 2.5]}";
@@ -65,7 +65,19 @@ pub fn contact(id: u32, seed: u64) -> Contact {
     }
 }
 
-/// Contacts of reading `i`: one that stays, one that comes and goes.
+/// Another explanation, of `k` + 1 contacts.
+pub fn alternative(k: u32, seed: u64) -> Alternative {
+    let contacts = (0..=u64::from(k)).map(|j| {
+        let n = |axis: u64| number(seed * 53 + 7 * j + axis);
+        ([0.1 * n(0), 0.1 * n(1), 0.1 * n(2)], 3.0 + n(3))
+    });
+    Alternative {
+        delta_evidence: f64::from(k) + 0.7 + 0.1 * number(seed),
+        contacts: contacts.collect(),
+    }
+}
+
+/// Contacts of reading `i`, with none to two other explanations: one that stays, one that comes and goes.
 pub fn contacts(i: u32, stamp_ns: u64) -> Contacts {
     let mut list = vec![contact(4, u64::from(i))];
     if i % 40 < 20 {
@@ -79,6 +91,7 @@ pub fn contacts(i: u32, stamp_ns: u64) -> Contacts {
             p_value: 0.5 + 0.4 * number(u64::from(i)),
         }),
         contacts: list,
+        alternatives: (0..i % 3).map(|k| alternative(k, u64::from(i))).collect(),
     }
 }
 
@@ -104,6 +117,7 @@ pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
     let truth = Contacts {
         contacts: known.collect(),
         quality: None,
+        alternatives: Vec::new(),
         ..found
     };
     encoder.truth(&truth).unwrap();

@@ -16,7 +16,7 @@ use serde_json::json;
     hapdef bundle fixtures/shin/placed.json -o shin.hapdef\n  \
     hapdef live shin.hapdef --source serial:/dev/ttyACM0\n\n\
     The bundle has the scene, the skin, the response map with its error, the gauges and the \
-    calibration that the scene names; nothing else is needed to find contacts, and every part is \
+    calibration that the scene names, and the trained nets if the scene chooses them; nothing else is needed to find contacts, and every part is \
     checked by its hash when it is read.")]
 pub(crate) struct BundleArgs {
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(crate) struct BundleArgs {
     /// calibration on the robot; takes a solve for each mode and gauge.
     #[arg(long, value_name = "N")]
     modes: Option<usize>,
-    /// Add the files of the paper's trained nets; they are trained where they are not.
+    /// Add the paper's trained nets, whatever the scene chooses; they are trained where they are not.
     #[arg(long)]
     nets: bool,
     /// Print what is in it as JSON.
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
         println!("{}", as_json(&bundle, bytes.len()));
     } else {
         println!(
-            "{}: {} gauges, {} skin nodes, {:.1} MB{}{}",
+            "{}: {} gauges, {} skin nodes, {:.1} MB{}{}{}",
             args.bundle.display(),
             bundle.info.gauges.len(),
             bundle.skin().n_nodes(),
@@ -67,6 +67,11 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
                 ""
             } else {
                 ", with modes"
+            },
+            if bundle.nets.is_empty() {
+                ""
+            } else {
+                ", with nets"
             },
         );
     }
@@ -82,6 +87,7 @@ fn as_json(bundle: &Bundle, n_bytes: usize) -> serde_json::Value {
         "n_skin_faces": bundle.skin().n_faces(),
         "n_modes": bundle.modes.len(),
         "is_calibrated": bundle.calibration_json.is_some(),
+        "estimator": bundle.info.estimator,
         "nets": bundle.nets.keys().collect::<Vec<_>>(),
         "n_bytes": n_bytes,
     })

@@ -90,7 +90,7 @@ enum EstimatorName {
     Tracking,
     /// By superposition, each frame on its own.
     Superposition,
-    /// The paper's chain of nets; needs a scene.
+    /// The paper's chain of nets; a bundle needs them in it.
     Hapdefx,
 }
 
@@ -146,11 +146,10 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
 impl Model {
     fn of_bundle(args: &LiveArgs, bundle: &Bundle) -> Result<Self> {
         let estimator: Box<dyn TouchEstimator> = match args.estimator {
-            None | Some(EstimatorName::Tracking) => Box::new(bundle.tracking(args.place())?),
+            None => bundle.estimator(args.place())?,
+            Some(EstimatorName::Tracking) => Box::new(bundle.tracking(args.place())?),
             Some(EstimatorName::Superposition) => Box::new(bundle.superposition()?),
-            Some(EstimatorName::Hapdefx) => {
-                bail!("--estimator hapdefx: a bundle's nets are not run from it: give the scene")
-            }
+            Some(EstimatorName::Hapdefx) => Box::new(bundle.paper_chain()?),
         };
         let Some(source) = &args.source else {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")

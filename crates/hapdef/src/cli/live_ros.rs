@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::source::FrameSource;
-use hapdef_live::touch::{Touch, TouchContact};
+use hapdef_live::touch::{Alternative, Touch, TouchContact};
 use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
 use hapdef_rig::live::TruthFrame;
 use hapdef_ros::{
@@ -171,10 +171,7 @@ impl Sink for RosSink {
     }
 
     fn wants(&self) -> Wants {
-        Wants {
-            alternatives: false,
-            ..Wants::ALL
-        }
+        Wants::ALL
     }
 
     fn delivery(&self) -> Delivery {
@@ -230,6 +227,17 @@ fn contacts(touch: &Touch, seq: u32, stamp_ns: u64) -> Contacts {
         seq,
         quality,
         contacts: touch.contacts.iter().zip(0..).map(contact).collect(),
+        alternatives: touch.alternatives.iter().map(alternative).collect(),
+    }
+}
+
+fn alternative(other: &Alternative) -> hapdef_ros::Alternative {
+    let contacts = other.contacts();
+    hapdef_ros::Alternative {
+        delta_evidence: other.delta_evidence,
+        contacts: contacts
+            .map(|(at, force_n)| (at.coords.into(), force_n))
+            .collect(),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use anyhow::Result;
+use hapdef::stages::check_rig_mesh;
 use hapdef::{Limb, Pipeline, SceneArgs, Stage, Until};
 
 /// Reads the scene and its limb and says what is there.
@@ -18,6 +19,9 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
         limb.clamped.len(),
         limb.gauges.len(),
     );
+    if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
+        println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");
+    }
     Ok(())
 }
 

@@ -194,6 +194,7 @@ impl Line {
             seq: self.seq,
             quality: None,
             contacts: self.contacts.iter().map(contact).collect(),
+            alternatives: Vec::new(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use hapdef_data::{DatasetReader, Split};
+use hapdef_live::touch::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,7 @@ use super::nets::NetKind;
 use super::train::TrainedNets;
 use crate::cache::Stage;
 use crate::error::HapdefError;
-use crate::estimator::{FoundContact, Hapdefx, HapdefxScratch};
+use crate::estimator::hapdefx;
 use crate::limb::Limb;
 use crate::map_error::{MapError, MapErrorSum};
 use crate::run::Run;
@@ -136,15 +137,14 @@ pub fn trained_chain(
         .iter()
         .map(|p| p.coords.into())
         .collect();
-    Hapdefx::new(
-        nets.load(NetKind::Transfer)?,
-        nets.load(NetKind::Reconstruction {
+    let nets = ChainNets {
+        transfer: nets.load(NetKind::Transfer)?,
+        reconstruction: nets.load(NetKind::Reconstruction {
             n_sets: data.simulated.len(),
         })?,
-        nets.load(NetKind::Sensitivity)?,
-        points,
-        &run.scene.estimator.hapdefx(),
-    )
+        sensitivity: nets.load(NetKind::Sensitivity)?,
+    };
+    hapdefx(nets, points, &run.scene.estimator.hapdefx())
 }
 
 fn single_scores(

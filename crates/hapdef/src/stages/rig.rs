@@ -1,6 +1,6 @@
 //! Stage: the simulated hardware's answer to a newton at every surface node.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_rig::{
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::cache::Stage;
 use crate::error::HapdefError;
-use crate::limb::{Limb, Solid, deck_hash};
+use crate::limb::{Limb, Solid, deck_hash, place_gauges};
 use crate::run::Run;
 use crate::scene::{RigMesh, RigSpec, VariationSpec};
 
@@ -58,7 +58,7 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
 ///
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved; [`HapdefError::NoDeck`]
-/// and what [`Limb::load`] returns for the rig's own deck.
+/// and [`HapdefError::RigDeck`] for the rig's own deck.
 pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLimb, HapdefError> {
     let own = rig_solid(run)?;
     let nominal = NominalLimb {
@@ -80,14 +80,56 @@ pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLim
 /// The rig's own mesh, not refined, with mount and skin; none where it is the limb's refined.
 ///
 /// # Errors
-/// As [`Limb::load`], of the rig's deck.
+/// [`HapdefError::NoDeck`] when the deck can't be read, [`HapdefError::RigDeck`] when it can't be
+/// used.
 pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
+    let Some(path) = rig_deck(run) else {
+        return Ok(None);
+    };
+    Solid::load(&run.scene, &path, 0)
+        .map(Some)
+        .map_err(of_rig(&path))
+}
+
+/// FE nodes and elements of the rig's own mesh, on which mount, contact region and gauges have been
+/// found, without solving anything; none where the rig's mesh is the limb's refined.
+///
+/// # Errors
+/// As [`rig_mesh_key`]; [`HapdefError::RigDeck`] when something is not found on it, and
+/// [`HapdefError::RigDeckIsLimb`] when it is the limb's mesh itself.
+pub fn check_rig_mesh(run: &Run, limb: &Limb) -> Result<Option<[usize; 2]>, HapdefError> {
+    let (Some(path), Some(own)) = (rig_deck(run), rig_solid(run)?) else {
+        return Ok(None);
+    };
+    let is_cut_as_often = run.scene.rig.mesh.refinements() == run.scene.geometry.refinements;
+    if own.hash == limb.deck_hash && is_cut_as_often {
+        return Err(HapdefError::RigDeckIsLimb { path });
+    }
+    place_gauges(&run.scene, &limb.sites, &own.mesh, &own.boundary).map_err(of_rig(&path))?;
+    Ok(Some([own.mesh.nodes().len(), own.mesh.elements().len()]))
+}
+
+/// Path of the rig's own deck, if it has one.
+fn rig_deck(run: &Run) -> Option<PathBuf> {
     match &run.scene.rig.mesh {
-        RigMesh::Refined { .. } => Ok(None),
-        RigMesh::Deck { solid_deck, .. } => {
-            let path = run.scene_dir.join(solid_deck);
-            Ok(Some(Solid::load(&run.scene, &path, 0)?))
-        }
+        RigMesh::Refined { .. } => None,
+        RigMesh::Deck { solid_deck, .. } => Some(run.scene_dir.join(solid_deck)),
+    }
+}
+
+/// Says that an error concerns the rig's own deck at `path`.
+fn of_rig(path: &Path) -> impl Fn(HapdefError) -> HapdefError {
+    let path = path.to_path_buf();
+    move |error| match error {
+        HapdefError::NoDeck { path, source, .. } => HapdefError::NoDeck {
+            field: "rig.mesh.solid_deck",
+            path,
+            source,
+        },
+        other => HapdefError::RigDeck {
+            path: path.clone(),
+            source: Box::new(other),
+        },
     }
 }
 
@@ -97,11 +139,9 @@ pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
 /// [`HapdefError::NoDeck`] when the deck can't be read.
 pub(crate) fn rig_mesh_key(run: &Run) -> Result<Value, HapdefError> {
     let mesh = &run.scene.rig.mesh;
-    Ok(match mesh {
-        RigMesh::Refined { .. } => json!(mesh),
-        RigMesh::Deck { solid_deck, .. } => {
-            json!([mesh, deck_hash(&run.scene_dir.join(solid_deck))?])
-        }
+    Ok(match rig_deck(run) {
+        None => json!(mesh),
+        Some(path) => json!([mesh, deck_hash(&path).map_err(of_rig(&path))?]),
     })
 }
 

@@ -1,21 +1,23 @@
 //! A scene's bundle: what a robot needs to find its contacts.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use hapdef_inverse::{ResponseMap, ResponseParams};
 use hapdef_live::touch::SuperpositionSettings;
-use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
+use hapdef_live::{Bundle, BundleEstimator, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 
 use super::response::touchable_skin;
 use super::{
-    Calibration, UncertainParams, UncertainResponse, chain_stages, estimator_settings, response_map,
+    Calibration, ChainStages, UncertainParams, UncertainResponse, chain_stages, estimator_settings,
+    response_map,
 };
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
+use crate::scene::EstimatorSpec;
+use crate::stages::trained_chain;
 
 /// What a bundle has beside the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,12 +25,13 @@ pub struct BundleRequest {
     /// What may change the response: each gauge moved and turned, and that many stiffness modes of
     /// the limb. For a calibration on the robot.
     pub n_stiffness: Option<usize>,
-    /// The files of the paper's trained nets.
+    /// The paper's chain with its trained nets, even where the scene chooses another estimator.
     pub has_nets: bool,
 }
 
 /// Makes the bundle of a scene, whose file's text is `scene_json`: from its calibration where it
-/// names one, else by one adjoint solve for each gauge.
+/// names one, else by one adjoint solve for each gauge. A scene that chooses the paper's chain has its
+/// trained nets in it; they are trained where they are not.
 ///
 /// # Errors
 /// What the first step that fails returns.
@@ -48,7 +51,7 @@ pub fn make_bundle(
     if let Some(n_stiffness) = request.n_stiffness {
         bundle.modes = modes(run, limb, n_stiffness)?;
     }
-    if request.has_nets {
+    if request.has_nets || bundle.info.estimator == BundleEstimator::Hapdefx {
         bundle.nets = nets(run, limb)?;
     }
     Ok(bundle)
@@ -105,6 +108,10 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
         made_by: env!("CARGO_PKG_VERSION").to_owned(),
         deck_hash: Some(limb.deck_hash.clone()),
         gauges: run.scene.gauges.sites.iter().map(gauge).collect(),
+        estimator: match run.scene.estimator {
+            EstimatorSpec::Superposition(_) => BundleEstimator::Superposition,
+            EstimatorSpec::Hapdefx(_) => BundleEstimator::Hapdefx,
+        },
         settings,
     }
 }
@@ -141,18 +148,8 @@ fn modes(run: &Run, limb: &Limb, n_stiffness: usize) -> Result<Vec<BundleMode>, 
     Ok(response.modes().into_iter().map(mode).collect())
 }
 
-/// Every file of the trained nets, by the net's name and its own.
+/// The paper's chain, its nets from the cache or trained.
 fn nets(run: &Run, limb: &Limb) -> Result<BTreeMap<String, Vec<u8>>, HapdefError> {
-    let trained = chain_stages(run, limb)?.nets;
-    let mut files = BTreeMap::new();
-    for net in &trained.nets {
-        let dir: &Path = &net.stage.dir;
-        for entry in std::fs::read_dir(dir).map_err(HapdefError::file(dir))? {
-            let path = entry.map_err(HapdefError::file(dir))?.path();
-            let bytes = std::fs::read(&path).map_err(HapdefError::file(&path))?;
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            files.insert(format!("{}/{name}", net.kind.name()), bytes);
-        }
-    }
-    Ok(files)
+    let ChainStages { data, nets, .. } = chain_stages(run, limb)?;
+    Ok(trained_chain(run, limb, &data, &nets)?.to_files()?)
 }

@@ -1,9 +1,9 @@
 //! The estimator that a scene chooses.
 
 use hapdef_inverse::{ContactEstimator, TrackerParams};
-use hapdef_live::touch::{SearchPlace, Superposition, TouchEstimator, Tracking};
+use hapdef_live::touch::{PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking};
 
-use super::{Calibration, PaperChain, response_map, superposition};
+use super::{Calibration, response_map, superposition};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -122,8 +122,6 @@ fn paper_chain(run: &Run, limb: &Limb) -> Result<PaperChain, HapdefError> {
     let ChainStages { data, nets, .. } = chain_stages(run, limb)?;
     Ok(PaperChain::new(
         trained_chain(run, limb, &data, &nets)?,
-        limb.gauges.len(),
-        limb.n_surface_nodes(),
         run.scene.contact.max_contacts,
     ))
 }

@@ -9,7 +9,6 @@ mod layout;
 mod layout_choice;
 mod limits;
 mod modes;
-mod paper_chain;
 mod response;
 mod superposition;
 
@@ -17,14 +16,13 @@ pub use bundle::{BundleRequest, make_bundle};
 pub use calibration::{Calibration, PressQuality};
 pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
 pub use hapdef_live::touch::{
-    Alternative, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator, TouchFrame,
-    TouchQuality, TouchUncertainty, TouchWanted, Tracking,
+    Alternative, PaperChain, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator,
+    TouchFrame, TouchQuality, TouchUncertainty, TouchWanted, Tracking,
 };
 pub use layout::{
     CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts,
 };
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
-pub use paper_chain::PaperChain;
 pub use response::{gauge_map, response_map, touchable_skin};
 pub use superposition::{estimator_params, estimator_settings, superposition};

@@ -1,11 +1,10 @@
 //! The paper's chain as an estimator of contacts.
 
-use hapdef_live::LiveError;
-use hapdef_live::touch::{Touch, TouchContact, TouchEstimator, TouchFrame};
 use nalgebra::Point3;
 
-use crate::error::HapdefError;
-use crate::estimator::{Hapdefx, HapdefxScratch};
+use super::super::{Touch, TouchContact, TouchEstimator, TouchFrame};
+use super::{Hapdefx, HapdefxScratch};
+use crate::error::LiveError;
 
 /// [`Hapdefx`] with its buffers.
 ///
@@ -20,21 +19,19 @@ pub struct PaperChain {
 }
 
 impl PaperChain {
-    /// Wraps the trained chain of a limb with `n_gauges` gauges and `n_surface` surface nodes.
+    /// Wraps the trained chain of a limb.
     #[must_use]
-    pub fn new(chain: Hapdefx, n_gauges: usize, n_surface: usize, max_contacts: usize) -> Self {
+    pub fn new(chain: Hapdefx, max_contacts: usize) -> Self {
         Self {
-            chain,
             scratch: HapdefxScratch::default(),
-            readings: vec![0.0; n_gauges],
-            map_um: vec![0.0; n_surface],
+            readings: vec![0.0; chain.n_gauges()],
+            map_um: vec![0.0; chain.n_surface()],
+            chain,
             max_contacts,
         }
     }
-}
 
-impl PaperChain {
-    fn find(&mut self, touch: &mut Touch) -> Result<(), HapdefError> {
+    fn find(&mut self, touch: &mut Touch) -> Result<(), LiveError> {
         self.chain
             .maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
         let candidates = self.chain.candidates(&self.map_um, &mut self.scratch)?;
@@ -72,10 +69,6 @@ impl TouchEstimator for PaperChain {
             *narrow = *wide as f32;
         }
         touch.clear();
-        let name = self.name();
-        self.find(touch).map_err(|error| LiveError::Estimator {
-            name,
-            source: error.into(),
-        })
+        self.find(touch)
     }
 }

@@ -1,4 +1,4 @@
-//! A layer as two thinner ones.
+//! The best thinner layers, of a layer's weights or of what it does to samples.
 
 use crate::error::{NetsError, check_length};
 use crate::forward::Scratch;
@@ -6,28 +6,11 @@ use crate::mlp::{Layer, Mlp};
 use crate::net::Net;
 use crate::rows::{Rows, axpy, dot};
 
+use super::{LowRank, LowRankInfo};
+
 /// Rounds of the subspace iteration; each multiplies the share of what is left out by the square of
 /// the ratio of the singular values.
 const ROUNDS: usize = 5;
-
-/// A layer `z = W a + b` as `z ≈ U (V a) + b'`, of rank r: n_in r + r n_out weights instead of
-/// n_in n_out.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LowRank {
-    layer: usize,
-    reduce: Layer,
-    expand: Layer,
-}
-
-/// How much of a layer a [`LowRank`] keeps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LowRankInfo {
-    /// Rank r.
-    pub rank: usize,
-    /// Share of the outputs' variance (of the weights' squares with [`LowRank::of_weights`]) that
-    /// is left out.
-    pub left_out: f64,
-}
 
 impl LowRank {
     /// The best rank-`rank` approximation of the weights of layer `layer` in the least-squares
@@ -98,16 +81,6 @@ impl LowRank {
             *bias = per(*bias, *u);
         }
         Ok((low_rank, info))
-    }
-
-    /// Index of the layer it stands for.
-    pub fn layer(&self) -> usize {
-        self.layer
-    }
-
-    /// The two layers: `[rank, n_in]` without bias, then `[n_out, rank]`.
-    pub fn layers(&self) -> [&Layer; 2] {
-        [&self.reduce, &self.expand]
     }
 
     /// Projects the layer's sums onto the first modes of `rows` around `centre`:

@@ -1,27 +1,12 @@
-//! The weights of a network and how they begin.
+//! How the weights of a network begin.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::{Layer, Mlp};
 use crate::activation::Activation;
-use crate::error::{NetsError, check_length};
+use crate::error::NetsError;
 use crate::spec::MlpSpec;
-
-/// The weights of a fully connected network.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mlp {
-    spec: MlpSpec,
-    layers: Vec<Layer>,
-}
-
-/// One layer: `z = W a + b`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Layer {
-    /// W, `[outputs, inputs]`, row-major.
-    pub weights: Vec<f32>,
-    /// b, `[outputs]`.
-    pub bias: Vec<f32>,
-}
 
 impl Mlp {
     /// A network with random weights that depend on `seed` alone.
@@ -50,31 +35,6 @@ impl Mlp {
             spec: spec.clone(),
             layers: layers.collect(),
         })
-    }
-
-    /// A network of given weights. Fails if their number is not the architecture's.
-    pub fn from_layers(spec: &MlpSpec, layers: Vec<Layer>) -> Result<Self, NetsError> {
-        spec.check()?;
-        let shapes = spec.layer_shapes();
-        check_length("layers of a network", shapes.len(), layers.len())?;
-        for ((n_in, n_out), layer) in shapes.iter().zip(&layers) {
-            check_length("weights of a layer", n_in * n_out, layer.weights.len())?;
-            check_length("biases of a layer", *n_out, layer.bias.len())?;
-        }
-        Ok(Self {
-            spec: spec.clone(),
-            layers,
-        })
-    }
-
-    /// The architecture.
-    pub fn spec(&self) -> &MlpSpec {
-        &self.spec
-    }
-
-    /// The layers, first to last.
-    pub fn layers(&self) -> &[Layer] {
-        &self.layers
     }
 }
 
