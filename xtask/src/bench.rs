@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use crate::pipeline::finish;
 use crate::tool::{release_binary, root, target_dir};
 use crate::verify::deck_of;
-use crate::{bench_nets, compare, live};
+use crate::{bench_nets, browser, compare, live};
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -46,6 +46,8 @@ enum Subject {
     Inverse,
     /// From a frame to its contacts through a pseudo-terminal at 1 kHz, against a bare reader.
     Live,
+    /// The live page in a headless Chromium: its main thread's time for a picture, pictures a second.
+    View,
 }
 
 /// `cargo xtask bench`.
@@ -57,6 +59,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
         Subject::Fe => fe(args),
         Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
         Subject::Live => live::bench(args.scene.as_deref(), args.seed, args.seconds, &args.rest),
+        Subject::View => browser::bench(args.scene.as_deref(), args.seed, &args.rest),
         Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
     }
 }

@@ -6,7 +6,9 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{docs, fixtures, frontier, repro, soak, stability, tidy, verify, weight};
+use crate::{
+    browser, docs, fixtures, frontier, python, repro, soak, stability, tidy, verify, weight,
+};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -50,7 +52,9 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     })?;
     step(&mut times, "tests", || {
         let words = ["test", "--workspace", "--release", "--no-fail-fast"];
-        run(cargo(&words).env("PROPTEST_RNG_SEED", PROPTEST_SEED))
+        let mut command = cargo(&words);
+        command.env("PROPTEST_RNG_SEED", PROPTEST_SEED);
+        run(command.env("HAPDEF_BROWSER", browser::wish()?))
     })?;
     step(&mut times, "soak --short", soak::short)?;
     step(&mut times, "verification table", verify::check)?;
@@ -59,6 +63,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
+    step(&mut times, "Python module", python::check)?;
     Ok(times)
 }
 

@@ -1,6 +1,7 @@
 //! The commands that the docs show, run as a reader would.
 
 use std::fs;
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
@@ -13,6 +14,21 @@ const LEFT_OUT: [(&str, &str); 2] = [
     ("cargo xtask demo --quick", "run by its own step"),
 ];
 
+/// Arguments of `docs`.
+#[derive(clap::Args)]
+pub(crate) struct DocsArgs {
+    /// These pages only.
+    pages: Vec<PathBuf>,
+}
+
+/// `cargo xtask docs`.
+pub(crate) fn run_some(args: &DocsArgs) -> Result<()> {
+    match args.pages.as_slice() {
+        [] => run_commands(),
+        pages => run_of(pages),
+    }
+}
+
 /// Runs every line of every `sh` block in README.md and docs/.
 pub(crate) fn run_commands() -> Result<()> {
     let mut files = vec![root().join("README.md")];
@@ -20,12 +36,14 @@ pub(crate) fn run_commands() -> Result<()> {
     for entry in folder {
         files.push(entry.context("reading docs/")?.path());
     }
+    files.retain(|file| file.extension().is_some_and(|e| e == "md"));
     files.sort();
+    run_of(&files)
+}
+
+fn run_of(files: &[PathBuf]) -> Result<()> {
     let mut n_run = 0;
-    for file in files
-        .iter()
-        .filter(|file| file.extension().is_some_and(|e| e == "md"))
-    {
+    for file in files {
         let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
         for line in commands(&text) {
             if LEFT_OUT.iter().any(|(command, _)| *command == line) {

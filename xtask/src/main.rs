@@ -10,6 +10,7 @@
 
 mod bench;
 mod bench_nets;
+mod browser;
 mod ci;
 mod compare;
 mod docs;
@@ -83,11 +84,15 @@ enum Task {
     Soak(soak::SoakArgs),
     /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
     Rig(rig::RigArgs),
+    /// The live page in a headless Chromium, which it installs as root: its tests.
+    Browser,
     /// The Python module: its wheel, installed and tested; says so where there is no Python.
     Python,
     /// How many crates somebody compiles who takes one layer alone.
     Weight(weight::WeightArgs),
-    /// Compares the tree with its own rules: layers, file lengths, leftovers.
+    /// Runs the commands that the docs show.
+    Docs(docs::DocsArgs),
+    /// Compares the tree with its own rules: layers, file lengths, leftovers, links of the docs.
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
     Fixtures {
@@ -125,8 +130,10 @@ fn run(task: Task) -> Result<()> {
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Rig(args) => rig::run(&args),
+        Task::Browser => browser::test(),
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
+        Task::Docs(args) => docs::run_some(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
     }

@@ -6,6 +6,7 @@ use std::time::{Instant, SystemTime};
 
 use anyhow::Result;
 
+use crate::browser;
 use crate::tool::{release_binary, root, shown, status};
 
 /// Arguments of the tasks that run the pipeline.
@@ -55,6 +56,9 @@ fn live(args: &PipelineArgs) -> Result<()> {
         .args(["--sim", "--view"]);
     if let Some(seed) = args.seed {
         command.args(["--sim-seed", &seed.to_string()]);
+    }
+    if let Some(opener) = browser::opener()? {
+        command.arg("--view-with").arg(opener);
     }
     finish(command.args(&args.rest))
 }

@@ -12,7 +12,7 @@ const MAX_LINES: usize = 400;
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers.
+/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers, links.
 pub(crate) fn run() -> Result<()> {
     let mut faults = Vec::new();
     let architecture = read("ARCHITECTURE.md")?;
@@ -26,8 +26,14 @@ pub(crate) fn run() -> Result<()> {
     for file in tracked_files()? {
         if file.ends_with(".rs") {
             source_faults(&file, &read(&file)?, &mut faults);
+        } else if file.ends_with(".md") {
+            let folder = root().join(&file);
+            let folder = folder.parent().unwrap_or(root());
+            let is_there = |link: &str| folder.join(link).exists();
+            link_faults(&file, &read(&file)?, is_there, &mut faults);
         }
     }
+    order_faults(&read("docs/README.md")?, &tracked_files()?, &mut faults);
     if faults.is_empty() {
         return Ok(());
     }
@@ -135,6 +141,33 @@ fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
     }
 }
 
+/// Links to files that are not there; those to other sites and within the page are passed over.
+fn link_faults(file: &str, text: &str, is_there: impl Fn(&str) -> bool, faults: &mut Vec<String>) {
+    for (i, line) in text.lines().enumerate() {
+        let links = line
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next());
+        let paths = links.filter_map(|link| link.split('#').next());
+        for path in paths.filter(|path| !path.is_empty() && !path.contains("://")) {
+            if !is_there(path) {
+                faults.push(format!("{file}:{}: no file {path}", i + 1));
+            }
+        }
+    }
+}
+
+/// Pages of the docs that the reading order leaves out.
+fn order_faults(order: &str, files: &[String], faults: &mut Vec<String>) {
+    let pages = files.iter().filter_map(|file| file.strip_prefix("docs/"));
+    let pages = pages.filter(|page| page.ends_with(".md") && *page != "README.md");
+    for page in pages.filter(|page| !order.contains(&format!("]({page})"))) {
+        faults.push(format!(
+            "docs/README.md: the page {page} has no place in it"
+        ));
+    }
+}
+
 fn tracked_files() -> Result<Vec<String>> {
     let output = std::process::Command::new("git")
         .args(["ls-files", "--cached", "--others", "--exclude-standard"])
@@ -182,6 +215,17 @@ mod tests {
         let mut faults = Vec::new();
         name_faults(text, |path| path.ends_with("skin.rs"), &mut faults);
         assert_eq!(faults.len(), 1, "{faults:?}");
+    }
+
+    #[test]
+    fn links_and_pages_that_lead_nowhere_are_named() {
+        let mut faults = Vec::new();
+        let text = "[a](a.md) [b](b.md#part) [here](#part) [far](https://a.org/c.md)";
+        link_faults("x.md", text, |path| path == "a.md", &mut faults);
+        assert_eq!(faults, ["x.md:1: no file b.md"]);
+        let files = ["docs/README.md", "docs/a.md", "docs/c.md", "d.md"].map(str::to_owned);
+        order_faults(text, &files, &mut faults);
+        assert_eq!(faults.len(), 2, "{faults:?}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! A picture of a page by a headless Chromium.
+//! A picture of a page, as PNG or WebP, by a headless Chromium.
 //!
-//! SCRIPT runs in the page before SECONDS pass.
+//! SCRIPT runs in the page before SECONDS pass. Without FILE it is enough that the page was drawn once.
 //!
-//! `cargo run --release -p hapdef-view --example view_shot URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]`
+//! `cargo run --release -p hapdef-view --example view_shot URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]`
 
 #![expect(clippy::print_stdout, reason = "says what the script gives")]
 
@@ -14,11 +14,20 @@ use std::time::Duration;
 
 use chrome::{Chrome, Fault};
 
+/// Longest that a limb may take to be solved before there are readings.
+const PATIENCE: Duration = Duration::from_secs(400);
+/// A live page has drawn readings, any other is loaded.
+const IS_DRAWN: &str = "location.href !== 'about:blank' && document.readyState === 'complete' \
+    && (!document.getElementById('limb') || globalThis.hapdefView?.drawn > 0)";
+
 fn main() -> Result<(), Fault> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [url, file, rest @ ..] = args.as_slice() else {
-        return Err("expected URL FILE.png [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]".into());
+    let [url, rest @ ..] = args.as_slice() else {
+        return Err("expected URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]".into());
     };
+    let (file, rest) = rest
+        .split_first()
+        .map_or((None, rest), |(file, rest)| (Some(file), rest));
     let size = rest.first().map_or("1440x900", String::as_str);
     let (width, height) = size.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
     let is_dark = rest.get(1).is_none_or(|scheme| scheme == "dark");
@@ -26,11 +35,17 @@ fn main() -> Result<(), Fault> {
     let program = chrome::find().ok_or("no Chromium: install it or name it in HAPDEF_CHROMIUM")?;
     let mut chrome = Chrome::start(&program, (width.parse()?, height.parse()?), is_dark)?;
     chrome.open(url)?;
-    chrome.wait_for("globalThis.hapdefView?.drawn > 0")?;
+    chrome.wait_long_for(IS_DRAWN, PATIENCE)?;
+    let Some(file) = file else { return Ok(()) };
     if let Some(script) = rest.get(3) {
         println!("{}", chrome.eval(script)?);
     }
     std::thread::sleep(Duration::from_secs_f64(seconds));
-    std::fs::write(file, chrome.screenshot()?)?;
+    let format = if file.ends_with(".webp") {
+        "webp"
+    } else {
+        "png"
+    };
+    std::fs::write(file, chrome.picture(format)?)?;
     Ok(())
 }

@@ -1,20 +1,26 @@
 //! The page in a headless Chromium.
 //!
-//! `HAPDEF_BROWSER=require` fails without one, `skip` leaves these tests out; by default they are left
-//! out where there is no Chromium, but not in CI (`CI=true`). `HAPDEF_CHROMIUM` names another program.
+//! `cargo xtask browser` gets one and runs these. `HAPDEF_BROWSER=require` fails without one, `skip` leaves
+//! them out; by default they are left out where there is no Chromium, but not in CI (`CI=true`).
+//! `HAPDEF_CHROMIUM` names another program.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
-#![expect(clippy::print_stdout, reason = "says why a test is left out")]
+#![expect(
+    clippy::print_stdout,
+    reason = "says what a page was sent, and why a test is left out"
+)]
 
 #[path = "support/chrome.rs"]
+#[allow(dead_code, reason = "others use the rest")]
 mod chrome;
 #[path = "support/page.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod page;
+#[path = "support/pixels.rs"]
+mod pixels;
 #[path = "support/synthetic.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod synthetic;
 
-use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -23,6 +29,7 @@ use std::time::{Duration, Instant};
 use chrome::Chrome;
 use hapdef_view::{LimbPicture, ViewCommand, ViewFrame, ViewHandle, ViewParams};
 use page::{params, serve};
+use pixels::Pixels;
 use synthetic::Touch;
 
 /// One browser at a time.
@@ -143,14 +150,7 @@ fn after(touches: Vec<Touch>, command: ViewCommand) -> Vec<Touch> {
 
 /// The scene, or `None` and why where there is no browser.
 fn scene(size: (u32, u32)) -> Option<Scene> {
-    let wish = std::env::var("HAPDEF_BROWSER").unwrap_or_default();
-    let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
-    let program = chrome::find();
-    if wish == "skip" || (program.is_none() && wish != "require" && !in_ci) {
-        println!("SKIPPED: no Chromium, or HAPDEF_BROWSER=skip");
-        return None;
-    }
-    let program = program.expect("a Chromium: `apt-get install chromium`, or HAPDEF_CHROMIUM=path");
+    let program = chrome::wanted()?;
     let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let feed = Feed::start(params());
     let mut chrome = Chrome::start(&program, size, true).unwrap();
@@ -171,20 +171,6 @@ impl Scene {
             .unwrap_or_else(|| panic!("{expression} is {value}"));
         array.iter().map(|x| x.as_f64().unwrap()).collect()
     }
-
-    /// RGB pixels of the page and its width.
-    fn pixels(&mut self) -> (Vec<[u8; 3]>, usize) {
-        let file = self.chrome.screenshot().unwrap();
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
-        decoder.set_transformations(png::Transformations::STRIP_16 | png::Transformations::ALPHA);
-        let mut reader = decoder.read_info().unwrap();
-        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut bytes).unwrap();
-        let pixels = bytes[..info.buffer_size()]
-            .chunks_exact(4)
-            .map(|p| [p[0], p[1], p[2]]);
-        (pixels.collect(), info.width as usize)
-    }
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
@@ -192,18 +178,12 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Pixels of the contact's orange.
-fn n_orange(pixels: &[[u8; 3]]) -> usize {
-    let orange = |p: &&[u8; 3]| p[0] > 200 && (70..190).contains(&p[1]) && p[2] < 110;
-    pixels.iter().filter(orange).count()
-}
-
 #[test]
 fn a_click_on_the_limb_presses_it_there() {
     let Some(mut scene) = scene((1200, 800)) else {
         return;
     };
-    let (bare, width) = scene.pixels();
+    let bare = Pixels::of(&mut scene.chrome).unwrap();
     let node = scene.chrome.eval("hapdefView.facing()").unwrap();
     assert!(
         node.as_i64().unwrap() >= 0,
@@ -211,7 +191,7 @@ fn a_click_on_the_limb_presses_it_there() {
     );
     let at = scene.numbers(&format!("hapdefView.project({node})"));
     let (x, y) = (at[0], at[1]);
-    limb_is_drawn(&bare, width, (x, y));
+    bare.shows_limb_at((x, y));
     let known = scene.numbers(&format!("hapdefView.node({node})"));
     scene.chrome.pointer("mouseMoved", (x, y)).unwrap();
     scene.chrome.pointer("mousePressed", (x, y)).unwrap();
@@ -245,13 +225,9 @@ fn a_click_on_the_limb_presses_it_there() {
         .unwrap();
     let arrow = scene.numbers("hapdefView.arrows[0]");
     assert!(distance(&arrow, &known) < 0.005, "{arrow:?} for {known:?}");
-    let (pressed, _) = scene.pixels();
-    assert!(
-        n_orange(&pressed) > n_orange(&bare) + 100,
-        "{} {}",
-        n_orange(&pressed),
-        n_orange(&bare)
-    );
+    let pressed = Pixels::of(&mut scene.chrome).unwrap();
+    let (n_before, n_now) = (bare.n_orange(), pressed.n_orange());
+    assert!(n_now > n_before + 100, "{n_now} {n_before}");
     assert_eq!(
         scene
             .chrome
@@ -267,26 +243,6 @@ fn a_click_on_the_limb_presses_it_there() {
         .unwrap();
     buttons_command(&mut scene);
     assert_eq!(scene.chrome.complaints().unwrap(), Vec::<String>::new());
-}
-
-/// Around the middle there are many colours: a shaded limb, not a flat ground.
-fn limb_is_drawn(pixels: &[[u8; 3]], width: usize, (x, y): (f64, f64)) {
-    let corner = pixels[(y as usize) * width + 20];
-    let around = (-60..60)
-        .step_by(3)
-        .map(|step| pixels[(y as usize) * width + (x as i64 + step) as usize]);
-    let around: Vec<[u8; 3]> = around.collect();
-    let far = around
-        .iter()
-        .filter(|p| (0..3).any(|k| p[k].abs_diff(corner[k]) > 24))
-        .count();
-    let colours: BTreeSet<[u8; 3]> = around.iter().copied().collect();
-    assert!(
-        far >= 30 && colours.len() >= 6,
-        "{far} of {} differ, {} colours",
-        around.len(),
-        colours.len()
-    );
 }
 
 fn buttons_command(scene: &mut Scene) {
@@ -383,9 +339,7 @@ fn a_phone_shows_all_of_it() {
         .eval("document.documentElement.scrollWidth")
         .unwrap();
     assert_eq!(wide, 390);
-    let outside = "[...document.querySelectorAll('body *')].filter((e) => e.getClientRects().length && !e.closest('#labels, .unseen') \
-         && (e.getBoundingClientRect().right > 390.5 || e.getBoundingClientRect().left < -0.5)).map((e) => e.id || e.className)";
-    assert_eq!(scene.chrome.eval(outside).unwrap(), serde_json::json!([]));
+    assert_eq!(scene.chrome.outside(390).unwrap(), serde_json::json!([]));
     for id in ["limb", "tare", "contacts", "force-plot", "gauges", "health"] {
         let seen = scene
             .chrome

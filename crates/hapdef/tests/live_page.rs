@@ -3,6 +3,7 @@
 #![expect(clippy::print_stdout, reason = "shows what was said when it fails")]
 
 #[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod page;
 
 use std::path::{Path, PathBuf};
@@ -18,19 +19,6 @@ const FORCE_N: f64 = 15.0;
 const NODE: usize = 700;
 /// How far a contact may be from where it is pressed, m.
 const NEAR_M: f64 = 5e-3;
-
-/// The bundled limb with a map on its own mesh, which is solved in a moment. Its virtual rig is the one
-/// that the docs' commands solve and keep.
-fn scene(folder: &Path) -> PathBuf {
-    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    std::fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
-    let text = std::fs::read_to_string(shin.join("placed.json")).unwrap();
-    let mut scene: Value = serde_json::from_str(&text).unwrap();
-    scene["estimator"]["map_refinements"] = json!(0);
-    let path = folder.join("scene.json");
-    std::fs::write(&path, scene.to_string()).unwrap();
-    path
-}
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
@@ -49,7 +37,7 @@ fn is_touched_at(frame: &Frame, point: [f64; 3]) -> bool {
 #[test]
 fn a_page_presses_records_keeps_and_plays_again() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene(folder.path());
+    let scene = page::scene(folder.path());
     let out = folder.path().to_str().unwrap();
     let sim = ["--sim", "--tare-s", "0.5", "--view-out", out];
     let program = Program::start(&scene, &sim, 0);
@@ -79,6 +67,27 @@ fn a_page_presses_records_keeps_and_plays_again() {
     drop((program, page));
 
     plays_again(&scene, &recording, point);
+}
+
+#[test]
+fn one_click_records_again_after_a_recording_that_failed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = page::scene(folder.path());
+    let out = folder.path().to_str().unwrap();
+    let sim = ["--sim", "--tare-s", "0.5", "--view-out", out];
+    {
+        // What is solved once is kept before the disk is small.
+        let program = Program::start(&scene, &sim, 0);
+        program.page().until("it is solved", |_| true);
+    }
+    let program = Program::start_on_small_disk(&scene, &sim, 64 << 10);
+    let mut page = program.page();
+    page.until("frames come", |_| true);
+    for _ in 0..2 {
+        page.say(&json!({"cmd": "record", "on": true}));
+        page.until("it records", |frame| frame.recording == 1);
+        page.until("it fails", |frame| frame.recording == 2);
+    }
 }
 
 /// Records a second untouched and a second pressed, and keeps what is shown at the end.

@@ -21,7 +21,7 @@ const labels = new Labels(byId("labels"));
 const legend = new Legend(byId("legend"), byId("ruler"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", paused: false, shownAt: 0, fresh: false, shown: null, offers: {}, drawn: 0, costs: [] };
+const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", paused: false, shownAt: 0, fresh: false, shown: null, offers: {}, drawn: 0 };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -105,7 +105,7 @@ function tick(now) {
   requestAnimationFrame(tick);
   if (view.fresh && view.limb) {
     const chosen = view.paused && !history.last?.replay ? history.at(view.shownAt) : history.last;
-    if (chosen) timed(() => show(chosen, now));
+    if (chosen) show(chosen, now);
     view.fresh = false;
   }
   if (!stage.draw() || !view.limb) return;
@@ -113,14 +113,6 @@ function tick(now) {
   if (!view.shown) return;
   placeLabels();
   view.drawn += 1;
-}
-
-/** Keeps the time of the last pictures' work, ms. */
-function timed(work) {
-  const start = performance.now();
-  work();
-  view.costs.push(performance.now() - start);
-  if (view.costs.length > 200) view.costs.shift();
 }
 
 function show(chosen, now) {
@@ -227,7 +219,7 @@ function clock(seconds) {
 /** For tests: what is shown, and where a node is on the screen. */
 globalThis.hapdefView = {
   get nodes() { return view.limb ? view.limb.rest.length / 3 : 0; },
-  get cost() { return view.costs.toSorted((a, b) => a - b)[view.costs.length >> 1]; },
+  get coloured() { return view.shown?.components ? view.shown.displacement.length / view.shown.components : 0; },
   get drawn() { return view.drawn; },
   get seq() { return view.shown?.seq ?? 0; },
   get contacts() { return (view.shown?.contacts ?? []).map((mark) => Array.from(mark.position)); },

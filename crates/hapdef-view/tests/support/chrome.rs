@@ -15,6 +15,9 @@ use tungstenite::{Message, WebSocket};
 /// Longest that an answer or a condition may take; software WebGL on a busy machine is slow.
 const PATIENCE: Duration = Duration::from_secs(40);
 
+/// Of pictures that lose something, percent.
+const WEBP_QUALITY: u32 = 85;
+
 /// Why something of the browser failed.
 pub type Fault = Box<dyn std::error::Error>;
 
@@ -42,6 +45,19 @@ pub fn find() -> Option<PathBuf> {
         .map(PathBuf::from)
         .into_iter()
         .find(|path| path.exists())
+}
+
+/// A Chromium for a test, or `None` and why there is none; it is the test's fault where
+/// `HAPDEF_BROWSER` or CI wants one.
+pub fn wanted() -> Option<PathBuf> {
+    let wish = std::env::var("HAPDEF_BROWSER").unwrap_or_default();
+    let in_ci = std::env::var("CI").is_ok_and(|ci| ci == "true");
+    let program = find();
+    if wish == "skip" || (program.is_none() && wish != "require" && !in_ci) {
+        println!("SKIPPED: no Chromium, or HAPDEF_BROWSER=skip");
+        return None;
+    }
+    Some(program.expect("a Chromium: `cargo xtask browser`, or HAPDEF_CHROMIUM=path"))
 }
 
 impl Chrome {
@@ -140,9 +156,14 @@ impl Chrome {
 
     /// Waits until an expression is true.
     pub fn wait_for(&mut self, expression: &str) -> Result<(), Fault> {
+        self.wait_long_for(expression, PATIENCE)
+    }
+
+    /// The same with another patience.
+    pub fn wait_long_for(&mut self, expression: &str, patience: Duration) -> Result<(), Fault> {
         let start = Instant::now();
         while self.eval(expression)? != json!(true) {
-            if start.elapsed() > PATIENCE {
+            if start.elapsed() > patience {
                 return Err(format!("never true: {expression}").into());
             }
             std::thread::sleep(Duration::from_millis(50));
@@ -171,8 +192,38 @@ impl Chrome {
 
     /// The page as PNG.
     pub fn screenshot(&mut self) -> Result<Vec<u8>, Fault> {
-        let answer = self.call("Page.captureScreenshot", json!({"format": "png"}))?;
+        self.picture("png")
+    }
+
+    /// The page in a format, "png" or "webp".
+    pub fn picture(&mut self, format: &str) -> Result<Vec<u8>, Fault> {
+        let mut ask = json!({"format": format});
+        if format == "webp" {
+            ask["quality"] = json!(WEBP_QUALITY);
+        }
+        let answer = self.call("Page.captureScreenshot", ask)?;
         Ok(STANDARD.decode(answer["data"].as_str().ok_or("no picture")?)?)
+    }
+
+    /// What is seen of the page beside a window of that width.
+    pub fn outside(&mut self, width: u32) -> Result<Value, Fault> {
+        self.eval(&format!(
+            "[...document.querySelectorAll('body *')]
+                .filter((e) => e.getClientRects().length && !e.closest('#labels, .unseen'))
+                .filter((e) => e.getBoundingClientRect().right > {width}.5 || e.getBoundingClientRect().left < -0.5)
+                .map((e) => e.id || e.className)"
+        ))
+    }
+
+    /// Time for which the page's main thread was busy since the first call, s.
+    pub fn busy_s(&mut self) -> Result<f64, Fault> {
+        self.call("Performance.enable", json!({}))?;
+        let answer = self.call("Performance.getMetrics", json!({}))?;
+        let metrics = answer["metrics"].as_array().ok_or("no metrics")?;
+        let task = metrics.iter().find(|m| m["name"] == "TaskDuration");
+        Ok(task
+            .and_then(|m| m["value"].as_f64())
+            .ok_or("no TaskDuration")?)
     }
 
     /// Errors on the console, exceptions, refused loads and violations of the policy so far.

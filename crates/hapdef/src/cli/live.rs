@@ -155,7 +155,8 @@ impl Model {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
         };
         let gauges = bundle.info.gauges.iter();
-        let view = || args.view.of_bundle(bundle, args.origin());
+        let out = &args.scene.out;
+        let view = || args.view.of_bundle(bundle, args.origin(), out);
         Ok(Self {
             source: Source::of(args, source, gauges.len())?,
             estimator,
@@ -175,7 +176,8 @@ impl Model {
             Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
             Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
         };
-        let view = || args.view.of_scene(&run, &limb, args.origin());
+        let out = &args.scene.out;
+        let view = || args.view.of_scene(&run, &limb, args.origin(), out);
         let view = args.view.is_wanted().then(view).transpose()?;
         let source = match &args.source {
             Some(source) => Source::of(args, source, limb.gauges.len())?,

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -14,11 +14,14 @@ const PATIENCE: Duration = Duration::from_secs(240);
 /// Bytes of a contact.
 const MARK_LEN: usize = 72;
 
+/// The page's token; its program says it in the page's address.
+const TOKEN: &str = "00112233445566778899aabbccddeeff";
+
 /// `hapdef live --view`, ended when dropped.
 pub struct Program {
     child: Child,
-    address: String,
-    token: String,
+    /// The page's address with its token.
+    pub url: String,
 }
 
 /// A page's connection.
@@ -33,6 +36,8 @@ pub struct Page {
 #[derive(Clone, Debug)]
 pub struct Frame {
     pub t_s: f64,
+    pub rate_hz: f64,
+    pub n_lost: u32,
     /// 0 off, 1 on, 2 failed.
     pub recording: u8,
     pub recorded_s: f64,
@@ -43,15 +48,46 @@ pub struct Frame {
     pub contacts: Vec<([f64; 3], f64)>,
 }
 
+/// The bundled limb with a map on its own mesh, which is solved in a moment. Its virtual rig is the one
+/// that the docs' commands solve and keep.
+pub fn scene(folder: &Path) -> PathBuf {
+    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
+    std::fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
+    let text = std::fs::read_to_string(shin.join("placed.json")).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    scene["estimator"]["map_refinements"] = json!(0);
+    let path = folder.join("scene.json");
+    std::fs::write(&path, scene.to_string()).unwrap();
+    path
+}
+
 impl Program {
     pub fn start(scene: &Path, words: &[&str], port: u16) -> Self {
+        Self::start_by(
+            Command::new(env!("CARGO_BIN_EXE_hapdef")),
+            scene,
+            words,
+            port,
+        )
+    }
+
+    /// Its files end after so many bytes, as on a disk that is full.
+    pub fn start_on_small_disk(scene: &Path, words: &[&str], most_bytes: usize) -> Self {
+        let limit = format!("trap '' XFSZ; ulimit -f {}; exec \"$@\"", most_bytes / 512);
+        let mut command = Command::new("sh");
+        command.args(["-c", &limit, "sh", env!("CARGO_BIN_EXE_hapdef")]);
+        Self::start_by(command, scene, words, 0)
+    }
+
+    fn start_by(mut command: Command, scene: &Path, words: &[&str], port: u16) -> Self {
         let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
-        let mut child = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+        let mut child = command
             .arg("live")
             .arg(scene)
             .args(["--view", "--view-port", &port.to_string(), "--out"])
             .arg(out)
             .args(words)
+            .env("HAPDEF_VIEW_TOKEN", TOKEN)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
@@ -64,29 +100,27 @@ impl Program {
                 .map_while(Result::ok)
                 .for_each(|line| println!("program: {line}"));
         });
-        let (address, token) = url.split_once("/#token=").unwrap();
-        Self {
-            child,
-            address: address.replace("http", "ws"),
-            token: token.to_owned(),
-        }
+        Self { child, url }
     }
 
     pub fn port(&self) -> u16 {
-        self.address.rsplit(':').next().unwrap().parse().unwrap()
+        let (address, token) = self.url.split_once("/#token=").unwrap();
+        assert_eq!(token, TOKEN);
+        address.rsplit(':').next().unwrap().parse().unwrap()
     }
 
     /// A page that was greeted.
     pub fn page(&self) -> Page {
-        let stream = TcpStream::connect(("127.0.0.1", self.port())).unwrap();
+        let address = format!("127.0.0.1:{}", self.port());
+        let stream = TcpStream::connect(&address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let (socket, _) = tungstenite::client(format!("{}/live", self.address), stream).unwrap();
+        let (socket, _) = tungstenite::client(format!("ws://{address}/live"), stream).unwrap();
         let mut page = Page {
             socket,
             hello: Value::Null,
             surface: Vec::new(),
         };
-        page.say(&json!({"cmd": "hello", "token": self.token}));
+        page.say(&json!({"cmd": "hello", "token": TOKEN}));
         while page.surface.is_empty() {
             match page.socket.read().unwrap() {
                 Message::Text(text) => page.hello = serde_json::from_str(&text).unwrap(),
@@ -135,7 +169,7 @@ impl Page {
     }
 
     /// The first frame that is as wanted.
-    pub fn until(&mut self, what: &str, is_wanted: impl Fn(&Frame) -> bool) -> Frame {
+    pub fn until(&mut self, what: &str, mut is_wanted: impl FnMut(&Frame) -> bool) -> Frame {
         let start = Instant::now();
         loop {
             if let Next::Frame(frame) = self.next() {
@@ -184,6 +218,8 @@ impl Frame {
         let f64_at = |at: usize| f64::from_le_bytes(bytes[at..][..8].try_into().unwrap());
         Self {
             t_s: f64_at(8),
+            rate_hz: f32_at(bytes, 28),
+            n_lost: u32_at(bytes, 32),
             recording: bytes[3],
             recorded_s: f32_at(bytes, 52),
             clock_residual_us: f32_at(bytes, 48),

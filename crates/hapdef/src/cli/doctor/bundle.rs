@@ -46,7 +46,7 @@ fn calibration(is_calibrated: bool) -> Check {
     Check::warn(
         "calibration",
         "none: contacts are those of the limb as it was drawn",
-        "hapdef calibrate (docs/contacts.md), name its result in the scene, make the bundle again",
+        "hapdef calibrate (docs/train-or-calibrate.md), name its result in the scene, make the bundle again",
     )
 }
 

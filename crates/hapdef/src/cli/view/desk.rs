@@ -54,6 +54,8 @@ pub(super) struct Pace {
     at: Option<Instant>,
     n_frames: u64,
     is_failure_told: bool,
+    /// The next recording begins when the one that failed is put away.
+    starts_next: bool,
     frame: Option<LiveFrame>,
     shown: Shown,
 }
@@ -66,6 +68,9 @@ impl Desk {
             while !stopped.load(Ordering::Relaxed) {
                 attendant.step();
                 std::thread::sleep(LOOK);
+            }
+            if !attendant.pace.has_shown {
+                attendant.tell_first_picture("skipped:no page was opened");
             }
         };
         Self {
@@ -100,7 +105,8 @@ impl Attendant {
         let is_drawn = || self.handle.clients().iter().any(|page| page.n_drawn > 0);
         if !self.pace.has_shown && is_drawn() {
             self.pace.has_shown = true;
-            self.tell_time();
+            let elapsed_s = self.start.0.elapsed().as_secs_f64();
+            self.tell_first_picture(&format!("{elapsed_s:.2}:s"));
         }
     }
 
@@ -144,21 +150,25 @@ impl Attendant {
 
     /// What became of recordings that were asked for.
     fn tell_of_recordings(&mut self) {
-        let Some(tape) = &self.tape else { return };
-        let state = match tape.ended() {
-            Some(Ok(found)) => Some(found),
-            Some(Err(error)) => Some(error.to_string()),
-            None => None,
+        let Some(tape) = self.tape.clone() else {
+            return;
         };
         let failure = match tape.state() {
-            TapeState::Failed { why } if !self.pace.is_failure_told => {
-                self.pace.is_failure_told = true;
-                Some(format!("The recording stopped: {why}"))
-            }
+            TapeState::Failed { why } if !self.pace.is_failure_told => Some(why),
             _ => None,
         };
-        for text in [state, failure].into_iter().flatten() {
-            self.say(&text);
+        if let Some(why) = failure {
+            self.pace.is_failure_told = true;
+            self.say(&format!("The recording stopped: {why}"));
+        }
+        let Some(ended) = tape.ended() else { return };
+        if std::mem::take(&mut self.pace.starts_next) {
+            self.record_anew(&tape);
+            return;
+        }
+        match ended {
+            Ok(found) => self.say(&found),
+            Err(error) => self.say(&error.to_string()),
         }
     }
 
@@ -168,10 +178,9 @@ impl Attendant {
         let _ = writeln!(std::io::stderr(), "{text}");
     }
 
-    fn tell_time(&self) {
-        let (start, is_taken) = self.start;
-        let elapsed_s = start.elapsed().as_secs_f64();
-        let line = format!("METRIC:view.first_picture_s:{elapsed_s:.2}:s");
+    fn tell_first_picture(&self, what: &str) {
+        let (_, is_taken) = self.start;
+        let line = format!("METRIC:view.first_picture_s:{what}");
         let _ = if is_taken {
             writeln!(std::io::stderr(), "{line}")
         } else {
@@ -214,19 +223,29 @@ impl Attendant {
     }
 
     fn record(&mut self, on: bool) {
-        let Some(tape) = &self.tape else { return };
+        let Some(tape) = self.tape.clone() else {
+            return;
+        };
         match (on, tape.state()) {
             (true, TapeState::On { .. }) => {}
-            (true, TapeState::Off) => {
-                let path = self.keep.recording();
-                self.pace.is_failure_told = false;
-                match tape.start(&path) {
-                    Ok(()) => self.say(&format!("Recording to {}", path.display())),
-                    Err(error) => self.say(&format!("Not recording: {error}")),
-                }
+            (true, TapeState::Off) => self.record_anew(&tape),
+            (_, state) => {
+                // One that failed has to be put away before the next.
+                self.pace.starts_next = on && matches!(state, TapeState::Failed { .. });
+                tape.stop();
             }
-            // One that failed has to be put away before the next.
-            (true, TapeState::Failed { .. }) | (false, _) => tape.stop(),
+        }
+    }
+
+    fn record_anew(&mut self, tape: &Tape) {
+        self.pace.is_failure_told = false;
+        let started = self.keep.recording().and_then(|path| {
+            tape.start(&path)?;
+            Ok(path)
+        });
+        match started {
+            Ok(path) => self.say(&format!("Recording to {}", path.display())),
+            Err(error) => self.say(&format!("Not recording: {error:#}")),
         }
     }
 

@@ -28,6 +28,12 @@ pub(super) struct Shown {
     frames: VecDeque<(f64, LiveFrame)>,
 }
 
+/// A scene's name as a name of files.
+pub(super) fn stem(scene: &str) -> String {
+    let word = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+    scene.chars().map(word).collect()
+}
+
 impl Keep {
     pub(super) fn new(folder: &Path, scene: &str, gauges: Vec<String>, is_simulated: bool) -> Self {
         Self {
@@ -38,8 +44,8 @@ impl Keep {
         }
     }
 
-    /// A name for a recording.
-    pub(super) fn recording(&self) -> PathBuf {
+    /// A name for a recording, in a folder that is there.
+    pub(super) fn recording(&self) -> Result<PathBuf> {
         self.free("", "mcap")
     }
 
@@ -49,7 +55,7 @@ impl Keep {
         (t_s, frame): &(f64, LiveFrame),
         recording: Option<&Path>,
     ) -> Result<PathBuf> {
-        let path = self.free("snapshot-", "json");
+        let path = self.free("snapshot-", "json")?;
         let mut line = Vec::new();
         json_line(frame, &mut line).map_err(anyhow::Error::from_boxed)?;
         let shown: Value = serde_json::from_slice(&line)?;
@@ -70,15 +76,16 @@ impl Keep {
         Ok(path)
     }
 
-    /// `<scene>-<what><n>.<ending>` with the first number that is not taken.
-    fn free(&self, what: &str, ending: &str) -> PathBuf {
-        let word = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-        let stem: String = self.scene.chars().map(word).collect();
+    /// `<scene>-<what><n>.<ending>` with the first number that is not taken; makes the folder.
+    fn free(&self, what: &str, ending: &str) -> Result<PathBuf> {
+        std::fs::create_dir_all(&self.folder)
+            .with_context(|| format!("making {}", self.folder.display()))?;
+        let stem = stem(&self.scene);
         let path = |n: u32, ending: &str| self.folder.join(format!("{stem}-{what}{n}.{ending}"));
         let is_taken =
             |n: &u32| path(*n, ending).exists() || path(*n, &format!("partial.{ending}")).exists();
         let n = (1..u32::MAX).find(|n| !is_taken(n)).unwrap_or(u32::MAX);
-        path(n, ending)
+        Ok(path(n, ending))
     }
 }
 
@@ -115,8 +122,9 @@ mod tests {
 
     #[test]
     fn a_snapshot_has_what_was_shown_and_a_name_of_its_own() {
-        let folder = tempfile::tempdir().unwrap();
-        let keep = Keep::new(folder.path(), "my shin", vec!["a".into(), "b".into()], true);
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("not/there/yet");
+        let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()], true);
         let mut shown = Shown::default();
         for seq in 0..2500_u32 {
             let mut frame = LiveFrame::new(2);
@@ -139,9 +147,9 @@ mod tests {
             assert_eq!(value["gauges"], json!(["a", "b"]));
             assert_eq!(value["recording"], "x.mcap");
         }
-        std::fs::write(folder.path().join("my-shin-1.mcap"), []).unwrap();
-        std::fs::write(folder.path().join("my-shin-2.partial.mcap"), []).unwrap();
-        assert_eq!(keep.recording(), folder.path().join("my-shin-3.mcap"));
+        std::fs::write(folder.join("my-shin-1.mcap"), []).unwrap();
+        std::fs::write(folder.join("my-shin-2.partial.mcap"), []).unwrap();
+        assert_eq!(keep.recording().unwrap(), folder.join("my-shin-3.mcap"));
         shown.add(1.0, &LiveFrame::new(2));
         assert_eq!(shown.at(Some(49.0)).unwrap().0, 1.0);
     }

@@ -10,16 +10,17 @@ mod sink;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::{ComplianceTable, Limb, Run};
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{Bundle, LiveControl};
-use hapdef_view::{LimbPicture, Offers, PressOffer, ViewHandle, ViewParams, ViewServer};
+use hapdef_view::{LimbPicture, Offers, PressOffer, Token, ViewHandle, ViewParams, ViewServer};
 
 use super::live_record::Tape;
 pub(crate) use desk::Desk;
@@ -41,9 +42,15 @@ pub(crate) struct ViewArgs {
     /// Port of the page; 0 takes any free one.
     #[arg(long, default_value_t = 7717, value_name = "PORT")]
     view_port: u16,
-    /// Folder for recordings and snapshots that the page asks for; the working folder if not given.
+    /// Folder for recordings and snapshots that the page asks for; OUT/<scene>/live if not given.
     #[arg(long, value_name = "FOLDER", requires = "view")]
     view_out: Option<PathBuf>,
+    /// Program that is started with the page's address, such as xdg-open.
+    #[arg(long, value_name = "PROGRAM", requires = "view")]
+    view_with: Option<PathBuf>,
+    /// Token of the page, 32 hexadecimal digits; a new one if not given.
+    #[arg(long, env = "HAPDEF_VIEW_TOKEN", hide_env_values = true)]
+    view_token: Option<Token>,
 }
 
 /// The page that is served, before frames come.
@@ -86,23 +93,29 @@ impl ViewArgs {
     }
 
     /// The page with a scene's limb.
-    pub(crate) fn of_scene(&self, run: &Run, limb: &Limb, origin: Origin) -> Result<View> {
+    pub(crate) fn of_scene(
+        &self,
+        run: &Run,
+        limb: &Limb,
+        origin: Origin,
+        out: &Path,
+    ) -> Result<View> {
         let force_n = run.scene.contact.force_range_n[1];
         let press = PressOffer {
             default_n: 0.4 * force_n,
             max_n: force_n,
         };
         let picture = picture::of_scene(&run.scene, limb, origin == Origin::Sim);
-        View::start(self, picture, origin, press)
+        View::start(self, picture, (origin, press), out)
     }
 
     /// The page with a bundle's skin.
-    pub(crate) fn of_bundle(&self, bundle: &Bundle, origin: Origin) -> Result<View> {
+    pub(crate) fn of_bundle(&self, bundle: &Bundle, origin: Origin, out: &Path) -> Result<View> {
         let press = PressOffer {
             default_n: 1.0,
             max_n: 1.0,
         };
-        View::start(self, picture::of_bundle(bundle), origin, press)
+        View::start(self, picture::of_bundle(bundle), (origin, press), out)
     }
 }
 
@@ -110,21 +123,28 @@ impl View {
     fn start(
         args: &ViewArgs,
         (picture, surface): (LimbPicture, Surface),
-        origin: Origin,
-        press: PressOffer,
+        (origin, press): (Origin, PressOffer),
+        out: &Path,
     ) -> Result<Self> {
-        let mut params = ViewParams::default();
+        let mut params = ViewParams {
+            token: args.view_token.clone(),
+            ..ViewParams::default()
+        };
         params.bind.set_port(args.view_port);
         params.offers = Offers {
             tare: true,
             record: origin != Origin::Recording,
             press: (origin == Origin::Sim).then_some(press),
         };
-        let folder = args.view_out.as_deref().unwrap_or(Path::new(""));
+        let folder = args.view_out.clone();
+        let folder = folder.unwrap_or_else(|| out.join(keep::stem(&picture.title)).join("live"));
         let gauges = picture.gauges.iter().map(|site| site.name.clone());
-        let keep = Keep::new(folder, &picture.title, gauges.collect(), picture.simulated);
+        let keep = Keep::new(&folder, &picture.title, gauges.collect(), picture.simulated);
         let handle = ViewServer::start(params, picture)?;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
+        if let Some(program) = &args.view_with {
+            open(program, handle.url())?;
+        }
         Ok(Self {
             handle,
             surface,
@@ -178,4 +198,12 @@ impl View {
             pace: Pace::default(),
         })
     }
+}
+
+/// Starts `program` with the page's address; it is not waited for.
+fn open(program: &Path, url: &str) -> Result<()> {
+    let child = Command::new(program).arg(url).stdin(Stdio::null()).spawn();
+    child
+        .map(drop)
+        .with_context(|| format!("--view-with: starting {}", program.display()))
 }

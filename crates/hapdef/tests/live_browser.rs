@@ -1,0 +1,236 @@
+//! The live page in a headless Chromium, with the program behind it and the bundled limb's simulated rig.
+//!
+//! Left out where there is no Chromium, as `hapdef-view/tests/browser.rs` says.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+#![expect(clippy::print_stdout, reason = "shows what was measured when it fails")]
+
+#[path = "../../hapdef-view/tests/support/chrome.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod chrome;
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+#[path = "../../hapdef-view/tests/support/pixels.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod pixels;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use chrome::Chrome;
+use hapdef_daq::record::{Content, Recording};
+use page::{Page, Program};
+use pixels::Pixels;
+use serde_json::json;
+use tempfile::TempDir;
+
+/// How far an arrow may be from the node that is pressed, m.
+const NEAR_M: f64 = 5e-3;
+/// Seconds for which a page hangs.
+const HANGS_S: f64 = 4.0;
+
+/// One browser at a time.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// The program, and a browser that shows its page.
+struct Look {
+    chrome: Chrome,
+    program: Program,
+    scene: PathBuf,
+    folder: TempDir,
+    _one: MutexGuard<'static, ()>,
+}
+
+/// The page with readings, or `None` where there is no browser.
+fn look(size: (u32, u32)) -> Option<Look> {
+    let browser = chrome::wanted()?;
+    let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = page::scene(folder.path());
+    let program = start(&scene, folder.path(), 0);
+    program.page().until("frames come", |_| true);
+    let mut chrome = Chrome::start(&browser, size, true).unwrap();
+    chrome.open(&program.url).unwrap();
+    chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
+    Some(Look {
+        chrome,
+        program,
+        scene,
+        folder,
+        _one: one,
+    })
+}
+
+fn start(scene: &Path, out: &Path, port: u16) -> Program {
+    let out = out.to_str().unwrap();
+    let words = ["--sim", "--tare-s", "0.5", "--view-out", out];
+    Program::start(scene, &words, port)
+}
+
+impl Look {
+    fn click(&mut self, button: &str) {
+        let click = format!("document.getElementById('{button}').click()");
+        self.chrome.eval(&click).unwrap();
+    }
+
+    /// Waits until the page says something that has `words` in it; what it says.
+    fn hears(&mut self, words: &str) -> String {
+        let said = "document.getElementById('say').textContent";
+        let is_said = format!("{said}.includes({})", json!(words));
+        self.chrome.wait_for(&is_said).unwrap();
+        self.chrome.eval(said).unwrap().as_str().unwrap().to_owned()
+    }
+
+    /// Presses the limb at a node until something else is done with the pointer; where that is.
+    fn press(&mut self, node: u64) -> (f64, f64) {
+        let at = self.chrome.eval(&format!("hapdefView.project({node})"));
+        let at: (f64, f64) = serde_json::from_value(at.unwrap()).unwrap();
+        self.chrome.pointer("mouseMoved", at).unwrap();
+        self.chrome.pointer("mousePressed", at).unwrap();
+        at
+    }
+
+    /// Waits until one arrow alone is near a node.
+    fn is_found_at(&mut self, node: u64) {
+        let off = format!(
+            "Math.hypot(...hapdefView.arrows[0].map((c, k) => c - hapdefView.node({node})[k]))"
+        );
+        let is_near = format!("hapdefView.arrows.length === 1 && {off} < {NEAR_M}");
+        self.chrome.wait_for(&is_near).unwrap();
+        println!("arrow {} m off", self.chrome.eval(&off).unwrap());
+    }
+
+    fn node_in_the_middle(&mut self) -> u64 {
+        let node = self.chrome.eval("hapdefView.facing()").unwrap();
+        node.as_u64().expect("a node in the middle of the view")
+    }
+}
+
+#[test]
+fn a_click_presses_the_limb_and_is_found_there() {
+    let Some(mut look) = look((1200, 800)) else {
+        return;
+    };
+    look.click("tare");
+    look.hears("Tared");
+    let node = look.node_in_the_middle();
+    let at = look.press(node);
+    look.is_found_at(node);
+    Pixels::of(&mut look.chrome)
+        .unwrap()
+        .shows_limb_at((at.0, at.1 + 40.0));
+    let shown = "document.querySelector('#contacts b').textContent";
+    let shown = look.chrome.eval(shown).unwrap();
+    let force_n: f64 = shown
+        .as_str()
+        .unwrap()
+        .trim_end_matches(" N")
+        .parse()
+        .unwrap();
+    let told = look
+        .chrome
+        .eval("document.getElementById('force').value")
+        .unwrap();
+    let told_n: f64 = told.as_str().unwrap().parse().unwrap();
+    assert!(
+        (force_n - told_n).abs() < 0.25 * told_n,
+        "{force_n} N for {told_n} N"
+    );
+    look.chrome.pointer("mouseReleased", at).unwrap();
+    look.chrome
+        .wait_for("hapdefView.arrows.length === 0")
+        .unwrap();
+
+    look.click("record");
+    look.hears("Recording to ");
+    let recorded = "document.getElementById('health').textContent.includes('Recording0:02')";
+    look.chrome.wait_for(recorded).unwrap();
+    look.click("record");
+    let said = look.hears(" readings, ");
+    let path = said.split(": ").next().unwrap();
+    assert!(Path::new(path).starts_with(look.folder.path()), "{said}");
+    let n = n_readings(Path::new(path));
+    assert!(n >= 2000, "{n} readings");
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+fn n_readings(path: &Path) -> usize {
+    let mut recording = Recording::open(path).unwrap();
+    let mut n = 0;
+    while let Some(record) = recording.next_record().unwrap() {
+        let is_reading = matches!(
+            record.content,
+            Content::Message(hapdef_daq::Message::Frame(_))
+        );
+        n += usize::from(is_reading);
+    }
+    n
+}
+
+/// Mean of the rates that are told while a page would hang, and what is lost in all by then.
+fn mean_rate_hz(page: &mut Page) -> (f64, u32) {
+    let begin_s = page.until("a frame", |_| true).t_s;
+    let (mut sum_hz, mut n) = (0.0, 0);
+    let last = page.until("the time is over", |frame| {
+        (sum_hz, n) = (sum_hz + frame.rate_hz, n + 1);
+        frame.t_s > begin_s + HANGS_S
+    });
+    (sum_hz / f64::from(n), last.n_lost)
+}
+
+#[test]
+fn a_page_that_hangs_and_one_that_never_reads_cost_the_acquisition_nothing() {
+    let Some(mut look) = look((900, 700)) else {
+        return;
+    };
+    let mut other = look.program.page();
+    other.until("its rate is told", |frame| frame.rate_hz > 0.0);
+    let (before_hz, n_before) = mean_rate_hz(&mut other);
+    let hang = format!("const end = Date.now() + {HANGS_S}e3; while (Date.now() < end);");
+    look.chrome.start_eval(&hang).unwrap();
+    let _never_reads = look.program.page();
+    let (hz, n_lost) = mean_rate_hz(&mut other);
+    println!("{before_hz} Hz and {n_before} lost before, {hz} Hz and {n_lost} lost with both");
+    assert_eq!(n_lost, n_before);
+    assert!(hz > 0.99 * before_hz, "{hz} Hz, {before_hz} Hz before");
+    let drawn = look.chrome.eval("hapdefView.drawn").unwrap();
+    look.chrome
+        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
+        .unwrap();
+}
+
+#[test]
+fn the_page_comes_back_with_its_program_and_presses_again() {
+    let Some(mut look) = look((1200, 800)) else {
+        return;
+    };
+    let port = look.program.port();
+    let away = "document.getElementById('link').dataset.state === 'away'";
+    drop(look.program);
+    look.chrome.wait_for(away).unwrap();
+    let drawn = look.chrome.eval("hapdefView.drawn").unwrap();
+    look.program = start(&look.scene, look.folder.path(), port);
+    look.program.page().until("frames come", |_| true);
+    look.chrome
+        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
+        .unwrap();
+    look.click("tare");
+    look.hears("Tared");
+    let node = look.node_in_the_middle();
+    look.press(node);
+    look.is_found_at(node);
+}
+
+#[test]
+fn a_phone_shows_all_of_it() {
+    let Some(mut look) = look((390, 844)) else {
+        return;
+    };
+    let wide = look
+        .chrome
+        .eval("document.documentElement.scrollWidth")
+        .unwrap();
+    assert_eq!(wide, 390);
+    assert_eq!(look.chrome.outside(390).unwrap(), json!([]));
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
