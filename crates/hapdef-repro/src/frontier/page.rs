@@ -317,7 +317,8 @@ fn cloud(points: &[Point]) -> LineChart {
     let mut front: Vec<(f64, f64)> = points
         .iter()
         .zip(is_front)
-        .filter_map(|(p, is_front)| is_front.then(|| at(p)))
+        .filter(|(_, is_front)| *is_front)
+        .map(|(p, _)| at(p))
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut series = vec![

@@ -1,6 +1,6 @@
 //! A tube of ten-node tetrahedra with gauges on its inner wall: a limb of any size of mesh.
 
-use std::f64::consts::{GOLDEN_RATIO, TAU};
+use std::f64::consts::TAU;
 
 use anyhow::Result;
 use hapdef_inverse::{Skin, SkinFaces, SkinParams};
@@ -12,6 +12,9 @@ use nalgebra::{Point3, Vector3};
 const INNER_M: f64 = 0.03;
 const WALL_M: f64 = 0.0025;
 const LENGTH_M: f64 = 0.15;
+
+/// (1 + √5)/2: turns by it never meet.
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
 /// The six orders in which a cell's directions can be walked: Kuhn's subdivision.
 const WALKS: [[usize; 3]; 6] = [

@@ -95,16 +95,16 @@ impl Way {
     /// Ways that differ from the usual one in one thing, then all others in an order drawn from
     /// `seed`: whenever the time is over, what was measured is spread over all of them.
     pub(super) fn in_order(seed: u64) -> Vec<Self> {
-        let mut first = vec![Self::USUAL];
         let usual = Self::USUAL;
-        first.extend(MESHES.map(|mesh| Self { mesh, ..usual }));
-        first.extend(PRESSES.map(|presses| Self { presses, ..usual }));
-        first.extend(LAYOUTS.map(|layout| Self { layout, ..usual }));
-        first.extend((0..EFFORTS.len()).map(|effort| Self { effort, ..usual }));
-        first.push(Self {
+        let followed = Self {
             knows: Knows::Before,
             ..usual
-        });
+        };
+        let mut first = vec![usual, followed];
+        first.extend((0..EFFORTS.len()).map(|effort| Self { effort, ..usual }));
+        first.extend(PRESSES.map(|presses| Self { presses, ..usual }));
+        first.extend(LAYOUTS.map(|layout| Self { layout, ..usual }));
+        first.extend(MESHES.map(|mesh| Self { mesh, ..usual }));
         let mut rest = Self::all();
         rest.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
         let mut ways: Vec<Self> = Vec::new();

@@ -80,7 +80,7 @@ impl Tiles {
                     target.is_first,
                     a,
                     b,
-                )
+                );
             }
             target.write(&tile);
         }

@@ -146,7 +146,7 @@ fn fill(square: &mut Square, matrix: View<'_>, rows: Range<usize>, i: usize) {
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 fn interleave<const N: usize>(words: &mut [u32; N], a: &[f32], b: &[f32]) {
-    if let (Some(a), Some(b)) = (a.as_array::<N>(), b.as_array::<N>()) {
+    if let (Ok(a), Ok(b)) = (<&[f32; N]>::try_from(a), <&[f32; N]>::try_from(b)) {
         for ((pair, a), b) in words.iter_mut().zip(a).zip(b) {
             *pair = word(*a, *b);
         }

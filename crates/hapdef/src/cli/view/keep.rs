@@ -136,10 +136,7 @@ mod tests {
         let then = shown.at(Some(40.001)).unwrap();
         for n in 1..3 {
             let path = keep.snapshot(then, Some(Path::new("x.mcap"))).unwrap();
-            assert_eq!(
-                path,
-                folder.path().join(format!("my-shin-snapshot-{n}.json"))
-            );
+            assert_eq!(path, folder.join(format!("my-shin-snapshot-{n}.json")));
             let text = std::fs::read_to_string(&path).unwrap();
             let value: Value = serde_json::from_str(&text).unwrap();
             assert_eq!(value["frame"]["seq"], 2000);
