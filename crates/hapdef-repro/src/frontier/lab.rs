@@ -138,11 +138,16 @@ impl<'a> Lab<'a> {
 
     /// Makes the estimator of a way; what it shares with others is made once.
     pub(super) fn ready(&mut self, way: &Way) -> Result<Ready> {
+        self.ready_for(way, self.run.scene.contact.max_contacts)
+    }
+
+    /// The same for a scene that wants at most so many contacts.
+    pub(super) fn ready_for(&mut self, way: &Way, max_contacts: usize) -> Result<Ready> {
         let solve_s = self.solve(way)?;
         let learn_s = self.calibrate(way)?;
         let channels = self.layouts[&way.layout].channels.clone();
         let start = Instant::now();
-        let estimator = self.estimator(way, &channels)?;
+        let estimator = self.estimator(way, &channels, max_contacts)?;
         Ok(Ready {
             estimator,
             channels,
@@ -154,9 +159,17 @@ impl<'a> Lab<'a> {
         })
     }
 
-    fn estimator(&self, way: &Way, channels: &Range<usize>) -> Result<ContactEstimator> {
+    fn estimator(
+        &self,
+        way: &Way,
+        channels: &Range<usize>,
+        max_contacts: usize,
+    ) -> Result<ContactEstimator> {
         let effort = &EFFORTS[way.effort];
-        let params = effort.params(self.params());
+        let params = EstimatorParams {
+            max_contacts,
+            ..effort.params(estimator_params(&self.run.scene))
+        };
         let solved = &self.responses[&(way.mesh, way.layout)];
         let map = &solved.response.map;
         let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
@@ -172,10 +185,6 @@ impl<'a> Lab<'a> {
         };
         let map = Arc::new(map.clone());
         Ok(ContactEstimator::new(map, sites, noise, params)?)
-    }
-
-    pub(super) fn params(&self) -> EstimatorParams {
-        estimator_params(&self.run.scene)
     }
 
     fn noise(&self, channels: &Range<usize>) -> Result<NoiseParams> {

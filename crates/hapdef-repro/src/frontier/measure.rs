@@ -56,6 +56,7 @@ fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
     }
     Ok(Point {
         name: way.name(),
+        way: Some(*way),
         family: Family::Searched,
         single: errors(&lab.singles)?,
         double: errors(&lab.doubles)?,
@@ -99,6 +100,7 @@ fn followed(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
     let [single, double] = scores.map(|score| Errors::of(&score.row(""), None));
     Ok(Point {
         name: way.name(),
+        way: Some(*way),
         family: Family::Followed,
         single,
         double,
@@ -169,6 +171,7 @@ fn prepared(
     };
     Ok(Point {
         name: format!("the paper's chain, {}", precision.name()),
+        way: None,
         family: Family::Chain,
         single: errors(&lab.singles)?,
         double: errors(&lab.doubles)?,

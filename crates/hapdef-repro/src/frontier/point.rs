@@ -4,12 +4,15 @@ use hapdef_report::{TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 
 use super::lab::Design;
+use super::way::Way;
 use crate::compare::score::{Row, at, mean, sorted};
 
 /// A way from readings to contacts with its errors and its times.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Point {
     pub(super) name: String,
+    /// None for the paper's chain.
+    pub(super) way: Option<Way>,
     pub(super) family: Family,
     pub(super) single: Errors,
     pub(super) double: Errors,
@@ -142,19 +145,21 @@ pub(super) fn error_mm(point: &Point) -> f64 {
 pub(super) fn table(points: &[Point]) -> TextTable {
     let header = [
         "way",
-        "one: mean, mm",
-        "mean, N",
+        "mesh",
+        "gauges",
+        "presses",
+        "one: mm",
+        "N",
         "count",
         "map, µm",
-        "two: mean, mm",
+        "two: mm",
         "median",
-        "within 10 mm",
-        "mean, N",
+        "10 mm",
+        "N",
         "count",
         "map, µm",
         "p50, µs",
         "p99, µs",
-        "spread",
         "design, s",
         "front",
     ];
@@ -176,8 +181,15 @@ fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
         _ => format!("{:.0} %", e.count_pct),
     };
     let map = |e: &Errors| e.map_um.map_or("–".to_owned(), |um| format!("{um:.2}"));
+    let [way, mesh, gauges, presses] = match &p.way {
+        Some(way) => way.words(),
+        None => [p.name.as_str(), "", "", ""].map(str::to_owned),
+    };
     let texts = [
-        p.name.clone(),
+        way,
+        mesh,
+        gauges,
+        presses,
         format!("{:.2}", p.single.mean_mm),
         format!("{:.2}", p.single.mean_n),
         count(&p.single),
@@ -188,13 +200,24 @@ fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
         format!("{:.2}", p.double.mean_n),
         count(&p.double),
         map(&p.double),
-        format!("{:.0}", p.frame.p50_us),
-        format!("{:.0}", p.frame.p99_us),
-        format!("{:.0} %", p.frame.spread * 100.0),
+        format!(
+            "{} ± {:.0} %",
+            micros(p.frame.p50_us),
+            50.0 * p.frame.spread
+        ),
+        micros(p.frame.p99_us),
         format!("{:.1}", p.design.all_s()),
         if is_front { "F" } else { "" }.to_owned(),
     ];
     texts.map(TextCell::plain).to_vec()
+}
+
+/// Small times with a decimal.
+fn micros(time_us: f64) -> String {
+    match time_us < 10.0 {
+        true => format!("{time_us:.1}"),
+        false => format!("{time_us:.0}"),
+    }
 }
 
 #[cfg(test)]
@@ -204,6 +227,7 @@ mod tests {
     fn point(name: &str, time_us: f64, error: f64) -> Point {
         Point {
             name: name.into(),
+            way: None,
             family: Family::Searched,
             single: Errors::default(),
             double: Errors {

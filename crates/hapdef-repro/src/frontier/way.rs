@@ -77,19 +77,25 @@ impl Way {
     };
 
     pub(super) fn name(&self) -> String {
-        let mesh = match self.mesh {
-            Mesh::Solid => "own mesh",
-            Mesh::Refined => "refined mesh",
-        };
-        let layout = match self.layout {
-            Layout::Scene => "the scene's gauges".to_owned(),
-            Layout::Greedy(n) => format!("{n} gauges"),
-        };
-        let search = match self.knows {
+        let [way, mesh, gauges, presses] = self.words();
+        format!("{way}, {mesh} mesh, {gauges} gauges, {presses} presses")
+    }
+
+    /// Search, mesh, gauges, presses.
+    pub(super) fn words(&self) -> [String; 4] {
+        let way = match self.knows {
             Knows::Nothing => format!("search: {}", EFFORTS[self.effort].name),
             Knows::Before => "followed".to_owned(),
         };
-        format!("{mesh}, {layout}, {} presses, {search}", self.presses)
+        let mesh = match self.mesh {
+            Mesh::Solid => "own",
+            Mesh::Refined => "refined",
+        };
+        let gauges = match self.layout {
+            Layout::Scene => "the scene's".to_owned(),
+            Layout::Greedy(n) => n.to_string(),
+        };
+        [way, mesh.to_owned(), gauges, self.presses.to_string()]
     }
 
     /// Ways that differ from the usual one in one thing, then all others in an order drawn from

@@ -42,6 +42,14 @@ pub fn results_markdown(report: &Value) -> String {
             Some(note) => text.push_str(&format!("\n{note}\n")),
         }
     }
+    let skipped = items(&report["skipped"]);
+    if !skipped.is_empty() {
+        text.push_str("\n## Left out\n\n");
+    }
+    for stage in skipped {
+        let (name, reason) = (shown(&stage["name"]), shown(&stage["reason"]));
+        text.push_str(&format!("- {name}: {reason}\n"));
+    }
     text.push_str("\n## Times\n\n| stage | seconds |\n|---|---|\n");
     for stage in items(&report["stages"]) {
         let seconds = stage["elapsed_s"].as_f64().unwrap_or(f64::NAN);

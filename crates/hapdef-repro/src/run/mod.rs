@@ -103,6 +103,9 @@ struct ReproArgs {
     /// Also writes the metrics to this JSON file.
     #[arg(long)]
     metrics: Option<PathBuf>,
+    /// Leave out what needs nets of its own: figure 5A and the ablations of figure 8.
+    #[arg(long)]
+    tables_only: bool,
 }
 
 #[derive(Args)]
@@ -132,14 +135,18 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::FrontierInverse(args) => compare::run_frontier(args),
         Command::BenchInverse(args) => compare::run_bench(args),
-        Command::Report(args) => report(args, false).map(drop),
+        Command::Report(args) => report(args, Extent::Demo).map(drop),
         Command::Repro(args) => repro(args),
         Command::Golden(args) => golden(args),
     }
 }
 
 fn repro(args: &ReproArgs) -> Result<()> {
-    let report = report(&args.scene, true)?;
+    let extent = match args.tables_only {
+        true => Extent::Tables,
+        false => Extent::Everything,
+    };
+    let report = report(&args.scene, extent)?;
     if let Some(path) = &args.results {
         let json = serde_json::to_value(&report).context("the report as JSON")?;
         write_text(path, &results_markdown(&json))?;
@@ -164,12 +171,12 @@ fn golden(args: &GoldenArgs) -> Result<()> {
     Ok(())
 }
 
-fn report(args: &SceneArgs, with_nets: bool) -> Result<Report> {
+fn report(args: &SceneArgs, extent: Extent) -> Result<Report> {
     let start = Instant::now();
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let done = Pipeline::run(&run, &limb, Until::Eval)?;
-    let (report, log) = assemble(&run, &limb, &done, with_nets, start)?;
+    let (report, log) = assemble(&run, &limb, &done, extent, start)?;
     let folder = args.out.join(&run.scene.name).join("report");
     let paths = write_report(&folder, &report)?;
     figures::write_surface(&folder.join("rigidity.glb"), &limb, &done)?;
@@ -179,6 +186,17 @@ fn report(args: &SceneArgs, with_nets: bool) -> Result<Report> {
         println!("{}", path.display());
     }
     Ok(report)
+}
+
+/// How much of the paper is made.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    /// The demo's report.
+    Demo,
+    /// The same as a reproduction, with its metrics.
+    Tables,
+    /// With what needs nets of its own.
+    Everything,
 }
 
 /// What was measured, before it is judged and drawn.
@@ -243,10 +261,11 @@ fn assemble(
     run: &Run,
     limb: &Limb,
     done: &Pipeline,
-    with_nets: bool,
+    extent: Extent,
     start: Instant,
 ) -> Result<(Report, MetricLog<std::io::Stdout>)> {
     let (_, scores) = done.eval.as_ref().context("the scene was not scored")?;
+    let with_nets = extent == Extent::Everything;
     let parts = measure(run, limb, done, with_nets)?;
     let chain = chain::chain(run, limb, done)?;
     let both = scores::Scores::of(&chain, &parts.frames)?;
@@ -303,7 +322,7 @@ fn assemble(
         done,
         wall_s: facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64()),
     };
-    summary::log(&mut log, &printed, with_nets)?;
+    summary::log(&mut log, &printed, extent != Extent::Demo)?;
     report.metrics = log.records().to_vec();
     Ok((report, log))
 }
