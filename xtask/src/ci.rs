@@ -6,9 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{
-    browser, docs, fixtures, frontier, python, repro, soak, stability, tidy, verify, weight,
-};
+use crate::{browser, docs, fixtures, frontier, repro, soak, stability, tidy, verify, weight};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -63,7 +61,6 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
-    step(&mut times, "Python module", python::check)?;
     Ok(times)
 }
 
