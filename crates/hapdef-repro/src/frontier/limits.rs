@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lab::Lab;
 use super::point::{Errors, Point};
-use super::way::{Layout, Way};
+use super::way::{LAYOUTS, Way};
 use super::{ChainFrontierArgs, VERSION, measure};
 
 /// Relative difference that another machine's rounding may make in a mean error.
@@ -128,7 +128,8 @@ pub(super) fn check(path: &Path, args: &ChainFrontierArgs, run: &Run, limb: &Lim
         frames: kept.frames,
         ..args.clone()
     };
-    let mut lab = Lab::build(run, limb, args.amounts(), &[Layout::Scene])?;
+    // the rig's noise depends on how many gauges it has
+    let mut lab = Lab::build(run, limb, args.amounts(), &LAYOUTS)?;
     let now = measure::superposed(&mut lab, &Way::USUAL)?;
     for (what, then, now) in [
         ("one contact", kept.single.mean_mm, now.single.mean_mm),

@@ -95,8 +95,8 @@ pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
 /// found, without solving anything; none where the rig's mesh is the limb's refined.
 ///
 /// # Errors
-/// As [`rig_mesh_key`]; [`HapdefError::RigDeck`] when something is not found on it, and
-/// [`HapdefError::RigDeckIsLimb`] when it is the limb's mesh itself.
+/// [`HapdefError::NoDeck`] when its deck can't be read, [`HapdefError::RigDeck`] when something is
+/// not found on it, and [`HapdefError::RigDeckIsLimb`] when it is the limb's mesh itself.
 pub fn check_rig_mesh(run: &Run, limb: &Limb) -> Result<Option<[usize; 2]>, HapdefError> {
     let (Some(path), Some(own)) = (rig_deck(run), rig_solid(run)?) else {
         return Ok(None);
