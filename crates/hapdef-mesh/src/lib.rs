@@ -14,6 +14,7 @@ mod error;
 mod extrude;
 mod gltf;
 mod ids;
+mod kuhn;
 mod neighbours;
 mod patch;
 mod quality;
@@ -52,6 +53,7 @@ pub use deck::{
 pub use error::MeshError;
 pub use extrude::{ExtrudeParams, Extrusion, extrude};
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
+pub use kuhn::{kuhn_block, kuhn_cell, kuhn_tube};
 pub use neighbours::PointIndex;
 pub use patch::{GaugePatch, gauge_patch};
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};

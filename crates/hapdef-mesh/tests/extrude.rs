@@ -196,10 +196,11 @@ fn refined_surfaces_keep_what_they_stand_for() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 
-    /// Steiner's formula for a convex body: the layer outside has volume
-    /// A t + M t² + O(t³), M > 0, so it is more than A t; inward it is less.
+    /// Steiner's formula for a convex body: the layer outside has volume A t + M t² + O(t³), M > 0,
+    /// the layer inside A t − M t² + O(t³), and half outside and half inside lies between them.
+    /// Against A t itself a thin layer on facets is off by their own error, whatever the side.
     #[test]
-    fn layers_of_ellipsoids_lie_on_both_sides_of_area_times_thickness(
+    fn layers_of_ellipsoids_grow_outward_and_shrink_inward(
         axes in [0.5..1.5, 0.5..1.5, 0.5..1.5],
         wall_m in 1e-4..3e-3,
         n_layers in 1_usize..3,
@@ -212,7 +213,8 @@ proptest! {
             wall(&skin, wall_m, &params).unwrap().volume_m3
         };
         let plain = skin.area_m2() * wall_m;
-        prop_assert!(volume(SkinSide::Inner) > plain && plain > volume(SkinSide::Outer));
-        prop_assert!((volume(SkinSide::Middle) / plain - 1.0).abs() < 0.01);
+        let [inner, middle, outer] = [SkinSide::Inner, SkinSide::Middle, SkinSide::Outer].map(volume);
+        prop_assert!(inner > middle && middle > outer, "{inner:e} {middle:e} {outer:e}");
+        prop_assert!((middle / plain - 1.0).abs() < 0.01, "{middle:e} of {plain:e}; {inner:e} {outer:e}");
     }
 }

@@ -4,11 +4,12 @@
 mod solid_common;
 
 use hapdef_mesh::{
-    BoundarySurface, FeNodeId, MeshError, SolidFault, Tet10Mesh, face_positions, tet10, tri6,
+    BoundarySurface, FeNodeId, MeshError, SolidFault, Tet10Mesh, face_positions, kuhn_block, tet10,
+    tri6,
 };
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use solid_common::{mapped_box, tube};
+use solid_common::tube;
 
 fn one_tet() -> (Vec<Point3<f64>>, [FeNodeId; 10]) {
     let corners = [
@@ -212,13 +213,15 @@ proptest! {
     /// Eight children fill their parent, however its mid-side nodes bend it.
     #[test]
     fn children_fill_their_parent(bend in proptest::collection::vec(-0.03..0.03_f64, 6)) {
-        let mesh = mapped_box([2, 1, 1], |[x, y, z]| {
+        let mesh = kuhn_block([2, 1, 1], |p| {
+            let [x, y, z] = p.into();
             Point3::new(
                 x + bend[0] * y * y + bend[1] * z * x,
                 y + bend[2] * x * x + bend[3] * z * z,
                 z + bend[4] * x * y + bend[5] * y * y,
             )
-        });
+        })
+        .unwrap();
         let fine = mesh.refine();
         for element in 0..mesh.elements().len() {
             let parent = tet10::volume(&mesh.element_positions(element));

@@ -5,11 +5,11 @@ mod solid_common;
 
 use hapdef_mesh::{
     FeNodeId, MeshError, OuterSkinParams, RadialRegionParams, SkinRegion, Tet10Mesh, Tri6Face,
-    clear_nodes, face_positions, farthest_nodes, gauge_patch, outer_skin, radial_region, tri6,
-    wall,
+    clear_nodes, face_positions, farthest_nodes, gauge_patch, kuhn_block, outer_skin,
+    radial_region, tri6, wall,
 };
 use nalgebra::{Point3, Vector3};
-use solid_common::{mapped_box, tube};
+use solid_common::tube;
 
 const HEIGHT_M: f64 = 0.06;
 
@@ -239,9 +239,10 @@ fn a_gauge_off_the_wall_is_refused_with_its_distance() {
 
 #[test]
 fn places_keep_clear_of_the_wall_s_edges_and_spread() {
-    let mesh = mapped_box([8, 8, 1], |[x, y, z]| {
-        Point3::new(0.08 * x, 0.08 * y, 1e-3 * z)
-    });
+    let mesh = kuhn_block([8, 8, 1], |p| {
+        Point3::new(0.08 * p.x, 0.08 * p.y, 1e-3 * p.z)
+    })
+    .unwrap();
     let top: Vec<Tri6Face> = mesh
         .boundary()
         .faces

@@ -1,9 +1,7 @@
 //! The simulated hardware against the elastic model it is a perturbation of.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::BTreeMap;
-
-use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh};
+use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, kuhn_block};
 use hapdef_rig::{
     GainParams, MisplacementParams, NominalLimb, RealLimb, RigError, RigParams, VariationParams,
 };
@@ -16,64 +14,10 @@ use nalgebra::{Point3, Vector3};
 const CELLS: [usize; 3] = [10, 6, 1];
 const SIZE_M: [f64; 3] = [0.04, 0.024, 0.001];
 
-/// Six tetrahedra to a cell, one for each order of the axes from corner 000 to corner 111.
-const AXIS_ORDERS: [[usize; 3]; 6] = [
-    [0, 1, 2],
-    [1, 2, 0],
-    [2, 0, 1],
-    [0, 2, 1],
-    [2, 1, 0],
-    [1, 0, 2],
-];
-
 /// A plate of 40 × 24 × 1 mm in `cells` cells.
 fn plate(cells: [usize; 3]) -> Tet10Mesh {
-    let [nx, ny, nz] = cells.map(|n| n + 1);
-    let size_m: [f64; 3] = std::array::from_fn(|a| SIZE_M[a] / cells[a] as f64);
-    let corner = |[i, j, k]: [usize; 3]| i + nx * (j + ny * k);
-    let mut nodes: Vec<Point3<f64>> = (0..nx * ny * nz)
-        .map(|n| [n % nx, n / nx % ny, n / (nx * ny)])
-        .map(|at| Point3::from(std::array::from_fn(|a| at[a] as f64 * size_m[a])))
-        .collect();
-    let mut middles = BTreeMap::new();
-    let mut elements = Vec::new();
-    for cell in 0..cells.iter().product::<usize>() {
-        let at = [
-            cell % cells[0],
-            cell / cells[0] % cells[1],
-            cell / (cells[0] * cells[1]),
-        ];
-        for order in AXIS_ORDERS {
-            let mut path = [at; 4];
-            for (step, &axis) in order.iter().enumerate() {
-                path[step + 1] = path[step];
-                path[step + 1][axis] += 1;
-            }
-            let mut ids = path.map(corner);
-            let is_odd = AXIS_ORDERS[3..].contains(&order);
-            if is_odd {
-                ids.swap(1, 2);
-            }
-            elements.push(ids);
-        }
-    }
-    let elements = elements.into_iter().map(|ids| {
-        let mut element = [FeNodeId(0); 10];
-        for i in 0..4 {
-            element[i] = FeNodeId::from_index(ids[i]);
-        }
-        for (mid, [a, b]) in (4..).zip(TET10_EDGES) {
-            let key = [ids[a].min(ids[b]), ids[a].max(ids[b])];
-            let id = *middles.entry(key).or_insert_with(|| {
-                nodes.push(nalgebra::center(&nodes[key[0]], &nodes[key[1]]));
-                nodes.len() - 1
-            });
-            element[mid] = FeNodeId::from_index(id);
-        }
-        element
-    });
-    let elements: Vec<_> = elements.collect();
-    Tet10Mesh::new(nodes, elements).unwrap()
+    let size_m = Vector3::from(SIZE_M);
+    kuhn_block(cells, |p| p.coords.component_mul(&size_m).into()).unwrap()
 }
 
 struct Bench {

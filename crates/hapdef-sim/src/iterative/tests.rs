@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh};
+use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block};
 use nalgebra::Point3;
 
 use super::aggregate::Modes;
@@ -18,43 +18,8 @@ use crate::{IsotropicMaterial, SimError, Supports};
 
 /// A bar of unit cubes along x, each cut in six ten-node tetrahedra about its main diagonal.
 fn bar(n_cells: usize) -> Tet10Mesh {
-    let mut nodes: Vec<Point3<f64>> = Vec::new();
-    let mut id = |at: [usize; 3]| {
-        let [x, y, z] = at.map(|c| 0.5 * c as f64);
-        let p = Point3::new(x, y, z);
-        let known = nodes.iter().position(|q| *q == p);
-        FeNodeId::from_index(known.unwrap_or_else(|| {
-            nodes.push(p);
-            nodes.len() - 1
-        }))
-    };
-    let mut elements = Vec::new();
-    let paths = [
-        [0, 1, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [1, 0, 2],
-        [2, 1, 0],
-        [0, 2, 1],
-    ];
-    for cell in 0..n_cells {
-        for (i, path) in paths.iter().enumerate() {
-            let mut corners = [[2 * cell, 0, 0]; 4];
-            for step in 0..3 {
-                (step + 1..4).for_each(|later| corners[later][path[step]] += 2);
-            }
-            if i >= 3 {
-                corners.swap(1, 2);
-            }
-            let mid =
-                |[a, b]: [usize; 2]| std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2);
-            elements.push(std::array::from_fn(|k| match k {
-                0..4 => id(corners[k]),
-                _ => id(mid(TET10_EDGES[k - 4])),
-            }));
-        }
-    }
-    Tet10Mesh::new(nodes, elements).expect("a valid bar")
+    let stretch = |p: Point3<f64>| Point3::new(n_cells as f64 * p.x, p.y, p.z);
+    kuhn_block([n_cells, 1, 1], stretch).expect("a valid bar")
 }
 
 struct Problem {

@@ -4,24 +4,13 @@
 
 use std::path::PathBuf;
 
-use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face};
+use hapdef_mesh::{FeNodeId, SkinRegion, TET10_EDGES, Tet10Mesh, Tri6Face, kuhn_block};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::ProptestConfig;
-use std::collections::BTreeMap;
 
 pub const E_PA: f64 = 2.0e9;
 pub const NU: f64 = 0.3;
-
-/// Corner paths of the six Kuhn tetrahedra of a cube, by the axis each step goes along.
-const KUHN: [[usize; 3]; 6] = [
-    [0, 1, 2],
-    [1, 2, 0],
-    [2, 0, 1],
-    [0, 2, 1],
-    [2, 1, 0],
-    [1, 0, 2],
-];
 
 /// A box of `n` cells and size `size_m` from the origin, six tetrahedra a cell, mapped by `map`;
 /// mid-side nodes lie on the mapped middle, so curved maps give curved faces.
@@ -30,39 +19,8 @@ pub fn mapped_box(
     size_m: [f64; 3],
     map: impl Fn(Point3<f64>) -> Point3<f64>,
 ) -> Tet10Mesh {
-    // nodes on a grid of half cells
-    let mut nodes = Vec::new();
-    let mut ids: BTreeMap<[usize; 3], FeNodeId> = BTreeMap::new();
-    let mut id = |at: [usize; 3]| {
-        *ids.entry(at).or_insert_with(|| {
-            let x = |c: usize| at[c] as f64 / (2 * n[c]) as f64 * size_m[c];
-            nodes.push(map(Point3::new(x(0), x(1), x(2))));
-            FeNodeId::from_index(nodes.len() - 1)
-        })
-    };
-    let mut elements = Vec::new();
-    for cell in 0..n[0] * n[1] * n[2] {
-        let origin = [cell % n[0], cell / n[0] % n[1], cell / n[0] / n[1]].map(|c| 2 * c);
-        for (i, path) in KUHN.iter().enumerate() {
-            let mut corners = [origin; 4];
-            for step in 0..3 {
-                for later in step + 1..4 {
-                    corners[later][path[step]] += 2;
-                }
-            }
-            if i >= 3 {
-                corners.swap(1, 2);
-            }
-            let mid =
-                |a: usize, b: usize| std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2);
-            let element: [FeNodeId; 10] = std::array::from_fn(|k| match k {
-                0..4 => id(corners[k]),
-                _ => id(mid(TET10_EDGES[k - 4][0], TET10_EDGES[k - 4][1])),
-            });
-            elements.push(element);
-        }
-    }
-    Tet10Mesh::new(nodes, elements).expect("the box is a valid mesh")
+    let size = Vector3::from(size_m);
+    kuhn_block(n, |p| map(p.coords.component_mul(&size).into())).expect("the box is a valid mesh")
 }
 
 pub fn straight_box(n: [usize; 3], size_m: [f64; 3]) -> Tet10Mesh {

@@ -2,20 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh};
+use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_cell};
 use nalgebra::Point3;
 
 use crate::VerifyError;
-
-/// Corner paths of the six Kuhn tetrahedra of a cube, by the axis each step goes along.
-const KUHN: [[usize; 3]; 6] = [
-    [0, 1, 2],
-    [1, 2, 0],
-    [2, 0, 1],
-    [0, 2, 1],
-    [2, 1, 0],
-    [1, 0, 2],
-];
 
 /// A mesh under construction: one mapped grid after another.
 ///
@@ -64,15 +54,7 @@ impl Blocks {
             if !keep(cell) {
                 continue;
             }
-            for path in KUHN {
-                let corners = corners(cell, path);
-                let points: [[usize; 3]; 10] = std::array::from_fn(|k| match k {
-                    0..4 => corners[k],
-                    _ => {
-                        let [a, b] = TET10_EDGES[k - 4];
-                        std::array::from_fn(|c| (corners[a][c] + corners[b][c]) / 2)
-                    }
-                });
+            for points in kuhn_cell(cell) {
                 let element = points.map(|at| {
                     *ids.entry(at).or_insert_with(|| {
                         let x = |c: usize| at[c] as f64 / (2 * n[c]) as f64;
@@ -130,17 +112,6 @@ impl Blocks {
         }
         self.elements.push(element);
     }
-}
-
-/// The corners of the Kuhn tetrahedron along `path` in `cell`, in half cells.
-fn corners(cell: [usize; 3], path: [usize; 3]) -> [[usize; 3]; 4] {
-    let mut corners = [cell.map(|c| 2 * c); 4];
-    for step in 0..3 {
-        for later in step + 1..4 {
-            corners[later][path[step]] += 2;
-        }
-    }
-    corners
 }
 
 #[cfg(test)]

@@ -5,14 +5,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use hapdef_data::{DatasetWriter, TensorSpec};
-use hapdef_mesh::FeNodeId;
+use hapdef_mesh::{FeNodeId, kuhn_block};
 use hapdef_nets::train::{MemorySource, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::block::block;
 use crate::cache::write_json;
 use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
@@ -46,6 +45,9 @@ pub struct Machine {
 
 /// Cubes along each side of the block that is solved.
 const N_CUBES: usize = 10;
+
+/// Their width, m.
+const CUBE_M: f64 = 2e-3;
 
 /// Steps of a training that are not timed.
 const WARM_UP: u64 = 3;
@@ -106,7 +108,7 @@ impl Machine {
 
 /// Rates of assembly, factorisation, many solves and few.
 fn solver_rates(threads: usize) -> Result<[f64; 4], HapdefError> {
-    let mesh = block(N_CUBES)?;
+    let mesh = kuhn_block([N_CUBES; 3], |p| p * (N_CUBES as f64 * CUBE_M))?;
     let clamped = |i: &usize| mesh.nodes()[*i].z < 1e-9;
     let clamped = (0..mesh.nodes().len()).filter(clamped);
     let material = IsotropicMaterial::new(2e9, 0.35, 1000.0)?;

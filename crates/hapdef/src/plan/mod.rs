@@ -4,7 +4,6 @@
 //! The stages and their places in the cache come from the very functions that run them, on a cache
 //! that only looks ([`crate::Cache::looking`]): the run follows the plan.
 
-mod block;
 mod chain;
 mod cost;
 mod elastic;

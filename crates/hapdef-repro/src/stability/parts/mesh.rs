@@ -1,6 +1,6 @@
 //! A curved block of ten-node tetrahedra, stretched, moved, and broken.
 
-use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh, tet10};
+use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block, tet10};
 use nalgebra::{Point3, Vector3};
 
 use crate::ReproError;
@@ -72,17 +72,19 @@ fn refusals() -> [Case; 5] {
             with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))
         }),
         refused("an element names a node that is not there", "node", || {
-            let (nodes, mut elements) = lattice();
-            elements[2][9] = FeNodeId::from_index(nodes.len());
-            Ok(volume(&Tet10Mesh::new(nodes, elements)?))
+            let mesh = block(|p| p)?;
+            let mut elements = mesh.elements().to_vec();
+            elements[2][9] = FeNodeId::from_index(mesh.nodes().len());
+            Ok(volume(&Tet10Mesh::new(mesh.nodes().to_vec(), elements)?))
         }),
     ]
 }
 
 fn with_nodes(change: impl Fn(&mut [Point3<f64>])) -> Result<f64, ReproError> {
-    let (mut nodes, elements) = lattice();
+    let mesh = block(|p| p)?;
+    let mut nodes = mesh.nodes().to_vec();
     change(&mut nodes);
-    Ok(volume(&Tet10Mesh::new(nodes, elements)?))
+    Ok(volume(&Tet10Mesh::new(nodes, mesh.elements().to_vec())?))
 }
 
 fn volume_error(map: impl Fn(Point3<f64>) -> Point3<f64>, grows: f64) -> Result<f64, ReproError> {
@@ -103,46 +105,5 @@ fn volume(mesh: &Tet10Mesh) -> f64 {
 
 /// A cube of 0.1 m with straight edges, mapped.
 fn block(map: impl Fn(Point3<f64>) -> Point3<f64>) -> Result<Tet10Mesh, ReproError> {
-    let (nodes, elements) = lattice();
-    Ok(Tet10Mesh::new(
-        nodes.into_iter().map(map).collect(),
-        elements,
-    )?)
-}
-
-/// One cube in six tetrahedra (Kuhn).
-fn lattice() -> (Vec<Point3<f64>>, Vec<[FeNodeId; 10]>) {
-    const WALKS: [[usize; 3]; 6] = [
-        [0, 1, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [0, 2, 1],
-        [2, 1, 0],
-        [1, 0, 2],
-    ];
-    let nodes = (0..27).map(|i| Point3::from([i % 3, i / 3 % 3, i / 9].map(|x| 0.05 * x as f64)));
-    let element = |(i, walk): (usize, &[usize; 3])| {
-        let mut corners = [[0; 3]; 4];
-        for step in 0..3 {
-            corners[step + 1] = corners[step];
-            corners[step + 1][walk[step]] = 2;
-        }
-        if i >= 3 {
-            corners.swap(1, 2);
-        }
-        std::array::from_fn(|k| {
-            let at: [usize; 3] = match corners.get(k) {
-                Some(corner) => *corner,
-                None => {
-                    let [a, b] = TET10_EDGES[k - 4].map(|corner| corners[corner]);
-                    std::array::from_fn(|d| (a[d] + b[d]) / 2)
-                }
-            };
-            FeNodeId::from_index(at[0] + 3 * at[1] + 9 * at[2])
-        })
-    };
-    (
-        nodes.collect(),
-        WALKS.iter().enumerate().map(element).collect(),
-    )
+    Ok(kuhn_block([1; 3], |p| map(p * 0.1))?)
 }
