@@ -320,6 +320,7 @@ fn assemble(
         table2: &table2,
         claims: &claims,
         done,
+        n_cached: report.stages.iter().filter(|stage| stage.cached).count(),
         wall_s: facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64()),
     };
     summary::log(&mut log, &printed, extent != Extent::Demo)?;
