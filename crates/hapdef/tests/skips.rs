@@ -3,11 +3,13 @@
 
 use std::path::Path;
 
-use hapdef::scene::{ContactRegion, EstimatorSpec, SuperpositionSpec};
+use hapdef::scene::{ContactRegion, EstimatorSpec, MaterialSpec, SuperpositionSpec};
 use hapdef::stages::{NetKind, compliance, datasets, rig, train, train_kinds};
-use hapdef::touch::{response_map, superposition};
+use hapdef::touch::{
+    Calibration, PressQuality, Touch, response_map, superposition, touch_estimator,
+};
 use hapdef::{Limb, Profile, Progress, Run};
-use hapdef_inverse::{ContactEstimate, ResponseMap, SkinPoint};
+use hapdef_inverse::{ContactEstimate, Press, ResponseMap, SkinPoint};
 use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, NodalLoad};
 use nalgebra::Vector3;
@@ -193,5 +195,56 @@ fn pair_search_and_friction_change_no_single_contact() {
             assert!((a.position_m - b.position_m).norm() < 1e-9);
             assert!((a.force_n - b.force_n).abs() < 1e-9 * a.force_n);
         }
+    }
+}
+
+/// A calibration stands for the response that it was fitted from: with it nothing is solved, so that
+/// twice the stiffness in the scene, by which a solve reads half, changes no contact.
+#[test]
+fn a_calibration_leaves_out_the_response_and_changes_no_contact() {
+    let out = tempfile::tempdir().unwrap();
+    let mut run = run_of("placed.json", out.path());
+    let EstimatorSpec::Superposition(spec) = &mut run.scene.estimator else {
+        panic!("placed.json chooses superposition")
+    };
+    spec.map_refinements = 0;
+    spec.calibration = Some(out.path().join("calibration.json"));
+    let spec = spec.clone();
+    let limb = loaded(&run);
+    let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
+    let press = |face: usize| {
+        let point = SkinPoint::new(map.skin(), face, [0.5, 0.3, 0.2]).unwrap();
+        let readings = map.normal(&point).iter().map(|g| 20.4 * g).collect();
+        Press {
+            point,
+            force_n: 20.0,
+            readings,
+        }
+    };
+    let presses: Vec<Press> = (0..30).map(|i| press(47 * i)).collect();
+    let quality = PressQuality {
+        noise_ue: 1.0,
+        position_sd_m: 0.0,
+        force_sd_n: 0.0,
+    };
+    let (fitted, _) = Calibration::fit(&run, &limb, &presses, &quality, 200).unwrap();
+    fitted.write(&out.path().join("calibration.json")).unwrap();
+    let solved = fitted.estimator(&run.scene, &spec, &limb).unwrap();
+    run.scene.material = Some(MaterialSpec {
+        youngs_modulus_pa: 2.0 * limb.material.youngs_modulus_pa(),
+        poissons_ratio: limb.material.poissons_ratio(),
+        density_kg_m3: limb.material.density_kg_m3(),
+    });
+    let stiff = loaded(&run);
+    let stiff_map = response_map(&stiff, run.scene.contact.tip_radius_m, 2).unwrap();
+    let mut left_out = touch_estimator(&run, &stiff).unwrap();
+    for press in presses.iter().step_by(7) {
+        let halved = stiff_map.normal(&press.point)[0] / map.normal(&press.point)[0];
+        assert!((halved - 0.5).abs() < ROUNDING);
+        let a = &solved.estimate(&press.readings).unwrap().contacts[0];
+        let mut touch = Touch::default();
+        left_out.estimate(&press.readings, &mut touch).unwrap();
+        let b = &touch.contacts[0];
+        assert_eq!((a.position_m, a.force_n), (b.position_m, b.force_n));
     }
 }

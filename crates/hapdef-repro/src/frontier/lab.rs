@@ -211,8 +211,16 @@ impl<'a> Lab<'a> {
             };
             self.run.say(&format!("solving: {}", way.name()));
             let start = Instant::now();
-            let response =
-                UncertainResponse::solve(self.limb, &placed.sites, &placed.gauges, &params)?;
+            let (sites, gauges) = (&placed.sites, &placed.gauges);
+            let response = match way.mesh {
+                Mesh::Solid | Mesh::Refined => {
+                    UncertainResponse::solve(self.limb, sites, gauges, &params)?
+                }
+                Mesh::Shell => {
+                    let max_wall_m = self.run.scene.rig.max_wall_m;
+                    UncertainResponse::solve_shell(self.limb, sites, gauges, max_wall_m, &params)?
+                }
+            };
             let elapsed_s = start.elapsed().as_secs_f64();
             let solved = Solved {
                 response,

@@ -13,7 +13,7 @@ pub(super) const MOST_GAUGES: usize = 16;
 /// Presses of the largest calibration.
 pub(super) const MOST_PRESSES: usize = 3000;
 
-const MESHES: [Mesh; 2] = [Mesh::Solid, Mesh::Refined];
+const MESHES: [Mesh; 3] = [Mesh::Solid, Mesh::Refined, Mesh::Shell];
 const PRESSES: [usize; 6] = [0, 30, 100, 300, 1000, MOST_PRESSES];
 /// Every layout.
 pub(super) const LAYOUTS: [Layout; 6] = [
@@ -33,6 +33,8 @@ pub(super) enum Mesh {
     Solid,
     /// Each of them cut into eight.
     Refined,
+    /// Triangles of a shell of its skin.
+    Shell,
 }
 
 /// Where the gauges are.
@@ -90,6 +92,7 @@ impl Way {
         let mesh = match self.mesh {
             Mesh::Solid => "own",
             Mesh::Refined => "refined",
+            Mesh::Shell => "shell",
         };
         let gauges = match self.layout {
             Layout::Scene => "the scene's".to_owned(),

@@ -32,4 +32,5 @@ pub use output::write_measured_wall;
 pub use params::{MountChoice, MountEnd, ShellLimbParams, WallChoice};
 pub use report::{ReportSource, SHELL_REPORT_HTML, SHELL_REPORT_JSON, SceneSource};
 pub use response::{ShellLimb, shell_limb};
+pub(crate) use sites::on_wall;
 pub use thin_wall::ThinWall;

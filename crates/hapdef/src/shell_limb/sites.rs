@@ -81,7 +81,7 @@ pub(super) fn gauge_at(
 }
 
 /// Nothing instead of an error that says a gauge doesn't lie on the wall.
-pub(super) fn on_wall<G>(gauge: Result<G, SimError>) -> Result<Option<G>, HapdefError> {
+pub(crate) fn on_wall<G>(gauge: Result<G, SimError>) -> Result<Option<G>, HapdefError> {
     match gauge {
         Ok(gauge) => Ok(Some(gauge)),
         Err(

@@ -5,11 +5,13 @@ mod bundle;
 mod calibration;
 mod chosen;
 mod fine;
+mod glued;
 mod layout;
 mod layout_choice;
 mod limits;
 mod modes;
 mod response;
+mod shell;
 mod superposition;
 
 pub use bundle::{BundleRequest, make_bundle};

@@ -7,16 +7,14 @@ use hapdef_sim::{
     ComplianceParams, ElasticModel, ElasticParams, GaugeResponse, GaugeSite, GaugeStrain,
     NodalLoad, SimError, stiffness,
 };
-use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use super::fine::FineLimb;
+use super::glued::{Gauges, Glued};
 use super::response::{field_map, skin_values};
+use super::shell::SkinShell;
 use crate::error::HapdefError;
 use crate::limb::Limb;
-
-/// Shift and turn that derivatives are taken over.
-const SHIFT_M: f64 = 5e-4;
-const TURN_RAD: f64 = 0.026;
 
 /// Width of a stiffness mode, m.
 const MODE_WIDTH_M: f64 = 0.025;
@@ -62,14 +60,11 @@ impl UncertainResponse {
         let (response, _) = model.gauge_response(gauges)?;
         let on_skin =
             |adjoint: &[Vector3<f64>]| field_map(limb, gauges.len(), adjoint, params.tip_radius_m);
-        let layout = Layout {
+        let solid = Solid {
             limb,
             model: &model,
-            sites,
-            gauges,
         };
-        let gauge_mode = |motion| on_skin(&layout.moved_response(motion)?);
-        let stiffness = layout.stiffness_modes(&response, params.n_stiffness)?;
+        let stiffness = solid.stiffness_modes(&response, params.n_stiffness)?;
         let map = if params.refinements == 0 {
             on_skin(&skin_values(limb, &response))?
         } else {
@@ -77,15 +72,49 @@ impl UncertainResponse {
         };
         Ok(Self {
             map,
-            gauge_modes: [
-                gauge_mode(Motion::Along)?,
-                gauge_mode(Motion::Across)?,
-                gauge_mode(Motion::Turn)?,
-            ],
+            gauge_modes: Gauges {
+                wall: &solid,
+                sites,
+                on_solid: gauges,
+                on_wall: gauges,
+            }
+            .modes(|adjoint| on_skin(adjoint))?,
             stiffness_modes: stiffness
                 .iter()
                 .map(|adjoint| on_skin(adjoint))
                 .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The same on a shell of the limb's skin, with the median thickness of the wall behind it, of
+    /// material up to `max_wall_m` thick: ribs and rings are left out, and so are stiffness modes.
+    /// A gauge on a rib, where the shell has no wall, has no response.
+    ///
+    /// # Errors
+    /// [`HapdefError::Mesh`] where the skin has no wall behind it; [`HapdefError::Sim`];
+    /// [`HapdefError::Inverse`].
+    pub fn solve_shell(
+        limb: &Limb,
+        sites: &[GaugeSite],
+        gauges: &[GaugeStrain],
+        max_wall_m: f64,
+        params: &UncertainParams,
+    ) -> Result<Self, HapdefError> {
+        let shell = SkinShell::new(limb, max_wall_m, params.n_threads)?;
+        let on_shell = sites.iter().map(|site| shell.gauge(site));
+        let on_shell: Vec<_> = on_shell.collect::<Result<_, _>>()?;
+        let on_skin =
+            |adjoint: &[Vector3<f64>]| field_map(limb, gauges.len(), adjoint, params.tip_radius_m);
+        Ok(Self {
+            map: on_skin(&shell.fields(&on_shell)?)?,
+            gauge_modes: Gauges {
+                wall: &shell,
+                sites,
+                on_solid: gauges,
+                on_wall: &on_shell,
+            }
+            .modes(|adjoint| on_skin(adjoint))?,
+            stiffness_modes: Vec::new(),
         })
     }
 
@@ -123,62 +152,28 @@ pub struct UncertainParams {
     pub n_threads: usize,
 }
 
-/// A motion of a gauge on its wall.
-#[derive(Clone, Copy)]
-enum Motion {
-    Along,
-    Across,
-    Turn,
-}
-
-/// Gauges on a limb.
-struct Layout<'a> {
+/// A limb's own mesh, solved.
+struct Solid<'a> {
     limb: &'a Limb,
     model: &'a ElasticModel,
-    sites: &'a [GaugeSite],
-    gauges: &'a [GaugeStrain],
 }
 
-impl Layout<'_> {
-    /// Central differences of the response with every gauge moved, one-sided where it has no room;
-    /// `[n_surface, n_gauges]`.
-    fn moved_response(&self, motion: Motion) -> Result<Vec<Vector3<f64>>, HapdefError> {
-        let step = match motion {
-            Motion::Turn => TURN_RAD,
-            Motion::Along | Motion::Across => SHIFT_M,
-        };
-        let (up, steps_up) = self.moved(motion, step);
-        let (down, steps_down) = self.moved(motion, -step);
-        let of = |gauges: &[GaugeStrain]| -> Result<_, HapdefError> {
-            Ok(skin_values(
-                self.limb,
-                &self.model.gauge_response(gauges)?.0,
-            ))
-        };
-        let (up, down) = (of(&up)?, of(&down)?);
-        let spans: Vec<f64> = steps_up
-            .iter()
-            .zip(&steps_down)
-            .map(|(a, b)| a + b)
-            .collect();
-        let slope = |(i, (up, down)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
-            (up - down) / spans[i % spans.len()].max(f64::MIN_POSITIVE)
-        };
-        Ok(up.iter().zip(&down).enumerate().map(slope).collect())
-    }
+impl Glued for Solid<'_> {
+    type Gauge = GaugeStrain;
 
-    /// Every gauge moved by `step`, and how far; where it doesn't fit, as it is.
-    fn moved(&self, motion: Motion, step: f64) -> (Vec<GaugeStrain>, Vec<f64>) {
+    fn glued(&self, site: &GaugeSite) -> Option<GaugeStrain> {
         let limb = self.limb;
-        let each = self.sites.iter().zip(self.gauges).map(|(site, gauge)| {
-            let faces = &limb.boundary.faces;
-            let site = moved_site(site, gauge, motion, step);
-            GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)
-                .map_or_else(|_| (gauge.clone(), 0.0), |moved| (moved, step.abs()))
-        });
-        each.unzip()
+        let faces = &limb.boundary.faces;
+        GaugeStrain::with_params(&limb.mesh, faces, site, &limb.gauge_params).ok()
     }
 
+    fn fields(&self, gauges: &[GaugeStrain]) -> Result<Vec<Vector3<f64>>, HapdefError> {
+        let (response, _) = self.model.gauge_response(gauges)?;
+        Ok(skin_values(self.limb, &response))
+    }
+}
+
+impl Solid<'_> {
     /// ∂/∂s of the adjoint fields K⁻¹ c for stiffness 1 + s b(x): −K⁻¹ K_b K⁻¹ c, one solve for each
     /// bump b and gauge; each `[n_surface, n_gauges]`, µε/N.
     fn stiffness_modes(
@@ -188,7 +183,7 @@ impl Layout<'_> {
     ) -> Result<Vec<Vec<Vector3<f64>>>, HapdefError> {
         let limb = self.limb;
         let centres = farthest_nodes(&limb.mesh, &limb.skin.nodes, n_modes);
-        let n_gauges = self.gauges.len();
+        let n_gauges = response.n_gauges();
         let forces = element_forces(limb, response)?;
         let loads: Vec<NodalLoad> = centres
             .iter()
@@ -212,25 +207,6 @@ impl Layout<'_> {
                 .collect()
         };
         Ok((0..centres.len()).map(mode).collect())
-    }
-}
-
-fn moved_site(site: &GaugeSite, gauge: &GaugeStrain, motion: Motion, step: f64) -> GaugeSite {
-    let across = gauge.normal().cross(&gauge.axis());
-    match motion {
-        Motion::Along => GaugeSite {
-            position: site.position + gauge.axis() * step,
-            ..*site
-        },
-        Motion::Across => GaugeSite {
-            position: site.position + across * step,
-            ..*site
-        },
-        Motion::Turn => GaugeSite {
-            axis: Rotation3::from_axis_angle(&Unit::new_normalize(gauge.normal()), step)
-                * site.axis,
-            ..*site
-        },
     }
 }
 
