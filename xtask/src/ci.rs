@@ -6,7 +6,9 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
-use crate::{browser, docs, fixtures, frontier, repro, soak, stability, tidy, verify, weight};
+use crate::{
+    browser, docs, fixtures, frontier, python, repro, soak, stability, tidy, verify, weight,
+};
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
 const PROPTEST_SEED: &str = "20190715";
@@ -39,6 +41,10 @@ fn run_all() -> Result<Vec<(String, f64)>> {
             run(cargo(&words).env("RUSTFLAGS", ""))
         })?;
     }
+    step(&mut times, "with foxglove and zenoh", || {
+        let words = ["check", "--package", "hapdef", "--features"];
+        run(cargo(&words).arg("foxglove,zenoh"))
+    })?;
     step(&mut times, "docs", || {
         let words = [
             "doc",
@@ -60,6 +66,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "limits page", frontier::check)?;
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
+    step(&mut times, "python", python::check)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
     Ok(times)
 }

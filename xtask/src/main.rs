@@ -18,6 +18,7 @@ mod fixtures;
 mod frontier;
 mod fuzz;
 mod live;
+mod pictures;
 mod pipeline;
 mod python;
 mod repro;
@@ -86,6 +87,8 @@ enum Task {
     Rig(rig::RigArgs),
     /// The live page in a headless Chromium, which it installs as root: its tests.
     Browser,
+    /// The pictures of the docs, from the pages that the other commands have written.
+    Pictures(pictures::PicturesArgs),
     /// The Python module: its wheel, installed and tested; says so where there is no Python.
     Python,
     /// How many crates somebody compiles who takes one layer alone.
@@ -131,6 +134,7 @@ fn run(task: Task) -> Result<()> {
         Task::Soak(args) => soak::run(&args),
         Task::Rig(args) => rig::run(&args),
         Task::Browser => browser::test(),
+        Task::Pictures(args) => pictures::run_some(&args),
         Task::Python => python::check(),
         Task::Weight(args) => weight::run(&args),
         Task::Docs(args) => docs::run_some(&args),

@@ -1,0 +1,190 @@
+//! The pictures of the docs: each page as a headless Chromium draws it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::browser::{Served, example, found};
+use crate::tool::{root, run, target_dir};
+
+/// Arguments of `pictures`.
+#[derive(clap::Args)]
+pub(crate) struct PicturesArgs {
+    /// These only, by their names under docs/images/; all if nothing is said.
+    names: Vec<String>,
+}
+
+/// A page that a command has written.
+struct Shot {
+    /// Of the picture, without its ending.
+    name: &'static str,
+    /// Under `target/hapdef`.
+    page: &'static str,
+    made_by: &'static str,
+    part: Part,
+}
+
+/// What of a page is in the picture; selectors are CSS.
+enum Part {
+    /// From this element on.
+    From(&'static str),
+    /// This element alone, in a window of this size.
+    Alone(&'static str, &'static str),
+}
+
+const LIVE: &str = "live";
+const LIVE_SIZE: &str = "1280x800";
+
+/// Waits for plots that are full and a press on the side that is seen.
+const LIVE_SCRIPT: &str = "new Promise((done) => {
+    const began = performance.now();
+    const look = () => {
+        const view = hapdefView, facing = view.facing(), seconds = (performance.now() - began) / 1000;
+        const isNear = (c) => Math.hypot(...c.map((x, i) => x - view.node(facing)[i])) < 0.35 * view.radius;
+        const isSeen = view.coloured > 0 && facing >= 0 && view.contacts.some(isNear);
+        if (isSeen && seconds > 12) done('pressed in front');
+        else if (seconds > 38) done('no press in front for half a minute');
+        else setTimeout(look, 20);
+    };
+    look();
+})";
+
+const PAGE_SIZE: &str = "1100x760";
+const PAGE_S: &str = "1";
+
+const SHOTS: [Shot; 10] = [
+    Shot {
+        name: "shin-rigidity",
+        page: "shin/report/rigidity.png",
+        made_by: "cargo xtask demo",
+        part: Part::Alone("img", "1040x600"),
+    },
+    Shot {
+        name: "shin-double",
+        page: "shin/report/figure6b.png",
+        made_by: "cargo xtask demo",
+        part: Part::Alone("img", "1040x600"),
+    },
+    Shot {
+        name: "report",
+        page: "shin/report/report.html",
+        made_by: "cargo xtask demo",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "compare",
+        page: "shin/compare/report.html",
+        made_by: "cargo xtask compare",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "verify",
+        page: "verify/report.html",
+        made_by: "cargo xtask verify",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "frontier",
+        page: "shin-placed/frontier/report.html",
+        made_by: "cargo xtask frontier",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "stability",
+        page: "stability-parts/report.html",
+        made_by: "cargo xtask stability parts",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "limits",
+        page: "shin/limits.html",
+        made_by: "cargo xtask limits",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "place",
+        page: "shin/placement.html",
+        made_by: "cargo xtask place",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "shell",
+        page: "shin_skin/shell-report.html",
+        made_by: "cargo run --release -p hapdef -- shell fixtures/shin/shin_skin.glb --unit m \
+                  --wall 1 --solid",
+        part: Part::From("body"),
+    },
+];
+
+/// `cargo xtask pictures`.
+pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
+    if found().is_none() {
+        bail!(
+            "no Chromium: `cargo xtask browser` installs one as root, or name one in HAPDEF_CHROMIUM"
+        );
+    }
+    let known = SHOTS.iter().map(|shot| shot.name).chain([LIVE]);
+    let known: Vec<&str> = known.collect();
+    if let Some(other) = args
+        .names
+        .iter()
+        .find(|name| !known.contains(&name.as_str()))
+    {
+        bail!("{other}: expected one of {}", known.join(", "));
+    }
+    let is_wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
+    let camera = example("view_shot")?;
+    for shot in SHOTS.iter().filter(|shot| is_wanted(shot.name)) {
+        let page = target_dir()?.join("hapdef").join(shot.page);
+        if !page.exists() {
+            bail!("{}: made by `{}`", page.display(), shot.made_by);
+        }
+        let (size, script) = shot.part.shown();
+        let url = format!("file://{}", page.display());
+        take(&camera, &url, shot.name, &[size, "light", PAGE_S, &script])?;
+    }
+    if is_wanted(LIVE) {
+        let served = Served::start(None)?;
+        take(
+            &camera,
+            &served.url,
+            LIVE,
+            &[LIVE_SIZE, "dark", "0", LIVE_SCRIPT],
+        )?;
+    }
+    Ok(())
+}
+
+impl Part {
+    /// The window's size, and what the page does before its picture is taken.
+    fn shown(&self) -> (&'static str, String) {
+        match self {
+            Self::From(selector) => (
+                PAGE_SIZE,
+                format!("document.querySelector(\"{selector}\").scrollIntoView(); scrollY"),
+            ),
+            Self::Alone(selector, size) => (
+                size,
+                format!(
+                    "document.body.replaceChildren(document.querySelector(\"{selector}\")); \
+                     Object.assign(document.body.style, {{margin: 0, background: 'white'}}); 0"
+                ),
+            ),
+        }
+    }
+}
+
+fn take(camera: &Path, url: &str, name: &str, words: &[&str]) -> Result<()> {
+    let file = image(name);
+    run(Command::new(camera).arg(url).arg(&file).args(words))?;
+    let bytes = std::fs::metadata(&file)
+        .with_context(|| file.display().to_string())?
+        .len();
+    println!("{} kB  {}", bytes.div_ceil(1000), file.display());
+    Ok(())
+}
+
+fn image(name: &str) -> PathBuf {
+    root().join("docs/images").join(name).with_extension("webp")
+}
