@@ -94,6 +94,18 @@ impl Frame {
         })
     }
 
+    /// Packets that are missing between that of number `last_seq` and this frame's and that nothing has
+    /// counted before: those of a damaged file. None where the numbers go back, as after a restart.
+    #[cfg(feature = "record")]
+    pub(crate) fn n_missing_since(&self, last_seq: u32) -> u32 {
+        let step = self.seq.wrapping_sub(last_seq);
+        if step >= 1 << 31 {
+            return 0;
+        }
+        let known = self.n_lost_before.saturating_add(self.n_dropped_before);
+        step.saturating_sub(1).saturating_sub(known)
+    }
+
     /// The samples in the channels' units (µε for bridges): value × scale + offset of HELLO, into
     /// `out`; returns how many there are.
     pub fn scaled(&self, hello: &Hello, out: &mut [f64]) -> usize {

@@ -8,6 +8,7 @@
 mod export;
 mod file;
 mod further;
+mod messages;
 mod params;
 mod player;
 mod recording;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwapOption;
 
-use super::file::{RecordFile, partial_path, rename};
+use super::file::{RecordFile, new_file, partial_path, rename};
 use super::further::{Puts, QUEUE_LEN, TopicWriter, queue, topics_json};
 use super::params::{RecordInfo, RecordParams, RecordStats};
 use super::topics::{Topic, device_json, write_frame};
@@ -24,6 +24,8 @@ const FLUSH: Duration = Duration::from_millis(80);
 /// flushes.
 const SYNC: Duration = Duration::from_millis(100);
 const SPACE_CHECK: Duration = Duration::from_secs(1);
+const BROKEN_OFF: &str = "from a recording that was broken off: save what is in it with `hapdef \
+                          recover`, record to another name, or say --force to overwrite it";
 
 /// A recording under way. Dropping it finishes the file, and an error is lost then.
 pub struct Recorder {
@@ -69,7 +71,7 @@ struct Writing {
 ///
 /// # Errors
 /// A calibration that is no JSON object, too little room on the disk, a file or thread that can't
-/// be made.
+/// be made, and [`DaqError::AlreadyThere`] where a recording of that name was broken off.
 pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<Recorder, DaqError> {
     let partial = partial_path(path);
     let file_error = |source| DaqError::File {
@@ -80,25 +82,37 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     check_calibration(params.calibration.as_deref())?;
     let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
     check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
-    let file = RecordFile::create(&partial, &params.topics).map_err(file_error)?;
-    let handle = file.handle().map_err(file_error)?;
+    let file = if params.overwrites {
+        File::create(&partial).map_err(file_error)?
+    } else {
+        new_file(&partial, BROKEN_OFF)?
+    };
+    let handle = file.try_clone().map_err(file_error)?;
     let wall_offset_ns = params.clock.wall_ns().wrapping_sub(params.clock.now_ns());
     let (topics, puts) = queue(wall_offset_ns);
-    let mut writing = Writing {
-        receiver,
-        puts,
-        has_topics: !params.topics.is_empty(),
-        file,
-        partial: partial.clone(),
-        min_free_bytes: params.min_free_bytes,
-        wall_offset_ns,
-        clock: Arc::clone(&params.clock),
-        json: String::new(),
-        sequence: 0,
-        n_frames: 0,
-        n_messages: 0,
-    };
-    writing.open(&params).map_err(file_error)?;
+    let begun = RecordFile::begin(file, &params.topics).and_then(|file| {
+        let mut writing = Writing {
+            receiver,
+            puts,
+            has_topics: !params.topics.is_empty(),
+            file,
+            partial: partial.clone(),
+            min_free_bytes: params.min_free_bytes,
+            wall_offset_ns,
+            clock: Arc::clone(&params.clock),
+            json: String::new(),
+            sequence: 0,
+            n_frames: 0,
+            n_messages: 0,
+        };
+        writing.open(&params)?;
+        Ok(writing)
+    });
+    let writing = begun.map_err(|source| {
+        // Nothing is in it yet, and it would be in the way of the next attempt.
+        let _ = std::fs::remove_file(&partial);
+        file_error(source)
+    })?;
     let shared = Arc::new(Shared::default());
     let (for_writer, for_syncer) = (Arc::clone(&shared), Arc::clone(&shared));
     let writer = thread("hapdef-record", move || writing.run(&for_writer))?;
