@@ -40,7 +40,7 @@ pub enum Message {
     Frame(Frame),
     /// What the device measures; before its first frame and whenever it changes.
     Hello(Arc<Hello>),
-    /// The device started anew: its time and numbers begin again.
+    /// The device started anew, or another one took its place: its time and numbers begin again.
     Restarted,
     /// How the device is doing.
     Status(Status),
@@ -73,6 +73,17 @@ impl Frame {
             t_host_ns: 0,
             n_channels,
             bits,
+        }
+    }
+
+    /// Channels that are saturated in this frame, a bit each: those of the device's last STATUS, where
+    /// the frame says that there are any.
+    #[must_use]
+    pub fn saturated(&self, last: &Status) -> u64 {
+        if self.flags.contains(FrameFlags::SATURATED) {
+            last.saturated
+        } else {
+            0
         }
     }
 

@@ -19,6 +19,8 @@ pub struct Health {
     pub source: SourceStats,
     /// What became of the link last.
     pub link: Option<LinkState>,
+    /// Why nobody reads any more, where the reader has broken down.
+    pub reader_fault: Option<Arc<str>>,
     /// Why real-time priority was not given although it was asked for, and what to do.
     pub realtime_fault: Option<Arc<str>>,
     /// Why the device's frames can't be used, and what to do.
@@ -150,7 +152,7 @@ impl Display for Health {
         if let Some(state) = self.link.as_ref().filter(|s| **s != LinkState::Open) {
             write!(f, " · {state}")?;
         }
-        let faults = [&self.device_fault, &self.realtime_fault];
+        let faults = [&self.reader_fault, &self.device_fault, &self.realtime_fault];
         for fault in faults.into_iter().flatten() {
             write!(f, " · {fault}")?;
         }

@@ -49,6 +49,8 @@ pub struct RecordStats {
     pub n_bytes: u64,
     /// Frames that were dropped before they came here: the disk was too slow for too long.
     pub n_dropped: u64,
+    /// What else the device and the link said that was dropped before it came here.
+    pub n_events_dropped: u64,
     /// Messages of further topics handed to the operating system.
     pub n_messages: u64,
     /// Messages of further topics that were dropped before they came here.
@@ -70,6 +72,8 @@ pub struct RecordInfo {
     pub n_bytes: u64,
     /// Frames that were dropped before they came here.
     pub n_dropped: u64,
+    /// What else the device and the link said that was dropped before it came here.
+    pub n_events_dropped: u64,
     /// Messages of further topics in it.
     pub n_messages: u64,
     /// Messages of further topics that were dropped before they came here.

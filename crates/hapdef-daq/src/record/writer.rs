@@ -43,6 +43,7 @@ struct Shared {
     n_frames: AtomicU64,
     n_bytes: AtomicU64,
     n_dropped: AtomicU64,
+    n_events_dropped: AtomicU64,
     n_messages: AtomicU64,
     n_messages_dropped: AtomicU64,
     worst_flush_us: AtomicU64,
@@ -135,6 +136,7 @@ impl Recorder {
             n_frames: count(&self.shared.n_frames),
             n_bytes: count(&self.shared.n_bytes),
             n_dropped: count(&self.shared.n_dropped),
+            n_events_dropped: count(&self.shared.n_events_dropped),
             n_messages: count(&self.shared.n_messages),
             n_messages_dropped: count(&self.shared.n_messages_dropped),
             worst_flush: Duration::from_micros(count(&self.shared.worst_flush_us)),
@@ -172,6 +174,7 @@ impl Recorder {
             n_frames: stats.n_frames,
             n_bytes: n_bytes.map_err(fault)?,
             n_dropped: stats.n_dropped,
+            n_events_dropped: stats.n_events_dropped,
             n_messages: stats.n_messages,
             n_messages_dropped: stats.n_messages_dropped,
         })
@@ -323,6 +326,9 @@ impl Writing {
         shared
             .n_dropped
             .store(self.receiver.n_dropped(), Ordering::Relaxed);
+        shared
+            .n_events_dropped
+            .store(self.receiver.n_events_dropped(), Ordering::Relaxed);
         shared.n_messages.store(self.n_messages, Ordering::Relaxed);
         let n_dropped = self.puts.n_dropped.load(Ordering::Relaxed);
         shared

@@ -21,6 +21,20 @@ pub enum LinkFault {
         /// Which link.
         name: String,
     },
+    /// The host is there, and nothing listens at the port.
+    #[error("{name}: connection refused; is the device's program running, and is the port right?")]
+    Refused {
+        /// Which link.
+        name: String,
+    },
+    /// The host can't be found or reached.
+    #[error("{name}: {message}; check the host's name, its cable or Wi-Fi, and the firewall")]
+    Unreachable {
+        /// Which link.
+        name: String,
+        /// What the operating system says.
+        message: String,
+    },
     /// The user may not open it.
     #[error("{name}: permission denied; {remedy}")]
     PermissionDenied {
