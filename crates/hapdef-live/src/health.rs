@@ -101,6 +101,17 @@ pub struct SinkHealth {
     pub failure: Option<Arc<str>>,
     /// It did not end when everything ended.
     pub is_stuck: bool,
+    /// Those that it serves at the moment.
+    pub clients: Vec<ClientHealth>,
+}
+
+/// How one client of a sink is doing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ClientHealth {
+    /// Who it is, by its address.
+    pub name: String,
+    /// Lines that it was not sent because it was too slow.
+    pub n_left_out: u64,
 }
 
 impl Health {
@@ -161,6 +172,10 @@ impl Display for Health {
                 write!(f, " · {} gave up: {failure}", sink.name)?;
             } else if sink.n_skipped > 0 {
                 write!(f, " · {} skipped {}", sink.name, sink.n_skipped)?;
+            }
+            for client in sink.clients.iter().filter(|c| c.n_left_out > 0) {
+                let (name, n) = (&client.name, client.n_left_out);
+                write!(f, " · {name} is too slow, {n} lines left out")?;
             }
         }
         Ok(())

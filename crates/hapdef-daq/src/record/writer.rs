@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwapOption;
 
+use super::disk::{check_space, keep_syncing};
 use super::file::{RecordFile, new_file, partial_path, rename};
 use super::further::{Puts, QUEUE_LEN, TopicWriter, queue, topics_json};
 use super::params::{RecordInfo, RecordParams, RecordStats};
@@ -20,9 +21,6 @@ use crate::{DaqError, Message, Receiver};
 /// Time from one flush to the next: with some for the flush itself, nothing older than 100 ms is
 /// unwritten.
 const FLUSH: Duration = Duration::from_millis(80);
-/// Time from one `fdatasync` to the next. It has a thread of its own: a slow disk must not delay
-/// flushes.
-const SYNC: Duration = Duration::from_millis(100);
 const SPACE_CHECK: Duration = Duration::from_secs(1);
 const BROKEN_OFF: &str = "from a recording that was broken off: save what is in it with `hapdef \
                           recover`, record to another name, or say --force to overwrite it";
@@ -74,6 +72,16 @@ struct Writing {
 /// A calibration that is no JSON object, too little room on the disk, a file or thread that can't
 /// be made, and [`DaqError::AlreadyThere`] where a recording of that name was broken off.
 pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<Recorder, DaqError> {
+    record_by(receiver, path, params, File::sync_data)
+}
+
+/// The same with another way of waiting for the disk.
+pub(super) fn record_by(
+    receiver: Receiver,
+    path: &Path,
+    params: RecordParams,
+    sync: impl Fn(&File) -> io::Result<()> + Send + 'static,
+) -> Result<Recorder, DaqError> {
     let partial = partial_path(path);
     let file_error = |source| DaqError::File {
         action: "writing",
@@ -117,7 +125,9 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     let shared = Arc::new(Shared::default());
     let (for_writer, for_syncer) = (Arc::clone(&shared), Arc::clone(&shared));
     let writer = thread("hapdef-record", move || writing.run(&for_writer))?;
-    let syncer = thread("hapdef-sync", move || keep_syncing(&handle, &for_syncer))?;
+    let syncer = thread("hapdef-sync", move || {
+        keep_syncing(|| sync(&handle), &for_syncer.done, &for_syncer.fault);
+    })?;
     Ok(Recorder {
         path: path.to_owned(),
         shared,
@@ -338,25 +348,6 @@ impl Writing {
     }
 }
 
-fn keep_syncing(file: &File, shared: &Shared) {
-    while !shared.done.load(Ordering::Acquire) {
-        let start = Instant::now();
-        match file.sync_data() {
-            // A pipe or a device that has nothing to sync.
-            Err(error) if error.kind() == io::ErrorKind::InvalidInput => {}
-            Err(error) => {
-                shared.fault.store(Some(Arc::new(error.to_string())));
-                return;
-            }
-            Ok(()) => {}
-        }
-        std::thread::sleep(
-            SYNC.saturating_sub(start.elapsed())
-                .max(Duration::from_millis(5)),
-        );
-    }
-}
-
 fn check_calibration(json: Option<&[u8]>) -> Result<(), DaqError> {
     let Some(json) = json else { return Ok(()) };
     let parsed = serde_json::from_slice::<serde_json::Map<String, serde_json::Value>>(json);
@@ -365,23 +356,6 @@ fn check_calibration(json: Option<&[u8]>) -> Result<(), DaqError> {
         .map_err(|error| DaqError::BadCalibration {
             message: error.to_string(),
         })
-}
-
-fn check_space(path: &Path, needed_bytes: u64) -> Result<(), DaqError> {
-    let stat = rustix::fs::statvfs(path).map_err(|error| DaqError::File {
-        action: "asking for free space at",
-        path: path.to_owned(),
-        source: error.into(),
-    })?;
-    let free_bytes = stat.f_bavail.saturating_mul(stat.f_frsize);
-    if free_bytes >= needed_bytes {
-        return Ok(());
-    }
-    Err(DaqError::DiskFull {
-        path: path.to_owned(),
-        free_bytes,
-        needed_bytes,
-    })
 }
 
 fn thread<T: Send + 'static>(
