@@ -163,7 +163,7 @@ fn the_calibration_in_use_is_recorded(bundle: &Bundle, source: &str, folder: &Pa
     let mut calibrated = bundle.clone();
     let json = "{\"scene\":\"shin\",\"n_presses\":7}";
     calibrated.calibration_json = Some(json.to_owned());
-    calibrated.write(&file).unwrap();
+    std::fs::write(&file, calibrated.to_bytes().unwrap()).unwrap();
     let words = ["live", file.to_str().unwrap(), "--source", source];
     let played = hapdef(&[&words[..], &["--record", recording.to_str().unwrap()]].concat());
     assert!(played.status.success(), "{played:?}");
