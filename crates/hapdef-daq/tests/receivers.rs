@@ -1,8 +1,6 @@
 //! Receivers that are too slow: every loss is counted, what the device is is not forgotten, and a
 //! reader that breaks down is no normal end.
 
-#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
-
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
