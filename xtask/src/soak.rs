@@ -30,7 +30,20 @@ pub(crate) fn run(args: &SoakArgs) -> Result<()> {
     if let Some(scene) = &args.scene {
         eprintln!("{} is not used: acquisition knows no limb", scene.display());
     }
-    finish(&mut command(args)?)
+    let mut soak = command(args)?;
+    if !args.short {
+        run_tool(&mut stalled_client())?;
+    }
+    finish(&mut soak)
+}
+
+/// A client of the live server that does not read for a minute.
+fn stalled_client() -> Command {
+    let mut command = cargo(&["test", "--quiet", "--release", "--package", "hapdef-live"]);
+    command
+        .args(["--test", "stalled_client"])
+        .env("HAPDEF_SOAK", "1");
+    command
 }
 
 /// The short form, as CI runs it.

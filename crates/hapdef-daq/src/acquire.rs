@@ -17,6 +17,8 @@ use crate::{DaqError, Message};
 const POLL: Duration = Duration::from_millis(20);
 /// Messages other than frames that wait for room in a ring, at most.
 const N_BACKLOG: usize = 64;
+/// How long messages that wait are offered once the source has ended.
+const LAST_OFFER: Duration = Duration::from_millis(500);
 
 /// How frames are acquired.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +44,14 @@ pub struct Receiver {
     ring: Consumer<Message>,
     parker: Parker,
     shared: Arc<Shared>,
-    n_dropped: Arc<AtomicU64>,
+    dropped: Arc<Dropped>,
+}
+
+/// What one receiver was too slow for.
+#[derive(Default)]
+struct Dropped {
+    n_frames: AtomicU64,
+    n_events: AtomicU64,
 }
 
 /// What came to pass so far.
@@ -52,11 +61,14 @@ pub struct AcquireStats {
     pub source: SourceStats,
     /// Why the real-time priority that was asked for was not given, and what to do.
     pub realtime_fault: Option<Arc<str>>,
+    /// The reader's thread has panicked: there is more to read, but nobody who does.
+    pub is_panicked: bool,
 }
 
 struct Shared {
     stop: AtomicBool,
     ended: AtomicBool,
+    panicked: AtomicBool,
     stats: ArcSwap<AcquireStats>,
 }
 
@@ -65,8 +77,16 @@ struct Outlet {
     ring: Producer<Message>,
     unparker: Unparker,
     backlog: VecDeque<Message>,
+    /// Frames dropped since the last one that had room, and packets that were missing before those.
     n_dropped_before: u32,
-    n_dropped: Arc<AtomicU64>,
+    n_lost_before: u32,
+    dropped: Arc<Dropped>,
+}
+
+/// Says that the reader's thread has ended, also when it panics.
+struct Ending {
+    shared: Arc<Shared>,
+    unparkers: Vec<Unparker>,
 }
 
 impl Default for AcquireParams {
@@ -90,6 +110,7 @@ pub fn acquire(
     let shared = Arc::new(Shared {
         stop: AtomicBool::new(false),
         ended: AtomicBool::new(false),
+        panicked: AtomicBool::new(false),
         stats: ArcSwap::default(),
     });
     let pairs = (0..params.n_receivers).map(|_| pair(params.ring_len.max(1), &shared));
@@ -97,7 +118,14 @@ pub fn acquire(
     let theirs = Arc::clone(&shared);
     let thread = std::thread::Builder::new()
         .name("hapdef-reader".to_owned())
-        .spawn(move || read(source, params, outlets, &theirs))
+        .spawn(move || {
+            let unparkers = outlets.iter().map(|outlet| outlet.unparker.clone());
+            let ending = Ending {
+                unparkers: unparkers.collect(),
+                shared: theirs,
+            };
+            read(source, params, outlets, &ending.shared);
+        })
         .map_err(|source| DaqError::Thread { source })?;
     let thread = Some(thread);
     Ok((Acquisition { shared, thread }, receivers))
@@ -107,7 +135,11 @@ impl Acquisition {
     /// What came to pass, as of at most 100 ms ago.
     #[must_use]
     pub fn stats(&self) -> Arc<AcquireStats> {
-        self.shared.stats.load_full()
+        let mut stats = self.shared.stats.load_full();
+        if self.shared.panicked.load(Ordering::Acquire) {
+            Arc::make_mut(&mut stats).is_panicked = true;
+        }
+        stats
     }
 
     /// True when the source has said everything, or the thread was stopped.
@@ -126,7 +158,7 @@ impl Acquisition {
     fn join(&mut self) {
         self.shared.stop.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
-            // A reader that panicked has ended; its receivers see that.
+            // A reader that panicked has ended; the counts say so.
             let _ = thread.join();
         }
         self.shared.ended.store(true, Ordering::Release);
@@ -169,26 +201,42 @@ impl Receiver {
     /// Frames that were dropped because this receiver was too slow.
     #[must_use]
     pub fn n_dropped(&self) -> u64 {
-        self.n_dropped.load(Ordering::Relaxed)
+        self.dropped.n_frames.load(Ordering::Relaxed)
+    }
+
+    /// Messages other than frames that were dropped because this receiver was too slow for long.
+    #[must_use]
+    pub fn n_events_dropped(&self) -> u64 {
+        self.dropped.n_events.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        let has_panicked = std::thread::panicking();
+        self.shared.panicked.store(has_panicked, Ordering::Release);
+        self.shared.ended.store(true, Ordering::Release);
+        self.unparkers.iter().for_each(Unparker::unpark);
     }
 }
 
 fn pair(ring_len: usize, shared: &Arc<Shared>) -> (Outlet, Receiver) {
     let (producer, consumer) = RingBuffer::new(ring_len);
     let parker = Parker::new();
-    let n_dropped = Arc::new(AtomicU64::new(0));
+    let dropped = Arc::<Dropped>::default();
     let outlet = Outlet {
         ring: producer,
         unparker: parker.unparker().clone(),
         backlog: VecDeque::with_capacity(N_BACKLOG),
         n_dropped_before: 0,
-        n_dropped: Arc::clone(&n_dropped),
+        n_lost_before: 0,
+        dropped: Arc::clone(&dropped),
     };
     let receiver = Receiver {
         ring: consumer,
         parker,
         shared: Arc::clone(shared),
-        n_dropped,
+        dropped,
     };
     (outlet, receiver)
 }
@@ -207,6 +255,7 @@ fn read(
         shared.stats.store(Arc::new(AcquireStats {
             source: source.stats(),
             realtime_fault: realtime_fault.clone(),
+            is_panicked: false,
         }));
     };
     let mut published = Instant::now();
@@ -230,11 +279,28 @@ fn read(
         }
     }
     publish(&source);
-    for outlet in &mut outlets {
-        outlet.push_waiting();
+    offer_the_rest(&mut outlets);
+}
+
+/// Gives receivers time to make room for what waits; what does not go is counted.
+fn offer_the_rest(outlets: &mut [Outlet]) {
+    let deadline = Instant::now() + LAST_OFFER;
+    loop {
+        let mut n_waiting = 0;
+        for outlet in &mut *outlets {
+            let is_done = outlet.push_waiting() || outlet.ring.is_abandoned();
+            n_waiting += usize::from(!is_done);
+            outlet.unparker.unpark();
+        }
+        if n_waiting == 0 || Instant::now() >= deadline {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
     }
-    shared.ended.store(true, Ordering::Release);
-    outlets.iter().for_each(|outlet| outlet.unparker.unpark());
+    for outlet in outlets {
+        let n_left = outlet.backlog.len() as u64;
+        outlet.dropped.n_events.fetch_add(n_left, Ordering::Relaxed);
+    }
 }
 
 impl Outlet {
@@ -244,16 +310,16 @@ impl Outlet {
         }
         let message = match message {
             Message::Frame(mut frame) => {
-                frame.n_dropped_before += self.n_dropped_before;
+                let n_dropped = std::mem::take(&mut self.n_dropped_before);
+                let n_lost = std::mem::take(&mut self.n_lost_before);
+                frame.n_dropped_before = frame.n_dropped_before.saturating_add(n_dropped);
+                frame.n_lost_before = frame.n_lost_before.saturating_add(n_lost);
                 Message::Frame(frame)
             }
             other => other,
         };
-        let is_frame = matches!(message, Message::Frame(_));
-        match self.ring.push(message) {
-            Ok(()) if is_frame => self.n_dropped_before = 0,
-            Ok(()) => {}
-            Err(rtrb::PushError::Full(message)) => self.no_room(message),
+        if let Err(rtrb::PushError::Full(message)) = self.ring.push(message) {
+            self.no_room(message);
         }
     }
 
@@ -268,16 +334,29 @@ impl Outlet {
         true
     }
 
-    /// Frames are dropped and counted; what else there is to say waits.
+    /// Frames are dropped and counted, with what was missing before them; what else there is to say
+    /// waits.
     fn no_room(&mut self, message: Message) {
-        if matches!(message, Message::Frame(_)) {
-            self.n_dropped_before = self.n_dropped_before.saturating_add(1);
-            self.n_dropped.fetch_add(1, Ordering::Relaxed);
-        } else {
-            if self.backlog.len() == N_BACKLOG {
-                self.backlog.pop_front();
-            }
-            self.backlog.push_back(message);
+        let Message::Frame(frame) = message else {
+            return self.wait(message);
+        };
+        let (n_dropped, n_lost) = (frame.n_dropped_before, frame.n_lost_before);
+        self.n_dropped_before = self
+            .n_dropped_before
+            .saturating_add(n_dropped)
+            .saturating_add(1);
+        self.n_lost_before = self.n_lost_before.saturating_add(n_lost);
+        self.dropped.n_frames.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Where too much waits, what passes anyway goes first: frames mean nothing without HELLO.
+    fn wait(&mut self, message: Message) {
+        if self.backlog.len() == N_BACKLOG {
+            let passes = |m: &Message| !matches!(m, Message::Hello(_) | Message::Restarted);
+            let place = self.backlog.iter().position(passes).unwrap_or(0);
+            self.backlog.remove(place);
+            self.dropped.n_events.fetch_add(1, Ordering::Relaxed);
         }
+        self.backlog.push_back(message);
     }
 }

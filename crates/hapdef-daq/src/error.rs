@@ -65,6 +65,14 @@ pub enum DaqError {
         /// Bytes that have to be free.
         needed_bytes: u64,
     },
+    /// A file that must not be overwritten is in the way.
+    #[error("{path}: is there already, {remedy}")]
+    AlreadyThere {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What it is, and what to do.
+        remedy: &'static str,
+    },
     /// A recording broke off; what was written until then can be read.
     #[error("recording {path} stopped: {fault}; what was written until then can be read")]
     Recording {

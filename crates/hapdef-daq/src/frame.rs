@@ -40,7 +40,7 @@ pub enum Message {
     Frame(Frame),
     /// What the device measures; before its first frame and whenever it changes.
     Hello(Arc<Hello>),
-    /// The device started anew: its time and numbers begin again.
+    /// The device started anew, or another one took its place: its time and numbers begin again.
     Restarted,
     /// How the device is doing.
     Status(Status),
@@ -76,6 +76,17 @@ impl Frame {
         }
     }
 
+    /// Channels that are saturated in this frame, a bit each: those of the device's last STATUS, where
+    /// the frame says that there are any.
+    #[must_use]
+    pub fn saturated(&self, last: &Status) -> u64 {
+        if self.flags.contains(FrameFlags::SATURATED) {
+            last.saturated
+        } else {
+            0
+        }
+    }
+
     /// The samples as 32 bits each: integers, or the bits of each f32.
     #[must_use]
     pub fn bits(&self) -> &[i32] {
@@ -92,6 +103,18 @@ impl Frame {
                 f64::from(bits)
             }
         })
+    }
+
+    /// Packets that are missing between that of number `last_seq` and this frame's and that nothing has
+    /// counted before: those of a damaged file. None where the numbers go back, as after a restart.
+    #[cfg(feature = "record")]
+    pub(crate) fn n_missing_since(&self, last_seq: u32) -> u32 {
+        let step = self.seq.wrapping_sub(last_seq);
+        if step >= 1 << 31 {
+            return 0;
+        }
+        let known = self.n_lost_before.saturating_add(self.n_dropped_before);
+        step.saturating_sub(1).saturating_sub(known)
     }
 
     /// The samples in the channels' units (µε for bridges): value × scale + offset of HELLO, into

@@ -166,26 +166,46 @@ fn a_full_queue_drops_whole_packets_and_counts() {
     assert_eq!(losses.n_lost, counts[1] - (39 - last));
 }
 
+/// What the sketch sends in 5 s, with a fake of the board, when the host says `commands`; a second of
+/// them the host is away. `None` without a compiler.
+fn sketch(commands: &[Command]) -> Option<Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let core = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path())?;
+    let language = ["-std=c++11", "-x", "c++"];
+    let main = object("c++", &language, "host/due/main.cpp", folder.path())?;
+    let program = link("c++", &[core, main], folder.path())?;
+    let mut asked = vec![0];
+    for &command in commands {
+        Encoder::new().command(command, &mut asked);
+    }
+    Some(output(&program, &asked))
+}
+
+#[test]
+fn a_stopped_sketch_goes_on_to_say_what_it_is_once_a_second() {
+    let Some(bytes) = sketch(&[Command::Stop]) else {
+        return;
+    };
+    let mut decoder = Decoder::new();
+    let (mut n_hellos, mut n_statuses) = (0, 0);
+    decoder.push(&bytes, &mut |event| match event {
+        Event::Hello { .. } => n_hellos += 1,
+        Event::Status(_) => n_statuses += 1,
+        Event::Data(data) => assert!(data.header.seq < 2, "{data:?}"),
+        other => panic!("{other:?}"),
+    });
+    // At the start and every second; 16 KiB hold those of the second without a host.
+    assert!((5..=6).contains(&n_hellos), "{n_hellos}");
+    assert!((4..=5).contains(&n_statuses), "{n_statuses}");
+}
+
 /// The sketch, with a fake of the board: 5 s, a second of them with the host away.
 #[test]
 fn the_sketch_never_blocks_and_counts_what_it_drops() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut asked = vec![0];
     let host_ns = 0x0807_0605_0403_0201;
-    Encoder::new().command(Command::GetHello, &mut asked);
-    Encoder::new().command(Command::Ping { host_ns }, &mut asked);
-    let Some(core) = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path()) else {
+    let Some(bytes) = sketch(&[Command::GetHello, Command::Ping { host_ns }]) else {
         return;
     };
-    let language = ["-std=c++11", "-x", "c++"];
-    let Some(main) = object("c++", &language, "host/due/main.cpp", folder.path()) else {
-        return;
-    };
-    let Some(program) = link("c++", &[core, main], folder.path()) else {
-        return;
-    };
-    let bytes = output(&program, &asked);
-
     let mut decoder = Decoder::new();
     let (mut pongs, mut statuses, mut times) = (Vec::new(), Vec::new(), Vec::new());
     decoder.push(&bytes, &mut |event| match event {
@@ -200,6 +220,7 @@ fn the_sketch_never_blocks_and_counts_what_it_drops() {
     });
     let hello = decoder.hello().unwrap();
     assert_eq!((hello.channels.len(), hello.boot_id), (10, 77));
+    assert!(hello.uid.iter().copied().eq(1..=16), "{:?}", hello.uid);
     assert!(
         (hello.channels[0].scale - 0.976).abs() < 0.01,
         "{}",

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use hapdef_daq::hdp1::SampleFormat;
-use hapdef_daq::record::{Recorder, record, recover};
+use hapdef_daq::record::{RecordParams, Recorder, record, recover};
 use hapdef_daq::source::{MemoryDevice, ReplaySource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{AcquireParams, Acquisition, Frame, acquire};
 use support::Device;
@@ -27,7 +27,11 @@ fn a_device_that_is_full_is_told_at_once() {
         .1
         .remove(0);
     let start = Instant::now();
-    let refused = record(receiver, &folder.path().join("x.mcap"), params()).map(|_| ());
+    let onto_it = RecordParams {
+        overwrites: true,
+        ..params()
+    };
+    let refused = record(receiver, &folder.path().join("x.mcap"), onto_it).map(|_| ());
     assert!(refused.unwrap_err().to_string().contains("No space left"));
     assert!(start.elapsed() < Duration::from_secs(1));
 }

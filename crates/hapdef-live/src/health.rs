@@ -19,6 +19,8 @@ pub struct Health {
     pub source: SourceStats,
     /// What became of the link last.
     pub link: Option<LinkState>,
+    /// Why nobody reads any more, where the reader has broken down.
+    pub reader_fault: Option<Arc<str>>,
     /// Why real-time priority was not given although it was asked for, and what to do.
     pub realtime_fault: Option<Arc<str>>,
     /// Why the device's frames can't be used, and what to do.
@@ -99,6 +101,17 @@ pub struct SinkHealth {
     pub failure: Option<Arc<str>>,
     /// It did not end when everything ended.
     pub is_stuck: bool,
+    /// Those that it serves at the moment.
+    pub clients: Vec<ClientHealth>,
+}
+
+/// How one client of a sink is doing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ClientHealth {
+    /// Who it is, by its address.
+    pub name: String,
+    /// Lines that it was not sent because it was too slow.
+    pub n_left_out: u64,
 }
 
 impl Health {
@@ -150,7 +163,7 @@ impl Display for Health {
         if let Some(state) = self.link.as_ref().filter(|s| **s != LinkState::Open) {
             write!(f, " · {state}")?;
         }
-        let faults = [&self.device_fault, &self.realtime_fault];
+        let faults = [&self.reader_fault, &self.device_fault, &self.realtime_fault];
         for fault in faults.into_iter().flatten() {
             write!(f, " · {fault}")?;
         }
@@ -159,6 +172,10 @@ impl Display for Health {
                 write!(f, " · {} gave up: {failure}", sink.name)?;
             } else if sink.n_skipped > 0 {
                 write!(f, " · {} skipped {}", sink.name, sink.n_skipped)?;
+            }
+            for client in sink.clients.iter().filter(|c| c.n_left_out > 0) {
+                let (name, n) = (&client.name, client.n_left_out);
+                write!(f, " · {name} is too slow, {n} lines left out")?;
             }
         }
         Ok(())

@@ -63,6 +63,6 @@ pub use bundle::{BUNDLE_VERSION, Bundle, BundleEstimator, BundleGauge, BundleInf
 pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
 pub use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
-pub use health::{Health, Latency, SinkHealth, StageTimes};
+pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
 pub use sink::{Delivery, FnSink, LiveEvent, Sink, Wants};

@@ -1,13 +1,13 @@
 //! Where frames go: the trait, and what a sink wants.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use hapdef_daq::hdp1::{Hello, Status};
 use hapdef_daq::source::LinkState;
 
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
-use crate::health::Health;
+use crate::health::{ClientHealth, Health};
 use crate::touch::TouchWanted;
 
 /// Takes frames and events. It runs on a thread of its own, and a slow one loses frames, which are
@@ -38,6 +38,12 @@ pub trait Sink: Send {
         Ok(())
     }
 
+    /// How its clients are doing, where it has any. Asked once, before it runs; what is in there is
+    /// looked at for each health record.
+    fn clients(&self) -> Option<Clients> {
+        None
+    }
+
     /// There will be no more; called once, unless it failed.
     ///
     /// # Errors
@@ -46,6 +52,9 @@ pub trait Sink: Send {
         Ok(())
     }
 }
+
+/// The clients of a sink, for whoever tells how it is doing.
+pub type Clients = Arc<Mutex<Vec<ClientHealth>>>;
 
 /// How a sink is given frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

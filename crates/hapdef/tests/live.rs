@@ -1,13 +1,14 @@
 //! `hapdef bundle` and `hapdef live` as a person uses them: a recording, played into contacts.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use hapdef_daq::hdp1::{Hello, SampleFormat};
-use hapdef_daq::record::{RecordParams, record};
+use hapdef_daq::record::{Content, RecordParams, Recording, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_inverse::SkinPoint;
@@ -53,7 +54,8 @@ fn messages(bundle: &Bundle) -> Vec<Message> {
 }
 
 fn record_to(path: &Path, messages: Vec<Message>) {
-    let source = ReplaySource::new("test", messages.into_iter(), 0.0);
+    // At its own pace, so that it has a chunk every 80 ms.
+    let source = ReplaySource::new("test", messages.into_iter(), 1.0);
     let (acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
     let params = RecordParams {
         min_free_bytes: 1 << 20,
@@ -70,18 +72,19 @@ fn record_to(path: &Path, messages: Vec<Message>) {
 fn a_recording_is_played_into_contacts() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (file, recording, table) = (path("shin.hapdef"), path("press.mcap"), path("press.csv"));
+    let (file, recording) = (path("shin.hapdef"), path("press.mcap"));
+    let table = path("press.csv");
     let made = hapdef(&["bundle", placed().to_str().unwrap(), "-o", &file, "--json"]);
     assert!(made.status.success(), "{made:?}");
     let bundle = Bundle::read(file.as_ref()).unwrap();
     record_to(recording.as_ref(), messages(&bundle));
     the_doctor_looks_at_it(&file, &recording);
     let source = format!("replay:{recording}@max");
-    let play = || {
+    let play = |table: &str| {
         let words = [
             "live", &file, "--source", &source, "--tare-s", "0.2", "--json",
         ];
-        let played = hapdef(&[&words[..], &["--csv", &table]].concat());
+        let played = hapdef(&[&words[..], &["--csv", table]].concat());
         assert!(played.status.success(), "{played:?}");
         let text = String::from_utf8(played.stdout).unwrap();
         let lines = text
@@ -91,9 +94,9 @@ fn a_recording_is_played_into_contacts() {
             .filter(|line| line.get("seq").is_some())
             .collect::<Vec<_>>()
     };
-    let frames = play();
+    let frames = play(&table);
     assert_eq!(frames.len(), 800);
-    assert_eq!(frames, play());
+    assert_eq!(frames, play(&path("again.csv")));
     let contacts = frames[799]["contacts"].as_array().unwrap();
     assert_eq!(contacts.len(), 1, "{}", frames[799]);
     let point = SkinPoint::new(bundle.skin(), 700, [0.5, 0.3, 0.2]).unwrap();
@@ -109,6 +112,95 @@ fn a_recording_is_played_into_contacts() {
     assert_eq!(
         std::fs::read_to_string(&table).unwrap().lines().count(),
         801
+    );
+    refused(
+        &["live", &file, "--source", &source, "--csv", &table],
+        &["--csv", "is there already"],
+    );
+    let reach = ["live", &file, "--source", &source, "--serve"];
+    refused(
+        &[&reach[..], &["tcp:0.0.0.0:0"]].concat(),
+        &["--insecure-bind"],
+    );
+    a_full_disk_is_told_while_it_goes_on(&file, &recording, &path("full.mcap"));
+    the_calibration_in_use_is_recorded(&bundle, &source, folder.path());
+    damage_is_told_and_counted(&file, &recording);
+}
+
+/// Frames at a fifth of their pace, to a disk that is full after 64 KiB.
+fn a_full_disk_is_told_while_it_goes_on(file: &str, recording: &str, to: &str) {
+    let source = format!("replay:{recording}@0.2");
+    let start = Instant::now();
+    let mut child = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 128; exec \"$@\"", "sh"])
+        .arg(env!("CARGO_BIN_EXE_hapdef"))
+        .args(["live", file, "--source", &source, "--record", to])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let told = lines.find(|line| line.as_ref().unwrap().contains("the recording stopped"));
+    let after = start.elapsed();
+    assert!(told.is_some(), "nothing was told");
+    // It goes on for 4 s without it, and its last words name it again.
+    assert!(child.try_wait().unwrap().is_none(), "{after:?}");
+    let rest: Vec<String> = lines.map_while(Result::ok).collect();
+    assert_eq!(child.wait().unwrap().code(), Some(2), "{rest:?}");
+    assert!(
+        !rest
+            .iter()
+            .any(|line| line.contains("the recording stopped"))
+    );
+    assert!(
+        rest.last().unwrap().contains("full.partial.mcap"),
+        "{rest:?}"
+    );
+}
+
+fn the_calibration_in_use_is_recorded(bundle: &Bundle, source: &str, folder: &Path) {
+    let (file, recording) = (folder.join("calibrated.hapdef"), folder.join("c.mcap"));
+    let mut calibrated = bundle.clone();
+    let json = "{\"scene\":\"shin\",\"n_presses\":7}";
+    calibrated.calibration_json = Some(json.to_owned());
+    std::fs::write(&file, calibrated.to_bytes().unwrap()).unwrap();
+    let words = ["live", file.to_str().unwrap(), "--source", source];
+    let played = hapdef(&[&words[..], &["--record", recording.to_str().unwrap()]].concat());
+    assert!(played.status.success(), "{played:?}");
+    let mut records = Recording::open(&recording).unwrap();
+    let mut kept = Vec::new();
+    while let Some(record) = records.next_record().unwrap() {
+        if let Content::Calibration(json) = record.content {
+            kept.push(String::from_utf8(json).unwrap());
+        }
+    }
+    assert_eq!(kept, [json]);
+}
+
+/// What a chunk that is gone has taken is lost, and a file that is none is refused.
+fn damage_is_told_and_counted(file: &str, recording: &str) {
+    let mut bytes = std::fs::read(recording).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(recording, bytes).unwrap();
+    let source = format!("replay:{recording}@max");
+    let played = hapdef(&["live", file, "--source", &source]);
+    let said = String::from_utf8_lossy(&played.stderr).into_owned();
+    assert!(played.status.success(), "{said}");
+    assert!(said.contains("1 damaged stretches"), "{said}");
+    let last = said.lines().find(|line| line.contains(" late, ")).unwrap();
+    let count = |what: &str| {
+        let words: Vec<&str> = last.split([' ', ',']).filter(|w| !w.is_empty()).collect();
+        let at = words.iter().position(|word| *word == what).unwrap();
+        words[at - 1].parse::<u32>().unwrap()
+    };
+    assert!(count("lost") > 0, "{last}");
+    assert_eq!(count("frames") + count("lost"), 800, "{last}");
+
+    std::fs::write(recording, "no recording at all").unwrap();
+    refused(
+        &["live", file, "--source", &source],
+        &["not one reading came", "is it a recording"],
     );
 }
 

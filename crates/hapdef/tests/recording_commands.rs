@@ -194,6 +194,58 @@ fn recover_says_by_its_exit_code_what_was_lost() {
 }
 
 #[test]
+fn nothing_is_overwritten_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = made(folder.path(), 600);
+    let path = |name: &str| folder.path().join(name);
+    let (partial, saved) = (path("press.partial.mcap"), path("press.mcap"));
+    std::fs::copy(&whole, &partial).unwrap();
+    let before = std::fs::read(&partial).unwrap();
+    let source = format!("replay:{}@max", text(&whole));
+    let refused = |words: &[&str], expected: &str| {
+        let output = run(words);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+        assert!(said.contains(expected), "{expected:?} is not in: {said}");
+        assert_eq!(std::fs::read(&partial).unwrap(), before, "{words:?}");
+    };
+    // What a killed recording left is saved first, by the command that the refusal names.
+    let again = ["record", "--source", &source, "-o", text(&saved), "--quiet"];
+    refused(&again, "hapdef recover");
+    refused(
+        &["recover", text(&partial), "-o", text(&partial)],
+        "is there already",
+    );
+    let recovered = run(&["recover", text(&partial), "-o", text(&saved)]);
+    assert_eq!(recovered.status.code(), Some(0), "{recovered:?}");
+    assert_eq!(std::fs::read(&partial).unwrap(), before);
+    assert_eq!(frames(&saved), frames(&whole));
+    refused(&again, "--force");
+
+    let table = path("press.csv");
+    for form in ["--csv", "--jsonl"] {
+        let export = ["export", text(&partial), form, "-o"];
+        refused(
+            &[&export[..], &[text(&partial)]].concat(),
+            "is there already",
+        );
+    }
+    let export = ["export", text(&whole), "--csv", "-o", text(&table)];
+    assert!(run(&export).status.success());
+    refused(&export, "press.csv is there already");
+    assert!(
+        run(&["export", text(&whole), "--csv", "-o", "/dev/null"])
+            .status
+            .success()
+    );
+
+    let forced = run(&[&again[..], &["--force"]].concat());
+    assert!(forced.status.success(), "{forced:?}");
+    assert_eq!(frames(&saved), frames(&whole));
+    assert!(!partial.exists());
+}
+
+#[test]
 fn text_has_every_reading() {
     let folder = tempfile::tempdir().unwrap();
     let whole = made(folder.path(), 200);

@@ -34,6 +34,7 @@ const MOST_CPU_PCT: f64 = 15.0;
 
 /// How long.
 struct Plan {
+    is_short: bool,
     seed: u64,
     stream: Duration,
     n_kills: u32,
@@ -92,7 +93,7 @@ fn main() -> ExitCode {
             stream.rss_growth_mib <= MOST_GROWTH_MIB,
         ),
     ];
-    // These depend on what else the machine does.
+    // These depend on what else the machine does: a short run, which shares it, only tells them.
     let targets = [
         ("nothing lost at 1 kHz", stream.n_lost == 0),
         (
@@ -105,6 +106,10 @@ fn main() -> ExitCode {
     }
     if promises.iter().any(|(_, is_kept)| !is_kept) {
         println!("a promise is broken: see the figures above");
+        return ExitCode::FAILURE;
+    }
+    if !plan.is_short && targets.iter().any(|(_, is_met)| !is_met) {
+        println!("a target is not met: see the figures above, and run it on a machine at rest");
         return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS
@@ -120,6 +125,7 @@ fn plan(words: &[String]) -> Plan {
         })
     };
     Plan {
+        is_short,
         seed: number("--seed", 1, 1),
         stream: Duration::from_secs(number("--seconds", 20, 600)),
         n_kills: number("--kills", 8, 200) as u32,

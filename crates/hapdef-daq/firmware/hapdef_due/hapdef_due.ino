@@ -7,6 +7,8 @@
 
 static const uint8_t N = 10;
 static const uint32_t PERIOD_US = 1000;
+/* HELLO and STATUS come that often, whether scans are sent or not. */
+static const uint32_t HELLO_US = 1000000;
 static const float GAIN = 500.0f;
 /* A quarter bridge at gauge factor 2 and 3.3 V gives 1.65 uV a microstrain; a count of 12 bits over
  * 3.3 V is 806 uV behind the amplifier. */
@@ -15,7 +17,7 @@ static const uint8_t FIRST_PIN = A0;
 
 static struct hdp1_channel channels[N];
 static struct hdp1_hello hello = {
-    HDP1_U16, 1, 1000000, {'h', 'a', 'p', 'd', 'e', 'f', '-', 'd', 'u', 'e'}, 0, 1, N, channels
+    HDP1_U16, 1, 1000000, {0}, 0, 1, N, channels
 };
 static struct hdp1_header data_header;
 static struct hdp1_status status;
@@ -23,7 +25,7 @@ static struct hdp1_rx rx;
 static struct hdp1_tx tx;
 static uint8_t ring[16384];
 static uint8_t schema;
-static uint32_t next_us, last_us, wraps, last_loop_us;
+static uint32_t next_us, next_hello_us, last_us, wraps, last_loop_us;
 static bool is_running = true;
 
 /* Microseconds since boot; micros() wraps every 71 minutes. */
@@ -86,8 +88,25 @@ static void send_scan()
     }
     if (is_saturated)
         data_header.flags |= HDP1_SATURATED;
-    hdp1_send_data(&tx, &data_header, payload, sizeof payload);
-    data_header.flags = 0;
+    /* What a dropped packet would have said of the boot and of missing scans, the next one says. */
+    if (hdp1_send_data(&tx, &data_header, payload, sizeof payload))
+        data_header.flags = 0;
+    else
+        data_header.flags &= (uint8_t)~HDP1_SATURATED;
+}
+
+/* The chip's own number. While the flash shows it no code can be read from that bank: this runs in
+ * RAM, and no interrupt may come. */
+__attribute__((section(".ramfunc"), noinline)) static void read_uid(uint8_t uid[16])
+{
+    EFC1->EEFC_FCR = EEFC_FCR_FKEY(0x5Au) | EEFC_FCR_FCMD(EFC_FCMD_STUI);
+    while (EFC1->EEFC_FSR & EEFC_FSR_FRDY) {
+    }
+    for (int i = 0; i < 16; i++)
+        uid[i] = ((const volatile uint8_t *)IFLASH1_ADDR)[i];
+    EFC1->EEFC_FCR = EEFC_FCR_FKEY(0x5Au) | EEFC_FCR_FCMD(EFC_FCMD_SPUI);
+    while (!(EFC1->EEFC_FSR & EEFC_FSR_FRDY)) {
+    }
 }
 
 /* Hands bytes to the port only if a whole bank of its FIFO is free: the core's write waits for one,
@@ -141,6 +160,9 @@ void setup()
         c.skew_16ns = (uint16_t)(i * 250u);
         channels[i] = c;
     }
+    noInterrupts();
+    read_uid(hello.uid);
+    interrupts();
     /* A number that differs from boot to boot, by the chip's random generator. */
     pmc_enable_periph_clk(ID_TRNG);
     TRNG->TRNG_CR = TRNG_CR_KEY(0x524e47) | TRNG_CR_ENABLE;
@@ -152,6 +174,7 @@ void setup()
     data_header.flags = HDP1_FIRST_AFTER_BOOT;
     send_hello();
     next_us = last_loop_us = micros();
+    next_hello_us = next_us + HELLO_US;
 }
 
 void loop()
@@ -171,10 +194,11 @@ void loop()
         }
         if (is_running)
             send_scan();
-        if (data_header.seq % 1000 == 999) {
-            send_hello();
-            send_status();
-        }
+    }
+    if ((int32_t)(us - next_hello_us) >= 0) {
+        next_hello_us += HELLO_US;
+        send_hello();
+        send_status();
     }
     listen();
     pump();

@@ -20,7 +20,7 @@ pub enum Event<'a> {
         hello: &'a Hello,
         /// True if it differs from the last one.
         is_new: bool,
-        /// True if the device started anew since the last one.
+        /// True if the device started anew since the last one, or is another one.
         restarted: bool,
     },
     /// The device started anew, seen by the flag of its first DATA packet.
@@ -243,7 +243,7 @@ impl State {
     fn hello(&mut self, payload: &[u8], sink: &mut impl FnMut(Event<'_>)) -> Result<(), Rejected> {
         let new = Hello::from_payload(payload).map_err(|what| Rejected::Malformed { what })?;
         let other_device = self.hello.as_ref().is_some_and(|old| old.uid != new.uid);
-        let restarted = self.boot_id.is_some_and(|id| id != new.boot_id);
+        let restarted = other_device || self.boot_id.is_some_and(|id| id != new.boot_id);
         if other_device {
             self.sequence.forget();
         } else if restarted {

@@ -5,6 +5,7 @@ use super::wire::{MAX_BODY_LEN, MAX_CHANNELS, MINOR_VERSION, array_at, crc32c, u
 
 const FIXED_LEN: usize = 32;
 const CHANNEL_LEN: usize = 16;
+const LINES_UID: &[u8; 16] = b"lines of 12 bits";
 
 /// Number format of the samples in DATA packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -222,6 +223,30 @@ impl Hello {
         };
         hello.seal();
         hello
+    }
+
+    /// What stands for a device that sends lines of integers of 12 bits and says nothing of itself.
+    #[must_use]
+    pub fn of_lines(n_channels: usize) -> Self {
+        Self {
+            uid: *LINES_UID,
+            ..Self::plain(n_channels, SampleFormat::U16, 0)
+        }
+    }
+
+    /// Lowest and highest count that can come; none of real numbers. A converter of fewer bits than the
+    /// format saturates before, which only its own flag and STATUS tell.
+    #[must_use]
+    pub fn count_range(&self) -> Option<[f64; 2]> {
+        use SampleFormat as F;
+        Some(match self.format {
+            F::I16 => [f64::from(i16::MIN), f64::from(i16::MAX)],
+            F::U16 if self.uid == *LINES_UID => [0.0, 4095.0],
+            F::U16 => [0.0, f64::from(u16::MAX)],
+            F::I24 => [-8_388_608.0, 8_388_607.0],
+            F::I32 => [f64::from(i32::MIN), f64::from(i32::MAX)],
+            F::F32 => return None,
+        })
     }
 
     /// Sets the schema CRC: the low half of the CRC-32C over channel count, format, scans, rate and

@@ -11,6 +11,7 @@ use mcap::{WriteOptions, Writer};
 
 use super::further::{TopicDef, channel_of, is_ros2};
 use super::topics::TOPICS;
+use crate::DaqError;
 
 /// A chunk is closed when it is larger; with one message more it is still below 256 KiB.
 const CHUNK_LEN: u64 = 192 << 10;
@@ -25,10 +26,10 @@ pub(crate) struct RecordFile {
 }
 
 impl RecordFile {
-    /// A new file with the readings' own topics and these.
-    pub(crate) fn create(path: &Path, further: &[TopicDef]) -> io::Result<Self> {
+    /// Begins a file with the readings' own topics and these.
+    pub(crate) fn begin(file: File, further: &[TopicDef]) -> io::Result<Self> {
         let is_bag = is_ros2(further);
-        let mut new = Self::with_own_topics(path, is_bag)?;
+        let mut new = Self::with_own_topics(file, is_bag)?;
         for (i, topic) in further.iter().enumerate() {
             new.define(channel_of(i), topic)?;
         }
@@ -36,13 +37,8 @@ impl RecordFile {
         Ok(new)
     }
 
-    /// A new file with the readings' own topics: those go without schemas in a bag of ROS 2.
-    pub(crate) fn with_own_topics(path: &Path, is_bag: bool) -> io::Result<Self> {
-        let file = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(path)?;
+    /// Begins a file with the readings' own topics: those go without schemas in a bag of ROS 2.
+    pub(crate) fn with_own_topics(file: File, is_bag: bool) -> io::Result<Self> {
         let buffered = BufWriter::with_capacity(1 << 19, file.try_clone()?);
         let options = WriteOptions::new()
             .compression(None)
@@ -120,11 +116,6 @@ impl RecordFile {
         Ok(())
     }
 
-    /// Another handle, for syncing on another thread.
-    pub(crate) fn handle(&self) -> io::Result<File> {
-        self.file.try_clone()
-    }
-
     pub(crate) fn len(&self) -> u64 {
         self.good_len
     }
@@ -168,10 +159,35 @@ const ENDING: [u8; 50] = {
     bytes
 };
 
+/// A file that is not there yet, to be written.
+pub(crate) fn new_file(path: &Path, remedy: &'static str) -> Result<File, DaqError> {
+    let new = OpenOptions::new().write(true).create_new(true).open(path);
+    new.map_err(|source| match source.kind() {
+        io::ErrorKind::AlreadyExists => DaqError::AlreadyThere {
+            path: path.to_owned(),
+            remedy,
+        },
+        _ => DaqError::File {
+            action: "writing",
+            path: path.to_owned(),
+            source,
+        },
+    })
+}
+
 /// The name while a recording is not finished: `x.mcap` is `x.partial.mcap` until then.
 pub(crate) fn partial_path(path: &Path) -> PathBuf {
+    with_state(path, "partial")
+}
+
+/// The name while a recording is recovered: `x.recovering.mcap`, never that of one to recover.
+pub(crate) fn recovering_path(path: &Path) -> PathBuf {
+    with_state(path, "recovering")
+}
+
+fn with_state(path: &Path, state: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}.partial.mcap"))
+    path.with_file_name(format!("{stem}.{state}.mcap"))
 }
 
 /// Gives the file its final name, which is on the disk when this returns.

@@ -5,9 +5,11 @@
 //! is right, wherever they are in the file, so a damaged, cut or unfinished file loses what is
 //! damaged and nothing else; [`recover()`] makes a whole file of it. docs/formats.md has the topics.
 
+mod disk;
 mod export;
 mod file;
 mod further;
+mod messages;
 mod params;
 mod player;
 mod recording;

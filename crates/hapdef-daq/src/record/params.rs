@@ -18,6 +18,8 @@ pub struct RecordParams {
     pub clock: Arc<dyn HostClock>,
     /// Bytes of the disk that have to stay free.
     pub min_free_bytes: u64,
+    /// Overwrite what is left of a recording of the same name that was broken off.
+    pub overwrites: bool,
     /// Topics beside the readings; [`super::Recorder::topics`] writes them. With a schema in
     /// `ros2msg` among them the file is a bag of ROS 2, and the readings' own topics, which are
     /// JSON, go without schema, because ROS's readers refuse any other kind.
@@ -32,6 +34,7 @@ impl Default for RecordParams {
             source: String::new(),
             clock: Arc::new(crate::clock::SystemClock),
             min_free_bytes: 64 << 20,
+            overwrites: false,
             topics: Vec::new(),
         }
     }
@@ -46,6 +49,8 @@ pub struct RecordStats {
     pub n_bytes: u64,
     /// Frames that were dropped before they came here: the disk was too slow for too long.
     pub n_dropped: u64,
+    /// What else the device and the link said that was dropped before it came here.
+    pub n_events_dropped: u64,
     /// Messages of further topics handed to the operating system.
     pub n_messages: u64,
     /// Messages of further topics that were dropped before they came here.
@@ -67,6 +72,8 @@ pub struct RecordInfo {
     pub n_bytes: u64,
     /// Frames that were dropped before they came here.
     pub n_dropped: u64,
+    /// What else the device and the link said that was dropped before it came here.
+    pub n_events_dropped: u64,
     /// Messages of further topics in it.
     pub n_messages: u64,
     /// Messages of further topics that were dropped before they came here.

@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::recording::{Content, Recording};
+use super::messages::Messages;
+use super::recording::Recording;
 use crate::source::{FrameSource, SourceStats, SourceStatus};
 use crate::{DaqError, Message};
 
@@ -25,7 +26,7 @@ const NAP: Duration = Duration::from_millis(5);
 pub struct Player {
     path: PathBuf,
     speed: f64,
-    recording: Recording,
+    messages: Messages,
     next: Option<Timed>,
     /// Moment and time of the first frame since it goes on.
     start: Option<(Instant, u64)>,
@@ -66,7 +67,7 @@ impl Player {
         Ok(Self {
             path: path.to_owned(),
             speed,
-            recording: Recording::open(path)?,
+            messages: Messages::new(Recording::open(path)?),
             next: None,
             start: None,
             is_at_end: false,
@@ -89,15 +90,7 @@ impl Player {
     }
 
     fn next_message(&mut self) -> Option<Timed> {
-        if let Some(next) = self.next.take() {
-            return Some(next);
-        }
-        loop {
-            let record = self.recording.next_record().ok()??;
-            if let Content::Message(message) = record.content {
-                return Some((record.log_time_ns, message));
-            }
-        }
+        self.next.take().or_else(|| self.messages.next())
     }
 
     fn hand_out(&mut self, (time_ns, message): Timed, sink: &mut dyn FnMut(Message)) {
@@ -123,7 +116,7 @@ impl Player {
             self.is_at_end = true;
             return;
         };
-        (self.recording, self.next, self.start) = (recording, None, None);
+        (self.messages, self.next, self.start) = (Messages::new(recording), None, None);
         self.is_at_end = false;
         sink(Message::Restarted);
         while let Some((time_ns, message)) = self.next_message() {

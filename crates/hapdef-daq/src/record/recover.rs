@@ -1,11 +1,16 @@
 //! A whole file from a damaged or unfinished one, and what was lost.
 
+use std::fs::File;
+use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use super::file::{RecordFile, partial_path, rename};
+use super::file::{RecordFile, new_file, recovering_path, rename};
 use super::recording::{Content, Recording};
 use super::scan::DamageInfo;
 use crate::{DaqError, Frame, Message};
+
+const LEFT_OVER: &str = "from a recovery that goes on or was broken off: wait for it, or remove it";
 
 /// What could be saved.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,59 +27,102 @@ pub struct RecoverInfo {
     pub n_missing: u64,
     /// Places where packets are gone.
     pub n_gaps: u64,
+    /// Stretches of damage before the first frame, or the first after a restart: what they held
+    /// can't be counted, as nothing says where the numbers began.
+    pub n_uncounted: u64,
     /// Wall-clock time of the first and the last frame, ns since 1970 UTC.
     pub span_ns: Option<[u64; 2]>,
 }
 
-/// Copies every record of `from` that is whole to the new file `to`.
+/// Copies every record of `from` that is whole to the file `to`, named `….recovering.mcap` until it is
+/// complete. `from` is never written to.
 ///
 /// # Errors
-/// Files that can't be read or written, and [`DaqError::NothingToRecover`] if there is not one
-/// record: a program that gets any of them should end with an exit code other than 0.
+/// Files that can't be read or written, [`DaqError::AlreadyThere`] where `to` is `from` or another
+/// recovery is under way, and [`DaqError::NothingToRecover`] if there is not one record: a program
+/// that gets any of them should end with an exit code other than 0.
 pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
-    let mut recording = Recording::open(from)?;
-    let partial = partial_path(to);
-    let file_error = |source| DaqError::File {
+    let recording = Recording::open(from)?;
+    if is_same_file(from, to) {
+        return Err(DaqError::AlreadyThere {
+            path: to.to_owned(),
+            remedy: "and is the recording itself: give what is saved another name",
+        });
+    }
+    let new = recovering_path(to);
+    let file = new_file(&new, LEFT_OVER)?;
+    let saved = copy(recording, from, file, &new).and_then(|info| {
+        rename(&new, to).map_err(writing(&new))?;
+        Ok(info)
+    });
+    if saved.is_err() {
+        let _ = std::fs::remove_file(&new);
+    }
+    saved
+}
+
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let id = |path: &Path| std::fs::metadata(path).map(|data| (data.dev(), data.ino()));
+    matches!((id(a), id(b)), (Ok(a), Ok(b)) if a == b)
+}
+
+fn writing(path: &Path) -> impl Fn(io::Error) -> DaqError {
+    |source| DaqError::File {
         action: "writing",
-        path: partial.clone(),
+        path: path.to_owned(),
         source,
-    };
-    let mut out = None;
+    }
+}
+
+/// Copies the whole records to a file that was made for them.
+fn copy(
+    mut recording: Recording,
+    from: &Path,
+    file: File,
+    path: &Path,
+) -> Result<RecoverInfo, DaqError> {
+    let file_error = writing(path);
+    let (mut file, mut out) = (Some(file), None);
     let mut info = RecoverInfo::default();
-    let mut last: Option<Frame> = None;
+    let mut last_seq = None;
+    let mut n_damaged = 0;
     while let Some(record) = recording.next_record()? {
-        let out = match &mut out {
-            Some(out) => out,
-            none => {
-                let new = RecordFile::with_own_topics(&partial, recording.is_ros2());
-                none.insert(new.map_err(file_error)?)
-            }
-        };
+        if let Some(file) = file.take() {
+            let new = RecordFile::with_own_topics(file, recording.is_ros2());
+            out = Some(new.map_err(&file_error)?);
+        }
+        let Some(out) = &mut out else { continue };
         if let Content::Further(topic) = &record.content {
-            out.define(record.channel, topic).map_err(file_error)?;
+            out.define(record.channel, topic).map_err(&file_error)?;
         }
         let sequence = info.n_records as u32;
         out.write(record.channel, sequence, record.log_time_ns, &record.bytes)
-            .map_err(file_error)?;
+            .map_err(&file_error)?;
         info.n_records += 1;
         match record.content {
             Content::Message(Message::Frame(frame)) => {
-                info.take(&frame, record.log_time_ns, last.as_ref());
-                last = Some(frame);
+                let n_now = recording.damage().n_damaged;
+                if last_seq.is_none() {
+                    info.n_uncounted += n_now - n_damaged;
+                }
+                n_damaged = n_now;
+                info.take(&frame, record.log_time_ns, last_seq);
+                last_seq = Some(frame.seq);
             }
-            Content::Message(Message::Restarted) => last = None,
+            Content::Message(Message::Restarted) => last_seq = None,
             _ => {}
         }
     }
     info.damage = recording.damage();
+    if last_seq.is_none() {
+        info.n_uncounted += info.damage.n_damaged - n_damaged;
+    }
     info.n_undefined = recording.n_undefined();
     let out = out.ok_or_else(|| DaqError::NothingToRecover {
         path: from.to_owned(),
         n_bytes: info.damage.n_bytes,
     })?;
-    out.finish()
-        .and_then(|_| rename(&partial, to))
-        .map_err(file_error)?;
+    out.finish().map_err(file_error)?;
     Ok(info)
 }
 
@@ -86,19 +134,13 @@ impl RecoverInfo {
         u8::from(!is_whole)
     }
 
-    fn take(&mut self, frame: &Frame, log_time_ns: u64, last: Option<&Frame>) {
+    fn take(&mut self, frame: &Frame, log_time_ns: u64, last_seq: Option<u32>) {
         self.n_frames += 1;
         let first = self.span_ns.map_or(log_time_ns, |[first, _]| first);
         self.span_ns = Some([first, log_time_ns]);
-        let Some(last) = last else { return };
-        let step = frame.seq.wrapping_sub(last.seq);
-        let known = frame.n_lost_before.saturating_add(frame.n_dropped_before);
-        let n_missing = step.saturating_sub(1).saturating_sub(known);
-        // A step of half the range and more is one back: a restart whose record is gone.
-        if n_missing > 0 && step < 1 << 31 {
-            self.n_missing += u64::from(n_missing);
-            self.n_gaps += 1;
-        }
+        let n_missing = last_seq.map_or(0, |last| frame.n_missing_since(last));
+        self.n_missing += u64::from(n_missing);
+        self.n_gaps += u64::from(n_missing > 0);
     }
 }
 
@@ -111,14 +153,16 @@ impl std::fmt::Display for RecoverInfo {
         let ending = if damage.is_finished { "has" } else { "lacks" };
         write!(
             f,
-            "{} frames over {seconds:.3} s in {} whole chunks; lost: {} packets in {} gaps; {} \
-             damaged stretches, {} bytes; the file {ending} its ending",
-            self.n_frames,
-            damage.n_chunks,
-            self.n_missing,
-            self.n_gaps,
-            damage.n_damaged,
-            damage.n_damaged_bytes,
+            "{} frames over {seconds:.3} s in {} whole chunks; lost: {} packets in {} gaps",
+            self.n_frames, damage.n_chunks, self.n_missing, self.n_gaps,
+        )?;
+        if self.n_uncounted > 0 {
+            write!(f, ", and an unknown number before the first that is left")?;
+        }
+        write!(
+            f,
+            "; {} damaged stretches, {} bytes; the file {ending} its ending",
+            damage.n_damaged, damage.n_damaged_bytes,
         )
     }
 }

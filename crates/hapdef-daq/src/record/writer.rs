@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwapOption;
 
-use super::file::{RecordFile, partial_path, rename};
+use super::disk::{check_space, keep_syncing};
+use super::file::{RecordFile, new_file, partial_path, rename};
 use super::further::{Puts, QUEUE_LEN, TopicWriter, queue, topics_json};
 use super::params::{RecordInfo, RecordParams, RecordStats};
 use super::topics::{Topic, device_json, write_frame};
@@ -20,10 +21,9 @@ use crate::{DaqError, Message, Receiver};
 /// Time from one flush to the next: with some for the flush itself, nothing older than 100 ms is
 /// unwritten.
 const FLUSH: Duration = Duration::from_millis(80);
-/// Time from one `fdatasync` to the next. It has a thread of its own: a slow disk must not delay
-/// flushes.
-const SYNC: Duration = Duration::from_millis(100);
 const SPACE_CHECK: Duration = Duration::from_secs(1);
+const BROKEN_OFF: &str = "from a recording that was broken off: save what is in it with `hapdef \
+                          recover`, record to another name, or say --force to overwrite it";
 
 /// A recording under way. Dropping it finishes the file, and an error is lost then.
 pub struct Recorder {
@@ -41,6 +41,7 @@ struct Shared {
     n_frames: AtomicU64,
     n_bytes: AtomicU64,
     n_dropped: AtomicU64,
+    n_events_dropped: AtomicU64,
     n_messages: AtomicU64,
     n_messages_dropped: AtomicU64,
     worst_flush_us: AtomicU64,
@@ -69,8 +70,18 @@ struct Writing {
 ///
 /// # Errors
 /// A calibration that is no JSON object, too little room on the disk, a file or thread that can't
-/// be made.
+/// be made, and [`DaqError::AlreadyThere`] where a recording of that name was broken off.
 pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<Recorder, DaqError> {
+    record_by(receiver, path, params, File::sync_data)
+}
+
+/// The same with another way of waiting for the disk.
+pub(super) fn record_by(
+    receiver: Receiver,
+    path: &Path,
+    params: RecordParams,
+    sync: impl Fn(&File) -> io::Result<()> + Send + 'static,
+) -> Result<Recorder, DaqError> {
     let partial = partial_path(path);
     let file_error = |source| DaqError::File {
         action: "writing",
@@ -80,29 +91,43 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     check_calibration(params.calibration.as_deref())?;
     let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
     check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
-    let file = RecordFile::create(&partial, &params.topics).map_err(file_error)?;
-    let handle = file.handle().map_err(file_error)?;
+    let file = if params.overwrites {
+        File::create(&partial).map_err(file_error)?
+    } else {
+        new_file(&partial, BROKEN_OFF)?
+    };
+    let handle = file.try_clone().map_err(file_error)?;
     let wall_offset_ns = params.clock.wall_ns().wrapping_sub(params.clock.now_ns());
     let (topics, puts) = queue(wall_offset_ns);
-    let mut writing = Writing {
-        receiver,
-        puts,
-        has_topics: !params.topics.is_empty(),
-        file,
-        partial: partial.clone(),
-        min_free_bytes: params.min_free_bytes,
-        wall_offset_ns,
-        clock: Arc::clone(&params.clock),
-        json: String::new(),
-        sequence: 0,
-        n_frames: 0,
-        n_messages: 0,
-    };
-    writing.open(&params).map_err(file_error)?;
+    let begun = RecordFile::begin(file, &params.topics).and_then(|file| {
+        let mut writing = Writing {
+            receiver,
+            puts,
+            has_topics: !params.topics.is_empty(),
+            file,
+            partial: partial.clone(),
+            min_free_bytes: params.min_free_bytes,
+            wall_offset_ns,
+            clock: Arc::clone(&params.clock),
+            json: String::new(),
+            sequence: 0,
+            n_frames: 0,
+            n_messages: 0,
+        };
+        writing.open(&params)?;
+        Ok(writing)
+    });
+    let writing = begun.map_err(|source| {
+        // Nothing is in it yet, and it would be in the way of the next attempt.
+        let _ = std::fs::remove_file(&partial);
+        file_error(source)
+    })?;
     let shared = Arc::new(Shared::default());
     let (for_writer, for_syncer) = (Arc::clone(&shared), Arc::clone(&shared));
     let writer = thread("hapdef-record", move || writing.run(&for_writer))?;
-    let syncer = thread("hapdef-sync", move || keep_syncing(&handle, &for_syncer))?;
+    let syncer = thread("hapdef-sync", move || {
+        keep_syncing(|| sync(&handle), &for_syncer.done, &for_syncer.fault);
+    })?;
     Ok(Recorder {
         path: path.to_owned(),
         shared,
@@ -121,6 +146,7 @@ impl Recorder {
             n_frames: count(&self.shared.n_frames),
             n_bytes: count(&self.shared.n_bytes),
             n_dropped: count(&self.shared.n_dropped),
+            n_events_dropped: count(&self.shared.n_events_dropped),
             n_messages: count(&self.shared.n_messages),
             n_messages_dropped: count(&self.shared.n_messages_dropped),
             worst_flush: Duration::from_micros(count(&self.shared.worst_flush_us)),
@@ -158,6 +184,7 @@ impl Recorder {
             n_frames: stats.n_frames,
             n_bytes: n_bytes.map_err(fault)?,
             n_dropped: stats.n_dropped,
+            n_events_dropped: stats.n_events_dropped,
             n_messages: stats.n_messages,
             n_messages_dropped: stats.n_messages_dropped,
         })
@@ -309,31 +336,15 @@ impl Writing {
         shared
             .n_dropped
             .store(self.receiver.n_dropped(), Ordering::Relaxed);
+        shared
+            .n_events_dropped
+            .store(self.receiver.n_events_dropped(), Ordering::Relaxed);
         shared.n_messages.store(self.n_messages, Ordering::Relaxed);
         let n_dropped = self.puts.n_dropped.load(Ordering::Relaxed);
         shared
             .n_messages_dropped
             .store(n_dropped, Ordering::Relaxed);
         shared.worst_flush_us.fetch_max(us, Ordering::Relaxed);
-    }
-}
-
-fn keep_syncing(file: &File, shared: &Shared) {
-    while !shared.done.load(Ordering::Acquire) {
-        let start = Instant::now();
-        match file.sync_data() {
-            // A pipe or a device that has nothing to sync.
-            Err(error) if error.kind() == io::ErrorKind::InvalidInput => {}
-            Err(error) => {
-                shared.fault.store(Some(Arc::new(error.to_string())));
-                return;
-            }
-            Ok(()) => {}
-        }
-        std::thread::sleep(
-            SYNC.saturating_sub(start.elapsed())
-                .max(Duration::from_millis(5)),
-        );
     }
 }
 
@@ -345,23 +356,6 @@ fn check_calibration(json: Option<&[u8]>) -> Result<(), DaqError> {
         .map_err(|error| DaqError::BadCalibration {
             message: error.to_string(),
         })
-}
-
-fn check_space(path: &Path, needed_bytes: u64) -> Result<(), DaqError> {
-    let stat = rustix::fs::statvfs(path).map_err(|error| DaqError::File {
-        action: "asking for free space at",
-        path: path.to_owned(),
-        source: error.into(),
-    })?;
-    let free_bytes = stat.f_bavail.saturating_mul(stat.f_frsize);
-    if free_bytes >= needed_bytes {
-        return Ok(());
-    }
-    Err(DaqError::DiskFull {
-        path: path.to_owned(),
-        free_bytes,
-        needed_bytes,
-    })
 }
 
 fn thread<T: Send + 'static>(

@@ -21,6 +21,20 @@ pub enum LinkFault {
         /// Which link.
         name: String,
     },
+    /// The host is there, and nothing listens at the port.
+    #[error("{name}: connection refused; is the device's program running, and is the port right?")]
+    Refused {
+        /// Which link.
+        name: String,
+    },
+    /// The host can't be found or reached.
+    #[error("{name}: {message}; check the host's name, its cable or Wi-Fi, and the firewall")]
+    Unreachable {
+        /// Which link.
+        name: String,
+        /// What the operating system says.
+        message: String,
+    },
     /// The user may not open it.
     #[error("{name}: permission denied; {remedy}")]
     PermissionDenied {
@@ -71,6 +85,15 @@ pub enum LinkState {
         /// What to try.
         remedy: Arc<str>,
     },
+    /// A recording was played to its end, and parts of it could not be read.
+    Damaged {
+        /// Whole chunks that were played.
+        n_chunks: u64,
+        /// Stretches between them that were left out.
+        n_damaged: u64,
+        /// Bytes of those.
+        n_bytes: u64,
+    },
 }
 
 impl LinkFault {
@@ -100,6 +123,17 @@ impl std::fmt::Display for LinkState {
             Self::NotUnderstood { n_bytes, remedy } => {
                 write!(f, "{n_bytes} bytes came, none of them a packet: {remedy}")
             }
+            Self::Damaged { n_chunks: 0, .. } => write!(
+                f,
+                "not one readable chunk in the file: is it a recording of hapdef?"
+            ),
+            Self::Damaged {
+                n_damaged, n_bytes, ..
+            } => write!(
+                f,
+                "{n_damaged} damaged stretches of the recording, {n_bytes} bytes, were left out: \
+                 hapdef recover says what is lost"
+            ),
         }
     }
 }

@@ -37,7 +37,7 @@ impl Reader {
                 Protocol::Hdp1 => Decoding::Hdp1(Decoder::new()),
                 Protocol::Csv { n_channels } => Decoding::Csv {
                     decoder: CsvDecoder::new(n_channels),
-                    hello: Hello::plain(n_channels, SampleFormat::U16, 0),
+                    hello: Hello::of_lines(n_channels),
                 },
             },
             state: State::default(),

@@ -1,7 +1,8 @@
 //! HDP1 over TCP: a device behind a network, or the virtual rig.
 
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::{Link, LinkFault};
@@ -15,6 +16,8 @@ pub struct TcpLink {
     address: String,
     stream: Option<TcpStream>,
     timeout: Option<Duration>,
+    /// The answer to what address the name has, while it is waited for.
+    asked: Option<Receiver<std::io::Result<Vec<SocketAddr>>>>,
 }
 
 impl TcpLink {
@@ -25,12 +28,13 @@ impl TcpLink {
             address: address.to_owned(),
             stream: None,
             timeout: None,
+            asked: None,
         }
     }
 
-    fn connect(&self) -> std::io::Result<TcpStream> {
+    fn connect(&mut self) -> std::io::Result<TcpStream> {
         let mut last = ErrorKind::NotFound.into();
-        for address in self.address.to_socket_addrs()? {
+        for address in self.addresses()? {
             match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
                 Ok(stream) => {
                     stream.set_nodelay(true)?;
@@ -44,15 +48,47 @@ impl TcpLink {
     }
 }
 
+impl TcpLink {
+    /// Where the name leads. Names are asked for on a thread of their own, as that can take half a
+    /// minute, and whoever reads has to be able to stop.
+    fn addresses(&mut self) -> std::io::Result<Vec<SocketAddr>> {
+        if let Ok(address) = self.address.parse() {
+            return Ok(vec![address]);
+        }
+        let answer = match self.asked.take() {
+            Some(answer) => answer,
+            None => {
+                let (sender, answer) = channel();
+                let address = self.address.clone();
+                let ask = move || {
+                    let found = address.to_socket_addrs();
+                    // A link that is gone does not wait any more.
+                    let _ = sender.send(found.map(Iterator::collect));
+                };
+                std::thread::Builder::new()
+                    .name("hapdef-resolve".to_owned())
+                    .spawn(ask)?;
+                answer
+            }
+        };
+        match answer.recv_timeout(CONNECT_TIMEOUT) {
+            Ok(found) => found,
+            Err(RecvTimeoutError::Timeout) => {
+                self.asked = Some(answer);
+                Err(std::io::Error::other("its name is being looked up"))
+            }
+            Err(RecvTimeoutError::Disconnected) => Err(ErrorKind::NotFound.into()),
+        }
+    }
+}
+
 impl Link for TcpLink {
     fn open(&mut self) -> Result<(), LinkFault> {
         let name = self.name();
         self.timeout = None;
         self.stream = Some(self.connect().map_err(|error| match error.kind() {
-            ErrorKind::ConnectionRefused | ErrorKind::NotFound | ErrorKind::TimedOut => {
-                LinkFault::NotFound { name }
-            }
-            _ => LinkFault::Io {
+            ErrorKind::ConnectionRefused => LinkFault::Refused { name },
+            _ => LinkFault::Unreachable {
                 name,
                 message: error.to_string(),
             },

@@ -27,6 +27,8 @@ const POLL: Duration = Duration::from_millis(20);
 
 const SECOND_NS: u64 = 1_000_000_000;
 
+const READER_PANICKED: &str = "the reader's thread panicked: report this with what it read from";
+
 /// What the thread is given.
 pub(super) struct Setup {
     pub(super) params: LiveParams,
@@ -125,7 +127,12 @@ impl Compute {
                 self.counts.link = Some(state.clone());
                 self.tell(&LiveEvent::Link(state));
             }
-            Message::Status(status) => self.tell(&LiveEvent::Status(status)),
+            Message::Status(status) => {
+                if let Some(device) = &mut self.device {
+                    device.take_status(status);
+                }
+                self.tell(&LiveEvent::Status(status));
+            }
             Message::Log(text) => self.tell(&LiveEvent::Log(text)),
             Message::RoundTrip(_) => {}
         }
@@ -220,7 +227,7 @@ impl Compute {
             setup.params.rate_hz,
         );
         let is_same = match (&found, &self.device) {
-            (Ok(found), Some(before)) => found.hello.schema_crc == before.hello.schema_crc,
+            (Ok(found), Some(before)) => found.is_same(before),
             _ => false,
         };
         match found.and_then(|device| self.prepare(device, is_same)) {
@@ -233,7 +240,7 @@ impl Compute {
         self.tell(&LiveEvent::Hello(hello));
     }
 
-    /// Frames of `device` come from now on; one with the same schema keeps its tare.
+    /// Frames of `device` come from now on; the same one with the same schema keeps its tare.
     fn prepare(&mut self, device: Device, is_same: bool) -> Result<(), String> {
         if let Some(estimator) = &mut self.setup.estimator {
             let told = estimator.set_frame_period(device.period_s);
@@ -272,6 +279,7 @@ impl Compute {
             source_name: self.setup.source_name.clone(),
             source: stats.source,
             realtime_fault: stats.realtime_fault.clone(),
+            reader_fault: stats.is_panicked.then(|| READER_PANICKED.into()),
             rate_hz: n_new as f64 / passed_s.max(1e-9),
             phase: has_frames.then_some(self.frame.phase),
             n_contacts: self.frame.touch.contacts.len(),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use hapdef_daq::Frame;
-use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, SampleFormat};
+use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, SampleFormat, Status};
 
 use super::LiveGauge;
 
@@ -20,6 +20,10 @@ pub(super) struct Device {
     pub(super) period_s: f64,
     /// All channels in their units.
     scaled: [f64; MAX_CHANNELS],
+    /// What the device said last of itself.
+    status: Status,
+    /// Channels that it says are saturated in the frame that was read last, a bit each.
+    saturated: u64,
 }
 
 impl Device {
@@ -64,7 +68,15 @@ impl Device {
             },
             hello,
             scaled: [0.0; MAX_CHANNELS],
+            status: Status::default(),
+            saturated: 0,
         })
+    }
+
+    /// Whether it is the same device with the same channels.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let key = |hello: &Hello| (hello.uid, hello.schema_crc);
+        key(&self.hello) == key(&other.hello)
     }
 
     pub(super) fn n_gauges(&self) -> usize {
@@ -78,11 +90,24 @@ impl Device {
             return None;
         }
         frame.scaled(&self.hello, &mut self.scaled);
+        self.saturated = frame.saturated(&self.status);
         let channels = self.gauges.iter().zip(&self.scales);
         for (raw, (&channel, scale)) in raw.iter_mut().zip(channels) {
             *raw = self.scaled[channel] * scale;
         }
         Some(self.temperature.map(|channel| self.scaled[channel]))
+    }
+
+    pub(super) fn take_status(&mut self, status: Status) {
+        self.status = status;
+    }
+
+    /// Gauges that the device says are saturated in the frame that was read last: its converter may
+    /// have fewer bits than its numbers.
+    pub(super) fn saturated(&self) -> impl Iterator<Item = usize> + '_ {
+        let gauges = self.gauges.iter().enumerate();
+        let gauges = gauges.filter(|(_, channel)| self.saturated >> **channel & 1 == 1);
+        gauges.map(|(gauge, _)| gauge)
     }
 
     /// Step of each gauge's converter, µε; 0 where it sends real numbers.
@@ -95,9 +120,9 @@ impl Device {
         )
     }
 
-    /// Lowest and highest reading that each gauge's number format has, µε; empty for real numbers.
+    /// Lowest and highest reading that each gauge's numbers can have, µε; empty for real numbers.
     pub(super) fn rails_ue(&self) -> Vec<(f64, f64)> {
-        let Some((low, high)) = limits(self.hello.format) else {
+        let Some([low, high]) = self.hello.count_range() else {
             return Vec::new();
         };
         let ends = |(scale, offset): (f64, f64)| {
@@ -132,19 +157,10 @@ fn channel_of(gauge: &LiveGauge, channels: &[Channel]) -> Option<usize> {
     channels.iter().position(is_it)
 }
 
-/// Ends of a number format's range.
-fn limits(format: SampleFormat) -> Option<(f64, f64)> {
-    Some(match format {
-        SampleFormat::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
-        SampleFormat::U16 => (0.0, f64::from(u16::MAX)),
-        SampleFormat::I24 => (-8_388_608.0, 8_388_607.0),
-        SampleFormat::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
-        SampleFormat::F32 => return None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use hapdef_daq::hdp1::FrameFlags;
+
     use super::*;
 
     fn gauges(names: &[&str]) -> Vec<LiveGauge> {
@@ -168,6 +184,22 @@ mod tests {
         assert_eq!(device.rails_ue()[0], (-65536.0, 65534.0));
         let short = Frame::new(0, SampleFormat::I16, 0..11);
         assert_eq!(device.read(&short, &mut raw), None);
+    }
+
+    #[test]
+    fn saturated_gauges_are_those_of_the_last_status_where_the_frame_says_so() {
+        let hello = Arc::new(Hello::plain(12, SampleFormat::I16, 500));
+        let mut device = Device::new(hello, &gauges(&["g7", "g0"]), Some(2), 1000.0).unwrap();
+        device.take_status(Status {
+            saturated: 1 << 7 | 1 << 3,
+            ..Status::default()
+        });
+        let mut frame = Frame::new(0, SampleFormat::I16, 0..12);
+        for (flags, expected) in [(FrameFlags::default(), 0), (FrameFlags::SATURATED, 1)] {
+            frame.flags = flags;
+            device.read(&frame, &mut [0.0; 2]).unwrap();
+            assert_eq!(device.saturated().collect::<Vec<_>>(), vec![0; expected]);
+        }
     }
 
     #[test]

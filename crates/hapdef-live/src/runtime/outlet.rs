@@ -13,7 +13,7 @@ use crate::error::{AnyError, LiveError};
 use crate::frame::{LiveFrame, Missed};
 use crate::health::SinkHealth;
 use crate::histogram::Histogram;
-use crate::sink::{Delivery, LiveEvent, Sink, Wants};
+use crate::sink::{Clients, Delivery, LiveEvent, Sink, Wants};
 
 /// Events that wait for a sink at most.
 const N_EVENTS: usize = 256;
@@ -79,6 +79,7 @@ struct Counts {
     n_events_dropped: AtomicU64,
     busy: Mutex<Histogram>,
     failure: Mutex<Option<Arc<str>>>,
+    clients: Option<Clients>,
     /// There will be no more.
     end: AtomicBool,
 }
@@ -91,7 +92,7 @@ impl Outlet {
         is_lossless: bool,
     ) -> Result<(Self, Option<SinkThread>), LiveError> {
         let (name, wants) = (sink.name(), sink.wants());
-        let counts = Arc::new(Counts::new(&name));
+        let counts = Arc::new(Counts::new(&*sink));
         let frame = || Box::new(LiveFrame::new(n_gauges));
         let (path, inlet) = match sink.delivery() {
             Delivery::Direct => {
@@ -217,9 +218,10 @@ impl SinkThread {
 }
 
 impl Counts {
-    fn new(name: &str) -> Self {
+    fn new(sink: &dyn Sink) -> Self {
         Self {
-            name: name.to_owned(),
+            name: sink.name(),
+            clients: sink.clients(),
             n_frames: AtomicU64::new(0),
             n_skipped: AtomicU64::new(0),
             n_events_dropped: AtomicU64::new(0),
@@ -248,6 +250,10 @@ impl Counts {
             busy: lock(&self.busy).latency(),
             failure: lock(&self.failure).clone(),
             is_stuck: false,
+            clients: self
+                .clients
+                .as_deref()
+                .map_or(Vec::new(), |c| lock(c).clone()),
         }
     }
 }

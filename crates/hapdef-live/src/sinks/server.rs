@@ -5,11 +5,13 @@ use std::net::TcpListener;
 #[cfg(unix)]
 use std::os::unix::net::UnixListener;
 use std::path::PathBuf;
+use std::sync::{Arc, PoisonError};
 
 use super::json::{event_line, json_line};
 use crate::error::{AnyError, LiveError};
 use crate::frame::LiveFrame;
-use crate::sink::{Delivery, LiveEvent, Sink, Wants};
+use crate::health::ClientHealth;
+use crate::sink::{Clients, Delivery, LiveEvent, Sink, Wants};
 
 /// Bytes that wait for a client at most; beyond that lines are left out.
 const MAX_WAITING: usize = 256 << 10;
@@ -26,6 +28,7 @@ pub struct JsonServer {
     address: String,
     listener: Listener,
     clients: Vec<Client>,
+    told: Clients,
     line: Vec<u8>,
 }
 
@@ -38,7 +41,9 @@ enum Listener {
 struct Client {
     stream: Box<dyn Write + Send>,
     waiting: Vec<u8>,
+    /// Lines left out since it was last told.
     n_left_out: u64,
+    health: ClientHealth,
 }
 
 impl JsonServer {
@@ -56,6 +61,7 @@ impl JsonServer {
             address: listener.address().unwrap_or_else(|| address.to_owned()),
             listener,
             clients: Vec::new(),
+            told: Clients::default(),
             line: Vec::with_capacity(4096),
         })
     }
@@ -67,15 +73,26 @@ impl JsonServer {
     }
 
     fn accept(&mut self) {
-        while let Some(stream) = self.listener.accept() {
+        while let Some((stream, name)) = self.listener.accept() {
             if self.clients.len() < MAX_CLIENTS {
                 self.clients.push(Client {
                     stream,
                     waiting: Vec::with_capacity(MAX_WAITING),
                     n_left_out: 0,
+                    health: ClientHealth {
+                        name,
+                        n_left_out: 0,
+                    },
                 });
             }
         }
+    }
+
+    /// For whoever tells how it is doing.
+    fn tell(&self) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.clear();
+        told.extend(self.clients.iter().map(|client| client.health.clone()));
     }
 
     fn send(&mut self) {
@@ -100,6 +117,10 @@ impl Sink for JsonServer {
         Delivery::Queue(N_QUEUED)
     }
 
+    fn clients(&self) -> Option<Clients> {
+        Some(Arc::clone(&self.told))
+    }
+
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
         self.accept();
         if self.clients.is_empty() {
@@ -115,6 +136,7 @@ impl Sink for JsonServer {
         if event_line(event, &mut self.line)? {
             self.send();
         }
+        self.tell();
         Ok(())
     }
 }
@@ -132,6 +154,7 @@ impl Client {
             self.waiting.extend_from_slice(line);
         } else {
             self.n_left_out += 1;
+            self.health.n_left_out += 1;
         }
     }
 
@@ -180,19 +203,19 @@ impl Listener {
         }
     }
 
-    fn accept(&self) -> Option<Box<dyn Write + Send>> {
+    fn accept(&self) -> Option<(Box<dyn Write + Send>, String)> {
         match self {
             Self::Tcp(listener) => {
-                let (stream, _) = listener.accept().ok()?;
+                let (stream, from) = listener.accept().ok()?;
                 stream.set_nonblocking(true).ok()?;
                 stream.set_nodelay(true).ok()?;
-                Some(Box::new(stream))
+                Some((Box::new(stream), from.to_string()))
             }
             #[cfg(unix)]
-            Self::Unix(listener, _) => {
+            Self::Unix(listener, path) => {
                 let (stream, _) = listener.accept().ok()?;
                 stream.set_nonblocking(true).ok()?;
-                Some(Box::new(stream))
+                Some((Box::new(stream), format!("a client of {}", path.display())))
             }
         }
     }

@@ -218,6 +218,8 @@ impl RigDevice {
             self.say_status(out);
             if out.len() - start > room {
                 out.truncate(start);
+            } else {
+                self.status.saturated = 0;
             }
         }
         self.n_samples += 1;
@@ -288,7 +290,8 @@ impl RigDevice {
         self.truth.seq = self.encoder.seq();
         self.truth.t_device_us = self.t_device_us();
         self.truth.t_s = t_s;
-        self.status.saturated = self.electronics.saturated();
+        // STATUS tells of those since the last one.
+        self.status.saturated |= self.electronics.saturated();
         self.status.temperature_centi_c = (celsius * 100.0).round() as i16;
         let uptime_s = (self.n_samples - self.n_before_boot) as f64 / self.params.rate_hz;
         self.status.uptime_s = uptime_s as u32;

@@ -15,7 +15,7 @@ use hapdef::{
     Limb, Run, SOURCE_FORMS, SourceArg, SourceArgError, VirtualRigParams, live_limb, virtual_device,
 };
 use hapdef_daq::Message;
-use hapdef_daq::hdp1::{ChannelKind, Hello, MAX_CHANNELS};
+use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, Status};
 use hapdef_daq::source::{FrameSource, SourceStatus, StreamParams, StreamSource};
 use hapdef_inverse::CalibrationInfo;
 use hapdef_rig::live::{PressHandle, Pressed, RigLink, RunParams};
@@ -55,6 +55,10 @@ struct Feed {
     /// The virtual rig's prober.
     prober: Option<PressHandle>,
     hello: Option<Arc<Hello>>,
+    /// What the device said last of itself.
+    status: Status,
+    /// See [`SessionParams::rails_ue`].
+    rails_ue: Vec<(f64, f64)>,
 }
 
 impl LiveArgs {
@@ -88,24 +92,31 @@ pub(super) fn calibrate_live(
         force_n > 0.0,
         "--force-n: expected a force above 0, found {force_n}"
     );
+    let table = &args.table;
+    ensure!(
+        !table.exists(),
+        "{}: is there already, and the presses would overwrite it: name a new table, or calibrate \
+         with that one, without --live",
+        table.display()
+    );
     let mut feed = Feed::open(source, run, limb)?;
     run.say(&format!("waiting for {}", feed.source.name()));
     let hello = feed.hello(run, limb.gauges.len())?;
+    let rate_hz = feed.rate_hz(run, &hello)?;
     let quality = PressQuality {
         noise_ue: args.noise_ue,
         position_sd_m: args.position_sd_mm * 1e-3,
         force_sd_n: args.force_sd_n,
     };
-    let rate_hz = f64::from(hello.rate_mhz) * 1e-3;
     run.say("solving the limb's response");
     let steps = hello.channels.iter().map(|c| f64::from(c.scale).abs());
     let params = SessionParams {
         step_ue: steps.take(limb.gauges.len()).collect(),
+        rails_ue: feed.rails_ue.clone(),
         ..SessionParams::new(n_presses, force_n, rate_hz, quality)
     };
     let mut session = CalibrationSession::new(run, limb, params)?;
     run.say("taking the tare: don't touch the limb");
-    let table = &args.table;
     if !feed.guide(run, &mut session, limb.gauges.len(), table)? {
         let n = session.rows().len();
         let table = table.display();
@@ -119,7 +130,7 @@ impl Feed {
     fn open(source: &PressSource, run: &Run, limb: &Limb) -> Result<Self> {
         let mut prober = None;
         let source = match source {
-            PressSource::Device(source) => source.open()?,
+            PressSource::Device(source) => source.open_for(limb.gauges.len())?,
             PressSource::Virtual => {
                 let rig = Arc::new(live_limb(run, limb)?);
                 let device = virtual_device(&run.scene, rig, &VirtualRigParams::default())?;
@@ -137,6 +148,8 @@ impl Feed {
             source,
             prober,
             hello: None,
+            status: Status::default(),
+            rails_ue: Vec::new(),
         })
     }
 
@@ -162,8 +175,26 @@ impl Feed {
                 "the device has {found} bridges in front, the scene {n_gauges} gauges: expected \
                  the same number in the same order"
             );
+            self.rails_ue = rails_ue(&hello, n_gauges);
             self.hello = Some(Arc::clone(&hello));
             return Ok(hello);
+        }
+    }
+
+    /// Frames per second: as announced, or as they come from a device that announces none.
+    fn rate_hz(&mut self, run: &Run, hello: &Hello) -> Result<f64> {
+        if hello.rate_mhz > 0 {
+            return Ok(f64::from(hello.rate_mhz) * 1e-3);
+        }
+        run.say("measuring the rate, which the device does not announce");
+        loop {
+            run.check_stop("the calibration")?;
+            self.poll(&mut |_| {})?;
+            let rate_hz = self.source.stats().rate_hz;
+            if rate_hz > 0.0 {
+                run.say(&format!("{rate_hz:.1} frames per second"));
+                return Ok(rate_hz);
+            }
         }
     }
 
@@ -208,9 +239,12 @@ impl Feed {
                 };
                 let mut readings = [0.0; MAX_CHANNELS];
                 frame.scaled(hello, &mut readings);
-                return Ok(session.frame(&readings[..n_gauges])?);
+                let readings = &mut readings[..n_gauges];
+                self.mark_saturated(frame.saturated(&self.status), readings);
+                return Ok(session.frame(readings)?);
             }
-            Message::Hello(hello) => self.hello = Some(hello),
+            Message::Hello(hello) => self.is_the_same(&hello)?,
+            Message::Status(status) => self.status = status,
             Message::Restarted => {
                 run.say("the device started anew: don't touch the limb");
                 session.restart();
@@ -219,6 +253,38 @@ impl Feed {
             _ => {}
         }
         Ok(None)
+    }
+
+    /// Puts gauges at the end of their range that the device says are saturated: its converter may have
+    /// fewer bits than its numbers.
+    fn mark_saturated(&self, channels: u64, readings: &mut [f64]) {
+        for (gauge, reading) in readings.iter_mut().enumerate() {
+            if channels >> gauge & 1 == 1 {
+                let end = self.rails_ue.get(gauge);
+                *reading = end.map_or(f64::NAN, |(_, high)| *high);
+            }
+        }
+    }
+
+    /// Presses of two devices, or in two scales, make no calibration.
+    fn is_the_same(&self, new: &Hello) -> Result<()> {
+        let of = |hello: &Hello| {
+            let uid: String = hello.uid.iter().map(|b| format!("{b:02x}")).collect();
+            let (n, hz) = (hello.channels.len(), f64::from(hello.rate_mhz) * 1e-3);
+            format!("device {uid}, {n} channels, {hz} Hz")
+        };
+        let Some(old) = &self.hello else {
+            return Ok(());
+        };
+        let key = |hello: &Hello| (hello.uid, hello.schema_crc);
+        ensure!(
+            key(old) == key(new),
+            "the presses began with {} and go on with {}, or with other scales: the table has those \
+             that were held; calibrate with it, without --live, or begin again",
+            of(old),
+            of(new)
+        );
+        Ok(())
     }
 
     /// Presses the virtual rig as the session asks.
@@ -240,6 +306,19 @@ impl Feed {
         }
         Ok(())
     }
+}
+
+/// Lowest and highest reading of each gauge, µε; empty where there are no limits.
+fn rails_ue(hello: &Hello, n_gauges: usize) -> Vec<(f64, f64)> {
+    let Some([low, high]) = hello.count_range() else {
+        return Vec::new();
+    };
+    let channels = hello.channels.iter().take(n_gauges);
+    let ends = |c: &Channel| {
+        let of = |count: f64| count * f64::from(c.scale) + f64::from(c.offset);
+        (of(low).min(of(high)), of(low).max(of(high)))
+    };
+    channels.map(ends).collect()
 }
 
 fn say(run: &Run, event: &SessionEvent) {

@@ -1,12 +1,13 @@
 //! `hapdef export`: recordings as text.
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
-use hapdef_daq::record::{Recording, export_csv, export_json_lines};
+use hapdef_daq::record::{DamageInfo, Recording, export_csv, export_json_lines};
+
+use super::files::new_file;
 
 #[derive(Args)]
 #[command(
@@ -19,7 +20,7 @@ pub(crate) struct ExportArgs {
     file: PathBuf,
     #[command(flatten)]
     form: Form,
-    /// Where to; standard output if nothing is named.
+    /// Where to, a new file; standard output if nothing is named.
     #[arg(short, long)]
     out: Option<PathBuf>,
 }
@@ -38,10 +39,7 @@ struct Form {
 pub(crate) fn run(args: &ExportArgs) -> Result<()> {
     let mut recording = Recording::open(&args.file)?;
     let mut out: Box<dyn Write> = match &args.out {
-        Some(path) => {
-            let file = File::create(path);
-            Box::new(file.with_context(|| format!("{}: writing", path.display()))?)
-        }
+        Some(path) => Box::new(new_file(path, "-o")?),
         None => Box::new(std::io::stdout().lock()),
     };
     let mut buffered = BufWriter::with_capacity(1 << 16, &mut out);
@@ -51,13 +49,17 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
         (export_json_lines(&mut recording, &mut buffered)?, "records")
     };
     buffered.flush()?;
-    let damage = recording.damage();
     eprintln!("{}: {n} {what}", args.file.display());
+    tell_damage(recording.damage());
+    Ok(())
+}
+
+/// What could not be read of a recording, once it was read to its end.
+pub(super) fn tell_damage(damage: DamageInfo) {
     if damage.n_damaged > 0 {
         eprintln!(
             "{} damaged stretches, {} bytes, were left out: hapdef recover says what is lost",
             damage.n_damaged, damage.n_damaged_bytes
         );
     }
-    Ok(())
 }

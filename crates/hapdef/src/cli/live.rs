@@ -4,28 +4,30 @@ use std::fs::File;
 use std::io::{BufWriter, IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use hapdef::touch::{LiveEstimator, SearchPlace, TouchEstimator, live_estimator};
+use hapdef::touch::{
+    LiveEstimator, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
+};
 use hapdef::{Limb, Run, SOURCE_FORMS, SceneArgs, SourceArg};
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
-use hapdef_live::{Bundle, Health, Live, LiveBuilder, LiveGauge, LiveParams};
+use hapdef_live::{Bundle, Live, LiveBuilder, LiveGauge, LiveParams};
 use hapdef_rig::live::TruthFrame;
 
+use super::files::new_file;
+use super::live_end::{report, wait};
 use super::live_record::Tape;
-use super::live_ros::{Attached, RosArgs};
+use super::live_ros::{Attached, Recordings, RosArgs};
+use super::network::check_reach;
 use super::signals::stop_flag;
 use super::sim::simulated;
 use super::view::{Origin, Reach, Sim, View, ViewArgs};
-
-/// How often it looks whether to end.
-const LOOK: Duration = Duration::from_millis(20);
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -61,7 +63,7 @@ pub(crate) struct LiveArgs {
     /// Print JSON lines.
     #[arg(long)]
     json: bool,
-    /// Write a table, too.
+    /// Write a table, too: a new file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Send JSON lines to whoever connects, too: tcp:127.0.0.1:7650 or unix:PATH.
@@ -69,6 +71,10 @@ pub(crate) struct LiveArgs {
     serve: Option<String>,
     #[command(flatten)]
     ros: RosArgs,
+    /// Let --serve and --foxglove listen beyond this machine: whoever reaches the port reads
+    /// everything, without a password.
+    #[arg(long)]
+    insecure_bind: bool,
     /// Time whose mean is the tare, s; 0 for readings that come tared.
     #[arg(long, default_value_t = 1.0)]
     tare_s: f64,
@@ -100,6 +106,8 @@ struct Model {
     estimator: Box<dyn TouchEstimator>,
     gauges: Vec<LiveGauge>,
     noise_ue: f64,
+    /// What a recording keeps of the calibration in use.
+    calibration: Option<String>,
     stop: Arc<AtomicBool>,
     view: Option<View>,
 }
@@ -134,7 +142,9 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         player,
     };
     let desk = view.map(|view| view.attend(live.control(), reach, (start, args.json)));
-    wait(&live, args.seconds, &stop);
+    // The page tells of a recording that fails by itself.
+    let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
+    wait(&live, args.seconds, tape_to_watch, &stop);
     drop(desk);
     let health = live.stop()?;
     if let Some(recorded) = tape.map_or(Ok(None), |tape| tape.finish())? {
@@ -162,6 +172,7 @@ impl Model {
             estimator,
             gauges: gauges.map(|g| gauge(&g.name, g.scale)).collect(),
             noise_ue: bundle.info.settings.noise_ue,
+            calibration: bundle.calibration_json.clone(),
             stop: stop_flag()?,
             view: args.view.is_wanted().then(view).transpose()?,
         })
@@ -189,6 +200,7 @@ impl Model {
             estimator: live_estimator(&run, &limb, choice)?,
             gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
             noise_ue: run.scene.estimator.superposition().noise_ue,
+            calibration: calibration_in_use(&run, &limb)?,
             stop: Arc::clone(&run.stop),
             view,
         };
@@ -215,9 +227,15 @@ impl Model {
             realtime_priority: args.realtime,
             ..LiveParams::default()
         };
-        let may_record = args.view.is_wanted() && !args.is_recorded();
+        let recordings = Recordings {
+            are_possible: args.view.is_wanted() && !args.is_recorded(),
+            calibration: self.calibration,
+        };
+        if let Some(address) = args.ros.foxglove {
+            check_reach("--foxglove", address, args.insecure_bind)?;
+        }
         let Source { frames, truth, .. } = self.source;
-        let Attached { source, sink, tape } = args.ros.attach(frames, truth, may_record)?;
+        let Attached { source, sink, tape } = args.ros.attach(frames, truth, recordings)?;
         let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
@@ -299,12 +317,15 @@ impl LiveArgs {
 
 fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {
     if let Some(address) = &args.serve {
+        if let Some(address) = address.strip_prefix("tcp:") {
+            check_reach("--serve", address, args.insecure_bind)?;
+        }
         let server = JsonServer::bind(address)?;
         writeln!(std::io::stderr(), "JSON lines at {}", server.address())?;
         builder = builder.sink(server);
     }
     if let Some(path) = &args.csv {
-        let file = File::create(path).with_context(|| format!("--csv: {}", path.display()))?;
+        let file = new_file(path, "--csv")?;
         builder = builder.sink(CsvSink::new(BufWriter::new(file)));
     }
     Ok(if args.json {
@@ -314,49 +335,6 @@ fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> 
     } else {
         builder.sink(TextSink::lines(BufWriter::new(stdout())))
     })
-}
-
-/// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more.
-fn wait(live: &Live, seconds: Option<f64>, stop: &AtomicBool) {
-    let start = Instant::now();
-    let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
-    let nobody_listens = || {
-        let health = live.health();
-        !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some())
-    };
-    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !nobody_listens() {
-        std::thread::sleep(LOOK);
-    }
-}
-
-/// The last line, and whether frames could be used at all.
-fn report(health: &Health) -> Result<()> {
-    let mut err = std::io::stderr().lock();
-    let total = &health.total;
-    writeln!(
-        err,
-        "{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
-         longest {:.0} µs",
-        health.n_frames,
-        health.n_lost,
-        health.n_dropped,
-        health.n_deadline_missed,
-        health.n_refused,
-        total.compute.p50_us,
-        total.compute.p99_us,
-        total.compute.max_us,
-    )?;
-    if let Some(refusal) = &health.last_refusal {
-        writeln!(err, "the estimator refused frames: {refusal}")?;
-    }
-    if let Some(fault) = health
-        .device_fault
-        .as_ref()
-        .filter(|_| health.n_unusable > 0)
-    {
-        bail!("{}: {fault}", health.source_name);
-    }
-    Ok(())
 }
 
 /// A bundle begins with the length of a header and `{`; a scene is text.

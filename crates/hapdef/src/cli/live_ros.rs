@@ -28,7 +28,8 @@ pub(crate) struct RosArgs {
     /// ROS tools read them; with --sim what really touches, too.
     #[arg(long, value_name = "FILE")]
     pub(super) record: Option<PathBuf>,
-    /// Calibration in use, a JSON file: kept in the recording as it is.
+    /// Calibration to keep in the recording as it is, a JSON file; that of the bundle or scene if not
+    /// given.
     #[arg(long, value_name = "FILE", requires = "record")]
     record_calibration: Option<PathBuf>,
     /// Ground truth of a simulated rig, a JSON line a frame as it writes them, for the recording.
@@ -36,7 +37,7 @@ pub(crate) struct RosArgs {
     truth: Option<PathBuf>,
     /// Serve Foxglove at this address: 127.0.0.1:8765.
     #[arg(long, value_name = "ADDRESS")]
-    foxglove: Option<std::net::SocketAddr>,
+    pub(super) foxglove: Option<std::net::SocketAddr>,
     /// Publish on the topics of ROS 2 by rmw_zenoh, in this ROS_DOMAIN_ID.
     #[arg(long, value_name = "DOMAIN")]
     zenoh: Option<u32>,
@@ -52,6 +53,14 @@ pub(super) struct Attached {
     pub(super) tape: Option<Tape>,
 }
 
+/// What is known of recordings before one begins.
+pub(super) struct Recordings {
+    /// They can be asked for later.
+    pub(super) are_possible: bool,
+    /// The calibration in use, JSON.
+    pub(super) calibration: Option<String>,
+}
+
 /// Frames of the runtime as messages of ROS.
 pub(super) struct RosSink {
     name: String,
@@ -63,13 +72,12 @@ pub(super) struct RosSink {
 }
 
 impl RosArgs {
-    /// Attaches what is asked for to a source: its frames can be recorded later, too, where they
-    /// `may_record`. `truth` tells what a simulated rig is pressed by.
+    /// Attaches what is asked for to a source. `truth` tells what a simulated rig is pressed by.
     pub(super) fn attach(
         &self,
         source: Box<dyn FrameSource>,
         truth: Option<Receiver<TruthFrame>>,
-        may_record: bool,
+        recordings: Recordings,
     ) -> Result<Attached> {
         let params = RosParams::default();
         let mut sinks: Vec<Box<dyn MessageSink>> = Vec::new();
@@ -83,8 +91,8 @@ impl RosArgs {
             names.push(format!("ROS 2 in domain {domain_id}"));
         }
         let (mut source, mut tape) = (source, None);
-        if may_record || self.record.is_some() {
-            let (tee, new) = Tape::new(source, &params, self.calibration()?)?;
+        if recordings.are_possible || self.record.is_some() {
+            let (tee, new) = Tape::new(source, &params, self.calibration(recordings.calibration)?)?;
             source = Box::new(tee);
             sinks.push(Box::new(new.sink()));
             names.push("recording".to_owned());
@@ -111,11 +119,14 @@ impl RosArgs {
         Ok(Attached { source, sink, tape })
     }
 
-    fn calibration(&self) -> Result<Option<Vec<u8>>> {
-        let read = |path: &PathBuf| {
-            std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
+    /// The file that was named, else what is in use.
+    fn calibration(&self, in_use: Option<String>) -> Result<Option<Vec<u8>>> {
+        let Some(path) = &self.record_calibration else {
+            return Ok(in_use.map(String::into_bytes));
         };
-        self.record_calibration.as_ref().map(read).transpose()
+        let json = std::fs::read(path);
+        json.map(Some)
+            .with_context(|| format!("{}: reading", path.display()))
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct RecordArgs {
     /// Real-time priority of the reading thread, 1 to 99.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=99))]
     realtime: Option<u8>,
-    /// Overwrite a recording of the same name.
+    /// Overwrite a recording of the same name, and what is left of one that was broken off.
     #[arg(long)]
     force: bool,
     /// No line a second.
@@ -55,6 +55,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let params = RecordParams {
         calibration: args.calibration.as_ref().map(read).transpose()?,
         source: args.source.to_string(),
+        overwrites: args.force,
         ..RecordParams::default()
     };
     let acquire_params = AcquireParams {
@@ -70,8 +71,16 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let recorder = record(for_file, out, params)?;
     let mut watch = Watch::new(acquisition, for_us, args.quiet);
     while !stop.load(Ordering::Relaxed) && watch.goes_on(&recorder, args.seconds) {}
-    let stats = watch.acquisition.stop().source;
+    let acquired = watch.acquisition.stop();
+    let stats = acquired.source;
     let info = recorder.finish()?;
+    if acquired.is_panicked {
+        bail!(
+            "{}: the reader's thread panicked; the readings until then are in {}",
+            args.source,
+            out.display()
+        );
+    }
     if info.n_frames == 0 {
         let link = watch.link.map_or(String::new(), |link| format!(": {link}"));
         bail!("{}: not one reading came{link}", out.display());
@@ -85,6 +94,12 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
         n_refused(&stats),
         info.n_dropped,
     );
+    if info.n_events_dropped > 0 {
+        eprintln!(
+            "{} messages of the device, such as STATUS, were dropped: the disk was too slow",
+            info.n_events_dropped
+        );
+    }
     Ok(())
 }
 

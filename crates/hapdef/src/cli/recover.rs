@@ -80,6 +80,7 @@ fn as_json(out: &Path, info: &RecoverInfo) -> Value {
         "n_frames": info.n_frames,
         "n_missing": info.n_missing,
         "n_gaps": info.n_gaps,
+        "n_uncounted": info.n_uncounted,
         "n_undefined": info.n_undefined,
         "span_ns": info.span_ns,
         "n_chunks": info.damage.n_chunks,

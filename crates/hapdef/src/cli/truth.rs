@@ -2,17 +2,20 @@
 
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Receiver;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use hapdef_rig::live::{TrueContact, TruthFrame};
 use hapdef_ros::{Contact, Contacts};
 use serde::Deserialize;
 
 /// Frames that wait for their line at most; the rig writes a moment later than it sends.
 const MAX_WAITING: usize = 1 << 16;
+
+/// Longest line, bytes; one of a rig has a few hundred.
+const MAX_LINE_LEN: usize = 1 << 16;
 
 /// What a simulated rig is pressed by, found for each frame by its number.
 pub(super) struct Truth {
@@ -53,9 +56,15 @@ struct LineContact {
 }
 
 impl Truth {
-    /// In a file, as a rig writes it.
+    /// In a file, as a rig writes it; its name ends in `.partial` until the rig ends.
     pub(super) fn in_file(path: &Path) -> Result<Self> {
-        let file = File::open(path).with_context(|| format!("{}: reading", path.display()))?;
+        let mut partial = path.as_os_str().to_owned();
+        partial.push(".partial");
+        let file = File::open(path).or_else(|error| match error.kind() {
+            ErrorKind::NotFound => File::open(partial),
+            _ => Err(error),
+        });
+        let file = file.with_context(|| format!("{}: reading", path.display()))?;
         Ok(Self::new(Lines::File {
             path: path.to_owned(),
             lines: BufReader::with_capacity(1 << 16, file),
@@ -144,10 +153,19 @@ impl Lines {
                 partial,
             } => (path, lines, partial),
         };
+        let room = MAX_LINE_LEN.saturating_sub(partial.len()) as u64;
         lines
+            .by_ref()
+            .take(room)
             .read_line(partial)
             .with_context(|| format!("{}: reading", path.display()))?;
         if !partial.ends_with('\n') {
+            ensure!(
+                partial.len() < MAX_LINE_LEN,
+                "{}: expected lines of a rig's ground truth, found {MAX_LINE_LEN} bytes without an end \
+                 of a line: name the file that hapdef rig --truth writes",
+                path.display()
+            );
             return Ok(None);
         }
         let parsed = serde_json::from_str::<Line>(partial);
@@ -276,5 +294,27 @@ mod tests {
         let mut truth = Truth::in_file(&path).unwrap();
         let error = truth.frame(0, 0, &mut |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("boot_id"), "{error}");
+
+        std::fs::write(&path, vec![b'1'; 10 * MAX_LINE_LEN]).unwrap();
+        let mut truth = Truth::in_file(&path).unwrap();
+        let error = truth.frame(0, 0, &mut |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("without an end"), "{error}");
+    }
+
+    #[test]
+    fn a_file_is_read_that_still_has_its_first_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.jsonl");
+        let nowhere = Truth::in_file(&path).map(|_| ()).unwrap_err();
+        assert!(nowhere.to_string().contains("truth.jsonl: reading"));
+        std::fs::write(folder.path().join("truth.jsonl.partial"), line(7)).unwrap();
+        let mut truth = Truth::in_file(&path).unwrap();
+        let mut n = 0;
+        let mut put = |_: &Contacts| {
+            n += 1;
+            Ok(())
+        };
+        truth.frame(7, 70, &mut put).unwrap();
+        assert_eq!(n, 1);
     }
 }

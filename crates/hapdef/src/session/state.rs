@@ -38,6 +38,9 @@ pub struct SessionParams {
     pub rate_hz: f64,
     /// Step of each gauge's converter `[n_gauges]`, µε; empty where it is too small to matter.
     pub step_ue: Vec<f64>,
+    /// Lowest and highest reading that each gauge's numbers can have `[n_gauges]`, µε; empty for no
+    /// limits.
+    pub rails_ue: Vec<(f64, f64)>,
     /// What is known of readings and presses; of the noise that of a single frame.
     pub quality: PressQuality,
     /// When a press counts.
@@ -130,6 +133,7 @@ impl SessionParams {
             n_stiffness: 32,
             rate_hz,
             step_ue: Vec::new(),
+            rails_ue: Vec::new(),
             quality,
             hold: HoldParams::at_rate(rate_hz),
         }
@@ -169,6 +173,7 @@ impl SessionParams {
         let sds: Vec<f64> = (0..n_gauges).map(sd).collect();
         ConditionerParams {
             coarse: (0..n_gauges).map(|gauge| self.is_coarse(gauge)).collect(),
+            rails: self.rails_ue.clone(),
             ..ConditionerParams::new(sds, 1.0 / self.rate_hz)
         }
     }

@@ -116,6 +116,21 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
     }
 }
 
+/// The calibration that a scene names, for the recordings made with it: what it rests on, as JSON.
+///
+/// # Errors
+/// [`HapdefError::File`] and what else reading it returns.
+pub fn calibration_in_use(run: &Run, limb: &Limb) -> Result<Option<String>, HapdefError> {
+    let path = run.scene.estimator.superposition().calibration;
+    path.map(|path| {
+        Ok(summary(&Calibration::read(
+            &run.scene_dir.join(path),
+            limb,
+        )?))
+    })
+    .transpose()
+}
+
 /// What a calibration rests on, without its arrays.
 fn summary(calibration: &Calibration) -> String {
     serde_json::json!({

@@ -14,7 +14,7 @@ mod response;
 mod shell;
 mod superposition;
 
-pub use bundle::{BundleRequest, make_bundle};
+pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub use calibration::{Calibration, PressQuality};
 pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
 pub use hapdef_live::touch::{

@@ -10,6 +10,9 @@ static FakeUsb usb;
 static FakeTrng trng = {0, TRNG_ISR_DATRDY, 77};
 FakeUsb *UOTGHS = &usb;
 FakeTrng *TRNG = &trng;
+static FakeFlash flash = {0, {0}};
+FakeFlash *EFC1 = &flash;
+const uint8_t fake_uid[16] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
 FakeSerial SerialUSB;
 static uint32_t us = 0xffffffffu - 2500000u; /* micros() wraps on the way. */
 static uint32_t started;

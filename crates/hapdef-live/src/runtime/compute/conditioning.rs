@@ -14,6 +14,19 @@ pub(super) struct Conditioning {
     conditioner: Conditioner,
     pub(super) out: Conditioned,
     noise: TareNoise,
+    /// Readings for the filter `[n_gauges]`, µε: at the end of their range where the device says so.
+    raw_ue: Vec<f64>,
+    /// Highest reading of each gauge `[n_gauges]`, µε.
+    ends_ue: Vec<f64>,
+}
+
+impl Conditioning {
+    fn take_raw(&mut self, raw_ue: &[f64], device: &Device) {
+        self.raw_ue.copy_from_slice(raw_ue);
+        for gauge in device.saturated() {
+            self.raw_ue[gauge] = self.ends_ue[gauge];
+        }
+    }
 }
 
 impl Compute {
@@ -39,13 +52,17 @@ impl Compute {
 
     fn step(&mut self, was_taring: bool) {
         let to = &mut self.frame;
-        let Some(Conditioning {
-            conditioner, out, ..
-        }) = &mut self.conditioning
-        else {
+        let (Some(conditioning), Some(device)) = (&mut self.conditioning, &self.device) else {
             return;
         };
-        if let Err(error) = conditioner.step_into(&to.raw_ue, to.temperature, out) {
+        conditioning.take_raw(&to.raw_ue, device);
+        let Conditioning {
+            conditioner,
+            out,
+            raw_ue,
+            ..
+        } = conditioning;
+        if let Err(error) = conditioner.step_into(raw_ue, to.temperature, out) {
             // lengths are those of the device; said all the same
             self.counts.device_fault = Some(error.to_string().into());
             return;
@@ -53,11 +70,16 @@ impl Compute {
         to.phase = out.phase;
         to.tared_ue.copy_from_slice(&out.readings);
         to.gauges.copy_from_slice(&out.health);
-        if out.phase == TouchPhase::Taring {
+        let is_taring = out.phase == TouchPhase::Taring;
+        if is_taring {
             for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
                 *health = health_of_number(*raw);
             }
-        } else if was_taring {
+        }
+        for gauge in device.saturated() {
+            to.gauges[gauge] = GaugeHealth::Saturated;
+        }
+        if was_taring && !is_taring {
             self.tell(&LiveEvent::Tared);
         }
     }
@@ -107,11 +129,16 @@ impl Compute {
             ..given
         };
         let noise = TareNoise::new(params.gauge_sd.clone(), params.tare_frames);
+        // One that sends real numbers has no end: what it sends then is no number that counts.
+        let end_ue = |gauge: usize| params.rails.get(gauge).map_or(f64::NAN, |(_, high)| *high);
+        let ends_ue: Vec<f64> = (0..device.n_gauges()).map(end_ue).collect();
         let conditioner = Conditioner::new(params)?;
         Ok(Some(Conditioning {
             out: conditioner.output(),
             conditioner,
             noise,
+            raw_ue: ends_ue.clone(),
+            ends_ue,
         }))
     }
 

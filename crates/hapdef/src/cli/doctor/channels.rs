@@ -1,29 +1,19 @@
 //! Readings of a few seconds: rate, losses, dead and saturated channels.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use hapdef::SourceArg;
-use hapdef_daq::hdp1::{ChannelKind, Hello, SampleFormat};
-use hapdef_daq::source::{LinkState, SourceStats};
-use hapdef_daq::{AcquireParams, Frame, Message, acquire};
+use hapdef_daq::source::LinkState;
+use hapdef_daq::{AcquireParams, acquire};
 
 use super::super::record::n_refused;
 use super::check::Check;
+use super::seen::Seen;
 
 /// Largest difference between the rate announced and the rate measured that is no fault.
 const RATE_SLACK: f64 = 0.02;
-
-/// What came in a few seconds.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Seen {
-    pub(super) hello: Option<Arc<Hello>>,
-    pub(super) link: Option<LinkState>,
-    pub(super) frames: Vec<Frame>,
-    pub(super) stats: SourceStats,
-}
 
 pub(super) fn checks(
     source: &SourceArg,
@@ -33,7 +23,7 @@ pub(super) fn checks(
 ) -> Result<Vec<Check>> {
     let seen = watch(source, time, stop)?;
     let mut checks = vec![link(&seen)];
-    if seen.frames.is_empty() {
+    if seen.n_frames == 0 {
         return Ok(checks);
     }
     checks.extend([rate(&seen), losses(&seen)]);
@@ -54,15 +44,15 @@ fn watch(source: &SourceArg, time: Duration, stop: &AtomicBool) -> Result<Seen> 
         let left = end.saturating_duration_since(Instant::now());
         if left.is_zero() || (receiver.has_ended() && acquisition.has_ended()) {
             while let Some(message) = receiver.try_recv() {
-                seen.take(message);
+                seen.take(&message);
             }
             break;
         }
         let Some(message) = receiver.recv(left) else {
             continue;
         };
-        seen.take(message);
-        if seen.frames.len() == 1 {
+        seen.take(&message);
+        if seen.n_frames == 1 {
             end = Instant::now() + time;
         }
     }
@@ -70,29 +60,8 @@ fn watch(source: &SourceArg, time: Duration, stop: &AtomicBool) -> Result<Seen> 
     Ok(seen)
 }
 
-impl Seen {
-    fn take(&mut self, message: Message) {
-        match message {
-            Message::Frame(frame) => self.frames.push(frame),
-            Message::Hello(hello) => self.hello = Some(hello),
-            Message::Link(state) => self.link = Some(state),
-            _ => {}
-        }
-    }
-
-    /// Name of a channel: what the device calls it, or its number.
-    pub(super) fn name(&self, channel: usize) -> String {
-        let known = self.hello.as_ref().and_then(|h| h.channels.get(channel));
-        let name = known.map(|c| c.name_text()).unwrap_or_default();
-        match name.as_str() {
-            "" => format!("channel {channel}"),
-            name => name.to_owned(),
-        }
-    }
-}
-
 fn link(seen: &Seen) -> Check {
-    let n = seen.frames.len();
+    let n = seen.n_frames;
     if n > 0 {
         return Check::ok("link", format!("open, {n} readings"));
     }
@@ -108,11 +77,9 @@ fn link(seen: &Seen) -> Check {
 }
 
 fn rate(seen: &Seen) -> Check {
-    let times = |f: Option<&Frame>| f.map_or(0, |frame| frame.t_host_ns);
-    let span_ns = times(seen.frames.last()).saturating_sub(times(seen.frames.first()));
-    let n_lost: u64 = seen.frames.iter().map(|f| u64::from(f.n_lost_before)).sum();
+    let span_ns = seen.span_ns.map_or(0, |(a, b)| b.saturating_sub(a));
     let n_scans = seen.hello.as_ref().map_or(1, |h| u64::from(h.n_scans));
-    let n = (seen.frames.len() as u64 + n_lost * n_scans).saturating_sub(1);
+    let n = (seen.n_frames as u64 + seen.n_lost * n_scans).saturating_sub(1);
     let hz = n as f64 / (span_ns as f64 * 1e-9).max(1e-9);
     let announced = seen
         .hello
@@ -151,7 +118,7 @@ fn losses(seen: &Seen) -> Check {
 
 /// Whether the channels are the scene's gauges.
 fn layout(seen: &Seen, gauges: &[String]) -> Check {
-    let n_bridges = bridges(seen).count();
+    let n_bridges = seen.bridges().count();
     if n_bridges != gauges.len() {
         return Check::bad(
             "gauges",
@@ -163,7 +130,7 @@ fn layout(seen: &Seen, gauges: &[String]) -> Check {
              firmware, or correct gauges.sites",
         );
     }
-    let differing = bridges(seen).zip(gauges).find(|(channel, gauge)| {
+    let differing = seen.bridges().zip(gauges).find(|(channel, gauge)| {
         let name = seen.name(*channel);
         !name.starts_with("channel ") && name != gauge.chars().take(4).collect::<String>()
     });
@@ -180,32 +147,21 @@ fn layout(seen: &Seen, gauges: &[String]) -> Check {
     }
 }
 
-/// Channels with a gauge.
-pub(super) fn bridges(seen: &Seen) -> impl Iterator<Item = usize> + '_ {
-    use ChannelKind as K;
-    let n = seen.frames.first().map_or(0, |frame| frame.bits().len());
-    (0..n).filter(|&i| {
-        let channel = seen.hello.as_ref().and_then(|h| h.channels.get(i));
-        channel.is_none_or(|c| matches!(c.kind, K::QuarterBridge | K::HalfBridge | K::FullBridge))
-    })
-}
-
 /// Channels that say nothing or are at the end of their range.
 fn each_channel(seen: &Seen) -> Vec<Check> {
     let mut checks = Vec::new();
     let mut n_good = 0;
-    for channel in bridges(seen) {
-        let values: Vec<f64> = seen
-            .frames
-            .iter()
-            .filter_map(|frame| frame.values().nth(channel))
-            .collect();
+    for channel in seen.bridges() {
         let name = format!("channel {channel} ({})", seen.name(channel));
-        let format = seen.frames[0].format;
-        match fault(&values, format) {
+        match fault(seen, channel) {
             Some((found, fix)) => checks.push(Check::bad(&name, found, fix)),
             None => n_good += 1,
         }
+    }
+    if seen.n_flagged > 0 && seen.saturated == 0 {
+        let found = format!("{} readings say that one is saturated", seen.n_flagged);
+        let fix = "STATUS did not come, or does not say which: look for longer, with --seconds";
+        checks.push(Check::warn("saturation", found, fix));
     }
     if n_good > 0 {
         let found = format!("{n_good} move and stay within their range");
@@ -214,56 +170,52 @@ fn each_channel(seen: &Seen) -> Vec<Check> {
     checks
 }
 
-fn fault(values: &[f64], format: SampleFormat) -> Option<(String, &'static str)> {
-    if let Some(bad) = values.iter().find(|v| !v.is_finite()) {
+fn fault(seen: &Seen, channel: usize) -> Option<(String, &'static str)> {
+    const SATURATED: &str =
+        "balance the bridge or lower the gain; a broken gauge or wire saturates, too";
+    let span = &seen.channels[channel];
+    if let Some(bad) = span.not_finite {
         return Some((format!("sends {bad}"), "mend the firmware's scaling"));
     }
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let [least, most] = range(format);
-    let n_ends = values
-        .iter()
-        .filter(|v| **v <= least || **v >= most)
-        .count();
-    if n_ends * 100 >= values.len() {
-        let found = format!("saturated in {n_ends} of {} readings", values.len());
-        let fix = "balance the bridge or lower the gain; a broken gauge or wire saturates, too";
-        return Some((found, fix));
+    let n = seen.n_frames;
+    let range = seen.hello.as_ref().and_then(|hello| hello.count_range());
+    let n_ends = range.map_or(0, |range| span.n_at_ends(range));
+    if n_ends * 100 >= n {
+        return Some((format!("saturated in {n_ends} of {n} readings"), SATURATED));
     }
-    (values.len() > 1 && low == high).then(|| {
+    if channel < 64 && seen.saturated >> channel & 1 == 1 && seen.n_flagged > 0 {
+        let n_most = seen.n_flagged;
+        let found = format!("saturated, says the device, in at most {n_most} of {n} readings");
+        return Some((found, SATURATED));
+    }
+    (n > 1 && span.low.total_cmp(&span.high).is_eq()).then(|| {
         let fix = "no noise at all: is the gauge wired, the amplifier on, the converter's input \
                    the right one?";
-        (format!("always {low}"), fix)
+        (format!("always {}", span.low), fix)
     })
-}
-
-/// Ends of a format's range; lines of the sketch have 12 bits.
-fn range(format: SampleFormat) -> [f64; 2] {
-    match format {
-        SampleFormat::I16 => [f64::from(i16::MIN), f64::from(i16::MAX)],
-        SampleFormat::U16 => [0.0, 65535.0],
-        SampleFormat::I24 => [-8_388_608.0, 8_388_607.0],
-        SampleFormat::I32 => [f64::from(i32::MIN), f64::from(i32::MAX)],
-        SampleFormat::F32 => [f64::NEG_INFINITY, f64::INFINITY],
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use hapdef_daq::hdp1::{Hello, SampleFormat};
+    use hapdef_daq::{Frame, Message};
+
     use super::super::check::State;
     use super::*;
 
     fn seen(samples: &[[i32; 3]], hz: u32) -> Seen {
-        let frames = samples.iter().zip(0u32..).map(|(values, i)| {
-            let mut frame = Frame::new(i, SampleFormat::I16, *values);
-            frame.t_host_ns = u64::from(i) * 1_000_000_000 / u64::from(hz);
-            frame
-        });
-        Seen {
-            frames: frames.collect(),
+        let mut seen = Seen {
             hello: Some(Arc::new(Hello::plain(3, SampleFormat::I16, 1000))),
             ..Seen::default()
+        };
+        for (values, i) in samples.iter().zip(0u32..) {
+            let mut frame = Frame::new(i, SampleFormat::I16, *values);
+            frame.t_host_ns = u64::from(i) * 1_000_000_000 / u64::from(hz);
+            seen.take(&Message::Frame(frame));
         }
+        seen
     }
 
     #[test]
@@ -275,6 +227,45 @@ mod tests {
         assert_eq!(checks[1].found, "saturated in 50 of 100 readings");
         assert!(checks[1].name.contains("G2"));
         assert_eq!(checks[2].state, State::Ok);
+    }
+
+    #[test]
+    fn a_converter_of_fewer_bits_saturates_where_the_device_says_so() {
+        let samples: Vec<[i32; 3]> = (0..200)
+            .map(|i| [i % 7, (40 * i).min(2047), i % 5])
+            .collect();
+        let mut seen = seen(&samples, 1000);
+        assert_eq!(each_channel(&seen).len(), 1);
+        seen.n_flagged = 148;
+        let words: Vec<String> = each_channel(&seen)
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        assert!(words[0].contains("say that one is saturated"), "{words:?}");
+        seen.saturated = 2;
+        let checks = each_channel(&seen);
+        assert_eq!(checks.len(), 2);
+        assert!(checks[0].name.contains("G1"), "{}", checks[0]);
+        assert!(
+            checks[0].found.contains("at most 148 of 200"),
+            "{}",
+            checks[0]
+        );
+    }
+
+    #[test]
+    fn a_line_at_the_top_of_12_bits_is_saturated_not_dead() {
+        let mut seen = Seen {
+            hello: Some(Arc::new(Hello::of_lines(2))),
+            ..Seen::default()
+        };
+        for i in 0..100 {
+            let frame = Frame::new(i, SampleFormat::U16, [4095, (i % 9) as i32 + 1]);
+            seen.take(&Message::Frame(frame));
+        }
+        let checks = each_channel(&seen);
+        assert_eq!(checks[0].found, "saturated in 100 of 100 readings");
+        assert_eq!((checks.len(), checks[1].state), (2, State::Ok));
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod check;
 mod machine;
 mod ports;
 mod press;
+mod seen;
 
 use std::io::Write;
 use std::path::PathBuf;

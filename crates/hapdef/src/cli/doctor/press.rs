@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use hapdef::SourceArg;
 use hapdef_daq::{AcquireParams, Message, Receiver, acquire};
 
-use super::channels::{Seen, bridges};
 use super::check::Check;
+use super::seen::Seen;
 
 /// A channel answers when it moves by so many standard deviations of its rest.
 const ANSWER_SD: f64 = 12.0;
@@ -98,7 +98,7 @@ impl<'a> Limb<'a> {
             end.get_or_insert_with(|| Instant::now() + REST);
             values.push(frame);
         }
-        limb.channels = bridges(&limb.seen).collect();
+        limb.channels = limb.seen.bridges().collect();
         let n_channels = values.iter().map(Vec::len).min().unwrap_or(0);
         limb.rest = (0..n_channels)
             .map(|i| mean_and_sd(values.iter().map(|frame| frame[i])))
@@ -144,17 +144,10 @@ impl<'a> Limb<'a> {
     }
 
     fn next(&mut self, wait: Duration) -> Option<Vec<f64>> {
-        match self.receiver.recv(wait)? {
-            Message::Frame(frame) => {
-                if self.seen.frames.is_empty() {
-                    self.seen.frames.push(frame);
-                }
-                Some(frame.values().collect())
-            }
-            Message::Hello(hello) => {
-                self.seen.hello = Some(hello);
-                None
-            }
+        let message = self.receiver.recv(wait)?;
+        self.seen.take(&message);
+        match message {
+            Message::Frame(frame) => Some(frame.values().collect()),
             _ => None,
         }
     }

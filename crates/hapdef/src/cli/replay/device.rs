@@ -38,6 +38,9 @@ pub(super) fn play(file: &Path, speed: f64, wire: impl Wire, stop: &AtomicBool) 
     while status == SourceStatus::Open && !stop.load(Ordering::Relaxed) {
         let mut fault = None;
         status = source.poll(PAUSE, &mut |message| {
+            if let Message::Link(state) = &message {
+                eprintln!("{state}");
+            }
             fault = device.take(message, stop).err().or(fault.take());
         });
         if let Some(fault) = fault {

@@ -14,6 +14,7 @@ use clap::Args;
 use hapdef_daq::Message;
 use hapdef_daq::record::{Content, Recording};
 
+use super::export::tell_damage;
 use super::signals::stop_flag;
 
 #[derive(Args)]
@@ -83,5 +84,6 @@ fn lines(args: &ReplayArgs, stop: &AtomicBool) -> Result<()> {
         writeln!(out, "{}", record.json_line())?;
     }
     out.flush()?;
+    tell_damage(recording.damage());
     Ok(())
 }

@@ -1,0 +1,75 @@
+//! When `hapdef live` ends, and what it says then.
+
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use hapdef_live::{Health, Live};
+
+use super::live_record::{Tape, TapeState};
+
+/// How often it looks whether to end.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more. A
+/// recording that stops is told at once; the rest goes on without it.
+pub(super) fn wait(live: &Live, seconds: Option<f64>, tape: Option<&Tape>, stop: &AtomicBool) {
+    let start = Instant::now();
+    let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
+    let nobody_listens = || {
+        let health = live.health();
+        !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some())
+    };
+    let mut tape = tape;
+    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !nobody_listens() {
+        if let Some(TapeState::Failed { why }) = tape.map(Tape::state) {
+            // Nobody may read it any more: what becomes of the recording is said in the end, too.
+            let _ = writeln!(std::io::stderr(), "the recording stopped: {why}");
+            tape = None;
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// The last line, and whether there were frames, and frames that could be used.
+pub(super) fn report(health: &Health) -> Result<()> {
+    let mut err = std::io::stderr().lock();
+    let total = &health.total;
+    writeln!(
+        err,
+        "{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
+         longest {:.0} µs",
+        health.n_frames,
+        health.n_lost,
+        health.n_dropped,
+        health.n_deadline_missed,
+        health.n_refused,
+        total.compute.p50_us,
+        total.compute.p99_us,
+        total.compute.max_us,
+    )?;
+    if let Some(refusal) = &health.last_refusal {
+        writeln!(err, "the estimator refused frames: {refusal}")?;
+    }
+    let name = &health.source_name;
+    if let Some(fault) = &health.reader_fault {
+        bail!("{name}: {fault}");
+    }
+    if health.n_frames == 0 {
+        let link = health.link.as_ref();
+        let link = link.map_or(String::new(), |link| format!(": {link}"));
+        bail!("{name}: not one reading came{link}");
+    }
+    if let Some(state @ hapdef_daq::source::LinkState::Damaged { .. }) = &health.link {
+        writeln!(err, "{name}: {state}")?;
+    }
+    if let Some(fault) = health
+        .device_fault
+        .as_ref()
+        .filter(|_| health.n_unusable > 0)
+    {
+        bail!("{name}: {fault}");
+    }
+    Ok(())
+}

@@ -1,0 +1,227 @@
+//! The whole way: the virtual rig on a pseudo-terminal, `hapdef live` on its other end, contacts and
+//! what really touches in one recording that others read.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use hapdef_daq::Message;
+use hapdef_daq::record::{Content, Recording};
+use hapdef_ros::{from_cdr, msg};
+use serde_json::json;
+
+/// Frames per second, which a full search in each frame keeps up with.
+const RATE_HZ: f64 = 50.0;
+/// Time of the rig, s.
+const FOR_S: f64 = 7.0;
+/// Most that half of the contacts may be off the truth: the rig is another limb than the model's.
+const MEDIAN_MM: f64 = 6.0;
+/// What a single contact's place is compared from, N.
+const FORCE_N: f64 = 10.0;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn hapdef(words: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hapdef"));
+    command.args(words);
+    command
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Nothing for 3 s, so that the tare is of nothing however long the start takes; then one finger that
+/// slides, and a second one with it.
+fn script(folder: &Path) -> PathBuf {
+    let finger = json!({"id": 1, "events": [
+        {"kind": "arrive", "at_s": 3.0, "for_s": 0.1, "position_m": [0.033, 0.1, 0.012], "force_n": FORCE_N},
+        {"kind": "slide", "at_s": 4.0, "for_s": 0.5, "path_m": [[0.033, 0.12, 0.012]]},
+        {"kind": "leave", "at_s": 6.0, "for_s": 0.1},
+    ]});
+    let thumb = json!({"id": 2, "events": [
+        {"kind": "arrive", "at_s": 5.0, "for_s": 0.1, "position_m": [-0.03, 0.1, 0.015], "force_n": 15.0},
+        {"kind": "leave", "at_s": 6.0, "for_s": 0.1},
+    ]});
+    let path = folder.join("script.json");
+    let script = json!({"version": 1, "contacts": [finger, thumb]});
+    std::fs::write(&path, script.to_string()).unwrap();
+    path
+}
+
+/// A rig that has said its port.
+fn rig(link: &Path, truth: &Path, script: &Path) -> Child {
+    let seconds = FOR_S.to_string();
+    let mut child = hapdef(&["rig", text(&root().join("fixtures/shin/placed.json"))])
+        .args(["--link", text(link), "--truth", text(truth)])
+        .args(["--script", text(script), "--seconds", &seconds])
+        .args(["--rate-hz", &RATE_HZ.to_string()])
+        .arg("--out")
+        .arg(root().join("target/hapdef"))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let port = lines.find_map(|line| line.ok().filter(|line| line.starts_with("port ")));
+    assert!(port.is_some(), "the rig has not said its port");
+    std::thread::spawn(move || lines.map_while(Result::ok).for_each(drop));
+    child
+}
+
+fn live(bundle: &Path, source: &str, words: &[&str]) {
+    let output = hapdef(&["live", text(bundle), "--source", source])
+        .args(["--estimator", "superposition", "--tare-s", "0.5"])
+        .args(words)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    println!("{}", said.lines().last().unwrap_or_default());
+}
+
+/// What a recording has, by the number of the reading.
+#[derive(Default)]
+struct Recorded {
+    /// Time and samples.
+    raw: BTreeMap<u32, (u64, Vec<i32>)>,
+    found: BTreeMap<u32, msg::Contacts>,
+    truth: BTreeMap<u32, msg::Contacts>,
+}
+
+impl Recorded {
+    fn read(path: &Path) -> Self {
+        let mut all = Self::default();
+        let mut recording = Recording::open(path).unwrap();
+        while let Some(record) = recording.next_record().unwrap() {
+            let contacts = || from_cdr::<msg::Contacts>(&record.bytes).unwrap();
+            match (&record.content, record.topic()) {
+                (Content::Message(Message::Frame(frame)), _) => {
+                    let samples = frame.bits().to_vec();
+                    all.raw.insert(frame.seq, (record.log_time_ns, samples));
+                }
+                (_, "/hapdef/contacts") => {
+                    let contacts = contacts();
+                    all.found.insert(contacts.seq, contacts);
+                }
+                (_, "/hapdef/truth") => {
+                    let contacts = contacts();
+                    all.truth.insert(contacts.seq, contacts);
+                }
+                _ => {}
+            }
+        }
+        assert!(recording.damage().is_finished);
+        all
+    }
+
+    /// Distance of the strongest contact that was found from the true one, mm, where one finger presses
+    /// with all its force.
+    fn misses_mm(&self) -> Vec<f64> {
+        let miss = |(seq, truth): (&u32, &msg::Contacts)| {
+            let [truth] = &truth.contacts[..] else {
+                return None;
+            };
+            let found = self.found.get(seq)?.contacts.first()?;
+            let is_pressed = (truth.force - FORCE_N).abs() < 1e-6;
+            let (a, b) = (&found.position, &truth.position);
+            let off = [a.x - b.x, a.y - b.y, a.z - b.z];
+            let miss_m = off.iter().map(|d| d * d).sum::<f64>().sqrt();
+            is_pressed.then_some(miss_m * 1e3)
+        };
+        self.truth.iter().filter_map(miss).collect()
+    }
+}
+
+#[test]
+fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let bundle = path("shin.hapdef");
+    let made = hapdef(&["bundle", text(&root().join("fixtures/shin/placed.json"))])
+        .args(["-o", text(&bundle)])
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{made:?}");
+    let (link, truth, recording) = (path("limb"), path("truth.jsonl"), path("press.mcap"));
+    let mut device = rig(&link, &truth, &script(folder.path()));
+    // What waits when the rig has ended is still looked at.
+    let seconds = (FOR_S + 4.0).to_string();
+    let source = format!("serial:{}", text(&link));
+    let mut words = vec!["--record", text(&recording), "--truth", text(&truth)];
+    words.extend(["--seconds", &seconds]);
+    live(&bundle, &source, &words);
+    assert!(device.wait().unwrap().success());
+
+    let first = Recorded::read(&recording);
+    let n = first.raw.len();
+    println!(
+        "{n} readings, {} found, {} true",
+        first.found.len(),
+        first.truth.len()
+    );
+    assert!(n as f64 > 0.7 * RATE_HZ * FOR_S);
+    assert!(first.found.keys().eq(first.raw.keys()));
+    assert!(first.truth.keys().all(|seq| first.raw.contains_key(seq)));
+    assert!(first.truth.len() > n - n / 20);
+
+    // The same readings without a wire give the same contacts to the last bit.
+    let again = path("again.mcap");
+    let source = format!("replay:{}@max", text(&recording));
+    live(&bundle, &source, &["--record", text(&again)]);
+    let second = Recorded::read(&again);
+    assert!(first.raw.keys().eq(second.raw.keys()));
+    for (seq, found) in &first.found {
+        let (a, b) = (&found.contacts, &second.found[seq].contacts);
+        assert_eq!(a, b, "reading {seq}");
+    }
+
+    let mut misses_mm = first.misses_mm();
+    misses_mm.sort_by(f64::total_cmp);
+    assert!(
+        misses_mm.len() as f64 > 1.5 * RATE_HZ,
+        "{}",
+        misses_mm.len()
+    );
+    let median_mm = misses_mm[misses_mm.len() / 2];
+    println!("median {median_mm:.2} mm of {}", misses_mm.len());
+    assert!(median_mm < MEDIAN_MM, "{median_mm} mm");
+    others_read_it(&recording, &first);
+}
+
+/// Python's mcap and mcap-ros2-support read as much, and the readings to the last bit.
+fn others_read_it(recording: &Path, ours: &Recorded) {
+    let python = std::env::var("HAPDEF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let import = "import mcap, mcap_ros2, rosbags";
+    let has_modules = Command::new(&python).args(["-c", import]).output();
+    if !has_modules.is_ok_and(|output| output.status.success()) {
+        println!("skipped: {python} can't {import}");
+        return;
+    }
+    let script = root().join("crates/hapdef-ros/scripts/read_back.py");
+    let output = Command::new(python).arg(script).arg(recording).output();
+    let output = output.unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let read = String::from_utf8(output.stdout).unwrap();
+    let count = |begin: &str| read.lines().filter(|line| line.starts_with(begin)).count();
+    for reader in ["mcap-ros2", "rosbags"] {
+        let contacts = count(&format!("{reader} /hapdef/contacts "));
+        let truth = count(&format!("{reader} /hapdef/truth "));
+        assert_eq!((contacts, truth), (ours.found.len(), ours.truth.len()));
+    }
+    let mut readings: Vec<&str> = read
+        .lines()
+        .filter(|l| l.starts_with("mcap /gauges "))
+        .collect();
+    readings.sort_unstable();
+    let line = |(time_ns, samples): &(u64, Vec<i32>)| {
+        let samples: Vec<String> = samples.iter().map(ToString::to_string).collect();
+        format!("mcap /gauges {time_ns} {}", samples.join(" "))
+    };
+    let mut expected: Vec<String> = ours.raw.values().map(line).collect();
+    expected.sort();
+    assert_eq!(readings, expected);
+}
