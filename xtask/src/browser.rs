@@ -24,7 +24,12 @@ pub(crate) fn test() -> Result<()> {
     if wish()? == "skip" {
         return Ok(());
     }
-    for (package, test) in [("hapdef-view", "browser"), ("hapdef", "live_browser")] {
+    let tests = [
+        ("hapdef-view", "browser"),
+        ("hapdef-view", "browser_looks"),
+        ("hapdef", "live_browser"),
+    ];
+    for (package, test) in tests {
         let mut command = cargo(&["test", "--release", "--package", package, "--test", test]);
         run(command
             .args(["--", "--nocapture"])

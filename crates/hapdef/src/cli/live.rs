@@ -22,7 +22,7 @@ use super::live_record::Tape;
 use super::live_ros::{Attached, RosArgs};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::view::{Origin, Reach, Sim, View, ViewArgs};
+use super::view::{FirstParams, Origin, Reach, Sim, View, ViewArgs};
 
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
@@ -133,7 +133,13 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         tape: tape.clone(),
         player,
     };
-    let desk = view.map(|view| view.attend(live.control(), reach, (start, args.json)));
+    let first = FirstParams {
+        start,
+        is_output_taken: args.json,
+        metrics: args.scene.out.join("metrics.json"),
+        seed: args.sim_seed,
+    };
+    let desk = view.map(|view| view.attend(live.control(), reach, first));
     wait(&live, args.seconds, &stop);
     drop(desk);
     let health = live.stop()?;
