@@ -45,8 +45,8 @@ function drawLabel({ pen, frame, colour }, label) {
   }
   for (const part of label.children) {
     const at = part.getBoundingClientRect();
-    const { font, color } = getComputedStyle(part);
-    write(pen, part.textContent, at.left - frame.left, at.top - frame.top + at.height / 2, font, color);
+    const { fontWeight, fontSize, color } = getComputedStyle(part);
+    write(pen, part.textContent, at.left - frame.left, at.top - frame.top + at.height / 2, `${fontWeight} ${fontSize} ${FONT}`, color);
   }
 }
 
