@@ -40,7 +40,11 @@ struct TableArgs {
     #[arg(long)]
     check: Option<PathBuf>,
     /// The metrics' file.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 

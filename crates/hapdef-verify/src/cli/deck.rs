@@ -30,7 +30,11 @@ pub(crate) struct DeckArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where metrics are appended.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
