@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Result, bail};
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, root, target_dir};
+use crate::tool::{release_binary, results, root};
 use crate::verify::deck_of;
 use crate::{bench_nets, browser, compare, live};
 
@@ -70,7 +70,7 @@ fn fe(args: &BenchArgs) -> Result<()> {
         (None, Some(scene)) => deck_of(scene)?,
         (None, None) => default_deck(),
     };
-    let metrics = target_dir()?.join("hapdef/metrics.json");
+    let metrics = results().join("metrics.json");
     let mut command = Command::new(release_binary("hapdef-verify")?);
     command.arg("bench").arg("--deck").arg(deck);
     command.arg("--metrics").arg(metrics);

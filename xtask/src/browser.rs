@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result};
 
-use crate::tool::{cargo, release_binary, root, run, shown, target_dir};
+use crate::tool::{cargo, release_binary, results, root, run, shown, target_dir};
 
 /// Where a Chromium is found, as the tests look for it.
 const PLACES: [&str; 3] = [
@@ -24,7 +24,12 @@ pub(crate) fn test() -> Result<()> {
     if wish()? == "skip" {
         return Ok(());
     }
-    for (package, test) in [("hapdef-view", "browser"), ("hapdef", "live_browser")] {
+    let tests = [
+        ("hapdef-view", "browser"),
+        ("hapdef-view", "browser_looks"),
+        ("hapdef", "live_browser"),
+    ];
+    for (package, test) in tests {
         let mut command = cargo(&["test", "--release", "--package", package, "--test", test]);
         run(command
             .args(["--", "--nocapture"])
@@ -131,9 +136,7 @@ pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<
     let served = Served::start(scene)?;
     let mut command = Command::new(speed);
     command.arg(&served.url).args(["--seed", &seed.to_string()]);
-    command
-        .arg("--metrics")
-        .arg(target_dir()?.join("hapdef/metrics.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     run(command.args(rest))
 }
 
@@ -150,7 +153,7 @@ impl Served {
         let mut command = Command::new(release_binary("hapdef")?);
         command.arg("live").arg(scene.unwrap_or(&bundled));
         command.args(["--sim", "--view", "--view-port", "0"]);
-        command.arg("--out").arg(root().join("target/hapdef"));
+        command.arg("--out").arg(results());
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command
             .spawn()

@@ -14,6 +14,18 @@ const LEFT_OUT: [(&str, &str); 2] = [
     ("cargo xtask demo --quick", "run by its own step"),
 ];
 
+/// Words that begin a command.
+const PROGRAMS: [&str; 8] = [
+    "cargo ",
+    "hapdef ",
+    "python ",
+    "python3 ",
+    "pip ",
+    "maturin ",
+    "target/",
+    "import hapdef",
+];
+
 /// Arguments of `docs`.
 #[derive(clap::Args)]
 pub(crate) struct DocsArgs {
@@ -75,9 +87,45 @@ fn commands(text: &str) -> Vec<&str> {
     found
 }
 
+/// Commands in blocks that are neither run, ```sh, nor say why not, ```sh (a device).
+pub(crate) fn unexplained(text: &str) -> Vec<&str> {
+    let mut fence = None;
+    let mut found = Vec::new();
+    for line in text.lines().map(str::trim) {
+        match (line.strip_prefix("```"), fence) {
+            (Some(words), None) => fence = Some(words),
+            (Some(_), Some(_)) => fence = None,
+            (None, Some(words)) => {
+                let is_command = PROGRAMS.iter().any(|program| line.starts_with(program));
+                if is_command && words != "sh" && !gives_reason(words) {
+                    found.push(line);
+                }
+            }
+            (None, None) => {}
+        }
+    }
+    found
+}
+
+/// `language (reason)`.
+fn gives_reason(fence: &str) -> bool {
+    let reason = fence
+        .split_once(" (")
+        .and_then(|(_, rest)| rest.strip_suffix(')'));
+    reason.is_some_and(|reason| !reason.trim().is_empty())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::commands;
+    use super::{commands, unexplained};
+
+    #[test]
+    fn a_command_is_run_or_says_why_not() {
+        let text = "```sh\ncargo a\n```\n```sh (a device)\nhapdef b\n```\n```text\nhapdef c\nwords\n\
+                    ```\n```sh ()\npip d\n```\n```rust\nlet cargo = 1;\n```\ncargo e\n";
+        assert_eq!(unexplained(text), ["hapdef c", "pip d"]);
+        assert_eq!(commands(text), ["cargo a"]);
+    }
 
     #[test]
     fn only_sh_blocks_count() {

@@ -5,7 +5,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, run as run_tool, target_dir};
+use crate::tool::{cargo, results, run as run_tool, target_dir};
 
 /// Arguments of `fuzz`.
 #[derive(clap::Args)]
@@ -44,9 +44,7 @@ pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
     if let Some(name) = &args.target {
         command.args(["--target", name]);
     }
-    command.arg("--failures").arg(target.join("hapdef/fuzz"));
-    command
-        .arg("--metrics")
-        .arg(target.join("hapdef/metrics.json"));
+    command.arg("--failures").arg(results().join("fuzz"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     finish(&mut command)
 }

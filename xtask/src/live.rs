@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, release_binary, root, run as run_tool, target_dir};
+use crate::tool::{cargo, release_binary, results, root, run as run_tool, target_dir};
 
 /// `cargo xtask bench live`: bundles the scene, then a device on a pseudo-terminal plays presses.
 pub(crate) fn bench(
@@ -16,7 +16,7 @@ pub(crate) fn bench(
     seconds: Option<u64>,
     rest: &[String],
 ) -> Result<()> {
-    let folder = target_dir()?.join("hapdef");
+    let folder = results();
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let bundle = folder.join("bench.hapdef");
     let bundled = root().join("fixtures/shin/placed.json");

@@ -13,6 +13,7 @@ mod bench_nets;
 mod browser;
 mod ci;
 mod compare;
+mod design;
 mod docs;
 mod fixtures;
 mod frontier;
@@ -73,6 +74,10 @@ enum Task {
     Compare(compare::CompareArgs),
     /// Error against run time: every method and variant in one table and plot.
     Frontier(frontier::FrontierArgs),
+    /// What a scene's gauges can tell about contacts: bounds on the limb, blind spots.
+    Limits(design::DesignArgs),
+    /// Where on the inner wall to put gauges.
+    Place(design::DesignArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     Stability(stability::StabilityArgs),
     /// Settings of a net or a baseline by Bayesian optimisation.
@@ -127,6 +132,8 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(args) => bench::run(&args),
         Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
+        Task::Limits(args) => design::run("limits", &args),
+        Task::Place(args) => design::run("place", &args),
         Task::Stability(args) => stability::run(&args),
         Task::Search(args) => search::run(&args),
         Task::Tactile(args) => search::tactile(&args),

@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, root, target_dir};
+use crate::tool::{release_binary, results, root};
 
 /// Arguments of `search`.
 #[derive(clap::Args)]
@@ -106,9 +106,7 @@ pub(crate) fn tactile(args: &TactileArgs) -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-repro")?);
     let shared = std::env::var_os("HAPDEF_SHARED").map_or(root().join("../shared"), PathBuf::from);
     command.arg("tactile").arg("--shared").arg(shared);
-    command
-        .arg("--metrics")
-        .arg(target_dir()?.join("hapdef/metrics.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     finish(command.args(&args.rest))
 }
 

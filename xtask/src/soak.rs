@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, run as run_tool, target_dir};
+use crate::tool::{cargo, results, run as run_tool, target_dir};
 
 /// Arguments of `soak`.
 #[derive(clap::Args)]
@@ -73,9 +73,7 @@ fn command(args: &SoakArgs) -> Result<Command> {
     let mut command = Command::new(target.join("release/examples/soak"));
     command.args(args.short.then_some("--short"));
     command.args(["--seed", &args.seed.to_string()]);
-    command
-        .arg("--metrics")
-        .arg(target.join("hapdef/metrics.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     command.args(&args.rest);
     Ok(command)
 }

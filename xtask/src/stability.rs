@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, root, target_dir};
+use crate::tool::{release_binary, results, root};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -121,9 +121,7 @@ impl Part {
         if self == Self::Inverse {
             command.arg(root().join("fixtures/shin/placed.json"));
         }
-        command
-            .arg("--metrics")
-            .arg(target_dir()?.join("hapdef/metrics.json"));
+        command.arg("--metrics").arg(results().join("metrics.json"));
         Ok(command)
     }
 }

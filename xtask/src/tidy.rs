@@ -5,6 +5,7 @@ use std::fs;
 
 use anyhow::{Context, Result, bail};
 
+use crate::docs::unexplained;
 use crate::tool::{metadata, root};
 
 /// Longest a source file may be, lines.
@@ -12,7 +13,7 @@ const MAX_LINES: usize = 400;
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers, links.
+/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers, links, commands of the docs.
 pub(crate) fn run() -> Result<()> {
     let mut faults = Vec::new();
     let architecture = read("ARCHITECTURE.md")?;
@@ -31,6 +32,9 @@ pub(crate) fn run() -> Result<()> {
             let folder = folder.parent().unwrap_or(root());
             let is_there = |link: &str| folder.join(link).exists();
             link_faults(&file, &read(&file)?, is_there, &mut faults);
+            if file == "README.md" || file.starts_with("docs/") {
+                command_faults(&file, &read(&file)?, &mut faults);
+            }
         }
     }
     order_faults(&read("docs/README.md")?, &tracked_files()?, &mut faults);
@@ -154,6 +158,16 @@ fn link_faults(file: &str, text: &str, is_there: impl Fn(&str) -> bool, faults: 
                 faults.push(format!("{file}:{}: no file {path}", i + 1));
             }
         }
+    }
+}
+
+/// Every command of the docs is run, or its block says why not.
+fn command_faults(file: &str, text: &str, faults: &mut Vec<String>) {
+    for line in unexplained(text) {
+        faults.push(format!(
+            "{file}: `{line}` is not run: expected it in a ```sh block, or the reason behind the language, \
+             as in ```sh (a device)"
+        ));
     }
 }
 

@@ -28,8 +28,14 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs a command to its end.
+/// Runs a command to its end; what it writes goes to [`results`] if nothing else is said.
 pub(crate) fn status(command: &mut Command) -> Result<ExitStatus> {
+    let is_cargo = Path::new(command.get_program()).file_stem() == Some("cargo".as_ref());
+    let command = if is_cargo {
+        command
+    } else {
+        into_results(command)
+    };
     command
         .status()
         .with_context(|| format!("starting {}", shown(command)))
@@ -46,6 +52,22 @@ pub(crate) fn release_binary(package: &str) -> Result<PathBuf> {
         "--bins",
     ]))?;
     Ok(target_dir()?.join("release").join(package))
+}
+
+/// Where hapdef's programs leave results and metrics, wherever cargo's target folder is and whatever the
+/// working directory: `HAPDEF_OUT`, or `target/hapdef` in the workspace.
+pub(crate) fn results() -> PathBuf {
+    let own = || root().join("target/hapdef");
+    std::env::var_os("HAPDEF_OUT").map_or_else(own, PathBuf::from)
+}
+
+/// Tells a program of [`results`].
+pub(crate) fn into_results(command: &mut Command) -> &mut Command {
+    command.env("HAPDEF_OUT", results());
+    if std::env::var_os("HAPDEF_METRICS").is_none() {
+        command.env("HAPDEF_METRICS", results().join("metrics.json"));
+    }
+    command
 }
 
 /// Cargo's target folder.

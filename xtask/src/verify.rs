@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, root, target_dir};
+use crate::tool::{release_binary, results, root};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -61,9 +61,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<()> {
             command.arg("--json");
         }
     }
-    command
-        .arg("--metrics")
-        .arg(target_dir()?.join("hapdef/metrics.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     command
         .args(["--seed", &args.seed.to_string()])
         .args(&args.rest);
@@ -76,9 +74,7 @@ pub(crate) fn check() -> Result<()> {
     command
         .args(["verify", "--check"])
         .arg(root().join("docs/verification.md"));
-    command
-        .arg("--metrics")
-        .arg(target_dir()?.join("hapdef/metrics.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
     crate::tool::run(&mut command)
 }
 

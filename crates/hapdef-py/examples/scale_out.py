@@ -12,6 +12,7 @@ skin. A design is a few numbers and so is its result, so that nothing large trav
 import argparse
 import itertools
 import json
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -28,6 +29,11 @@ FORCE_N = 10.0
 def designs():
     """Wall, m, and number of gauges of every design."""
     return list(itertools.product(WALLS_M, N_GAUGES))
+
+
+def of_shard(part, parts):
+    """The designs of shard `part` of `parts`, from 1."""
+    return designs()[part - 1 :: parts]
 
 
 def judge(design):
@@ -68,6 +74,16 @@ def shard(text):
     return int(part), int(parts)
 
 
+def check_shards(results, parts=4):
+    """All shards are all designs, each once, and one started by itself gives the whole's lines."""
+    together = [design for part in range(1, parts + 1) for design in of_shard(part, parts)]
+    assert sorted(together) == sorted(designs()), f"shards of {parts} are not the whole: {together}"
+    command = [sys.executable, __file__, "--shard", f"2/{parts}"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    alone = [json.loads(line) for line in done.stdout.splitlines()]
+    assert alone == results[1::parts], f"shard 2/{parts} alone differs: {alone}"
+
+
 def main():
     """Runs the designs and prints a line each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -77,7 +93,7 @@ def main():
     args = parser.parse_args()
     if args.shard:
         part, parts = args.shard
-        for design in designs()[part - 1 :: parts]:
+        for design in of_shard(part, parts):
             print(json.dumps(judge(design)))
         return
     start = time.monotonic()
@@ -91,6 +107,7 @@ def main():
         serial_s = time.monotonic() - start
         if serial != results:
             sys.exit("the cluster's results differ from the serial ones")
+        check_shards(results)
         print(
             f"equal to the serial run, to the last bit: {len(serial)} designs, {parallel_s:.1f} s "
             f"on the cluster, {serial_s:.1f} s serially",

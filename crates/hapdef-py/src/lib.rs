@@ -5,8 +5,9 @@
 //! [`PyRig`] the simulated hardware; [`PyEstimator`] finds contacts in arrays of frames,
 //! [`PyLive`] in a stream. [`PyShell`] goes from a glTF surface to a response.
 //!
-//! Everything is computed by the crates below; here are only arrays, errors and Ctrl-C. Large arrays
-//! are handed over, not copied. The wheel is built by maturin; `docs/python.md` says how.
+//! Everything is computed by the crates below; here are only arrays, errors and Ctrl-C. The
+//! compliance, by far the largest array, is handed over, not copied; arguments and smaller arrays are
+//! copied. The wheel is built by maturin; `docs/python.md` says how.
 
 mod array;
 mod calibration;

@@ -12,7 +12,7 @@ use hapdef_rig::live::{RigLink, RunParams};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::error::{Fault, raised};
+use crate::error::{Fault, HapdefError, raised};
 use crate::live_frame::PyLiveFrame;
 use crate::setup::Setup;
 
@@ -95,7 +95,8 @@ impl PyLive {
             match py.detach(|| self.next()) {
                 Some(Ok(frame)) => return Ok(Some(PyLiveFrame::new(frame))),
                 Some(Err(RecvTimeoutError::Timeout)) => py.check_signals()?,
-                Some(Err(RecvTimeoutError::Disconnected)) | None => return Ok(None),
+                Some(Err(RecvTimeoutError::Disconnected)) => return self.end().map(|()| None),
+                None => return Ok(None),
             }
         }
     }
@@ -167,6 +168,27 @@ impl PyLive {
 
     fn with<T>(&self, work: impl FnOnce(&Running) -> T) -> Option<T> {
         self.running().as_ref().map(work)
+    }
+
+    /// How the source ended.
+    ///
+    /// # Errors
+    /// `HapdefError` where frames came that could not be used, as `hapdef live` ends with.
+    fn end(&self) -> PyResult<()> {
+        let Some(health) = self.with(|running| running.live.health()) else {
+            return Ok(());
+        };
+        match health
+            .device_fault
+            .as_ref()
+            .filter(|_| health.n_unusable > 0)
+        {
+            Some(fault) => {
+                let text = format!("{}: {fault}", health.source_name);
+                Err(HapdefError::new_err(text))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The next frame; `None` if it is closed.

@@ -36,6 +36,14 @@ pub enum ReportError {
         /// Values given.
         found: usize,
     },
+    /// Results that don't say from what they were made.
+    #[error(
+        "report {title:?}: no hashes; say what it was made from, such as the scene's and the deck's"
+    )]
+    NoHashes {
+        /// The report's heading.
+        title: String,
+    },
     /// A knob lies outside the range the figure is defined for.
     #[error("{what} = {value}: must be {expected}")]
     Parameter {

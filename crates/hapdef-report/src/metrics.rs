@@ -5,6 +5,8 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::process::Command;
+use std::time::SystemTime;
 
 use hapdef_mesh::atomic_write;
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,20 @@ pub struct MetricContext {
     pub seed: u64,
     /// When, as RFC 3339.
     pub time: String,
+}
+
+impl MetricContext {
+    /// Commit of the tree that this runs in, this machine, now.
+    #[must_use]
+    pub fn here(seed: u64) -> Self {
+        let commit = output("git", &["rev-parse", "--short", "HEAD"]);
+        Self {
+            commit: commit.unwrap_or_else(|| "unknown".into()),
+            machine: machine(),
+            seed,
+            time: now(),
+        }
+    }
 }
 
 /// What came out.
@@ -181,6 +197,30 @@ impl MetricRecord {
             MetricOutcome::Skipped { skipped } => format!("METRIC:{}:skipped:{skipped}", self.name),
         }
     }
+}
+
+/// Seconds since 1970 as RFC 3339 in UTC, by the date program; plain seconds without it.
+fn now() -> String {
+    output("date", &["-u", "+%Y-%m-%dT%H:%M:%SZ"]).unwrap_or_else(|| {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        format!("{} s since 1970", since.map_or(0, |d| d.as_secs()))
+    })
+}
+
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let name = name.map_or("unknown processor", |(_, name)| name.trim());
+    format!("{name}, {cores} cores, {}", std::env::consts::OS)
+}
+
+fn output(program: &str, words: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(words).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
 }
 
 #[cfg(test)]

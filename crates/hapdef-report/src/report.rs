@@ -9,7 +9,7 @@ use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
 use crate::ReportError;
-use crate::metrics::{MetricOutcome, MetricRecord};
+use crate::metrics::{MetricContext, MetricOutcome, MetricRecord};
 use crate::page::{Block, LimbView, Page};
 use crate::text::{TextCell, TextTable};
 
@@ -102,20 +102,42 @@ pub struct Report {
     pub stages: Vec<StageTime>,
     /// Stages that did not.
     pub skipped: Vec<SkippedStage>,
-    /// Hashes of scene, limb, datasets, nets.
+    /// Hashes of scene, limb, datasets, nets, or of the results where nothing is read; not empty.
     pub hashes: Vec<NamedText>,
 }
 
+/// A report, and by what code, on what machine and when it was written.
+#[derive(Serialize)]
+struct Written<'a> {
+    made: &'a MetricContext,
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
 /// Writes the figures, `report.json`, `report.md` and `report.html` into `folder`, which is made
-/// when absent. Each file appears whole or not at all. Returns the paths, the page last.
+/// when absent; commit, machine and time are added. Each file appears whole or not at all. Returns the
+/// paths, the page last.
 ///
 /// # Errors
-/// A figure whose file name is no plain name with the ending of its content or is used twice,
+/// [`ReportError::NoHashes`]; a figure whose file name is no plain name with the ending of its content or is used twice,
 /// found before anything is written; then files that can't be written.
 pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReportError> {
     check_figures(&report.figures)?;
+    if report.hashes.is_empty() {
+        let title = report.title.clone();
+        return Err(ReportError::NoHashes { title });
+    }
+    let made = match report.metrics.first() {
+        Some(metric) => metric.context.clone(),
+        None => MetricContext::here(report.seed),
+    };
+    let report = &with_facts_of(&made, report);
     std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
-    let json = serde_json::to_vec_pretty(report)
+    let written = Written {
+        made: &made,
+        report,
+    };
+    let json = serde_json::to_vec_pretty(&written)
         .map_err(ReportError::json(&folder.join("report.json")))?;
     let mut paths = Vec::new();
     let mut write = |name: &str, bytes: &[u8]| {
@@ -135,6 +157,23 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
     write("report.md", markdown::page(report).as_bytes())?;
     write("report.html", page(report).html().as_bytes())?;
     Ok(paths)
+}
+
+/// The report with what made it among its facts.
+fn with_facts_of(made: &MetricContext, report: &Report) -> Report {
+    let mut report = report.clone();
+    for (name, text) in [
+        ("commit", &made.commit),
+        ("machine", &made.machine),
+        ("time", &made.time),
+    ] {
+        report.facts.retain(|fact| fact.name != name);
+        report.facts.push(NamedText {
+            name: name.into(),
+            text: text.clone(),
+        });
+    }
+    report
 }
 
 /// Writes a text file, whole or not at all; its folder must exist.

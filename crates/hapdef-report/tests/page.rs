@@ -51,11 +51,23 @@ fn a_limb_is_drawn_from_four_sides_and_to_be_turned() {
         let is = |node: &roxmltree::Node<'_, '_>| node.has_tag_name(name);
         document.descendants().filter(is).collect::<Vec<_>>()
     };
-    assert_eq!(all("canvas").len(), 5);
+    let canvases = all("canvas");
+    assert_eq!(canvases.len(), 5);
+    for canvas in &canvases {
+        assert_eq!(canvas.attribute("role"), Some("img"));
+        assert!(
+            canvas
+                .attribute("aria-label")
+                .is_some_and(|name| !name.is_empty())
+        );
+    }
+    assert_eq!(canvases[4].attribute("tabindex"), Some("0"));
     assert!(html.contains("front, from +x"), "y is upright");
     assert!(html.contains("x &lt; y") && html.contains("verdict warns"));
     let data = all("script")[0].text().unwrap();
     let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    // A point's coordinates, 5 cm apart, are 5,000 steps: that is what the length bar is drawn by.
+    assert_eq!(data["step_mm"].as_f64(), Some(0.01));
     let limb = &data["limbs"][0];
     assert_eq!(
         (&limb["up"], &limb["points"][7]),

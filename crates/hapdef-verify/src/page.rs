@@ -1,12 +1,13 @@
 //! The rows as a report with a page: docs/verification.md and docs/stability-fe.md to look at.
 
 use hapdef_report::{
-    Figure, FigureContent, LineChart, NamedText, ReportError, ReportTable, Series, TextCell,
-    TextTable, lines_svg,
+    Figure, FigureContent, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage,
+    TextCell, TextTable, lines_svg,
 };
 use serde_json::Value;
 
-use crate::table::{against, error, target, value};
+use crate::stability::stability_markdown;
+use crate::table::{against, error, markdown, target, value};
 use crate::{CaseReport, Report, StabilityRow, StabilityVerdict, Verdict};
 
 /// A problem is plotted where an element was tried on at least so many meshes.
@@ -37,6 +38,8 @@ pub fn verification_page(
             data,
         }],
         figures: convergence(report)?,
+        skipped: not_run(report),
+        hashes: vec![hash("table", &markdown(report))],
         ..hapdef_report::Report::default()
     })
 }
@@ -62,7 +65,27 @@ pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Repo
             text: stability_table(rows),
             data,
         }],
+        hashes: vec![hash("table", &stability_markdown(rows))],
         ..hapdef_report::Report::default()
+    }
+}
+
+/// Cases that were not run, and why.
+fn not_run(report: &Report) -> Vec<SkippedStage> {
+    let skipped = report.cases.iter().filter_map(|case| match &case.verdict {
+        Verdict::NotRun(reason) => Some(SkippedStage {
+            name: case.id.to_string(),
+            reason: reason.clone(),
+        }),
+        _ => None,
+    });
+    skipped.collect()
+}
+
+fn hash(name: &str, text: &str) -> NamedText {
+    NamedText {
+        name: name.into(),
+        text: blake3::hash(text.as_bytes()).to_hex().to_string(),
     }
 }
 

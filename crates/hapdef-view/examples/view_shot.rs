@@ -1,6 +1,7 @@
 //! A picture of a page, as PNG or WebP, by a headless Chromium.
 //!
-//! SCRIPT runs in the page before SECONDS pass. Without FILE it is enough that the page was drawn once.
+//! URL may be the path of a file. SCRIPT runs in the page before SECONDS pass. Without FILE it is enough that
+//! a live page drew a contact, with colours.
 //!
 //! `cargo run --release -p hapdef-view --example view_shot URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]`
 
@@ -10,15 +11,20 @@
 #[expect(dead_code, reason = "the browser tests use the rest")]
 mod chrome;
 
+use std::path::Path;
 use std::time::Duration;
 
 use chrome::{Chrome, Fault};
 
 /// Longest that a limb may take to be solved before there are readings.
 const PATIENCE: Duration = Duration::from_secs(400);
-/// A live page has drawn readings, any other is loaded.
+/// A live page has drawn readings, any other is loaded and leads nowhere else.
 const IS_DRAWN: &str = "location.href !== 'about:blank' && document.readyState === 'complete' \
+    && !document.querySelector('meta[http-equiv=refresh]') \
     && (!document.getElementById('limb') || globalThis.hapdefView?.drawn > 0)";
+/// A live page has drawn a contact on a coloured limb.
+const IS_TOUCHED: &str = "!document.getElementById('limb') \
+    || (hapdefView.arrows.length > 0 && hapdefView.coloured > 0)";
 
 fn main() -> Result<(), Fault> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -34,9 +40,16 @@ fn main() -> Result<(), Fault> {
     let seconds: f64 = rest.get(2).map_or(Ok(6.0), |text| text.parse())?;
     let program = chrome::find().ok_or("no Chromium: install it or name it in HAPDEF_CHROMIUM")?;
     let mut chrome = Chrome::start(&program, (width.parse()?, height.parse()?), is_dark)?;
-    chrome.open(url)?;
+    if Path::new(url).exists() {
+        let path = Path::new(url).canonicalize()?;
+        chrome.open(&format!("file://{}", path.display()))?;
+    } else {
+        chrome.open(url)?;
+    }
     chrome.wait_long_for(IS_DRAWN, PATIENCE)?;
-    let Some(file) = file else { return Ok(()) };
+    let Some(file) = file else {
+        return chrome.wait_long_for(IS_TOUCHED, PATIENCE);
+    };
     if let Some(script) = rest.get(3) {
         println!("{}", chrome.eval(script)?);
     }

@@ -37,6 +37,8 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/js/history.js", "js/history.js", JS),
     asset!("/js/colour.js", "js/colour.js", JS),
     asset!("/js/stage.js", "js/stage.js", JS),
+    asset!("/js/blind.js", "js/blind.js", JS),
+    asset!("/js/picture.js", "js/picture.js", JS),
     asset!("/js/limb.js", "js/limb.js", JS),
     asset!("/js/marks.js", "js/marks.js", JS),
     asset!("/js/sites.js", "js/sites.js", JS),

@@ -1,7 +1,7 @@
 //! One page: what it is sent, what it says.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ use crate::wire::Hello;
 const HELLO_TIME: Duration = Duration::from_secs(3);
 /// Between frames: 60 a second at most.
 const FRAME_TIME: Duration = Duration::from_micros(16_667);
-/// Frames on their way to a page that it has not drawn.
+/// Frames on their way to a page that it has not taken.
 const MAX_ON_THE_WAY: u64 = 3;
 /// Answers that wait for a page that does not read.
 const MAX_ANSWERS: usize = 16;
@@ -31,8 +31,10 @@ const CLOSE_TOKEN: u16 = 4401;
 pub struct ClientInfo {
     /// Frames sent.
     pub n_sent: u64,
-    /// Frames that the page says it took.
-    pub n_drawn: u64,
+    /// Frames that the page says it took, to draw them or the next.
+    pub n_taken: u64,
+    /// Number of the frame that the page says it drew last, 0: none.
+    pub last_drawn: u64,
     /// Frames replaced by newer ones before they were sent.
     pub n_skipped: u64,
 }
@@ -42,7 +44,8 @@ pub struct ClientInfo {
 pub(crate) struct ClientStats {
     n_before: u64,
     n_sent: AtomicU64,
-    n_drawn: AtomicU64,
+    n_taken: AtomicU64,
+    last_drawn: AtomicU64,
 }
 
 impl ClientStats {
@@ -50,22 +53,26 @@ impl ClientStats {
         let n_sent = self.n_sent.load(Ordering::Relaxed);
         ClientInfo {
             n_sent,
-            n_drawn: self.n_drawn.load(Ordering::Relaxed),
+            n_taken: self.n_taken.load(Ordering::Relaxed),
+            last_drawn: self.last_drawn.load(Ordering::Relaxed).min(n_pushed),
             n_skipped: (n_pushed - self.n_before).saturating_sub(n_sent),
         }
     }
 
     fn has_room(&self) -> bool {
-        let n_drawn = self.n_drawn.load(Ordering::Relaxed);
-        self.n_sent.load(Ordering::Relaxed) < n_drawn + MAX_ON_THE_WAY
+        let n_taken = self.n_taken.load(Ordering::Relaxed);
+        self.n_sent.load(Ordering::Relaxed) < n_taken + MAX_ON_THE_WAY
     }
 
-    /// One more was drawn, never more than were sent.
-    fn drew(&self) {
+    /// One more was taken, never more than were sent; `drawn` is the number of the last one drawn.
+    fn took(&self, drawn: Option<u64>) {
         let n_sent = self.n_sent.load(Ordering::Relaxed);
-        let n_drawn = self.n_drawn.load(Ordering::Relaxed);
-        self.n_drawn
-            .store((n_drawn + 1).min(n_sent), Ordering::Relaxed);
+        let n_taken = self.n_taken.load(Ordering::Relaxed);
+        self.n_taken
+            .store((n_taken + 1).min(n_sent), Ordering::Relaxed);
+        if let Some(drawn) = drawn {
+            self.last_drawn.store(drawn, Ordering::Relaxed);
+        }
     }
 }
 
@@ -88,22 +95,18 @@ pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
         ..ClientStats::default()
     });
     feed.enter(&stats);
-    let presses = AtomicBool::new(false);
     let (sink, stream) = socket.split();
     let (answers, answered) = mpsc::channel(MAX_ANSWERS);
     let page = Page {
         feed: &feed,
         stats: &stats,
         has_token,
-        presses: &presses,
     };
     tokio::select! {
         () = page.read(stream, answers) => {}
         () = page.write(sink, answered) => {}
     }
-    if presses.into_inner() {
-        let _ = feed.commands.try_send(ViewCommand::Release);
-    }
+    feed.end_press(&stats);
     feed.leave(&stats);
 }
 
@@ -119,9 +122,8 @@ async fn greet(feed: &Feed, socket: &mut WebSocket) -> Option<bool> {
 /// A page that was greeted.
 struct Page<'a> {
     feed: &'a Feed,
-    stats: &'a ClientStats,
+    stats: &'a Arc<ClientStats>,
     has_token: bool,
-    presses: &'a AtomicBool,
 }
 
 impl Page<'_> {
@@ -139,8 +141,8 @@ impl Page<'_> {
     /// Does what a message says and answers it, if it is one to be answered.
     fn answer(&self, text: &str) -> Option<String> {
         let message = match PageMessage::parse(text) {
-            Ok(PageMessage::Got) => {
-                self.stats.drew();
+            Ok(PageMessage::Got { drawn }) => {
+                self.stats.took(drawn);
                 return None;
             }
             Ok(message) => message,
@@ -156,19 +158,18 @@ impl Page<'_> {
     }
 
     fn send(&self, command: ViewCommand) -> Result<(), String> {
-        self.feed
-            .commands
-            .try_send(command)
-            .map_err(|error| match error {
-                TrySendError::Full(_) => "too many commands at a time".to_owned(),
-                TrySendError::Disconnected(_) => "nobody takes commands any more".to_owned(),
-            })?;
-        match command {
-            ViewCommand::Press { .. } => self.presses.store(true, Ordering::Relaxed),
-            ViewCommand::Release => self.presses.store(false, Ordering::Relaxed),
-            _ => {}
-        }
-        Ok(())
+        let sent = match command {
+            ViewCommand::Press { .. } => self.feed.press(self.stats, command),
+            ViewCommand::Release => {
+                self.feed.end_press(self.stats);
+                Ok(())
+            }
+            _ => self.feed.commands.try_send(command),
+        };
+        sent.map_err(|error| match error {
+            TrySendError::Full(_) => "too many commands at a time".to_owned(),
+            TrySendError::Disconnected(_) => "nobody takes commands any more".to_owned(),
+        })
     }
 
     /// Sends until the page is gone: what it needs at first, answers, notices, the newest frame.

@@ -45,8 +45,10 @@ pub(crate) enum PageMessage {
     Hello {
         token: Option<String>,
     },
-    /// A frame was drawn: room for another.
-    Got,
+    /// A frame was taken: room for another. The number of the one that was drawn last.
+    Got {
+        drawn: Option<u64>,
+    },
     Tare,
     Record {
         on: bool,
@@ -84,7 +86,7 @@ impl PageMessage {
             }
         };
         let command = match self {
-            Self::Hello { .. } | Self::Got => return Ok(None),
+            Self::Hello { .. } | Self::Got { .. } => return Ok(None),
             Self::Tare => {
                 offered(offers.tare, "tare")?;
                 ViewCommand::Tare
@@ -193,6 +195,7 @@ mod tests {
             },
         );
         assert_eq!(read(r#"{"cmd":"got"}"#, &all()), Ok(None));
+        assert_eq!(read(r#"{"cmd":"got","drawn":7}"#, &all()), Ok(None));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What the pusher and the clients share.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use arc_swap::ArcSwapOption;
 use axum::body::Bytes;
@@ -35,6 +35,15 @@ pub(crate) struct Feed {
     n_pushed: AtomicU64,
     n_clients: AtomicUsize,
     clients: Mutex<Vec<Arc<ClientStats>>>,
+    pressed: Mutex<Pressed>,
+}
+
+/// Who presses the limb.
+#[derive(Default)]
+struct Pressed {
+    by: Option<Arc<ClientStats>>,
+    /// The press has ended, and nobody could be told yet.
+    owes_release: bool,
 }
 
 /// A value with its number, from 1.
@@ -70,15 +79,17 @@ impl Feed {
             n_pushed: AtomicU64::new(0),
             n_clients: AtomicUsize::new(0),
             clients: Mutex::new(Vec::new()),
+            pressed: Mutex::default(),
         }
     }
 
-    pub(crate) fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+    /// Its number.
+    pub(crate) fn push(&self, frame: &ViewFrame) -> Result<u64, ViewError> {
         frame.check(self.picture.vertices_m.len(), self.picture.gauges.len())?;
         let seq = self.n_pushed.fetch_add(1, Ordering::Relaxed) + 1;
         let value = wire::frame(frame, seq).into();
         self.latest.store(Some(Arc::new(Numbered { seq, value })));
-        Ok(())
+        Ok(seq)
     }
 
     pub(crate) fn say(&self, text: &str) {
@@ -122,6 +133,46 @@ impl Feed {
     pub(crate) fn leave(&self, client: &Arc<ClientStats>) {
         let mut clients = self.clients.lock().unwrap_or_else(PoisonError::into_inner);
         clients.retain(|other| !Arc::ptr_eq(other, client));
+    }
+
+    /// Hands on a press of a page, whose press it is from then on.
+    pub(crate) fn press(
+        &self,
+        page: &Arc<ClientStats>,
+        press: ViewCommand,
+    ) -> Result<(), TrySendError<ViewCommand>> {
+        let mut pressed = self.pressed();
+        self.commands.try_send(press)?;
+        *pressed = Pressed {
+            by: Some(Arc::clone(page)),
+            owes_release: false,
+        };
+        Ok(())
+    }
+
+    /// Ends the press if it is this page's; where too many commands wait, as soon as there is room.
+    pub(crate) fn end_press(&self, page: &Arc<ClientStats>) {
+        let mut pressed = self.pressed();
+        let is_its_own = |by: &mut Arc<ClientStats>| Arc::ptr_eq(by, page);
+        if pressed.by.take_if(is_its_own).is_some() {
+            pressed.owes_release = !self.release();
+        }
+    }
+
+    /// Hands on a release that found no room.
+    pub(crate) fn settle_press(&self) {
+        let mut pressed = self.pressed();
+        pressed.owes_release = pressed.owes_release && !self.release();
+    }
+
+    /// Whether nobody has to be told of the release any more.
+    fn release(&self) -> bool {
+        let sent = self.commands.try_send(ViewCommand::Release);
+        !matches!(sent, Err(TrySendError::Full(_)))
+    }
+
+    fn pressed(&self) -> MutexGuard<'_, Pressed> {
+        self.pressed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// A place for a client, `None` when all are taken.

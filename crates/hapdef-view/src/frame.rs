@@ -114,6 +114,8 @@ pub struct ReplayPosition {
     pub position_s: f64,
     /// Its length, s.
     pub duration_s: f64,
+    /// Whether it stands still because somebody stopped it.
+    pub is_paused: bool,
 }
 
 impl Default for Health {

@@ -33,6 +33,6 @@ pub use frame::{
     ViewFrame,
 };
 pub use params::{Offers, PressOffer, ViewParams};
-pub use picture::{DisplacementUnit, GaugeSite, LimbPicture};
+pub use picture::{GaugeSite, LimbPicture};
 pub use server::{ViewHandle, ViewPusher, ViewServer};
 pub use token::Token;

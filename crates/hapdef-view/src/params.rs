@@ -108,6 +108,12 @@ mod tests {
     }
 
     #[test]
+    fn it_listens_on_loopback_if_not_told_otherwise() {
+        let bind = ViewParams::default().bind;
+        assert!(bind.ip().is_loopback(), "{bind}");
+    }
+
+    #[test]
     fn every_network_needs_a_name() {
         assert!(matches!(
             with_hosts("0.0.0.0:80", &[]),

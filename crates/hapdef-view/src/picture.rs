@@ -17,8 +17,6 @@ pub struct LimbPicture {
     pub triangles: Vec<[u32; 3]>,
     /// The gauges, in the order of a frame's readings.
     pub gauges: Vec<GaugeSite>,
-    /// Unit of the displacement's scale.
-    pub unit: DisplacementUnit,
     /// Direction that is up on the screen at first; `None`: the limb's longest extent.
     pub up: Option<[f64; 3]>,
     /// Direction from the limb to the first viewpoint; `None`: the page chooses.
@@ -34,16 +32,6 @@ pub struct GaugeSite {
     pub position_m: [f64; 3],
     /// Unit vector along its grid.
     pub axis: [f64; 3],
-}
-
-/// Unit of the displacement's scale.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DisplacementUnit {
-    /// µm.
-    #[default]
-    Micrometre,
-    /// mm.
-    Millimetre,
 }
 
 impl LimbPicture {

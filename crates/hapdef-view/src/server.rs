@@ -4,6 +4,7 @@ use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
@@ -13,6 +14,7 @@ use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use tokio::sync::oneshot;
+use tokio::time::interval;
 
 use crate::assets;
 use crate::client::{self, ClientInfo};
@@ -27,6 +29,8 @@ use crate::token::Token;
 
 /// Largest message of a page, bytes.
 const MAX_INBOUND: usize = 64 << 10;
+/// Between looks for a release that found no room.
+const SETTLE_TIME: Duration = Duration::from_millis(50);
 /// Commands that wait for the program.
 const MAX_COMMANDS: usize = 256;
 
@@ -91,11 +95,11 @@ impl ViewServer {
 
 impl ViewHandle {
     /// Hands on a frame: each page gets the newest when it is ready for one. Never waits for a page;
-    /// costs a copy of the frame.
+    /// costs a copy of the frame. Its number, by which [`ClientInfo::last_drawn`] tells that it was drawn.
     ///
     /// # Errors
     /// [`ViewError::FrameShape`], [`ViewError::ContactNumber`] when the frame does not fit the picture.
-    pub fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+    pub fn push(&self, frame: &ViewFrame) -> Result<u64, ViewError> {
         self.pusher.push(frame)
     }
 
@@ -140,7 +144,7 @@ impl ViewPusher {
     ///
     /// # Errors
     /// As [`ViewHandle::push`].
-    pub fn push(&self, frame: &ViewFrame) -> Result<(), ViewError> {
+    pub fn push(&self, frame: &ViewFrame) -> Result<u64, ViewError> {
         self.feed.push(frame)
     }
 
@@ -182,6 +186,7 @@ fn spawn(
     drop(entered);
     let serve = async move {
         tokio::select! {
+            () = settle(Arc::clone(&feed)) => {}
             _ = axum::serve(listener, router(feed)) => {}
             _ = stopped => {}
         }
@@ -190,6 +195,15 @@ fn spawn(
         .name("hapdef-view".to_owned())
         .spawn(move || runtime.block_on(serve))
         .map_err(failed)
+}
+
+/// Sees to it that a press ends whose release found no room among the commands.
+async fn settle(feed: Arc<Feed>) {
+    let mut ticks = interval(SETTLE_TIME);
+    loop {
+        ticks.tick().await;
+        feed.settle_press();
+    }
 }
 
 fn router(feed: Arc<Feed>) -> Router {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::ellipse::semi_axes;
 use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, ViewFrame};
 use crate::params::Offers;
-use crate::picture::{DisplacementUnit, LimbPicture};
+use crate::picture::LimbPicture;
 
 /// Version of the messages.
 const VERSION: u8 = 1;
@@ -22,7 +22,6 @@ pub(crate) struct Hello<'a> {
     version: u8,
     title: &'a str,
     simulated: bool,
-    unit: &'static str,
     up: Option<[f64; 3]>,
     view_from: Option<[f64; 3]>,
     gauges: Vec<HelloGauge<'a>>,
@@ -59,10 +58,6 @@ impl<'a> Hello<'a> {
             version: VERSION,
             title: &picture.title,
             simulated: picture.simulated,
-            unit: match picture.unit {
-                DisplacementUnit::Micrometre => "µm",
-                DisplacementUnit::Millimetre => "mm",
-            },
             up: picture.up,
             view_from: picture.view_from,
             gauges: picture.gauges.iter().map(HelloGauge::new).collect(),
@@ -154,7 +149,8 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_u16(out, frame.readings_ue.len());
     put_u16(out, marks(&frame.contacts).len());
     put_u16(out, alternative_marks(frame).count());
-    put_u16(out, 0);
+    let is_paused = frame.replay.is_some_and(|replay| replay.is_paused);
+    put_u16(out, usize::from(is_paused));
     put_u32(out, n_nodes as u64);
     put_f32(out, health.rate_hz);
     put_u32(out, health.n_lost);
@@ -234,7 +230,9 @@ fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
 #[cfg(test)]
 mod tests {
     use super::{frame, surface};
-    use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, Uncertainty, ViewFrame};
+    use crate::frame::{
+        ContactMark, Displacement, GaugeHealth, Recording, ReplayPosition, Uncertainty, ViewFrame,
+    };
     use crate::picture::LimbPicture;
 
     fn f32_at(bytes: &[u8], at: usize) -> f32 {
@@ -312,5 +310,14 @@ mod tests {
         assert_eq!(f32_at(&bytes, 152 + 4), 0.25);
         assert!(f32_at(&bytes, 152 + 44).is_nan());
         assert_eq!(f32_at(&bytes, 224 + 20), 3.0);
+        assert_eq!(u16_at(&bytes, 22), 0);
+        shown.replay = Some(ReplayPosition {
+            position_s: 4.0,
+            duration_s: 8.0,
+            is_paused: true,
+        });
+        let bytes = frame(&shown, 259);
+        assert_eq!(u16_at(&bytes, 22), 1);
+        assert_eq!([56, 60].map(|at| f32_at(&bytes, at)), [4.0, 8.0]);
     }
 }

@@ -68,7 +68,8 @@ fn a_frame_comes_as_it_was_pushed() {
 fn a_page_that_comes_later_sees_the_last_frame() {
     let view = serve(params());
     let frame = a_frame();
-    (0..5).for_each(|_| view.push(&frame).unwrap());
+    let numbers: Vec<u64> = (0..5).map(|_| view.push(&frame).unwrap()).collect();
+    assert_eq!(numbers, [1, 2, 3, 4, 5]);
     let mut socket = connect(view.address().port());
     greet(&mut socket, None);
     assert_eq!(seq_of(&next_binary(&mut socket)), 5);
@@ -135,6 +136,83 @@ fn a_press_ends_with_its_page() {
     );
     drop(socket);
     assert_eq!(view.commands().recv_timeout(SOON), Ok(ViewCommand::Release));
+}
+
+const PRESS: &str = r#"{"cmd":"press","point_m":[0,0,0.1],"normal":[0,1,0],"force_n":2.5}"#;
+
+/// Waits until a page has said so much that everything before it was read.
+fn is_heard(socket: &mut Socket) {
+    say(socket, "nonsense");
+    while next_text(socket)["type"] != "refused" {}
+}
+
+#[test]
+fn a_press_ends_though_too_many_commands_wait() {
+    let view = serve(params());
+    let mut socket = connect(view.address().port());
+    greet(&mut socket, Some(TOKEN));
+    (0..256).for_each(|_| say(&mut socket, PRESS));
+    say(&mut socket, r#"{"cmd":"tare"}"#);
+    assert_eq!(
+        next_text(&mut socket)["text"],
+        "too many commands at a time"
+    );
+    say(&mut socket, r#"{"cmd":"release"}"#);
+    is_heard(&mut socket);
+    for n in 0..256 {
+        let command = view.commands().recv_timeout(SOON).unwrap();
+        assert!(
+            matches!(command, ViewCommand::Press { .. }),
+            "{n} {command:?}"
+        );
+    }
+    assert_eq!(view.commands().recv_timeout(SOON), Ok(ViewCommand::Release));
+}
+
+#[test]
+fn a_press_does_not_end_with_another_page() {
+    let view = serve(params());
+    let mut pressing = connect(view.address().port());
+    greet(&mut pressing, Some(TOKEN));
+    let mut other = connect(view.address().port());
+    greet(&mut other, Some(TOKEN));
+    say(&mut other, PRESS);
+    is_heard(&mut other);
+    say(&mut pressing, PRESS);
+    is_heard(&mut pressing);
+    say(&mut other, r#"{"cmd":"release"}"#);
+    is_heard(&mut other);
+    drop(other);
+    while view.clients().len() > 1 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    drop(pressing);
+    let commands: Vec<_> = (0..3).map(|_| view.commands().recv_timeout(SOON)).collect();
+    assert!(matches!(
+        commands[..2],
+        [Ok(ViewCommand::Press { .. }), Ok(ViewCommand::Press { .. })]
+    ));
+    assert_eq!(commands[2], Ok(ViewCommand::Release));
+    assert!(view.commands().try_recv().is_err());
+}
+
+#[test]
+fn what_a_page_drew_is_told_by_its_number() {
+    let view = serve(params());
+    let mut socket = connect(view.address().port());
+    greet(&mut socket, None);
+    let number = view.push(&a_frame()).unwrap();
+    assert_eq!(u64::from(seq_of(&next_binary(&mut socket))), number);
+    say(&mut socket, r#"{"cmd":"got"}"#);
+    is_heard(&mut socket);
+    let client = view.clients()[0];
+    assert_eq!((client.n_taken, client.last_drawn), (1, 0));
+    view.push(&a_frame()).unwrap();
+    next_binary(&mut socket);
+    say(&mut socket, r#"{"cmd":"got","drawn":2}"#);
+    is_heard(&mut socket);
+    let client = view.clients()[0];
+    assert_eq!((client.n_taken, client.last_drawn), (2, 2));
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub struct SceneArgs {
     #[arg(long, default_value = "full")]
     pub profile: ProfileName,
     /// Folder for everything that is written.
-    #[arg(long, default_value = "target/hapdef")]
+    #[arg(long, env = "HAPDEF_OUT", default_value = "target/hapdef")]
     pub out: PathBuf,
     /// Threads; results don't depend on it.
     #[arg(long, default_value_t = default_threads(), value_parser = at_least::<1>)]

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cache::Cache;
 use crate::error::HapdefError;
+use crate::limb::deck_hash;
 use crate::profile::Profile;
 use crate::progress::Progress;
 use crate::scene::{Scene, read_scene};
@@ -63,6 +64,18 @@ impl Run {
         self.scene.seed = seed;
         self.scene_hash = hash_of(&self.scene)?;
         Ok(())
+    }
+
+    /// Hashes of what goes in: the scene as it is run, and the bytes of its deck.
+    ///
+    /// # Errors
+    /// [`HapdefError::NoDeck`] when the deck can't be read.
+    pub fn input_hashes(&self) -> Result<[(&'static str, String); 2], HapdefError> {
+        let deck = self.scene_dir.join(&self.scene.geometry.solid_deck);
+        Ok([
+            ("scene", self.scene_hash.clone()),
+            ("deck", deck_hash(&deck)?),
+        ])
     }
 
     /// Tells the person what happens now.

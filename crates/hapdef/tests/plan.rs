@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use hapdef::plan::{Machine, Plan, StepState, When, plan};
+use hapdef::plan::{Machine, Plan, StepState, When, pipeline_parts_s, plan};
 use hapdef::stages::compliance;
 use hapdef::touch::{Calibration, touch_estimator};
 use hapdef::{Limb, Profile, Progress, Run};
@@ -50,7 +50,20 @@ fn names(plan: &Plan, state: StepState) -> Vec<&str> {
 fn the_papers_chain_is_planned_in_full_and_nothing_is_made() {
     let folder = tempfile::tempdir().unwrap();
     let (run, limb) = prepared(folder.path(), "scene.json", |_| {});
+    let parts_s = pipeline_parts_s(&run, &limb, &MACHINE).unwrap();
     let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let elastic = ["compliance", "rig"].map(|name| plan.step(name).unwrap().predicted_s.unwrap());
+    for (part_s, step_s) in parts_s.iter().zip(elastic) {
+        assert!(
+            (part_s / step_s - 1.0).abs() < 0.5,
+            "{parts_s:?} {elastic:?}"
+        );
+    }
+    // The pipeline trains more nets than the chain needs.
+    assert!(
+        parts_s.iter().sum::<f64>() > plan.predicted_s(),
+        "{parts_s:?}"
+    );
     assert_eq!(
         names(&plan, StepState::Runs),
         [

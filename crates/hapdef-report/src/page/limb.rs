@@ -15,6 +15,9 @@ const POINT_STEP_M: f64 = 1e-5;
 /// Longer side of a drawing, pixels; drawn at twice that for print.
 const DRAWING_PX: f64 = 250.0;
 
+/// Height of the strip below a drawing that has the length bar, at the drawing's doubled size.
+const RULER_PX: usize = 46;
+
 /// Boxes of the colour bar, and the width of one, pixels.
 const N_BOXES: usize = 24;
 const BOX_PX: usize = 10;
@@ -71,6 +74,7 @@ impl LimbView {
         let names = ["x", "y", "z"];
         let [a, b] = [1, 2].map(|i| names[(self.up() + i) % 3]);
         let [width, height] = self.pixels();
+        let height = height + RULER_PX;
         let sides = [
             ("front", "+", b),
             ("left", "+", a),
@@ -101,10 +105,12 @@ impl LimbView {
         };
         let options: String = self.maps.iter().enumerate().map(option).collect();
         let side = self.pixels().into_iter().max().unwrap_or_default();
+        let height = side + RULER_PX;
         format!(
-            "<figure class=\"screen\"><figcaption>Drag to turn, wheel to zoom: \
+            "<figure class=\"screen\"><figcaption>Drag or arrow keys turn, wheel or + and − zoom: \
              <select aria-label=\"field\">{options}</select></figcaption><canvas class=\"turn\" \
-             data-limb=\"{number}\" width=\"{side}\" height=\"{side}\"></canvas></figure>\n"
+             data-limb=\"{number}\" width=\"{side}\" height=\"{height}\" tabindex=\"0\" role=\"img\" \
+             aria-label=\"The limb. Arrow keys turn it, plus and minus zoom.\"></canvas></figure>\n"
         )
     }
 
@@ -194,6 +200,8 @@ pub(super) fn data(limbs: &[&LimbView]) -> Value {
     };
     json!({
         "palette": (0..N_COLOURS).map(hex).collect::<Vec<_>>(),
+        "step_mm": POINT_STEP_M * 1e3,
+        "ruler_px": RULER_PX,
         "limbs": limbs.iter().map(|limb| limb.data()).collect::<Vec<_>>(),
     })
 }

@@ -1,5 +1,5 @@
 "use strict";
-const { palette, limbs } = JSON.parse(document.getElementById("data").textContent);
+const { palette, step_mm: STEP_MM, ruler_px: RULER_PX, limbs } = JSON.parse(document.getElementById("data").textContent);
 const NO_VALUE = "#a9a9a9";
 const INNER_SIDE = "#e2e2e2";
 
@@ -33,8 +33,9 @@ function projected(points, limb, yaw, tilt) {
 /* The limb, far triangles first, so large that an extent of `size` fits. */
 function draw(canvas, limb, map, size, yaw, tilt) {
   const g = canvas.getContext("2d");
-  const scale = Math.min(canvas.width / size[0], canvas.height / size[1]) * 0.96;
-  const place = (p, v) => [canvas.width / 2 + scale * p[v], canvas.height / 2 - scale * p[v + 1]];
+  const height = canvas.height - RULER_PX;
+  const scale = Math.min(canvas.width / size[0], height / size[1]) * 0.96;
+  const place = (p, v) => [canvas.width / 2 + scale * p[v], height / 2 - scale * p[v + 1]];
   const p = projected(limb.points, limb, yaw, tilt);
   const n = limb.triangles.length / 3;
   const depth = new Float64Array(n);
@@ -62,6 +63,25 @@ function draw(canvas, limb, map, size, yaw, tilt) {
     const [x, y] = place(marks, 3 * m);
     ring(g, x, y, marks[3 * m + 2] < 0, String(m));
   }
+  ruler(g, canvas, scale / STEP_MM);
+}
+
+/* The longest bar of 1, 2 or 5 · 10ⁿ mm within two fifths of the width, over the strip at the foot. */
+function ruler(g, canvas, pixelsPerMm) {
+  const most = (0.4 * canvas.width) / pixelsPerMm;
+  const power = 10 ** Math.floor(Math.log10(most));
+  const mm = power * [5, 2, 1].find((step) => step * power <= most);
+  const [x, y, width] = [6, canvas.height - 8, mm * pixelsPerMm];
+  g.fillStyle = "#fff";
+  g.fillRect(0, canvas.height - RULER_PX, canvas.width, RULER_PX);
+  g.strokeStyle = g.fillStyle = "#222";
+  g.lineWidth = 3;
+  g.lineJoin = "miter";
+  g.beginPath();
+  for (const [dx, dy] of [[0, -8], [0, 0], [width, 0], [width, -8]]) g.lineTo(x + dx, y + dy);
+  g.stroke();
+  g.font = "20px system-ui, sans-serif";
+  g.fillText(`${Number(mm.toPrecision(1))} mm`, x, y - 14);
 }
 
 /* A numbered ring; a dashed one on the far side. */
@@ -94,16 +114,35 @@ for (const canvas of document.querySelectorAll("canvas.turn")) {
   let [yaw, tilt, across] = [0.6, 0.3, Math.hypot(...limb.size)];
   const show = () => draw(canvas, limb, limb.maps[choice.value], [across, across], yaw, tilt);
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
-  canvas.addEventListener("pointermove", (event) => {
-    if (!event.buttons) return;
-    yaw -= event.movementX * 0.01;
-    tilt = Math.min(Math.max(tilt + event.movementY * 0.01, -1.5), 1.5);
+  const turn = (right, down) => {
+    yaw -= right;
+    tilt = Math.min(Math.max(tilt + down, -1.5), 1.5);
     show();
+  };
+  const zoom = (by) => {
+    across *= by;
+    show();
+  };
+  const keys = {
+    ArrowLeft: () => turn(-0.13, 0),
+    ArrowRight: () => turn(0.13, 0),
+    ArrowUp: () => turn(0, -0.13),
+    ArrowDown: () => turn(0, 0.13),
+    "+": () => zoom(1 / 1.15),
+    "-": () => zoom(1.15),
+  };
+  canvas.addEventListener("pointermove", (event) => {
+    if (event.buttons) turn(event.movementX * 0.01, event.movementY * 0.01);
   });
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    across *= Math.exp(0.001 * event.deltaY);
-    show();
+    zoom(Math.exp(0.001 * event.deltaY));
+  });
+  canvas.addEventListener("keydown", (event) => {
+    const key = event.ctrlKey || event.metaKey || event.altKey ? undefined : keys[event.key];
+    if (!key) return;
+    event.preventDefault();
+    key();
   });
   choice.addEventListener("change", show);
   show();

@@ -88,6 +88,9 @@ fn every_part_is_written() {
     assert_eq!(json["tables"][0]["data"].as_array().unwrap().len(), 3);
     assert_eq!(json["figures"][1]["file"], "limb.png");
     assert_eq!(json["metrics"][0]["skipped"], "no net");
+    assert_eq!(json["made"]["commit"], "c");
+    assert_eq!(json["hashes"][0]["text"], "abc");
+    assert_eq!(json["skipped"][0]["reason"], "quick");
     let markdown = read(3);
     for part in [
         "# Shin",
@@ -124,6 +127,32 @@ fn the_page_is_well_formed_and_self_contained() {
     }
     let body = &page[page.find("<body>").unwrap()..page.find("</html>").unwrap()];
     roxmltree::Document::parse(body).unwrap();
+}
+
+#[test]
+fn every_report_says_by_what_and_from_what_it_was_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut report = report();
+    report.metrics.clear();
+    let paths = write_report(folder.path(), &report).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&paths[2]).unwrap()).unwrap();
+    let here = MetricContext::here(report.seed);
+    assert_eq!(json["made"]["commit"], here.commit);
+    assert_eq!(json["made"]["machine"], here.machine);
+    assert_eq!(json["made"]["seed"], 1);
+    let page = std::fs::read_to_string(&paths[4]).unwrap();
+    for part in [here.commit, here.machine] {
+        assert!(
+            page.contains(&format!("<dd>{}</dd>", crate::escape_html(&part))),
+            "{page}"
+        );
+    }
+    report.hashes.clear();
+    let empty = tempfile::tempdir().unwrap();
+    let refused = write_report(empty.path(), &report);
+    assert!(matches!(refused, Err(ReportError::NoHashes { .. })));
+    assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);
 }
 
 #[test]

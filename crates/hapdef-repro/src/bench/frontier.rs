@@ -6,8 +6,8 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::SceneArgs;
 use hapdef_report::{
-    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
-    lines_svg, write_report,
+    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage,
+    TextCell, TextTable, lines_svg, write_report,
 };
 
 use super::measure::{Measured, Point, best_reduced, measure};
@@ -58,6 +58,9 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
         figures: figures(&points)?,
         stages: facts::stage_times(&done, &[]),
         metrics: log.records().to_vec(),
+        seed: run.scene.seed,
+        skipped: missing_rows(&missing),
+        hashes: facts::input_hashes(&run)?,
         ..Report::default()
     };
     let folder = args.scene.out.join(&run.scene.name).join("frontier-nets");
@@ -68,6 +71,15 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
         println!("{}", path.display());
     }
     Ok(())
+}
+
+/// Why there are no rows of other programs, if there are none.
+fn missing_rows(why: &str) -> Vec<SkippedStage> {
+    let skipped = (!why.is_empty()).then(|| SkippedStage {
+        name: "rows of other programs".into(),
+        reason: why.into(),
+    });
+    skipped.into_iter().collect()
 }
 
 /// The metrics of the best reduced net.

@@ -30,7 +30,7 @@ pub(crate) struct BenchNetsArgs {
     #[arg(long, default_value = "fixtures/shin/scene.json")]
     pub(crate) scene: PathBuf,
     /// Folder for everything that is written.
-    #[arg(long, default_value = "target/hapdef")]
+    #[arg(long, env = "HAPDEF_OUT", default_value = "target/hapdef")]
     pub(crate) out: PathBuf,
     /// Draws the random weights.
     #[arg(long, default_value_t = 0)]

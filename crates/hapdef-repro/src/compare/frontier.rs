@@ -201,6 +201,8 @@ fn write(
         }],
         figures: figures(points)?,
         metrics: log.records().to_vec(),
+        seed,
+        hashes: facts::input_hashes(run)?,
         ..Report::default()
     };
     let folder = scene.out.join(&run.scene.name).join("frontier-inverse");

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_report::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
+use hapdef_report::{
+    MetricLog, NamedText, Report, ReportTable, SkippedStage, TextCell, TextTable, write_report,
+};
 
 use super::run::{Measured, paper_time_us};
 use super::score::{Row, at};
@@ -42,6 +44,9 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
             data: serde_json::to_value(&measured.rows)?,
         }],
         metrics: log.records().to_vec(),
+        seed: test_seed,
+        skipped: skipped(measured),
+        hashes: facts::input_hashes(run)?,
         ..Report::default()
     };
     let paths = write_report(&out.join(&run.scene.name).join("compare"), &report)?;
@@ -50,6 +55,15 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
         println!("{}", path.display());
     }
     Ok(())
+}
+
+fn skipped(measured: &Measured) -> Vec<SkippedStage> {
+    let is_without = measured.best_paper.is_none();
+    let paper = is_without.then(|| SkippedStage {
+        name: "the paper's pipeline".into(),
+        reason: "--without-paper".into(),
+    });
+    paper.into_iter().collect()
 }
 
 /// The names of the project's list of metrics.

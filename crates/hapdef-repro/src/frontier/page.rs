@@ -45,10 +45,7 @@ pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) ->
         figures: figures(measured)?,
         metrics: log.records().to_vec(),
         skipped: skipped(args, measured),
-        hashes: vec![NamedText {
-            name: "scene".into(),
-            text: run.scene_hash.clone(),
-        }],
+        hashes: facts::input_hashes(run)?,
         ..Report::default()
     };
     for table in &report.tables {

@@ -1,10 +1,9 @@
 //! What a run rests on, for the report's head and tail.
 
-use std::process::Command;
 use std::time::SystemTime;
 
 use hapdef::convergence::Convergence;
-use hapdef::{Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
+use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
 use hapdef_report::{MetricContext, NamedText, SkippedStage, StageTime};
 
@@ -67,7 +66,7 @@ pub(crate) fn facts(
                 svr.n_trained, svr.n_offered
             ),
         ),
-        named("machine", machine()),
+        named("machine", MetricContext::here(0).machine),
     ]
 }
 
@@ -81,7 +80,7 @@ pub(crate) fn of_run(run: &Run) -> Vec<NamedText> {
     vec![
         named("profile", profile),
         named("training", training(&run.profile)),
-        named("machine", machine()),
+        named("machine", MetricContext::here(0).machine),
     ]
 }
 
@@ -225,6 +224,15 @@ pub(crate) fn hashes(run: &Run, limb: &Limb, done: &Pipeline) -> Vec<NamedText> 
     hashes
 }
 
+/// Hashes of the scene and its deck.
+pub(crate) fn input_hashes(run: &Run) -> Result<Vec<NamedText>, HapdefError> {
+    let named = |(name, text): (&str, String)| NamedText {
+        name: name.into(),
+        text,
+    };
+    Ok(run.input_hashes()?.map(named).to_vec())
+}
+
 /// What every metric carries.
 pub(crate) fn metric_context(run: &Run) -> MetricContext {
     metric_context_of(run.scene.seed)
@@ -232,35 +240,5 @@ pub(crate) fn metric_context(run: &Run) -> MetricContext {
 
 /// What every metric of a run with this seed carries.
 pub(crate) fn metric_context_of(seed: u64) -> MetricContext {
-    let commit = output("git", &["rev-parse", "--short", "HEAD"]);
-    MetricContext {
-        commit: commit.unwrap_or_else(|| "unknown".into()),
-        machine: machine(),
-        seed,
-        time: now(),
-    }
-}
-
-/// Seconds since 1970 as RFC 3339 in UTC, by the date program; plain seconds without it.
-fn now() -> String {
-    output("date", &["-u", "+%Y-%m-%dT%H:%M:%SZ"]).unwrap_or_else(|| {
-        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-        format!("{} s since 1970", since.map_or(0, |d| d.as_secs()))
-    })
-}
-
-fn machine() -> String {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text
-        .lines()
-        .find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    let name = name.map_or("unknown processor", |(_, name)| name.trim());
-    format!("{name}, {cores} cores, {}", std::env::consts::OS)
-}
-
-fn output(program: &str, words: &[&str]) -> Option<String> {
-    let output = Command::new(program).args(words).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
+    MetricContext::here(seed)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use hapdef::touch::response_map;
 use hapdef::{Limb, SceneArgs};
-use hapdef_report::{MetricLog, Report, ReportTable, TextCell, TextTable, write_report};
+use hapdef_report::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
 use hapdef_repro::{
     InverseWorld, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows, nets_markdown,
     nets_rows, parts_markdown, parts_rows, stability_differences, stability_line,
@@ -40,7 +40,11 @@ struct TableArgs {
     #[arg(long)]
     check: Option<PathBuf>,
     /// The metrics' file.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
@@ -78,13 +82,15 @@ impl TableArgs {
 /// Runs the rows of nets and baselines.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     let rows = nets_rows(|row| args.table.show(row));
-    finish(&args.table, &NETS, &rows, &nets_markdown(&rows))
+    let inputs = Inputs::default();
+    finish(&args.table, &NETS, inputs, &rows, &nets_markdown(&rows))
 }
 
 /// Runs the rows of the parts around them.
 pub(crate) fn run_parts(args: &StabilityArgs) -> Result<()> {
     let rows = parts_rows(|row| args.table.show(row));
-    finish(&args.table, &PARTS, &rows, &parts_markdown(&rows))
+    let inputs = Inputs::default();
+    finish(&args.table, &PARTS, inputs, &rows, &parts_markdown(&rows))
 }
 
 /// Runs the rows of superposition on a scene's limb.
@@ -95,23 +101,57 @@ pub(crate) fn run_inverse(args: &InverseArgs) -> Result<()> {
     let held = limb.clamped.iter().map(|node| limb.mesh.position(*node));
     let world = Arc::new(InverseWorld::new(map, held.collect())?);
     let rows = inverse_rows(&world, |row| args.table.show(row));
-    finish(&args.table, &INVERSE, &rows, &inverse_markdown(&rows))
+    let inputs = Inputs {
+        scene: run.scene.name.clone(),
+        seed: run.scene.seed,
+        hashes: facts::input_hashes(&run)?,
+    };
+    finish(
+        &args.table,
+        &INVERSE,
+        inputs,
+        &rows,
+        &inverse_markdown(&rows),
+    )
 }
 
-fn finish(args: &TableArgs, names: &Names, rows: &[StabilityRow], text: &str) -> Result<()> {
+/// What rows rest on besides the code that makes them.
+#[derive(Default)]
+struct Inputs {
+    scene: String,
+    seed: u64,
+    hashes: Vec<NamedText>,
+}
+
+fn finish(
+    args: &TableArgs,
+    names: &Names,
+    inputs: Inputs,
+    rows: &[StabilityRow],
+    text: &str,
+) -> Result<()> {
     let failed = rows.iter().filter(|row| row.is_failed()).count();
     let wrong = rows
         .iter()
         .filter(|row| row.verdict() == StabilityVerdict::SilentlyWrong);
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(0));
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(inputs.seed));
     log.value("stability.rows", rows.len() as f64, "1")?;
     log.value("stability.failed", failed as f64, "1")?;
     log.value("stability.silently_wrong", wrong.count() as f64, "1")?;
     log.append_to(&args.metrics)?;
+    let mut hashes = inputs.hashes;
+    hashes.push(NamedText {
+        name: "table".into(),
+        text: blake3::hash(text.as_bytes()).to_hex().to_string(),
+    });
     let report = Report {
         title: names.title.into(),
+        scene: inputs.scene,
+        seed: inputs.seed,
+        facts: counts(rows),
         tables: vec![table(rows)],
         metrics: log.records().to_vec(),
+        hashes,
         ..Report::default()
     };
     let pages = write_report(&args.metrics.with_file_name(names.folder), &report)?;
@@ -139,6 +179,24 @@ fn finish(args: &TableArgs, names: &Names, rows: &[StabilityRow], text: &str) ->
         bail!("{unknown} of {} rows failed", rows.len());
     }
     Ok(())
+}
+
+/// How many rows have which verdict.
+fn counts(rows: &[StabilityRow]) -> Vec<NamedText> {
+    let verdicts = [
+        StabilityVerdict::Accurate,
+        StabilityVerdict::Refused,
+        StabilityVerdict::SilentlyWrong,
+    ];
+    let count = |verdict: StabilityVerdict| NamedText {
+        name: verdict.word().into(),
+        text: rows
+            .iter()
+            .filter(|row| row.verdict() == verdict)
+            .count()
+            .to_string(),
+    };
+    verdicts.map(count).to_vec()
 }
 
 /// The rows for people and for machines.

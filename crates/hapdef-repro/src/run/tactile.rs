@@ -35,7 +35,11 @@ pub(crate) struct TactileArgs {
     #[arg(long)]
     split_seed: Option<u64>,
     /// The metrics' file.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 

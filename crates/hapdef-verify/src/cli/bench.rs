@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_report::MetricLog;
+use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::bench::{self, BenchOptions};
-
-use super::context::context;
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -27,7 +25,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where metrics are appended.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
@@ -41,7 +43,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     if let Some(threads) = args.threads {
         options.n_threads = threads;
     }
-    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     bench::run(&args.deck, &options, &mut log)?;
     log.append_to(&args.metrics)?;
     Ok(())

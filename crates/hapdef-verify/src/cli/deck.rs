@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_report::MetricLog;
+use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{DeckFigures, KnownFigures, read_displacements};
-
-use super::context::context;
 
 /// Arguments of `deck`.
 #[derive(clap::Args)]
@@ -32,7 +30,11 @@ pub(crate) struct DeckArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where metrics are appended.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
@@ -40,7 +42,7 @@ pub(crate) struct DeckArgs {
 pub(crate) fn run(args: &DeckArgs) -> Result<()> {
     let (_, figures) = DeckFigures::of(&args.deck)?;
     let known = KnownFigures::of(&args.deck)?;
-    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     let mass = figures.mass_kg.unwrap_or(f64::NAN);
     println!("equations  {}", figures.n_equations);
     for (name, what, value, unit, known) in [

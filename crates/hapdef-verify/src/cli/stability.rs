@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use hapdef_mesh::atomic_write;
-use hapdef_report::MetricLog;
+use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{
     StabilityRow, StabilityVerdict, stability_differences, stability_line, stability_markdown,
     stability_page, stability_rows,
 };
 
-use super::context::{context, write_page};
+use super::context::write_page;
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -33,7 +33,11 @@ pub(crate) struct StabilityArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where metrics are appended.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
@@ -111,7 +115,7 @@ fn metrics(
 ) -> Result<MetricLog<std::io::Stdout>> {
     let wrong = |row: &&StabilityRow| row.verdict() == StabilityVerdict::SilentlyWrong;
     let n_wrong = rows.iter().filter(wrong).count();
-    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     log.value("stability.rows", rows.len() as f64, "1")?;
     log.value("stability.failed", n_failed as f64, "1")?;
     log.value("stability.silently_wrong", n_wrong as f64, "1")?;

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
-use hapdef_report::MetricLog;
+use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{
-    Report, all_cases, differences, markdown, people_table, run_cases, verification_page,
+    Report, Verdict, all_cases, differences, markdown, people_table, run_cases, verification_page,
 };
 
-use super::context::{context, write_page};
+use super::context::write_page;
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -31,7 +31,11 @@ pub(crate) struct VerifyArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where metrics are appended.
-    #[arg(long, default_value = "target/hapdef/metrics.json")]
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
     metrics: PathBuf,
 }
 
@@ -80,7 +84,7 @@ fn agrees(args: &VerifyArgs, report: &Report) -> Result<bool> {
     Ok(faults.is_empty())
 }
 
-/// One object per mesh of each case.
+/// One object per mesh of each case; a case that was not run has one with the reason.
 fn json(report: &Report) -> serde_json::Value {
     let rows = report.cases.iter().flat_map(|case| {
         case.rows.iter().map(|row| {
@@ -99,11 +103,19 @@ fn json(report: &Report) -> serde_json::Value {
             })
         })
     });
-    rows.collect()
+    let not_run = report.cases.iter().filter_map(|case| match &case.verdict {
+        Verdict::NotRun(reason) => Some(serde_json::json!({
+            "case": case.id,
+            "verdict": case.verdict.word(),
+            "reason": reason,
+        })),
+        _ => None,
+    });
+    rows.chain(not_run).collect()
 }
 
 fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdout>> {
-    let mut log = MetricLog::new(std::io::stdout(), context(args.seed));
+    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     log.value("verify.rows", report.n_judged() as f64, "1")?;
     log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
     log.value("verify.failed", report.n_failed() as f64, "1")?;

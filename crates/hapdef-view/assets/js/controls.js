@@ -3,6 +3,8 @@
 /** Largest exaggeration; the slider is logarithmic from 1, its left end is none. */
 const MOST = 1000;
 const TURN = Math.PI / 24;
+/** Keys that move a slider. */
+const MOVES_SLIDER = /^(Arrow|Page|Home|End)/;
 
 /** Wires the page's controls to `act`, an object of functions. */
 export class Controls {
@@ -49,14 +51,14 @@ export class Controls {
   }
 
   setForce(force) {
-    this.byId("force-out").textContent = `${force.toFixed(1)} N`;
+    this.tell("force", `${force.toFixed(1)} N`);
     this.act.force(force);
   }
 
   setExaggeration() {
     const x = Number(this.byId("exaggerate").value);
     const times = x === 0 ? 0 : Number((MOST ** x).toPrecision(2));
-    this.byId("exaggerate-out").textContent = times ? `×${times}` : "off";
+    this.tell("exaggerate", times ? `×${times}` : "off");
     this.act.exaggerate(times);
   }
 
@@ -71,14 +73,18 @@ export class Controls {
     if (Number(time.min) !== from) time.min = from;
     if (Number(time.max) !== to) time.max = to;
     if (document.activeElement !== time || !time.matches(":active")) time.value = at;
-    this.byId("time-out").textContent = text;
+    this.tell("time", text);
+  }
+
+  /** What a slider stands at, to read and to hear. */
+  tell(slider, text) {
+    this.byId(`${slider}-out`).textContent = text;
+    this.byId(slider).ariaValueText = text;
   }
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const onField = event.target.matches("input, select");
-    const onButton = event.target.matches("button");
-    if (onField || (onButton && (event.key === " " || event.key === "Enter"))) return;
+    if (isOwn(event)) return;
     const done = this.keys()[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!done || (event.repeat && !event.key.startsWith("Arrow"))) return;
     event.preventDefault();
@@ -104,4 +110,11 @@ export class Controls {
       "-": () => act.zoom(1 / 1.15),
     };
   }
+}
+
+/** Whether what has the focus takes the key itself. */
+function isOwn({ target, key }) {
+  if (target.matches("select")) return true;
+  if (target.matches("input")) return MOVES_SLIDER.test(key);
+  return target.matches("button") && (key === " " || key === "Enter");
 }

@@ -2,7 +2,8 @@
 
 import { mapColour, roundUp } from "./colour.js";
 
-const PER_UNIT = { "µm": 1e6, mm: 1e3 };
+/** From this end of the colours on they are in mm, m. */
+const FROM_MM = 1e-3;
 const RULER_PX = 110;
 
 /** The scales over the stage. */
@@ -12,13 +13,9 @@ export class Legend {
     this.bar = root.querySelector("#bar");
     this.ticks = root.querySelector("#ticks");
     this.ruler = ruler;
-    this.shown = "";
+    this.texts = [];
+    this.length = null;
     this.setMap("viridis");
-  }
-
-  setUnit(unit) {
-    this.unit = unit;
-    this.shown = "";
   }
 
   setMap(name) {
@@ -33,23 +30,25 @@ export class Legend {
 
   /** Ends of the colours, m. */
   setRange(range) {
-    const text = this.ends(range);
-    if (text.join() === this.shown) return;
-    this.shown = text.join();
-    this.ticks.replaceChildren(...text.map((tick) => Object.assign(document.createElement("span"), { textContent: tick })));
+    const texts = this.ends(range);
+    if (texts.join() === this.texts.join()) return;
+    this.texts = texts;
+    this.ticks.replaceChildren(...texts.map((tick) => Object.assign(document.createElement("span"), { textContent: tick })));
   }
 
   ends(range) {
-    const end = range * PER_UNIT[this.unit];
-    return ["0", number(end / 2), `${number(end)} ${this.unit}`];
+    const [end, unit] = range < 0.999999 * FROM_MM ? [1e6 * range, "µm"] : [1e3 * range, "mm"];
+    return ["0", number(end / 2), `${number(end)} ${unit}`];
   }
 
   /** A bar of 1, 2 or 5 · 10ⁿ mm. */
   setRuler(metresPerPixel) {
+    if (!(metresPerPixel > 0)) return;
     const metres = roundUp((RULER_PX * metresPerPixel) / 2.5);
+    this.length = { width: metres / metresPerPixel, text: `${number(metres * 1e3)} mm` };
     const [bar, text] = this.ruler.children;
-    bar.style.width = `${metres / metresPerPixel}px`;
-    text.textContent = `${number(metres * 1e3)} mm`;
+    bar.style.width = `${this.length.width}px`;
+    text.textContent = this.length.text;
   }
 }
 

@@ -50,6 +50,7 @@ export class Limb {
     position.array.set(this.rest);
     normal.array.set(this.restNormals);
     for (const attribute of [color, position, normal]) attribute.needsUpdate = true;
+    if (this.bent) this.geometry.computeBoundingSphere();
     this.bent = false;
   }
 
@@ -83,6 +84,7 @@ export class Limb {
       position.array[k] = this.rest[k] + by * moved;
     }
     position.needsUpdate = true;
+    this.geometry.computeBoundingSphere();
     if (by === 0) normal.array.set(this.restNormals);
     else this.geometry.computeVertexNormals();
     normal.needsUpdate = true;
@@ -103,6 +105,11 @@ export class Limb {
   /** A node at rest. */
   node(i) {
     return new Vector3().fromArray(this.rest, 3 * i);
+  }
+
+  /** The same as it is drawn. */
+  drawnNode(i) {
+    return new Vector3().fromBufferAttribute(this.geometry.attributes.position, i);
   }
 
   dispose() {

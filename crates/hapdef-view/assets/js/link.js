@@ -46,7 +46,6 @@ export class Link {
       this.on.hello(this.hello, readSurface(data));
     } else {
       this.on.frame(data);
-      this.send({ cmd: "got" });
     }
   }
 

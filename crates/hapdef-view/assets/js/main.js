@@ -1,5 +1,6 @@
 // The page: the newest frame from the link, on the stage and in the panel.
 
+import { Blind } from "./blind.js";
 import { Controls } from "./controls.js";
 import { History, KEPT_S } from "./history.js";
 import { Labels } from "./labels.js";
@@ -8,6 +9,7 @@ import { Limb } from "./limb.js";
 import { Link } from "./link.js";
 import { Marks } from "./marks.js";
 import { newtons, Panel, SPAN_S } from "./panel.js";
+import { compose } from "./picture.js";
 import { Press } from "./press.js";
 import { Sites } from "./sites.js";
 import { Stage } from "./stage.js";
@@ -16,12 +18,12 @@ const STATES = { live: "live", away: "reconnecting", locked: "needs its token" }
 const SAY_MS = 4000;
 
 const byId = (id) => document.getElementById(id);
-const stage = new Stage(byId("limb"));
+const stage = makeStage(byId("limb"));
 const labels = new Labels(byId("labels"));
 const legend = new Legend(byId("legend"), byId("ruler"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", paused: false, shownAt: 0, fresh: false, shown: null, offers: {}, drawn: 0 };
+const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -56,30 +58,39 @@ const controls = new Controls(byId, {
 const link = new Link({ hello, frame, text, state });
 requestAnimationFrame(tick);
 
+/** The stage, or what stands in for it where there is no WebGL. */
+function makeStage(canvas) {
+  try {
+    return new Stage(canvas);
+  } catch {
+    byId("stage").classList.add("blind");
+    return new Blind(canvas);
+  }
+}
+
 function hello(message, surface) {
   document.title = `${message.title} · hapdef`;
   byId("title").textContent = message.title;
   byId("simulated").hidden = !message.simulated;
-  const isFirst = view.limb === null;
+  const isOther = !view.limb || !isSame(view.limb.rest, surface.positions);
   for (const part of [view.limb?.mesh, view.marks?.group, view.sites?.group]) if (part) stage.scene.remove(part);
-  view.limb?.dispose();
+  for (const part of [view.limb, view.marks, view.sites]) part?.dispose();
   view.limb = Object.assign(new Limb(surface), { exaggeration: view.exaggeration });
   view.limb.setMap(view.map);
-  if (isFirst && message.offers.press) say("Drag on the limb to press it");
-  if (isFirst) stage.frame(view.limb.geometry, message.up, message.view_from);
+  if (isOther && message.offers.press) say("Drag on the limb to press it");
+  if (isOther) stage.frame(view.limb.geometry, message.up, message.view_from);
   view.marks = new Marks(stage.sphere.radius);
   view.sites = new Sites(message.gauges, stage.sphere.radius);
   stage.scene.add(view.limb.mesh, view.marks.group, view.sites.group);
   stage.stale = true;
   history.clear();
-  view.shown = null;
-  legend.setUnit(message.unit);
+  Object.assign(view, { shown: null, marked: null, drawnSeq: null });
+  hold(null);
   panel.setGauges(message.gauges);
   panel.showNoContacts("Waiting for readings");
   view.offers = message.offers;
   controls.offer(message.offers);
   if (!message.offers.commands) byId("link").textContent = "view only";
-  pause(false);
 }
 
 function frame(buffer) {
@@ -88,7 +99,9 @@ function frame(buffer) {
   announce(before, now);
   byId("record").ariaPressed = String(now.health.recording === "on");
   panel.showHealth(now.health, performance.now());
-  if (!view.paused || now.replay) view.fresh = true;
+  if (now.replay) controls.setPaused(now.replay.paused);
+  if (!view.held || now.replay) view.fresh = true;
+  link.send({ cmd: "got", drawn: view.drawnSeq });
 }
 
 function text({ type, text: words }) {
@@ -104,19 +117,24 @@ function state(name) {
 function tick(now) {
   requestAnimationFrame(tick);
   if (view.fresh && view.limb) {
-    const chosen = view.paused && !history.last?.replay ? history.at(view.shownAt) : history.last;
+    const chosen = view.held?.frame ?? history.last;
     if (chosen) show(chosen, now);
     view.fresh = false;
   }
-  if (!stage.draw() || !view.limb) return;
+  if (stage.draw() && view.limb) dress();
+}
+
+/** What goes with a picture that was just drawn. */
+function dress() {
   legend.setRuler(stage.metresPerPixel);
   if (!view.shown) return;
   placeLabels();
   view.drawn += 1;
+  view.drawnSeq = view.shown.seq;
 }
 
 function show(chosen, now) {
-  const recent = history.span(chosen.t, SPAN_S);
+  const recent = view.held?.recent ?? history.span(chosen.t, SPAN_S);
   view.limb.show(chosen, chosen.t - (view.shown?.t ?? chosen.t));
   view.marked = view.marks.show(chosen, recent);
   view.sites.show(Array.from(chosen.states), panel.seen);
@@ -134,8 +152,8 @@ function showTime(chosen) {
     controls.setTime(0, duration, position, `${clock(position)} / ${clock(duration)}`);
     return;
   }
-  const back = view.paused ? chosen.t - history.last.t : 0;
-  controls.setTime(-KEPT_S, 0, back, back < -0.05 ? `${back.toFixed(1).replace("-", "−")} s` : view.paused ? "paused" : "live");
+  const back = view.held ? chosen.t - history.last.t : 0;
+  controls.setTime(-KEPT_S, 0, back, back < -0.05 ? `${back.toFixed(1).replace("-", "−")} s` : view.held ? "paused" : "live");
 }
 
 function placeLabels() {
@@ -153,15 +171,18 @@ function placeLabels() {
   labels.show(stage, marks);
 }
 
-/** Stops the picture here; a replay stops at its source, too. */
+/** Stops the picture here; a replay stops at its source, whose frames say so. */
 function pause(on) {
-  const { last } = history;
-  if (last?.replay) send({ cmd: "pause", on });
-  view.paused = on;
-  view.shownAt = view.shown?.t ?? 0;
+  if (history.last?.replay) send({ cmd: "pause", on });
+  else hold(on ? view.shown : null);
+}
+
+/** Keeps a frame in the picture for as long as it takes, with what led to it; null: the newest. */
+function hold(frame) {
+  view.held = frame && { frame, recent: history.span(frame.t, SPAN_S) };
   view.fresh = true;
   panel.refresh();
-  controls.setPaused(on);
+  controls.setPaused(view.held !== null);
 }
 
 /** Goes to a time: of the replay from its beginning, else back from now. */
@@ -172,22 +193,31 @@ function seek(to) {
     send({ cmd: "seek", position_s: to });
     return;
   }
-  if (!view.paused) pause(true);
-  view.shownAt = last.t + to;
-  view.fresh = true;
-  panel.refresh();
+  hold(history.at(last.t + to));
 }
 
 /** Saves the picture here and tells the program to keep its own. */
 function snapshot() {
-  stage.stale = true;
-  stage.draw();
-  stage.canvas.toBlob((blob) => {
+  picture().toBlob((blob) => {
     const url = URL.createObjectURL(blob);
     Object.assign(document.createElement("a"), { href: url, download: "hapdef.png" }).click();
     URL.revokeObjectURL(url);
   });
   if (view.offers.commands && view.shown) send({ cmd: "snapshot", t_s: view.shown.t });
+}
+
+/** What the stage shows, with its scales and words, on a canvas. */
+function picture() {
+  stage.stale = true;
+  stage.draw();
+  const tags = [...["simulated"].filter(() => !byId("simulated").hidden), new Date().toISOString().slice(0, 19).replace("T", " ") + " UTC"];
+  const exaggerated = view.exaggeration ? byId("exaggerate-out").textContent : "";
+  return compose(byId("stage"), stage.canvas, byId("bar"), {
+    title: byId("title").textContent,
+    tags,
+    displacement: view.shown?.components ? { ticks: legend.texts, exaggerated } : null,
+    ruler: legend.length,
+  });
 }
 
 function send(message, done) {
@@ -212,6 +242,10 @@ function announce(before, now) {
   byId("events").textContent = has ? `${has} ${has === 1 ? "contact" : "contacts"}: ${now.contacts.map((mark) => newtons(mark.newtons)).join(", ")}` : "Nothing touches";
 }
 
+function isSame(a, b) {
+  return a.length === b.length && a.every((x, i) => x === b[i]);
+}
+
 function clock(seconds) {
   return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
 }
@@ -219,12 +253,22 @@ function clock(seconds) {
 /** For tests: what is shown, and where a node is on the screen. */
 globalThis.hapdefView = {
   get nodes() { return view.limb ? view.limb.rest.length / 3 : 0; },
+  get t() { return view.shown?.t ?? NaN; },
+  get states() { return Array.from(view.shown?.states ?? []); },
+  get others() { return view.shown?.others.length ?? 0; },
+  get ellipses() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible && arrow.ellipse.visible).length; },
+  get ghosts() { return view.marks?.nGhosts ?? 0; },
+  get newest() { return history.last?.t ?? NaN; },
+  get radius() { return stage.sphere.radius; },
+  picture,
   get coloured() { return view.shown?.components ? view.shown.displacement.length / view.shown.components : 0; },
   get drawn() { return view.drawn; },
   get seq() { return view.shown?.seq ?? 0; },
   get contacts() { return (view.shown?.contacts ?? []).map((mark) => Array.from(mark.position)); },
   get arrows() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible).map((arrow) => arrow.body.position.toArray()); },
-  node: (i) => Array.from(view.limb.node(i)),
+  node: (i) => view.limb.node(i).toArray(),
+  drawnNode: (i) => view.limb.drawnNode(i).toArray(),
+  pickable: (point) => view.limb.geometry.boundingSphere.distanceToPoint(stage.sphere.center.clone().fromArray(point)) < 1e-6,
   project(i) {
     const { left, top } = stage.canvas.getBoundingClientRect();
     const [x, y] = stage.project(view.limb.node(i));

@@ -50,15 +50,15 @@ export class Marks {
     return { mark, other, tail, colour: contactColour(mark.id) };
   }
 
-  /** Where contacts were in the last seconds. */
+  /** Where contacts were in the last seconds, the newest first: those are never the ones left out. */
   trail(now, recent) {
     const { position, color } = this.ghosts.geometry.attributes;
     let n = 0;
-    let last = -Infinity;
-    const past = recent.filter(({ t }) => t > now - GHOST_S && t < now);
-    for (const { t, frame } of past) {
-      if (t - last < GHOST_S / 60) continue;
-      last = t;
+    let next = Infinity;
+    for (const { t, frame } of recent.toReversed()) {
+      if (t <= now - GHOST_S || n === MOST_GHOSTS) break;
+      if (t >= now || next - t < GHOST_S / 60) continue;
+      next = t;
       for (const { id, position: p } of frame.contacts) {
         if (n === MOST_GHOSTS) break;
         position.array.set(p, 3 * n);
@@ -67,9 +67,17 @@ export class Marks {
         n += 1;
       }
     }
+    this.nGhosts = n;
     this.ghosts.geometry.setDrawRange(0, n);
     position.needsUpdate = true;
     color.needsUpdate = true;
+  }
+
+  dispose() {
+    this.ghosts.geometry.dispose();
+    this.ghosts.material.map.dispose();
+    this.ghosts.material.dispose();
+    for (const arrow of this.arrows) arrow.dispose();
   }
 }
 
@@ -127,6 +135,10 @@ class Arrow {
     this.solid.opacity = other ? 0.5 : 1;
     this.area.opacity = other ? 0.15 : 0.35;
     this.edge.opacity = other ? 0.4 : 1;
+  }
+
+  dispose() {
+    for (const material of [this.solid, this.faint, this.area, this.edge]) material.dispose();
   }
 }
 

@@ -3,7 +3,9 @@
 import { roundUp } from "./colour.js";
 
 export const SPAN_S = 10;
+/** Least room for the numbers beside the lines, CSS pixels, and their distance from them. */
 const LEFT = 34;
+const BESIDE = 5;
 const BOTTOM = 16;
 const TOP = 6;
 const RIGHT = 4;
@@ -23,12 +25,14 @@ export class Plot {
     const most = lines.reduce((top, line) => line.points.reduce((m, [, y]) => (Math.abs(y) > m ? Math.abs(y) : m), top), 0);
     const high = roundUp(Math.max(most, this.least), [1, 1.5, 2, 3, 4, 6, 8, 10]);
     const low = signed ? -high : 0;
-    const x = (t) => LEFT + (1 + (t - now) / SPAN_S) * (this.width - LEFT - RIGHT);
+    const values = [high, (high + low) / 2, low];
+    const left = this.room(values);
+    const x = (t) => left + (1 + (t - now) / SPAN_S) * (this.width - left - RIGHT);
     const y = (v) => TOP + ((high - v) / (high - low)) * (this.height - TOP - BOTTOM);
-    this.axes(high, low, x, y, now);
+    this.axes(values, left, x, y, now);
     this.pen.save();
     this.pen.beginPath();
-    this.pen.rect(LEFT, 0, this.width - LEFT - RIGHT + 1, this.height - BOTTOM + 1);
+    this.pen.rect(left, 0, this.width - left - RIGHT + 1, this.height - BOTTOM + 1);
     this.pen.clip();
     for (const line of lines) this.line(line, x, y);
     this.pen.restore();
@@ -44,18 +48,24 @@ export class Plot {
     this.pen.clearRect(0, 0, this.width, this.height);
   }
 
-  axes(high, low, x, y, now) {
+  /** Width that the widest of the numbers needs. */
+  room(values) {
+    this.pen.font = `11px ${this.style.fontFamily}`;
+    const widths = values.map((value) => this.pen.measureText(number(value)).width);
+    return Math.max(LEFT, Math.ceil(Math.max(...widths)) + BESIDE + 2);
+  }
+
+  axes(values, left, x, y, now) {
     const { pen } = this;
-    pen.font = `11px ${this.style.fontFamily}`;
     pen.fillStyle = this.style.getPropertyValue("--quiet");
     pen.strokeStyle = this.style.getPropertyValue("--line");
     pen.lineWidth = 1;
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    for (const value of [high, (high + low) / 2, low]) {
+    for (const value of values) {
       const at = Math.round(y(value)) + 0.5;
-      this.rule(LEFT, at, this.width - RIGHT, at);
-      pen.fillText(String(Number(value.toPrecision(3))).replace("-", "−"), LEFT - 5, at);
+      this.rule(left, at, this.width - RIGHT, at);
+      pen.fillText(number(value), left - BESIDE, at);
     }
     pen.textBaseline = "alphabetic";
     for (const back of [10, 5, 0]) {
@@ -90,3 +100,5 @@ export class Plot {
     pen.stroke();
   }
 }
+
+const number = (value) => String(Number(value.toPrecision(3))).replace("-", "−");

@@ -45,4 +45,12 @@ export class Sites {
   at(i) {
     return new Vector3(...this.gauges[i].position_m);
   }
+
+  dispose() {
+    for (const layer of this.layers) {
+      layer.geometry.dispose();
+      layer.material.dispose();
+      layer.dispose();
+    }
+  }
 }

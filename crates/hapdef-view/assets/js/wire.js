@@ -45,7 +45,7 @@ export function readFrame(buffer) {
       rate: f32(28), lost: u32(32), crc: u32(36), p50: f32(40), p99: f32(44), clock: f32(48),
       recording: ["off", "on", "failed"][view.getUint8(3)], recorded: f32(52),
     },
-    replay: Number.isFinite(f32(60)) ? { position: f32(56), duration: f32(60) } : null,
+    replay: Number.isFinite(f32(60)) ? { position: f32(56), duration: f32(60), paused: Boolean(view.getUint16(22, true) & 1) } : null,
     readings: new Float32Array(buffer, 64, nGauges),
     states: new Uint8Array(buffer, statesAt, nGauges),
     contacts: readMarks(buffer, contactsAt, nContacts),

@@ -138,6 +138,26 @@ impl Chrome {
         Ok(())
     }
 
+    /// A script that runs before those of every page that is loaded from now on.
+    pub fn before_pages(&mut self, script: &str) -> Result<(), Fault> {
+        self.call(
+            "Page.addScriptToEvaluateOnNewDocument",
+            json!({"source": script}),
+        )?;
+        Ok(())
+    }
+
+    /// Role and name of everything that a screen reader stops at.
+    pub fn named(&mut self) -> Result<Vec<(String, String)>, Fault> {
+        let tree = self.call("Accessibility.getFullAXTree", json!({}))?;
+        let nodes = tree["nodes"].as_array().ok_or("no tree")?;
+        let seen = nodes.iter().filter(|node| node["ignored"] == false);
+        let word = |value: &Value| value["value"].as_str().unwrap_or_default().to_owned();
+        Ok(seen
+            .map(|node| (word(&node["role"]), word(&node["name"])))
+            .collect())
+    }
+
     /// The value of an expression of the page.
     pub fn eval(&mut self, expression: &str) -> Result<Value, Fault> {
         let ask = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});

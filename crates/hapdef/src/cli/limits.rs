@@ -11,7 +11,16 @@ use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable};
 use serde_json::{Value, json};
 
-use super::pages;
+use super::pages::{self, Origin};
+
+/// What is not bounded.
+const LEFT_OUT: [(&str, &str); 2] = [
+    ("tangential forces", "contacts press along the normal"),
+    (
+        "most pairs of places",
+        "24 partners are drawn for each of 800 places",
+    ),
+];
 
 #[derive(Args)]
 #[command(
@@ -56,10 +65,13 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
     let report = limits(map, &request)?;
     let picture = args.scene.out.join(&run.scene.name).join("limits.glb");
     draw(&picture, &limb, &report, request.carried.usable_sd_m)?;
-    let figures = as_json(&limb, &request, &report);
+    let origin = Origin::of(&run, &LEFT_OUT)?;
+    let figures = origin.with(as_json(&limb, &request, &report));
     write_json(&picture.with_extension("json"), &figures)?;
     let page_file = picture.with_extension("html");
-    page(&run, &limb, &request, &report)?.write(&page_file)?;
+    let mut page = page(&run, &limb, &request, &report)?;
+    page.facts.extend(origin.facts());
+    page.write(&page_file)?;
     if args.json {
         println!("{figures}");
     } else {

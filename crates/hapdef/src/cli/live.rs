@@ -27,7 +27,7 @@ use super::live_ros::{Attached, Recordings, RosArgs};
 use super::network::check_reach;
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::view::{Origin, Reach, Sim, View, ViewArgs};
+use super::view::{FirstParams, Origin, Reach, Sim, View, ViewArgs};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -141,7 +141,13 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         tape: tape.clone(),
         player,
     };
-    let desk = view.map(|view| view.attend(live.control(), reach, (start, args.json)));
+    let first = FirstParams {
+        start,
+        is_output_taken: args.json,
+        metrics: args.scene.out.join("metrics.json"),
+        seed: args.sim_seed,
+    };
+    let desk = view.map(|view| view.attend(live.control(), reach, first));
     // The page tells of a recording that fails by itself.
     let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
     wait(&live, args.seconds, tape_to_watch, &stop);

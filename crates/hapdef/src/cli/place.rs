@@ -15,7 +15,7 @@ use hapdef_report::{
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::pages;
+use super::pages::{self, Origin};
 
 /// A bound of a layout, m.
 type Bound = fn(&PlacementScore) -> f64;
@@ -27,6 +27,12 @@ const BOUNDS: [(&str, Bound); 4] = [
     ("One of two contacts: median", |score| score.pair_median_m),
     ("One of two contacts: 95 %", |score| score.pair_p95_m),
 ];
+
+/// What is not tried.
+const LEFT_OUT: [(&str, &str); 1] = [(
+    "places off the inner wall",
+    "gauges are mounted inside the shell",
+)];
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -100,14 +106,18 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     let curves = path.with_file_name("placement.csv");
     std::fs::write(&curves, as_csv(&study))
         .with_context(|| format!("writing {}", curves.display()))?;
-    write_json(&curves.with_extension("json"), &as_json(&study))?;
+    let origin = Origin::of(&run, &LEFT_OUT)?;
+    let figures = origin.with(as_json(&study));
+    write_json(&curves.with_extension("json"), &figures)?;
     let page_file = curves.with_extension("html");
-    page(&run, &limb, &params, &study)?.write(&page_file)?;
+    let mut page = page(&run, &limb, &params, &study)?;
+    page.facts.extend(origin.facts());
+    page.write(&page_file)?;
     if let Some(path) = &args.write {
         write_scene(path, &run, best, args)?;
     }
     if args.json {
-        println!("{}", as_json(&study));
+        println!("{figures}");
     } else {
         print(&study, &params);
         println!("\n{}: {} (gauges.sites)", best.name, path.display());

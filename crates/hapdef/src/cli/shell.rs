@@ -285,7 +285,8 @@ impl ShellArgs {
 
     fn out_folder(&self) -> PathBuf {
         let stem = self.file.file_stem().unwrap_or_default();
-        let by_name = || Path::new("target/hapdef").join(stem);
+        let results = std::env::var_os("HAPDEF_OUT").unwrap_or_else(|| "target/hapdef".into());
+        let by_name = || Path::new(&results).join(stem);
         self.out.clone().unwrap_or_else(by_name)
     }
 }

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use anyhow::Result;
+use hapdef::plan::{Machine, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
 use hapdef::{Limb, Pipeline, SceneArgs, Stage, Until};
 
@@ -29,7 +30,9 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
 pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()> {
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let done = Pipeline::run(&run, &limb, until)?;
+    let machine = Machine::read_or_measure(&args.out.join("machine.json"), run.threads)?;
+    let parts_s = pipeline_parts_s(&run, &limb, &machine)?;
+    let done = Pipeline::run_timed(&run, &limb, until, &parts_s)?;
     for stage in done.stages() {
         show(stage, json)?;
     }

@@ -6,9 +6,10 @@ use super::{Machine, PlanStep, StepState};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
+use crate::pipeline::{Pipeline, Until};
 use crate::profile::{Samples, Schedule};
 use crate::run::Run;
-use crate::stages::NetKind;
+use crate::stages::{Datasets, NetKind};
 use crate::touch::{ChainStages, chain_stages};
 
 /// Most contacts of a sample: the paper's sets I to IV.
@@ -19,7 +20,34 @@ pub(super) fn steps(
     limb: &Limb,
     machine: &Machine,
 ) -> Result<Vec<PlanStep>, HapdefError> {
-    let looking = Run {
+    let stages = chain_stages(&looking(run), limb)?;
+    let planner = Planner { run, limb, machine };
+    let mut steps = planner.elastic(&stages)?;
+    steps.extend(planner.datasets(&stages.data));
+    steps.extend(planner.nets(&stages));
+    steps.extend(planner.frame());
+    Ok(steps)
+}
+
+/// Expected time of what a pipeline up to its nets has to run, s: compliance, rig, datasets, nets.
+pub(super) fn parts_s(run: &Run, limb: &Limb, machine: &Machine) -> Result<[f64; 4], HapdefError> {
+    let stages = Pipeline::run(&looking(run), limb, Until::Train)?;
+    let planner = Planner { run, limb, machine };
+    let sum_s = |steps: &[PlanStep]| steps.iter().filter_map(|step| step.predicted_s).sum();
+    let data = stages.data.iter().flat_map(|data| planner.datasets(data));
+    let nets = stages.nets.iter().flat_map(|nets| &nets.nets);
+    let nets = nets.map(|net| planner.net(net.kind, &net.stage));
+    Ok([
+        sum_s(&[planner.compliance(&stages.compliance)?]),
+        sum_s(&[planner.rig(&stages.rig)?]),
+        sum_s(&data.collect::<Vec<_>>()),
+        sum_s(&nets.collect::<Vec<_>>()),
+    ])
+}
+
+/// The same run on a cache that only looks.
+fn looking(run: &Run) -> Run {
+    Run {
         cache: run.cache.looking(),
         scene: run.scene.clone(),
         scene_dir: run.scene_dir.clone(),
@@ -28,14 +56,7 @@ pub(super) fn steps(
         progress: run.progress.clone(),
         stop: run.stop.clone(),
         threads: run.threads,
-    };
-    let stages = chain_stages(&looking, limb)?;
-    let planner = Planner { run, limb, machine };
-    let mut steps = planner.elastic(&stages)?;
-    steps.extend(planner.datasets(&stages));
-    steps.extend(planner.nets(&stages));
-    steps.extend(planner.frame());
-    Ok(steps)
+    }
 }
 
 struct Planner<'a> {
@@ -99,7 +120,7 @@ impl Planner<'_> {
         Ok(PlanStep::runs("rig", why, &sizes).costing(cost))
     }
 
-    fn datasets(&self, stages: &ChainStages) -> Vec<PlanStep> {
+    fn datasets(&self, data: &Datasets) -> Vec<PlanStep> {
         let (profile, most) = (&self.run.profile, self.run.scene.contact.max_contacts);
         let too_many = format!("contact.max_contacts is {most}");
         let mut steps = Vec::new();
@@ -110,18 +131,18 @@ impl Planner<'_> {
                 profile.n_multi
             };
             let name = set_name(n_contacts);
-            steps.push(match stages.data.simulated.get(n_contacts - 1) {
+            steps.push(match data.simulated.get(n_contacts - 1) {
                 Some(stage) => self.dataset(&name, n, n_contacts, stage),
                 None => PlanStep::skipped(&name, &too_many, &[("samples", n)]),
             });
         }
-        let singles = &stages.data.rig_single;
+        let singles = &data.rig_single;
         steps.push(self.dataset("rig's single presses", profile.n_real_single, 1, singles));
         let (name, n) = (
             "rig's double presses",
             profile.n_pairs * profile.n_amplitudes,
         );
-        steps.push(match &stages.data.rig_double {
+        steps.push(match &data.rig_double {
             Some(stage) => self.dataset(name, n, 2, stage),
             None => PlanStep::skipped(name, &too_many, &[("samples", n)]),
         });

@@ -103,6 +103,19 @@ pub fn plan(run: &Run, limb: &Limb, machine: &Machine) -> Result<Plan, HapdefErr
     })
 }
 
+/// Expected time of the parts of [`crate::Pipeline`] that are not in the cache, s: compliance, rig,
+/// datasets, nets.
+///
+/// # Errors
+/// As [`plan`].
+pub fn pipeline_parts_s(
+    run: &Run,
+    limb: &Limb,
+    machine: &Machine,
+) -> Result<[f64; 4], HapdefError> {
+    chain::parts_s(run, limb, machine)
+}
+
 impl Plan {
     /// The step of a name, if the plan has it.
     #[must_use]

@@ -13,6 +13,8 @@ use hapdef_live::{LiveControl, LiveFrame};
 use hapdef_view::{ViewCommand, ViewHandle};
 
 use super::Shared;
+use super::door::Door;
+use super::first::First;
 use super::hand::Hand;
 use super::keep::{Keep, Shown};
 use super::show::Show;
@@ -42,15 +44,15 @@ pub(super) struct Attendant {
     pub(super) hand: Option<Hand>,
     pub(super) tape: Option<Tape>,
     pub(super) player: Option<PlayerControl>,
-    /// From when the first picture's time is told, and whether the standard output is taken.
-    pub(super) start: (Instant, bool),
+    pub(super) first: First,
     pub(super) pace: Pace,
+    /// The page's way in for a program that opens it.
+    pub(super) _door: Option<Door>,
 }
 
 /// What was shown when.
 #[derive(Default)]
 pub(super) struct Pace {
-    has_shown: bool,
     at: Option<Instant>,
     n_frames: u64,
     is_failure_told: bool,
@@ -69,8 +71,8 @@ impl Desk {
                 attendant.step();
                 std::thread::sleep(LOOK);
             }
-            if !attendant.pace.has_shown {
-                attendant.tell_first_picture("skipped:no page was opened");
+            if let Err(error) = attendant.first.end() {
+                attendant.say(&format!("{error:#}"));
             }
         };
         Self {
@@ -102,11 +104,8 @@ impl Attendant {
         if let Err(error) = self.show_newest() {
             self.say(&error.to_string());
         }
-        let is_drawn = || self.handle.clients().iter().any(|page| page.n_drawn > 0);
-        if !self.pace.has_shown && is_drawn() {
-            self.pace.has_shown = true;
-            let elapsed_s = self.start.0.elapsed().as_secs_f64();
-            self.tell_first_picture(&format!("{elapsed_s:.2}:s"));
+        if let Err(error) = self.first.look(&self.handle.clients()) {
+            self.say(&format!("{error:#}"));
         }
     }
 
@@ -145,7 +144,10 @@ impl Attendant {
         }
         let state = self.tape.as_ref().map_or(TapeState::Off, Tape::state);
         self.show.take_recording(&state);
-        self.show.push()
+        let number = self.show.push()?;
+        let (has_contact, has_colours) = self.show.has_contact_and_colours();
+        self.first.shown(number, has_contact, has_colours);
+        Ok(())
     }
 
     /// What became of recordings that were asked for.
@@ -178,16 +180,6 @@ impl Attendant {
         let _ = writeln!(std::io::stderr(), "{text}");
     }
 
-    fn tell_first_picture(&self, what: &str) {
-        let (_, is_taken) = self.start;
-        let line = format!("METRIC:view.first_picture_s:{what}");
-        let _ = if is_taken {
-            writeln!(std::io::stderr(), "{line}")
-        } else {
-            writeln!(std::io::stdout(), "{line}")
-        };
-    }
-
     fn obey(&mut self, command: ViewCommand) {
         match command {
             ViewCommand::Tare => {
@@ -212,6 +204,8 @@ impl Attendant {
             ViewCommand::Pause(on) => {
                 if let Some(player) = &self.player {
                     player.pause(on);
+                    self.show.take_pause(on);
+                    self.pace.at = None;
                 }
             }
             ViewCommand::Seek { position_s } => {
@@ -250,11 +244,10 @@ impl Attendant {
     }
 
     fn snapshot(&self, t_s: Option<f64>) {
-        let Some(shown) = self.pace.shown.at(t_s) else {
-            return self.say("Nothing was shown yet: there is nothing to keep");
-        };
         let recording = self.tape.as_ref().and_then(Tape::path);
-        let text = match self.keep.snapshot(shown, recording.as_deref()) {
+        let shown = self.pace.shown.at(t_s);
+        let kept = shown.and_then(|shown| self.keep.snapshot(shown, recording.as_deref()));
+        let text = match kept {
             Ok(path) => format!("Kept in {}", Path::display(&path)),
             Err(error) => format!("Not kept: {error:#}"),
         };

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_live::LiveFrame;
 use hapdef_live::sinks::json_line;
@@ -13,6 +13,9 @@ use serde_json::{Value, json};
 
 /// Frames that were shown and can still be kept: as many as the page goes back.
 const N_SHOWN: usize = 2400;
+
+/// How far a frame that is asked for may be from one that is kept, s.
+const SAME_FRAME_S: f64 = 0.02;
 
 /// Where recordings and snapshots go, and what is in a snapshot beside the frame.
 pub(super) struct Keep {
@@ -106,13 +109,25 @@ impl Shown {
         self.frames.push_back(place);
     }
 
-    /// The frame that is shown at a time, the newest without one.
-    pub(super) fn at(&self, t_s: Option<f64>) -> Option<&(f64, LiveFrame)> {
+    /// The frame that was shown at a time, the newest without one.
+    pub(super) fn at(&self, t_s: Option<f64>) -> Result<&(f64, LiveFrame)> {
+        let (Some(oldest), Some(newest)) = (self.frames.front(), self.frames.back()) else {
+            bail!("nothing was shown yet");
+        };
         let Some(t_s) = t_s else {
-            return self.frames.back();
+            return Ok(newest);
         };
         let off = |frame: &&(f64, LiveFrame)| (frame.0 - t_s).abs();
-        self.frames.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+        let nearest = self.frames.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest
+            .filter(|frame| off(frame) <= SAME_FRAME_S)
+            .with_context(|| {
+                let (from_s, to_s) = (oldest.0, newest.0);
+                format!(
+                    "the frame at {t_s:.2} s is not there any more, frames from {from_s:.2} s to \
+                     {to_s:.2} s are: go on, and keep the next sooner"
+                )
+            })
     }
 }
 
@@ -126,13 +141,18 @@ mod tests {
         let folder = root.path().join("not/there/yet");
         let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()], true);
         let mut shown = Shown::default();
+        assert!(shown.at(None).is_err());
         for seq in 0..2500_u32 {
             let mut frame = LiveFrame::new(2);
             (frame.seq, frame.tared_ue[1]) = (seq, f64::from(seq));
             shown.add(f64::from(seq) * 0.02, &frame);
         }
         assert_eq!(shown.at(None).unwrap().1.seq, 2499);
-        assert_eq!(shown.at(Some(0.0)).unwrap().1.seq, 100);
+        assert_eq!(shown.at(Some(2.0)).unwrap().1.seq, 100);
+        for gone_s in [0.0, 1.97, 50.01] {
+            let refusal = shown.at(Some(gone_s)).unwrap_err().to_string();
+            assert!(refusal.contains("from 2.00 s to 49.98 s"), "{refusal}");
+        }
         let then = shown.at(Some(40.001)).unwrap();
         for n in 1..3 {
             let path = keep.snapshot(then, Some(Path::new("x.mcap"))).unwrap();
@@ -148,6 +168,7 @@ mod tests {
         std::fs::write(folder.join("my-shin-2.partial.mcap"), []).unwrap();
         assert_eq!(keep.recording().unwrap(), folder.join("my-shin-3.mcap"));
         shown.add(1.0, &LiveFrame::new(2));
-        assert_eq!(shown.at(Some(49.0)).unwrap().0, 1.0);
+        assert!(shown.at(Some(49.0)).is_err());
+        assert_eq!(shown.at(Some(1.0)).unwrap().0, 1.0);
     }
 }

@@ -2,6 +2,8 @@
 //! steers, and the virtual rig that it can press.
 
 mod desk;
+mod door;
+mod first;
 mod hand;
 mod keep;
 mod picture;
@@ -10,12 +12,10 @@ mod sink;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
-use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use hapdef::{ComplianceTable, Limb, Run};
 use hapdef_daq::record::PlayerControl;
@@ -25,6 +25,9 @@ use hapdef_view::{LimbPicture, Offers, PressOffer, Token, ViewHandle, ViewParams
 use super::live_record::Tape;
 pub(crate) use desk::Desk;
 use desk::{Attendant, Pace};
+use door::Door;
+use first::First;
+pub(crate) use first::FirstParams;
 use hand::Hand;
 pub(crate) use hand::Sim;
 use keep::Keep;
@@ -45,7 +48,7 @@ pub(crate) struct ViewArgs {
     /// Folder for recordings and snapshots that the page asks for; OUT/<scene>/live if not given.
     #[arg(long, value_name = "FOLDER", requires = "view")]
     view_out: Option<PathBuf>,
-    /// Program that is started with the page's address, such as xdg-open.
+    /// Program that is started with a file that leads to the page, such as xdg-open.
     #[arg(long, value_name = "PROGRAM", requires = "view")]
     view_with: Option<PathBuf>,
     /// Token of the page, 32 hexadecimal digits; a new one if not given.
@@ -58,6 +61,7 @@ pub(crate) struct View {
     handle: ViewHandle,
     surface: Surface,
     keep: Keep,
+    door: Option<Door>,
     shared: Arc<Shared>,
 }
 
@@ -142,13 +146,17 @@ impl View {
         let keep = Keep::new(&folder, &picture.title, gauges.collect(), picture.simulated);
         let handle = ViewServer::start(params, picture)?;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
-        if let Some(program) = &args.view_with {
-            open(program, handle.url())?;
-        }
+        let open = |program: &PathBuf| -> Result<Door> {
+            let door = Door::new(&folder, handle.url())?;
+            door.open_with(program)?;
+            Ok(door)
+        };
+        let door = args.view_with.as_ref().map(open).transpose()?;
         Ok(Self {
             handle,
             surface,
             keep,
+            door,
             shared: Arc::default(),
         })
     }
@@ -174,14 +182,8 @@ impl View {
         );
     }
 
-    /// Shows frames and listens to the page. The first picture's time is told: from `start`, and not
-    /// on the standard output if that `is_taken`.
-    pub(crate) fn attend(
-        self,
-        control: LiveControl,
-        reach: Reach,
-        (start, is_taken): (Instant, bool),
-    ) -> Desk {
+    /// Shows frames, listens to the page and tells when it first drew a contact.
+    pub(crate) fn attend(self, control: LiveControl, reach: Reach, first: FirstParams) -> Desk {
         let Reach { sim, tape, player } = reach;
         let shared = Arc::clone(&self.shared);
         let show = Show::new(self.handle.pusher(), self.surface, shared, player.clone());
@@ -194,16 +196,9 @@ impl View {
             hand: sim.map(Hand::new),
             tape,
             player,
-            start: (start, is_taken),
+            first: First::new(first),
             pace: Pace::default(),
+            _door: self.door,
         })
     }
-}
-
-/// Starts `program` with the page's address; it is not waited for.
-fn open(program: &Path, url: &str) -> Result<()> {
-    let child = Command::new(program).arg(url).stdin(Stdio::null()).spawn();
-    child
-        .map(drop)
-        .with_context(|| format!("--view-with: starting {}", program.display()))
 }

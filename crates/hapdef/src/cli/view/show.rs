@@ -28,6 +28,7 @@ pub(super) struct Show {
     shared: Arc<Shared>,
     player: Option<PlayerControl>,
     shown: ViewFrame,
+    is_paused: bool,
     first_ns: Option<u64>,
     delays_us: Vec<f64>,
     n_delays: usize,
@@ -50,6 +51,7 @@ impl Show {
             shared,
             player,
             shown: ViewFrame::default(),
+            is_paused: false,
             first_ns: None,
             delays_us: Vec::with_capacity(N_DELAYS),
             n_delays: 0,
@@ -82,8 +84,22 @@ impl Show {
         };
     }
 
-    /// Shows what was taken.
-    pub(super) fn push(&self) -> Result<()> {
+    /// Whether the replay was stopped.
+    pub(super) fn take_pause(&mut self, is_paused: bool) {
+        self.is_paused = is_paused;
+        if let Some(replay) = &mut self.shown.replay {
+            replay.is_paused = is_paused;
+        }
+    }
+
+    /// Whether there is a contact in what was taken, and whether the limb has its colours.
+    pub(super) fn has_contact_and_colours(&self) -> (bool, bool) {
+        let has_colours = self.shown.displacement != Displacement::None;
+        (!self.shown.contacts.is_empty(), has_colours)
+    }
+
+    /// Shows what was taken; the frame's number.
+    pub(super) fn push(&self) -> Result<u64> {
         Ok(self.pusher.push(&self.shown)?)
     }
 
@@ -96,6 +112,7 @@ impl Show {
             self.shown.replay = Some(ReplayPosition {
                 position_s,
                 duration_s: player.duration_s(),
+                is_paused: self.is_paused,
             });
         }
     }

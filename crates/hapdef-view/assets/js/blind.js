@@ -1,0 +1,35 @@
+// What stands in for the stage where the browser gives no WebGL: the numbers go on without it.
+
+/** A stage that draws nothing and finds nothing. */
+export class Blind {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.scene = { add() {}, remove() {} };
+    this.sphere = { radius: 1 };
+    this.controls = { enabled: true };
+    this.stale = true;
+    this.metresPerPixel = NaN;
+  }
+
+  frame() {}
+
+  fit() {}
+
+  turn() {}
+
+  zoom() {}
+
+  pick() {
+    return null;
+  }
+
+  project() {
+    return [0, 0];
+  }
+
+  draw() {
+    const wasStale = this.stale;
+    this.stale = false;
+    return wasStale;
+  }
+}

@@ -1,0 +1,325 @@
+//! What the page shows and how it is handled, in a headless Chromium, on frames that say what is to be seen.
+//!
+//! Left out where there is no Chromium, as `browser.rs` says.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+#![expect(clippy::print_stdout, reason = "says why a test is left out")]
+
+#[path = "support/chrome.rs"]
+#[allow(dead_code, reason = "others use the rest")]
+mod chrome;
+#[path = "support/look.rs"]
+mod look;
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+#[path = "support/synthetic.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod synthetic;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use hapdef_view::{Displacement, GaugeHealth, ReplayPosition, ViewCommand, ViewFrame, ViewParams};
+use look::{Look, Served, look};
+use page::params;
+use serde_json::json;
+use synthetic::{Touch, on_limb};
+
+fn touch(force_n: f64) -> Touch {
+    let (point_m, normal) = on_limb(-0.6, 0.2);
+    Touch {
+        id: 0,
+        point_m,
+        normal,
+        force_n,
+    }
+}
+
+/// One touch, at a time that goes `speed` times as fast as it is pushed.
+fn touched(n: u32, speed: f64, force_n: f64) -> ViewFrame {
+    let mut frame = ViewFrame::default();
+    let t_s = 0.01 * speed * f64::from(n);
+    synthetic::show(&synthetic::picture(), &[touch(force_n)], t_s, &mut frame);
+    frame
+}
+
+/// A soft limb, another explanation, a dead and a saturated gauge, readings of four digits.
+fn doubtful(n: u32) -> ViewFrame {
+    let mut frame = touched(n, 1.0, 5.0);
+    let mut other = frame.contacts[0].clone();
+    (other.position_m, other.normal) = on_limb(-0.2, 0.1);
+    other.force_n = other.normal.map(|c| -3.0 * c);
+    frame.alternatives = vec![(0.21, vec![other])];
+    frame.readings_ue[0] = -1990.0;
+    frame.readings_ue[1] = 1990.0;
+    frame.gauge_health[1] = GaugeHealth::Saturated;
+    frame.gauge_health[7] = GaugeHealth::Dead;
+    if let Displacement::Vector(moved) = &mut frame.displacement {
+        moved.as_flattened_mut().iter_mut().for_each(|c| *c *= 40.0);
+    }
+    frame
+}
+
+#[test]
+fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
+    let Some(mut look) = look((1200, 800), false, "", doubtful) else {
+        return;
+    };
+    look.until("document.querySelectorAll('#gauges li.dead').length === 1");
+    let text = |query: &str| format!("document.querySelector('{query}').textContent");
+    look.is(&text("#gauges li.dead .value"), &json!("dead"));
+    look.is(&text("#gauges li.saturated .value"), &json!("sat."));
+    look.is(
+        "[...document.querySelectorAll('#gauges li')].map((li) => li.className)",
+        &json!(["", "saturated", "", "", "", "", "", "dead", "", ""]),
+    );
+    look.is(&text("#contacts li.other span"), &json!("or this, 21 %"));
+    look.until("document.querySelectorAll('.label.other:not([hidden])').length === 1");
+    look.is(
+        "[hapdefView.contacts.length, hapdefView.others, hapdefView.arrows.length, hapdefView.ellipses]",
+        &json!([1, 1, 2, 2]),
+    );
+    look.until("hapdefView.ghosts > 0");
+    look.is(
+        "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
+        &json!("5 mm"),
+    );
+    let first_column = "[...document.getElementById('gauge-plot').getContext('2d')
+        .getImageData(0, 0, 1, 1000).data].some((x) => x > 0)";
+    look.is(first_column, &json!(false));
+    let curve = "[...document.getElementById('force-plot').getContext('2d')
+        .getImageData(40, 0, 1000, 1000).data].filter((x) => x > 0).length > 400";
+    look.until(curve);
+    for (x, y) in [(0.5, 0.02), (0.98, 0.98)] {
+        let pixel = look.picture_at(x, y);
+        assert!(pixel[..3].iter().all(|&c| c > 200), "{pixel:?}");
+        assert_eq!(pixel[3], 255);
+    }
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn a_paused_picture_stays_and_the_slider_goes_back() {
+    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 10.0, 5.0)) else {
+        return;
+    };
+    look.until("hapdefView.newest > 12");
+    look.do_it("document.getElementById('pause').click()");
+    look.is(
+        "document.getElementById('pause').textContent",
+        &json!("Resume"),
+    );
+    let held = look.number("hapdefView.t");
+    // The slider goes back 30 s: the frame is beyond that, and gone from what can be gone back to.
+    look.until(&format!("hapdefView.newest > {held} + 45"));
+    look.do_it("document.querySelector('#gauges li').onpointerenter()");
+    let drawn = look.number("hapdefView.drawn");
+    look.do_it("document.getElementById('colours').onchange()");
+    look.until(&format!("hapdefView.drawn > {drawn}"));
+    assert_eq!(look.number("hapdefView.t"), held);
+    look.do_it("document.getElementById('snapshot').click()");
+    look.view.hears(&ViewCommand::Snapshot { t_s: Some(held) });
+
+    let newest_s = look.number(
+        "(() => { const time = document.getElementById('time'); time.value = -12; time.oninput();
+            return hapdefView.newest; })()",
+    );
+    look.until(&format!("hapdefView.t > {held}"));
+    let t_s = look.number("hapdefView.t");
+    assert!(
+        t_s <= newest_s - 11.9 && t_s > newest_s - 30.0,
+        "{t_s} of {newest_s}"
+    );
+    look.is(
+        "document.getElementById('time').ariaValueText.startsWith('−')",
+        &json!(true),
+    );
+    look.do_it("document.getElementById('time').focus()");
+    look.chrome.key(" ", "Space").unwrap();
+    look.until("document.getElementById('time-out').textContent === 'live'");
+    look.until("hapdefView.newest - hapdefView.t < 5");
+    look.chrome.key("t", "KeyT").unwrap();
+    look.view.hears(&ViewCommand::Tare);
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn keys_turn_zoom_press_record_and_keep() {
+    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 5.0)) else {
+        return;
+    };
+    let at = |look: &mut Look| -> (f64, f64) {
+        serde_json::from_value(look.chrome.eval("hapdefView.project(20)").unwrap()).unwrap()
+    };
+    look.do_it("document.getElementById('limb').focus()");
+    let first = at(&mut look);
+    for (key, code) in [
+        ("ArrowLeft", "ArrowLeft"),
+        ("ArrowUp", "ArrowUp"),
+        ("+", "Equal"),
+    ] {
+        let before = at(&mut look);
+        look.chrome.key(key, code).unwrap();
+        let now = at(&mut look);
+        assert!(
+            (now.0 - before.0).hypot(now.1 - before.1) > 2.0,
+            "{key}: {before:?} {now:?}"
+        );
+    }
+    look.chrome.key("f", "KeyF").unwrap();
+    let fitted = at(&mut look);
+    assert!(
+        (fitted.0 - first.0).hypot(fitted.1 - first.1) < 1e-6,
+        "{first:?} {fitted:?}"
+    );
+    look.chrome.key("r", "KeyR").unwrap();
+    look.view.hears(&ViewCommand::Record(true));
+    let pressing = "document.getElementById('press').ariaPressed";
+    look.is(pressing, &json!("true"));
+    look.chrome.key("p", "KeyP").unwrap();
+    look.is(pressing, &json!("false"));
+    look.chrome.key("p", "KeyP").unwrap();
+    look.chrome.key("Enter", "Enter").unwrap();
+    look.view.hears(&ViewCommand::Release);
+}
+
+#[test]
+fn exaggeration_bends_the_limb_and_a_map_colours_it() {
+    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 10.0)) else {
+        return;
+    };
+    look.until("hapdefView.coloured > 0");
+    let farthest = "Math.max(...Array.from({ length: hapdefView.nodes }, (_, i) => {
+        const [a, b] = [hapdefView.node(i), hapdefView.drawnNode(i)];
+        return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    }))";
+    assert_eq!(look.number(farthest), 0.0);
+    look.do_it("const e = document.getElementById('exaggerate'); e.value = 1; e.oninput()");
+    // 18 µm a newton, ten newtons, a thousand times.
+    look.until(&format!("Math.abs({farthest} - 0.18) < 0.01"));
+    look.is(
+        "document.getElementById('exaggerate').ariaValueText",
+        &json!("×1000"),
+    );
+    let outside = "Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.drawnNode(i))
+        .filter((p) => hapdefView.pickable(p) === false).length";
+    look.is(outside, &json!(0));
+    look.do_it("e.value = 0; e.oninput()");
+    look.until(&format!("{farthest} === 0"));
+    let bar = "[...document.getElementById('bar').getContext('2d').getImageData(0, 0, 1, 1).data]";
+    look.is(bar, &json!([68, 1, 84, 255]));
+    let viridis = look.picture_at(0.5, 0.5);
+    look.do_it("const c = document.getElementById('colours'); c.value = 'cividis'; c.onchange()");
+    look.is(bar, &json!([0, 34, 78, 255]));
+    look.until("hapdefView.drawn > 5");
+    std::thread::sleep(Duration::from_millis(200));
+    let cividis = look.picture_at(0.5, 0.5);
+    assert_ne!(viridis, cividis);
+    look.is(
+        "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
+        &json!("200 µm"),
+    );
+}
+
+#[test]
+fn everything_that_is_handled_has_a_name() {
+    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 5.0)) else {
+        return;
+    };
+    let named = look.chrome.named().unwrap();
+    let of = |role: &str| -> Vec<&str> {
+        let same = named.iter().filter(|(its, _)| its == role);
+        same.map(|(_, name)| name.as_str()).collect()
+    };
+    for (role, n) in [("button", 7), ("slider", 3), ("combobox", 1), ("image", 3)] {
+        let names = of(role);
+        assert_eq!(names.len(), n, "{role}: {names:?}");
+        assert!(
+            names.iter().all(|name| !name.trim().is_empty()),
+            "{role}: {names:?}"
+        );
+    }
+    println!("{named:?}");
+}
+
+#[test]
+fn without_webgl_the_numbers_go_on() {
+    const NO_WEBGL: &str = "const own = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+            return kind.startsWith('webgl') ? null : own.call(this, kind, ...rest);
+        };";
+    let Some(mut look) = look((1200, 800), true, NO_WEBGL, |n| touched(n, 1.0, 5.0)) else {
+        return;
+    };
+    look.until("document.querySelector('#contacts b')?.textContent === '5.0 N'");
+    look.is(
+        "document.getElementById('link').textContent",
+        &json!("live"),
+    );
+    look.is(
+        "document.getElementById('no-webgl').offsetHeight > 10",
+        &json!(true),
+    );
+    look.is("document.getElementById('tools').offsetHeight", &json!(0));
+    look.is("document.querySelectorAll('#gauges li').length", &json!(10));
+    let drawn = look.number("hapdefView.drawn");
+    look.until(&format!("hapdefView.drawn > {drawn} + 5"));
+}
+
+#[test]
+fn a_page_that_comes_later_knows_that_a_replay_is_stopped() {
+    let is_paused = Arc::new(AtomicBool::new(true));
+    let says = Arc::clone(&is_paused);
+    let make = move |n| ViewFrame {
+        replay: Some(ReplayPosition {
+            position_s: 2.0,
+            duration_s: 9.0,
+            is_paused: says.load(Ordering::Relaxed),
+        }),
+        ..touched(n, 0.0, 5.0)
+    };
+    let Some(mut look) = look((1200, 800), true, "", make) else {
+        return;
+    };
+    let button = "document.getElementById('pause').textContent";
+    look.is(button, &json!("Resume"));
+    look.do_it("document.getElementById('pause').click()");
+    look.view.hears(&ViewCommand::Pause(false));
+    look.is(button, &json!("Resume"));
+    is_paused.store(false, Ordering::Relaxed);
+    look.until(&format!("{button} === 'Pause'"));
+
+    let url = look.view.view.url().split('#').next().unwrap().to_owned();
+    look.chrome.open("about:blank").unwrap();
+    look.chrome.open(&url).unwrap();
+    look.until("globalThis.hapdefView?.drawn > 1");
+    look.do_it("document.getElementById('pause').click()");
+    look.until("document.getElementById('say').textContent.startsWith('Refused: view only')");
+    look.is(button, &json!("Pause"));
+}
+
+#[test]
+fn another_limb_on_the_same_port_is_looked_at_anew() {
+    let Some(mut look) = look((900, 700), true, "", |n| touched(n, 1.0, 5.0)) else {
+        return;
+    };
+    let radius_m = look.number("hapdefView.radius");
+    let bind = look.view.view.address();
+    let mut small = synthetic::picture();
+    small
+        .vertices_m
+        .as_flattened_mut()
+        .iter_mut()
+        .for_each(|c| *c *= 0.5);
+    let Look { chrome, view, _one } = look;
+    drop(view);
+    let view = Served::start(ViewParams { bind, ..params() }, small, |n| {
+        touched(n, 1.0, 5.0)
+    });
+    let mut look = Look { chrome, view, _one };
+    look.until(&format!(
+        "Math.abs(hapdefView.radius - {radius_m} / 2) < 1e-6"
+    ));
+    look.until("document.getElementById('ruler').textContent.trim() !== ''");
+}
