@@ -131,7 +131,6 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
         Some(metric) => metric.context.clone(),
         None => MetricContext::here(report.seed),
     };
-    let report = &with_facts_of(&made, report);
     std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
     let written = Written {
         made: &made,
@@ -154,8 +153,9 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
         }
     }
     write("report.json", &json)?;
-    write("report.md", markdown::page(report).as_bytes())?;
-    write("report.html", page(report).html().as_bytes())?;
+    let shown = with_facts_of(&made, report);
+    write("report.md", markdown::page(&shown).as_bytes())?;
+    write("report.html", page(&shown).html().as_bytes())?;
     Ok(paths)
 }
 
