@@ -1,6 +1,7 @@
 //! The whole way: the virtual rig on a pseudo-terminal, `hapdef live` on its other end, contacts and
 //! what really touches in one recording that others read.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+#![expect(clippy::print_stdout, reason = "figures, and why something is skipped")]
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
