@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::browser::{Served, example, found};
-use crate::tool::{root, run, target_dir};
+use crate::tool::{results, root, run};
 
 /// Arguments of `pictures`.
 #[derive(clap::Args)]
@@ -19,7 +19,7 @@ pub(crate) struct PicturesArgs {
 struct Shot {
     /// Of the picture, without its ending.
     name: &'static str,
-    /// Under `target/hapdef`.
+    /// Where results are.
     page: &'static str,
     made_by: &'static str,
     part: Part,
@@ -136,7 +136,7 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     let is_wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let camera = example("view_shot")?;
     for shot in SHOTS.iter().filter(|shot| is_wanted(shot.name)) {
-        let page = target_dir()?.join("hapdef").join(shot.page);
+        let page = results().join(shot.page);
         if !page.exists() {
             bail!("{}: made by `{}`", page.display(), shot.made_by);
         }

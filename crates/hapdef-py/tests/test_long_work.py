@@ -89,6 +89,11 @@ class Training(unittest.TestCase):
 
 
 class Courtesy(unittest.TestCase):
+    def setUp(self):
+        # a shell starts what runs in its background with Ctrl-C ignored
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        self.addCleanup(signal.signal, signal.SIGINT, before)
+
     def test_other_threads_run_while_it_solves(self):
         scene = placed()
         ticks, done = [], threading.Event()

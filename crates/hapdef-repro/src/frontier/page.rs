@@ -22,7 +22,8 @@ const BUDGETS: [(&str, f64); 3] = [
 ];
 
 const NOTE: &str = "Simulated: the scene's rig, another and perturbed mesh, with noise and \
-    converter. One and two contacts, matched one to one: mean error of position, mm, and force, N; \
+    converter. Mesh: the limb's own solid, each element of it cut into eight, or a shell of its skin \
+    without ribs and rings. One and two contacts, matched one to one: mean error of position, mm, and force, N; \
     share of the contacts of two within 10 mm; by superposition the number of contacts is estimated, \
     the paper's chain is given it. Map: mean error of the displacement of the whole skin. Times are \
     those of frames of two contacts on one core, the median of three rounds' medians ± half their \
