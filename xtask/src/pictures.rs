@@ -70,7 +70,7 @@ const SHOTS: [Shot; 10] = [
         name: "report",
         page: "shin/report/report.html",
         made_by: "cargo xtask demo",
-        part: Part::From("body"),
+        part: Part::From("figure"),
     },
     Shot {
         name: "compare",
@@ -88,7 +88,7 @@ const SHOTS: [Shot; 10] = [
         name: "frontier",
         page: "shin-placed/frontier/report.html",
         made_by: "cargo xtask frontier",
-        part: Part::From("body"),
+        part: Part::From("figure"),
     },
     Shot {
         name: "stability",
@@ -100,20 +100,20 @@ const SHOTS: [Shot; 10] = [
         name: "limits",
         page: "shin/limits.html",
         made_by: "cargo xtask limits",
-        part: Part::From("body"),
+        part: Part::From("figure"),
     },
     Shot {
         name: "place",
         page: "shin/placement.html",
         made_by: "cargo xtask place",
-        part: Part::From("body"),
+        part: Part::From("figure"),
     },
     Shot {
         name: "shell",
         page: "shin_skin/shell-report.html",
         made_by: "cargo run --release -p hapdef -- shell fixtures/shin/shin_skin.glb --unit m \
                   --wall 1 --solid",
-        part: Part::From("body"),
+        part: Part::From("figure"),
     },
 ];
 
