@@ -1,6 +1,6 @@
 //! What a scene's gauges can tell, and where to put them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Result;
@@ -24,13 +24,18 @@ pub(crate) struct DesignArgs {
 
 /// `cargo xtask limits` and `cargo xtask place`.
 pub(crate) fn run(verb: &str, args: &DesignArgs) -> Result<()> {
-    let bundled = root().join("fixtures/shin/scene.json");
-    let mut command = Command::new(release_binary("hapdef")?);
-    command
-        .arg(verb)
-        .arg(args.scene.as_ref().unwrap_or(&bundled));
+    let scene = args.scene.as_deref();
+    let mut command = with_scene(verb, scene, "fixtures/shin/scene.json")?;
     if let Some(seed) = args.seed {
         command.args(["--seed", &seed.to_string()]);
     }
     finish(command.args(&args.rest))
+}
+
+/// `hapdef VERB SCENE`, with a scene in the tree if none is given.
+pub(crate) fn with_scene(verb: &str, scene: Option<&Path>, bundled: &str) -> Result<Command> {
+    let bundled = root().join(bundled);
+    let mut command = Command::new(release_binary("hapdef")?);
+    command.arg(verb).arg(scene.unwrap_or(&bundled));
+    Ok(command)
 }

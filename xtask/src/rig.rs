@@ -1,12 +1,11 @@
 //! The virtual limb as a device on a port.
 
 use std::path::PathBuf;
-use std::process::Command;
 
 use anyhow::Result;
 
+use crate::design::with_scene;
 use crate::pipeline::finish;
-use crate::tool::{release_binary, root};
 
 /// Arguments of `rig`.
 #[derive(clap::Args)]
@@ -25,11 +24,8 @@ pub(crate) struct RigArgs {
 
 /// `cargo xtask rig`.
 pub(crate) fn run(args: &RigArgs) -> Result<()> {
-    let bundled = root().join("fixtures/shin/placed.json");
-    let mut command = Command::new(release_binary("hapdef")?);
-    command
-        .arg("rig")
-        .arg(args.scene.as_ref().unwrap_or(&bundled));
+    let scene = args.scene.as_deref();
+    let mut command = with_scene("rig", scene, "fixtures/shin/placed.json")?;
     if let Some(seed) = args.seed {
         command.args(["--random", &seed.to_string()]);
     }
