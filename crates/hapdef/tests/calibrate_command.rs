@@ -1,24 +1,17 @@
 //! `hapdef calibrate --live` as a person uses it, the virtual rig pressed where it asks.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+#![expect(clippy::print_stdout, reason = "shows what was measured when it fails")]
 
-use std::path::{Path, PathBuf};
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+
+use std::path::Path;
 use std::process::{Command, Output};
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 const N_PRESSES: usize = 14;
-
-/// The bundled limb with its map on the limb's own mesh, which is solved in a moment.
-fn scene(folder: &Path) -> PathBuf {
-    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    std::fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
-    let text = std::fs::read_to_string(shin.join("placed.json")).unwrap();
-    let mut scene: Value = serde_json::from_str(&text).unwrap();
-    scene["estimator"]["map_refinements"] = json!(0);
-    let path = folder.join("scene.json");
-    std::fs::write(&path, scene.to_string()).unwrap();
-    path
-}
 
 /// Calibrates by guided presses of the virtual rig, which the docs' commands solve and keep.
 fn calibrate(scene: &Path, table: &Path, result: &Path) -> Output {
@@ -38,7 +31,7 @@ fn it_guides_presses_writes_the_table_and_calibrates_once() {
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("presses.csv");
     let result = folder.path().join("calibration.json");
-    let scene = scene(folder.path());
+    let scene = page::scene(folder.path());
     let output = calibrate(&scene, &table, &result);
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{words}");
