@@ -5,54 +5,19 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
-use std::net::TcpStream;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+#[path = "support/endless.rs"]
+mod endless;
 
-use hapdef_daq::hdp1::{Hello, SampleFormat};
-use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
-use hapdef_daq::{Frame, Message};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use endless::Endless;
 use hapdef_live::sinks::JsonServer;
 use hapdef_live::touch::{Touch, TouchEstimator, TouchFrame};
 use hapdef_live::{Delivery, FnSink, Live, LiveError, Wants};
 
 const N_CHANNELS: usize = 64;
 const MOST_MIB: f64 = 16.0;
-
-/// A device at 1 kHz that never ends.
-struct Endless {
-    n: u32,
-    start: Instant,
-}
-
-impl FrameSource for Endless {
-    fn poll(&mut self, _: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        std::thread::sleep(Duration::from_micros(500));
-        if self.n == 0 {
-            let hello = Hello::plain(N_CHANNELS, SampleFormat::I32, 1000);
-            sink(Message::Hello(Arc::new(hello)));
-        }
-        while self.start.elapsed() > Duration::from_millis(u64::from(self.n)) {
-            let wave = |c: i32| 1_000_000 * c + (self.n % 97) as i32;
-            let counts = (0..N_CHANNELS as i32).map(wave);
-            sink(Message::Frame(Frame::new(
-                self.n,
-                SampleFormat::I32,
-                counts,
-            )));
-            self.n += 1;
-        }
-        SourceStatus::Open
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
-    }
-
-    fn name(&self) -> String {
-        "endless".to_owned()
-    }
-}
 
 /// Finds nothing.
 struct Nothing;
@@ -95,11 +60,7 @@ fn a_socket_that_is_not_read_costs_its_reader_only() {
     let seen = FnSink::new("program", Wants::TARED, |frame| {
         assert_eq!(frame.n_skipped_before, 0);
     });
-    let source = Endless {
-        n: 0,
-        start: Instant::now(),
-    };
-    let live = Live::builder(source)
+    let live = Live::builder(Endless::new(N_CHANNELS))
         .sink(seen.with_delivery(Delivery::Queue(4096)))
         .sink(server)
         .estimator(Nothing)

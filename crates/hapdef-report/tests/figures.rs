@@ -87,6 +87,9 @@ fn lines_break_at_what_cannot_be_drawn() {
     chart.log_y = false;
     let (_, count) = parse(&lines_svg(&chart).unwrap());
     assert_eq!(count("circle"), 5 + 6);
+    chart.series[0].name = "a frame while two contacts are followed".to_owned();
+    let (texts, _) = parse(&lines_svg(&chart).unwrap());
+    assert_says(&texts, &["a frame while two", "contacts are followed"]);
     chart.series = vec![series("nothing", &[f64::NAN])];
     assert!(lines_svg(&chart).is_err());
 }

@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use chrome::Chrome;
 use hapdef_view::{LimbPicture, ViewCommand, ViewFrame, ViewHandle, ViewParams};
 use page::{params, serve};
-use pixels::Pixels;
+use pixels::{LimbRow, Pixels};
 use synthetic::Touch;
 
 /// One browser at a time.
@@ -191,7 +191,7 @@ fn a_click_on_the_limb_presses_it_there() {
     );
     let at = scene.numbers(&format!("hapdefView.project({node})"));
     let (x, y) = (at[0], at[1]);
-    bare.shows_limb_at((x, y));
+    bare.shows_limb_across(&LimbRow::of(&mut scene.chrome, y).unwrap());
     let known = scene.numbers(&format!("hapdefView.node({node})"));
     scene.chrome.pointer("mouseMoved", (x, y)).unwrap();
     scene.chrome.pointer("mousePressed", (x, y)).unwrap();

@@ -20,7 +20,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use chrome::Chrome;
 use hapdef_daq::record::{Content, Recording};
 use page::{Page, Program};
-use pixels::Pixels;
+use pixels::{LimbRow, Pixels};
 use serde_json::json;
 use tempfile::TempDir;
 
@@ -116,9 +116,10 @@ fn a_click_presses_the_limb_and_is_found_there() {
     let node = look.node_in_the_middle();
     let at = look.press(node);
     look.is_found_at(node);
+    let below = LimbRow::of(&mut look.chrome, at.1 + 40.0).unwrap();
     Pixels::of(&mut look.chrome)
         .unwrap()
-        .shows_limb_at((at.0, at.1 + 40.0));
+        .shows_limb_across(&below);
     let shown = "document.querySelector('#contacts b').textContent";
     let shown = look.chrome.eval(shown).unwrap();
     let force_n: f64 = shown

@@ -1,6 +1,8 @@
 //! The runtime over sources in memory: what it computes, what it loses, how it ends.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
+#[path = "../support/endless.rs"]
+mod endless;
 mod stand_ins;
 #[path = "../support/mod.rs"]
 mod support;
@@ -9,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use endless::Endless;
 use hapdef_daq::source::{LinkFault, LinkState, ReplaySource};
 use hapdef_daq::{Frame, Message};
 use hapdef_live::touch::{SearchPlace, TouchWanted};
@@ -16,7 +19,7 @@ use hapdef_live::{
     Delivery, FnSink, GaugeHealth, Live, LiveBuilder, LiveError, LiveEvent, LiveParams, TouchPhase,
     Wants,
 };
-use stand_ins::{Asked, Endless, Probe};
+use stand_ins::{Asked, Probe};
 use support::world::World;
 use support::{N_GAUGES, bundle, messages, pressed, taken};
 
@@ -87,7 +90,9 @@ fn a_stalled_sink_holds_up_nobody() {
             seen.fetch_add(1, Ordering::Relaxed);
             Ok(())
         });
-        let live = Live::builder(Endless::new()).sink(stalled).sink(good);
+        let live = Live::builder(Endless::new(N_GAUGES))
+            .sink(stalled)
+            .sink(good);
         let live = live.start().unwrap();
         std::thread::sleep(Duration::from_millis(700));
         let start = Instant::now();
@@ -299,7 +304,7 @@ fn it_stops_at_once_and_tares_again_when_told() {
         tare_s: 0.05,
         ..LiveParams::default()
     };
-    let live = Live::builder(Endless::new())
+    let live = Live::builder(Endless::new(N_GAUGES))
         .params(params)
         .sink(probe)
         .start()
@@ -322,5 +327,5 @@ fn it_stops_at_once_and_tares_again_when_told() {
     assert_eq!(n_tared, 2, "{health}");
     assert!(is_finished.load(Ordering::Acquire));
     // dropping it stops it, too
-    drop(Live::builder(Endless::new()).start().unwrap());
+    drop(Live::builder(Endless::new(N_GAUGES)).start().unwrap());
 }

@@ -1,15 +1,12 @@
-//! An estimator, a sink and a device that a test can look into.
+//! An estimator and a sink that a test can look into.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
-use hapdef_daq::source::{FrameSource, SourceStats, SourceStatus};
-use hapdef_daq::{Frame, Message};
 use hapdef_live::touch::{Touch, TouchEstimator, TouchFrame, TouchWanted};
 use hapdef_live::{AnyError, Delivery, LiveError, LiveEvent, LiveFrame, Sink, Wants};
 
-use crate::support::{Collected, N_GAUGES, hello};
+use crate::support::{Collected, N_GAUGES};
 
 /// Counts what it is asked for.
 #[derive(Clone, Default)]
@@ -95,44 +92,5 @@ impl Sink for Probe {
     fn finish(&mut self) -> Result<(), AnyError> {
         self.is_finished.store(true, Ordering::Release);
         Ok(())
-    }
-}
-
-/// A device at 1 kHz that never ends.
-pub(crate) struct Endless {
-    pub(crate) n: u32,
-    start: Instant,
-}
-
-impl Endless {
-    pub(crate) fn new() -> Self {
-        Self {
-            n: 0,
-            start: Instant::now(),
-        }
-    }
-}
-
-impl FrameSource for Endless {
-    fn poll(&mut self, _: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        std::thread::sleep(Duration::from_micros(500));
-        if self.n == 0 {
-            sink(Message::Hello(Arc::new(hello(N_GAUGES))));
-        }
-        while self.start.elapsed() > Duration::from_millis(u64::from(self.n)) {
-            let counts = (0..N_GAUGES as i32).map(|g| g * 100 + (self.n % 7) as i32);
-            let format = hapdef_daq::hdp1::SampleFormat::I32;
-            sink(Message::Frame(Frame::new(self.n, format, counts)));
-            self.n += 1;
-        }
-        SourceStatus::Open
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats::default()
-    }
-
-    fn name(&self) -> String {
-        "endless".to_owned()
     }
 }

@@ -28,7 +28,7 @@ pub struct LineChart {
     pub y_label: String,
     /// Logarithmic y axis; else linear from 0 or below.
     pub log_y: bool,
-    /// Whether each point also gets a dot.
+    /// Whether each point also gets a dot; the later a series, the smaller, so that none hides another.
     pub dots: bool,
     /// The lines.
     pub series: Vec<Series>,
@@ -63,17 +63,39 @@ pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
     })
 }
 
+/// Letters of a line of the legend: 160 px at 12 px.
+const LEGEND_LETTERS: usize = 25;
+
 fn legend(side: &style::Area<'_>, chart: &LineChart) -> Result<(), String> {
+    let mut y = 44;
     for (index, series) in chart.series.iter().enumerate() {
-        let y = 44 + 22 * index as i32;
         let line = [(4, y), (24, y)];
         let colour = series_colour(index).stroke_width(3);
         side.draw(&PathElement::new(line, colour))
             .map_err(message)?;
-        side.draw(&Text::new(series.name.clone(), (32, y - 6), font(12)))
-            .map_err(message)?;
+        for text in wrapped(&series.name, LEGEND_LETTERS) {
+            side.draw(&Text::new(text, (32, y - 6), font(12)))
+                .map_err(message)?;
+            y += 14;
+        }
+        y += 8;
     }
     Ok(())
+}
+
+/// Lines of at most `most` letters, broken between words; a longer word has its own line.
+fn wrapped(text: &str, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 fn draw_lines<Y>(
@@ -107,10 +129,15 @@ where
             area.draw_series(line).map_err(message)?;
         }
         let dots = series.points.iter().filter(|p| fit(p) && chart.dots);
-        area.draw_series(dots.map(|p| Circle::new(*p, 3, colour.filled())))
+        let radius_px = dot_radius_px(chart.series.len() - index);
+        area.draw_series(dots.map(|p| Circle::new(*p, radius_px, colour.filled())))
             .map_err(message)?;
     }
     Ok(())
+}
+
+fn dot_radius_px(n_to_draw: usize) -> i32 {
+    2 + n_to_draw.min(4) as i32
 }
 
 /// Predicted against true values.

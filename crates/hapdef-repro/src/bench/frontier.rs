@@ -194,11 +194,9 @@ fn chart(
             points: places,
         }
     };
+    let mut all = vec![series("front", &|p| is_on_front(p))];
     let families = Family::ALL.into_iter();
-    let mut all: Vec<Series> = families
-        .map(|family| series(family.name(), &|p: &Point| p.family == family))
-        .collect();
-    all.push(series("front", &|p| is_on_front(p)));
+    all.extend(families.map(|family| series(family.name(), &|p: &Point| p.family == family)));
     all.retain(|series| !series.points.is_empty());
     Ok(lines_svg(&LineChart {
         title: title.into(),

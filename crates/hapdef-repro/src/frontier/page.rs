@@ -321,13 +321,13 @@ fn cloud(points: &[Point]) -> LineChart {
         .collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut series = vec![
-        dots(Family::Searched, "superposition"),
-        dots(Family::Followed, "followed"),
-        dots(Family::Chain, "the paper's chain"),
         Series {
             name: "front".into(),
             points: front,
         },
+        dots(Family::Searched, "superposition"),
+        dots(Family::Followed, "followed"),
+        dots(Family::Chain, "the paper's chain"),
     ];
     series.retain(|s| !s.points.is_empty());
     LineChart {
