@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimate, ContactEstimator, EstimatorParams, InverseError, NoiseParams, ResponseMap,
-    ResponseParams, ScanSites, SkinPoint, Verdict,
+    AtWall, ContactEstimate, ContactEstimator, EstimatorParams, InverseError, NoiseParams,
+    ResponseMap, ResponseParams, ScanSites, SkinPoint, Verdict,
 };
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
@@ -112,6 +112,16 @@ impl InverseWorld {
 
     pub(super) fn gap_m(&self, a: &SkinPoint, b: &SkinPoint) -> f64 {
         (self.map.skin().position(a) - self.map.skin().position(b)).norm()
+    }
+
+    /// A point at `gap_m` from `start` along the skin, in the first direction in which there is one at
+    /// three quarters of it as the crow flies.
+    pub(super) fn beside(&self, start: &SkinPoint, gap_m: f64) -> Option<SkinPoint> {
+        let skin = self.map.skin();
+        let [t1, t2] = skin.tangents(start);
+        let ends = [t1, t2, -t1, -t2].map(|t| skin.walk(start, &(t * gap_m), AtWall::Slide).point);
+        let is_far = |end: &SkinPoint| self.gap_m(start, end) >= 0.75 * gap_m;
+        ends.into_iter().find(is_far)
     }
 
     /// Corners on the skin's rim, those nearest to where the limb is held first.
