@@ -27,6 +27,7 @@ pub(crate) fn test() -> Result<()> {
     let tests = [
         ("hapdef-view", "browser"),
         ("hapdef-view", "browser_looks"),
+        ("hapdef-view", "browser_reads"),
         ("hapdef", "live_browser"),
     ];
     for (package, test) in tests {

@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
 use crate::{
-    browser, docs, fixtures, frontier, python, repro, soak, stability, tidy, verify, weight,
+    browser, docs, first_minute, fixtures, frontier, python, repro, soak, stability, tidy, verify,
+    weight,
 };
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
@@ -66,6 +67,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "limits page", frontier::check)?;
     step(&mut times, "fixtures", || fixtures::make(true))?;
     step(&mut times, "demo --quick", quick_demo)?;
+    step(&mut times, "demo --live", first_minute::check)?;
     step(&mut times, "python", python::check)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
     Ok(times)

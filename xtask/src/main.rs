@@ -15,6 +15,7 @@ mod ci;
 mod compare;
 mod design;
 mod docs;
+mod first_minute;
 mod fixtures;
 mod frontier;
 mod fuzz;

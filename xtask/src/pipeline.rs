@@ -1,6 +1,6 @@
 //! The main job: the pipeline's binaries in order.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Instant, SystemTime};
 
@@ -48,19 +48,27 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
 /// The virtual limb on the live page.
 fn live(args: &PipelineArgs) -> Result<()> {
     eprintln!("building (the first time takes some minutes) …");
+    let mut command = live_command(args.scene.as_deref(), args.seed, browser::opener()?)?;
+    finish(command.args(&args.rest))
+}
+
+/// What puts the virtual limb, the bundled one without a scene, on the live page, and opens that.
+pub(crate) fn live_command(
+    scene: Option<&Path>,
+    seed: Option<u64>,
+    opener: Option<PathBuf>,
+) -> Result<Command> {
     let bundled = root().join("fixtures/shin/placed.json");
     let mut command = Command::new(release_binary("hapdef")?);
-    command
-        .arg("live")
-        .arg(args.scene.as_ref().unwrap_or(&bundled))
-        .args(["--sim", "--view"]);
-    if let Some(seed) = args.seed {
+    command.arg("live").arg(scene.unwrap_or(&bundled));
+    command.args(["--sim", "--view", "--view-first"]);
+    if let Some(seed) = seed {
         command.args(["--sim-seed", &seed.to_string()]);
     }
-    if let Some(opener) = browser::opener()? {
+    if let Some(opener) = opener {
         command.arg("--view-with").arg(opener);
     }
-    finish(command.args(&args.rest))
+    Ok(command)
 }
 
 /// From the limb to the report.

@@ -1,7 +1,7 @@
 //! A picture of a page, as PNG or WebP, by a headless Chromium.
 //!
 //! URL may be the path of a file. SCRIPT runs in the page before SECONDS pass. Without FILE it is enough that
-//! a live page drew a contact, with colours.
+//! a live page drew a contact, with colours, or that its program has ended.
 //!
 //! `cargo run --release -p hapdef-view --example view_shot URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]`
 
@@ -22,8 +22,9 @@ const PATIENCE: Duration = Duration::from_secs(400);
 const IS_DRAWN: &str = "location.href !== 'about:blank' && document.readyState === 'complete' \
     && !document.querySelector('meta[http-equiv=refresh]') \
     && (!document.getElementById('limb') || globalThis.hapdefView?.drawn > 0)";
-/// A live page has drawn a contact on a coloured limb.
+/// A live page has drawn a contact on a coloured limb, or nothing will come any more.
 const IS_TOUCHED: &str = "!document.getElementById('limb') \
+    || document.getElementById('link').dataset.state === 'away' \
     || (hapdefView.arrows.length > 0 && hapdefView.coloured > 0)";
 
 fn main() -> Result<(), Fault> {

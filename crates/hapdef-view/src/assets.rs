@@ -46,6 +46,7 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/js/legend.js", "js/legend.js", JS),
     asset!("/js/plot.js", "js/plot.js", JS),
     asset!("/js/panel.js", "js/panel.js", JS),
+    asset!("/js/text.js", "js/text.js", JS),
     asset!("/js/press.js", "js/press.js", JS),
     asset!("/js/controls.js", "js/controls.js", JS),
     asset!(

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
+use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
@@ -23,6 +24,8 @@ const FRAME_TIME: Duration = Duration::from_micros(16_667);
 const MAX_ON_THE_WAY: u64 = 3;
 /// Answers that wait for a page that does not read.
 const MAX_ANSWERS: usize = 16;
+/// Pings in the time for which a page may answer nothing.
+const PINGS: u32 = 3;
 /// Close code of a page without the token where one is needed.
 const CLOSE_TOKEN: u16 = 4401;
 
@@ -127,8 +130,9 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
+    /// Until the page leaves, or neither says anything nor answers a ping.
     async fn read(&self, mut stream: SplitStream<WebSocket>, answers: mpsc::Sender<String>) {
-        while let Some(Ok(message)) = stream.next().await {
+        while let Ok(Some(Ok(message))) = timeout(self.feed.patience, stream.next()).await {
             let Message::Text(text) = message else {
                 continue;
             };
@@ -174,26 +178,34 @@ impl Page<'_> {
 
     /// Sends until the page is gone: what it needs at first, answers, notices, the newest frame.
     async fn write(&self, mut sink: Sink, mut answers: mpsc::Receiver<String>) {
+        let device = self.feed.device();
         let mut seen = Seen {
             frame: 0,
             notice: self.feed.last_notice(),
+            device: device.seq,
         };
         let hello = Hello::new(&self.feed.picture, &self.feed.offers, self.has_token);
         let Ok(hello) = serde_json::to_string(&hello) else {
             return;
         };
-        let surface = Message::Binary(self.feed.surface.clone());
-        if sink.send(Message::Text(hello.into())).await.is_err()
-            || sink.send(surface).await.is_err()
-        {
-            return;
+        let first = [
+            Message::Text(hello.into()),
+            Message::Text(device.value.as_str().into()),
+            Message::Binary(self.feed.surface.clone()),
+        ];
+        for message in first {
+            if sink.send(message).await.is_err() {
+                return;
+            }
         }
         let mut ticks = interval(FRAME_TIME);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut pings = interval(self.feed.patience / PINGS);
         loop {
             let sent = tokio::select! {
                 Some(answer) = answers.recv() => sink.send(Message::Text(answer.into())).await,
                 _ = ticks.tick() => self.send_newest(&mut sink, &mut seen).await,
+                _ = pings.tick() => sink.send(Message::Ping(Bytes::new())).await,
             };
             if sent.is_err() {
                 return;
@@ -206,6 +218,12 @@ impl Page<'_> {
             seen.notice = notice.seq;
             let text = serde_json::json!({"type": "notice", "text": notice.value});
             sink.send(Message::Text(text.to_string().into())).await?;
+        }
+        let device = self.feed.device();
+        if device.seq != seen.device {
+            seen.device = device.seq;
+            sink.send(Message::Text(device.value.as_str().into()))
+                .await?;
         }
         if !self.stats.has_room() {
             return Ok(());
@@ -225,6 +243,7 @@ type Sink = SplitSink<WebSocket, Message>;
 struct Seen {
     frame: u64,
     notice: u64,
+    device: u64,
 }
 
 fn refusal(why: &str) -> String {

@@ -29,6 +29,9 @@ pub enum ViewError {
         /// The name.
         found: String,
     },
+    /// A page would be let go at once.
+    #[error("a patience of 0 s would let every page go: expected some seconds")]
+    NoPatience,
     /// A token of another form.
     #[error("a token has 32 hexadecimal digits, found {found} characters")]
     BadToken {

@@ -3,12 +3,14 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use arc_swap::ArcSwapOption;
+use arc_swap::{ArcSwap, ArcSwapOption};
 use axum::body::Bytes;
 
 use crate::client::{ClientInfo, ClientStats};
 use crate::command::ViewCommand;
+use crate::device::DeviceState;
 use crate::error::ViewError;
 use crate::frame::ViewFrame;
 use crate::guard::Guard;
@@ -28,10 +30,13 @@ pub(crate) struct Feed {
     /// Whether nothing is shown without the token.
     pub(crate) token_always: bool,
     pub(crate) guard: Guard,
+    /// How long a page may answer nothing.
+    pub(crate) patience: Duration,
     pub(crate) surface: Bytes,
     pub(crate) commands: SyncSender<ViewCommand>,
     latest: ArcSwapOption<Numbered<Bytes>>,
     notice: ArcSwapOption<Numbered<String>>,
+    device: ArcSwap<Numbered<String>>,
     n_pushed: AtomicU64,
     n_clients: AtomicUsize,
     clients: Mutex<Vec<Arc<ClientStats>>>,
@@ -64,8 +69,13 @@ impl Feed {
         token: Token,
         token_always: bool,
         guard: Guard,
+        patience: Duration,
         commands: SyncSender<ViewCommand>,
     ) -> Self {
+        let device = Numbered {
+            seq: 1,
+            value: wire::device(&DeviceState::default()),
+        };
         Self {
             surface: wire::surface(&picture).into(),
             picture,
@@ -73,9 +83,11 @@ impl Feed {
             token,
             token_always,
             guard,
+            patience,
             commands,
             latest: ArcSwapOption::empty(),
             notice: ArcSwapOption::empty(),
+            device: ArcSwap::from_pointee(device),
             n_pushed: AtomicU64::new(0),
             n_clients: AtomicUsize::new(0),
             clients: Mutex::new(Vec::new()),
@@ -99,6 +111,20 @@ impl Feed {
             value: text.to_owned(),
         };
         self.notice.store(Some(Arc::new(notice)));
+    }
+
+    pub(crate) fn set_device(&self, state: &DeviceState) {
+        let before = self.device();
+        let value = wire::device(state);
+        if value != before.value {
+            let seq = before.seq + 1;
+            self.device.store(Arc::new(Numbered { seq, value }));
+        }
+    }
+
+    /// What is known of the device.
+    pub(crate) fn device(&self) -> Arc<Numbered<String>> {
+        self.device.load_full()
     }
 
     /// The newest frame, unless it is number `seen`.

@@ -71,6 +71,8 @@ pub enum GaugeHealth {
     Saturated,
     /// Gives nothing.
     Dead,
+    /// Not counted at the moment: it jumped alone, or is not well for long enough.
+    LeftOut,
 }
 
 /// Rate, losses, latency, recording. Not finite: not known.
@@ -78,8 +80,10 @@ pub enum GaugeHealth {
 pub struct Health {
     /// Frames per second.
     pub rate_hz: f64,
-    /// Frames lost since the start.
+    /// Frames lost on the way since the start.
     pub n_lost: u64,
+    /// Frames that came and were dropped since the start, as computing was too slow for them.
+    pub n_dropped: u64,
     /// Packets refused for their CRC since the start.
     pub n_crc_errors: u64,
     /// Median time from sample to contact, µs.
@@ -124,6 +128,7 @@ impl Default for Health {
         Self {
             rate_hz: f64::NAN,
             n_lost: 0,
+            n_dropped: 0,
             n_crc_errors: 0,
             latency_p50_us: f64::NAN,
             latency_p99_us: f64::NAN,

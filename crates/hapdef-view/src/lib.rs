@@ -13,6 +13,7 @@
 mod assets;
 mod client;
 mod command;
+mod device;
 mod ellipse;
 mod error;
 mod feed;
@@ -26,6 +27,7 @@ mod wire;
 
 pub use client::ClientInfo;
 pub use command::ViewCommand;
+pub use device::DeviceState;
 pub use ellipse::semi_axes;
 pub use error::ViewError;
 pub use frame::{

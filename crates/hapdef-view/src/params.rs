@@ -1,6 +1,7 @@
 //! Where the page is served and what it offers.
 
 use std::net::{Ipv4Addr, SocketAddr};
+use std::time::Duration;
 
 use crate::error::ViewError;
 use crate::token::Token;
@@ -17,6 +18,8 @@ pub struct ViewParams {
     pub token: Option<Token>,
     /// What the page can ask for.
     pub offers: Offers,
+    /// A page that answers no ping for so long is let go, and its place is free.
+    pub patience: Duration,
 }
 
 /// What the page can ask for; a button shows only where it does something.
@@ -40,13 +43,14 @@ pub struct PressOffer {
 }
 
 impl Default for ViewParams {
-    /// Loopback, port 7717, a new token, no offers.
+    /// Loopback, port 7717, a new token, no offers, a patience of 30 s.
     fn default() -> Self {
         Self {
             bind: SocketAddr::from((Ipv4Addr::LOCALHOST, 7717)),
             allowed_hosts: Vec::new(),
             token: None,
             offers: Offers::default(),
+            patience: Duration::from_secs(30),
         }
     }
 }
@@ -60,6 +64,9 @@ impl ViewParams {
             return Err(ViewError::BadHost {
                 found: found.clone(),
             });
+        }
+        if self.patience.is_zero() {
+            return Err(ViewError::NoPatience);
         }
         match self.offers.press {
             Some(press)

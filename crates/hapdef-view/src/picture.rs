@@ -7,8 +7,6 @@ use crate::error::ViewError;
 pub struct LimbPicture {
     /// Heading of the page.
     pub title: String,
-    /// Whether readings come from a simulation; the page says so.
-    pub simulated: bool,
     /// Surface nodes `[n][3]`, m.
     pub vertices_m: Vec<[f32; 3]>,
     /// Outward unit normals `[n][3]`.

@@ -19,6 +19,7 @@ use tokio::time::interval;
 use crate::assets;
 use crate::client::{self, ClientInfo};
 use crate::command::ViewCommand;
+use crate::device::DeviceState;
 use crate::error::ViewError;
 use crate::feed::Feed;
 use crate::frame::ViewFrame;
@@ -78,6 +79,7 @@ impl ViewServer {
             token,
             !address.ip().is_loopback(),
             Guard::new(address, &params.allowed_hosts),
+            params.patience,
             sender,
         ));
         let (stop, stopped) = oneshot::channel();
@@ -112,6 +114,11 @@ impl ViewHandle {
     /// Says something to the people at the page, who see the latest only.
     pub fn say(&self, text: &str) {
         self.pusher.say(text);
+    }
+
+    /// Tells of the device: pages that are open, and those that come later.
+    pub fn set_device(&self, state: &DeviceState) {
+        self.pusher.feed.set_device(state);
     }
 
     /// What people do on the page. Commands beyond 256 that wait are refused.

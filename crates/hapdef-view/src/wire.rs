@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
+use crate::device::DeviceState;
 use crate::ellipse::semi_axes;
 use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, ViewFrame};
 use crate::params::Offers;
 use crate::picture::LimbPicture;
 
 /// Version of the messages.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 /// First byte of the limb's surface.
 const KIND_SURFACE: u8 = 1;
 /// First byte of a frame.
@@ -21,7 +22,6 @@ pub(crate) struct Hello<'a> {
     kind: &'static str,
     version: u8,
     title: &'a str,
-    simulated: bool,
     up: Option<[f64; 3]>,
     view_from: Option<[f64; 3]>,
     gauges: Vec<HelloGauge<'a>>,
@@ -57,7 +57,6 @@ impl<'a> Hello<'a> {
             kind: "hello",
             version: VERSION,
             title: &picture.title,
-            simulated: picture.simulated,
             up: picture.up,
             view_from: picture.view_from,
             gauges: picture.gauges.iter().map(HelloGauge::new).collect(),
@@ -84,6 +83,15 @@ impl<'a> HelloGauge<'a> {
     }
 }
 
+/// Where readings come from.
+pub(crate) fn device(state: &DeviceState) -> String {
+    let DeviceState {
+        is_simulated,
+        fault,
+    } = state;
+    serde_json::json!({"type": "device", "simulated": is_simulated, "fault": fault}).to_string()
+}
+
 /// The surface: 16 bytes, vertices, normals, triangles.
 pub(crate) fn surface(picture: &LimbPicture) -> Vec<u8> {
     let (n, m) = (picture.vertices_m.len(), picture.triangles.len());
@@ -101,7 +109,7 @@ pub(crate) fn surface(picture: &LimbPicture) -> Vec<u8> {
     out
 }
 
-/// A frame that was checked: 64 bytes, readings, states, contacts, alternatives, displacement.
+/// A frame that was checked: 68 bytes, readings, states, contacts, alternatives, displacement.
 pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
     let n_gauges = frame.readings_ue.len();
     let mut out = Vec::with_capacity(256 + 8 * n_gauges + displacement_bytes(&frame.displacement));
@@ -114,6 +122,7 @@ pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
             None | Some(GaugeHealth::Good) => 0,
             Some(GaugeHealth::Saturated) => 1,
             Some(GaugeHealth::Dead) => 2,
+            Some(GaugeHealth::LeftOut) => 3,
         });
     }
     out.resize(out.len().next_multiple_of(4), 0);
@@ -167,6 +176,7 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
         out,
         frame.replay.map_or(f64::NAN, |replay| replay.duration_s),
     );
+    put_u32(out, health.n_dropped);
 }
 
 /// 72 bytes: number, weight, position, normal, force, its deviation, two half axes.
@@ -229,7 +239,10 @@ fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{frame, surface};
+    use serde_json::json;
+
+    use super::{device, frame, surface};
+    use crate::device::DeviceState;
     use crate::frame::{
         ContactMark, Displacement, GaugeHealth, Recording, ReplayPosition, Uncertainty, ViewFrame,
     };
@@ -253,10 +266,30 @@ mod tests {
         };
         let bytes = surface(&picture);
         assert_eq!(bytes.len(), 16 + 3 * 24 + 12);
-        assert_eq!(bytes[..12], [1, 1, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(bytes[..12], [1, 2, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
         assert_eq!(f32_at(&bytes, 16 + 12), 0.25);
         assert_eq!(f32_at(&bytes, 16 + 36 + 8), 1.0);
         assert_eq!(bytes[16 + 72 + 8], 2);
+    }
+
+    #[test]
+    fn device_is_as_the_docs_say() {
+        let told = |is_simulated, fault: Option<&str>| -> serde_json::Value {
+            let fault = fault.map(str::to_owned);
+            let text = device(&DeviceState {
+                is_simulated,
+                fault,
+            });
+            serde_json::from_str(&text).unwrap()
+        };
+        assert_eq!(
+            told(true, Some("no port")),
+            json!({"type": "device", "simulated": true, "fault": "no port"})
+        );
+        assert_eq!(
+            told(false, None),
+            json!({"type": "device", "simulated": false, "fault": null})
+        );
     }
 
     #[test]
@@ -278,38 +311,45 @@ mod tests {
         };
         let mut shown = ViewFrame {
             t_s: 1.5,
-            readings_ue: vec![3.0, -8.0, 0.0],
-            gauge_health: vec![GaugeHealth::Good, GaugeHealth::Saturated, GaugeHealth::Dead],
+            readings_ue: vec![3.0, -8.0, 0.0, 1.0],
+            gauge_health: vec![
+                GaugeHealth::Good,
+                GaugeHealth::Saturated,
+                GaugeHealth::Dead,
+                GaugeHealth::LeftOut,
+            ],
             contacts: vec![contact],
             alternatives: vec![(0.25, vec![other])],
             displacement: Displacement::Vector(vec![[1.0, 2.0, 3.0]; 2]),
             ..ViewFrame::default()
         };
         shown.health.n_lost = u64::MAX;
+        shown.health.n_dropped = 513;
         shown.health.recording = Recording::On { recorded_s: 2.0 };
         let bytes = frame(&shown, 258);
-        assert_eq!(bytes.len(), 64 + 12 + 4 + 72 + 72 + 24);
-        assert_eq!(bytes[..8], [2, 1, 3, 1, 2, 1, 0, 0]);
+        assert_eq!(bytes.len(), 68 + 16 + 4 + 72 + 72 + 24);
+        assert_eq!(bytes[..8], [2, 2, 3, 1, 2, 1, 0, 0]);
         assert_eq!(f64::from_le_bytes(bytes[8..16].try_into().unwrap()), 1.5);
-        assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [3, 1, 1]);
+        assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [4, 1, 1]);
         assert_eq!(bytes[24..28], [2, 0, 0, 0]);
         assert_eq!(bytes[32..36], [255; 4]);
         assert_eq!(f32_at(&bytes, 52), 2.0);
         assert!(f32_at(&bytes, 56).is_nan());
-        assert_eq!([64, 68].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);
-        assert_eq!(bytes[76..80], [0, 1, 2, 0]);
-        assert_eq!(bytes[80], 7);
+        assert_eq!(bytes[64..68], [1, 2, 0, 0]);
+        assert_eq!([68, 72].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);
+        assert_eq!(bytes[84..88], [0, 1, 2, 3]);
+        assert_eq!(bytes[88], 7);
         assert_eq!(
-            [84, 88, 104, 116].map(|at| f32_at(&bytes, at)),
+            [92, 96, 112, 124].map(|at| f32_at(&bytes, at)),
             [1.0, 0.5, 1.0, -4.0]
         );
         assert_eq!(
-            [124, 128, 148].map(|at| f32_at(&bytes, at)),
+            [132, 136, 156].map(|at| f32_at(&bytes, at)),
             [0.125, 0.5, 0.25]
         );
-        assert_eq!(f32_at(&bytes, 152 + 4), 0.25);
-        assert!(f32_at(&bytes, 152 + 44).is_nan());
-        assert_eq!(f32_at(&bytes, 224 + 20), 3.0);
+        assert_eq!(f32_at(&bytes, 160 + 4), 0.25);
+        assert!(f32_at(&bytes, 160 + 44).is_nan());
+        assert_eq!(f32_at(&bytes, 232 + 20), 3.0);
         assert_eq!(u16_at(&bytes, 22), 0);
         shown.replay = Some(ReplayPosition {
             position_s: 4.0,

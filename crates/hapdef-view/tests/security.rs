@@ -195,6 +195,31 @@ fn a_ninth_page_waits_for_a_place() {
 }
 
 #[test]
+fn a_page_that_answers_no_ping_gives_its_place_back() {
+    let view = serve(ViewParams {
+        patience: Duration::from_secs(2),
+        ..params()
+    });
+    let port = view.address().port();
+    let mut silent = connect(port);
+    let mut answering = connect(port);
+    for socket in [&mut silent, &mut answering] {
+        greet(socket, None);
+    }
+    let answers = std::thread::spawn(move || {
+        let mut n_pings = 0;
+        while n_pings < 8 {
+            n_pings += u32::from(matches!(answering.read().unwrap(), Message::Ping(_)));
+        }
+        answering
+    });
+    let answering = answers.join().unwrap();
+    // Eight pings are twice the patience.
+    assert_eq!(view.clients().len(), 1);
+    drop((silent, answering));
+}
+
+#[test]
 fn more_than_64_kib_end_the_connection() {
     let view = serve(params());
     let port = view.address().port();

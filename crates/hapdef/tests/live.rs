@@ -122,6 +122,13 @@ fn a_recording_is_played_into_contacts() {
         &[&reach[..], &["tcp:0.0.0.0:0"]].concat(),
         &["--insecure-bind"],
     );
+    let everywhere = ["live", &file, "--source", &source, "--view"];
+    let everywhere = [&everywhere[..], &["--view-bind", "0.0.0.0"]].concat();
+    refused(&everywhere, &["--view-bind", "--insecure-bind"]);
+    refused(
+        &[&everywhere[..], &["--insecure-bind"]].concat(),
+        &["--view-bind", "--view-host"],
+    );
     a_full_disk_is_told_while_it_goes_on(&file, &recording, &path("full.mcap"));
     the_calibration_in_use_is_recorded(&bundle, &source, folder.path());
     damage_is_told_and_counted(&file, &recording);

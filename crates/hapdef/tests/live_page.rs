@@ -43,6 +43,7 @@ fn a_page_presses_records_keeps_and_plays_again() {
     let program = Program::start(&scene, &sim, 0);
     let mut page = program.page();
     assert_eq!(page.hello["offers"]["record"], true);
+    assert_eq!(page.device["simulated"], true);
     let (point, _) = page.node(NODE);
     page.hear("Tared");
     press(&mut page);
@@ -102,6 +103,8 @@ fn record(page: &mut Page, point: [f64; 3]) -> PathBuf {
     let text = std::fs::read_to_string(kept.strip_prefix("Kept in ").unwrap()).unwrap();
     let kept: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(kept["t_s"], frame.t_s);
+    assert_eq!(kept["simulated"], true);
+    assert_eq!(kept["device_fault"], Value::Null);
     assert_eq!(kept["frame"]["contacts"].as_array().unwrap().len(), 1);
     let at = [0, 1, 2].map(|i| {
         kept["frame"]["contacts"][0]["position_m"][i]
@@ -117,7 +120,7 @@ fn record(page: &mut Page, point: [f64; 3]) -> PathBuf {
     path
 }
 
-/// Readings without a gap, and for them what was found and what is true.
+/// Readings, and for them without a gap what was found and what is true.
 fn what_is_recorded(path: &Path, point: [f64; 3]) {
     let mut recording = Recording::open(path).unwrap();
     let (mut frames, mut found, mut truth) = (Vec::new(), Vec::new(), Vec::new());
@@ -136,7 +139,10 @@ fn what_is_recorded(path: &Path, point: [f64; 3]) {
     let n = frames.len();
     assert!(n >= 2000, "{n} readings");
     println!("{n} readings, {} found, {} true", found.len(), truth.len());
-    assert!(found.len() > n - n / 10 && truth.len() > n - n / 10);
+    for all in [&found, &truth] {
+        let is_next = |pair: &[(u64, msg::Contacts)]| pair[1].1.seq == pair[0].1.seq + 1;
+        assert!(all.windows(2).all(is_next), "a reading is left out");
+    }
     let is_known =
         |(time_ns, contacts): &(u64, msg::Contacts)| frames.contains(&(contacts.seq, *time_ns));
     assert!(found.iter().all(is_known) && truth.iter().all(is_known));
@@ -158,6 +164,7 @@ fn plays_again(scene: &Path, recording: &Path, point: [f64; 3]) {
     let mut page = program.page();
     assert_eq!(page.hello["offers"]["record"], false);
     let frame = page.until("it plays", |frame| frame.position_s > 0.6);
+    assert_eq!(page.device["simulated"], true);
     assert!(frame.duration_s > 2.5, "{} s", frame.duration_s);
     page.say(&json!({"cmd": "pause", "on": true}));
     for (position_s, is_touched) in [(2.5, true), (0.7, false), (2.0, true)] {

@@ -6,6 +6,7 @@ use super::wire::{MAX_BODY_LEN, MAX_CHANNELS, MINOR_VERSION, array_at, crc32c, u
 const FIXED_LEN: usize = 32;
 const CHANNEL_LEN: usize = 16;
 const LINES_UID: &[u8; 16] = b"lines of 12 bits";
+const SIMULATED_UID: [u8; 16] = *b"hapdef simulated";
 
 /// Number format of the samples in DATA packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -204,6 +205,15 @@ impl Channel {
 }
 
 impl Hello {
+    /// [`Self::uid`] of the virtual rig.
+    pub const RIG_UID: [u8; 16] = *b"hapdef rig (sim)";
+
+    /// Whether the device says that it is simulated.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        [SIMULATED_UID, Self::RIG_UID].contains(&self.uid)
+    }
+
     /// A device of quarter bridges G0, G1, … with scale 1 and one scan per packet, for tests and
     /// simulated devices.
     #[must_use]
@@ -213,7 +223,7 @@ impl Hello {
             format,
             n_scans: 1,
             rate_mhz: rate_hz.saturating_mul(1000),
-            uid: *b"hapdef simulated",
+            uid: SIMULATED_UID,
             boot_id: 1,
             firmware: 1,
             channels: (0..n_channels)

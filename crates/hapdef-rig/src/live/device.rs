@@ -362,7 +362,7 @@ fn hello(electronics: &LiveElectronics, params: &RigDeviceParams) -> Hello {
         format,
         n_scans: 1,
         rate_mhz: (params.rate_hz * 1e3).round() as u32,
-        uid: *b"hapdef rig (sim)",
+        uid: Hello::RIG_UID,
         boot_id: params.boot_id,
         firmware: 1,
         channels: (0..n).map(channel).chain(temperature).collect(),

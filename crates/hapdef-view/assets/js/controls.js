@@ -1,10 +1,14 @@
 // Buttons, sliders, keys.
 
+import { put } from "./text.js";
+
 /** Largest exaggeration; the slider is logarithmic from 1, its left end is none. */
 const MOST = 1000;
 const TURN = Math.PI / 24;
 /** Keys that move a slider. */
 const MOVES_SLIDER = /^(Arrow|Page|Home|End)/;
+/** Keys that scroll a page that is longer than its window. */
+const SCROLLS = /^(Arrow.*| )$/;
 
 /** Wires the page's controls to `act`, an object of functions. */
 export class Controls {
@@ -63,8 +67,8 @@ export class Controls {
   }
 
   setPaused(on) {
-    this.byId("pause").ariaPressed = String(on);
-    this.byId("pause").textContent = on ? "Resume" : "Pause";
+    if (this.byId("pause").ariaPressed !== String(on)) this.byId("pause").ariaPressed = String(on);
+    put(this.byId("pause"), on ? "Resume" : "Pause");
   }
 
   /** The scrubber: `at` within `from`…`to`, s. */
@@ -78,8 +82,8 @@ export class Controls {
 
   /** What a slider stands at, to read and to hear. */
   tell(slider, text) {
-    this.byId(`${slider}-out`).textContent = text;
-    this.byId(slider).ariaValueText = text;
+    put(this.byId(`${slider}-out`), text);
+    if (this.byId(slider).ariaValueText !== text) this.byId(slider).ariaValueText = text;
   }
 
   key(event) {
@@ -116,5 +120,12 @@ export class Controls {
 function isOwn({ target, key }) {
   if (target.matches("select")) return true;
   if (target.matches("input")) return MOVES_SLIDER.test(key);
-  return target.matches("button") && (key === " " || key === "Enter");
+  if (target.matches("button") && (key === " " || key === "Enter")) return true;
+  return SCROLLS.test(key) && !target.matches("#limb") && isLong(target);
+}
+
+/** Whether there is more of what has the focus, or of the page, than is seen. */
+function isLong(target) {
+  const parts = [target.closest("aside"), document.scrollingElement].filter(Boolean);
+  return parts.some((part) => part.scrollHeight > part.clientHeight + 1);
 }

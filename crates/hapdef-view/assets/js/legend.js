@@ -1,6 +1,7 @@
 // Scales: colours, exaggeration, length.
 
 import { mapColour, roundUp } from "./colour.js";
+import { put } from "./text.js";
 
 /** From this end of the colours on they are in mm, m. */
 const FROM_MM = 1e-3;
@@ -48,7 +49,7 @@ export class Legend {
     this.length = { width: metres / metresPerPixel, text: `${number(metres * 1e3)} mm` };
     const [bar, text] = this.ruler.children;
     bar.style.width = `${this.length.width}px`;
-    text.textContent = this.length.text;
+    put(text, this.length.text);
   }
 }
 

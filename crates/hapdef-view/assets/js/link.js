@@ -6,7 +6,8 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
 const CLOSE_TOKEN = 4401;
 
-/** Connects for ever; `on` has hello(hello, surface), frame(buffer), text(message), state(name). */
+/** Connects for ever; `on` has hello(hello, surface), device(message), frame(buffer),
+ * text(message), state(name). */
 export class Link {
   constructor(on) {
     this.on = on;
@@ -39,6 +40,7 @@ export class Link {
     if (typeof data === "string") {
       const message = JSON.parse(data);
       if (message.type === "hello") this.hello = message;
+      else if (message.type === "device") this.on.device(message);
       else this.on.text(message);
     } else if (kindOf(data) === 1) {
       this.wait = FIRST_WAIT_MS;

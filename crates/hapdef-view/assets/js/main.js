@@ -13,6 +13,7 @@ import { compose } from "./picture.js";
 import { Press } from "./press.js";
 import { Sites } from "./sites.js";
 import { Stage } from "./stage.js";
+import { put } from "./text.js";
 
 const STATES = { live: "live", away: "reconnecting", locked: "needs its token" };
 const SAY_MS = 4000;
@@ -23,7 +24,7 @@ const labels = new Labels(byId("labels"));
 const legend = new Legend(byId("legend"), byId("ruler"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null };
+const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -55,7 +56,7 @@ const controls = new Controls(byId, {
   },
 });
 
-const link = new Link({ hello, frame, text, state });
+const link = new Link({ hello, device, frame, text, state });
 requestAnimationFrame(tick);
 
 /** The stage, or what stands in for it where there is no WebGL. */
@@ -71,7 +72,6 @@ function makeStage(canvas) {
 function hello(message, surface) {
   document.title = `${message.title} · hapdef`;
   byId("title").textContent = message.title;
-  byId("simulated").hidden = !message.simulated;
   const isOther = !view.limb || !isSame(view.limb.rest, surface.positions);
   for (const part of [view.limb?.mesh, view.marks?.group, view.sites?.group]) if (part) stage.scene.remove(part);
   for (const part of [view.limb, view.marks, view.sites]) part?.dispose();
@@ -87,10 +87,27 @@ function hello(message, surface) {
   Object.assign(view, { shown: null, marked: null, drawnSeq: null });
   hold(null);
   panel.setGauges(message.gauges);
-  panel.showNoContacts("Waiting for readings");
+  panel.wait();
   view.offers = message.offers;
   controls.offer(message.offers);
   if (!message.offers.commands) byId("link").textContent = "view only";
+}
+
+/** Where readings come from: whether they are simulated, why none come. */
+function device({ simulated, fault }) {
+  byId("simulated").hidden = !simulated;
+  put(byId("device"), fault ? "device away" : "");
+  byId("device").title = fault ?? "";
+  view.fault = fault;
+  panel.setFault(fault && `Device away: ${fault}`);
+  if (!history.last) panel.wait();
+  view.fresh = true;
+  age();
+}
+
+/** Dims a limb that nothing new is known of. */
+function age() {
+  byId("stage").classList.toggle("old", view.fault !== null || byId("link").dataset.state !== "live");
 }
 
 function frame(buffer) {
@@ -98,7 +115,7 @@ function frame(buffer) {
   const now = history.add(buffer);
   announce(before, now);
   byId("record").ariaPressed = String(now.health.recording === "on");
-  panel.showHealth(now.health, performance.now());
+  panel.showHealth(now.health, now.replay, performance.now());
   if (now.replay) controls.setPaused(now.replay.paused);
   if (!view.held || now.replay) view.fresh = true;
   link.send({ cmd: "got", drawn: view.drawnSeq });
@@ -111,17 +128,22 @@ function text({ type, text: words }) {
 function state(name) {
   byId("link").dataset.state = name;
   byId("link").textContent = STATES[name];
+  age();
 }
 
 /** Draws what is new, at most once for each picture of the screen. */
 function tick(now) {
   requestAnimationFrame(tick);
+  const began = performance.now();
   if (view.fresh && view.limb) {
     const chosen = view.held?.frame ?? history.last;
     if (chosen) show(chosen, now);
     view.fresh = false;
   }
-  if (stage.draw() && view.limb) dress();
+  if (stage.draw() && view.limb) {
+    dress();
+    view.workMs += performance.now() - began;
+  }
 }
 
 /** What goes with a picture that was just drawn. */
@@ -200,7 +222,7 @@ function seek(to) {
 function snapshot() {
   picture().toBlob((blob) => {
     const url = URL.createObjectURL(blob);
-    Object.assign(document.createElement("a"), { href: url, download: "hapdef.png" }).click();
+    Object.assign(document.createElement("a"), { href: url, download: `${byId("title").textContent.replace(/[^a-z0-9]/giu, "-")}-snapshot.png` }).click();
     URL.revokeObjectURL(url);
   });
   if (view.offers.commands && view.shown) send({ cmd: "snapshot", t_s: view.shown.t });
@@ -210,7 +232,7 @@ function snapshot() {
 function picture() {
   stage.stale = true;
   stage.draw();
-  const tags = [...["simulated"].filter(() => !byId("simulated").hidden), new Date().toISOString().slice(0, 19).replace("T", " ") + " UTC"];
+  const tags = [...["simulated"].filter(() => !byId("simulated").hidden), ...[byId("device").textContent].filter(Boolean), new Date().toISOString().slice(0, 19).replace("T", " ") + " UTC"];
   const exaggerated = view.exaggeration ? byId("exaggerate-out").textContent : "";
   return compose(byId("stage"), stage.canvas, byId("bar"), {
     title: byId("title").textContent,
@@ -250,6 +272,12 @@ function clock(seconds) {
   return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
 }
 
+function onScreen(point) {
+  const { left, top } = stage.canvas.getBoundingClientRect();
+  const [x, y] = stage.project(point);
+  return [left + x, top + y];
+}
+
 /** For tests: what is shown, and where a node is on the screen. */
 globalThis.hapdefView = {
   get nodes() { return view.limb ? view.limb.rest.length / 3 : 0; },
@@ -263,17 +291,18 @@ globalThis.hapdefView = {
   picture,
   get coloured() { return view.shown?.components ? view.shown.displacement.length / view.shown.components : 0; },
   get drawn() { return view.drawn; },
+  /** Time that the pictures drawn so far took this page's own script, ms. */
+  get workMs() { return view.workMs; },
   get seq() { return view.shown?.seq ?? 0; },
   get contacts() { return (view.shown?.contacts ?? []).map((mark) => Array.from(mark.position)); },
   get arrows() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible).map((arrow) => arrow.body.position.toArray()); },
+  /** Tip and tail of an arrow on the screen. */
+  arrowEnds: (i) => [stage.sphere.center.clone().fromArray(view.marked[i].mark.position), view.marked[i].tail].map(onScreen),
+  get times() { return history.entries.map((entry) => entry.t); },
   node: (i) => view.limb.node(i).toArray(),
   drawnNode: (i) => view.limb.drawnNode(i).toArray(),
   pickable: (point) => view.limb.geometry.boundingSphere.distanceToPoint(stage.sphere.center.clone().fromArray(point)) < 1e-6,
-  project(i) {
-    const { left, top } = stage.canvas.getBoundingClientRect();
-    const [x, y] = stage.project(view.limb.node(i));
-    return [left + x, top + y];
-  },
+  project: (i) => onScreen(view.limb.node(i)),
   /** The node that faces the viewer nearest to the middle. */
   facing() {
     const { clientWidth, clientHeight } = stage.canvas;

@@ -2,8 +2,10 @@
 
 import { contactColour, mapColour, roundUp } from "./colour.js";
 import { Plot, SPAN_S } from "./plot.js";
+import { element, keep, put } from "./text.js";
 
-const STATES = ["", "saturated", "dead"];
+const STATES = ["", "saturated", "dead", "out"];
+const WORDS = { saturated: "sat.", dead: "dead", out: "out" };
 const TEXT_MS = 100;
 const PLOT_MS = 50;
 /** A pause longer than this, s, breaks a contact's line. */
@@ -28,14 +30,11 @@ export class Panel {
   }
 
   row(gauge, i) {
-    const root = document.createElement("li");
-    const name = Object.assign(document.createElement("span"), { textContent: gauge.name });
-    const track = Object.assign(document.createElement("span"), { className: "track" });
-    const fill = Object.assign(document.createElement("span"), { className: "fill" });
-    const value = Object.assign(document.createElement("span"), { className: "value" });
-    track.append(fill);
+    const fill = element("span", "fill");
+    const track = element("span", "track", fill);
+    const value = element("span", "value");
     track.setAttribute("aria-hidden", "true");
-    root.append(name, track, value);
+    const root = element("li", "", element("span", "", gauge.name), track, value);
     root.onpointerenter = () => this.look(i);
     root.onpointerleave = () => this.look(-1);
     return { root, fill, value };
@@ -78,13 +77,26 @@ export class Panel {
   }
 
   showContacts({ contacts, others }) {
-    const rows = [...contacts.map((mark) => contactRow(mark, false)), ...others.map((mark) => contactRow(mark, true))];
-    if (!rows.length) this.showNoContacts("Nothing touches");
-    else this.byId("contacts").replaceChildren(...rows);
+    const marks = [...contacts.map((mark) => ({ mark, other: false })), ...others.map((mark) => ({ mark, other: true }))];
+    this.byId("no-contacts").hidden = marks.length > 0;
+    if (!marks.length) this.showNoContacts(this.fault ?? "Nothing touches");
+    for (const [row, item] of keep(this.byId("contacts"), marks, makeContact)) fillContact(row, item);
   }
 
   showNoContacts(why) {
-    this.byId("contacts").replaceChildren(Object.assign(document.createElement("li"), { className: "none", textContent: why }));
+    put(this.byId("no-contacts"), why);
+  }
+
+  /** Before there is a frame. */
+  wait() {
+    this.showContacts({ contacts: [], others: [] });
+    this.showNoContacts(this.fault ?? "Waiting for readings");
+  }
+
+  /** Why no readings come; null: they do. */
+  setFault(why) {
+    this.fault = why;
+    this.refresh();
   }
 
   showGauges({ readings, states }) {
@@ -92,53 +104,48 @@ export class Panel {
     const range = roundUp(Math.max(10, ...finite.map(Math.abs)));
     this.rows.forEach(({ root, fill, value }, i) => {
       const state = STATES[states[i]];
-      root.classList.toggle("dead", state === "dead");
-      root.classList.toggle("saturated", state === "saturated");
+      for (const name of STATES.slice(1)) root.classList.toggle(name, state === name);
       const known = Number.isFinite(readings[i]) && state !== "dead";
       fill.style.transform = `scaleX(${known ? Math.max(-1, Math.min(1, readings[i] / range)) : 0})`;
-      value.textContent = state === "dead" ? "dead" : state ? "sat." : known ? signed(readings[i]) : "–";
-      root.title = state;
+      put(value, WORDS[state] ?? (known ? signed(readings[i]) : "–"));
+      root.title = state === "out" ? "left out: it jumped alone, or is not well for long enough" : state;
     });
   }
 
-  /** Health is always the newest, whatever frame is shown. */
-  showHealth(health, now) {
+  /** Health is always the newest, whatever frame is shown; a replay may stand still. */
+  showHealth(health, replay, now) {
     if (now - this.healthAt < TEXT_MS) return;
     this.healthAt = now;
     const items = [
-      ["Rate", Number.isFinite(health.rate) ? `${health.rate.toFixed(0)} Hz` : "–", false],
+      ["Rate", Number.isFinite(health.rate) ? `${health.rate.toFixed(0)} Hz` : "–", health.rate === 0 && !replay],
       ["Lost", count(health.lost), health.lost > 0],
+      ["Dropped", count(health.dropped), health.dropped > 0],
       ["CRC errors", count(health.crc), health.crc > 0],
       ["Latency", `${time(health.p50)} · p99 ${time(health.p99)}`, false],
       ["Clock", Number.isFinite(health.clock) ? `±${time(health.clock)}` : "–", false],
       ["Recording", recording(health), health.recording === "failed"],
     ];
-    this.byId("health").replaceChildren(...items.map(([name, text, bad]) => {
-      const root = document.createElement("div");
-      root.classList.toggle("bad", bad);
-      root.append(
-        Object.assign(document.createElement("dt"), { textContent: name }),
-        Object.assign(document.createElement("dd"), { textContent: text }),
-      );
-      return root;
-    }));
+    const makeItem = () => element("div", "", element("dt"), element("dd"));
+    for (const [row, [name, text, bad]] of keep(this.byId("health"), items, makeItem)) {
+      row.classList.toggle("bad", bad);
+      put(row.children[0], name);
+      put(row.children[1], text);
+    }
   }
 }
 
 /** A force with a sensible number of digits. */
 export const newtons = (force) => `${force.toFixed(force < 9.95 ? 1 : 0)} N`;
 
-function contactRow(mark, other) {
-  const root = document.createElement("li");
-  root.classList.toggle("other", other);
-  root.style.setProperty("--mark", contactColour(mark.id));
-  const force = Object.assign(document.createElement("b"), { textContent: newtons(mark.newtons) });
-  const sure = Object.assign(document.createElement("span"), {
-    textContent: other ? `or this, ${(100 * mark.weight).toFixed(0)} %` : forceSd(mark),
-  });
-  const where = Object.assign(document.createElement("span"), { textContent: place(mark) });
-  root.append(force, sure, where);
-  return root;
+const makeContact = () => element("li", "", element("b"), element("span"), element("span"));
+
+function fillContact(row, { mark, other }) {
+  const [force, sure, where] = row.children;
+  row.classList.toggle("other", other);
+  row.style.setProperty("--mark", contactColour(mark.id));
+  put(force, newtons(mark.newtons));
+  put(sure, other ? `or this, ${(100 * mark.weight).toFixed(0)} %` : forceSd(mark));
+  put(where, place(mark));
 }
 
 function forceSd({ forceSd: sd }) {

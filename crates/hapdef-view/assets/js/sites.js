@@ -4,7 +4,7 @@ import {
   BoxGeometry, Color, GreaterDepth, Group, InstancedMesh, Matrix4, MeshBasicMaterial, Quaternion, Vector3,
 } from "../vendor/three/three.module.min.js";
 
-const COLOURS = ["#f3f6fa", "#ffb454", "#ff7b72"];
+const COLOURS = ["#f3f6fa", "#ffb454", "#ff7b72", "#8a94a3"];
 const SEEN = "#5cc8ff";
 
 /** Gauges on the limb, faint where the limb hides them. */

@@ -1,6 +1,7 @@
 // Messages of the server, byte by byte as docs/view.md has them. Little-endian.
 
-const VERSION = 1;
+const VERSION = 2;
+const HEADER_BYTES = 68;
 const MARK_BYTES = 72;
 
 /** Kind of a binary message: 1 surface, 2 frame. */
@@ -34,7 +35,7 @@ export function readFrame(buffer) {
   const nContacts = view.getUint16(18, true);
   const nOthers = view.getUint16(20, true);
   const components = view.getUint8(2);
-  const statesAt = 64 + 4 * nGauges;
+  const statesAt = HEADER_BYTES + 4 * nGauges;
   const contactsAt = statesAt + 4 * Math.ceil(nGauges / 4);
   const othersAt = contactsAt + MARK_BYTES * nContacts;
   const displacementAt = othersAt + MARK_BYTES * nOthers;
@@ -42,11 +43,11 @@ export function readFrame(buffer) {
     seq: u32(4),
     t: view.getFloat64(8, true),
     health: {
-      rate: f32(28), lost: u32(32), crc: u32(36), p50: f32(40), p99: f32(44), clock: f32(48),
+      rate: f32(28), lost: u32(32), dropped: u32(64), crc: u32(36), p50: f32(40), p99: f32(44), clock: f32(48),
       recording: ["off", "on", "failed"][view.getUint8(3)], recorded: f32(52),
     },
     replay: Number.isFinite(f32(60)) ? { position: f32(56), duration: f32(60), paused: Boolean(view.getUint16(22, true) & 1) } : null,
-    readings: new Float32Array(buffer, 64, nGauges),
+    readings: new Float32Array(buffer, HEADER_BYTES, nGauges),
     states: new Uint8Array(buffer, statesAt, nGauges),
     contacts: readMarks(buffer, contactsAt, nContacts),
     others: readMarks(buffer, othersAt, nOthers),

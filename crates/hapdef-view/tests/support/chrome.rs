@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -18,18 +19,24 @@ const PATIENCE: Duration = Duration::from_secs(40);
 /// Of pictures that lose something, percent.
 const WEBP_QUALITY: u32 = 85;
 
+/// The event of a script that is halted.
+const PAUSED: &str = "Debugger.paused";
+
 /// Why something of the browser failed.
 pub type Fault = Box<dyn std::error::Error>;
 
 /// A browser with one page.
 pub struct Chrome {
-    child: Child,
+    child: Running,
     socket: WebSocket<TcpStream>,
     session: String,
     next_id: u64,
     events: Vec<Value>,
     _profile: TempDir,
 }
+
+/// A process that ends when this is dropped.
+struct Running(Child);
 
 /// Where a Chromium is: `HAPDEF_CHROMIUM`, else the usual places.
 pub fn find() -> Option<PathBuf> {
@@ -64,7 +71,7 @@ impl Chrome {
     /// Starts a browser with a window of `size` CSS pixels, on a dark or a light system.
     pub fn start(program: &Path, size: (u32, u32), dark: bool) -> Result<Self, Fault> {
         let profile = tempfile::tempdir()?;
-        let mut child = Command::new(program)
+        let child = Command::new(program)
             .args([
                 "--headless=new",
                 "--remote-debugging-port=0",
@@ -86,7 +93,8 @@ impl Chrome {
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()?;
-        let url = devtools_url(&mut child)?;
+        let mut child = Running(child);
+        let url = devtools_url(&mut child.0)?;
         let address = url
             .strip_prefix("ws://")
             .and_then(|rest| rest.split('/').next());
@@ -147,15 +155,16 @@ impl Chrome {
         Ok(())
     }
 
-    /// Role and name of everything that a screen reader stops at.
-    pub fn named(&mut self) -> Result<Vec<(String, String)>, Fault> {
-        let tree = self.call("Accessibility.getFullAXTree", json!({}))?;
-        let nodes = tree["nodes"].as_array().ok_or("no tree")?;
-        let seen = nodes.iter().filter(|node| node["ignored"] == false);
-        let word = |value: &Value| value["value"].as_str().unwrap_or_default().to_owned();
-        Ok(seen
-            .map(|node| (word(&node["role"]), word(&node["name"])))
-            .collect())
+    /// What a screen reader says of an element, empty where it passes it over; an expression of the
+    /// page gives the element.
+    pub fn name_of(&mut self, element: &str) -> Result<String, Fault> {
+        let found = self.call("Runtime.evaluate", json!({"expression": element}))?;
+        let ask = json!({"objectId": found["result"]["objectId"], "fetchRelatives": false});
+        let node = &self.call("Accessibility.getPartialAXTree", ask)?["nodes"][0];
+        let name = node["name"]["value"]
+            .as_str()
+            .filter(|_| node["ignored"] == false);
+        Ok(name.unwrap_or_default().trim().to_owned())
     }
 
     /// The value of an expression of the page.
@@ -168,9 +177,21 @@ impl Chrome {
         Ok(answer["result"]["value"].clone())
     }
 
-    /// Starts an expression without waiting for its value.
-    pub fn start_eval(&mut self, expression: &str) -> Result<(), Fault> {
-        self.send("Runtime.evaluate", json!({"expression": expression}))?;
+    /// Halts the page's script until [`Self::go_on`]; the page hangs, and takes nothing.
+    pub fn halt(&mut self) -> Result<(), Fault> {
+        self.call("Debugger.enable", json!({}))?;
+        self.events.retain(|event| event["method"] != PAUSED);
+        self.call("Debugger.pause", json!({}))?;
+        while !self.events.iter().any(|event| event["method"] == PAUSED) {
+            self.take_message()?;
+        }
+        Ok(())
+    }
+
+    /// Lets the page go on.
+    pub fn go_on(&mut self) -> Result<(), Fault> {
+        self.call("Debugger.resume", json!({}))?;
+        self.call("Debugger.disable", json!({}))?;
         Ok(())
     }
 
@@ -235,17 +256,6 @@ impl Chrome {
         ))
     }
 
-    /// Time for which the page's main thread was busy since the first call, s.
-    pub fn busy_s(&mut self) -> Result<f64, Fault> {
-        self.call("Performance.enable", json!({}))?;
-        let answer = self.call("Performance.getMetrics", json!({}))?;
-        let metrics = answer["metrics"].as_array().ok_or("no metrics")?;
-        let task = metrics.iter().find(|m| m["name"] == "TaskDuration");
-        Ok(task
-            .and_then(|m| m["value"].as_f64())
-            .ok_or("no TaskDuration")?)
-    }
-
     /// Errors on the console, exceptions, refused loads and violations of the policy so far.
     pub fn complaints(&mut self) -> Result<Vec<String>, Fault> {
         self.eval("1")?;
@@ -264,19 +274,25 @@ impl Chrome {
     fn call(&mut self, method: &str, params: Value) -> Result<Value, Fault> {
         let id = self.send(method, params)?;
         loop {
-            let message = self.socket.read()?;
-            let Message::Text(text) = message else {
-                continue;
-            };
-            let answer: Value = serde_json::from_str(&text)?;
+            let answer = self.take_message()?;
             if answer["id"] == json!(id) {
                 return match answer.get("error") {
                     Some(error) => Err(format!("{method}: {error}").into()),
                     None => Ok(answer["result"].clone()),
                 };
             }
-            if answer.get("method").is_some() {
-                self.events.push(answer);
+        }
+    }
+
+    /// The next message; an event is kept, too.
+    fn take_message(&mut self) -> Result<Value, Fault> {
+        loop {
+            if let Message::Text(text) = self.socket.read()? {
+                let message: Value = serde_json::from_str(&text)?;
+                if message.get("method").is_some() {
+                    self.events.push(message.clone());
+                }
+                return Ok(message);
             }
         }
     }
@@ -298,26 +314,33 @@ impl Drop for Chrome {
         let closed = self.send("Browser.close", json!({})).is_ok();
         let start = Instant::now();
         while closed && start.elapsed() < Duration::from_secs(5) {
-            if matches!(self.child.try_wait(), Ok(Some(_))) {
+            if matches!(self.child.0.try_wait(), Ok(Some(_))) {
                 return;
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }
 
-/// The address that the browser prints, and a thread that reads what else it says.
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The address that the browser prints; a thread reads what else it says.
 fn devtools_url(child: &mut Child) -> Result<String, Fault> {
     let stderr = child.stderr.take().ok_or("no stderr")?;
-    let mut lines = BufReader::new(stderr).lines();
-    for line in lines.by_ref() {
-        if let Some(url) = line?.strip_prefix("DevTools listening on ") {
-            let url = url.trim().to_owned();
-            std::thread::spawn(move || lines.for_each(drop));
-            return Ok(url);
+    let (tell, told) = channel();
+    std::thread::spawn(move || {
+        let lines = BufReader::new(stderr).lines().map_while(Result::ok);
+        for line in lines {
+            if let Some(url) = line.strip_prefix("DevTools listening on ") {
+                let _ = tell.send(url.trim().to_owned());
+            }
         }
-    }
-    Err("the browser ended before it listened".into())
+    });
+    told.recv_timeout(PATIENCE)
+        .map_err(|_| "the browser ended, or said nothing, before it listened".into())
 }

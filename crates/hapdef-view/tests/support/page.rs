@@ -95,14 +95,21 @@ pub fn connect(port: u16) -> Socket {
 
 /// Greets and reads the server's greeting.
 pub fn greet(socket: &mut Socket, token: Option<&str>) -> Value {
+    greet_with_device(socket, token).0
+}
+
+/// The same with what is told of the device.
+pub fn greet_with_device(socket: &mut Socket, token: Option<&str>) -> (Value, Value) {
     say(
         socket,
         &serde_json::json!({"cmd": "hello", "token": token}).to_string(),
     );
     let hello = next_text(socket);
     assert_eq!(hello["type"], "hello");
+    let device = next_text(socket);
+    assert_eq!(device["type"], "device");
     assert_eq!(next_binary(socket)[0], 1);
-    hello
+    (hello, device)
 }
 
 pub fn say(socket: &mut Socket, text: &str) {

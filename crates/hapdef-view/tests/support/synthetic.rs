@@ -27,7 +27,6 @@ pub struct Touch {
 pub fn picture() -> LimbPicture {
     let mut picture = LimbPicture {
         title: "Made-up shin".to_owned(),
-        simulated: true,
         up: Some([0.0, 0.0, 1.0]),
         view_from: Some([1.0, -0.55, 0.0]),
         ..LimbPicture::default()

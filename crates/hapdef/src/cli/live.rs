@@ -24,7 +24,7 @@ use super::files::new_file;
 use super::live_end::{report, wait};
 use super::live_record::Tape;
 use super::live_ros::{Attached, Recordings, RosArgs};
-use super::network::check_reach;
+use super::network::{IS_READ, check_reach};
 use super::signals::stop_flag;
 use super::sim::simulated;
 use super::view::{FirstParams, Origin, Reach, Sim, View, ViewArgs};
@@ -71,8 +71,8 @@ pub(crate) struct LiveArgs {
     serve: Option<String>,
     #[command(flatten)]
     ros: RosArgs,
-    /// Let --serve and --foxglove listen beyond this machine: whoever reaches the port reads
-    /// everything, without a password.
+    /// Let --serve, --foxglove and --view-bind listen beyond this machine: whoever reaches the port
+    /// of the first two, or reads on the way to the page, reads everything.
     #[arg(long)]
     insecure_bind: bool,
     /// Time whose mean is the tare, s; 0 for readings that come tared.
@@ -123,6 +123,7 @@ struct Source {
 pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let start = Instant::now();
     let path = &args.scene.scene;
+    args.view.check_reach(args.insecure_bind)?;
     let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {
@@ -141,12 +142,12 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         tape: tape.clone(),
         player,
     };
-    let first = FirstParams {
+    let first = args.view.is_first_measured().then(|| FirstParams {
         start,
         is_output_taken: args.json,
         metrics: args.scene.out.join("metrics.json"),
         seed: args.sim_seed,
-    };
+    });
     let desk = view.map(|view| view.attend(live.control(), reach, first));
     // The page tells of a recording that fails by itself.
     let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
@@ -238,7 +239,7 @@ impl Model {
             calibration: self.calibration,
         };
         if let Some(address) = args.ros.foxglove {
-            check_reach("--foxglove", address, args.insecure_bind)?;
+            check_reach("--foxglove", address, IS_READ, args.insecure_bind)?;
         }
         let Source { frames, truth, .. } = self.source;
         let Attached { source, sink, tape } = args.ros.attach(frames, truth, recordings)?;
@@ -324,7 +325,7 @@ impl LiveArgs {
 fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {
     if let Some(address) = &args.serve {
         if let Some(address) = address.strip_prefix("tcp:") {
-            check_reach("--serve", address, args.insecure_bind)?;
+            check_reach("--serve", address, IS_READ, args.insecure_bind)?;
         }
         let server = JsonServer::bind(address)?;
         writeln!(std::io::stderr(), "JSON lines at {}", server.address())?;

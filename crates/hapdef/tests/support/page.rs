@@ -13,6 +13,8 @@ use tungstenite::{Message, WebSocket};
 const PATIENCE: Duration = Duration::from_secs(240);
 /// Bytes of a contact.
 const MARK_LEN: usize = 72;
+/// Bytes of a frame before its readings.
+const HEADER_LEN: usize = 68;
 
 /// The page's token; its program says it in the page's address.
 const TOKEN: &str = "00112233445566778899aabbccddeeff";
@@ -29,6 +31,8 @@ pub struct Page {
     socket: WebSocket<TcpStream>,
     /// The server's first message.
     pub hello: Value,
+    /// What it said last of the device.
+    pub device: Value,
     surface: Vec<u8>,
 }
 
@@ -118,17 +122,25 @@ impl Program {
         let mut page = Page {
             socket,
             hello: Value::Null,
+            device: Value::Null,
             surface: Vec::new(),
         };
         page.say(&json!({"cmd": "hello", "token": TOKEN}));
         while page.surface.is_empty() {
             match page.socket.read().unwrap() {
-                Message::Text(text) => page.hello = serde_json::from_str(&text).unwrap(),
+                Message::Text(text) => {
+                    let value: Value = serde_json::from_str(&text).unwrap();
+                    match value["type"].as_str() {
+                        Some("hello") => page.hello = value,
+                        _ => page.device = value,
+                    }
+                }
                 Message::Binary(bytes) => page.surface = bytes.to_vec(),
                 _ => {}
             }
         }
         assert_eq!(page.hello["type"], "hello");
+        assert_eq!(page.device["type"], "device");
         page
     }
 }
@@ -190,6 +202,10 @@ impl Page {
             Message::Text(text) => {
                 let value: Value = serde_json::from_str(&text).unwrap();
                 println!("page: {value}");
+                if value["type"] == "device" {
+                    self.device = value;
+                    return Next::Nothing;
+                }
                 assert_eq!(value["type"], "notice", "{value}");
                 Next::Text(value["text"].as_str().unwrap().to_owned())
             }
@@ -208,7 +224,7 @@ impl Frame {
     fn read(bytes: &[u8]) -> Self {
         assert_eq!(bytes[0], 2);
         let n_gauges = usize::from(bytes[16]) + 256 * usize::from(bytes[17]);
-        let first = 64 + 4 * n_gauges + n_gauges.next_multiple_of(4);
+        let first = HEADER_LEN + 4 * n_gauges + n_gauges.next_multiple_of(4);
         let contact = |i: usize| {
             let at = first + MARK_LEN * i;
             let vector = |at: usize| [0, 1, 2].map(|k| f32_at(bytes, at + 4 * k));

@@ -44,7 +44,8 @@ pub(super) struct Attendant {
     pub(super) hand: Option<Hand>,
     pub(super) tape: Option<Tape>,
     pub(super) player: Option<PlayerControl>,
-    pub(super) first: First,
+    /// Where the page's first pictures are told.
+    pub(super) first: Option<First>,
     pub(super) pace: Pace,
     /// The page's way in for a program that opens it.
     pub(super) _door: Option<Door>,
@@ -71,7 +72,7 @@ impl Desk {
                 attendant.step();
                 std::thread::sleep(LOOK);
             }
-            if let Err(error) = attendant.first.end() {
+            if let Some(Err(error)) = attendant.first.as_ref().map(First::end) {
                 attendant.say(&format!("{error:#}"));
             }
         };
@@ -104,7 +105,9 @@ impl Attendant {
         if let Err(error) = self.show_newest() {
             self.say(&error.to_string());
         }
-        if let Err(error) = self.first.look(&self.handle.clients()) {
+        if let Some(first) = &mut self.first
+            && let Err(error) = first.look(&self.handle.clients())
+        {
             self.say(&format!("{error:#}"));
         }
     }
@@ -117,7 +120,7 @@ impl Attendant {
         if since < PERIOD {
             return Ok(());
         }
-        let (is_new, health) = {
+        let (is_new, health, device) = {
             let newest = lock(&self.shared.newest);
             let is_new = newest.n_frames != pace.n_frames;
             if let Some(frame) = newest.frame.as_ref().filter(|_| is_new) {
@@ -126,8 +129,9 @@ impl Attendant {
                     .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
                     .copy_from(frame);
             }
-            (is_new, newest.health.clone())
+            (is_new, newest.health.clone(), newest.device.clone())
         };
+        self.handle.set_device(&device);
         let Some(frame) = &pace.frame else {
             return Ok(());
         };
@@ -139,6 +143,9 @@ impl Attendant {
             let t_s = self.show.take(frame);
             pace.shown.add(t_s, frame);
         }
+        if device.fault.is_some() {
+            self.show.lose();
+        }
         if let Some(health) = health {
             self.show.take_health(&health);
         }
@@ -146,7 +153,9 @@ impl Attendant {
         self.show.take_recording(&state);
         let number = self.show.push()?;
         let (has_contact, has_colours) = self.show.has_contact_and_colours();
-        self.first.shown(number, has_contact, has_colours);
+        if let Some(first) = &mut self.first {
+            first.shown(number, has_contact, has_colours);
+        }
         Ok(())
     }
 
@@ -246,7 +255,8 @@ impl Attendant {
     fn snapshot(&self, t_s: Option<f64>) {
         let recording = self.tape.as_ref().and_then(Tape::path);
         let shown = self.pace.shown.at(t_s);
-        let kept = shown.and_then(|shown| self.keep.snapshot(shown, recording.as_deref()));
+        let device = lock(&self.shared.newest).device.clone();
+        let kept = shown.and_then(|shown| self.keep.snapshot(shown, &device, recording.as_deref()));
         let text = match kept {
             Ok(path) => format!("Kept in {}", Path::display(&path)),
             Err(error) => format!("Not kept: {error:#}"),

@@ -9,6 +9,7 @@ use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_live::LiveFrame;
 use hapdef_live::sinks::json_line;
 use hapdef_mesh::atomic_write;
+use hapdef_view::DeviceState;
 use serde_json::{Value, json};
 
 /// Frames that were shown and can still be kept: as many as the page goes back.
@@ -22,7 +23,6 @@ pub(super) struct Keep {
     folder: PathBuf,
     scene: String,
     gauges: Vec<String>,
-    is_simulated: bool,
 }
 
 /// Frames that were shown, by the page's time.
@@ -38,12 +38,11 @@ pub(super) fn stem(scene: &str) -> String {
 }
 
 impl Keep {
-    pub(super) fn new(folder: &Path, scene: &str, gauges: Vec<String>, is_simulated: bool) -> Self {
+    pub(super) fn new(folder: &Path, scene: &str, gauges: Vec<String>) -> Self {
         Self {
             folder: folder.to_owned(),
             scene: scene.to_owned(),
             gauges,
-            is_simulated,
         }
     }
 
@@ -56,6 +55,7 @@ impl Keep {
     pub(super) fn snapshot(
         &self,
         (t_s, frame): &(f64, LiveFrame),
+        device: &DeviceState,
         recording: Option<&Path>,
     ) -> Result<PathBuf> {
         let path = self.free("snapshot-", "json")?;
@@ -66,7 +66,8 @@ impl Keep {
             "kind": "snapshot",
             "version": 1,
             "scene": self.scene,
-            "simulated": self.is_simulated,
+            "simulated": device.is_simulated,
+            "device_fault": device.fault,
             "kept_at_ns": SystemClock.wall_ns(),
             "t_s": t_s,
             "recording": recording.map(|path| path.display().to_string()),
@@ -139,7 +140,11 @@ mod tests {
     fn a_snapshot_has_what_was_shown_and_a_name_of_its_own() {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("not/there/yet");
-        let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()], true);
+        let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()]);
+        let device = DeviceState {
+            is_simulated: true,
+            fault: Some("no port".into()),
+        };
         let mut shown = Shown::default();
         assert!(shown.at(None).is_err());
         for seq in 0..2500_u32 {
@@ -155,7 +160,9 @@ mod tests {
         }
         let then = shown.at(Some(40.001)).unwrap();
         for n in 1..3 {
-            let path = keep.snapshot(then, Some(Path::new("x.mcap"))).unwrap();
+            let path = keep
+                .snapshot(then, &device, Some(Path::new("x.mcap")))
+                .unwrap();
             assert_eq!(path, folder.join(format!("my-shin-snapshot-{n}.json")));
             let text = std::fs::read_to_string(&path).unwrap();
             let value: Value = serde_json::from_str(&text).unwrap();
@@ -163,6 +170,8 @@ mod tests {
             assert_eq!(value["frame"]["tared_ue"], json!([0.0, 2000.0]));
             assert_eq!(value["gauges"], json!(["a", "b"]));
             assert_eq!(value["recording"], "x.mcap");
+            assert_eq!(value["simulated"], true);
+            assert_eq!(value["device_fault"], "no port");
         }
         std::fs::write(folder.join("my-shin-1.mcap"), []).unwrap();
         std::fs::write(folder.join("my-shin-2.partial.mcap"), []).unwrap();

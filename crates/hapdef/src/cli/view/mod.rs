@@ -11,18 +11,22 @@ mod show;
 mod sink;
 
 use std::io::Write;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 use hapdef::{ComplianceTable, Limb, Run};
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{Bundle, LiveControl};
-use hapdef_view::{LimbPicture, Offers, PressOffer, Token, ViewHandle, ViewParams, ViewServer};
+use hapdef_view::{
+    DeviceState, LimbPicture, Offers, PressOffer, Token, ViewHandle, ViewParams, ViewServer,
+};
 
 use super::live_record::Tape;
+use super::network::check_reach;
 pub(crate) use desk::Desk;
 use desk::{Attendant, Pace};
 use door::Door;
@@ -33,8 +37,12 @@ pub(crate) use hand::Sim;
 use keep::Keep;
 use picture::Surface;
 use show::Show;
-use sink::Newest;
 pub(crate) use sink::ViewSink;
+use sink::{Newest, lock};
+
+/// What may happen to a page that is served beyond this machine.
+const PAGE_IS_READ: &str = "the page is not encrypted: whoever reads on the way learns its token, sees \
+    everything and can command";
 
 /// The page, and what stands in for a device.
 #[derive(Args)]
@@ -45,6 +53,13 @@ pub(crate) struct ViewArgs {
     /// Port of the page; 0 takes any free one.
     #[arg(long, default_value_t = 7717, value_name = "PORT")]
     view_port: u16,
+    /// Address of this machine that the page is served at; beyond 127.0.0.1 with --insecure-bind only.
+    #[arg(long, default_value_t = Ipv4Addr::LOCALHOST.into(), value_name = "ADDRESS")]
+    view_bind: IpAddr,
+    /// Further name of this machine, without port, that browsers may ask for; needed where the page
+    /// is served at every address, such as 0.0.0.0.
+    #[arg(long = "view-host", value_name = "NAME", requires = "view")]
+    view_hosts: Vec<String>,
     /// Folder for recordings and snapshots that the page asks for; OUT/<scene>/live if not given.
     #[arg(long, value_name = "FOLDER", requires = "view")]
     view_out: Option<PathBuf>,
@@ -54,6 +69,9 @@ pub(crate) struct ViewArgs {
     /// Token of the page, 32 hexadecimal digits; a new one if not given.
     #[arg(long, env = "HAPDEF_VIEW_TOKEN", hide_env_values = true)]
     view_token: Option<Token>,
+    /// Measure when the page first drew a contact.
+    #[arg(long, hide = true, requires = "view")]
+    view_first: bool,
 }
 
 /// The page that is served, before frames come.
@@ -96,6 +114,22 @@ impl ViewArgs {
         self.view
     }
 
+    /// Refuses a page beyond this machine, unless that is wanted and its name is known.
+    pub(crate) fn check_reach(&self, is_wanted: bool) -> Result<()> {
+        let address = SocketAddr::from((self.view_bind, self.view_port));
+        check_reach("--view-bind", address, PAGE_IS_READ, is_wanted)?;
+        ensure!(
+            !self.view_bind.is_unspecified() || !self.view_hosts.is_empty(),
+            "--view-bind {address}: say by --view-host how browsers name this machine"
+        );
+        Ok(())
+    }
+
+    /// Whether it is measured when the page first drew a contact.
+    pub(crate) fn is_first_measured(&self) -> bool {
+        self.view_first
+    }
+
     /// The page with a scene's limb.
     pub(crate) fn of_scene(
         &self,
@@ -109,7 +143,7 @@ impl ViewArgs {
             default_n: 0.4 * force_n,
             max_n: force_n,
         };
-        let picture = picture::of_scene(&run.scene, limb, origin == Origin::Sim);
+        let picture = picture::of_scene(&run.scene, limb);
         View::start(self, picture, (origin, press), out)
     }
 
@@ -130,21 +164,29 @@ impl View {
         (origin, press): (Origin, PressOffer),
         out: &Path,
     ) -> Result<Self> {
-        let mut params = ViewParams {
+        let params = ViewParams {
+            bind: SocketAddr::from((args.view_bind, args.view_port)),
+            allowed_hosts: args.view_hosts.clone(),
             token: args.view_token.clone(),
+            offers: Offers {
+                tare: true,
+                record: origin != Origin::Recording,
+                press: (origin == Origin::Sim).then_some(press),
+            },
             ..ViewParams::default()
-        };
-        params.bind.set_port(args.view_port);
-        params.offers = Offers {
-            tare: true,
-            record: origin != Origin::Recording,
-            press: (origin == Origin::Sim).then_some(press),
         };
         let folder = args.view_out.clone();
         let folder = folder.unwrap_or_else(|| out.join(keep::stem(&picture.title)).join("live"));
         let gauges = picture.gauges.iter().map(|site| site.name.clone());
-        let keep = Keep::new(&folder, &picture.title, gauges.collect(), picture.simulated);
+        let keep = Keep::new(&folder, &picture.title, gauges.collect());
         let handle = ViewServer::start(params, picture)?;
+        let shared = Shared::default();
+        let device = DeviceState {
+            is_simulated: origin == Origin::Sim,
+            fault: None,
+        };
+        handle.set_device(&device);
+        lock(&shared.newest).device = device;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
         let open = |program: &PathBuf| -> Result<Door> {
             let door = Door::new(&folder, handle.url())?;
@@ -157,7 +199,7 @@ impl View {
             surface,
             keep,
             door,
-            shared: Arc::default(),
+            shared: Arc::new(shared),
         })
     }
 
@@ -182,8 +224,13 @@ impl View {
         );
     }
 
-    /// Shows frames, listens to the page and tells when it first drew a contact.
-    pub(crate) fn attend(self, control: LiveControl, reach: Reach, first: FirstParams) -> Desk {
+    /// Shows frames, listens to the page and tells, if that is wanted, when it first drew a contact.
+    pub(crate) fn attend(
+        self,
+        control: LiveControl,
+        reach: Reach,
+        first: Option<FirstParams>,
+    ) -> Desk {
         let Reach { sim, tape, player } = reach;
         let shared = Arc::clone(&self.shared);
         let show = Show::new(self.handle.pusher(), self.surface, shared, player.clone());
@@ -196,7 +243,7 @@ impl View {
             hand: sim.map(Hand::new),
             tape,
             player,
-            first: First::new(first),
+            first: first.map(First::new),
             pace: Pace::default(),
             _door: self.door,
         })

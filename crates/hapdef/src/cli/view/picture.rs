@@ -47,7 +47,7 @@ impl Surface {
 }
 
 /// A scene's limb: the touchable skin, then the rest of the boundary.
-pub(super) fn of_scene(scene: &Scene, limb: &Limb, is_simulated: bool) -> (LimbPicture, Surface) {
+pub(super) fn of_scene(scene: &Scene, limb: &Limb) -> (LimbPicture, Surface) {
     let skin = &limb.skin;
     let whole = SkinRegion::new(&limb.mesh, limb.boundary.faces.clone());
     let whole = whole.unwrap_or_else(|_| skin.clone());
@@ -76,7 +76,6 @@ pub(super) fn of_scene(scene: &Scene, limb: &Limb, is_simulated: bool) -> (LimbP
     });
     let picture = LimbPicture {
         title: scene.name.clone(),
-        simulated: is_simulated,
         triangles: faces.collect(),
         gauges: sites.collect(),
         up: Some(axis.into()),

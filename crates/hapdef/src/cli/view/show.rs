@@ -68,9 +68,17 @@ impl Show {
         self.shown.t_s
     }
 
+    /// Nothing is known any more of what was taken: the device is away.
+    pub(super) fn lose(&mut self) {
+        self.shown.readings_ue.fill(f64::NAN);
+        self.take_touch(&Touch::default());
+        self.deform(&Touch::default());
+    }
+
     pub(super) fn take_health(&mut self, health: &Health) {
         self.shown.health.rate_hz = health.rate_hz;
         self.shown.health.n_lost = health.n_lost;
+        self.shown.health.n_dropped = health.n_dropped;
         self.shown.health.n_crc_errors = health.source.rejected.n_damaged;
         let residual_us = health.source.clock_residual_us;
         self.shown.health.clock_residual_us = residual_us.unwrap_or(f64::NAN);
@@ -119,13 +127,7 @@ impl Show {
 
     fn take_readings(&mut self, frame: &LiveFrame) {
         self.shown.readings_ue.clone_from(&frame.tared_ue);
-        let states = frame.gauges.iter().map(|health| match health {
-            GaugeHealth::Good | GaugeHealth::Spike | GaugeHealth::Recovering => {
-                hapdef_view::GaugeHealth::Good
-            }
-            GaugeHealth::Saturated => hapdef_view::GaugeHealth::Saturated,
-            GaugeHealth::Dead | GaugeHealth::NotFinite => hapdef_view::GaugeHealth::Dead,
-        });
+        let states = frame.gauges.iter().copied().map(state);
         self.shown.gauge_health.clear();
         self.shown.gauge_health.extend(states);
     }
@@ -187,6 +189,15 @@ impl Show {
     }
 }
 
+fn state(health: GaugeHealth) -> hapdef_view::GaugeHealth {
+    match health {
+        GaugeHealth::Good => hapdef_view::GaugeHealth::Good,
+        GaugeHealth::Spike | GaugeHealth::Recovering => hapdef_view::GaugeHealth::LeftOut,
+        GaugeHealth::Saturated => hapdef_view::GaugeHealth::Saturated,
+        GaugeHealth::Dead | GaugeHealth::NotFinite => hapdef_view::GaugeHealth::Dead,
+    }
+}
+
 fn mark(surface: &Surface, index: usize, contact: &TouchContact) -> ContactMark {
     let mut mark = normal_mark(surface, index, contact.position_m, contact.force_n);
     mark.id = contact.id.map_or(mark.id, |id| id as u32);
@@ -213,5 +224,18 @@ fn normal_mark(surface: &Surface, index: usize, at: Point3<f64>, force_n: f64) -
         normal: normal.into(),
         force_n: (normal * -force_n).into(),
         uncertainty: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{GaugeHealth, state};
+
+    #[test]
+    fn only_gauges_that_count_are_shown_as_good() {
+        use GaugeHealth as H;
+        for left_out in [H::Saturated, H::Dead, H::Spike, H::NotFinite, H::Recovering] {
+            assert_ne!(state(left_out), state(H::Good), "{left_out:?}");
+        }
     }
 }

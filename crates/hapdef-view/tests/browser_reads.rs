@@ -1,0 +1,141 @@
+//! What the page tells those who read it, in a headless Chromium: where readings come from, texts that stay in
+//! place, keys that are left to the browser, names of files, all of it on a phone.
+//!
+//! Left out where there is no Chromium, as `browser.rs` says.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+#![expect(clippy::print_stdout, reason = "says why a test is left out")]
+
+#[path = "support/chrome.rs"]
+#[allow(dead_code, reason = "others use the rest")]
+mod chrome;
+#[path = "support/look.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod look;
+#[path = "support/page.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod page;
+#[path = "support/synthetic.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
+mod synthetic;
+
+use hapdef_view::{DeviceState, ViewFrame};
+use look::look;
+use serde_json::json;
+use synthetic::{Touch, on_limb};
+
+/// Five newtons, at a rate that changes with every frame.
+fn touched(n: u32) -> ViewFrame {
+    let (point_m, normal) = on_limb(-0.6, 0.2);
+    let touch = Touch {
+        id: 0,
+        point_m,
+        normal,
+        force_n: 5.0,
+    };
+    let mut frame = ViewFrame::default();
+    let t_s = 0.01 * f64::from(n);
+    synthetic::show(&synthetic::picture(), &[touch], t_s, &mut frame);
+    frame.health.rate_hz = 900.0 + f64::from(n % 100);
+    frame
+}
+
+/// The tags that are seen, and whether the limb is dimmed.
+const TAGS: &str = "[[...document.querySelectorAll('.tag')].filter((tag) => tag.checkVisibility())
+    .map((tag) => tag.textContent), document.getElementById('stage').classList.contains('old')]";
+
+#[test]
+fn a_device_that_is_away_is_seen_on_a_page_that_is_opened_later_too() {
+    let Some(mut look) = look((1200, 800), true, "", touched) else {
+        return;
+    };
+    look.is(TAGS, &json!([["live"], false]));
+    let away = DeviceState {
+        is_simulated: true,
+        fault: Some("/dev/limb is unplugged".to_owned()),
+    };
+    look.view.view.set_device(&away);
+    let tags = json!([["simulated", "device away", "live"], true]);
+    look.until(&format!(
+        "JSON.stringify({TAGS}) === JSON.stringify({tags})"
+    ));
+    let url = look.view.view.url().to_owned();
+    look.chrome.open("about:blank").unwrap();
+    look.chrome.open(&url).unwrap();
+    look.until("globalThis.hapdefView?.drawn > 1");
+    look.is(TAGS, &tags);
+    look.is(
+        "document.getElementById('device').title",
+        &json!("/dev/limb is unplugged"),
+    );
+    look.view.view.set_device(&DeviceState::default());
+    let tags = json!([["live"], false]);
+    look.until(&format!(
+        "JSON.stringify({TAGS}) === JSON.stringify({tags})"
+    ));
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn texts_change_in_place() {
+    let Some(mut look) = look((1200, 800), true, "", touched) else {
+        return;
+    };
+    look.until("document.querySelector('#contacts b')?.textContent === '5.0 N'");
+    look.do_it(
+        "globalThis.texts = [...document.querySelectorAll(
+            '#contacts b, #contacts span, #health dt, #health dd, #gauges .value, #time-out')]
+            .map((part) => part.firstChild);
+        globalThis.rate = document.querySelector('#health dd').textContent;
+        getSelection().selectAllChildren(document.querySelector('#contacts b'))",
+    );
+    look.until("document.querySelector('#health dd').textContent !== rate");
+    look.is("texts.length > 20", &json!(true));
+    look.is("texts.every((text) => text.isConnected)", &json!(true));
+    look.is("getSelection().toString()", &json!("5.0 N"));
+}
+
+#[test]
+fn a_page_that_is_scrolled_keeps_its_keys() {
+    let sizes = [((390, 844), [false, false]), ((1200, 800), [true, true])];
+    for (size, of_page) in sizes {
+        let Some(mut look) = look(size, true, "", touched) else {
+            return;
+        };
+        look.do_it("addEventListener('keydown', (event) => { globalThis.taken = event.defaultPrevented; })");
+        let keys = [("ArrowDown", "ArrowDown"), (" ", "Space")];
+        for ((key, code), expected) in keys.into_iter().zip(of_page) {
+            look.do_it("document.activeElement.blur()");
+            look.chrome.key(key, code).unwrap();
+            look.is("taken", &json!(expected));
+            look.do_it("document.getElementById('limb').focus()");
+            look.chrome.key(key, code).unwrap();
+            look.is("taken", &json!(true));
+        }
+    }
+}
+
+#[test]
+fn a_picture_is_named_after_the_scene() {
+    const KEEPS_NAMES: &str = "HTMLAnchorElement.prototype.click = function () {
+        globalThis.saved = this.download; };";
+    let Some(mut look) = look((900, 700), true, KEEPS_NAMES, touched) else {
+        return;
+    };
+    look.do_it("document.getElementById('snapshot').click()");
+    look.until("globalThis.saved === 'Made-up-shin-snapshot.png'");
+}
+
+#[test]
+fn a_phone_shows_all_of_it() {
+    let Some(mut look) = look((390, 844), true, "", touched) else {
+        return;
+    };
+    look.until("document.querySelector('#contacts b') !== null");
+    look.is("document.documentElement.scrollWidth", &json!(390));
+    assert_eq!(look.chrome.outside(390).unwrap(), json!([]));
+    for id in ["limb", "tare", "contacts", "force-plot", "gauges", "health"] {
+        let seen = format!("document.getElementById('{id}').getBoundingClientRect().height > 20");
+        look.is(&seen, &json!(true));
+    }
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
