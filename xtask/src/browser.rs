@@ -1,4 +1,4 @@
-//! The live page in a headless Chromium: the browser itself, the tests that need it, the page's speed.
+//! Pages in a headless Chromium: the browser itself, the tests that need it, the page's speed.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -25,6 +25,7 @@ pub(crate) fn test() -> Result<()> {
         return Ok(());
     }
     let tests = [
+        ("hapdef-report", "browser"),
         ("hapdef-view", "browser"),
         ("hapdef-view", "browser_looks"),
         ("hapdef-view", "browser_reads"),

@@ -73,51 +73,66 @@ fn run_of(files: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// Lines of the fenced `sh` blocks.
-fn commands(text: &str) -> Vec<&str> {
-    let mut inside = false;
-    let mut found = Vec::new();
-    for line in text.lines().map(str::trim) {
-        if line.starts_with("```") {
-            inside = line == "```sh";
-        } else if inside && !line.is_empty() && !line.starts_with('#') {
-            found.push(line);
+/// A fenced block: what stands behind the fence, and its lines.
+pub(crate) struct Block<'a> {
+    pub(crate) fence: &'a str,
+    pub(crate) lines: Vec<&'a str>,
+}
+
+/// The fenced blocks of a page.
+pub(crate) fn blocks(text: &str) -> Vec<Block<'_>> {
+    let mut found: Vec<Block<'_>> = Vec::new();
+    let mut is_inside = false;
+    for line in text.lines() {
+        if let Some(fence) = line.trim_start().strip_prefix("```") {
+            is_inside = !is_inside;
+            if is_inside {
+                let (fence, lines) = (fence.trim_end(), Vec::new());
+                found.push(Block { fence, lines });
+            }
+        } else if is_inside && let Some(block) = found.last_mut() {
+            block.lines.push(line);
         }
     }
     found
+}
+
+impl<'a> Block<'a> {
+    /// `reason` of a fence `language (reason)`.
+    pub(crate) fn reason(&self) -> Option<&'a str> {
+        let (_, rest) = self.fence.split_once(" (")?;
+        let reason = rest.strip_suffix(')')?.trim();
+        (!reason.is_empty()).then_some(reason)
+    }
+
+    fn trimmed(&self) -> impl Iterator<Item = &'a str> {
+        self.lines.iter().map(|line| line.trim())
+    }
+}
+
+/// Lines of the fenced `sh` blocks.
+fn commands(text: &str) -> Vec<&str> {
+    let blocks = blocks(text);
+    let lines = blocks.iter().filter(|block| block.fence == "sh");
+    let lines = lines.flat_map(Block::trimmed);
+    lines
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .collect()
 }
 
 /// Commands in blocks that are neither run, ```sh, nor say why not, ```sh (a device).
 pub(crate) fn unexplained(text: &str) -> Vec<&str> {
-    let mut fence = None;
-    let mut found = Vec::new();
-    for line in text.lines().map(str::trim) {
-        match (line.strip_prefix("```"), fence) {
-            (Some(words), None) => fence = Some(words),
-            (Some(_), Some(_)) => fence = None,
-            (None, Some(words)) => {
-                let is_command = PROGRAMS.iter().any(|program| line.starts_with(program));
-                if is_command && words != "sh" && !gives_reason(words) {
-                    found.push(line);
-                }
-            }
-            (None, None) => {}
-        }
-    }
-    found
-}
-
-/// `language (reason)`.
-fn gives_reason(fence: &str) -> bool {
-    let reason = fence
-        .split_once(" (")
-        .and_then(|(_, rest)| rest.strip_suffix(')'));
-    reason.is_some_and(|reason| !reason.trim().is_empty())
+    let blocks = blocks(text);
+    let silent = blocks
+        .iter()
+        .filter(|block| block.fence != "sh" && block.reason().is_none());
+    let is_command = |line: &&str| PROGRAMS.iter().any(|program| line.starts_with(program));
+    silent.flat_map(Block::trimmed).filter(is_command).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{commands, unexplained};
+    use super::{blocks, commands, unexplained};
 
     #[test]
     fn a_command_is_run_or_says_why_not() {
@@ -125,6 +140,16 @@ mod tests {
                     ```\n```sh ()\npip d\n```\n```rust\nlet cargo = 1;\n```\ncargo e\n";
         assert_eq!(unexplained(text), ["hapdef c", "pip d"]);
         assert_eq!(commands(text), ["cargo a"]);
+    }
+
+    #[test]
+    fn blocks_have_their_fence_and_lines() {
+        let text = "words\n```rust (src/a.rs)\nfn f() {\n    1\n}\n```\nwords\n```\nx\n```\n";
+        let found = blocks(text);
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[0].reason(), Some("src/a.rs"));
+        assert_eq!(found[0].lines, ["fn f() {", "    1", "}"]);
+        assert_eq!((found[1].fence, found[1].reason()), ("", None));
     }
 
     #[test]

@@ -97,7 +97,7 @@ enum Task {
     Pictures(pictures::PicturesArgs),
     /// The Python module: its wheel, installed and tested; says so where there is no Python.
     Python,
-    /// How many crates somebody compiles who takes one layer alone.
+    /// What somebody compiles who takes one layer alone: crates, seconds, bytes.
     Weight(weight::WeightArgs),
     /// Runs the commands that the docs show.
     Docs(docs::DocsArgs),

@@ -29,8 +29,8 @@ struct Shot {
 enum Part {
     /// From this element on.
     From(&'static str),
-    /// This element alone, in a window of this size.
-    Alone(&'static str, &'static str),
+    /// All of it, in a window of this size.
+    Whole(&'static str),
 }
 
 const LIVE: &str = "live";
@@ -56,15 +56,15 @@ const PAGE_S: &str = "1";
 const SHOTS: [Shot; 10] = [
     Shot {
         name: "shin-rigidity",
-        page: "shin/report/rigidity.png",
+        page: "shin/report/rigidity-limb.svg",
         made_by: "cargo xtask demo",
-        part: Part::Alone("img", "1040x600"),
+        part: Part::Whole("1040x682"),
     },
     Shot {
         name: "shin-double",
-        page: "shin/report/figure6b.png",
+        page: "shin/report/figure6b-limb.svg",
         made_by: "cargo xtask demo",
-        part: Part::Alone("img", "1040x600"),
+        part: Part::Whole("1040x682"),
     },
     Shot {
         name: "report",
@@ -164,13 +164,7 @@ impl Part {
                 PAGE_SIZE,
                 format!("document.querySelector(\"{selector}\").scrollIntoView(); scrollY"),
             ),
-            Self::Alone(selector, size) => (
-                size,
-                format!(
-                    "document.body.replaceChildren(document.querySelector(\"{selector}\")); \
-                     Object.assign(document.body.style, {{margin: 0, background: 'white'}}); 0"
-                ),
-            ),
+            Self::Whole(size) => (size, "0".to_owned()),
         }
     }
 }

@@ -1,10 +1,12 @@
-//! The Python module: its wheel, installed in a clean environment, its tests, notebook and example.
+//! The Python module: its wheel, installed in a clean environment, its tests, stub, notebook and example.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+use crate::docs::blocks;
 use crate::tool::{release_binary, root, run, target_dir};
 
 /// Oldest Python that the module runs on.
@@ -15,6 +17,9 @@ const PROBE: &str = "import sys, venv, ensurepip; print(*sys.version_info[:2])";
 
 /// Where the module is in the tree.
 const CRATE: &str = "crates/hapdef-py";
+
+/// What the docs say of it.
+const PAGE: &str = "docs/python.md";
 
 /// `cargo xtask python`; without Python, or outside CI without a network, it says so and does nothing.
 pub(crate) fn check() -> Result<()> {
@@ -36,19 +41,45 @@ pub(crate) fn check() -> Result<()> {
     println!("wheel: {}", wheel.display());
     let python = environment(&python, &folder.join("venv"), true)?;
     let wheel = wheel.to_string_lossy().into_owned();
-    install(&python, &[&wheel, "dask[distributed]"])?;
+    install(&python, &[&format!("{wheel}[notebook,dask]"), "mypy>=1.11"])?;
     println!("installed for {}", python.display());
     let program = release_binary("hapdef")?;
-    let ours = |words: &[&str]| -> Result<()> {
+    let ours = |folder: &Path, words: &[&str]| -> Result<()> {
         let mut command = Command::new(&python);
-        command.args(words).current_dir(root().join(CRATE));
+        command.args(words).current_dir(folder);
         command.env("HAPDEF_BIN", &program);
         command.env("PYTHONDONTWRITEBYTECODE", "1");
         run(&mut command)
     };
-    ours(&["-W", "error", "-m", "unittest", "discover", "-s", "tests"])?;
-    ours(&["tests/run_notebook.py", "notebook/first_touch.ipynb"])?;
-    ours(&["examples/scale_out.py", "--check"])
+    let folder = root().join(CRATE);
+    ours(
+        &folder,
+        &["-W", "error", "-m", "unittest", "discover", "-s", "tests"],
+    )?;
+    ours(
+        &folder,
+        &["-m", "mypy.stubtest", "hapdef", "--ignore-missing-stub"],
+    )?;
+    for snippet in snippets()? {
+        ours(root(), &["-W", "error", "-c", &snippet])?;
+    }
+    ours(
+        &folder,
+        &["tests/run_notebook.py", "notebook/first_touch.ipynb"],
+    )?;
+    ours(&folder, &["examples/scale_out.py", "--check"])
+}
+
+/// The Python that the page shows.
+fn snippets() -> Result<Vec<String>> {
+    let text = fs::read_to_string(root().join(PAGE)).with_context(|| format!("reading {PAGE}"))?;
+    let blocks = blocks(&text).into_iter();
+    let python = blocks.filter(|block| block.fence.starts_with("python"));
+    let found: Vec<String> = python.map(|block| block.lines.join("\n")).collect();
+    if found.is_empty() {
+        bail!("{PAGE} shows no Python: expected a ```python block");
+    }
+    Ok(found)
 }
 
 /// The version is old enough, and environments can be made.
@@ -87,13 +118,13 @@ fn tools(python: &str, folder: &Path) -> Result<PathBuf> {
 fn build(tools: &Path, folder: &Path) -> Result<PathBuf> {
     let wheels = folder.join("wheels");
     if wheels.exists() {
-        std::fs::remove_dir_all(&wheels).context("removing old wheels")?;
+        fs::remove_dir_all(&wheels).context("removing old wheels")?;
     }
     let mut command = Command::new(tools);
     command.args(["-m", "maturin", "build", "--release", "--locked", "--out"]);
     command.arg(&wheels).current_dir(root().join(CRATE));
     run(&mut command)?;
-    let entries = std::fs::read_dir(&wheels).context("reading the folder of the wheel")?;
+    let entries = fs::read_dir(&wheels).context("reading the folder of the wheel")?;
     let paths = entries.map(|entry| Ok(entry?.path()));
     match paths.collect::<Result<Vec<_>>>()?.as_slice() {
         [wheel] => Ok(wheel.clone()),

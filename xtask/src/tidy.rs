@@ -5,7 +5,7 @@ use std::fs;
 
 use anyhow::{Context, Result, bail};
 
-use crate::docs::unexplained;
+use crate::docs::{blocks, unexplained};
 use crate::tool::{metadata, root};
 
 /// Longest a source file may be, lines.
@@ -13,7 +13,7 @@ const MAX_LINES: usize = 400;
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers, links, commands of the docs.
+/// `cargo xtask tidy`: layers, names of files, file lengths, leftovers, links, commands and code of the docs.
 pub(crate) fn run() -> Result<()> {
     let mut faults = Vec::new();
     let architecture = read("ARCHITECTURE.md")?;
@@ -22,22 +22,24 @@ pub(crate) fn run() -> Result<()> {
         &manifest_arrows()?,
         &mut faults,
     );
-    let is_there = |path: &str| root().join("crates").join(path).exists();
+    let files = tracked_files()?;
+    let is_there = |path: &str| is_in_crates(&files, path);
     name_faults(&architecture, is_there, &mut faults);
-    for file in tracked_files()? {
+    for file in &files {
         if file.ends_with(".rs") {
-            source_faults(&file, &read(&file)?, &mut faults);
+            source_faults(file, &read(file)?, &mut faults);
         } else if file.ends_with(".md") {
-            let folder = root().join(&file);
+            let (folder, text) = (root().join(file), read(file)?);
             let folder = folder.parent().unwrap_or(root());
             let is_there = |link: &str| folder.join(link).exists();
-            link_faults(&file, &read(&file)?, is_there, &mut faults);
+            link_faults(file, &text, is_there, &mut faults);
             if file == "README.md" || file.starts_with("docs/") {
-                command_faults(&file, &read(&file)?, &mut faults);
+                command_faults(file, &text, &mut faults);
+                snippet_faults(file, &text, |source| read(source).ok(), &mut faults);
             }
         }
     }
-    order_faults(&read("docs/README.md")?, &tracked_files()?, &mut faults);
+    order_faults(&read("docs/README.md")?, &files, &mut faults);
     if faults.is_empty() {
         return Ok(());
     }
@@ -116,14 +118,25 @@ fn layer_faults(drawn: &Arrows, manifest: &Arrows, faults: &mut Vec<String>) {
     }
 }
 
-/// Paths within crates, in backticks, that are not there.
+/// Paths in backticks that no file or folder in crates/ ends with.
 fn name_faults(architecture: &str, is_there: impl Fn(&str) -> bool, faults: &mut Vec<String>) {
     let in_backticks = architecture.split('`').skip(1).step_by(2);
-    for path in in_backticks.filter(|text| text.starts_with("hapdef") && text.contains('/')) {
-        if !path.contains(char::is_whitespace) && !is_there(path) {
-            faults.push(format!("ARCHITECTURE.md: crates/{path} is not there"));
+    let is_path = |text: &&str| {
+        let is_named = text.contains('/') || text.ends_with(".rs") || text.ends_with(".js");
+        is_named && !text.contains(char::is_whitespace)
+    };
+    for path in in_backticks.filter(is_path) {
+        if !is_there(path) {
+            faults.push(format!("ARCHITECTURE.md: no {path} in crates/"));
         }
     }
+}
+
+/// Whether a file in crates/, or a folder of one, ends with these parts.
+fn is_in_crates(files: &[String], path: &str) -> bool {
+    let wanted = format!("/{}/", path.trim_end_matches('/'));
+    let mut inside = files.iter().filter(|file| file.starts_with("crates/"));
+    inside.any(|file| format!("/{file}/").contains(&wanted))
 }
 
 fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
@@ -169,6 +182,48 @@ fn command_faults(file: &str, text: &str, faults: &mut Vec<String>) {
              as in ```sh (a device)"
         ));
     }
+}
+
+/// Rust that the docs show and that is not, line by line, in the compiled file that its fence names:
+/// ```rust (crates/hapdef-live/src/lib.rs).
+fn snippet_faults(
+    file: &str,
+    text: &str,
+    source: impl Fn(&str) -> Option<String>,
+    faults: &mut Vec<String>,
+) {
+    let blocks = blocks(text).into_iter();
+    for block in blocks.filter(|block| block.fence.starts_with("rust")) {
+        let Some(compiled) = block.reason().and_then(&source) else {
+            faults.push(format!(
+                "{file}: {}: names no file that is there",
+                block.fence
+            ));
+            continue;
+        };
+        let wanted: Vec<&str> = block.lines.iter().map(|line| line.trim()).collect();
+        let shown = compiled.lines().map(shown_line);
+        let shown: Vec<&str> = shown.filter(|line| !line.starts_with("# ")).collect();
+        if !shown
+            .windows(wanted.len().max(1))
+            .any(|lines| lines == wanted)
+        {
+            let first = wanted.first().unwrap_or(&"");
+            faults.push(format!(
+                "{file}: {}: other lines than `{first}` and on",
+                block.fence
+            ));
+        }
+    }
+}
+
+/// A line of code, or of an example in a documentation comment.
+fn shown_line(line: &str) -> &str {
+    let line = line.trim();
+    let comment = line
+        .strip_prefix("//!")
+        .or_else(|| line.strip_prefix("///"));
+    comment.map_or(line, str::trim)
 }
 
 /// Pages of the docs that the reading order leaves out.
@@ -224,11 +279,20 @@ mod tests {
 
     #[test]
     fn a_file_that_is_not_there_is_named() {
-        let text =
-            "`hapdef-mesh/src/skin.rs` and `gone.rs`, `hapdef-mesh/src/gone.rs`, `hapdef eval`";
+        let files = [
+            "crates/a/src/skin.rs",
+            "crates/a/src/deck/inp.rs",
+            "docs/gone.rs",
+        ];
+        let files = files.map(str::to_owned);
+        let is_there = |path: &str| is_in_crates(&files, path);
+        let text = "`a/src/skin.rs`, `skin.rs`, `deck/`, `src/deck`, `a eval`, `deck`";
         let mut faults = Vec::new();
-        name_faults(text, |path| path.ends_with("skin.rs"), &mut faults);
-        assert_eq!(faults.len(), 1, "{faults:?}");
+        name_faults(text, is_there, &mut faults);
+        assert_eq!(faults, Vec::<String>::new());
+        let text = "`gone.rs`, `a/src/gone.rs`, `kin.rs`, `dec/`, `a/skin.rs`";
+        name_faults(text, is_there, &mut faults);
+        assert_eq!(faults.len(), 5, "{faults:?}");
     }
 
     #[test]
@@ -240,6 +304,26 @@ mod tests {
         let files = ["docs/README.md", "docs/a.md", "docs/c.md", "d.md"].map(str::to_owned);
         order_faults(text, &files, &mut faults);
         assert_eq!(faults.len(), 2, "{faults:?}");
+    }
+
+    #[test]
+    fn rust_that_is_not_in_its_file_is_named() {
+        let source = |file: &str| {
+            let text =
+                "//! ```\n//! # hidden();\n//! let a = f(\n//!     1,\n//! # more();\n//! );\n";
+            (file == "a.rs").then(|| text.to_owned())
+        };
+        let found = |fence: &str, lines: &str| {
+            let mut faults = Vec::new();
+            let text = format!("```{fence}\n{lines}\n```\n");
+            snippet_faults("x.md", &text, source, &mut faults);
+            faults.len()
+        };
+        assert_eq!(found("rust (a.rs)", "let a = f(\n    1,\n);"), 0);
+        assert_eq!(found("rust (a.rs)", "let a = f(\n    2,\n);"), 1);
+        assert_eq!(found("rust (b.rs)", "let a = f("), 1);
+        assert_eq!(found("rust", "let a = f("), 1);
+        assert_eq!(found("text", "let b;"), 0);
     }
 
     #[test]

@@ -37,6 +37,20 @@ impl SkinPoint {
         Ok(Self::trusted(face as u32, inside.map(|b| b / sum)))
     }
 
+    /// The point of `skin` on `face` that two numbers of [0, 1] stand for; uniform over the face where
+    /// they are drawn uniformly.
+    ///
+    /// # Errors
+    /// [`InverseError::FaceOutOfRange`], [`InverseError::PointOffSkin`].
+    pub fn drawn(skin: &Skin, face: usize, [a, b]: [f64; 2]) -> Result<Self, InverseError> {
+        let [a, b] = if a + b > 1.0 {
+            [1.0 - a, 1.0 - b]
+        } else {
+            [a, b]
+        };
+        Self::new(skin, face, [1.0 - a - b, a, b])
+    }
+
     /// Index of the face.
     #[must_use]
     pub fn face(&self) -> usize {

@@ -2,20 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::argument::ArgumentError;
+
 /// Why something could not be drawn, printed or written. Each variant carries what was found.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// A slice does not have the length its documented shape asks for.
-    #[error("{what}: expected {expected} values, found {found}; check the shape passed in")]
-    Shape {
-        /// The argument.
-        what: &'static str,
-        /// Values its shape asks for.
-        expected: usize,
-        /// Values it has.
-        found: usize,
-    },
+    /// An argument of a figure, a report or a metric.
+    #[error(transparent)]
+    Argument(#[from] ArgumentError),
     /// A value is NaN or infinite.
     #[error("{what}: value {index} is {value}; every value must be finite")]
     NotFinite {
@@ -43,38 +38,6 @@ pub enum ReportError {
     NoHashes {
         /// The report's heading.
         title: String,
-    },
-    /// A knob lies outside the range the figure is defined for.
-    #[error("{what} = {value}: must be {expected}")]
-    Parameter {
-        /// The knob.
-        what: &'static str,
-        /// The value given.
-        value: f64,
-        /// The allowed range, in words.
-        expected: &'static str,
-    },
-    /// An index points past the end of what it indexes.
-    #[error("{what}: index {index} at position {position}, but there are only {len}")]
-    Index {
-        /// What is indexed.
-        what: &'static str,
-        /// The index.
-        index: usize,
-        /// Where the index was found.
-        position: usize,
-        /// Entries there are.
-        len: usize,
-    },
-    /// A name is not fit for the place it goes to.
-    #[error("{what} {name:?}: {expected}")]
-    Name {
-        /// Kind of name.
-        what: &'static str,
-        /// The name found.
-        name: String,
-        /// What is allowed, in words.
-        expected: &'static str,
     },
     /// A figure could not be drawn.
     #[error("drawing {figure}: {message}")]
@@ -122,22 +85,5 @@ impl ReportError {
             path: path.clone(),
             source,
         }
-    }
-}
-
-/// Refuses a slice whose length is not `expected`.
-pub(crate) fn check_len(
-    what: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), ReportError> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(ReportError::Shape {
-            what,
-            expected,
-            found,
-        })
     }
 }

@@ -1,32 +1,42 @@
 //! What people and machines read of a run: tables, charts, pictures, pages, metrics.
 //!
 //! - [`TextTable`]: short texts as Markdown or HTML.
-//! - [`lines_svg`], [`bars_svg`], [`unrolled_svg`], [`render_limb_png`]: charts and pictures as text and
-//!   bytes.
+//! - [`lines_svg`], [`bars_svg`], [`unrolled_svg`], [`limb_row_svg`]: charts and pictures as SVG.
 //! - [`Page`]: one HTML file without anything from outside; [`LimbView`] is a limb on it, from four sides
 //!   and to be turned.
 //! - [`Report`] and [`write_report`]: the same results as page, Markdown and JSON.
+//! - [`StabilityCase`], [`StabilityDocument`]: tables of methods at their extremes.
+//! - [`Origin`]: by what and from what results were made, for pages that are no report.
 //! - [`MetricLog`]: figures as `METRIC:name:value:unit` lines and in a JSON file.
 //!
 //! Knows nothing of how results arise. Values are drawn in the unit that the caller names.
 
+mod argument;
 mod error;
 mod metrics;
+mod origin;
 mod page;
 mod pictures;
 mod report;
+mod stability;
 mod text;
 
+pub use argument::{ArgumentError, check_len};
 pub use error::ReportError;
 pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
+pub use origin::Origin;
 pub use page::{Block, LimbMap, LimbView, Page};
 pub use pictures::{
     BarChart, BarPanel, LimbMarker, LimbPicture, LineChart, Mark, RenderParams, Scatter, Series,
-    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, lines_svg, render_limb_png,
-    render_limb_row_png, scatter_svg, unroll, unrolled_row_svg, unrolled_svg,
+    Unrolled, UnrolledArrow, UnrolledMarker, bars_svg, limb_row_svg, lines_svg, scatter_svg,
+    unroll, unrolled_row_svg, unrolled_svg,
 };
 pub use report::{
     Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, seconds_text,
     write_report, write_text,
+};
+pub use stability::{
+    StabilityCase, StabilityDocument, StabilityRefusal, StabilityVerdict, StabilityWanted,
+    log_stability, magnitude_text, stability_counts,
 };
 pub use text::{TextCell, TextTable, cell_text, escape_html};

@@ -11,7 +11,8 @@ use std::time::SystemTime;
 use hapdef_mesh::atomic_write;
 use serde::{Deserialize, Serialize};
 
-use crate::ReportError;
+use crate::argument::ArgumentError;
+use crate::error::ReportError;
 
 /// What every record carries besides its own.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,11 +106,12 @@ impl<W: Write> MetricLog<W> {
         let plain = |c: char| c.is_alphanumeric() || "_/%·²³µ".contains(c);
         if unit.is_empty() || !unit.chars().all(plain) {
             let expected = "a unit is letters, digits, _ / % and · ² ³, and not empty";
-            return Err(ReportError::Name {
+            return Err(ArgumentError::Name {
                 what: "unit",
                 name: unit.to_owned(),
                 expected,
-            });
+            }
+            .into());
         }
         let unit = unit.to_owned();
         self.push(name, MetricOutcome::Value { value, unit })
@@ -122,11 +124,12 @@ impl<W: Write> MetricLog<W> {
     pub fn skipped(&mut self, name: &str, reason: &str) -> Result<(), ReportError> {
         if reason.trim().is_empty() || reason.chars().any(char::is_control) {
             let expected = "a reason is one line and not empty";
-            return Err(ReportError::Name {
+            return Err(ArgumentError::Name {
                 what: "reason",
                 name: reason.to_owned(),
                 expected,
-            });
+            }
+            .into());
         }
         self.push(
             name,
@@ -167,11 +170,12 @@ impl<W: Write> MetricLog<W> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c);
         if name.is_empty() || !name.chars().all(plain) {
             let expected = "a metric's name is letters, digits, _ and ., and not empty";
-            return Err(ReportError::Name {
+            return Err(ArgumentError::Name {
                 what: "metric",
                 name: name.to_owned(),
                 expected,
-            });
+            }
+            .into());
         }
         let context = self.context.clone();
         let record = MetricRecord {
@@ -276,15 +280,15 @@ mod tests {
         ));
         assert!(matches!(
             log.value("a:b", 1.0, "s"),
-            Err(ReportError::Name { .. })
+            Err(ReportError::Argument(ArgumentError::Name { .. }))
         ));
         assert!(matches!(
             log.value("a", 1.0, "m:s"),
-            Err(ReportError::Name { .. })
+            Err(ReportError::Argument(ArgumentError::Name { .. }))
         ));
         assert!(matches!(
             log.skipped("a", "two\nlines"),
-            Err(ReportError::Name { .. })
+            Err(ReportError::Argument(ArgumentError::Name { .. }))
         ));
         assert!(log.records().is_empty());
     }

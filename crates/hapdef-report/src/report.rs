@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
-use crate::ReportError;
+use crate::argument::ArgumentError;
+use crate::error::ReportError;
 use crate::metrics::{MetricContext, MetricOutcome, MetricRecord};
 use crate::page::{Block, LimbView, Page};
 use crate::text::{TextCell, TextTable};
@@ -185,7 +186,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
         .map_err(ReportError::io("writing", path))
 }
 
-fn check_figures(figures: &[Figure]) -> Result<(), ReportError> {
+fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
     for (index, figure) in figures.iter().enumerate() {
         let (ending, expected) = match figure.content {
             FigureContent::Svg(_) => (".svg", "letters, digits, _ and -, then .svg"),
@@ -193,21 +194,19 @@ fn check_figures(figures: &[Figure]) -> Result<(), ReportError> {
         };
         let stem = figure.file.strip_suffix(ending).unwrap_or_default();
         let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-        let name = || figure.file.clone();
-        if stem.is_empty() || !stem.chars().all(plain) {
-            return Err(ReportError::Name {
-                what: "figure file",
-                name: name(),
+        let refuse = |expected| {
+            let (what, name) = ("figure file", figure.file.clone());
+            Err(ArgumentError::Name {
+                what,
+                name,
                 expected,
-            });
+            })
+        };
+        if stem.is_empty() || !stem.chars().all(plain) {
+            return refuse(expected);
         }
         if figures[..index].iter().any(|f| f.file == figure.file) {
-            let expected = "each figure needs a file of its own";
-            return Err(ReportError::Name {
-                what: "figure file",
-                name: name(),
-                expected,
-            });
+            return refuse("each figure needs a file of its own");
         }
     }
     Ok(())

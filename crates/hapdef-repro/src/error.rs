@@ -6,6 +6,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproError {
+    /// An argument of a baseline or a search.
+    #[error(transparent)]
+    Argument(#[from] hapdef_report::ArgumentError),
     /// A mesh that can't be used.
     #[error(transparent)]
     Mesh(#[from] hapdef_mesh::MeshError),
@@ -18,16 +21,6 @@ pub enum ReproError {
     /// A folder for files that come and go.
     #[error("a temporary folder: {0}")]
     Folder(std::io::Error),
-    /// A slice does not have the length its documented shape asks for.
-    #[error("{what}: expected {expected} values, found {found}; check the shape passed in")]
-    Shape {
-        /// The argument.
-        what: &'static str,
-        /// Values its shape asks for.
-        expected: usize,
-        /// Values it has.
-        found: usize,
-    },
     /// A slice's length is not a whole number of rows.
     #[error("{what}: {found} values are not whole rows of {width}")]
     NotWholeRows {
@@ -59,28 +52,6 @@ pub enum ReproError {
         needed: usize,
         /// Samples given.
         found: usize,
-    },
-    /// A knob lies outside the range the method is defined for.
-    #[error("{what} = {value}: must be {expected}")]
-    Parameter {
-        /// The knob.
-        what: &'static str,
-        /// The value given.
-        value: f64,
-        /// The allowed range, in words.
-        expected: &'static str,
-    },
-    /// An index points past the end of what it indexes.
-    #[error("{what}: index {index} at position {position}, but there are only {len}")]
-    Index {
-        /// What is indexed.
-        what: &'static str,
-        /// The index.
-        index: usize,
-        /// Where the index was found.
-        position: usize,
-        /// Entries there are.
-        len: usize,
     },
     /// All inputs of a linear regression are constant: there is nothing to regress on.
     #[error(
@@ -146,16 +117,6 @@ pub enum ReproError {
     /// The person stopped it.
     #[error("stopped; the same command goes on from here")]
     Stopped,
-    /// A name is not fit for the place it goes to.
-    #[error("{what} {name:?}: {expected}")]
-    Name {
-        /// Kind of name.
-        what: &'static str,
-        /// The name found.
-        name: String,
-        /// What is allowed, in words.
-        expected: &'static str,
-    },
     /// A report differs from its golden values, or is no report.
     #[error("golden values: {what}; if the change is meant, write them again (golden/README.md)")]
     Golden {
@@ -165,23 +126,6 @@ pub enum ReproError {
     /// A figure or a report could not be made.
     #[error(transparent)]
     Report(#[from] hapdef_report::ReportError),
-}
-
-/// Refuses a slice whose length is not `expected`.
-pub(crate) fn check_len(
-    what: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), ReproError> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(ReproError::Shape {
-            what,
-            expected,
-            found,
-        })
-    }
 }
 
 /// Number of rows of `width` in a slice of `found` values.

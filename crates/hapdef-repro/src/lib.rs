@@ -31,9 +31,8 @@ pub use search::{
     propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
 };
 pub use stability::{
-    InverseWorld, StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict,
-    StabilityWanted, inverse_markdown, inverse_rows, nets_markdown, nets_rows, parts_markdown,
-    parts_rows, stability_differences, stability_line,
+    INVERSE_DOCUMENT, InverseWorld, NETS_DOCUMENT, PARTS_DOCUMENT, StabilityFigure, StabilityRow,
+    inverse_rows, nets_rows, parts_rows, stability_line,
 };
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,

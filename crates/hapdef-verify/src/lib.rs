@@ -33,7 +33,6 @@ pub(crate) use inputs::shared;
 pub use page::{stability_page, verification_page};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
 pub use stability::{
-    Refusal, StabilityFigures, StabilityRow, StabilityVerdict, Wanted, stability_differences,
-    stability_line, stability_markdown, stability_rows,
+    STABILITY_DOCUMENT, StabilityFigures, StabilityRow, stability_line, stability_rows,
 };
 pub use table::{markdown, people_table};

@@ -2,13 +2,13 @@
 
 use hapdef_report::{
     Figure, FigureContent, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage,
-    TextCell, TextTable, lines_svg,
+    StabilityCase, TextCell, TextTable, lines_svg, stability_counts,
 };
 use serde_json::Value;
 
-use crate::stability::stability_markdown;
+use crate::stability::STABILITY_DOCUMENT;
 use crate::table::{against, error, markdown, target, value};
-use crate::{CaseReport, Report, StabilityRow, StabilityVerdict, Verdict};
+use crate::{CaseReport, Report, StabilityRow, Verdict};
 
 /// A problem is plotted where an element was tried on at least so many meshes.
 const PLOTTED_MESHES: usize = 3;
@@ -47,15 +47,9 @@ pub fn verification_page(
 /// The rows of the solver at its extremes; `data` is for machines.
 #[must_use]
 pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Report {
-    let count = |verdict| rows.iter().filter(|row| row.verdict() == verdict).count();
-    let counts = [
-        ("accurate", count(StabilityVerdict::Accurate)),
-        ("refused", count(StabilityVerdict::Refused)),
-        ("silently wrong", count(StabilityVerdict::SilentlyWrong)),
-    ];
     hapdef_report::Report {
         title: "The elasticity solver at its extremes".into(),
-        facts: facts(&counts),
+        facts: stability_counts(rows),
         tables: vec![ReportTable {
             title: "Rows".into(),
             note:
@@ -65,7 +59,7 @@ pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Repo
             text: stability_table(rows),
             data,
         }],
-        hashes: vec![hash("table", &stability_markdown(rows))],
+        hashes: vec![hash("table", &STABILITY_DOCUMENT.markdown(rows))],
         ..hapdef_report::Report::default()
     }
 }

@@ -1,5 +1,6 @@
 //! No row of the stability table is silently wrong, whichever elements are stiff.
 
+use hapdef_report::StabilityCase;
 use hapdef_verify::{stability_line, stability_rows};
 
 #[test]

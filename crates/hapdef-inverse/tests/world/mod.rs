@@ -94,13 +94,7 @@ impl World {
 
 pub fn draw_point(skin: &Skin, rng: &mut ChaCha8Rng) -> SkinPoint {
     let face = rng.random_range(0..skin.n_faces());
-    let (a, b): (f64, f64) = (rng.random(), rng.random());
-    let (a, b) = if a + b > 1.0 {
-        (1.0 - a, 1.0 - b)
-    } else {
-        (a, b)
-    };
-    SkinPoint::new(skin, face, [1.0 - a - b, a, b]).unwrap()
+    SkinPoint::drawn(skin, face, [rng.random(), rng.random()]).unwrap()
 }
 
 pub fn add_noise(y: &mut [f64], sd: f64, rng: &mut ChaCha8Rng) {

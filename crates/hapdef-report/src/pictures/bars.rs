@@ -4,8 +4,8 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
 use super::style::{self, INK, Marked, font, message, series_colour};
-use crate::ReportError;
-use crate::error::check_len;
+use crate::argument::{ArgumentError, check_len};
+use crate::error::ReportError;
 
 /// One panel of grouped bars.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,7 @@ fn check_shape(
     chart: &BarChart,
     what: &'static str,
     rows: &[Vec<Option<f64>>],
-) -> Result<(), ReportError> {
+) -> Result<(), ArgumentError> {
     check_len(what, chart.series.len(), rows.len())?;
     rows.iter()
         .try_for_each(|row| check_len(what, chart.groups.len(), row.len()))

@@ -4,8 +4,8 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
 use super::style::{self, INK, font, message, series_colour, tick};
-use crate::ReportError;
-use crate::error::check_len;
+use crate::argument::{ArgumentError, check_len};
+use crate::error::ReportError;
 
 /// A named line.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,11 +167,12 @@ pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReportError> {
     )?;
     if scatter.max_points == 0 {
         let expected = "at least 1";
-        return Err(ReportError::Parameter {
+        return Err(ArgumentError::Parameter {
             what: "max_points",
             value: 0.0,
             expected,
-        });
+        }
+        .into());
     }
     let pairs = || {
         scatter

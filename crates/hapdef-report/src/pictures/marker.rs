@@ -2,7 +2,7 @@
 
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
-pub(super) const INK: [u8; 3] = [34, 34, 34];
+const INK: [u8; 3] = [34, 34, 34];
 const RED: [u8; 3] = [220, 30, 30];
 const BLUE: [u8; 3] = [30, 90, 220];
 const GOLD: [u8; 3] = [240, 180, 0];
@@ -20,7 +20,7 @@ pub enum Mark {
     Gauge,
 }
 
-pub(super) fn paint([r, g, b]: [u8; 3], alpha: u8) -> Paint<'static> {
+fn paint([r, g, b]: [u8; 3], alpha: u8) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color(Color::from_rgba8(r, g, b, alpha));
     paint

@@ -1,7 +1,6 @@
-//! Figures: charts and the unrolled surface as SVG, limb pictures as PNG.
+//! Figures: charts, the unrolled surface and limbs as SVG.
 
 mod bars;
-mod digits;
 mod limb;
 mod lines;
 mod marker;
@@ -10,7 +9,7 @@ mod style;
 mod unrolled;
 
 pub use bars::{BarChart, BarPanel, bars_svg};
-pub use limb::{LimbMarker, LimbPicture, RenderParams, render_limb_png, render_limb_row_png};
+pub use limb::{LimbMarker, LimbPicture, RenderParams, limb_row_svg};
 pub use lines::{LineChart, Scatter, Series, lines_svg, scatter_svg};
 pub use marker::Mark;
 pub use unrolled::{

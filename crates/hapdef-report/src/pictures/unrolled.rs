@@ -5,8 +5,8 @@ use plotters::prelude::*;
 
 use super::marker::Mark;
 use super::style::{self, Marked, font, message, tick};
-use crate::ReportError;
-use crate::error::check_len;
+use crate::argument::{ArgumentError, check_len};
+use crate::error::ReportError;
 
 /// Nodes without a value.
 const NO_VALUE: RGBColor = RGBColor(205, 205, 205);
@@ -67,11 +67,12 @@ pub fn unroll(
 ) -> Result<Vec<[f64; 2]>, ReportError> {
     if axis > 2 {
         let expected = "0, 1 or 2";
-        return Err(ReportError::Parameter {
+        return Err(ArgumentError::Parameter {
             what: "axis",
             value: axis as f64,
             expected,
-        });
+        }
+        .into());
     }
     if reference.is_empty() {
         let what = "reference positions of the unrolled surface";
@@ -182,11 +183,12 @@ pub(super) fn colour_range(
         }
     });
     if !(found[0] < found[1] && found[0].is_finite() && found[1].is_finite()) {
-        return Err(ReportError::Parameter {
+        return Err(ArgumentError::Parameter {
             what: "upper end of the colour range",
             value: found[1],
             expected: "finite and above the lower end",
-        });
+        }
+        .into());
     }
     Ok(found)
 }

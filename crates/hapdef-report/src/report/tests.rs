@@ -162,14 +162,17 @@ fn odd_file_names_are_refused_before_writing() {
         let mut report = report();
         report.figures[0].file = file.to_owned();
         let error = write_report(folder.path(), &report).unwrap_err();
-        assert!(matches!(error, ReportError::Name { .. }), "{file}: {error}");
+        assert!(
+            matches!(error, ReportError::Argument(ArgumentError::Name { .. })),
+            "{file}: {error}"
+        );
     }
     let mut report = report();
     report.figures[1].file = "limb.png".to_owned();
     report.figures.push(report.figures[1].clone());
     assert!(matches!(
         write_report(folder.path(), &report),
-        Err(ReportError::Name { .. })
+        Err(ReportError::Argument(ArgumentError::Name { .. }))
     ));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -7,6 +7,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use hapdef_report::ArgumentError;
 use rayon::prelude::*;
 
 use crate::error::{ReproError, check_finite, whole_rows};
@@ -150,11 +151,12 @@ impl Knn {
     fn check(&self, params: &KnnParams, n_queries: usize) -> Result<(), ReproError> {
         if params.k == 0 {
             let expected = "at least 1";
-            return Err(ReproError::Parameter {
+            return Err(ArgumentError::Parameter {
                 what: "k",
                 value: 0.0,
                 expected,
-            });
+            }
+            .into());
         }
         let excluded = match params.own_row {
             OwnRow::None => 0,
@@ -164,12 +166,13 @@ impl Knn {
                     let index = first.saturating_add(n_queries) - 1;
                     let position = n_queries - 1;
                     let what = "own training row of a k-NN query";
-                    return Err(ReproError::Index {
+                    return Err(ArgumentError::Index {
                         what,
                         index,
                         position,
                         len,
-                    });
+                    }
+                    .into());
                 }
                 1
             }
@@ -323,12 +326,13 @@ impl Neighbours {
         let len = self.n_queries();
         if query >= len {
             let what = "k-NN query";
-            return Err(ReproError::Index {
+            return Err(ArgumentError::Index {
                 what,
                 index: query,
                 position: 0,
                 len,
-            });
+            }
+            .into());
         }
         let mut row_out = vec![0.0_f32; out.len()];
         let mut sums = vec![0.0_f64; out.len()];

@@ -14,10 +14,11 @@ mod solve;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use hapdef_report::{ArgumentError, check_len};
 use rayon::prelude::*;
 
 use self::solve::{normal_residual, pseudo_solve};
-use crate::error::{ReproError, check_finite, check_finite_from, check_len, whole_rows};
+use crate::error::{ReproError, check_finite, check_finite_from, whole_rows};
 
 /// Columns of Y that one task accumulates; fixed, so that results do not depend on threads.
 const COLUMN_TILE: usize = 256;
@@ -227,18 +228,20 @@ impl LinearAccumulator {
 impl LinearParams {
     fn check(&self) -> Result<(), ReproError> {
         if !(self.ridge >= 0.0 && self.ridge.is_finite()) {
-            return Err(ReproError::Parameter {
+            return Err(ArgumentError::Parameter {
                 what: "ridge",
                 value: self.ridge,
                 expected: "finite and at least 0",
-            });
+            }
+            .into());
         }
         if !(self.relative_tolerance >= 0.0 && self.relative_tolerance < 1.0) {
-            return Err(ReproError::Parameter {
+            return Err(ArgumentError::Parameter {
                 what: "relative_tolerance",
                 value: self.relative_tolerance,
                 expected: "in [0, 1)",
-            });
+            }
+            .into());
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 //! (Chang & Lin, ACM TIST 2(3):27, 2011) in Rust. Training time grows with about the square of
 //! the samples, so callers subsample; the result says how many samples it rests on.
 
+use hapdef_report::{ArgumentError, check_len};
 use libsvm_rs::predict::predict;
 use libsvm_rs::train::svm_train;
 use libsvm_rs::{KernelType, SvmModel, SvmNode, SvmParameterBuilder, SvmProblem, SvmType};
@@ -11,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::error::{ReproError, check_finite, check_len, whole_rows};
+use crate::error::{ReproError, check_finite, whole_rows};
 
 /// Knobs of [`Svr::train`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,20 +167,22 @@ impl SvrParams {
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 let expected = "finite and above 0";
-                return Err(ReproError::Parameter {
+                return Err(ArgumentError::Parameter {
                     what,
                     value,
                     expected,
-                });
+                }
+                .into());
             }
         }
         if !(self.epsilon >= 0.0 && self.epsilon.is_finite()) {
             let expected = "finite and at least 0";
-            return Err(ReproError::Parameter {
+            return Err(ArgumentError::Parameter {
                 what: "SVR epsilon",
                 value: self.epsilon,
                 expected,
-            });
+            }
+            .into());
         }
         Ok(())
     }
@@ -194,10 +197,15 @@ impl SvrParams {
             .eps(self.tolerance)
             .cache_size(200.0)
             .build()
-            .map_err(|_| ReproError::Parameter {
-                what: "SVR gamma",
-                value: self.gamma,
-                expected: "a value that libsvm accepts",
+            .map_err(|_| {
+                let what = "SVR gamma";
+                let expected = "a value that libsvm accepts";
+                ArgumentError::Parameter {
+                    what,
+                    value: self.gamma,
+                    expected,
+                }
+                .into()
             })
     }
 }

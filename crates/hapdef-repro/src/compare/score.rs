@@ -10,6 +10,9 @@ use super::world::Frame;
 /// A contact farther from its match than this is not found, m.
 const FOUND_M: f64 = 0.010;
 
+/// Points of a row's curve.
+const N_CURVE: usize = 100;
+
 /// The 95 % quantile of χ² with two degrees of freedom: −2 ln 0.05.
 const CHI2_95: f64 = 5.991_464_547_107_979;
 
@@ -55,6 +58,9 @@ pub(crate) struct Row {
     pub(crate) coverage95_pct: Option<f64>,
     pub(crate) p50_us: f64,
     pub(crate) p99_us: f64,
+    /// Share of the true contacts, %, and how far from its match the last of them is, mm.
+    #[serde(skip)]
+    pub(crate) within_mm: Vec<(f64, f64)>,
 }
 
 impl Score {
@@ -134,6 +140,10 @@ impl Score {
             coverage95_pct: (self.n_regions > 0).then(|| share(self.n_inside, self.n_regions)),
             p50_us: at(&times, 0.5),
             p99_us: at(&times, 0.99),
+            within_mm: (1..=N_CURVE)
+                .map(|k| (k * mm.len()).div_ceil(N_CURVE))
+                .filter_map(|n| Some((share(n, self.n_true), *mm.get(n.checked_sub(1)?)?)))
+                .collect(),
         }
     }
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 use hapdef::Run;
 use hapdef_report::{
-    MetricLog, NamedText, Report, ReportTable, SkippedStage, TextCell, TextTable, write_report,
+    Figure, FigureContent, LineChart, MetricLog, NamedText, Report, ReportTable, Series,
+    SkippedStage, TextCell, TextTable, lines_svg, write_report,
 };
 
 use super::run::{Measured, paper_time_us};
@@ -23,6 +24,15 @@ const NOTE: &str = "Simulated: readings come from the scene's rig, another and p
     strongest, 20 mm apart. Friction: coefficients uniform in 0–.2 in any direction and a tip 8 mm \
     across, neither seen in calibration; the covariance is told the friction. Four arriving: the \
     contacts when all have come, and the time of the last frame.";
+
+/// Rows by superposition that are drawn.
+const DRAWN: [&str; 5] = [
+    "single",
+    "double",
+    "double, 300 presses",
+    "triple, 16 gauges",
+    "four arriving",
+];
 
 /// Prints the figures and writes `compare/` under the scene's folder.
 pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) -> Result<()> {
@@ -43,6 +53,7 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
             text: table,
             data: serde_json::to_value(&measured.rows)?,
         }],
+        figures: vec![errors(measured)?],
         metrics: log.records().to_vec(),
         seed: test_seed,
         skipped: skipped(measured),
@@ -55,6 +66,33 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
         println!("{}", path.display());
     }
     Ok(())
+}
+
+/// How far contacts are from their matches, by rising distance; rows by superposition beside the paper's
+/// better one.
+fn errors(measured: &Measured) -> Result<Figure> {
+    let names = DRAWN.into_iter().chain(measured.best_paper.as_deref());
+    let series = names.filter_map(|name| {
+        let row = measured.row(name)?;
+        Some(Series {
+            name: name.to_owned(),
+            points: row.within_mm.clone(),
+        })
+    });
+    let chart = LineChart {
+        title: "Position error".into(),
+        x_label: "true contacts matched at most so far away, %".into(),
+        y_label: "distance, mm".into(),
+        log_y: true,
+        dots: false,
+        series: series.collect(),
+    };
+    Ok(Figure {
+        file: "position-error.svg".into(),
+        caption: "Distance of contacts from their matches. A line ends where the rest is missed."
+            .into(),
+        content: FigureContent::Svg(lines_svg(&chart)?),
+    })
 }
 
 fn skipped(measured: &Measured) -> Vec<SkippedStage> {

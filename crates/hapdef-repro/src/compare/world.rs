@@ -174,13 +174,8 @@ impl<'a> Draw<'a> {
         loop {
             let at = self.rng.random_range(0.0..whole);
             let face = self.area_to.partition_point(|to| *to <= at);
-            let (a, b): (f64, f64) = (self.rng.random(), self.rng.random());
-            let (a, b) = if a + b > 1.0 {
-                (1.0 - a, 1.0 - b)
-            } else {
-                (a, b)
-            };
-            if let Ok(point) = SkinPoint::new(self.skin, face, [1.0 - a - b, a, b]) {
+            let at = [self.rng.random(), self.rng.random()];
+            if let Ok(point) = SkinPoint::drawn(self.skin, face, at) {
                 return point;
             }
         }

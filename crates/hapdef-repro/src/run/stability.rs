@@ -1,15 +1,18 @@
 //! The program's part of the stability tables.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use hapdef::touch::response_map;
 use hapdef::{Limb, SceneArgs};
-use hapdef_report::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
+use hapdef_report::{
+    MetricLog, NamedText, Report, ReportTable, StabilityCase, StabilityDocument, StabilityVerdict,
+    TextCell, TextTable, log_stability, stability_counts, write_report,
+};
 use hapdef_repro::{
-    InverseWorld, StabilityRow, StabilityVerdict, inverse_markdown, inverse_rows, nets_markdown,
-    nets_rows, parts_markdown, parts_rows, stability_differences, stability_line,
+    INVERSE_DOCUMENT, InverseWorld, NETS_DOCUMENT, PARTS_DOCUMENT, StabilityRow, inverse_rows,
+    nets_rows, parts_rows, stability_line,
 };
 use serde_json::json;
 
@@ -53,21 +56,25 @@ struct Names {
     title: &'static str,
     /// Its folder, beside the metrics' file.
     folder: &'static str,
+    document: &'static StabilityDocument,
 }
 
 const NETS: Names = Names {
     title: "Training, baselines and inference at their extremes",
     folder: "stability-nets",
+    document: &NETS_DOCUMENT,
 };
 
 const PARTS: Names = Names {
     title: "Meshes, datasets, k-Max, decoder, clock and recordings at their extremes",
     folder: "stability-parts",
+    document: &PARTS_DOCUMENT,
 };
 
 const INVERSE: Names = Names {
     title: "Contacts by superposition at their extremes",
     folder: "stability-inverse",
+    document: &INVERSE_DOCUMENT,
 };
 
 impl TableArgs {
@@ -83,14 +90,14 @@ impl TableArgs {
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     let rows = nets_rows(|row| args.table.show(row));
     let inputs = Inputs::default();
-    finish(&args.table, &NETS, inputs, &rows, &nets_markdown(&rows))
+    finish(&args.table, &NETS, inputs, &rows)
 }
 
 /// Runs the rows of the parts around them.
 pub(crate) fn run_parts(args: &StabilityArgs) -> Result<()> {
     let rows = parts_rows(|row| args.table.show(row));
     let inputs = Inputs::default();
-    finish(&args.table, &PARTS, inputs, &rows, &parts_markdown(&rows))
+    finish(&args.table, &PARTS, inputs, &rows)
 }
 
 /// Runs the rows of superposition on a scene's limb.
@@ -106,13 +113,7 @@ pub(crate) fn run_inverse(args: &InverseArgs) -> Result<()> {
         seed: run.scene.seed,
         hashes: facts::input_hashes(&run)?,
     };
-    finish(
-        &args.table,
-        &INVERSE,
-        inputs,
-        &rows,
-        &inverse_markdown(&rows),
-    )
+    finish(&args.table, &INVERSE, inputs, &rows)
 }
 
 /// What rows rest on besides the code that makes them.
@@ -123,22 +124,31 @@ struct Inputs {
     hashes: Vec<NamedText>,
 }
 
-fn finish(
+fn finish(args: &TableArgs, names: &Names, inputs: Inputs, rows: &[StabilityRow]) -> Result<()> {
+    let text = names.document.markdown(rows);
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(inputs.seed));
+    log_stability(rows, &mut log)?;
+    log.append_to(&args.metrics)?;
+    write_page(args, names, inputs, rows, (&text, &log))?;
+    if let Some(path) = &args.write {
+        super::search::write(path, &text)?;
+    }
+    if let Some(path) = &args.check {
+        check(path, names.document, &text)?;
+    }
+    if failed > 0 {
+        bail!("{failed} of {} rows failed", rows.len());
+    }
+    Ok(())
+}
+
+fn write_page(
     args: &TableArgs,
     names: &Names,
     inputs: Inputs,
     rows: &[StabilityRow],
-    text: &str,
+    (text, log): (&str, &MetricLog<std::io::Stdout>),
 ) -> Result<()> {
-    let failed = rows.iter().filter(|row| row.is_failed()).count();
-    let wrong = rows
-        .iter()
-        .filter(|row| row.verdict() == StabilityVerdict::SilentlyWrong);
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(inputs.seed));
-    log.value("stability.rows", rows.len() as f64, "1")?;
-    log.value("stability.failed", failed as f64, "1")?;
-    log.value("stability.silently_wrong", wrong.count() as f64, "1")?;
-    log.append_to(&args.metrics)?;
     let mut hashes = inputs.hashes;
     hashes.push(NamedText {
         name: "table".into(),
@@ -148,7 +158,7 @@ fn finish(
         title: names.title.into(),
         scene: inputs.scene,
         seed: inputs.seed,
-        facts: counts(rows),
+        facts: stability_counts(rows),
         tables: vec![table(rows)],
         metrics: log.records().to_vec(),
         hashes,
@@ -158,52 +168,23 @@ fn finish(
     if let Some(page) = pages.last() {
         println!("page: {}", page.display());
     }
-    if let Some(path) = &args.write {
-        super::search::write(path, text)?;
-    }
-    if let Some(path) = &args.check {
-        let committed =
-            std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-        let faults = stability_differences(text, &committed);
-        if !faults.is_empty() {
-            bail!("{} is stale:\n  {}", path.display(), faults.join("\n  "));
-        }
-    }
-    if failed > 0 {
-        bail!("{failed} of {} rows failed", rows.len());
-    }
     Ok(())
 }
 
-/// How many rows have which verdict.
-fn counts(rows: &[StabilityRow]) -> Vec<NamedText> {
-    let verdicts = [
-        StabilityVerdict::Accurate,
-        StabilityVerdict::Refused,
-        StabilityVerdict::SilentlyWrong,
-    ];
-    let count = |verdict: StabilityVerdict| NamedText {
-        name: verdict.word().into(),
-        text: rows
-            .iter()
-            .filter(|row| row.verdict() == verdict)
-            .count()
-            .to_string(),
-    };
-    verdicts.map(count).to_vec()
+/// Fails where a committed file says something else than fresh rows.
+fn check(path: &Path, document: &StabilityDocument, text: &str) -> Result<()> {
+    let committed =
+        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    let faults = document.differences(text, &committed);
+    if faults.is_empty() {
+        return Ok(());
+    }
+    bail!("{} is stale:\n  {}", path.display(), faults.join("\n  "))
 }
 
 /// The rows for people and for machines.
 fn table(rows: &[StabilityRow]) -> ReportTable {
-    let header = [
-        "method",
-        "extreme",
-        "must hold",
-        "limit",
-        "measured",
-        "said",
-        "verdict",
-    ];
+    let header = NETS_DOCUMENT.columns.iter().copied().map(str::to_owned);
     let cells = |row: &StabilityRow| {
         let short = |value: f64| format!("{value:.1e}");
         let figure = row.outcome.as_ref().ok();
@@ -242,7 +223,7 @@ fn table(rows: &[StabilityRow]) -> ReportTable {
         title: "Rows".into(),
         note: "Measured: the figure that must not exceed the limit.".into(),
         text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
+            header: header.collect(),
             rows: rows.iter().map(cells).collect(),
         },
         data: data.collect(),

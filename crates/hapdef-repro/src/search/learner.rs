@@ -6,12 +6,13 @@ use std::ops::ControlFlow;
 use hapdef_data::{Standardiser, StandardiserFit};
 use hapdef_nets::train::{BatchSource, Progress, SourceError, train};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch, TrainParams};
+use hapdef_report::check_len;
 use rayon::prelude::*;
 
 use crate::baselines::{
     Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, Svr, SvrParams,
 };
-use crate::error::{ReproError, check_finite, check_len, whole_rows};
+use crate::error::{ReproError, check_finite, whole_rows};
 
 /// Rows that are added to a linear regression, or predicted by nearest neighbours, together.
 const BLOCK: usize = 512;
@@ -145,7 +146,11 @@ impl Samples<'_> {
 
     fn check(&self) -> Result<(), ReproError> {
         let n = whole_rows("inputs of samples", self.n_inputs, self.x.len())?;
-        check_len("outputs of samples", n * self.n_outputs, self.y.len())
+        Ok(check_len(
+            "outputs of samples",
+            n * self.n_outputs,
+            self.y.len(),
+        )?)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use hapdef_nets::{Activation, TrainParams};
+use hapdef_report::ArgumentError;
 
 use super::learner::{Learner, NetSettings};
 use crate::ReproError;
@@ -133,7 +134,7 @@ impl SearchMethod {
     /// A knob without a value.
     pub fn learner(self, values: &KnobValues, budget: &TrialBudget) -> Result<Learner, ReproError> {
         let value = |name: &'static str| {
-            values.get(name).copied().ok_or(ReproError::Name {
+            values.get(name).copied().ok_or(ArgumentError::Name {
                 what: "knob",
                 name: name.to_owned(),
                 expected: "a value for every knob of the method",

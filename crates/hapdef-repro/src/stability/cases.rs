@@ -1,7 +1,9 @@
 //! The rows: data and settings at their extremes.
 
+use hapdef_report::StabilityWanted;
+
 use super::plant::{N_OUT, N_TRAIN, Plant, largest_difference, methods, net};
-use super::row::{Case, StabilityWanted, case};
+use super::row::{Case, case};
 use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
 use crate::search::Learner;
@@ -207,7 +209,7 @@ fn not_finite(all: &mut Vec<Case>, method: &'static str, learner: &Learner) {
                 _ => "row 17, column 2",
             };
             let holds = ("refused with row and column", 0.0);
-            let wanted = StabilityWanted::Refusal(words);
+            let wanted = StabilityWanted::saying(words);
             all.push(case(
                 method,
                 format!("a {place} is {value}"),
@@ -379,7 +381,7 @@ fn knobs(all: &mut Vec<Case>) {
         ("net", "learning rate NaN", "learning_rate", net(f64::NAN)),
     ];
     for (method, extreme, words, learner) in bad {
-        let wanted = StabilityWanted::Refusal(words);
+        let wanted = StabilityWanted::saying(words);
         all.push(case(method, extreme, refused, wanted, move || {
             Plant::new().error(&learner)
         }));

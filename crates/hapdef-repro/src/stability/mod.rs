@@ -15,10 +15,10 @@ mod row;
 use std::sync::Arc;
 
 pub use document::{
-    inverse_markdown, nets_markdown, parts_markdown, stability_differences, stability_line,
+    INVERSE as INVERSE_DOCUMENT, NETS as NETS_DOCUMENT, PARTS as PARTS_DOCUMENT, stability_line,
 };
 pub use inverse::InverseWorld;
-pub use row::{StabilityFigure, StabilityRefusal, StabilityRow, StabilityVerdict, StabilityWanted};
+pub use row::{StabilityFigure, StabilityRow};
 
 /// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
 pub fn nets_rows(progress: impl FnMut(&StabilityRow)) -> Vec<StabilityRow> {

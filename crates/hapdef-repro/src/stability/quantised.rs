@@ -2,9 +2,10 @@
 
 use hapdef_nets::infer::{InferParams, Precision, PreparedNet};
 use hapdef_nets::{Activation, Layer, Mlp, Net};
+use hapdef_report::StabilityWanted;
 
 use super::plant::{N_OUT, Plant, largest_difference, net};
-use super::row::{Case, StabilityWanted, case};
+use super::row::{Case, case};
 use crate::ReproError;
 use crate::search::{Fitted, Learner};
 
@@ -133,14 +134,14 @@ fn far_inputs(all: &mut Vec<Case>, precision: Precision) {
 fn refused(all: &mut Vec<Case>, precision: Precision) {
     for value in [f32::NAN, f32::INFINITY] {
         let holds = ("refused with row and column", 0.0);
-        let wanted = StabilityWanted::Refusal("row 0, column 2");
+        let wanted = StabilityWanted::saying("row 0, column 2");
         let extreme = format!("a channel is {value}");
         all.push(case(precision.name(), extreme, holds, wanted, move || {
             in_bound(precision, Activation::Relu, |_| {}, |x| x[2] = value)
         }));
         let holds = ("refused", 0.0);
         let extreme = format!("a weight is {value}");
-        let wanted = StabilityWanted::Refusal("weights of a layer");
+        let wanted = StabilityWanted::saying("weights of a layer");
         all.push(case(precision.name(), extreme, holds, wanted, move || {
             let spoil = |l: &mut [Layer]| l[1].weights[99] = value;
             in_bound(precision, Activation::Relu, spoil, |_| {})

@@ -1,6 +1,11 @@
 //! One row of the table: a method at an extreme, what must hold, and what came of it.
 
+use hapdef_report::{StabilityCase, StabilityRefusal, StabilityWanted, magnitude_text};
+
 use crate::ReproError;
+
+/// Figures below this are shown as little.
+const LITTLE: (f64, &str) = (1e-9, "< 1e-9");
 
 /// One method at one extreme.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,97 +31,67 @@ pub struct StabilityFigure {
     pub limit: f64,
 }
 
-/// A typed error.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StabilityRefusal {
-    /// The variant, such as `RowNotFinite`.
-    pub kind: String,
-    /// What it says.
-    pub text: String,
-}
+impl StabilityCase for StabilityRow {
+    type Figures = StabilityFigure;
 
-/// What should come of a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StabilityWanted {
-    /// What must hold, holds.
-    Result,
-    /// An error whose text has these words.
-    Refusal(&'static str),
-    /// What must hold, holds, or any typed error.
-    Either,
-}
-
-/// What a row shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StabilityVerdict {
-    /// What must hold, holds.
-    Accurate,
-    /// A typed error.
-    Refused,
-    /// Neither.
-    SilentlyWrong,
-}
-
-impl StabilityRow {
-    /// Accurate, refused or wrong.
-    #[must_use]
-    pub fn verdict(&self) -> StabilityVerdict {
-        match &self.outcome {
-            Err(_) => StabilityVerdict::Refused,
-            Ok(figure) if figure.measured <= figure.limit => StabilityVerdict::Accurate,
-            Ok(_) => StabilityVerdict::SilentlyWrong,
-        }
+    fn outcome(&self) -> Result<&StabilityFigure, &StabilityRefusal> {
+        self.outcome.as_ref()
     }
 
-    /// Whether the row is wrong, or not what it should be.
-    #[must_use]
-    pub fn is_failed(&self) -> bool {
-        let as_wanted = match (self.wanted, &self.outcome) {
-            (StabilityWanted::Either, _) | (StabilityWanted::Result, Ok(_)) => true,
-            (StabilityWanted::Refusal(words), Err(refusal)) => refusal.text.contains(words),
-            _ => false,
+    fn holds(&self, figure: &StabilityFigure) -> bool {
+        figure.measured <= figure.limit
+    }
+
+    fn wanted(&self) -> StabilityWanted {
+        self.wanted
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let [limit, measured] = match &self.outcome {
+            Ok(f) => [format!("{:e}", f.limit), magnitude_text(f.measured, LITTLE)],
+            Err(_) => Default::default(),
         };
-        !as_wanted || self.verdict() == StabilityVerdict::SilentlyWrong
+        let [method, must_hold] = [self.method, self.must_hold].map(str::to_owned);
+        let [said, verdict] = [self.said(), self.verdict().word()].map(str::to_owned);
+        vec![
+            method,
+            self.extreme.clone(),
+            must_hold,
+            limit,
+            measured,
+            said,
+            verdict,
+        ]
     }
 
-    /// `ok`, or the kind of error.
-    #[must_use]
-    pub fn said(&self) -> &str {
-        match &self.outcome {
-            Ok(_) => "ok",
-            Err(refusal) => &refusal.kind,
-        }
-    }
-}
-
-impl StabilityVerdict {
-    /// The word that the table shows.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Accurate => "accurate",
-            Self::Refused => "refused",
-            Self::SilentlyWrong => "SILENTLY WRONG",
-        }
+    fn words(&self, refusal: &StabilityRefusal) -> String {
+        let words = without_folders(&refusal.text);
+        format!("{}, {}: {words}", self.method, self.extreme)
     }
 }
 
-impl StabilityRefusal {
-    fn of(error: &ReproError) -> Self {
-        let name = match error {
-            ReproError::Nets(cause) => format!("{cause:?}"),
-            ReproError::Data(cause) => format!("{cause:?}"),
-            ReproError::Inverse(cause) => format!("{cause:?}"),
-            ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => format!("{cause:?}"),
-            ReproError::KMax(cause) => format!("{cause:?}"),
-            ReproError::Daq(cause) => format!("{cause:?}"),
-            other => format!("{other:?}"),
-        };
-        let is_letter = |c: &char| c.is_ascii_alphanumeric();
-        Self {
-            kind: name.chars().take_while(is_letter).collect(),
-            text: error.to_string(),
+/// Paths without the folder that a row made for itself.
+fn without_folders(text: &str) -> String {
+    let name = |word: &str| match word.starts_with('/') {
+        true => word.rsplit('/').next().unwrap_or(word).to_owned(),
+        false => word.to_owned(),
+    };
+    text.split(' ').map(name).collect::<Vec<_>>().join(" ")
+}
+
+fn refusal(error: &ReproError) -> StabilityRefusal {
+    let text = error.to_string();
+    match error {
+        ReproError::Argument(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Nets(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Data(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Inverse(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => {
+            StabilityRefusal::new(cause, text)
         }
+        ReproError::KMax(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Daq(cause) => StabilityRefusal::new(cause, text),
+        other => StabilityRefusal::new(other, text),
     }
 }
 
@@ -140,9 +115,7 @@ impl Case {
             method: self.method,
             extreme: self.extreme.clone(),
             must_hold: self.must_hold,
-            outcome: (self.run)()
-                .map(figure)
-                .map_err(|e| StabilityRefusal::of(&e)),
+            outcome: (self.run)().map(figure).map_err(|e| refusal(&e)),
             wanted: self.wanted,
         }
     }
@@ -170,38 +143,28 @@ pub(super) fn case(
 mod tests {
     use super::*;
 
-    fn row(outcome: Result<f64, ReproError>, wanted: StabilityWanted) -> StabilityRow {
-        let outcome = std::cell::RefCell::new(Some(outcome));
-        Case {
+    #[test]
+    fn a_refusal_is_named_by_its_cause() {
+        let stopped = Case {
             method: "LR",
-            extreme: String::new(),
+            extreme: "one".to_owned(),
             must_hold: "",
             limit: 1.0,
-            wanted,
-            run: Box::new(move || outcome.borrow_mut().take().unwrap()),
-        }
-        .row()
+            wanted: StabilityWanted::saying("stopped"),
+            run: Box::new(|| Err(ReproError::Stopped)),
+        };
+        let row = stopped.row();
+        assert_eq!((row.is_failed(), row.said()), (false, "Stopped"));
+        let cause = hapdef_report::check_len("x", 1, 2).unwrap_err();
+        assert_eq!(refusal(&cause.into()).kind, "Shape");
     }
 
     #[test]
-    fn beyond_the_limit_is_silently_wrong() {
-        for measured in [1.1, f64::INFINITY, f64::NAN] {
-            let row = row(Ok(measured), StabilityWanted::Either);
-            assert_eq!(row.verdict(), StabilityVerdict::SilentlyWrong);
-            assert!(row.is_failed());
-        }
-        assert!(!row(Ok(1.0), StabilityWanted::Result).is_failed());
-    }
-
-    #[test]
-    fn what_should_be_refused_and_is_not_fails() {
-        assert!(row(Ok(0.0), StabilityWanted::Refusal("stopped")).is_failed());
-        assert!(row(Err(ReproError::Stopped), StabilityWanted::Refusal("row 3")).is_failed());
-        let refused = row(
-            Err(ReproError::Stopped),
-            StabilityWanted::Refusal("stopped"),
+    fn words_have_no_folders() {
+        let text = "a tensor in /tmp/x1/set.safetensors: 1/2 read";
+        assert_eq!(
+            without_folders(text),
+            "a tensor in set.safetensors: 1/2 read"
         );
-        assert_eq!((refused.is_failed(), refused.said()), (false, "Stopped"));
-        assert!(row(Err(ReproError::Stopped), StabilityWanted::Result).is_failed());
     }
 }

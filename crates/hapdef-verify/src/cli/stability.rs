@@ -6,10 +6,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use hapdef_mesh::atomic_write;
-use hapdef_report::{MetricContext, MetricLog};
+use hapdef_report::{MetricContext, MetricLog, StabilityCase, log_stability};
 use hapdef_verify::{
-    StabilityRow, StabilityVerdict, stability_differences, stability_line, stability_markdown,
-    stability_page, stability_rows,
+    STABILITY_DOCUMENT, StabilityRow, stability_line, stability_page, stability_rows,
 };
 
 use super::context::write_page;
@@ -61,19 +60,20 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
         println!("{data}");
     }
     if let Some(path) = &args.write {
-        let text = stability_markdown(&rows);
+        let text = STABILITY_DOCUMENT.markdown(&rows);
         atomic_write(path, |file| file.write_all(text.as_bytes()))
             .with_context(|| format!("writing {}", path.display()))?;
     }
-    let n_failed = rows.iter().filter(|row| row.is_failed()).count();
-    let log = metrics(args, &rows, n_failed)?;
+    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
+    log_stability(&rows, &mut log)?;
+    log.append_to(&args.metrics)?;
     write_page(
         stability_page(&rows, data),
         &log,
         &args.metrics,
         "stability-fe",
     )?;
-    Ok(agrees(args, &rows)? && n_failed == 0)
+    Ok(agrees(args, &rows)? && !rows.iter().any(StabilityCase::is_failed))
 }
 
 fn agrees(args: &StabilityArgs, rows: &[StabilityRow]) -> Result<bool> {
@@ -82,7 +82,7 @@ fn agrees(args: &StabilityArgs, rows: &[StabilityRow]) -> Result<bool> {
     };
     let committed =
         std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    let faults = stability_differences(rows, &committed);
+    let faults = STABILITY_DOCUMENT.differences(&STABILITY_DOCUMENT.markdown(rows), &committed);
     for fault in &faults {
         eprintln!("{}: {fault}", path.display());
     }
@@ -106,19 +106,4 @@ fn json(row: &StabilityRow) -> serde_json::Value {
         "verdict": row.verdict().word(),
         "failed": row.is_failed(),
     })
-}
-
-fn metrics(
-    args: &StabilityArgs,
-    rows: &[StabilityRow],
-    n_failed: usize,
-) -> Result<MetricLog<std::io::Stdout>> {
-    let wrong = |row: &&StabilityRow| row.verdict() == StabilityVerdict::SilentlyWrong;
-    let n_wrong = rows.iter().filter(wrong).count();
-    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
-    log.value("stability.rows", rows.len() as f64, "1")?;
-    log.value("stability.failed", n_failed as f64, "1")?;
-    log.value("stability.silently_wrong", n_wrong as f64, "1")?;
-    log.append_to(&args.metrics)?;
-    Ok(log)
 }

@@ -1,11 +1,8 @@
-//! The rows as docs/stability-fe.md, and the committed file against fresh rows.
+//! docs/stability-fe.md, and a row for people.
 
-use std::fmt::Write as _;
+use hapdef_report::{StabilityCase, StabilityDocument};
 
-use super::row::{StabilityRow, StabilityVerdict};
-
-/// The error that the solver's own rounding leaves; smaller ones differ from machine to machine.
-const ROUND_OFF: f64 = 1e-13;
+use super::row::StabilityRow;
 
 /// Refusals whose words hold numbers that rounding moves; the file names their kind only.
 const ROUNDED: [&str; 5] = [
@@ -39,83 +36,24 @@ coordinate is a round number.
 
 ";
 
-/// The text of docs/stability-fe.md.
-#[must_use]
-pub fn stability_markdown(rows: &[StabilityRow]) -> String {
-    let count = |verdict| rows.iter().filter(|row| row.verdict() == verdict).count();
-    let mut text = PREAMBLE.to_owned();
-    let _ = writeln!(
-        text,
-        "{} rows: {} accurate, {} refused, {} silently wrong.\n",
-        rows.len(),
-        count(StabilityVerdict::Accurate),
-        count(StabilityVerdict::Refused),
-        count(StabilityVerdict::SilentlyWrong)
-    );
-    text.push_str(
-        "| case | extreme | path | equations | error | backward | condition | bound | said | verdict |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let _ = writeln!(text, "{}", line(row));
-    }
-    text.push_str("\n## What refusals say\n\n");
-    for words in rows.iter().filter_map(row_words) {
-        let _ = writeln!(text, "{words}");
-    }
-    text
-}
-
-fn line(row: &StabilityRow) -> String {
-    let (equations, figures) = match &row.outcome {
-        Ok(f) => {
-            let figures = [
-                magnitude(f.error),
-                magnitude(f.info.worst_backward_error),
-                f.info.condition.map_or_else(String::new, magnitude),
-                magnitude(f.bound()),
-            ];
-            (f.n_equations.to_string(), figures)
-        }
-        Err(_) => Default::default(),
-    };
-    let (said, verdict) = (row.said(), row.verdict().word());
-    let [error, backward, condition, bound] = figures;
-    format!(
-        "| {} | {} | {} | {equations} | {error} | {backward} | {condition} | {bound} | {said} | {verdict} |",
-        row.case, row.extreme, row.path
-    )
-}
-
-/// The words of a refusal, as far as they are the same everywhere.
-fn row_words(row: &StabilityRow) -> Option<String> {
-    let refusal = row.outcome.as_ref().err()?;
-    let told = !ROUNDED.contains(&refusal.kind.as_str());
-    let text = refusal.text.split(' ').map(short).collect::<Vec<_>>();
-    let text = text.join(" ");
-    told.then(|| format!("- {}, {} ({}): {text}", row.case, row.extreme, row.path))
-}
-
-/// A word without the digits that rounding moves, and without the sign of a zero.
-fn short(word: &str) -> String {
-    let is_number = |c: char| c.is_ascii_digit() || "-+.e".contains(c);
-    let number = word.trim_matches(|c| !is_number(c)).trim_end_matches('.');
-    match number.parse::<f64>() {
-        Ok(0.0) => word.replace("-0", "0"),
-        Ok(value) if number.len() > 8 => word.replace(number, &format!("{value:.2e}")),
-        _ => word.to_owned(),
-    }
-}
-
-fn magnitude(value: f64) -> String {
-    if value < ROUND_OFF {
-        "round-off".to_owned()
-    } else if value.is_finite() {
-        format!("1e{}", value.log10().round())
-    } else {
-        "∞".to_owned()
-    }
-}
+/// docs/stability-fe.md.
+pub const STABILITY_DOCUMENT: StabilityDocument = StabilityDocument {
+    preamble: PREAMBLE,
+    columns: &[
+        "case",
+        "extreme",
+        "path",
+        "equations",
+        "error",
+        "backward",
+        "condition",
+        "bound",
+        "said",
+        "verdict",
+    ],
+    rounded_columns: &["error", "backward", "condition", "bound"],
+    rounded_refusals: &ROUNDED,
+};
 
 /// One line for people.
 #[must_use]
@@ -142,104 +80,5 @@ pub fn stability_line(row: &StabilityRow) -> String {
                 .map_or_else(|| "-".to_owned(), |c| format!("{c:.1e}"))
         ),
         Err(refusal) => format!("{head} {}: {}", refusal.kind, refusal.text),
-    }
-}
-
-/// Where the committed text and fresh rows disagree, one sentence each: in cases, sizes, what was
-/// said, and verdicts. Orders of magnitude may differ from machine to machine.
-#[must_use]
-pub fn stability_differences(rows: &[StabilityRow], committed: &str) -> Vec<String> {
-    let fresh = stability_markdown(rows);
-    let (fresh, written) = (comparable(&fresh), comparable(committed));
-    let missing = fresh.iter().filter(|row| !written.contains(row));
-    let stale = written.iter().filter(|row| !fresh.contains(row));
-    let mut faults: Vec<String> = missing
-        .map(|row| format!("not in the file: {row}"))
-        .collect();
-    faults.extend(stale.map(|row| format!("in the file, but not so any more: {row}")));
-    faults
-}
-
-/// Every line; rows without the figures that depend on rounding.
-fn comparable(text: &str) -> Vec<String> {
-    let strip = |line: &str| {
-        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
-        match cells.as_slice() {
-            [
-                _,
-                case,
-                extreme,
-                path,
-                equations,
-                _,
-                _,
-                _,
-                _,
-                said,
-                verdict,
-                _,
-            ] => [*case, extreme, path, equations, said, verdict].join(" | "),
-            _ => line.to_owned(),
-        }
-    };
-    let lines = text.lines().map(strip);
-    lines.filter(|line| !line.trim().is_empty()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::stability::row::{Refusal, Wanted};
-
-    fn refused(kind: &str, text: &str) -> StabilityRow {
-        StabilityRow {
-            case: "a case",
-            extreme: "f = 1e9".to_owned(),
-            path: "direct",
-            outcome: Err(Refusal {
-                kind: kind.to_owned(),
-                text: text.to_owned(),
-            }),
-            wanted: Wanted::Either,
-        }
-    }
-
-    #[test]
-    fn figures_may_differ_and_words_may_not() {
-        let row = |error, verdict| {
-            format!(
-                "| case | f = 1 | direct | 30 | {error} | 1e-16 | 1e5 | 1e-9 | ok | {verdict} |"
-            )
-        };
-        assert_eq!(
-            comparable(&row("1e-13", "accurate")),
-            comparable(&row("1e-12", "accurate"))
-        );
-        assert_ne!(
-            comparable(&row("1e-13", "accurate")),
-            comparable(&row("1e-13", "refused"))
-        );
-        let rows = [refused("AllClamped", "all 4 nodes")];
-        let text = stability_markdown(&rows);
-        assert_eq!(stability_differences(&rows, &text), Vec::<String>::new());
-        let others = [refused("AllClamped", "all 5 nodes")];
-        assert_eq!(stability_differences(&others, &text).len(), 2);
-    }
-
-    #[test]
-    fn words_keep_the_digits_that_hold_everywhere() {
-        assert_eq!(short("-3.1524758424985325e-2"), "-3.15e-2");
-        assert_eq!(short("(-0.0000,"), "(0.0000,");
-        assert_eq!(short("(2.5000,"), "(2.5000,");
-        assert_eq!(short("remesh."), "remesh.");
-    }
-
-    #[test]
-    fn words_with_rounded_numbers_stay_out() {
-        let text = stability_markdown(&[refused("IllConditioned", "a condition of 1.234e13")]);
-        assert!(
-            text.contains("IllConditioned") && !text.contains("1.234e13"),
-            "{text}"
-        );
     }
 }

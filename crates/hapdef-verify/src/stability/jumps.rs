@@ -1,13 +1,14 @@
 //! Parts far stiffer or softer than the rest.
 
 use hapdef_mesh::Tet10Mesh;
+use hapdef_report::StabilityWanted;
 use hapdef_sim::{RigidInsert, Supports};
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
 use super::field::{material, series, stretch};
-use super::row::{Trial, Wanted};
+use super::row::Trial;
 use super::solid::{Block, grid};
 use super::solids::both;
 use crate::VerifyError;
@@ -51,9 +52,9 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
                 Part::Middle => true,
             };
             let wanted = if floats && !(1e-6..=1e6).contains(&f) {
-                Wanted::Either
+                StabilityWanted::Either
             } else {
-                Wanted::Solution
+                StabilityWanted::Result
             };
             trials.extend(both(case, &format!("f = {f:e}"), wanted, move || {
                 bar(part, f)
@@ -63,13 +64,18 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
     for f in [1e-9, 1e-6, 1e6, 1e9] {
         let case = "E × f in 5 % of the elements, at random";
         let random = move || scattered(f, seed);
-        trials.extend(both(case, &format!("f = {f:e}"), Wanted::Either, random));
+        trials.extend(both(
+            case,
+            &format!("f = {f:e}"),
+            StabilityWanted::Either,
+            random,
+        ));
     }
     let case = "a rigid insert for the stiff part";
-    trials.extend(both(case, "free half", Wanted::Solution, || {
+    trials.extend(both(case, "free half", StabilityWanted::Result, || {
         rigid(Part::Free)
     }));
-    trials.extend(both(case, "middle half", Wanted::Solution, || {
+    trials.extend(both(case, "middle half", StabilityWanted::Result, || {
         rigid(Part::Middle)
     }));
     trials

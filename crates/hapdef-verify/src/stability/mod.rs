@@ -14,8 +14,8 @@ mod shells;
 mod solid;
 mod solids;
 
-pub use document::{stability_differences, stability_line, stability_markdown};
-pub use row::{Refusal, StabilityFigures, StabilityRow, StabilityVerdict, Wanted};
+pub use document::{STABILITY_DOCUMENT, stability_line};
+pub use row::{StabilityFigures, StabilityRow};
 
 use crate::VerifyError;
 

@@ -2,11 +2,12 @@
 //! have one.
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
+use hapdef_report::StabilityWanted;
 use hapdef_sim::{ElasticModel, ElasticParams, NodalLoad, ShellMesh, ShellParams, SolverChoice};
 use nalgebra::{Point3, Vector3};
 
 use super::field::material;
-use super::row::{Run, StabilityFigures, Trial, Wanted};
+use super::row::{Run, StabilityFigures, Trial};
 use super::solid::{grid, moved};
 use super::solids::{inner_corner, paths};
 use crate::VerifyError;
@@ -114,7 +115,7 @@ pub(super) fn trials() -> Vec<Trial> {
                 case,
                 extreme: extreme.to_owned(),
                 path,
-                wanted: Wanted::Refusal { kind, words },
+                wanted: StabilityWanted::Refusal { kind, words },
                 run: Box::new(move || run(solver)),
             });
         }
@@ -130,7 +131,7 @@ fn shells() -> [Trial; 3] {
             case,
             extreme: extreme.to_owned(),
             path: "shell",
-            wanted: Wanted::Refusal { kind, words },
+            wanted: StabilityWanted::Refusal { kind, words },
             run,
         }
     };

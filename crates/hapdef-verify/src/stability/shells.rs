@@ -2,11 +2,12 @@
 //! cylindrical bending, which flat triangles meet exactly.
 
 use hapdef_mesh::FeNodeId;
+use hapdef_report::StabilityWanted;
 use hapdef_sim::{ElasticModel, HeldMotion, Hold, NodalLoad, ShellKind, ShellMesh, ShellParams};
 use nalgebra::{Point3, Vector3};
 
 use super::field::material;
-use super::row::{Run, StabilityFigures, Trial, Wanted};
+use super::row::{Run, StabilityFigures, Trial};
 use super::solid::{relative_error, turn};
 use crate::VerifyError;
 
@@ -48,9 +49,9 @@ pub(super) fn trials() -> Vec<Trial> {
         for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
             let plate = Plate { kind, t, ..plain };
             let wanted = if t >= 1e-3 {
-                Wanted::Solution
+                StabilityWanted::Result
             } else {
-                Wanted::Either
+                StabilityWanted::Either
             };
             trials.push(trial(case, format!("t/L {t:e}"), wanted, plate));
         }
@@ -61,11 +62,12 @@ pub(super) fn trials() -> Vec<Trial> {
         trials.push(trial(
             case,
             format!("height × {row:e}"),
-            Wanted::Either,
+            StabilityWanted::Either,
             plate,
         ));
     }
-    let usual = |extreme: String, plate| trial("a plate, shell", extreme, Wanted::Solution, plate);
+    let usual =
+        |extreme: String, plate| trial("a plate, shell", extreme, StabilityWanted::Result, plate);
     for e in [1e3, 1e13] {
         trials.push(usual(format!("E {e:e} Pa"), Plate { e, ..plain }));
     }
@@ -81,7 +83,7 @@ pub(super) fn trials() -> Vec<Trial> {
     trials
 }
 
-fn trial(case: &'static str, extreme: String, wanted: Wanted, plate: Plate) -> Trial {
+fn trial(case: &'static str, extreme: String, wanted: StabilityWanted, plate: Plate) -> Trial {
     let run: Run = Box::new(move || plate.figures());
     Trial {
         case,

@@ -1,11 +1,12 @@
 //! Solids whose shape, stiffness, size or load is extreme.
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
+use hapdef_report::StabilityWanted;
 use hapdef_sim::{IterativeParams, MultigridParams, SolverChoice};
 use nalgebra::Point3;
 
 use super::field::{bend, material, stretch};
-use super::row::{Run, Trial, Wanted};
+use super::row::{Run, Trial};
 use super::solid::{Block, grid, moved};
 use crate::VerifyError;
 
@@ -33,7 +34,7 @@ pub(super) fn paths() -> [(&'static str, SolverChoice); 2] {
 pub(super) fn both(
     case: &'static str,
     extreme: &str,
-    wanted: Wanted,
+    wanted: StabilityWanted,
     make: impl Fn() -> Result<Block, VerifyError> + Clone + 'static,
 ) -> Vec<Trial> {
     paths()
@@ -63,7 +64,7 @@ pub(super) fn trials() -> Vec<Trial> {
     trials.extend(both(
         "one element",
         "ten nodes",
-        Wanted::Solution,
+        StabilityWanted::Result,
         one_element,
     ));
     trials
@@ -74,9 +75,9 @@ fn shapes() -> Vec<Trial> {
     let mut trials = Vec::new();
     for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
         let wanted = if t >= 1e-2 {
-            Wanted::Solution
+            StabilityWanted::Result
         } else {
-            Wanted::Either
+            StabilityWanted::Either
         };
         let extreme = format!("t/L {t:e}");
         trials.extend(both(
@@ -94,9 +95,9 @@ fn shapes() -> Vec<Trial> {
     }
     for height in [0.1, 0.01, 1e-3, 1e-4] {
         let wanted = if height >= 0.01 {
-            Wanted::Solution
+            StabilityWanted::Result
         } else {
-            Wanted::Either
+            StabilityWanted::Either
         };
         let extreme = format!("height × {height:e}");
         let layer = move || layer(height);
@@ -115,15 +116,15 @@ fn scales() -> Vec<Trial> {
         trials.extend(both(
             "a block, soft to stiff",
             &extreme,
-            Wanted::Solution,
+            StabilityWanted::Result,
             move || block(e, NU, 1.0, 1.0),
         ));
     }
     for nu in [0.0, 0.3, 0.49, 0.4999, 0.49999, 0.4999999] {
         let wanted = if nu < 0.4999 {
-            Wanted::Solution
+            StabilityWanted::Result
         } else {
-            Wanted::Either
+            StabilityWanted::Either
         };
         let extreme = format!("ν {nu}");
         trials.extend(both(
@@ -138,7 +139,7 @@ fn scales() -> Vec<Trial> {
         trials.extend(both(
             "a block, small to large",
             &extreme,
-            Wanted::Solution,
+            StabilityWanted::Result,
             move || block(E_PA, NU, size, 1.0),
         ));
     }
@@ -147,7 +148,7 @@ fn scales() -> Vec<Trial> {
         trials.extend(both(
             "a block, light to heavy load",
             &extreme,
-            Wanted::Solution,
+            StabilityWanted::Result,
             move || block(E_PA, NU, 1.0, force / (1e-3 * E_PA)),
         ));
     }

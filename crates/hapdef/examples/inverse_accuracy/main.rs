@@ -7,6 +7,8 @@
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 mod row;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use std::path::PathBuf;
 use std::sync::Arc;

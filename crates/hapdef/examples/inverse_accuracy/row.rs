@@ -4,13 +4,20 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef_inverse::{
-    ContactEstimate, ContactEstimator, EstimatorScratch, NoiseParams, Skin, SkinPoint, Verdict,
+    ContactEstimate, ContactEstimator, EstimatorScratch, NoiseParams, SkinPoint, Verdict,
     joint_bounds,
 };
-use nalgebra::Point3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+
+use crate::shared::{matched, mean, percent, places_apart, quantile};
+
+/// Least distance between contacts, m.
+const GAP_M: f64 = 0.012;
+
+/// A contact that was missed counts as so far away.
+const MISSED_MM: f64 = 100.0;
 
 /// Readings per newton of the limb that is touched.
 pub(crate) type Response<'a> = &'a dyn Fn(&SkinPoint) -> Result<Vec<f64>>;
@@ -40,7 +47,8 @@ impl Row {
         (scratch, out): &mut (EstimatorScratch, ContactEstimate),
     ) -> Result<()> {
         let skin = estimator.map().skin();
-        let (points, forces) = draw(skin, k, rng);
+        let points = places_apart(skin, k, GAP_M, rng);
+        let forces: Vec<f64> = points.iter().map(|_| rng.random_range(5.0..34.0)).collect();
         let mut y = vec![0.0; estimator.map().n_gauges()];
         for (point, force_n) in points.iter().zip(&forces) {
             for (y, g) in y.iter_mut().zip(response(point)?) {
@@ -67,16 +75,18 @@ impl Row {
             self.bound_mm
                 .extend(bounds.iter().map(|b| b.position_sd_m * 1e3));
         }
-        let truth: Vec<_> = points.iter().map(|p| skin.position(p)).collect();
-        let found: Vec<_> = out.contacts.iter().map(|c| c.position_m).collect();
-        let pairs = matched(&truth, &found, &mut vec![false; found.len()]).1;
-        for (i, pair) in pairs.into_iter().enumerate() {
-            let (mm, newtons) = pair.map_or((100.0, forces[i]), |j| {
-                let miss_n = (forces[i] - out.contacts[j].force_n).abs();
-                ((truth[i] - found[j]).norm() * 1e3, miss_n)
-            });
-            self.miss_mm.push(mm);
-            self.miss_n.push(newtons);
+        let truth = contacts
+            .iter()
+            .map(|(p, force_n)| (skin.position(p), *force_n));
+        let found = out.contacts.iter().map(|c| (c.position_m, c.force_n));
+        let matched = matched(truth, found)?;
+        for pair in &matched.pairs {
+            self.miss_mm.push(pair.position_error_m * 1e3);
+            self.miss_n.push(pair.force_error_n.abs());
+        }
+        for missed in matched.missed {
+            self.miss_mm.push(MISSED_MM);
+            self.miss_n.push(forces[missed]);
         }
         estimator.refine_into(&y, &points, scratch, out)?;
         let is_worse = found_misfit.0 == out.contacts.len() && found_misfit.1 > out.chi2 + 1.0;
@@ -85,9 +95,7 @@ impl Row {
     }
 
     pub(crate) fn text(&mut self, n_frames: usize) -> String {
-        let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
         let near = self.miss_mm.iter().filter(|&&mm| mm <= 10.0).count();
-        let percent = |n: usize, of: usize| n as f64 / of.max(1) as f64 * 100.0;
         format!(
             "{:>8.2} {:>7.2} {:>7.2} {:>8.1}% {:>7.2} {:>6.1}% {:>6.1}% {:>6.1}% {:>7.2} {:>7.2} {:>8.0} {:>8.0}",
             mean(&self.miss_mm),
@@ -104,63 +112,4 @@ impl Row {
             quantile(&mut self.times_us, 0.99),
         )
     }
-}
-
-fn draw(skin: &Skin, k: usize, rng: &mut ChaCha8Rng) -> (Vec<SkinPoint>, Vec<f64>) {
-    let mut points: Vec<SkinPoint> = Vec::new();
-    while points.len() < k {
-        let face = rng.random_range(0..skin.n_faces());
-        let (a, b): (f64, f64) = (rng.random(), rng.random());
-        let (a, b) = if a + b > 1.0 {
-            (1.0 - a, 1.0 - b)
-        } else {
-            (a, b)
-        };
-        let Ok(point) = SkinPoint::new(skin, face, [1.0 - a - b, a, b]) else {
-            continue;
-        };
-        let x = skin.position(&point);
-        if points
-            .iter()
-            .all(|p| (skin.position(p) - x).norm() >= 0.012)
-        {
-            points.push(point);
-        }
-    }
-    let forces = points.iter().map(|_| rng.random_range(5.0..34.0)).collect();
-    (points, forces)
-}
-
-/// The one-to-one matching with the least summed distance; a contact without a match costs 10 m.
-fn matched(
-    truth: &[Point3<f64>],
-    found: &[Point3<f64>],
-    used: &mut Vec<bool>,
-) -> (f64, Vec<Option<usize>>) {
-    let Some((first, rest)) = truth.split_first() else {
-        return (0.0, Vec::new());
-    };
-    let (cost, after) = matched(rest, found, used);
-    let mut best = (cost + 10.0, None, after);
-    for j in 0..found.len() {
-        if used[j] {
-            continue;
-        }
-        used[j] = true;
-        let (cost, after) = matched(rest, found, used);
-        used[j] = false;
-        let cost = cost + (first - found[j]).norm();
-        if cost < best.0 {
-            best = (cost, Some(j), after);
-        }
-    }
-    let (cost, pair, after) = best;
-    (cost, std::iter::once(pair).chain(after).collect())
-}
-
-fn quantile(values: &mut [f64], q: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1) as f64;
-    let place = (last * q).round() as usize;
-    values.get(place).copied().unwrap_or(f64::NAN)
 }

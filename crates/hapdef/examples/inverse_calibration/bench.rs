@@ -10,6 +10,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::draw::Hardware;
+use crate::shared::{matched, mean, percent, quantile};
 
 /// χ²₂ and |z| that 95 % don't exceed.
 const CHI2_2: f64 = 5.991;
@@ -92,34 +93,14 @@ impl Row {
         let skin = estimator.map().skin();
         let found = estimator.estimate(readings)?.contacts;
         self.n_right += usize::from(found.len() == contacts.len());
-        let gap = |t: &SkinPoint, f: usize| (skin.position(t) - found[f].position_m).norm();
-        let n = found.len();
-        // of one or two true contacts, the pairing with the least summed distance
-        let pairs: Vec<(usize, usize)> = match (contacts, n) {
-            (_, 0) => Vec::new(),
-            ([one], _) => (0..n)
-                .min_by(|&a, &b| gap(&one.0, a).total_cmp(&gap(&one.0, b)))
-                .map(|f| (0, f))
-                .into_iter()
-                .collect(),
-            (_, 1) => {
-                let nearer = usize::from(gap(&contacts[1].0, 0) < gap(&contacts[0].0, 0));
-                vec![(nearer, 0)]
-            }
-            _ => {
-                let all = (0..n)
-                    .flat_map(|a| (0..n).map(move |b| (a, b)))
-                    .filter(|(a, b)| a != b);
-                let cost =
-                    |&(a, b): &(usize, usize)| gap(&contacts[0].0, a) + gap(&contacts[1].0, b);
-                let best = all.min_by(|x, y| cost(x).total_cmp(&cost(y)));
-                best.map(|(a, b)| vec![(0, a), (1, b)]).unwrap_or_default()
-            }
-        };
-        self.n_missed += contacts.len() - pairs.len();
-        for (t, f) in pairs {
-            let (point, force_n) = &contacts[t];
-            let c = &found[f];
+        let truth = contacts
+            .iter()
+            .map(|(p, force_n)| (skin.position(p), *force_n));
+        let matched = matched(truth, found.iter().map(|c| (c.position_m, c.force_n)))?;
+        self.n_missed += matched.missed.len();
+        for pair in matched.pairs {
+            let (point, force_n) = &contacts[pair.truth];
+            let c = &found[pair.detected];
             let miss = skin.position(point) - c.position_m;
             self.n_far += usize::from(miss.norm() > 0.01);
             self.mm.push(miss.norm() * 1e3);
@@ -137,8 +118,6 @@ impl Row {
 
     fn print(&mut self, k: usize, n_frames: usize) {
         let n = self.mm.len().max(1);
-        let mean = |v: &[f64]| v.iter().sum::<f64>() / n as f64;
-        let share = |count: usize, of: usize| count as f64 / of as f64 * 100.0;
         println!(
             "{k:>3} {:>8.3} {:>7.3} {:>7.3} {:>8.3} {:>7.3} {:>6.1}% {:>6.1}% {:>6.1}% {:>11.1}% {:>5.1}%",
             mean(&self.mm),
@@ -146,17 +125,11 @@ impl Row {
             quantile(&mut self.mm, 0.9),
             mean(&self.newtons),
             quantile(&mut self.newtons, 0.5),
-            share(self.n_far, n),
-            share(self.n_missed, k * n_frames),
-            share(self.n_right, n_frames),
-            share(self.covered[0], n),
-            share(self.covered[1], n),
+            percent(self.n_far, n),
+            percent(self.n_missed, k * n_frames),
+            percent(self.n_right, n_frames),
+            percent(self.covered[0], n),
+            percent(self.covered[1], n),
         );
     }
-}
-
-pub(crate) fn quantile(values: &mut [f64], q: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let place = (values.len().saturating_sub(1) as f64 * q).round() as usize;
-    values.get(place).copied().unwrap_or(f64::NAN)
 }

@@ -120,12 +120,10 @@ impl<'a> Hardware<'a> {
         let all = self.areas.last().context("a skin has faces")?;
         let u = rng.random::<f64>() * all;
         let face = self.areas.partition_point(|sum| *sum < u);
-        let (a, b): (f64, f64) = (rng.random(), rng.random());
-        let (a, b) = if a + b > 1.0 {
-            (1.0 - a, 1.0 - b)
-        } else {
-            (a, b)
-        };
-        Ok(SkinPoint::new(&self.skin, face, [1.0 - a - b, a, b])?)
+        Ok(SkinPoint::drawn(
+            &self.skin,
+            face,
+            [rng.random(), rng.random()],
+        )?)
     }
 }

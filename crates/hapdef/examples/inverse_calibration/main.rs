@@ -6,6 +6,8 @@
 
 mod bench;
 mod draw;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -124,7 +126,7 @@ fn relative_error(map: &ResponseMap, presses: &[Press], rig: &Hardware<'_>) -> R
         (error, all) = (error + e, all + t);
         ratios.push((e / t).sqrt());
     }
-    Ok((f64::sqrt(error / all), bench::quantile(&mut ratios, 0.5)))
+    Ok((f64::sqrt(error / all), shared::quantile(&mut ratios, 0.5)))
 }
 
 fn describe(fitted: &Calibrated, held_out: &[Press], rig: &Hardware<'_>) -> Result<()> {
@@ -152,9 +154,9 @@ fn describe(fitted: &Calibrated, held_out: &[Press], rig: &Hardware<'_>) -> Resu
     let mut sizes: Vec<f64> = info.held_out.iter().map(|h| h.mean_square_z).collect();
     println!(
         "  z²: median {:.2}, p90 {:.2}, p99 {:.2}",
-        bench::quantile(&mut sizes, 0.5),
-        bench::quantile(&mut sizes, 0.9),
-        bench::quantile(&mut sizes, 0.99)
+        shared::quantile(&mut sizes, 0.5),
+        shared::quantile(&mut sizes, 0.9),
+        shared::quantile(&mut sizes, 0.99)
     );
     Ok(())
 }

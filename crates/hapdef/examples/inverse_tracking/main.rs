@@ -11,6 +11,8 @@ mod limb_error;
 mod play;
 mod row;
 mod script;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -51,7 +51,7 @@ impl Bench<'_> {
                     row.n_searches += usize::from(play == 0);
                 }
                 if play == 0 {
-                    row.frame(map.skin(), &script, index, tracker.last());
+                    row.frame(map.skin(), &script, index, tracker.last())?;
                 }
             }
         }

@@ -1,9 +1,10 @@
 //! One row of the table.
 
+use hapdef::ScoringError;
 use hapdef_inverse::{Skin, TrackedFrame};
-use nalgebra::Point3;
 
 use crate::script::Script;
+use crate::shared::{matched, mean, percent, quantile};
 
 /// A contact is found if it is this near, mm.
 const FOUND_MM: f64 = 10.0;
@@ -41,7 +42,7 @@ impl Row {
         script: &Script,
         index: usize,
         frame: &TrackedFrame,
-    ) {
+    ) -> Result<(), ScoringError> {
         let begun: Vec<_> = script.presses.iter().filter(|p| p.start < index).collect();
         if index <= script.all_there && self.n_onsets < begun.len() {
             let n_new = begun.len() - self.n_onsets;
@@ -60,11 +61,12 @@ impl Row {
         }
         let is_end = index + 1 == script.n_frames;
         if index + 1 == script.all_there {
-            self.judged[0].judge(skin, script, index, frame);
+            self.judged[0].judge(skin, script, index, frame)?;
         }
         if is_end {
-            self.judged[1].judge(skin, script, index, frame);
+            self.judged[1].judge(skin, script, index, frame)?;
         }
+        Ok(())
     }
 
     pub(crate) fn end(&mut self, times_us: &[f64]) {
@@ -98,73 +100,28 @@ impl Row {
 }
 
 impl Judged {
-    fn judge(&mut self, skin: &Skin, script: &Script, index: usize, frame: &TrackedFrame) {
-        let truth: Vec<_> = script
-            .pressing(index)
-            .map(|p| (skin.position(&p.point(skin, index)), p.force_n(index)))
-            .collect();
-        let places: Vec<_> = truth.iter().map(|t| t.0).collect();
-        let found: Vec<_> = frame
-            .contacts
-            .iter()
-            .map(|c| c.contact.position_m)
-            .collect();
-        let pairs = matched(&places, &found, &mut vec![false; found.len()]).1;
-        for (i, j) in pairs.into_iter().enumerate() {
-            let Some(j) = j else {
-                continue;
-            };
-            let mm = (places[i] - found[j]).norm() * 1e3;
-            let miss_n = (truth[i].1 - frame.contacts[j].contact.force_n).abs();
+    fn judge(
+        &mut self,
+        skin: &Skin,
+        script: &Script,
+        index: usize,
+        frame: &TrackedFrame,
+    ) -> Result<(), ScoringError> {
+        let pressing = script.pressing(index);
+        let truth = pressing.map(|p| (skin.position(&p.point(skin, index)), p.force_n(index)));
+        let found = frame.contacts.iter().map(|c| &c.contact);
+        let matched = matched(truth, found.map(|c| (c.position_m, c.force_n)))?;
+        for pair in &matched.pairs {
+            let mm = pair.position_error_m * 1e3;
             if mm <= FOUND_MM {
                 self.near_mm.push(mm);
-                self.misses_n.push(miss_n);
+                self.misses_n.push(pair.force_error_n.abs());
             }
         }
-        self.n_true += truth.len();
+        let n_true = matched.pairs.len() + matched.missed.len();
+        self.n_true += n_true;
         self.n_scenes += 1;
-        self.n_right += usize::from(found.len() == truth.len());
+        self.n_right += usize::from(frame.contacts.len() == n_true);
+        Ok(())
     }
-}
-
-/// The one-to-one matching with the least summed distance; a contact without a match costs 10 m.
-fn matched(
-    truth: &[Point3<f64>],
-    found: &[Point3<f64>],
-    used: &mut Vec<bool>,
-) -> (f64, Vec<Option<usize>>) {
-    let Some((first, rest)) = truth.split_first() else {
-        return (0.0, Vec::new());
-    };
-    let (cost, after) = matched(rest, found, used);
-    let mut best = (cost + 10.0, None, after);
-    for j in 0..found.len() {
-        if used[j] {
-            continue;
-        }
-        used[j] = true;
-        let (cost, after) = matched(rest, found, used);
-        used[j] = false;
-        let cost = cost + (first - found[j]).norm();
-        if cost < best.0 {
-            best = (cost, Some(j), after);
-        }
-    }
-    let (cost, pair, after) = best;
-    (cost, std::iter::once(pair).chain(after).collect())
-}
-
-fn mean(v: &[f64]) -> f64 {
-    (v.iter().sum::<f64>() + 0.0) / v.len().max(1) as f64
-}
-
-fn percent(n: usize, of: usize) -> f64 {
-    n as f64 / of.max(1) as f64 * 100.0
-}
-
-fn quantile(values: &mut [f64], q: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1) as f64;
-    let place = (last * q).round() as usize;
-    values.get(place).copied().unwrap_or(f64::NAN)
 }

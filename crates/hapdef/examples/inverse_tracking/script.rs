@@ -4,6 +4,8 @@ use hapdef_inverse::{AtWall, Skin, SkinPoint};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::shared::places_apart;
+
 /// Contacts of a scene.
 pub(crate) const N_CONTACTS: usize = 4;
 
@@ -99,7 +101,7 @@ impl Script {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut presses: Vec<Press> = Vec::new();
         let mut start = 100;
-        for point in draw_points(skin, &mut rng) {
+        for point in places_apart(skin, N_CONTACTS, GAP_M, &mut rng) {
             let place = (kind, presses.len());
             let with_last = matches!(place, (Kind::TwoAtOnce, 1) | (Kind::TwoPairs, 1 | 3));
             if !presses.is_empty() && !with_last {
@@ -183,28 +185,4 @@ fn change_forces(ramps: &mut Ramps, end: usize, rng: &mut ChaCha8Rng) {
         ramps.push((next, last, rng.random_range(5.0..34.0)));
         next = last + rng.random_range(80..250);
     }
-}
-
-fn draw_points(skin: &Skin, rng: &mut ChaCha8Rng) -> Vec<SkinPoint> {
-    let mut points: Vec<SkinPoint> = Vec::new();
-    while points.len() < N_CONTACTS {
-        let face = rng.random_range(0..skin.n_faces());
-        let (a, b): (f64, f64) = (rng.random(), rng.random());
-        let (a, b) = if a + b > 1.0 {
-            (1.0 - a, 1.0 - b)
-        } else {
-            (a, b)
-        };
-        let Ok(point) = SkinPoint::new(skin, face, [1.0 - a - b, a, b]) else {
-            continue;
-        };
-        let x = skin.position(&point);
-        if points
-            .iter()
-            .all(|p| (skin.position(p) - x).norm() >= GAP_M)
-        {
-            points.push(point);
-        }
-    }
-    points
 }

@@ -11,7 +11,7 @@ use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable};
 use serde_json::{Value, json};
 
-use super::pages::{self, Origin};
+use super::pages;
 
 /// What is not bounded.
 const LEFT_OUT: [(&str, &str); 2] = [
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &LimitsArgs) -> Result<()> {
     let report = limits(map, &request)?;
     let picture = args.scene.out.join(&run.scene.name).join("limits.glb");
     draw(&picture, &limb, &report, request.carried.usable_sd_m)?;
-    let origin = Origin::of(&run, &LEFT_OUT)?;
+    let origin = pages::origin(&run, &LEFT_OUT)?;
     let figures = origin.with(as_json(&limb, &request, &report));
     write_json(&picture.with_extension("json"), &figures)?;
     let page_file = picture.with_extension("html");

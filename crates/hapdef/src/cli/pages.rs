@@ -2,8 +2,7 @@
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_report::{MetricContext, NamedText, TextCell, TextTable};
-use serde_json::{Value, json};
+use hapdef_report::{MetricContext, NamedText, Origin, SkippedStage, TextCell, TextTable};
 
 /// A line at the head of a page.
 pub(super) fn fact(name: &str, text: String) -> NamedText {
@@ -13,57 +12,19 @@ pub(super) fn fact(name: &str, text: String) -> NamedText {
     }
 }
 
-/// By what and from what a command's results were made.
-pub(super) struct Origin {
-    scene: String,
-    made: MetricContext,
-    hashes: [(&'static str, String); 2],
-    skipped: Vec<(&'static str, &'static str)>,
-}
-
-impl Origin {
-    /// Of results over a run's scene; `skipped`: what was left out, and why.
-    pub(super) fn of(run: &Run, skipped: &[(&'static str, &'static str)]) -> Result<Self> {
-        Ok(Self {
-            scene: run.scene.name.clone(),
-            made: MetricContext::here(run.scene.seed),
-            hashes: run.input_hashes()?,
-            skipped: skipped.to_vec(),
-        })
-    }
-
-    /// Lines at the foot of a page.
-    pub(super) fn facts(&self) -> Vec<NamedText> {
-        let hashes = self.hashes.iter();
-        let hashes = hashes.map(|(name, hash)| fact(&format!("{name} hash"), hash.clone()));
-        let skipped = self.skipped.iter();
-        let skipped = skipped.map(|(name, why)| fact("left out", format!("{name}: {why}")));
-        let made = [
-            fact("commit", self.made.commit.clone()),
-            fact("machine", self.made.machine.clone()),
-            fact("time", self.made.time.clone()),
-        ];
-        skipped.chain(made).chain(hashes).collect()
-    }
-
-    /// The figures of an object, with these before them, under the names of `report.json`.
-    pub(super) fn with(&self, figures: Value) -> Value {
-        let hashes = self.hashes.iter();
-        let skipped = self.skipped.iter();
-        let mut all = json!({
-            "scene": self.scene,
-            "seed": self.made.seed,
-            "made": self.made,
-            "hashes": hashes.map(|(name, text)| json!({"name": name, "text": text})).collect::<Vec<_>>(),
-            "skipped": skipped
-                .map(|(name, reason)| json!({"name": name, "reason": reason}))
-                .collect::<Vec<_>>(),
-        });
-        if let (Some(all), Value::Object(figures)) = (all.as_object_mut(), figures) {
-            all.extend(figures);
-        }
-        all
-    }
+/// By what and from what results over a run's scene are made; `skipped`: what is left out, and why.
+pub(super) fn origin(run: &Run, skipped: &[(&str, &str)]) -> Result<Origin> {
+    let named = |(name, text): (&str, String)| fact(name, text);
+    let left_out = |(name, reason): &(&str, &str)| SkippedStage {
+        name: (*name).to_owned(),
+        reason: (*reason).to_owned(),
+    };
+    Ok(Origin {
+        scene: run.scene.name.clone(),
+        made: MetricContext::here(run.scene.seed),
+        hashes: run.input_hashes()?.map(named).to_vec(),
+        skipped: skipped.iter().map(left_out).collect(),
+    })
 }
 
 /// A table of plain cells.
@@ -83,6 +44,7 @@ mod tests {
     use std::path::Path;
 
     use hapdef::{Profile, Progress};
+    use serde_json::json;
 
     use super::*;
 
@@ -92,7 +54,7 @@ mod tests {
         let out = tempfile::tempdir().unwrap();
         let progress = Progress::on_stderr();
         let run = Run::new(&scene, Profile::quick(), out.path(), 1, progress).unwrap();
-        let origin = Origin::of(&run, &[("pairs", "too few")]).unwrap();
+        let origin = origin(&run, &[("pairs", "too few")]).unwrap();
         let value = origin.with(json!({"noise_ue": 5.0}));
         assert_eq!(value["scene"], run.scene.name);
         assert_eq!(value["seed"], run.scene.seed);

@@ -15,7 +15,7 @@ use hapdef_report::{
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use super::pages::{self, Origin};
+use super::pages;
 
 /// A bound of a layout, m.
 type Bound = fn(&PlacementScore) -> f64;
@@ -106,7 +106,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     let curves = path.with_file_name("placement.csv");
     std::fs::write(&curves, as_csv(&study))
         .with_context(|| format!("writing {}", curves.display()))?;
-    let origin = Origin::of(&run, &LEFT_OUT)?;
+    let origin = pages::origin(&run, &LEFT_OUT)?;
     let figures = origin.with(as_json(&study));
     write_json(&curves.with_extension("json"), &figures)?;
     let page_file = curves.with_extension("html");

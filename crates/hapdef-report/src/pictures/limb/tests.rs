@@ -34,10 +34,23 @@ fn draw(mesh: &(Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<f64>), params: &RenderParams) 
         positions: &mesh.0,
         triangles: &mesh.1,
         values: &mesh.2,
-        markers: &[],
+        ..EMPTY
     };
-    let png = render_limb_png(&picture, params).unwrap();
-    Pixmap::decode_png(&png).unwrap()
+    drawn(&picture, params)
+}
+
+const EMPTY: LimbPicture<'_> = LimbPicture {
+    title: "a <limb>",
+    value_label: "µm per N",
+    positions: &[],
+    triangles: &[],
+    values: &[],
+    markers: &[],
+};
+
+fn drawn(picture: &LimbPicture<'_>, params: &RenderParams) -> Pixmap {
+    let scale = colour_range(params.range, picture.values).unwrap();
+    render(picture, params, &View::new(picture, params), scale).unwrap()
 }
 
 fn rgb(pixmap: &Pixmap, x: u32, y: u32) -> [u8; 3] {
@@ -133,8 +146,9 @@ fn markers_show_where_they_lie_and_fade_when_hidden() {
             triangles,
             values,
             markers: &markers,
+            ..EMPTY
         };
-        let pixmap = render(&picture, &params).unwrap();
+        let pixmap = drawn(&picture, &params);
         rgb(
             &pixmap,
             (params.width_px - BAR_PX) / 2 + 10,
@@ -153,32 +167,33 @@ fn bad_pictures_are_refused() {
         positions: &positions,
         triangles: &[[0, 1, 2]],
         values: &[0.0; 3],
-        markers: &[],
+        ..EMPTY
     };
     let params = RenderParams::default();
-    assert!(render_limb_png(&good, &params).is_ok());
+    let draw = |picture, params| limb_row_svg(&[(picture, params)]);
+    assert!(draw(good, params).is_ok());
     let short = LimbPicture {
         values: &[0.0; 2],
         ..good
     };
     assert!(matches!(
-        render_limb_png(&short, &params),
-        Err(ReportError::Shape { .. })
+        draw(short, params),
+        Err(ReportError::Argument(ArgumentError::Shape { .. }))
     ));
     let index = LimbPicture {
         triangles: &[[0, 1, 3]],
         ..good
     };
-    let error = render_limb_png(&index, &params).unwrap_err();
+    let error = draw(index, params).unwrap_err();
     assert!(
         matches!(
             error,
-            ReportError::Index {
+            ReportError::Argument(ArgumentError::Index {
                 index: 3,
                 position: 2,
                 len: 3,
                 ..
-            }
+            })
         ),
         "{error}"
     );
@@ -187,7 +202,7 @@ fn bad_pictures_are_refused() {
         ..good
     };
     assert!(matches!(
-        render_limb_png(&empty, &params),
+        draw(empty, params),
         Err(ReportError::TooFew { .. })
     ));
     let huge = RenderParams {
@@ -195,7 +210,45 @@ fn bad_pictures_are_refused() {
         ..params
     };
     assert!(matches!(
-        render_limb_png(&good, &huge),
-        Err(ReportError::Parameter { .. })
+        draw(good, huge),
+        Err(ReportError::Argument(ArgumentError::Parameter { .. }))
     ));
+    assert!(matches!(limb_row_svg(&[]), Err(ReportError::TooFew { .. })));
+}
+
+/// Two panels: titles, units, five numbers on each colour bar, and a length bar as long as it says.
+#[test]
+fn a_row_says_what_it_shows_and_how_large_it_is() {
+    let (positions, triangles, values) = sphere(0.05, 12);
+    let picture = LimbPicture {
+        positions: &positions,
+        triangles: &triangles,
+        values: &values,
+        ..EMPTY
+    };
+    let params = RenderParams {
+        width_px: 400 + BAR_PX,
+        height_px: 400,
+        range: Some([0.0, 8.0]),
+        ..RenderParams::default()
+    };
+    let plain = LimbPicture {
+        value_label: "",
+        ..picture
+    };
+    let svg = limb_row_svg(&[(picture, params), (plain, params)]).unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let all = |name: &'static str| {
+        let nodes = document.descendants();
+        nodes.filter(move |node| node.tag_name().name() == name)
+    };
+    let texts: Vec<_> = all("text").filter_map(|node| node.text()).collect();
+    let bar = ["a <limb>", "µm per N", "8", "6", "4", "2", "0", "50 mm"];
+    assert_eq!(texts, [&bar[..], &["a <limb>", "50 mm"]].concat());
+    assert_eq!(all("image").count(), 2);
+    let path = all("path").next().and_then(|node| node.attribute("d"));
+    let end = path.unwrap().split(['H', 'V']).nth(2).unwrap();
+    // A sphere of 100 mm fills 376 px.
+    let length: f64 = end.parse::<f64>().unwrap() - 12.0;
+    assert!((length - 188.0).abs() < 2.0, "{length} px for 50 mm");
 }

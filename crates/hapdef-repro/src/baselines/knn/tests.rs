@@ -160,11 +160,11 @@ fn bad_arguments_are_refused() {
     assert!(
         matches!(
             error,
-            ReproError::Index {
+            ReproError::Argument(ArgumentError::Index {
                 index: 2,
                 len: 2,
                 ..
-            }
+            })
         ),
         "{error}"
     );

@@ -182,7 +182,7 @@ fn what_cannot_be_regressed_is_refused() {
     ));
     assert!(matches!(
         sums.add_block(&[1.0, 2.0], &[]),
-        Err(ReproError::Shape { .. })
+        Err(ReproError::Argument(ArgumentError::Shape { .. }))
     ));
     assert_eq!(sums.n_samples(), 0);
     let params = LinearParams::default();
@@ -202,6 +202,9 @@ fn what_cannot_be_regressed_is_refused() {
     };
     assert!(matches!(
         sums.solve(&bad),
-        Err(ReproError::Parameter { what: "ridge", .. })
+        Err(ReproError::Argument(ArgumentError::Parameter {
+            what: "ridge",
+            ..
+        }))
     ));
 }

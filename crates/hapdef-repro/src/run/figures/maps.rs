@@ -7,16 +7,19 @@ use hapdef_report::{Figure, LimbMarker, Mark};
 use super::super::examples::Example;
 use super::surface::{Panel, Surface, marks};
 
-/// Where figures stand that show the limb from two sides, rad.
-const SIDES_RAD: [f64; 2] = [
-    std::f64::consts::FRAC_PI_6,
-    std::f64::consts::FRAC_PI_6 + std::f64::consts::PI,
+/// Figures that show the limb from two sides: what stands above, and where the viewer stands, rad.
+const SIDES: [(&str, f64); 2] = [
+    ("seen from 30°", std::f64::consts::FRAC_PI_6),
+    (
+        "seen from 210°",
+        std::f64::consts::FRAC_PI_6 + std::f64::consts::PI,
+    ),
 ];
 
 /// Figure 3: displacement for the same force everywhere.
 pub(super) fn rigidity(surface: &Surface, um_per_n: &[f64]) -> Result<Vec<Figure>> {
-    let panel = || Panel {
-        title: "one newton on each node in turn",
+    let panel = |title| Panel {
+        title,
         label: "µm per N",
         values: um_per_n,
         range: None,
@@ -24,12 +27,16 @@ pub(super) fn rigidity(surface: &Surface, um_per_n: &[f64]) -> Result<Vec<Figure
     };
     Ok(vec![
         surface.renders(
-            "rigidity.png",
+            "rigidity-limb.svg",
             "Figure 3: displacement of each surface node for one newton on itself, µm; lighter \
              is softer. Two sides.",
-            &SIDES_RAD.map(|side| (panel(), side)),
+            &SIDES.map(|(title, side)| (panel(title), side)),
         )?,
-        surface.unrolled("rigidity.svg", "Figure 3, unrolled.", &[panel()])?,
+        surface.unrolled(
+            "rigidity.svg",
+            "Figure 3, unrolled.",
+            &[panel("one newton on each node in turn")],
+        )?,
     ])
 }
 
@@ -41,8 +48,8 @@ pub(super) fn patches(surface: &Surface, limb: &Limb) -> Result<Vec<Figure>> {
     let mut shown = marks(nodes, Mark::Dot);
     let centres = limb.sites.iter().map(|site| site.position.coords.into());
     shown.extend(marks(centres, Mark::Gauge));
-    let panel = || Panel {
-        title: "",
+    let panel = |title| Panel {
+        title,
         label: "",
         values: &grey,
         range: Some([0.0, 1.0]),
@@ -50,12 +57,12 @@ pub(super) fn patches(surface: &Surface, limb: &Limb) -> Result<Vec<Figure>> {
     };
     Ok(vec![
         surface.renders(
-            "figure5b.png",
+            "figure5b-limb.svg",
             "Figure 5B: gauges (yellow) and their virtual gauges (blue dots); faint on the far \
              side. Two sides.",
-            &SIDES_RAD.map(|side| (panel(), side)),
+            &SIDES.map(|(title, side)| (panel(title), side)),
         )?,
-        surface.unrolled("figure5b.svg", "Figure 5B, unrolled.", &[panel()])?,
+        surface.unrolled("figure5b.svg", "Figure 5B, unrolled.", &[panel("")])?,
     ])
 }
 
@@ -85,7 +92,7 @@ pub(super) fn example(surface: &Surface, example: &Example) -> Result<Vec<Figure
     };
     let towards = match truth.first() {
         Some(first) => surface.unroll(&[first.position])?[0][0],
-        None => SIDES_RAD[0],
+        None => SIDES[0].1,
     };
     let caption = format!(
         "{}. Rings: true contacts; dots: candidates; crosses: those picked.",
@@ -102,11 +109,11 @@ pub(super) fn example(surface: &Surface, example: &Example) -> Result<Vec<Figure
             ],
         )?,
         surface.renders(
-            &format!("{}.png", example.stem),
-            "The same on the limb: true and predicted.",
+            &format!("{}-limb.svg", example.stem),
+            "The same on the limb.",
             &[
-                (panel("", &example.truth_um, &truth), towards),
-                (panel("", &example.found_um, &all), towards),
+                (panel("true map", &example.truth_um, &truth), towards),
+                (panel("predicted map", &example.found_um, &all), towards),
             ],
         )?,
     ])

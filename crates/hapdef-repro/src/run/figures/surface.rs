@@ -3,8 +3,8 @@
 use anyhow::Result;
 use hapdef::{Limb, Run};
 use hapdef_report::{
-    Figure, FigureContent, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker,
-    render_limb_row_png, unroll, unrolled_row_svg, unrolled_svg,
+    Figure, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker, limb_row_svg,
+    unroll, unrolled_row_svg, unrolled_svg,
 };
 use nalgebra::Vector3;
 
@@ -52,6 +52,8 @@ impl Surface {
     ) -> Result<Figure> {
         let pictures = panels.iter().map(|(panel, azimuth_rad)| {
             let picture = LimbPicture {
+                title: panel.title,
+                value_label: panel.label,
                 positions: &self.positions,
                 triangles: &self.triangles,
                 values: panel.values,
@@ -68,11 +70,7 @@ impl Surface {
             (picture, params)
         });
         let pictures: Vec<_> = pictures.collect();
-        Ok(Figure {
-            file: file.into(),
-            caption: caption.into(),
-            content: FigureContent::Png(render_limb_row_png(&pictures)?),
-        })
+        Ok(svg(file, caption, limb_row_svg(&pictures)?))
     }
 
     /// Unrolled surfaces side by side.

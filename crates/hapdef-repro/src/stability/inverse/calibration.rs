@@ -1,13 +1,13 @@
 //! Calibration from too few, too bad and badly placed presses.
 
+use hapdef_report::StabilityWanted;
 use std::sync::Arc;
 
 use hapdef_inverse::{Calibrated, CalibrationParams, Press, ResponseMap};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::super::row::case;
-use super::super::row::{Case, StabilityWanted};
+use super::super::row::{Case, case};
 use super::world::{InverseWorld, SD, add_noise, rng};
 use crate::ReproError;
 
@@ -120,7 +120,7 @@ fn refusals(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             METHOD,
             extreme,
             REFUSED,
-            StabilityWanted::Refusal(words),
+            StabilityWanted::saying(words),
             move || {
                 let mut rng = rng(61);
                 let mut presses = draw(&w, n, &mut rng);

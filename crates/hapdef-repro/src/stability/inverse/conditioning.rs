@@ -1,9 +1,9 @@
 //! Channels that saturate, die or give no number.
 
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, TouchPhase};
+use hapdef_report::StabilityWanted;
 
-use super::super::row::case;
-use super::super::row::{Case, StabilityWanted};
+use super::super::row::{Case, case};
 use super::world::{add_noise, rng};
 use crate::ReproError;
 

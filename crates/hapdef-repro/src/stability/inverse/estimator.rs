@@ -1,11 +1,11 @@
 //! Contacts in bad places, of bad sizes, in bad frames.
 
+use hapdef_report::StabilityWanted;
 use std::sync::Arc;
 
 use hapdef_inverse::{ContactEstimate, SkinPoint};
 
-use super::super::row::case;
-use super::super::row::{Case, StabilityWanted};
+use super::super::row::{Case, case};
 use super::world::{InverseWorld, SD, add_noise, rng, single_sds, sure, worst, wrong_share};
 use crate::ReproError;
 
@@ -205,7 +205,7 @@ fn bad_readings(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     let holds = ("the gauge is named", 0.0);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let w = world.clone();
-        let wanted = StabilityWanted::Refusal("the reading of gauge 7");
+        let wanted = StabilityWanted::saying("the reading of gauge 7");
         let extreme = format!("a reading of {bad:e}");
         all.push(case(METHOD, extreme, holds, wanted, move || {
             let mut y = vec![SD; w.n()];

@@ -1,11 +1,11 @@
 //! Gauges that are the same, dead, blind or of very different gain.
 
+use hapdef_report::StabilityWanted;
 use std::sync::Arc;
 
 use hapdef_inverse::{NoiseParams, SkinPoint};
 
-use super::super::row::case;
-use super::super::row::{Case, StabilityWanted};
+use super::super::row::{Case, case};
 use super::world::{InverseWorld, SD, add_noise, rng, single_sds, sure, worst, wrong_share};
 use crate::ReproError;
 
@@ -89,7 +89,7 @@ fn blind(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         METHOD,
         extreme,
         holds,
-        StabilityWanted::Refusal("not identifiable"),
+        StabilityWanted::saying("not identifiable"),
         move || {
             let blind = w.regauged(|i| (i, 0.0))?;
             sure(&blind.estimator(SD)?, &vec![30.0; w.n()])?;
@@ -160,7 +160,7 @@ fn dead(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         ));
     }
     let w = world.clone();
-    let wanted = StabilityWanted::Refusal("2 gauges are alive");
+    let wanted = StabilityWanted::saying("2 gauges are alive");
     let holds = ("two gauges are refused", 0.0);
     all.push(case(
         METHOD,

@@ -1,5 +1,6 @@
 //! A tracker fed with what no contact makes.
 
+use hapdef_report::StabilityWanted;
 use std::sync::Arc;
 
 use hapdef_inverse::{
@@ -8,8 +9,7 @@ use hapdef_inverse::{
 };
 use rand::RngExt;
 
-use super::super::row::case;
-use super::super::row::{Case, StabilityWanted};
+use super::super::row::{Case, case};
 use super::world::{InverseWorld, SD, add_noise, rng};
 use crate::ReproError;
 
@@ -196,7 +196,7 @@ fn refusals(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     for (extreme, n_live) in [("a frame of NaN", 0), ("a frame with two gauges", 2)] {
         let w = world.clone();
         let holds = ("the frame is refused", 0.0);
-        let wanted = StabilityWanted::Refusal("gauges are alive");
+        let wanted = StabilityWanted::saying("gauges are alive");
         all.push(case(METHOD, extreme, holds, wanted, move || {
             let estimator = w.estimator(SD)?;
             let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;

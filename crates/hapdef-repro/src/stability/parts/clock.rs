@@ -3,10 +3,10 @@
 use std::rc::Rc;
 
 use hapdef_daq::clock::ClockMap;
+use hapdef_report::StabilityWanted::Result as Wanted;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::stability::row::StabilityWanted::Result as Wanted;
 use crate::stability::row::{Case, case};
 
 /// Frames at 1 kHz, and those after which the map should have settled.

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use hapdef_data::{DatasetReader, DatasetWriter, Split, StandardiserFit, TensorSpec};
+use hapdef_report::StabilityWanted::{self, Result as Wanted};
 
 use crate::ReproError;
-use crate::stability::row::StabilityWanted::{Refusal, Result as Wanted};
 use crate::stability::row::{Case, case};
 
 /// Values at the ends of what 32 bits hold.
@@ -71,7 +71,7 @@ fn refusals() -> [Case; 6] {
             "dataset",
             extreme,
             ("it is refused", 0.0),
-            Refusal(words),
+            StabilityWanted::saying(words),
             run,
         )
     };

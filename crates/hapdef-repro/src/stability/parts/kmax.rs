@@ -1,9 +1,9 @@
 //! k-Max on fields and points at their extremes.
 
 use hapdef_kmax::{KMaxGraph, KMaxParams, Peak};
+use hapdef_report::StabilityWanted::{self, Result as Wanted};
 
 use crate::ReproError;
-use crate::stability::row::StabilityWanted::{Refusal, Result as Wanted};
 use crate::stability::row::{Case, case};
 
 /// Points along each side of the plate, and the gap between them, m.
@@ -78,7 +78,7 @@ fn refusals() -> [Case; 4] {
             "k-Max",
             extreme,
             ("it is refused", 0.0),
-            Refusal(words),
+            StabilityWanted::saying(words),
             run,
         )
     };

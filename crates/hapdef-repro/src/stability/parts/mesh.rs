@@ -1,10 +1,10 @@
 //! A curved block of ten-node tetrahedra, stretched, moved, and broken.
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block, tet10};
+use hapdef_report::StabilityWanted::{self, Result as Wanted};
 use nalgebra::{Point3, Vector3};
 
 use crate::ReproError;
-use crate::stability::row::StabilityWanted::{Refusal, Result as Wanted};
 use crate::stability::row::{Case, case};
 
 const ROUND_OFF: f64 = 1e-12;
@@ -56,7 +56,13 @@ pub(super) fn cases() -> Vec<Case> {
 /// Meshes that are none.
 fn refusals() -> [Case; 5] {
     let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        case("mesh", extreme, ("it is refused", 0.0), Refusal(words), run)
+        case(
+            "mesh",
+            extreme,
+            ("it is refused", 0.0),
+            StabilityWanted::saying(words),
+            run,
+        )
     };
     [
         refused("a coordinate is NaN", "NaN", || {

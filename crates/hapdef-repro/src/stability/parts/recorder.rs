@@ -7,9 +7,9 @@ use hapdef_daq::hdp1::{Encoder, FrameFlags, Hello, SampleFormat};
 use hapdef_daq::record::{Content, RecordParams, Recording, record, recover};
 use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{AcquireParams, Message, acquire};
+use hapdef_report::StabilityWanted::{self, Result as Wanted};
 
 use crate::ReproError;
-use crate::stability::row::StabilityWanted::{Refusal, Result as Wanted};
 use crate::stability::row::{Case, case};
 
 const N_FRAMES: u32 = 40_000;
@@ -51,7 +51,7 @@ pub(super) fn cases() -> Vec<Case> {
             "recorder",
             extreme,
             must_hold,
-            Refusal("record"),
+            StabilityWanted::saying("record"),
             move || Ok(f64::from(damaged(change)?.n_right)),
         )
     };

@@ -2,11 +2,11 @@
 
 use hapdef_daq::faults::{Fault, Injector};
 use hapdef_daq::hdp1::{Decoder, Encoder, Event, FrameFlags, Hello, MAX_CHANNELS, SampleFormat};
+use hapdef_report::StabilityWanted::Result as Wanted;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::ReproError;
-use crate::stability::row::StabilityWanted::Result as Wanted;
 use crate::stability::row::{Case, case};
 
 /// Packets of a stream, and channels of each.

@@ -5,7 +5,7 @@ mod blocks;
 
 use std::path::Path;
 
-use hapdef_report::{NamedText, Page};
+use hapdef_report::{MetricContext, NamedText, Origin, Page, SkippedStage};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -52,13 +52,14 @@ impl ShellLimb {
     ) -> Result<(), HapdefError> {
         std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
         let facts = self.facts(source);
+        let origin = origin(source, comparisons);
         let page = Page {
             title: format!("Shell against solid: {}", source.file),
-            facts: facts.clone(),
+            facts: facts.iter().cloned().chain(origin.facts()).collect(),
             blocks: comparisons.iter().flat_map(blocks::blocks).collect(),
         };
         page.write(&folder.join(SHELL_REPORT_HTML))?;
-        let figures = figures(source, &facts, comparisons);
+        let figures = origin.with(figures(source, &facts, comparisons));
         write_json(&folder.join(SHELL_REPORT_JSON), &figures)
     }
 
@@ -74,10 +75,7 @@ impl ShellLimb {
         };
         let [length, width] = params.gauge_size_m.map(mm);
         let mut facts = vec![
-            (
-                "surface",
-                format!("{}, BLAKE3 {}", source.file, source.file_hash),
-            ),
+            ("surface", source.file.clone()),
             (
                 "wall",
                 format!("{wall}; the skin is its {} side", info.wall.side),
@@ -111,10 +109,7 @@ impl ShellLimb {
             ("tip", format!("{} radius", mm(params.tip_radius_m))),
         ];
         if let Some(scene) = &source.scene {
-            facts.push((
-                "scene",
-                format!("{}, BLAKE3 {}", scene.file, scene.file_hash),
-            ));
+            facts.push(("scene", scene.file.clone()));
         }
         facts.push(("thin wall", self.thin_wall().to_string()));
         let named = |(name, text): (&str, String)| NamedText {
@@ -123,6 +118,52 @@ impl ShellLimb {
         };
         facts.into_iter().map(named).collect()
     }
+}
+
+/// Nothing is drawn at random, so there is no seed; hashes are BLAKE3.
+fn origin(source: &ReportSource, comparisons: &[ShellComparison]) -> Origin {
+    let scene = source.scene.as_ref();
+    let decks = comparisons.iter().filter_map(|c| c.deck_hash.as_ref());
+    let hashes = [("surface", &source.file_hash)]
+        .into_iter()
+        .chain(scene.map(|scene| ("scene", &scene.file_hash)))
+        .chain(decks.map(|hash| ("deck", hash)));
+    let named = |(name, text): (&str, &String)| NamedText {
+        name: name.into(),
+        text: text.clone(),
+    };
+    Origin {
+        scene: scene.map_or_else(String::new, |scene| scene.file.clone()),
+        made: MetricContext::here(0),
+        hashes: hashes.map(named).collect(),
+        skipped: comparisons.iter().flat_map(left_out).collect(),
+    }
+}
+
+/// What a comparison passes over.
+fn left_out(comparison: &ShellComparison) -> Vec<SkippedStage> {
+    let solid = &comparison.solid;
+    let skip = |name: String, reason: &str| SkippedStage {
+        name: format!("{name}, against {solid}"),
+        reason: reason.into(),
+    };
+    let mut skipped = Vec::new();
+    if comparison.n_touches_left_out > 0 {
+        let name = format!("{} places", comparison.n_touches_left_out);
+        skipped.push(skip(name, "held, or not wholly on the shell"));
+    }
+    if comparison.n_gauges_left_out > 0 {
+        let name = format!("{} gauges", comparison.n_gauges_left_out);
+        skipped.push(skip(name, "not all models can carry them"));
+    }
+    if comparison.coarser_solid.is_none() {
+        let reason = "there is no other mesh of that solid to compare it with";
+        skipped.push(skip(
+            "how far the solid itself is from converged".into(),
+            reason,
+        ));
+    }
+    skipped
 }
 
 fn figures(source: &ReportSource, facts: &[NamedText], comparisons: &[ShellComparison]) -> Value {
