@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, results, root};
+use crate::tool::{cargo, release_binary, results, root, target_dir};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -23,10 +23,13 @@ pub(crate) struct StabilityArgs {
     /// Rows as JSON; `fe` only.
     #[arg(long)]
     json: bool,
-    /// Draws which elements are stiff where they are scattered at random; the file has seed 0;
-    /// `fe` only.
+    /// `fe`: draws which elements are stiff where they are scattered at random; the file has seed 0.
+    /// `scenes`: the first scene's, the next has the next.
     #[arg(long)]
     seed: Option<u64>,
+    /// How long scenes are tried, minutes; `scenes` only.
+    #[arg(long)]
+    minutes: Option<f64>,
 }
 
 /// What is tried at its extremes.
@@ -40,20 +43,29 @@ enum Part {
     Inverse,
     /// Meshes, datasets, k-Max, decoder, clock, recordings.
     Parts,
+    /// Scenes at random, none of which may be silently wrong; a search, no table.
+    Scenes,
+}
+
+/// A part with a table in docs/.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Table {
+    Fe,
+    Nets,
+    Inverse,
+    Parts,
 }
 
 /// `cargo xtask stability`.
 pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
+    refuse_strangers(args)?;
     let Some(part) = args.part else {
-        if args.json || args.seed.is_some() {
-            bail!("--json and --seed are for `stability fe`");
-        }
         return all(args);
     };
-    if part != Part::Fe && (args.json || args.seed.is_some()) {
-        bail!("--json and --seed are for `stability fe`");
-    }
-    let mut command = part.with_files(args)?;
+    let Some(table) = part.table() else {
+        return scenes(args);
+    };
+    let mut command = table.with_files(args)?;
     if args.json {
         command.arg("--json");
     }
@@ -63,13 +75,48 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     finish(&mut command)
 }
 
+/// Refuses options of other parts.
+fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
+    let (is_fe, is_scenes) = (args.part == Some(Part::Fe), args.part == Some(Part::Scenes));
+    if args.json && !is_fe {
+        bail!("--json is for `stability fe`");
+    }
+    if args.seed.is_some() && !is_fe && !is_scenes {
+        bail!("--seed is for `stability fe` and `stability scenes`");
+    }
+    if args.minutes.is_some() && !is_scenes {
+        bail!("--minutes is for `stability scenes`");
+    }
+    if is_scenes && (args.write || args.check) {
+        bail!("`stability scenes` has no table: --write and --check are for the other parts");
+    }
+    Ok(())
+}
+
+/// Scenes at random; failing ones are left beside the results, for
+/// crates/hapdef/tests/scene_search.json.
+fn scenes(args: &StabilityArgs) -> Result<()> {
+    let words = ["build", "--quiet", "--release", "--package", "hapdef"];
+    crate::tool::run(cargo(&words).args(["--example", "scenes"]))?;
+    let mut command = Command::new(target_dir()?.join("release/examples/scenes"));
+    if let Some(minutes) = args.minutes {
+        command.args(["--minutes", &minutes.to_string()]);
+    }
+    if let Some(seed) = args.seed {
+        command.args(["--seed", &seed.to_string()]);
+    }
+    command.arg("--failures").arg(results().join("scenes.json"));
+    command.arg("--metrics").arg(results().join("metrics.json"));
+    finish(&mut command)
+}
+
 /// Every layer; then which failed.
 fn all(args: &StabilityArgs) -> Result<()> {
     let mut failed = Vec::new();
-    for part in Part::ALL {
-        println!("── {}", part.document());
-        if crate::tool::run(&mut part.with_files(args)?).is_err() {
-            failed.push(part.document());
+    for table in Table::ALL {
+        println!("── {}", table.document());
+        if crate::tool::run(&mut table.with_files(args)?).is_err() {
+            failed.push(table.document());
         }
     }
     if !failed.is_empty() {
@@ -80,14 +127,26 @@ fn all(args: &StabilityArgs) -> Result<()> {
 
 /// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    for part in Part::ALL {
-        let mut command = part.command()?;
-        crate::tool::run(command.arg("--check").arg(root().join(part.document())))?;
+    for table in Table::ALL {
+        let mut command = table.command()?;
+        crate::tool::run(command.arg("--check").arg(root().join(table.document())))?;
     }
     Ok(())
 }
 
 impl Part {
+    fn table(self) -> Option<Table> {
+        match self {
+            Self::Fe => Some(Table::Fe),
+            Self::Nets => Some(Table::Nets),
+            Self::Inverse => Some(Table::Inverse),
+            Self::Parts => Some(Table::Parts),
+            Self::Scenes => None,
+        }
+    }
+}
+
+impl Table {
     const ALL: [Self; 4] = [Self::Fe, Self::Nets, Self::Inverse, Self::Parts];
 
     fn with_files(self, args: &StabilityArgs) -> Result<Command> {

@@ -1,28 +1,18 @@
 //! The plan of a scene: what runs, what is left out, and that the run follows it.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
+mod rates;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use hapdef::plan::{Machine, Plan, StepState, When, pipeline_parts_s, plan};
+use hapdef::plan::{Plan, PlanStep, StepState, When, pipeline_parts_s, plan};
 use hapdef::stages::compliance;
 use hapdef::touch::{Calibration, touch_estimator};
 use hapdef::{Limb, Profile, Progress, Run};
 use serde_json::{Value, json};
 
-/// Rates that no test looks at.
-const MACHINE: Machine = Machine {
-    threads: 2,
-    elements_per_s: 1e5,
-    factor_flops_per_s: 1e10,
-    solve_flops_per_s: 1e10,
-    few_solves_flops_per_s: 1e9,
-    train_flops_per_s: 1e10,
-    train_mixed_flops_per_s: 2e10,
-    train_narrow_flops_per_s: 1e10,
-    superpose_flops_per_s: 1e9,
-    write_bytes_per_s: 1e8,
-};
+use rates::MACHINE;
 
 fn shin() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
@@ -44,6 +34,14 @@ fn prepared(folder: &Path, scene: &str, change: impl FnOnce(&mut Value)) -> (Run
 fn names(plan: &Plan, state: StepState) -> Vec<&str> {
     let steps = plan.steps.iter().filter(|step| step.state == state);
     steps.map(|step| step.name.as_str()).collect()
+}
+
+/// Every step that runs has an expected time.
+fn assert_times(plan: &Plan) {
+    let runs = plan.steps.iter().filter(|s| s.state == StepState::Runs);
+    for step in runs {
+        assert!(step.predicted_s.unwrap() > 0.0, "{step:?}");
+    }
 }
 
 #[test]
@@ -97,13 +95,13 @@ fn the_papers_chain_is_planned_in_full_and_nothing_is_made() {
             "scan and pair search",
         ]
     );
-    let design = |step: &&hapdef::plan::PlanStep| step.when == When::Design;
+    let design = |step: &&PlanStep| step.when == When::Design;
     let runs = plan.steps.iter().filter(design);
     let runs = runs.filter(|step| step.state == StepState::Runs);
     for step in runs {
         assert!(step.flops > 0.0 && step.bytes > 0.0, "{step:?}");
-        assert!(step.predicted_s.unwrap() > 0.0, "{step:?}");
     }
+    assert_times(&plan);
     assert!(!folder.path().join("out").exists());
 }
 
@@ -160,8 +158,15 @@ fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
     let plan = plan(&run, &limb, &MACHINE).unwrap();
     assert_eq!(
         names(&plan, StepState::Runs),
-        ["response", "χ² test", "scan for one contact", "pair search"]
+        [
+            "response",
+            "χ² test",
+            "scan for one contact",
+            "pair search",
+            "a contact followed"
+        ]
     );
+    assert_times(&plan);
     assert_eq!(plan.step("response").unwrap().sizes["right-hand sides"], 10);
     let skipped = names(&plan, StepState::Skipped);
     for name in [
@@ -170,6 +175,7 @@ fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
         "rig",
         "datasets",
         "nets",
+        "search while nothing touches",
     ] {
         assert!(skipped.contains(&name), "{name} is not in {skipped:?}");
     }
@@ -211,7 +217,10 @@ fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
         let advised = made.with_shell_advice(&limb, run.scene.rig.max_wall_m, &results);
         let advised = advised.unwrap();
         let step = advised.step("shell model instead").unwrap();
-        assert_eq!((step.state, step.when), (StepState::Skipped, When::Design));
+        assert_eq!(
+            (step.state, step.when),
+            (StepState::Alternative, When::Design)
+        );
         step.why.clone()
     };
     let by_wall = why();
@@ -265,6 +274,35 @@ fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
     assert_eq!((pairs.state, pairs.flops), (StepState::Skipped, 0.0));
     assert_eq!(pairs.why, "contact.max_contacts is 1");
     let runs = names(&plan, StepState::Runs);
-    assert_eq!(runs, ["calibration", "χ² test", "scan for one contact"]);
+    assert_eq!(
+        runs,
+        [
+            "calibration",
+            "χ² test",
+            "scan for one contact",
+            "a contact followed"
+        ]
+    );
     assert!(names(&plan, StepState::Skipped).contains(&"response"));
+}
+
+/// A calibration is planned with its presses: more of them take longer, and it is measured against the
+/// plan where a person asks.
+#[test]
+fn a_calibration_is_planned_with_its_presses() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, limb) = prepared(folder.path(), "placed.json", |scene| {
+        scene["estimator"]["map_refinements"] = json!(0);
+    });
+    let bare = plan(&run, &limb, &MACHINE).unwrap();
+    let planned = |n_presses| {
+        let with = bare.clone();
+        let with = with.with_calibration(&run, &limb, &MACHINE, n_presses);
+        with.unwrap().step("hapdef calibrate").unwrap().clone()
+    };
+    let (few, many) = (planned(300), planned(3000));
+    assert_eq!((few.when, few.sizes["presses"]), (When::Design, 300));
+    let times = [few, many].map(|step| step.predicted_s.unwrap());
+    let response_s = bare.step("response").unwrap().predicted_s.unwrap();
+    assert!(response_s < times[0] && times[0] < times[1], "{times:?}");
 }

@@ -71,8 +71,9 @@ pub enum WhyNot {
     TiedExplanations,
     /// Even as many contacts as may be do not explain the readings.
     Misfit,
-    /// The contacts take all that the gauges tell, or all but one number: nothing is left to check
-    /// them by, and other contacts would explain other readings as well.
+    /// The contacts take all that the gauges tell, or all but one number, or two where a further
+    /// contact may touch: nothing is left to check them by, and other contacts would explain the
+    /// readings as well.
     Unchecked,
     /// Fewer contacts and more noise than was told explain the readings nearly as well.
     Noise,

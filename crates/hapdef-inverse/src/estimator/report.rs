@@ -181,13 +181,23 @@ fn verdict(
         Verdict::Untouched
     } else if out.contacts.iter().any(open) {
         Verdict::NotIdentifiable(WhyNot::SingularInformation)
-    } else if estimator.n_told < 3 * best.n + LEAST_SPARE {
+    } else if !is_checked(estimator, best.n) {
         Verdict::NotIdentifiable(WhyNot::Unchecked)
     } else if out.runner_ups.iter().any(ties) {
         Verdict::NotIdentifiable(WhyNot::TiedExplanations)
     } else {
         Verdict::Identified
     }
+}
+
+/// Whether the gauges tell enough to check `n` contacts by: two numbers beyond their unknowns, and where
+/// a further contact may touch, its unknowns, without which many a set of `n + 1` reads as some set
+/// of `n`.
+fn is_checked(estimator: &ContactEstimator, n: usize) -> bool {
+    let params = &estimator.params;
+    let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
+    let spare = if is_last { LEAST_SPARE } else { 3 };
+    estimator.n_told >= 3 * n + spare
 }
 
 /// Whether fewer contacts and more noise explain the frame nearly as well as `best`.

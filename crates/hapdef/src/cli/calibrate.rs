@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::stages::real_limb;
-use hapdef::touch::{Calibration, PressQuality, response_map};
+use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, response_map};
 use hapdef::{Limb, Run, SceneArgs};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use hapdef_rig::{Electronics, ElectronicsParams};
@@ -150,7 +150,13 @@ fn from_table(
         force_sd_n: args.force_sd_n,
     };
     run.say(&format!("calibrating with {} presses", presses.len()));
-    Ok(Calibration::fit(run, limb, &presses, &quality, 800)?)
+    Ok(Calibration::fit(
+        run,
+        limb,
+        &presses,
+        &quality,
+        CALIBRATION_SITES,
+    )?)
 }
 
 fn header(n_gauges: usize) -> String {

@@ -2,12 +2,14 @@
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::plan::{Machine, Plan, PlanStep, StepState, When, plan};
+use hapdef::plan::{Machine, MeasuredStep, Plan, PlanStep, StepState, When, plan};
 use hapdef::{Limb, SceneArgs};
+use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n\n\
+    after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n  \
+    hapdef plan fixtures/shin/placed.json --presses 300 --measure\n\n\
     The first plan measures the machine for a few seconds and keeps the figures beside the results \
     (machine.json); delete that file to measure again."
 )]
@@ -17,6 +19,12 @@ pub(crate) struct PlanArgs {
     /// Print the plan as JSON.
     #[arg(long)]
     json: bool,
+    /// Plan a calibration with so many presses, too.
+    #[arg(long)]
+    presses: Option<usize>,
+    /// Then solve, calibrate and search by superposition, and print what was expected beside it.
+    #[arg(long)]
+    measure: bool,
 }
 
 pub(crate) fn run(args: &PlanArgs) -> Result<()> {
@@ -25,13 +33,47 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     let machine = Machine::read_or_measure(&args.scene.out.join("machine.json"), run.threads)?;
     let max_wall_m = run.scene.rig.max_wall_m;
     let plan = plan(&run, &limb, &machine)?;
-    let plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
+    let mut plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
+    if let Some(n_presses) = args.presses {
+        plan = plan.with_calibration(&run, &limb, &machine, n_presses)?;
+    }
     if args.json {
         println!("{}", serde_json::to_string_pretty(&plan)?);
     } else {
         print(&plan);
     }
+    if args.measure {
+        let steps = plan.measured(&run, &limb, args.presses.unwrap_or(0))?;
+        print_measured(&steps);
+        let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(run.scene.seed));
+        for step in &steps {
+            log.value(&format!("plan.{}_time_ratio", step.word), step.ratio(), "1")?;
+        }
+        log.append_to(&args.scene.out.join("metrics.json"))?;
+    }
     Ok(())
+}
+
+fn print_measured(steps: &[MeasuredStep]) {
+    println!("\n{:36} expected s  measured s  ratio", "by superposition");
+    for step in steps {
+        println!(
+            "{:36} {:>10}  {:>10}  {:5.2}",
+            step.step,
+            seconds(step.predicted_s),
+            seconds(step.measured_s),
+            step.ratio()
+        );
+    }
+}
+
+/// Seconds with three digits, however few they are.
+fn seconds(s: f64) -> String {
+    if s >= 0.01 {
+        format!("{s:.2}")
+    } else {
+        format!("{s:.2e}")
+    }
 }
 
 fn print(plan: &Plan) {
@@ -61,15 +103,15 @@ fn line(step: &PlanStep) -> String {
         StepState::Runs => "runs",
         StepState::Cached => "cached",
         StepState::Skipped => "skipped",
+        StepState::Alternative => "not so",
     };
-    let seconds = |s: Option<f64>| s.map_or_else(|| "–".to_owned(), |s| format!("{s:.2}"));
     format!(
         "{:36} {state:7} {:9.1} {:7.1}  {:>10}  {:>9}  {}",
         step.name,
         step.flops * 1e-6,
         step.bytes * 1e-6,
-        seconds(step.predicted_s),
-        seconds(step.recorded_s),
+        step.predicted_s.map_or_else(|| "–".into(), seconds),
+        step.recorded_s.map_or_else(|| "–".into(), seconds),
         step.why
     )
 }

@@ -2,7 +2,7 @@
 
 use super::cost::{Cost, elastic, projected, superposed, training};
 use super::elastic::{left_out_loads, limb_estimate, rig_estimate};
-use super::{Machine, PlanStep, StepState};
+use super::{Machine, PlanStep, Skip, StepState};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -133,7 +133,7 @@ impl Planner<'_> {
             let name = set_name(n_contacts);
             steps.push(match data.simulated.get(n_contacts - 1) {
                 Some(stage) => self.dataset(&name, n, n_contacts, stage),
-                None => PlanStep::skipped(&name, &too_many, &[("samples", n)]),
+                None => PlanStep::skipped(Skip::LargerSets, &name, &too_many, &[("samples", n)]),
             });
         }
         let singles = &data.rig_single;
@@ -144,7 +144,7 @@ impl Planner<'_> {
         );
         steps.push(match &data.rig_double {
             Some(stage) => self.dataset(name, n, 2, stage),
-            None => PlanStep::skipped(name, &too_many, &[("samples", n)]),
+            None => PlanStep::skipped(Skip::LargerSets, name, &too_many, &[("samples", n)]),
         });
         steps
     }
@@ -176,10 +176,11 @@ impl Planner<'_> {
             }
             let why = "no part of the chain: the scores of `hapdef eval` compare with it";
             let sizes = [("parameters", self.n_parameters(kind))];
-            steps.push(PlanStep::skipped(&kind.name(), why, &sizes));
+            let name = kind.name();
+            steps.push(PlanStep::skipped(Skip::OtherNets, &name, why, &sizes));
         }
         let why = "no contact needs the scores: `hapdef eval` makes them";
-        steps.push(PlanStep::skipped("eval", why, &[]));
+        steps.push(PlanStep::skipped(Skip::Scores, "eval", why, &[]));
         steps
     }
 
@@ -219,18 +220,30 @@ impl Planner<'_> {
         let passes = kinds.map(|kind| {
             let n = self.n_parameters(kind);
             let why = format!("{} net, forward", kind.name());
+            let flops = 2.0 * n as f64;
             let cost = Cost {
-                flops: 2.0 * n as f64,
+                flops,
                 bytes: 4.0 * n as f64,
-                seconds: None,
+                seconds: Some(flops / self.machine.pass_flops_per_s),
             };
             let name = format!("pass of {}", kind.name());
             PlanStep::runs(&name, why, &[("parameters", n)]).costing(cost)
         });
-        let sizes = [("surface nodes", self.limb.n_surface_nodes())];
+        let n_nodes = self.limb.n_surface_nodes();
+        let sizes = [("surface nodes", n_nodes)];
+        let searched = Cost {
+            flops: 0.0,
+            bytes: 4.0 * n_nodes as f64,
+            seconds: Some(n_nodes as f64 / self.machine.kmax_nodes_per_s),
+        };
         let rest = [
-            PlanStep::runs("k-Max", "local maxima of the map", &sizes),
-            PlanStep::skipped("scan and pair search", "the estimator is hapdefx", &[]),
+            PlanStep::runs("k-Max", "local maxima of the map", &sizes).costing(searched),
+            PlanStep::skipped(
+                Skip::OtherEstimator,
+                "scan and pair search",
+                "the estimator is hapdefx",
+                &[],
+            ),
         ];
         let steps = passes.into_iter().chain(rest);
         steps.map(PlanStep::each_frame).collect()

@@ -102,6 +102,15 @@ impl Cost {
         }
     }
 
+    /// Without a part of it.
+    pub(super) fn less(self, part: Self) -> Self {
+        Self {
+            flops: self.flops - part.flops,
+            bytes: self.bytes - part.bytes,
+            seconds: self.seconds.zip(part.seconds).map(|(a, b)| a - b),
+        }
+    }
+
     /// One after the other.
     pub(super) fn plus(self, other: Self) -> Self {
         Self {
@@ -110,4 +119,56 @@ impl Cost {
             seconds: self.seconds.zip(other.seconds).map(|(a, b)| a + b),
         }
     }
+}
+
+/// Operations of the χ² test of a frame: whitening twice, and a sum of squares.
+pub(super) fn test_flops(n_gauges: usize) -> f64 {
+    (2 * n_gauges * n_gauges + 2 * n_gauges) as f64
+}
+
+/// Operations of the scan for one contact: a product of each site's row with the frame.
+pub(super) fn scan_flops(n_gauges: usize, n_sites: usize) -> f64 {
+    (2 * n_gauges * n_sites) as f64
+}
+
+/// Operations of the scan of all pairs of sites, ten for each.
+pub(super) fn pairs_flops(n_sites: usize) -> f64 {
+    (5 * n_sites * n_sites.saturating_sub(1)) as f64
+}
+
+/// Operations of `steps` of refinement: three rows of each contact, each put together from ten rows
+/// of the map and whitened.
+pub(super) fn refine_flops(n_gauges: usize, n_contacts: usize, steps: f64) -> f64 {
+    let row = n_gauges * n_gauges + 20 * n_gauges;
+    steps * (3 * n_contacts * row) as f64
+}
+
+/// Operations of a frame in which contacts are followed: one step for each of them.
+pub(super) fn follow_flops(n_gauges: usize, n_contacts: usize) -> f64 {
+    refine_flops(n_gauges, n_contacts, 1.0)
+}
+
+/// Presses at most that a kernel is chosen on, and that are fitted.
+const MOST_FOR_KERNEL: usize = 600;
+const MOST_FITTED: usize = 4000;
+
+/// Kernels tried for each gauge, over all rounds.
+const N_KERNELS: f64 = 60.0;
+
+/// Operations of a calibration's fit to `n_presses` with `n_columns` modes: for every gauge the
+/// kernels tried, each a factorisation; presses judged among some hundred others; the last solution
+/// with the inverse's diagonal and what is known at the scan sites.
+pub(super) fn fit_flops(
+    n_presses: usize,
+    n_gauges: usize,
+    n_columns: usize,
+    n_sites: usize,
+) -> f64 {
+    let n = n_presses.min(MOST_FITTED) as f64;
+    let few = n.min(MOST_FOR_KERNEL as f64);
+    let (columns, sites) = (n_columns as f64 + 1.0, n_sites as f64);
+    let kernels = N_KERNELS * (few.powi(3) / 3.0 + few * few * columns);
+    let judged = 2.0 * n * few * (few + columns);
+    let solved = n.powi(3) + n * n * (columns + sites) + n * sites * sites;
+    n_gauges as f64 * (kernels + judged + solved)
 }

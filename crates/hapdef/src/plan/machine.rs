@@ -5,17 +5,20 @@ use std::path::Path;
 use std::time::Instant;
 
 use hapdef_data::{DatasetWriter, TensorSpec};
+use hapdef_kmax::{KMaxGraph, KMaxParams};
 use hapdef_mesh::{FeNodeId, kuhn_block};
 use hapdef_nets::train::{MemorySource, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch, TrainParams, TrainPrecision};
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use super::FrameRates;
 use crate::cache::write_json;
 use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
 use crate::sampling::DrawnContact;
+use crate::scene::HapdefxSpec;
 
 /// Rates of the stages' inner loops. A machine that is busy with something else measures less.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -39,8 +42,14 @@ pub struct Machine {
     pub train_narrow_flops_per_s: f64,
     /// Operations of superposition, 1/s.
     pub superpose_flops_per_s: f64,
+    /// Operations of a pass of a net of F_R's widths, one sample, 1/s.
+    pub pass_flops_per_s: f64,
+    /// Nodes among which k-Max looks for peaks, 1/s.
+    pub kmax_nodes_per_s: f64,
     /// Bytes written to the results' folder, 1/s.
     pub write_bytes_per_s: f64,
+    /// What a frame and a calibration do.
+    pub frame: FrameRates,
 }
 
 /// Cubes along each side of the block that is solved.
@@ -51,6 +60,12 @@ const CUBE_M: f64 = 2e-3;
 
 /// Steps of a training that are not timed.
 const WARM_UP: u64 = 3;
+
+/// Passes and searches for peaks that are timed.
+const PASSES: usize = 20;
+
+/// Gap of the nodes among which peaks are looked for, m.
+const NODE_GAP_M: f64 = 2.5e-3;
 
 /// Nodes at which samples are superposed, and samples.
 const SUPERPOSED: [usize; 2] = [3500, 2000];
@@ -101,7 +116,10 @@ impl Machine {
             train_mixed_flops_per_s: training_rate(&in_modes, 10, 256, TrainPrecision::Mixed)?,
             train_narrow_flops_per_s: training_rate(&narrow, 50, 100, TrainPrecision::F32)?,
             superpose_flops_per_s: superposition_rate(threads),
+            pass_flops_per_s: pass_rate(&wide)?,
+            kmax_nodes_per_s: kmax_rate()?,
             write_bytes_per_s: writing_rate(&folder.join("machine.safetensors"))?,
+            frame: FrameRates::measure(threads)?,
         })
     }
 }
@@ -189,6 +207,46 @@ fn superposition_rate(threads: usize) -> f64 {
     }
     let flops = (n * n_nodes) as f64 * (6.0 * 2.0 + 7.0);
     threads as f64 * flops / start.elapsed().as_secs_f64()
+}
+
+/// Operations per second of single samples that pass a net.
+fn pass_rate(spec: &MlpSpec) -> Result<f64, HapdefError> {
+    let (n_in, n_out) = (spec.inputs, spec.outputs);
+    let scales = [n_in, n_out].map(Scale::identity);
+    let [input, output] = scales;
+    let net = Net::new(Mlp::random(spec, 1)?, input, output)?;
+    let (x, mut y, mut scratch) = (vec![1.0; n_in], vec![0.0; n_out], Scratch::default());
+    net.forward(&x, &mut scratch, &mut y)?;
+    let start = Instant::now();
+    for _ in 0..PASSES {
+        net.forward(&x, &mut scratch, &mut y)?;
+    }
+    let flops = 2.0 * (spec.n_parameters() * PASSES) as f64;
+    Ok(flops / start.elapsed().as_secs_f64())
+}
+
+/// Nodes per second of k-Max on a square patch with the paper's radius.
+fn kmax_rate() -> Result<f64, HapdefError> {
+    let side = SUPERPOSED[0].isqrt();
+    let place = |i: usize| {
+        [
+            (i % side) as f64 * NODE_GAP_M,
+            (i / side) as f64 * NODE_GAP_M,
+            0.0,
+        ]
+    };
+    let points: Vec<[f64; 3]> = (0..side * side).map(place).collect();
+    let radius_m = HapdefxSpec::default().kmax_radius_m;
+    let graph = KMaxGraph::new(&points, KMaxParams::spanning_radius(&points, radius_m)?)?;
+    let wave = |p: &[f64; 3]| (90.0 * p[0]).sin() as f32 * (70.0 * p[1]).cos() as f32;
+    let field: Vec<f32> = points.iter().map(wave).collect();
+    let mut peaks = Vec::new();
+    graph.peaks(&field, 0.0, &mut peaks)?;
+    let start = Instant::now();
+    for _ in 0..PASSES {
+        graph.peaks(&field, 0.0, &mut peaks)?;
+    }
+    Ok((points.len() * PASSES) as f64 / start.elapsed().as_secs_f64())
 }
 
 /// Bytes per second of a dataset of 64 MB at `path`, which is removed.

@@ -4,18 +4,27 @@
 //! The stages and their places in the cache come from the very functions that run them, on a cache
 //! that only looks ([`crate::Cache::looking`]): the run follows the plan.
 
+mod barrel;
+mod calibration;
 mod chain;
 mod cost;
 mod elastic;
+mod frame_rates;
+mod frames;
 mod machine;
+mod measured;
 mod shell;
+mod skip;
 mod superposition;
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+pub use frame_rates::FrameRates;
 pub use machine::Machine;
+pub use measured::MeasuredStep;
+pub use skip::Skip;
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -45,6 +54,8 @@ pub struct PlanStep {
     pub when: When,
     /// Whether it runs.
     pub state: StepState,
+    /// What is left out with it; none of a step that is not skipped.
+    pub skip: Option<Skip>,
     /// Why it runs, is answered by the cache, or is left out.
     pub why: String,
     /// Numbers of nodes, equations, right-hand sides, samples, parameters.
@@ -53,7 +64,7 @@ pub struct PlanStep {
     pub flops: f64,
     /// Bytes of what it leaves, or reads in each frame; 0 where it does not run.
     pub bytes: f64,
-    /// Expected time, s; none where no rule is known or for a frame.
+    /// Expected time, s; none where no rule is known.
     pub predicted_s: Option<f64>,
     /// Time that the cached stage took when it was made, s.
     pub recorded_s: Option<f64>,
@@ -79,6 +90,8 @@ pub enum StepState {
     Cached,
     /// The scene does not need it.
     Skipped,
+    /// It would take the place of others, and change the result; the scene does not choose it.
+    Alternative,
 }
 
 /// Plans what the scene's estimator needs, as [`crate::touch::touch_estimator`] makes it. The limb
@@ -138,6 +151,7 @@ impl PlanStep {
             name: name.into(),
             when: When::Design,
             state: StepState::Runs,
+            skip: None,
             why: why.into(),
             sizes: sizes.collect(),
             flops: 0.0,
@@ -147,9 +161,22 @@ impl PlanStep {
         }
     }
 
-    fn skipped(name: &str, why: impl Into<String>, sizes: &[(&'static str, usize)]) -> Self {
+    fn skipped(
+        skip: Skip,
+        name: &str,
+        why: impl Into<String>,
+        sizes: &[(&'static str, usize)],
+    ) -> Self {
         Self {
             state: StepState::Skipped,
+            skip: Some(skip),
+            ..Self::runs(name, why, sizes)
+        }
+    }
+
+    fn alternative(name: &str, why: impl Into<String>, sizes: &[(&'static str, usize)]) -> Self {
+        Self {
+            state: StepState::Alternative,
             ..Self::runs(name, why, sizes)
         }
     }

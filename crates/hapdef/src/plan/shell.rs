@@ -73,7 +73,7 @@ impl Plan {
         let place = after_design.unwrap_or(self.steps.len());
         let sizes = [("surface nodes", limb.n_surface_nodes())];
         self.steps
-            .insert(place, PlanStep::skipped(NAME, why, &sizes));
+            .insert(place, PlanStep::alternative(NAME, why, &sizes));
         Ok(self)
     }
 }

@@ -1,13 +1,20 @@
 //! The steps of contacts by superposition.
 
-use super::cost::{Cost, elastic};
+use super::cost::{Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops};
 use super::elastic::limb_estimate;
-use super::{Machine, PlanStep};
+use super::{FrameRates, Machine, PlanStep, Skip};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::SuperpositionSpec;
 use crate::touch::Calibration;
+
+/// Names of steps that are measured.
+pub(super) const RESPONSE: &str = "response";
+pub(super) const TEST: &str = "χ² test";
+pub(super) const SINGLE: &str = "scan for one contact";
+pub(super) const PAIRS: &str = "pair search";
+pub(super) const FOLLOWED: &str = "a contact followed";
 
 /// Gauges that one contact takes: two coordinates and a force.
 const GAUGES_PER_CONTACT: usize = 3;
@@ -30,17 +37,24 @@ pub(super) fn steps(
         ("nets", "readings are explained by the response itself"),
     ];
     for (name, why) in needless {
-        steps.push(PlanStep::skipped(name, format!("{superposed}: {why}"), &[]));
+        let why = format!("{superposed}: {why}");
+        steps.push(PlanStep::skipped(Skip::OtherEstimator, name, why, &[]));
     }
     let friction = "shear columns in the noise";
     steps.push(if spec.friction > 0.0 {
         let why = format!("estimator.friction is {}", spec.friction);
         PlanStep::runs(friction, why, &[("gauges", limb.gauges.len())])
     } else {
-        PlanStep::skipped(friction, "normal forces only: estimator.friction is 0", &[])
+        let why = "normal forces only: estimator.friction is 0";
+        PlanStep::skipped(Skip::Friction, friction, why, &[])
     });
-    let n_sites = n_sites.unwrap_or(spec.n_sites);
-    steps.extend(frame(run, limb, n_sites).map(PlanStep::each_frame));
+    let frame = Frame {
+        n_gauges: limb.gauges.len(),
+        n_sites: n_sites.unwrap_or(spec.n_sites),
+        max_contacts: run.scene.contact.max_contacts,
+        rates: &machine.frame,
+    };
+    steps.extend(frame.steps().map(PlanStep::each_frame));
     Ok(steps)
 }
 
@@ -58,10 +72,10 @@ fn response(
     if let Some(path) = &spec.calibration {
         let file = path.display();
         let read = format!("the response and its error are read from {file}");
-        let left_out = format!("nothing is solved: {file} has the response");
+        let why = format!("nothing is solved: {file} has the response");
         return Ok(vec![
             PlanStep::runs("calibration", read, &sizes),
-            PlanStep::skipped("response", left_out, &sizes),
+            PlanStep::skipped(Skip::CalibratedResponse, RESPONSE, why, &sizes),
         ]);
     }
     let (estimate, order_s) = limb_estimate(run, limb)?;
@@ -77,8 +91,9 @@ fn response(
     let cost = elastic(&estimate, n_loads, order_s, machine);
     let every_node = estimate.n_fe_nodes - clamped_once(limb);
     Ok(vec![
-        PlanStep::runs("response", why, &sizes).costing(cost),
+        PlanStep::runs(RESPONSE, why, &sizes).costing(cost),
         PlanStep::skipped(
+            Skip::LoadsAtEveryNode,
             "a load at every node",
             "adjoint: a right-hand side for each gauge, none for clamped nodes, nodes outside \
              contact.region or directions",
@@ -92,40 +107,90 @@ fn clamped_once(limb: &Limb) -> usize {
     clamped.len()
 }
 
-/// What a frame runs. Operations: two for each gauge and site, some ten for each pair of sites.
-fn frame(run: &Run, limb: &Limb, sites: usize) -> impl Iterator<Item = PlanStep> {
-    let m = limb.gauges.len();
-    let (wanted, carried) = (run.scene.contact.max_contacts, m / GAUGES_PER_CONTACT);
-    let no_time = |flops: usize, bytes: usize| Cost {
-        flops: flops as f64,
+/// What a frame runs.
+struct Frame<'a> {
+    n_gauges: usize,
+    n_sites: usize,
+    max_contacts: usize,
+    rates: &'a FrameRates,
+}
+
+impl Frame<'_> {
+    /// A frame on its own is tested and searched; in a stream contacts are followed instead.
+    fn steps(&self) -> [PlanStep; 6] {
+        let (m, n_sites) = (self.n_gauges, self.n_sites);
+        let sizes = [("sites", n_sites), ("gauges", m)];
+        let (tested, followed) = (test_flops(m), follow_flops(m, 1));
+        let test_s = tested / self.rates.test_flops_per_s;
+        let follow_s = followed / self.rates.follow_flops_per_s;
+        [
+            PlanStep::runs(TEST, "does anything touch", &sizes[1..]).costing(cost(
+                tested,
+                8 * m * m,
+                test_s,
+            )),
+            PlanStep::skipped(
+                Skip::UntouchedFrames,
+                "search while nothing touches",
+                "the χ² test ends a frame that nothing touches",
+                &sizes,
+            ),
+            self.single(),
+            self.pairs(),
+            PlanStep::runs(FOLLOWED, "in a stream, in place of a search", &sizes[1..])
+                .costing(cost(followed, 8 * m * m, follow_s)),
+            PlanStep::skipped(
+                Skip::OtherEstimator,
+                "nets and k-Max",
+                "the estimator is superposition",
+                &[],
+            ),
+        ]
+    }
+
+    fn single(&self) -> PlanStep {
+        let (m, n_sites, rates) = (self.n_gauges, self.n_sites, self.rates);
+        let (scanned, refined) = (
+            scan_flops(m, n_sites),
+            refine_flops(m, 1, rates.single_steps),
+        );
+        let seconds = scanned / rates.scan_flops_per_s + refined / rates.single_flops_per_s;
+        let sizes = [("sites", n_sites), ("gauges", m)];
+        let why = "and the refinement of the best";
+        PlanStep::runs(SINGLE, why, &sizes).costing(cost(
+            scanned + refined,
+            4 * m * n_sites,
+            seconds,
+        ))
+    }
+
+    fn pairs(&self) -> PlanStep {
+        let (m, n_sites, rates) = (self.n_gauges, self.n_sites, self.rates);
+        let sizes = [("pairs", n_sites * n_sites.saturating_sub(1) / 2)];
+        if self.max_contacts < 2 {
+            let why = "contact.max_contacts is 1";
+            return PlanStep::skipped(Skip::UnwantedPairs, PAIRS, why, &sizes);
+        }
+        let carried = m / GAUGES_PER_CONTACT;
+        if carried < 2 {
+            let why = format!("{m} gauges carry {carried} contact, three each");
+            return PlanStep::skipped(Skip::UncarriedPairs, PAIRS, why, &sizes);
+        }
+        let (scanned, refined) = (pairs_flops(n_sites), refine_flops(m, 2, rates.pair_steps));
+        let seconds = scanned / rates.pairs_flops_per_s + refined / rates.pair_flops_per_s;
+        let why = "where one contact does not explain the frame; the search for one included";
+        PlanStep::runs(PAIRS, why, &sizes).costing(cost(
+            scanned + refined,
+            4 * n_sites * n_sites,
+            seconds,
+        ))
+    }
+}
+
+fn cost(flops: f64, bytes: usize, seconds: f64) -> Cost {
+    Cost {
+        flops,
         bytes: bytes as f64,
-        seconds: None,
-    };
-    let touched = PlanStep::runs("χ² test", "nothing touching ends a frame here", &[]);
-    let scan = PlanStep::runs(
-        "scan for one contact",
-        "",
-        &[("sites", sites), ("gauges", m)],
-    );
-    let n_pairs = sites * sites.saturating_sub(1) / 2;
-    let sizes = [("pairs", n_pairs)];
-    let pairs = if wanted.min(carried) < 2 {
-        let why = if wanted < 2 {
-            "contact.max_contacts is 1".to_owned()
-        } else {
-            format!("{m} gauges carry {carried} contact, three each")
-        };
-        PlanStep::skipped("pair search", why, &sizes)
-    } else {
-        let why = "only where one contact does not explain the frame";
-        PlanStep::runs("pair search", why, &sizes).costing(no_time(10 * n_pairs, 4 * sites * sites))
-    };
-    let net_parts = PlanStep::skipped("nets and k-Max", "the estimator is superposition", &[]);
-    [
-        touched.costing(no_time(2 * m * m, 8 * m * m)),
-        scan.costing(no_time(2 * m * sites, 4 * m * sites)),
-        pairs,
-        net_parts,
-    ]
-    .into_iter()
+        seconds: Some(seconds),
+    }
 }

@@ -12,10 +12,9 @@ use super::table::PressRow;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::touch::{Calibration, PressQuality, UncertainParams, UncertainResponse};
-
-/// Scan sites of the calibration that is written.
-const N_SITES: usize = 800;
+use crate::touch::{
+    CALIBRATION_SITES, Calibration, PressQuality, UncertainParams, UncertainResponse,
+};
 
 /// Untouched frames after a press before the next one is asked for, per second.
 const REST_S: f64 = 0.2;
@@ -300,7 +299,7 @@ impl CalibrationSession {
             noise_ue: norm(noise.iter().copied()) / (noise.len() as f64).sqrt(),
             ..self.params.quality
         };
-        Calibration::fit(run, limb, &self.presses, &quality, N_SITES)
+        Calibration::fit(run, limb, &self.presses, &quality, CALIBRATION_SITES)
     }
 
     /// Asks for the next press, or for the last one again.

@@ -23,7 +23,10 @@ use crate::scene::{Scene, SuperpositionSpec};
 const VERSION: u32 = 1;
 
 /// Stiffness modes.
-const N_STIFFNESS: usize = 32;
+pub(crate) const N_STIFFNESS: usize = 32;
+
+/// Scan sites at which `hapdef calibrate` tells the error, as many as a scene's scan has by default.
+pub const CALIBRATION_SITES: usize = 800;
 
 /// A calibrated map with what it rests on.
 #[derive(Clone, Debug, Deserialize, Serialize)]

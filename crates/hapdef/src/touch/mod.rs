@@ -15,7 +15,8 @@ mod shell;
 mod superposition;
 
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
-pub use calibration::{Calibration, PressQuality};
+pub(crate) use calibration::N_STIFFNESS;
+pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
 pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
 pub use hapdef_live::touch::{
     Alternative, PaperChain, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator,

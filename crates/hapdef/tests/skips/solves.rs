@@ -1,37 +1,17 @@
-//! What a scene leaves out changes nothing that it wants: each skip of the plan, with and without.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
+//! Solves that are left out: the limb moves, and the gauges read, as with them.
 
-use std::path::Path;
-
-use hapdef::scene::{ContactRegion, EstimatorSpec, MaterialSpec, SuperpositionSpec};
-use hapdef::stages::{NetKind, compliance, datasets, rig, train, train_kinds};
-use hapdef::touch::{
-    Calibration, PressQuality, Touch, response_map, superposition, touch_estimator,
-};
-use hapdef::{Limb, Profile, Progress, Run};
-use hapdef_inverse::{ContactEstimate, Press, ResponseMap, SkinPoint};
+use hapdef::Limb;
+use hapdef::scene::{ContactRegion, EstimatorSpec, MaterialSpec};
+use hapdef::touch::{Calibration, PressQuality, Touch, response_map, touch_estimator};
+use hapdef_inverse::{Press, SkinPoint};
 use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, NodalLoad};
 use nalgebra::Vector3;
 
+use crate::{loaded, run_of};
+
 /// Rounding of a solve with a condition of some 1e7.
 const ROUNDING: f64 = 1e-8;
-
-fn run_of(scene: &str, out: &Path) -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    Run::new(
-        &path.join(scene),
-        Profile::quick(),
-        out,
-        2,
-        Progress::silent(),
-    )
-    .unwrap()
-}
-
-fn loaded(run: &Run) -> Limb {
-    Limb::load(&run.scene, &run.scene_dir).unwrap()
-}
 
 fn solved(limb: &Limb) -> ElasticModel {
     let params = ElasticParams {
@@ -61,7 +41,7 @@ fn assert_equal(a: &[Vector3<f64>], b: &[Vector3<f64>]) {
 /// Normal loads alone move the limb as they do among loads in all three directions, and a few of them
 /// as they do among all.
 #[test]
-fn loads_that_are_left_out_change_no_other() {
+pub(crate) fn loads_that_are_left_out_change_no_other() {
     let out = tempfile::tempdir().unwrap();
     let run = run_of("scene.json", out.path());
     let limb = loaded(&run);
@@ -80,7 +60,7 @@ fn loads_that_are_left_out_change_no_other() {
 
 /// A narrower region of contacts has the same displacements where it has them.
 #[test]
-fn nodes_that_nothing_touches_change_no_other() {
+pub(crate) fn nodes_that_nothing_touches_change_no_other() {
     let out = tempfile::tempdir().unwrap();
     let mut run = run_of("scene.json", out.path());
     let whole = loaded(&run);
@@ -108,7 +88,7 @@ fn nodes_that_nothing_touches_change_no_other() {
 
 /// One solve for each gauge tells what a solve for each load tells.
 #[test]
-fn adjoint_solves_read_what_a_load_at_every_node_reads() {
+pub(crate) fn adjoint_solves_read_what_a_load_at_every_node_reads() {
     let out = tempfile::tempdir().unwrap();
     let run = run_of("placed.json", out.path());
     let limb = loaded(&run);
@@ -125,83 +105,10 @@ fn adjoint_solves_read_what_a_load_at_every_node_reads() {
     }
 }
 
-/// A scene of two contacts makes its sets as one of four does, and the chain's nets are those that are
-/// trained among all nets: their keys are equal, so that one takes the other's from the cache.
-#[test]
-fn sets_and_nets_that_are_left_out_change_no_other() {
-    let out = tempfile::tempdir().unwrap();
-    let of = |max_contacts| {
-        let mut run = run_of("scene.json", out.path());
-        run.scene.contact.max_contacts = max_contacts;
-        run.cache = run.cache.looking();
-        let limb = loaded(&run);
-        let table = compliance(&run, &limb).unwrap();
-        let real = rig(&run, &limb, &table).unwrap();
-        let data = datasets(&run, &limb, &table, &real).unwrap();
-        (run, limb, table, data)
-    };
-    let (_, _, _, two) = of(2);
-    let (run, limb, table, four) = of(4);
-    assert_eq!((two.simulated.len(), four.simulated.len()), (2, 4));
-    for (of_two, of_four) in two.simulated.iter().zip(&four.simulated) {
-        assert_eq!(of_two.key, of_four.key);
-    }
-    let kinds = [NetKind::Transfer, NetKind::Reconstruction { n_sets: 4 }];
-    let some = train_kinds(&run, &limb, &table, &four, &kinds).unwrap();
-    let all = train(&run, &limb, &table, &four).unwrap();
-    assert!(all.nets.len() > some.nets.len());
-    for net in &some.nets {
-        let same = all.nets.iter().find(|other| other.kind == net.kind);
-        assert_eq!(same.unwrap().stage.key, net.stage.key);
-    }
-}
-
-fn estimate(
-    run: &Run,
-    spec: &SuperpositionSpec,
-    map: &ResponseMap,
-    readings: &[f64],
-) -> ContactEstimate {
-    let made = superposition(&run.scene, spec, map.clone()).unwrap();
-    made.into_estimator().estimate(readings).unwrap()
-}
-
-/// Where one contact is wanted nothing looks for pairs, and where nothing rubs no shear is in the
-/// noise: single contacts are found as by the estimator that has both.
-#[test]
-fn pair_search_and_friction_change_no_single_contact() {
-    let out = tempfile::tempdir().unwrap();
-    let mut run = run_of("placed.json", out.path());
-    let limb = loaded(&run);
-    let map = response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap();
-    let EstimatorSpec::Superposition(spec) = run.scene.estimator.clone() else {
-        panic!("placed.json chooses superposition")
-    };
-    for face in [150, 700, 1300] {
-        let point = SkinPoint::new(map.skin(), face, [0.5, 0.3, 0.2]).unwrap();
-        let readings: Vec<f64> = map.normal(&point).iter().map(|g| 20.0 * g).collect();
-        run.scene.contact.max_contacts = 4;
-        let full = estimate(&run, &spec, &map, &readings);
-        let barely = SuperpositionSpec {
-            friction: 1e-12,
-            ..spec.clone()
-        };
-        let rubbed = estimate(&run, &barely, &map, &readings);
-        run.scene.contact.max_contacts = 1;
-        let lean = estimate(&run, &spec, &map, &readings);
-        assert_eq!(full.contacts.len(), 1);
-        for other in [&lean, &rubbed] {
-            let (a, b) = (&full.contacts[0], &other.contacts[0]);
-            assert!((a.position_m - b.position_m).norm() < 1e-9);
-            assert!((a.force_n - b.force_n).abs() < 1e-9 * a.force_n);
-        }
-    }
-}
-
 /// A calibration stands for the response that it was fitted from: with it nothing is solved, so that
 /// twice the stiffness in the scene, by which a solve reads half, changes no contact.
 #[test]
-fn a_calibration_leaves_out_the_response_and_changes_no_contact() {
+pub(crate) fn a_calibration_leaves_out_the_response_and_changes_no_contact() {
     let out = tempfile::tempdir().unwrap();
     let mut run = run_of("placed.json", out.path());
     let EstimatorSpec::Superposition(spec) = &mut run.scene.estimator else {

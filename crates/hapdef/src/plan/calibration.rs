@@ -1,0 +1,82 @@
+//! The step of a calibration that a person plans.
+
+use hapdef_sim::FactorEstimate;
+
+use super::cost::{Cost, elastic, fit_flops};
+use super::elastic::{fine_estimate, limb_estimate};
+use super::{Machine, Plan, PlanStep, When};
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::touch::{CALIBRATION_SITES, N_STIFFNESS};
+
+/// Name of the step.
+pub(super) const NAME: &str = "hapdef calibrate";
+
+/// Directions in which each gauge is moved for its modes, two ways each: along, across, turned.
+const GAUGE_MODES: usize = 3;
+
+impl Plan {
+    /// The plan with a calibration by `n_presses`: the response and its modes on the limb's mesh, the
+    /// response on a finer one where the scene asks for it, and the fit.
+    ///
+    /// # Errors
+    /// As [`super::plan`].
+    pub fn with_calibration(
+        mut self,
+        run: &Run,
+        limb: &Limb,
+        machine: &Machine,
+        n_presses: usize,
+    ) -> Result<Self, HapdefError> {
+        let n_gauges = limb.gauges.len();
+        let n_columns = 1 + GAUGE_MODES + N_STIFFNESS;
+        let own = limb_estimate(run, limb)?;
+        let refinements = run.scene.estimator.map_refinements();
+        let fine = match refinements {
+            0 => None,
+            times => Some(fine_estimate(run, limb, times)?),
+        };
+        let solved = solves(&own, fine.as_ref(), n_gauges, machine);
+        let flops = fit_flops(n_presses, n_gauges, n_columns, CALIBRATION_SITES);
+        let fitted = Cost {
+            flops,
+            bytes: 8.0
+                * (n_gauges * (3 * limb.n_surface_nodes() + CALIBRATION_SITES * n_gauges)) as f64,
+            seconds: Some(flops / machine.frame.fit_flops_per_s),
+        };
+        let sizes = [
+            ("presses", n_presses),
+            ("gauges", n_gauges),
+            ("modes", n_columns),
+            ("refinements", refinements as usize),
+        ];
+        let why = "the response corrected by presses; it takes the response's place";
+        let step = PlanStep::runs(NAME, why, &sizes).costing(solved.plus(fitted));
+        let after_design = self.steps.iter().position(|s| s.when == When::Frame);
+        let place = after_design.unwrap_or(self.steps.len());
+        self.steps.insert(place, step);
+        Ok(self)
+    }
+}
+
+/// The limb's mesh twice, for the presses' places and for the modes: the gauges, the gauges moved
+/// both ways, the stiffness modes. The finer mesh once.
+fn solves(
+    (own, order_s): &(FactorEstimate, f64),
+    fine: Option<&(FactorEstimate, f64)>,
+    n_gauges: usize,
+    machine: &Machine,
+) -> Cost {
+    let once = |n_loads| elastic(own, n_loads, *order_s, machine);
+    let factor = elastic(own, 0, *order_s, machine);
+    let batch = |n_loads: usize| once(n_loads).less(factor);
+    let mut cost = once(n_gauges).plus(once(n_gauges));
+    for _ in 0..2 * GAUGE_MODES {
+        cost = cost.plus(batch(n_gauges));
+    }
+    cost = cost.plus(batch(N_STIFFNESS * n_gauges));
+    fine.map_or(cost, |(fine, order_s)| {
+        cost.plus(elastic(fine, n_gauges, *order_s, machine))
+    })
+}

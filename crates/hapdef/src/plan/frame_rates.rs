@@ -1,0 +1,121 @@
+//! How fast this machine is at finding contacts, measured once with the estimator itself.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use hapdef_inverse::{
+    Calibrated, CalibrationParams, ContactEstimator, EstimatorParams, InverseError, ModelError,
+    NoiseParams, ScanSites,
+};
+use serde::{Deserialize, Serialize};
+
+use super::barrel::{N_GAUGES, barrel};
+use super::cost::{fit_flops, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops};
+use super::frames::{DrawnFrame, FrameDraws, Searched, followed_s, searched, step_s};
+use crate::scene::SuperpositionSpec;
+
+/// Frames that are timed: untouched, of one contact, of two.
+pub(super) const N_FRAMES: [usize; 3] = [2000, 60, 15];
+
+/// Presses of the calibration that is timed.
+const N_PRESSES: usize = 150;
+
+/// Part of a search that a scan counts for at least.
+const LEAST_SCAN: f64 = 0.02;
+
+/// Rates of a frame's inner loops on one thread, and the steps that searches take.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameRates {
+    /// Operations of the χ² test, 1/s.
+    pub test_flops_per_s: f64,
+    /// Operations of the scan for one contact, 1/s.
+    pub scan_flops_per_s: f64,
+    /// Operations of the scan of pairs, 1/s.
+    pub pairs_flops_per_s: f64,
+    /// Operations of the refinement of one contact, 1/s.
+    pub single_flops_per_s: f64,
+    /// Operations of the refinement of two, 1/s.
+    pub pair_flops_per_s: f64,
+    /// Steps of refinement behind one contact, the mean.
+    pub single_steps: f64,
+    /// Steps behind two contacts, those of the search for one before it included.
+    pub pair_steps: f64,
+    /// Operations of a frame in which a contact is followed, 1/s.
+    pub follow_flops_per_s: f64,
+    /// Operations of a calibration's fit on all threads, 1/s.
+    pub fit_flops_per_s: f64,
+}
+
+impl FrameRates {
+    /// Measures with what a scene says by default: sites, noise, the map's error.
+    pub(super) fn measure(threads: usize) -> Result<Self, InverseError> {
+        let spec = SuperpositionSpec::default();
+        let map = Arc::new(barrel()?);
+        let sites = Arc::new(ScanSites::farthest(map.skin(), spec.n_sites)?);
+        let noise = NoiseParams {
+            model_error: ModelError {
+                relative: spec.map_error,
+                ..ModelError::default()
+            },
+            ..NoiseParams::uniform(N_GAUGES, spec.noise_ue)
+        };
+        let params = EstimatorParams::default();
+        let estimator = ContactEstimator::new(map.clone(), sites.clone(), noise, params)?;
+        let mut draws = FrameDraws::new(&map, &sites, spec.noise_ue);
+        let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
+        let test = searched(&estimator, &none)?;
+        let single = Refined::measure(&estimator, &singles, test)?;
+        let pair = Refined::measure(&estimator, &pairs, test)?;
+        let follow_s = followed_s(&estimator, &singles[0])?;
+        Ok(Self {
+            test_flops_per_s: test_flops(N_GAUGES) / test.seconds,
+            scan_flops_per_s: scan_flops(N_GAUGES, spec.n_sites) / single.scan_s,
+            pairs_flops_per_s: pairs_flops(spec.n_sites) / pair.scan_s,
+            single_flops_per_s: refine_flops(N_GAUGES, 1, 1.0) / single.step_s,
+            pair_flops_per_s: refine_flops(N_GAUGES, 2, 1.0) / pair.step_s,
+            single_steps: single.whole.steps,
+            pair_steps: pair.whole.steps,
+            follow_flops_per_s: follow_flops(N_GAUGES, 1) / follow_s,
+            fit_flops_per_s: fit_rate(&mut draws, threads)?,
+        })
+    }
+}
+
+/// A search in its parts.
+struct Refined {
+    whole: Searched,
+    step_s: f64,
+    /// What is left beside test and steps.
+    scan_s: f64,
+}
+
+impl Refined {
+    fn measure(
+        estimator: &ContactEstimator,
+        frames: &[DrawnFrame],
+        test: Searched,
+    ) -> Result<Self, InverseError> {
+        let whole = searched(estimator, frames)?;
+        let step_s = step_s(estimator, frames)?;
+        let scan_s = whole.seconds - test.seconds - step_s * whole.steps;
+        Ok(Self {
+            whole,
+            step_s,
+            scan_s: scan_s.max(LEAST_SCAN * whole.seconds),
+        })
+    }
+}
+
+/// Operations per second of a calibration without modes.
+fn fit_rate(draws: &mut FrameDraws<'_>, n_threads: usize) -> Result<f64, InverseError> {
+    let presses = draws.presses(N_PRESSES);
+    let params = CalibrationParams {
+        n_threads,
+        ..CalibrationParams::new(vec![draws.noise_ue; N_GAUGES])
+    };
+    let start = Instant::now();
+    Calibrated::fit(draws.map, draws.sites, &[], &presses, &params)?;
+    let flops = fit_flops(N_PRESSES, N_GAUGES, 1, draws.sites.len());
+    Ok(flops / start.elapsed().as_secs_f64())
+}

@@ -1,0 +1,112 @@
+//! What a plan by superposition expected beside what it comes to.
+
+use std::time::Instant;
+
+use hapdef_inverse::{ContactEstimator, ScanSites};
+use serde::Serialize;
+
+use super::frame_rates::N_FRAMES;
+use super::frames::{FrameDraws, followed_s, searched};
+use super::{Plan, StepState, calibration, superposition as steps};
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::touch::{CALIBRATION_SITES, Calibration, PressQuality, response_map, superposition};
+
+/// A step as it was expected and as it went.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeasuredStep {
+    /// Name of the step.
+    pub step: &'static str,
+    /// The same in one word, for a metric.
+    pub word: &'static str,
+    /// Expected time, s.
+    pub predicted_s: f64,
+    /// Time it took, s; of a frame the mean over many.
+    pub measured_s: f64,
+}
+
+impl MeasuredStep {
+    /// The larger of both times over the smaller.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        let ratio = self.predicted_s / self.measured_s;
+        ratio.max(ratio.recip())
+    }
+}
+
+impl Plan {
+    /// Solves the response, calibrates with `n_presses` where the plan has a calibration
+    /// ([`Plan::with_calibration`]), and searches and follows contacts, all by superposition with the
+    /// scene's knobs, whatever the cache or a calibration has.
+    ///
+    /// # Errors
+    /// What the first step that fails returns.
+    pub fn measured(
+        &self,
+        run: &Run,
+        limb: &Limb,
+        n_presses: usize,
+    ) -> Result<Vec<MeasuredStep>, HapdefError> {
+        let spec = run.scene.estimator.superposition();
+        let start = Instant::now();
+        let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
+        let response_s = start.elapsed().as_secs_f64();
+        let sites = ScanSites::farthest(map.skin(), spec.n_sites)?;
+        let mut draws = FrameDraws::new(&map, &sites, spec.noise_ue);
+        let estimator = superposition(&run.scene, &spec, map.clone())?.into_estimator();
+        let mut taken = vec![(steps::RESPONSE, "response", response_s)];
+        taken.extend(frames_s(&mut draws, &estimator)?);
+        if self.step(calibration::NAME).is_some() {
+            let fit_s = calibration_s(run, limb, &mut draws, n_presses)?;
+            taken.push((calibration::NAME, "calibration", response_s + fit_s));
+        }
+        let beside = |(step, word, measured_s)| {
+            let planned = self.step(step).filter(|s| s.state == StepState::Runs)?;
+            Some(MeasuredStep {
+                step,
+                word,
+                predicted_s: planned.predicted_s?,
+                measured_s,
+            })
+        };
+        Ok(taken.into_iter().filter_map(beside).collect())
+    }
+}
+
+fn frames_s(
+    draws: &mut FrameDraws<'_>,
+    estimator: &ContactEstimator,
+) -> Result<[(&'static str, &'static str, f64); 4], HapdefError> {
+    let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
+    let test_s = searched(estimator, &none)?.seconds;
+    let single_s = searched(estimator, &singles)?.seconds;
+    let pair_s = searched(estimator, &pairs)?.seconds;
+    Ok([
+        (steps::TEST, "test", test_s),
+        (steps::SINGLE, "single", single_s - test_s),
+        (steps::PAIRS, "pair", pair_s - test_s),
+        (
+            steps::FOLLOWED,
+            "followed",
+            followed_s(estimator, &singles[0])?,
+        ),
+    ])
+}
+
+fn calibration_s(
+    run: &Run,
+    limb: &Limb,
+    draws: &mut FrameDraws<'_>,
+    n_presses: usize,
+) -> Result<f64, HapdefError> {
+    let quality = PressQuality {
+        noise_ue: draws.noise_ue,
+        position_sd_m: 0.0,
+        force_sd_n: 0.0,
+    };
+    let presses = draws.presses(n_presses);
+    let start = Instant::now();
+    Calibration::fit(run, limb, &presses, &quality, CALIBRATION_SITES)?;
+    Ok(start.elapsed().as_secs_f64())
+}

@@ -1,0 +1,34 @@
+//! What a scene can leave out.
+
+use serde::Serialize;
+
+/// Work that is left out because nothing that the scene wants needs it. `tests/skips` proves of each
+/// that the result that is wanted stays the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Skip {
+    /// Right-hand sides for nodes that are held or that nothing touches.
+    UntouchedNodes,
+    /// Right-hand sides for forces along the skin, which no contact has.
+    TangentialLoads,
+    /// A right-hand side for every node, where one for each gauge tells the same.
+    LoadsAtEveryNode,
+    /// The solve of the gauges' response, which a calibration has.
+    CalibratedResponse,
+    /// Datasets of more contacts than the scene has.
+    LargerSets,
+    /// Nets that only the scores compare with.
+    OtherNets,
+    /// The nets' scores.
+    Scores,
+    /// What only the estimator needs that the scene does not choose.
+    OtherEstimator,
+    /// Shear in the noise, where nothing rubs.
+    Friction,
+    /// Pairs, where the scene has one contact at most.
+    UnwantedPairs,
+    /// Pairs, where the gauges carry no second contact.
+    UncarriedPairs,
+    /// The search in frames that nothing touches.
+    UntouchedFrames,
+}
