@@ -136,8 +136,9 @@ fn finish(args: &TableArgs, names: &Names, inputs: Inputs, rows: &[StabilityRow]
     if let Some(path) = &args.check {
         check(path, names.document, &text)?;
     }
-    if failed > 0 {
-        bail!("{failed} of {} rows failed", rows.len());
+    let n_failed = rows.iter().filter(|row| row.is_failed()).count();
+    if n_failed > 0 {
+        bail!("{n_failed} of {} rows failed", rows.len());
     }
     Ok(())
 }

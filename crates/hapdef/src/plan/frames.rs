@@ -51,7 +51,8 @@ impl<'a> FrameDraws<'a> {
         }
     }
 
-    /// `n` frames of `n_contacts` each.
+    /// `n` frames of `n_contacts` each; those of none have no noise either, which the estimator
+    /// searches once in a thousand frames.
     pub(super) fn frames(&mut self, n_contacts: usize, n: usize) -> Vec<DrawnFrame> {
         (0..n).map(|_| self.frame(n_contacts)).collect()
     }
@@ -77,7 +78,9 @@ impl<'a> FrameDraws<'a> {
                 points.push(sites.points()[site]);
             }
         }
-        let mut readings_ue: Vec<f64> = (0..map.n_gauges()).map(|_| self.noise()).collect();
+        let sd_ue = if n_contacts == 0 { 0.0 } else { self.noise_ue };
+        let noise = (0..map.n_gauges()).map(|_| sd_ue * self.unit_noise());
+        let mut readings_ue: Vec<f64> = noise.collect();
         for point in &points {
             let each = readings_ue.iter_mut().zip(map.normal(point));
             each.for_each(|(sum, g)| *sum += FORCE_N * g);
@@ -88,9 +91,8 @@ impl<'a> FrameDraws<'a> {
         }
     }
 
-    fn noise(&mut self) -> f64 {
-        let draw: f64 = StandardNormal.sample(&mut self.rng);
-        self.noise_ue * draw
+    fn unit_noise(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.rng)
     }
 }
 
