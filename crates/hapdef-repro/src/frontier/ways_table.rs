@@ -1,77 +1,81 @@
-//! Every way as a row.
+//! Every way as a row, once for its errors and once for its times.
 
 use hapdef_report::{TextCell, TextTable};
 
-use super::point::{Errors, Family, Point, error_mm, on_front};
+use super::point::{Family, Point, error_mm, on_front};
 use super::way::Knows;
 
-const HEADER: [&str; 23] = [
-    "way",
-    "mesh",
-    "gauges",
-    "presses",
-    "one: GOSPA, mm",
-    "mean, mm",
-    "N",
-    "clean",
-    "map, µm",
-    "two: GOSPA, mm",
-    "mean, mm",
-    "median",
-    "N",
-    "missed",
-    "spurious",
-    "clean",
-    "map, µm",
-    "p50, µs",
-    "p99, µs",
-    "slowest",
-    "n",
-    "design, s",
-    "front",
-];
-
-/// The points as a table, the least error of two contacts first.
-pub(super) fn table(points: &[Point]) -> TextTable {
-    let mut marked: Vec<(&Point, bool)> = points.iter().zip(on_front(points)).collect();
-    marked.sort_by(|a, b| error_mm(a.0).total_cmp(&error_mm(b.0)));
+/// Errors of the points, the least of two contacts first.
+pub(super) fn errors(points: &[Point]) -> TextTable {
+    let header = [
+        "way",
+        "mesh",
+        "gauges",
+        "presses",
+        "one: GOSPA, mm",
+        "N",
+        "clean",
+        "two: GOSPA, mm",
+        "mean, mm",
+        "median",
+        "N",
+        "missed",
+        "spurious",
+        "clean",
+        "map, µm",
+    ];
     TextTable {
-        header: HEADER.map(str::to_owned).to_vec(),
-        rows: marked
-            .into_iter()
-            .map(|(p, front)| cells(p, front))
-            .collect(),
+        header: header.map(str::to_owned).to_vec(),
+        rows: ranked(points).map(|(p, _)| error_cells(p)).collect(),
     }
 }
 
-fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
-    let (one, two, frame) = (&p.single, &p.double, &p.frame);
+/// Times of the points in the same order, and which are on a front.
+pub(super) fn times(points: &[Point]) -> TextTable {
+    let header = [
+        "way",
+        "mesh",
+        "gauges",
+        "presses",
+        "two: GOSPA, mm",
+        "p50, µs",
+        "p99, µs",
+        "slowest, µs",
+        "n",
+        "design, s",
+        "front",
+    ];
+    let rows = ranked(points).map(|(p, is_front)| time_cells(p, is_front));
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    }
+}
+
+/// Every point and whether it is on its front.
+fn ranked(points: &[Point]) -> impl Iterator<Item = (&Point, bool)> {
+    let mut marked: Vec<(&Point, bool)> = points.iter().zip(on_front(points)).collect();
+    marked.sort_by(|a, b| error_mm(a.0).total_cmp(&error_mm(b.0)));
+    marked.into_iter()
+}
+
+fn words(p: &Point) -> [String; 4] {
+    match &p.way {
+        Some(way) => way.words(),
+        None => [p.name.as_str(), "", "", ""].map(str::to_owned),
+    }
+}
+
+fn error_cells(p: &Point) -> Vec<TextCell> {
+    let (one, two) = (&p.single, &p.double);
     let count = |share: String| match p.family {
         Family::Chain => "given".to_owned(),
         Family::Searched | Family::Followed => share,
     };
-    let map = |e: &Errors| e.map_um.map_or("–".to_owned(), |um| format!("{um:.2}"));
-    let spread =
-        |time_us: f64, spread: f64| format!("{} ± {:.0} %", micros(time_us), 50.0 * spread);
-    let [way, mesh, gauges, presses] = match &p.way {
-        Some(way) => way.words(),
-        None => [p.name.as_str(), "", "", ""].map(str::to_owned),
-    };
-    let front = match (is_front, p.family.knows()) {
-        (false, _) => "",
-        (true, Knows::Nothing) => "S",
-        (true, Knows::Before) => "F",
-    };
-    let texts: [String; HEADER.len()] = [
-        way,
-        mesh,
-        gauges,
-        presses,
+    let texts = [
         format!("{:.2}", one.gospa_mm),
-        format!("{:.2}", one.mean_mm),
         format!("{:.2}", one.mean_n),
         format!("{:.0} %", one.clean_pct),
-        map(one),
         format!("{:.2}", two.gospa_mm),
         format!("{:.2}", two.mean_mm),
         format!("{:.2}", two.median_mm),
@@ -79,7 +83,23 @@ fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
         count(format!("{:.1} %", two.missed_pct)),
         count(format!("{:.1}", two.spurious_pct)),
         format!("{:.0} %", two.clean_pct),
-        map(two),
+        two.map_um.map_or("–".to_owned(), |um| format!("{um:.2}")),
+    ];
+    let texts = words(p).into_iter().chain(texts);
+    texts.map(TextCell::plain).collect()
+}
+
+fn time_cells(p: &Point, is_front: bool) -> Vec<TextCell> {
+    let frame = &p.frame;
+    let spread =
+        |time_us: f64, spread: f64| format!("{} ± {:.0} %", micros(time_us), 50.0 * spread);
+    let front = match (is_front, p.family.knows()) {
+        (false, _) => "",
+        (true, Knows::Nothing) => "S",
+        (true, Knows::Before) => "F",
+    };
+    let texts = [
+        format!("{:.2}", error_mm(p)),
         spread(frame.p50_us, frame.p50_spread),
         spread(frame.p99_us, frame.p99_spread),
         micros(frame.slowest_us),
@@ -87,7 +107,8 @@ fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
         format!("{:.1}", p.design.all_s()),
         front.to_owned(),
     ];
-    texts.map(TextCell::plain).to_vec()
+    let texts = words(p).into_iter().chain(texts);
+    texts.map(TextCell::plain).collect()
 }
 
 /// Small times with a decimal.
@@ -113,14 +134,19 @@ mod tests {
             family: Family::Chain,
             ..point("chain", 50.0, 40.0)
         };
-        let table = table(&[given, point("beaten", 1000.0, 2.0), near]);
-        let text = table.to_markdown();
+        let points = [given, point("beaten", 1000.0, 2.0), near];
+        let text = errors(&points).to_markdown();
         let rows: Vec<&str> = text.lines().skip(2).collect();
         assert!(rows[0].starts_with("| near |"), "{text}");
         assert!(rows[0].contains("| 2.5 % | 3.0 | 95 % |"), "{text}");
-        assert!(rows[0].contains("| 900 ± 5 % | 1800 ± 10 % | 2700 | 1000 |"));
+        assert!(rows[2].contains("| given | given |"), "{text}");
+        let text = times(&points).to_markdown();
+        let rows: Vec<&str> = text.lines().skip(2).collect();
+        assert!(
+            rows[0].contains("| 900 ± 5 % | 1800 ± 10 % | 2700 | 1000 |"),
+            "{text}"
+        );
         let marks = rows.iter().map(|row| row.ends_with("| S |"));
         assert_eq!(marks.collect::<Vec<_>>(), [true, false, true], "{text}");
-        assert!(rows[2].contains("| given | given |"), "{text}");
     }
 }
