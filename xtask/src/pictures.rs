@@ -86,7 +86,7 @@ const SHOTS: [Shot; 10] = [
     },
     Shot {
         name: "frontier",
-        page: "shin-placed/frontier/report.html",
+        page: "shin-placed-anew/frontier/report.html",
         made_by: "cargo xtask frontier",
         part: Part::From("figure"),
     },

@@ -54,6 +54,11 @@ impl Script {
         (Self { contacts }, BETWEEN * n + BETWEEN / 2)
     }
 
+    /// First frame in which `n` contacts press.
+    pub(crate) fn first_frame_of(n: usize) -> usize {
+        BETWEEN / 2 + (n - 1) * BETWEEN + 1
+    }
+
     pub(crate) fn n_frames(&self) -> usize {
         BETWEEN * (self.contacts.len() + 1)
     }
@@ -132,5 +137,35 @@ impl Followed {
         let time_us = self.times_us.last().copied().unwrap_or(0.0);
         self.score.add(skin, &last, &found, time_us)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_inverse::{Skin, SkinFaces, SkinParams, SkinPoint};
+    use nalgebra::{Point3, Vector3};
+
+    use super::*;
+
+    #[test]
+    fn so_many_contacts_press_from_the_frame_that_is_told_to_the_end() {
+        let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
+        let faces = SkinFaces::Linear(&[[0, 1, 2]]);
+        let skin = Skin::new(corners.to_vec(), faces, None, &SkinParams::default()).unwrap();
+        let contact = TrueContact {
+            point: SkinPoint::new(&skin, 0, [1.0 / 3.0; 3]).unwrap(),
+            force_n: 10.0,
+            friction: Vector3::zeros(),
+        };
+        let whole = Script {
+            contacts: vec![contact; 3],
+        };
+        for n in 1..=3 {
+            let (script, n_frames) = whole.first(n);
+            let pressing = |frame| script.forces_n(frame).iter().filter(|f| **f > 0.0).count();
+            let first = Script::first_frame_of(n);
+            assert_eq!((pressing(first - 1), pressing(first)), (n - 1, n));
+            assert!((first..n_frames).all(|frame| pressing(frame) == n));
+        }
     }
 }

@@ -12,16 +12,13 @@ use hapdef::{Limb, Run};
 use hapdef_inverse::{ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
+use super::frames::{Amounts, Frames};
 use super::map_error::TrueMaps;
-use super::way::{Layout, MOST_PRESSES, Mesh, Way};
-use crate::compare::cells::{self, Map};
+use super::way::{Layout, Mesh, Way};
+use crate::compare::cells::Map;
 use crate::compare::frontier::EFFORTS;
-use crate::compare::sequence::Script;
-use crate::compare::world::{Draw, Frame, World};
+use crate::compare::world::World;
 use crate::compare::{N_STIFFNESS, placed_gauges};
-
-/// Contacts of a script, and their least distance, m.
-const SCRIPTED: (usize, f64) = (2, 0.02);
 
 /// The rig, its frames, and what ways share.
 pub(super) struct Lab<'a> {
@@ -31,20 +28,8 @@ pub(super) struct Lab<'a> {
     responses: HashMap<(Mesh, Layout), Solved>,
     maps: HashMap<(Mesh, Layout, usize), Calibrated>,
     world: World,
-    presses: Vec<Frame>,
-    pub(super) singles: Vec<Frame>,
-    pub(super) doubles: Vec<Frame>,
-    /// Contacts that arrive one after another, and the readings of every frame.
-    pub(super) scripts: Vec<(Script, Vec<Vec<f64>>)>,
+    pub(super) frames: Frames,
     pub(super) maps_of: TrueMaps,
-}
-
-/// How much is measured.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Amounts {
-    pub(super) test_seed: u64,
-    pub(super) n_frames: usize,
-    pub(super) n_scripts: usize,
 }
 
 struct Placed {
@@ -99,41 +84,17 @@ impl<'a> Lab<'a> {
         let maps_of = TrueMaps::read(run, limb)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, maps_of.skin(), &further)?;
-        let mut lab = Self {
+        let frames = Frames::draw(&world, &run.scene, maps_of.skin(), amounts)?;
+        Ok(Self {
             run,
             limb,
             layouts,
             responses: HashMap::new(),
             maps: HashMap::new(),
             world,
-            presses: Vec::new(),
-            singles: Vec::new(),
-            doubles: Vec::new(),
-            scripts: Vec::new(),
+            frames,
             maps_of,
-        };
-        lab.draw_frames(amounts)?;
-        Ok(lab)
-    }
-
-    fn draw_frames(&mut self, amounts: Amounts) -> Result<()> {
-        let scene = &self.run.scene;
-        let range = scene.contact.force_range_n;
-        let skin = self.maps_of.skin().clone();
-        let draw = |row: u64| Draw::new(&skin, amounts.test_seed.wrapping_add(row));
-        self.presses = cells::presses(&self.world, &mut draw(1), MOST_PRESSES, range)?;
-        let n = amounts.n_frames;
-        let drawn = cells::singles(&mut draw(11), n, [5.0, range[1]]);
-        self.singles = self.world.frames(drawn, 11)?;
-        let drawn = cells::doubles(&mut draw(12), n, &scene.rig.presses, range, 0.0);
-        self.doubles = self.world.frames(drawn, 12)?;
-        let mut draw = draw(40);
-        for i in 0..amounts.n_scripts as u64 {
-            let script = Script::draw(&mut draw, SCRIPTED.0, SCRIPTED.1, range[1]);
-            let readings = script.readings(&self.world, 1000 + i)?;
-            self.scripts.push((script, readings));
-        }
-        Ok(())
+        })
     }
 
     /// Makes the estimator of a way; what it shares with others is made once.
@@ -237,7 +198,7 @@ impl<'a> Lab<'a> {
         if way.presses > 0 && !self.maps.contains_key(&key) {
             let channels = self.layouts[&way.layout].channels.clone();
             let noise = self.noise(&channels)?;
-            let (run, presses) = (self.run, &self.presses[..way.presses]);
+            let (run, presses) = (self.run, &self.frames.presses[..way.presses]);
             let response = &self.responses[&(way.mesh, way.layout)].response;
             run.say(&format!("calibrating: {}", way.name()));
             let start = Instant::now();

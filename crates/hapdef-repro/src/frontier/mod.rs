@@ -1,37 +1,51 @@
 //! `frontier`: the whole chain's error against its run time, over meshes, layouts, presses, efforts
 //! and precisions; how times grow; what leaving things out is worth; what was planned.
 
+mod chain;
+mod error;
+mod frames;
+mod growth;
+mod kept;
 mod lab;
 mod limits;
 mod map_error;
 mod measure;
 mod page;
 mod planned;
+mod plots;
 mod point;
 mod scaling;
 mod skips;
+mod tables;
+mod times;
 mod tube;
 mod way;
+mod ways_table;
 
-use std::path::PathBuf;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
-use hapdef::{HapdefError, Limb, Run, SceneArgs};
+use hapdef::{Cache, Limb, Run, SceneArgs};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::json;
 
-use self::lab::{Amounts, Lab};
+use self::frames::Amounts;
+use self::growth::Growth;
+use self::kept::Origin;
+use self::lab::Lab;
 use self::planned::Planned;
 use self::point::Point;
-use self::scaling::Growth;
 use self::skips::Skips;
 use self::way::{LAYOUTS, Way};
 
 /// Changes with what is measured: points of another version are measured again.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+
+/// Ways that are measured whatever the time: the usual one, searched and followed.
+const N_ALWAYS: usize = 2;
 
 /// Largest tubes of the scaling, nodes, below and from so many minutes.
 const SOME_NODES: usize = 31_000;
@@ -41,19 +55,19 @@ const MINUTES_FOR_MANY: f64 = 15.0;
 /// Arguments of `frontier`.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "Example:\n  hapdef-repro frontier fixtures/shin/placed.json --minutes 20\n\n\
-    Points that were measured are kept: the same command with more minutes goes on."
+    after_help = "Example:\n  hapdef-repro frontier fixtures/shin/placed_anew.json --minutes 20\n\n\
+    Points that were measured are kept: the same program on the same machine goes on from them."
 )]
 pub(crate) struct ChainFrontierArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// No new point is begun after so many minutes; the usual way and everything that is measured
-    /// once always is.
+    /// No new point is begun after so many minutes; the usual way, searched and followed, and
+    /// everything that is measured once always is.
     #[arg(long, default_value_t = 20.0)]
     minutes: f64,
-    /// Frames of one and of two contacts.
-    #[arg(long, default_value_t = 200)]
-    frames: usize,
+    /// Scored frames of one and of two contacts; at least 1,000 of two are timed.
+    #[arg(long, default_value = "200")]
+    frames: NonZeroUsize,
     /// Seed of presses and frames; nothing was tuned on the default.
     #[arg(long, default_value_t = 9400)]
     test_seed: u64,
@@ -73,8 +87,7 @@ impl ChainFrontierArgs {
     fn amounts(&self) -> Amounts {
         Amounts {
             test_seed: self.test_seed,
-            n_frames: self.frames,
-            n_scripts: self.frames.div_ceil(10),
+            n_frames: self.frames.get(),
         }
     }
 }
@@ -83,6 +96,7 @@ impl ChainFrontierArgs {
 #[derive(Clone, Debug, Serialize)]
 struct Measured {
     points: Vec<Point>,
+    /// Ways by superposition, measured or not.
     n_ways: usize,
     growths: Vec<Growth>,
     skips: Skips,
@@ -98,8 +112,8 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         return limits::check(path, args, &run, &limb);
     }
     let mut lab = Lab::build(&run, &limb, args.amounts(), &LAYOUTS)?;
-    let skips = skips::measure(&mut lab)?;
     let folder = args.scene.out.join(&run.scene.name);
+    let skips = skips::measure(&mut lab, &folder.join("frontier-design"))?;
     let planned = match args.without_nets {
         true => Vec::new(),
         false => planned::measure(
@@ -118,8 +132,8 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
     let ways = Way::in_order(args.test_seed);
     let measured = Measured {
-        n_ways: ways.len(),
         points: points(args, &run, &mut lab, &ways, deadline)?,
+        n_ways: ways.len(),
         growths,
         skips,
         planned,
@@ -127,7 +141,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     page::write(args, &run, &measured)
 }
 
-/// The usual way, the paper's chain, and as many others as there is time for.
+/// The usual way, the paper's chain, the usual way followed, and as many others as there is time for.
 fn points(
     args: &ChainFrontierArgs,
     run: &Run,
@@ -135,47 +149,38 @@ fn points(
     ways: &[Way],
     deadline: Instant,
 ) -> Result<Vec<Point>> {
+    let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
     let mut points = Vec::new();
     for (i, way) in ways.iter().enumerate() {
-        if i > 0 && Instant::now() > deadline {
+        if i >= N_ALWAYS && Instant::now() > deadline {
             break;
         }
         run.check_stop("the frontier")?;
         let what = json!({ "way": way });
-        points.push(kept(args, run, lab, &what, |lab| {
-            measure::superposed(lab, way)
-        })?);
+        points.push(origin.kept(run, &what, || measure::superposed(lab, way))?);
         if i == 0 && !args.without_nets {
             let what = json!({ "chain": run.profile });
             let usual = lab.ready(way)?;
-            let chain: Vec<Point> = kept(args, run, lab, &what, |lab| measure::chain(lab, &usual))?;
+            let chain: Vec<Point> = origin.kept(run, &what, || chain::chain(lab, &usual))?;
             points.extend(chain);
         }
     }
     Ok(point::on_one_footing(&points))
 }
 
-/// From the cache, or measured and put there.
-fn kept<T: Serialize + DeserializeOwned>(
-    args: &ChainFrontierArgs,
-    run: &Run,
-    lab: &mut Lab<'_>,
-    what: &serde_json::Value,
-    measure: impl FnOnce(&mut Lab<'_>) -> Result<T>,
-) -> Result<T> {
-    let inputs = json!({
-        "version": VERSION, "scene": run.scene, "deck": lab.limb.deck_hash, "what": what,
-        "frames": args.frames, "seed": args.test_seed,
-    });
-    let stage = run.cache.stage("frontier-point", &inputs, |_| {
-        let value = measure(lab).and_then(|value| Ok(serde_json::to_value(value)?));
-        value.map_err(|error| match error.downcast::<HapdefError>() {
-            Ok(error) => error,
-            Err(error) => HapdefError::Stale {
-                path: "the frontier".into(),
-                what: format!("{error:#}"),
-            },
-        })
-    })?;
-    Ok(T::deserialize(&stage.record.info)?)
+/// The same run with a cache of its own in `folder`, which is emptied: everything is made anew.
+fn made_anew(run: &Run, folder: &Path) -> Result<Run> {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    Ok(Run {
+        scene: run.scene.clone(),
+        scene_dir: run.scene_dir.clone(),
+        scene_hash: run.scene_hash.clone(),
+        profile: run.profile.clone(),
+        cache: Cache::new(folder),
+        threads: run.threads,
+        progress: run.progress.clone(),
+        stop: run.stop.clone(),
+    })
 }

@@ -4,10 +4,12 @@ use anyhow::{Context, Result};
 use hapdef::plan::{Machine, Plan, StepState, When, plan};
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
-use hapdef::{Cache, Limb, Profile, Run, Stage};
+use hapdef::{Limb, Profile, Run, Stage};
 use hapdef_report::{ReportTable, TextCell, TextTable};
 use serde::Serialize;
 use std::path::Path;
+
+use super::made_anew;
 
 /// Stages below this time, s, are not judged: a plan is for what one waits for.
 const JUDGED_S: f64 = 0.5;
@@ -41,21 +43,11 @@ pub(super) fn measure(
     folder: &Path,
 ) -> Result<Vec<Planned>> {
     run.say("a plan, and what it comes to");
-    if folder.exists() {
-        std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
     let machine = Machine::read_or_measure(machine, run.threads)?;
-    let fresh = Run {
-        scene: run.scene.clone(),
-        scene_dir: run.scene_dir.clone(),
-        scene_hash: run.scene_hash.clone(),
+    let mut scene = Run {
         profile: Profile::quick(),
-        cache: Cache::new(folder),
-        threads: run.threads,
-        progress: run.progress.clone(),
-        stop: run.stop.clone(),
+        ..made_anew(run, folder)?
     };
-    let mut scene = fresh;
     scene.scene.estimator = hapdef::scene::EstimatorSpec::Hapdefx(run.scene.estimator.hapdefx());
     let planned = plan(&scene, limb, &machine)?;
     let stages = chain_stages(&scene, limb)?;

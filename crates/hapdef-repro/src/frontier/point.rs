@@ -1,11 +1,11 @@
-//! What was measured of a way.
+//! What was measured of a way, and how ways are ranked.
 
-use hapdef_report::{TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 
 use super::lab::Design;
-use super::way::Way;
-use crate::compare::score::{Row, at, mean, sorted};
+use super::times::FrameTimes;
+use super::way::{Knows, Way};
+use crate::compare::score::{Row, mean};
 
 /// A way from readings to contacts with its errors and its times.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -28,76 +28,59 @@ pub(super) enum Family {
     Searched,
     /// Superposition, contacts followed from frame to frame.
     Followed,
-    /// The paper's chain; the number of contacts is given.
+    /// The paper's chain, each frame for itself; the number of contacts is given.
     Chain,
 }
 
-/// Errors on frames of one number of contacts.
+impl Family {
+    /// What is known of a frame before: only ways that know the same solve the same problem.
+    pub(super) fn knows(self) -> Knows {
+        match self {
+            Self::Searched | Self::Chain => Knows::Nothing,
+            Self::Followed => Knows::Before,
+        }
+    }
+}
+
+/// Errors on frames of one number of contacts. Position and force errors are those of matched contacts;
+/// GOSPA minds the others, too.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Errors {
     pub(super) n_frames: usize,
+    /// [`Row::gospa_mm`].
+    pub(super) gospa_mm: f64,
     pub(super) mean_mm: f64,
     pub(super) median_mm: f64,
     pub(super) p90_mm: f64,
     pub(super) within10_pct: f64,
     pub(super) mean_n: f64,
+    /// True contacts without a match, %.
+    pub(super) missed_pct: f64,
+    /// Contacts without a true one, per 100 frames.
+    pub(super) spurious_pct: f64,
+    /// Frames whose contacts are all within 10 mm and no other is reported, %.
+    pub(super) clean_pct: f64,
+    /// Frames whose number of contacts is right, %.
     pub(super) count_pct: f64,
     /// Mean error of the displacement of the whole skin, µm.
     pub(super) map_um: Option<f64>,
-}
-
-/// Times of a frame of two contacts, in rounds, each beside the usual way's.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct FrameTimes {
-    /// Median of the rounds' medians, µs.
-    pub(super) p50_us: f64,
-    /// Of all rounds, µs.
-    pub(super) p99_us: f64,
-    /// Largest minus smallest round, over the median.
-    pub(super) spread: f64,
-    /// The usual way's median in the same rounds, µs.
-    pub(super) usual_us: f64,
 }
 
 impl Errors {
     pub(super) fn of(row: &Row, map_um: Option<f64>) -> Self {
         Self {
             n_frames: row.n_frames,
+            gospa_mm: row.gospa_mm,
             mean_mm: row.mean_mm,
             median_mm: row.median_mm,
             p90_mm: row.p90_mm,
             within10_pct: row.within10_pct,
             mean_n: row.mean_n,
+            missed_pct: row.missed_pct,
+            spurious_pct: row.spurious_pct,
+            clean_pct: row.clean_pct,
             count_pct: row.count_pct,
             map_um,
-        }
-    }
-}
-
-impl FrameTimes {
-    /// Of the rounds' times and the usual way's in the same rounds, µs.
-    pub(super) fn of(rounds: &[Vec<f64>], usual: &[Vec<f64>]) -> Self {
-        let median = |times: &Vec<f64>| at(&sorted(times.iter().copied()), 0.5);
-        let medians = sorted(rounds.iter().map(median));
-        let p50_us = at(&medians, 0.5);
-        let widest =
-            medians.last().copied().unwrap_or(0.0) - medians.first().copied().unwrap_or(0.0);
-        Self {
-            p50_us,
-            p99_us: at(&sorted(rounds.iter().flatten().copied()), 0.99),
-            spread: widest / p50_us,
-            usual_us: at(&sorted(usual.iter().map(median)), 0.5),
-        }
-    }
-
-    /// The times as they would be where the usual way takes `usual_us`.
-    pub(super) fn beside(&self, usual_us: f64) -> Self {
-        let scale = usual_us / self.usual_us;
-        Self {
-            p50_us: self.p50_us * scale,
-            p99_us: self.p99_us * scale,
-            spread: self.spread,
-            usual_us,
         }
     }
 }
@@ -112,135 +95,68 @@ pub(super) fn on_one_footing(points: &[Point]) -> Vec<Point> {
     points.iter().map(scaled).collect()
 }
 
-/// For each point whether no other is at least as good in time and error and better in one.
-pub(super) fn on_front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<bool> {
+/// What points are ranked by: GOSPA of two contacts over their number, mm, in which a missed or
+/// spurious contact costs 10 mm, so that no way gains by leaving out what is hard to find.
+pub(super) fn error_mm(point: &Point) -> f64 {
+    point.double.gospa_mm
+}
+
+/// For each point whether no other that knows the same before is at least as good in time and error
+/// and better in one.
+pub(super) fn on_front(points: &[Point]) -> Vec<bool> {
     let beats = |a: &Point, b: &Point| {
         let (ta, tb) = (a.frame.p50_us, b.frame.p50_us);
-        let (ea, eb) = (error(a), error(b));
-        ta <= tb && ea <= eb && (ta < tb || ea < eb)
+        let (ea, eb) = (error_mm(a), error_mm(b));
+        let is_same_problem = a.family.knows() == b.family.knows();
+        is_same_problem && ta <= tb && ea <= eb && (ta < tb || ea < eb)
     };
     let is_front = |p: &Point| !points.iter().any(|other| beats(other, p));
     points.iter().map(is_front).collect()
 }
 
-/// The point of least error among those whose 99 % quantile is within `budget_us`, if there is one.
-pub(super) fn best_within(
-    points: &[Point],
-    budget_us: f64,
-    error: impl Fn(&Point) -> f64,
-) -> Option<&Point> {
-    let within = points.iter().filter(|p| p.frame.p99_us <= budget_us);
+/// The point of a family of least error among those whose 99 % quantile is within `budget_us`, if
+/// there is one; of equals the one that is made in less time.
+pub(super) fn best_within(points: &[Point], family: Family, budget_us: f64) -> Option<&Point> {
+    let of_family = points.iter().filter(|p| p.family == family);
+    let within = of_family.filter(|p| p.frame.p99_us <= budget_us);
     within.min_by(|a, b| {
-        let by_error = error(a).total_cmp(&error(b));
+        let by_error = error_mm(a).total_cmp(&error_mm(b));
         by_error.then(a.design.all_s().total_cmp(&b.design.all_s()))
     })
 }
 
-/// What points are compared by: the mean position error of two contacts, mm.
-pub(super) fn error_mm(point: &Point) -> f64 {
-    point.double.mean_mm
-}
-
-/// The points as a table, the least error of two contacts first.
-pub(super) fn table(points: &[Point]) -> TextTable {
-    let header = [
-        "way",
-        "mesh",
-        "gauges",
-        "presses",
-        "one: mm",
-        "N",
-        "count",
-        "map, µm",
-        "two: mm",
-        "median",
-        "10 mm",
-        "N",
-        "count",
-        "map, µm",
-        "p50, µs",
-        "p99, µs",
-        "design, s",
-        "front",
-    ];
-    let front = on_front(points, error_mm);
-    let mut marked: Vec<(&Point, bool)> = points.iter().zip(front).collect();
-    marked.sort_by(|a, b| error_mm(a.0).total_cmp(&error_mm(b.0)));
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: marked
-            .into_iter()
-            .map(|(p, front)| cells(p, front))
-            .collect(),
-    }
-}
-
-fn cells(p: &Point, is_front: bool) -> Vec<TextCell> {
-    let count = |e: &Errors| match p.family {
-        Family::Chain => "given".to_owned(),
-        _ => format!("{:.0} %", e.count_pct),
-    };
-    let map = |e: &Errors| e.map_um.map_or("–".to_owned(), |um| format!("{um:.2}"));
-    let [way, mesh, gauges, presses] = match &p.way {
-        Some(way) => way.words(),
-        None => [p.name.as_str(), "", "", ""].map(str::to_owned),
-    };
-    let texts = [
-        way,
-        mesh,
-        gauges,
-        presses,
-        format!("{:.2}", p.single.mean_mm),
-        format!("{:.2}", p.single.mean_n),
-        count(&p.single),
-        map(&p.single),
-        format!("{:.2}", p.double.mean_mm),
-        format!("{:.2}", p.double.median_mm),
-        format!("{:.0} %", p.double.within10_pct),
-        format!("{:.2}", p.double.mean_n),
-        count(&p.double),
-        map(&p.double),
-        format!(
-            "{} ± {:.0} %",
-            micros(p.frame.p50_us),
-            50.0 * p.frame.spread
-        ),
-        micros(p.frame.p99_us),
-        format!("{:.1}", p.design.all_s()),
-        if is_front { "F" } else { "" }.to_owned(),
-    ];
-    texts.map(TextCell::plain).to_vec()
-}
-
-/// Small times with a decimal.
-fn micros(time_us: f64) -> String {
-    match time_us < 10.0 {
-        true => format!("{time_us:.1}"),
-        false => format!("{time_us:.0}"),
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn point(name: &str, time_us: f64, error: f64) -> Point {
+    /// A searched point.
+    pub(in crate::frontier) fn point(name: &str, time_us: f64, gospa_mm: f64) -> Point {
         Point {
             name: name.into(),
             way: None,
             family: Family::Searched,
             single: Errors::default(),
             double: Errors {
-                mean_mm: error,
+                gospa_mm,
                 ..Errors::default()
             },
             design: Design::default(),
             frame: FrameTimes {
+                n: 1000,
                 p50_us: time_us,
+                p50_spread: 0.1,
                 p99_us: 2.0 * time_us,
-                spread: 0.1,
+                p99_spread: 0.2,
+                slowest_us: 3.0 * time_us,
                 usual_us: 100.0,
             },
+        }
+    }
+
+    fn followed(name: &str, time_us: f64, gospa_mm: f64) -> Point {
+        Point {
+            family: Family::Followed,
+            ..point(name, time_us, gospa_mm)
         }
     }
 
@@ -252,11 +168,48 @@ mod tests {
             point("good", 50.0, 1.0),
             point("best", 900.0, 0.5),
         ];
-        assert_eq!(on_front(&points, error_mm), [true, false, true, true]);
-        let best = |budget_us| best_within(&points, budget_us, error_mm).map(|p| p.name.as_str());
+        assert_eq!(on_front(&points), [true, false, true, true]);
+        let best = |budget_us| {
+            let best = best_within(&points, Family::Searched, budget_us);
+            best.map(|p| p.name.as_str())
+        };
         assert_eq!(best(15.0), None);
         assert_eq!(best(100.0), Some("good"));
         assert_eq!(best(f64::INFINITY), Some("best"));
+    }
+
+    /// What is followed is faster and nearer than any search, and answers another question.
+    #[test]
+    fn ways_that_know_different_things_before_are_ranked_apart() {
+        let points = [
+            point("search", 900.0, 1.0),
+            followed("follow", 1.0, 0.5),
+            followed("worse", 2.0, 0.6),
+        ];
+        assert_eq!(on_front(&points), [true, true, false]);
+        let best = |family| best_within(&points, family, f64::INFINITY).map(|p| p.name.as_str());
+        assert_eq!(best(Family::Searched), Some("search"));
+        assert_eq!(best(Family::Followed), Some("follow"));
+        assert_eq!(best(Family::Chain), None);
+        let chain = Point {
+            family: Family::Chain,
+            ..point("chain", 500.0, 0.9)
+        };
+        let points = [points[0].clone(), chain];
+        assert_eq!(on_front(&points), [false, true]);
+    }
+
+    /// A way that finds one contact of two exactly is not nearer than one that finds both roughly.
+    #[test]
+    fn missed_contacts_count_in_the_ranking() {
+        let mut exact_or_missed = point("half", 10.0, 5.0);
+        exact_or_missed.double.mean_mm = 0.0;
+        let mut both = point("both", 10.0, 2.0);
+        both.double.mean_mm = 2.0;
+        let points = [exact_or_missed, both];
+        assert_eq!(on_front(&points), [false, true]);
+        let best = best_within(&points, Family::Searched, 100.0);
+        assert_eq!(best.map(|p| p.name.as_str()), Some("both"));
     }
 
     #[test]
@@ -264,6 +217,6 @@ mod tests {
         let mut slow = point("slow hour", 80.0, 1.0);
         slow.frame.usual_us = 200.0;
         let points = on_one_footing(&[point("a", 40.0, 1.0), slow]);
-        assert_eq!(points[0].frame.p50_us, points[1].frame.p50_us);
+        assert_eq!(points[0].frame, points[1].frame);
     }
 }

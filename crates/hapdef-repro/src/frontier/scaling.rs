@@ -13,8 +13,8 @@ use hapdef_mesh::GaugeId;
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
 use nalgebra::Vector3;
-use serde::Serialize;
 
+use super::growth::Growth;
 use super::tube::Tube;
 use crate::compare::bench::{Presses, track};
 use crate::compare::score::{at, sorted};
@@ -46,37 +46,10 @@ const N_SCRIPTS: usize = 12;
 const STRONGEST_N: f64 = 34.0;
 const GAP_M: f64 = 0.015;
 
-/// One quantity along what it grows with.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Growth {
-    /// What was measured, with its unit.
-    pub(super) what: String,
-    /// What it grows with.
-    pub(super) with: &'static str,
-    /// What theory says of the exponent.
-    pub(super) theory: &'static str,
-    /// Sizes and measured values.
-    pub(super) points: Vec<(f64, f64)>,
-    /// Slope of the straight line through the logarithms, of the larger half of the sizes.
-    pub(super) exponent: f64,
-}
-
-impl Growth {
-    fn new(what: &str, with: &'static str, theory: &'static str, points: Vec<(f64, f64)>) -> Self {
-        Self {
-            what: what.into(),
-            with,
-            theory,
-            exponent: exponent(&points),
-            points,
-        }
-    }
-}
-
 /// Measures every growth, tubes up to `most_nodes` nodes.
 pub(super) fn measure(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
     let mut all = nodes(run, most_nodes, seed)?;
-    all.push(gauges(run, seed)?);
+    all.extend(gauges(run, seed)?);
     all.push(contacts(run, seed)?);
     all.push(batches(run)?);
     Ok(all)
@@ -94,39 +67,66 @@ fn nodes(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
         let n = solved.n_nodes as f64;
         factor.push((n, solved.build_s));
         adjoint.push((n, solved.adjoint_s));
-        memory.push((n, 8e-6 * solved.nnz_l as f64));
+        memory.push((
+            n,
+            1e-6 * (solved.factor_bytes + solved.response_bytes) as f64,
+        ));
         frame.push((n, solved.tracking_us(2, seed)?));
     }
+    let of = |what, metric, theory, points| Growth::new(what, "nodes", metric, theory, points);
     Ok(vec![
-        Growth::new("ordering and factor, s", "nodes", "1.5", factor),
-        Growth::new("10 adjoint solves, s", "nodes", "1, times log n", adjoint),
-        Growth::new("factor, MB", "nodes", "1, times log n", memory),
-        Growth::new(
+        of("ordering and factor, s", "factor_exponent", "1.5", factor),
+        of(
+            "10 adjoint solves, s",
+            "adjoint_exponent",
+            "1, times log n",
+            adjoint,
+        ),
+        of(
+            "factor and response, MB",
+            "memory_nodes_exponent",
+            "1, times log n",
+            memory,
+        ),
+        of(
             "a frame while two contacts are followed, µs",
-            "nodes",
+            "frame_nodes_exponent",
             "0",
             frame,
         ),
     ])
 }
 
-fn gauges(run: &Run, seed: u64) -> Result<Growth> {
-    let mut points = Vec::new();
+fn gauges(run: &Run, seed: u64) -> Result<[Growth; 2]> {
+    let (mut frame, mut memory) = (vec![], vec![]);
     for n_gauges in GAUGES {
         run.check_stop("the scaling")?;
         let solved = Solved::new(run, USUAL_CELLS, n_gauges)?;
-        points.push((n_gauges as f64, solved.tracking_us(1, seed)?));
+        frame.push((n_gauges as f64, solved.tracking_us(1, seed)?));
+        memory.push((n_gauges as f64, 1e-6 * solved.response_bytes as f64));
     }
-    let what = "a frame while one contact is followed, µs";
-    Ok(Growth::new(what, "gauges", "1", points))
+    let of = |what, metric, points| Growth::new(what, "gauges", metric, "1", points);
+    Ok([
+        of(
+            "a frame while one contact is followed, µs",
+            "frame_gauges_exponent",
+            frame,
+        ),
+        of("response, MB", "memory_gauges_exponent", memory),
+    ])
 }
 
 fn contacts(run: &Run, seed: u64) -> Result<Growth> {
     let solved = Solved::new(run, USUAL_CELLS, GAUGES_OF_CONTACTS)?;
     let of = |k: usize| Ok((k as f64, solved.tracking_us(k, seed)?));
     let points: Result<Vec<_>> = (1..=6).map(of).collect();
-    let what = "a frame while contacts are followed, 24 gauges, µs";
-    Ok(Growth::new(what, "contacts", "1 to 2", points?))
+    Ok(Growth::new(
+        "a frame while contacts are followed, 24 gauges, µs",
+        "contacts",
+        "frame_contacts_exponent",
+        "1 to 2",
+        points?,
+    ))
 }
 
 /// Frames that pass nets of the paper's widths together, on one thread.
@@ -152,8 +152,13 @@ fn batches(run: &Run) -> Result<Growth> {
         }
         points.push((batch as f64, at(&sorted(times.into_iter()), 0.5)));
     }
-    let what = "frames through F_R together, f32, µs";
-    Ok(Growth::new(what, "frames", "1", points))
+    Ok(Growth::new(
+        "frames through F_R together, f32, µs",
+        "frames",
+        "batch_exponent",
+        "1",
+        points,
+    ))
 }
 
 /// A tube, solved for its gauges.
@@ -162,7 +167,10 @@ struct Solved {
     /// Assembly, ordering and factor.
     build_s: f64,
     adjoint_s: f64,
-    nnz_l: usize,
+    /// The factor's entries as stored.
+    factor_bytes: usize,
+    /// The gauges' fields at every node, and the map of them on the outer side.
+    response_bytes: usize,
     map: Arc<ResponseMap>,
 }
 
@@ -191,11 +199,14 @@ impl Solved {
             tip_radius_m: TIP_M,
         };
         let map = ResponseMap::from_nodal(tube.skin()?, n_gauges, &adjoint, &tip)?;
+        let n_nodes = tube.mesh.nodes().len();
+        let of_a_node = n_gauges * size_of::<Vector3<f64>>();
         Ok(Self {
-            n_nodes: tube.mesh.nodes().len(),
+            n_nodes,
             build_s,
             adjoint_s,
-            nnz_l: model.info().nnz_l,
+            factor_bytes: model.info().nnz_l_stored * size_of::<f64>(),
+            response_bytes: (n_nodes + tube.outside.len()) * of_a_node,
             map: Arc::new(map),
         })
     }
@@ -243,34 +254,5 @@ impl Solved {
         let of_scripts = tracked.times_us.chunks(tracked.times_us.len() / N_SCRIPTS);
         let last = of_scripts.flat_map(|times| &times[times.len() - n_last..]);
         Ok(at(&sorted(last.copied()), 0.5))
-    }
-}
-
-/// Least-squares slope of ln value over ln size, over the larger half of the sizes.
-fn exponent(points: &[(f64, f64)]) -> f64 {
-    let larger = &points[points.len() / 2 - usize::from(points.len() > 3)..];
-    let logs = larger.iter().map(|(x, y)| (x.ln(), y.ln()));
-    let n = larger.len() as f64;
-    let (sx, sy) = logs
-        .clone()
-        .fold((0.0, 0.0), |s, (x, y)| (s.0 + x, s.1 + y));
-    let (mx, my) = (sx / n, sy / n);
-    let (sxy, sxx) = logs.fold((0.0, 0.0), |s, (x, y)| {
-        (s.0 + (x - mx) * (y - my), s.1 + (x - mx).powi(2))
-    });
-    sxy / sxx
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exponent_of_a_power_is_found() {
-        let points: Vec<(f64, f64)> = (1..7)
-            .map(|i| f64::from(1 << i))
-            .map(|x| (x, 3.0 * x.powf(1.25)))
-            .collect();
-        assert!((exponent(&points) - 1.25).abs() < 1e-12);
     }
 }

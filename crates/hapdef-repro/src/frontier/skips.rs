@@ -1,34 +1,41 @@
 //! What leaving out what a scene does not want is worth: single contacts alone, against everything.
 
+use std::path::Path;
 use std::time::Instant;
 
-use anyhow::Result;
-use hapdef::stages::compliance;
+use anyhow::{Context, Result};
+use hapdef::stages::compliance_table;
 use hapdef::touch::{response_map, superposition};
 use hapdef::{Limb, Run};
 use hapdef_inverse::{Contact, ContactEstimate, ContactEstimator, ContactTracker, TrackerParams};
 use serde::Serialize;
 
+use super::error::FrontierError;
 use super::lab::Lab;
+use super::made_anew;
 use super::way::Way;
 use crate::compare::score::{at, sorted};
+use crate::compare::sequence::Script;
 use crate::compare::world::Frame;
 
 /// Contacts nearer than this, and forces nearer than this share, are equal, m.
 const EQUAL_M: f64 = 1e-9;
 const EQUAL_SHARE: f64 = 1e-9;
 
-/// Rounds in which frames are timed.
+/// Rounds in which frames are timed, and designs.
 const ROUNDS: usize = 5;
+const DESIGN_ROUNDS: usize = 3;
 
 /// A scene that wants everything, and one that wants single contacts alone, on the same frames of
 /// one contact.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Skips {
-    /// Response, estimator, and the displacement of the whole skin under a load on each of its
-    /// nodes, s.
+    /// Most contacts of the scene that wants everything.
+    pub(super) max_contacts: usize,
+    /// Median time of response, estimator, and the displacement of the whole skin under a load on each
+    /// of its nodes, s.
     pub(super) full_design_s: f64,
-    /// Response and estimator, s.
+    /// Median time of response and estimator, s.
     pub(super) lean_design_s: f64,
     /// Frames of which nothing is known before.
     pub(super) searched: Compared,
@@ -55,6 +62,26 @@ impl Compared {
     pub(super) fn speedup(&self) -> f64 {
         self.full_us / self.lean_us
     }
+
+    /// Answers that are the same, %.
+    pub(super) fn equal_pct(&self) -> f64 {
+        100.0 * self.n_equal as f64 / self.n.max(1) as f64
+    }
+
+    /// Fails where the full scene finds one contact and the lean one something else.
+    fn checked(self, frames: &'static str) -> Result<Self, FrontierError> {
+        let Self {
+            n_single, n_equal, ..
+        } = self;
+        if n_equal < n_single {
+            return Err(FrontierError::SkipsChangeContacts {
+                frames,
+                n_single,
+                n_equal,
+            });
+        }
+        Ok(self)
+    }
 }
 
 impl Skips {
@@ -63,26 +90,26 @@ impl Skips {
     }
 }
 
-/// Measures both.
-pub(super) fn measure(lab: &mut Lab<'_>) -> Result<Skips> {
+/// Measures both. What the design makes goes to `folder`, which is emptied.
+pub(super) fn measure(lab: &mut Lab<'_>, folder: &Path) -> Result<Skips> {
     let (run, limb) = (lab.run, lab.limb);
     run.say("a scene that wants everything, and one that wants single contacts");
     let full = lab.ready(&Way::USUAL)?.estimator;
     let lean = lab.ready_for(&Way::USUAL, 1)?.estimator;
-    let lean_design_s = design_s(run, limb)?;
-    let all_loads_s = compliance(run, limb)?.record.elapsed_s;
+    let [full_design_s, lean_design_s] = designs(run, limb, folder)?;
     Ok(Skips {
-        full_design_s: all_loads_s + lean_design_s,
+        max_contacts: run.scene.contact.max_contacts,
+        full_design_s,
         lean_design_s,
-        searched: searched(lab, &full, &lean)?,
-        followed: followed(lab, &full, &lean)?,
+        searched: searched(lab, &full, &lean)?.checked("searched")?,
+        followed: followed(lab, &full, &lean)?.checked("followed")?,
     })
 }
 
 fn searched(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> Result<Compared> {
     let mut both = Both::default();
     for round in 0..ROUNDS {
-        for frame in &lab.singles {
+        for frame in &lab.frames.singles {
             let (found, full_us) = estimate(full, frame, |found| lab.show(&found.contacts))?;
             let (alone, lean_us) = estimate(lean, frame, |_| ())?;
             both.time(full_us, lean_us);
@@ -94,17 +121,16 @@ fn searched(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
     Ok(both.compared())
 }
 
-/// The first contact of every script; the answers of the last frame are compared.
+/// Scripts of one contact: times of the frames in which it presses, and the last answers.
 fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> Result<Compared> {
     let mut both = Both::default();
     let n_gauges = full.map().n_gauges();
-    for (script, readings) in &lab.scripts {
-        let (_, n_frames) = script.first(1);
+    for scripted in &lab.frames.single_scripts {
         let mut trackers = [
             tracker(full, lab.run.scene.contact.max_contacts)?,
             tracker(lean, 1)?,
         ];
-        for frame in &readings[..n_frames] {
+        for (i, frame) in scripted.readings_ue.iter().enumerate() {
             let [full, lean] = &mut trackers;
             let start = Instant::now();
             full.step(&frame[..n_gauges], None)?;
@@ -112,7 +138,10 @@ fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
             let full_us = start.elapsed().as_secs_f64() * 1e6;
             let start = Instant::now();
             lean.step(&frame[..n_gauges], None)?;
-            both.time(full_us, start.elapsed().as_secs_f64() * 1e6);
+            let lean_us = start.elapsed().as_secs_f64() * 1e6;
+            if i >= Script::first_frame_of(1) {
+                both.time(full_us, lean_us);
+            }
         }
         let [found, alone] = trackers.each_ref().map(contacts);
         both.answers(&found, &alone);
@@ -176,15 +205,32 @@ impl Both {
     }
 }
 
-/// Time of a response and an estimator of single contacts, not calibrated.
-fn design_s(run: &Run, limb: &Limb) -> Result<f64> {
+/// Median times of both designs, s, measured in turns, nothing from a cache.
+fn designs(run: &Run, limb: &Limb, folder: &Path) -> Result<[f64; 2]> {
+    let mut times_s = [Vec::new(), Vec::new()];
+    for _ in 0..DESIGN_ROUNDS {
+        run.check_stop("the designs")?;
+        let anew = made_anew(run, folder)?;
+        let start = Instant::now();
+        std::hint::black_box(compliance_table(&anew, limb)?);
+        make_estimator(run, limb, run.scene.contact.max_contacts)?;
+        times_s[0].push(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        make_estimator(run, limb, 1)?;
+        times_s[1].push(start.elapsed().as_secs_f64());
+    }
+    std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
+    Ok(times_s.map(|times| at(&sorted(times.into_iter()), 0.5)))
+}
+
+/// A response and an estimator on it, not calibrated.
+fn make_estimator(run: &Run, limb: &Limb, max_contacts: usize) -> Result<()> {
     let mut scene = run.scene.clone();
-    scene.contact.max_contacts = 1;
-    let start = Instant::now();
+    scene.contact.max_contacts = max_contacts;
     let map = response_map(limb, scene.contact.tip_radius_m, run.threads)?;
     let spec = scene.estimator.superposition();
     std::hint::black_box(superposition(&scene, &spec, map)?);
-    Ok(start.elapsed().as_secs_f64())
+    Ok(())
 }
 
 fn estimate(
@@ -207,4 +253,27 @@ fn is_equal(a: &[Contact], b: &[Contact]) -> bool {
     };
     let gap_m = (a.position_m - b.position_m).norm();
     gap_m < EQUAL_M && (a.force_n / b.force_n - 1.0).abs() < EQUAL_SHARE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_of_single_contacts_that_finds_another_one_is_refused() {
+        let compared = |n_single, n_equal| Compared {
+            full_us: 10.0,
+            lean_us: 2.0,
+            n: 8,
+            n_equal,
+            n_single,
+        };
+        let fine = compared(6, 6).checked("searched").unwrap();
+        assert_eq!((fine.equal_pct(), fine.speedup()), (75.0, 5.0));
+        let error = compared(6, 5).checked("searched").unwrap_err();
+        assert!(
+            matches!(error, FrontierError::SkipsChangeContacts { n_equal: 5, .. }),
+            "{error}"
+        );
+    }
 }

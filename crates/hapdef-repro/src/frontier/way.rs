@@ -157,6 +157,7 @@ mod tests {
     fn every_way_comes_once_and_single_changes_come_first() {
         let ways = Way::in_order(1);
         assert_eq!(ways[0], Way::USUAL);
+        assert_eq!(ways[1].knows, Knows::Before);
         assert_eq!(
             ways.len(),
             MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1)

@@ -14,7 +14,7 @@ mod patches;
 mod presses;
 mod ridge;
 pub(crate) mod samples;
-mod scores;
+pub(crate) mod scores;
 mod search;
 mod singles;
 mod stability;

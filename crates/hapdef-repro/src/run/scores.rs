@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::frames::{Frame, Frames};
 
 /// GOSPA's cut-off: a contact missed or false costs half of it, the 10 mm of k-Max's radius.
-const GOSPA: GospaParams = GospaParams {
+pub(crate) const GOSPA: GospaParams = GospaParams {
     cutoff_m: 0.020,
     p: 1.0,
 };

@@ -1,0 +1,91 @@
+//! The frontier and the growths as plots.
+
+use anyhow::Result;
+use hapdef_report::{Figure, FigureContent, LineChart, Series, lines_svg};
+
+use super::Measured;
+use super::point::{Family, Point, error_mm, on_front};
+use super::way::Knows;
+
+/// Every plot of the page.
+pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
+    let mut figures = vec![Figure {
+        file: "frontier.svg".into(),
+        caption:
+            "Position error with two contacts (GOSPA over their number) against the time of a \
+                  frame. Lines: the fronts of frames that are searched each for itself, and of \
+                  contacts that are followed."
+                .into(),
+        content: FigureContent::Svg(lines_svg(&cloud(&measured.points))?),
+    }];
+    for with in ["nodes", "gauges", "contacts", "frames"] {
+        let series: Vec<Series> = measured
+            .growths
+            .iter()
+            .filter(|g| g.with == with)
+            .map(|g| Series {
+                name: g.what.into(),
+                points: g.points.iter().map(|(x, y)| (x.log10(), *y)).collect(),
+            })
+            .collect();
+        let chart = LineChart {
+            title: format!("Growth with {with}"),
+            x_label: format!("log₁₀ of the number of {with}"),
+            y_label: "as named".into(),
+            log_y: true,
+            dots: true,
+            series,
+        };
+        figures.push(Figure {
+            file: format!("growth-{with}.svg"),
+            caption: format!("How time and memory grow with {with}."),
+            content: FigureContent::Svg(lines_svg(&chart)?),
+        });
+    }
+    Ok(figures)
+}
+
+/// Place of a point in the plot.
+fn at(p: &Point) -> (f64, f64) {
+    (p.frame.p50_us.log10(), error_mm(p))
+}
+
+/// The front of the ways that know the same before.
+fn front(points: &[Point], knows: Knows, name: &str) -> Series {
+    let marked = points.iter().zip(on_front(points));
+    let of_front = marked.filter(|(p, is_front)| *is_front && p.family.knows() == knows);
+    let mut places: Vec<(f64, f64)> = of_front.map(|(p, _)| at(p)).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Series {
+        name: name.into(),
+        points: places,
+    }
+}
+
+fn cloud(points: &[Point]) -> LineChart {
+    let dots = |family: Family, name: &str| Series {
+        name: name.into(),
+        // what is not finite breaks the line
+        points: points
+            .iter()
+            .filter(|p| p.family == family)
+            .flat_map(|p| [at(p), (f64::NAN, f64::NAN)])
+            .collect(),
+    };
+    let mut series = vec![
+        front(points, Knows::Nothing, "front, searched"),
+        front(points, Knows::Before, "front, followed"),
+        dots(Family::Searched, "searched"),
+        dots(Family::Followed, "followed"),
+        dots(Family::Chain, "the paper's chain"),
+    ];
+    series.retain(|s| !s.points.is_empty());
+    LineChart {
+        title: "Position error against run time".into(),
+        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        y_label: "GOSPA of two contacts over their number, mm".into(),
+        log_y: true,
+        dots: true,
+        series,
+    }
+}
