@@ -7,8 +7,8 @@ use anyhow::{Context, Result, bail};
 use hapdef::touch::response_map;
 use hapdef::{Limb, SceneArgs};
 use hapdef_report::{
-    MetricLog, NamedText, Report, ReportTable, StabilityCase, StabilityDocument, StabilityVerdict,
-    TextCell, TextTable, log_stability, stability_counts, write_report,
+    MetricLog, NamedText, Report, ReportTable, StabilityCase, StabilityDocument, TextCell,
+    TextTable, log_stability, stability_counts, write_report,
 };
 use hapdef_repro::{
     INVERSE_DOCUMENT, InverseWorld, NETS_DOCUMENT, PARTS_DOCUMENT, StabilityRow, inverse_rows,
