@@ -1,9 +1,11 @@
 //! Every layer at its extremes.
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
+use serde_json::Value;
 
 use crate::pipeline::finish;
 use crate::tool::{cargo, release_binary, results, root, target_dir};
@@ -30,6 +32,9 @@ pub(crate) struct StabilityArgs {
     /// How long scenes are tried, minutes; `scenes` only.
     #[arg(long)]
     minutes: Option<f64>,
+    /// Another limb than the bundled one, which has no table in docs/; `inverse` only.
+    #[arg(long, conflicts_with_all = ["write", "check"])]
+    scene: Option<PathBuf>,
 }
 
 /// What is tried at its extremes.
@@ -84,6 +89,9 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
     if args.seed.is_some() && !is_fe && !is_scenes {
         bail!("--seed is for `stability fe` and `stability scenes`");
     }
+    if args.scene.is_some() && args.part != Some(Part::Inverse) {
+        bail!("--scene is for `stability inverse`; `stability scenes` draws its own");
+    }
     if args.minutes.is_some() && !is_scenes {
         bail!("--minutes is for `stability scenes`");
     }
@@ -110,14 +118,29 @@ fn scenes(args: &StabilityArgs) -> Result<()> {
     finish(&mut command)
 }
 
-/// Every layer; then which failed.
+/// What a part counts.
+const COUNTS: [&str; 3] = [
+    "stability.rows",
+    "stability.failed",
+    "stability.silently_wrong",
+];
+
+/// Every layer; then what all parts come to, and which failed.
 fn all(args: &StabilityArgs) -> Result<()> {
     let mut failed = Vec::new();
+    let n_before = logged()?.len();
     for table in Table::ALL {
         println!("── {}", table.document());
         if crate::tool::run(&mut table.with_files(args)?).is_err() {
             failed.push(table.document());
         }
+    }
+    println!("── all");
+    let records = logged()?;
+    for name in COUNTS {
+        let of_name = records[n_before..].iter().filter(|r| r["name"] == name);
+        let sum: f64 = of_name.filter_map(|r| r["value"].as_f64()).sum();
+        println!("METRIC:{name}:{sum}:1");
     }
     if !failed.is_empty() {
         bail!("rows failed in {}", failed.join(", "));
@@ -125,10 +148,20 @@ fn all(args: &StabilityArgs) -> Result<()> {
     Ok(())
 }
 
+/// The metrics that were logged so far.
+fn logged() -> Result<Vec<Value>> {
+    let path = results().join("metrics.json");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    serde_json::from_str(&text).with_context(|| path.display().to_string())
+}
+
 /// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
     for table in Table::ALL {
-        let mut command = table.command()?;
+        let mut command = table.command(None)?;
         crate::tool::run(command.arg("--check").arg(root().join(table.document())))?;
     }
     Ok(())
@@ -150,7 +183,7 @@ impl Table {
     const ALL: [Self; 4] = [Self::Fe, Self::Nets, Self::Inverse, Self::Parts];
 
     fn with_files(self, args: &StabilityArgs) -> Result<Command> {
-        let mut command = self.command()?;
+        let mut command = self.command(args.scene.as_deref())?;
         for (flag, on) in [("--write", args.write), ("--check", args.check)] {
             if on {
                 command.arg(flag).arg(root().join(self.document()));
@@ -168,7 +201,7 @@ impl Table {
         }
     }
 
-    fn command(self) -> Result<Command> {
+    fn command(self, scene: Option<&Path>) -> Result<Command> {
         let (program, words): (_, &[&str]) = match self {
             Self::Fe => ("hapdef-verify", &["stability", "fe"]),
             Self::Nets => ("hapdef-repro", &["stability"]),
@@ -178,7 +211,8 @@ impl Table {
         let mut command = Command::new(release_binary(program)?);
         command.args(words);
         if self == Self::Inverse {
-            command.arg(root().join("fixtures/shin/placed.json"));
+            let bundled = root().join("fixtures/shin/placed.json");
+            command.arg(scene.unwrap_or(&bundled));
         }
         command.arg("--metrics").arg(results().join("metrics.json"));
         Ok(command)

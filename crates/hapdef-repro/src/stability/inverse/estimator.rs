@@ -32,7 +32,7 @@ fn merging(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     for gap_mm in [20.0, 10.0, 7.0, 5.0, 1.0, 1e-3, 1e-6, 0.0] {
         for (place, is_rim) in [("", false), (" at the free rim", true)] {
             let extreme = format!("two contacts {gap_mm} mm apart{place}");
-            let figures: [((&'static str, f64), fn(&Merged) -> f64); 2] = [
+            let figures: [(_, Figure); 2] = [
                 (
                     (
                         "forces sum to those of both within 5 sd, 1 % each at least",
@@ -61,6 +61,9 @@ fn merging(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         }
     }
 }
+
+/// What a row measures.
+type Figure = fn(&Merged) -> f64;
 
 /// What is found of two contacts.
 struct Merged {
@@ -97,7 +100,7 @@ fn over_pairs(
     world: &InverseWorld,
     gap_mm: f64,
     is_rim: bool,
-    figure: fn(&Merged) -> f64,
+    figure: Figure,
 ) -> Result<f64, ReproError> {
     let estimator = world.estimator(SD)?;
     let starts = match is_rim {
