@@ -52,7 +52,8 @@ fn main() -> ExitCode {
         let seed = args.seed.wrapping_add(n_scenes);
         match scene(seed) {
             Ok(honest) => *ends.entry(format!("{honest:?}")).or_insert(0) += 1,
-            Err((why, trial)) => {
+            Err(failure) => {
+                let (why, trial) = *failure;
                 println!(
                     "seed {seed}: {why}\n  {}",
                     serde_json::to_string(&trial).unwrap()
@@ -81,7 +82,7 @@ fn main() -> ExitCode {
 }
 
 /// The scene of a seed; a failing one is made as simple as it fails still.
-fn scene(seed: u64) -> Result<Honest, (String, Trial)> {
+fn scene(seed: u64) -> Result<Honest, Box<(String, Trial)>> {
     let config = Config {
         cases: 1,
         rng_seed: RngSeed::Fixed(seed),
@@ -97,7 +98,7 @@ fn scene(seed: u64) -> Result<Honest, (String, Trial)> {
     });
     match outcome {
         Ok(()) => Ok(end.get()),
-        Err(TestError::Fail(why, trial)) => Err((why.to_string(), trial)),
+        Err(TestError::Fail(why, trial)) => Err(Box::new((why.to_string(), trial))),
         Err(TestError::Abort(why)) => panic!("no scene was drawn: {why}"),
     }
 }
