@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use hapdef::{Cache, Limb, Run, SceneArgs};
+use hapdef::{Cache, HapdefError, Limb, Run, SceneArgs};
 use serde::Serialize;
 use serde_json::json;
 
@@ -39,7 +39,7 @@ use self::lab::Lab;
 use self::planned::Planned;
 use self::point::Point;
 use self::skips::Skips;
-use self::way::{LAYOUTS, Way};
+use self::way::{LAYOUTS, Mesh, Way};
 
 /// Changes with what is measured: points of another version are measured again.
 const VERSION: u32 = 3;
@@ -96,6 +96,8 @@ impl ChainFrontierArgs {
 #[derive(Clone, Debug, Serialize)]
 struct Measured {
     points: Vec<Point>,
+    /// Why this limb has no shell of its skin, where it has none; its ways are left out.
+    no_shell: Option<String>,
     /// Ways by superposition, measured or not.
     n_ways: usize,
     growths: Vec<Growth>,
@@ -131,8 +133,10 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let growths = scaling::measure(&run, most_nodes, args.test_seed)?;
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
     let ways = Way::in_order(args.test_seed);
+    let (points, no_shell) = points(args, &run, &mut lab, &ways, deadline)?;
     let measured = Measured {
-        points: points(args, &run, &mut lab, &ways, deadline)?,
+        points,
+        no_shell,
         n_ways: ways.len(),
         growths,
         skips,
@@ -141,23 +145,33 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     page::write(args, &run, &measured)
 }
 
-/// The usual way, the paper's chain, the usual way followed, and as many others as there is time for.
+/// The usual way, the paper's chain, the usual way followed, and as many others as there is time for;
+/// why there is no shell where the limb's skin makes none.
 fn points(
     args: &ChainFrontierArgs,
     run: &Run,
     lab: &mut Lab<'_>,
     ways: &[Way],
     deadline: Instant,
-) -> Result<Vec<Point>> {
+) -> Result<(Vec<Point>, Option<String>)> {
     let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
-    let mut points = Vec::new();
+    let (mut points, mut no_shell) = (Vec::new(), None);
     for (i, way) in ways.iter().enumerate() {
         if i >= N_ALWAYS && Instant::now() > deadline {
             break;
         }
         run.check_stop("the frontier")?;
+        if way.mesh == Mesh::Shell && no_shell.is_some() {
+            continue;
+        }
         let what = json!({ "way": way });
-        points.push(origin.kept(run, &what, || measure::superposed(lab, way))?);
+        match origin.kept(run, &what, || measure::superposed(lab, way)) {
+            Ok(point) => points.push(point),
+            Err(error) if way.mesh == Mesh::Shell && is_mesh_fault(&error) => {
+                no_shell = Some(format!("{error:#}"));
+            }
+            Err(error) => return Err(error),
+        }
         if i == 0 && !args.without_nets {
             let what = json!({ "chain": run.profile });
             let usual = lab.ready(way)?;
@@ -165,7 +179,12 @@ fn points(
             points.extend(chain);
         }
     }
-    Ok(point::on_one_footing(&points))
+    Ok((point::on_one_footing(&points), no_shell))
+}
+
+fn is_mesh_fault(error: &anyhow::Error) -> bool {
+    let fault = error.downcast_ref::<HapdefError>();
+    matches!(fault, Some(HapdefError::Mesh(_)))
 }
 
 /// The same run with a cache of its own in `folder`, which is emptied: everything is made anew.

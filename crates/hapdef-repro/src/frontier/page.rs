@@ -104,6 +104,9 @@ fn skipped(args: &ChainFrontierArgs, measured: &Measured) -> Vec<SkippedStage> {
     if args.without_nets {
         skip("the paper's chain, plan", "--without-nets".into());
     }
+    if let Some(reason) = &measured.no_shell {
+        skip("ways on a shell of the skin", reason.clone());
+    }
     let n_left = measured.n_ways - n_superposed(measured);
     if n_left > 0 {
         let reason = format!("{} minutes are over; more go on from here", args.minutes);

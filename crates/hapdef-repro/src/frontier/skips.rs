@@ -68,7 +68,8 @@ impl Compared {
         100.0 * self.n_equal as f64 / self.n.max(1) as f64
     }
 
-    /// Fails where the full scene finds one contact and the lean one something else.
+    /// Fails where the full scene finds one contact and the lean one something else. Not for followed
+    /// contacts, whose place depends on the way there: the share of equal ones is told.
     fn checked(self, frames: &'static str) -> Result<Self, FrontierError> {
         let Self {
             n_single, n_equal, ..
@@ -102,7 +103,7 @@ pub(super) fn measure(lab: &mut Lab<'_>, folder: &Path) -> Result<Skips> {
         full_design_s,
         lean_design_s,
         searched: searched(lab, &full, &lean)?.checked("searched")?,
-        followed: followed(lab, &full, &lean)?.checked("followed")?,
+        followed: followed(lab, &full, &lean)?,
     })
 }
 

@@ -20,6 +20,8 @@ const MOST_CONTACTS: usize = 2;
 const SHARES: (f64, f64) = (0.15, 0.6);
 /// From a release until it presses by itself again.
 const REST: Duration = Duration::from_secs(4);
+/// From the click of a press until it begins: what pressed before lets go, no contact jumps.
+const LIFT: Duration = Duration::from_millis(150);
 /// Number of the contact that is pressed from the page.
 const BY_HAND: u32 = 1000;
 
@@ -60,6 +62,7 @@ pub(super) struct Hand {
     sim: Sim,
     press: PressHandle,
     by_hand: Option<Pressed>,
+    clicked: Instant,
     rests_since: Option<Instant>,
     start: Option<Instant>,
     contacts: Vec<TrueContact>,
@@ -71,6 +74,7 @@ impl Hand {
             press: sim.rig.press_handle(),
             sim,
             by_hand: None,
+            clicked: Instant::now(),
             rests_since: None,
             start: None,
             contacts: Vec::new(),
@@ -79,6 +83,9 @@ impl Hand {
 
     /// Presses there until [`Self::release`].
     pub(super) fn press(&mut self, point_m: [f64; 3], force_n: f64) {
+        if self.by_hand.is_none() {
+            self.clicked = Instant::now();
+        }
         self.by_hand = Some(Pressed::normal(BY_HAND, Point3::from(point_m), force_n));
     }
 
@@ -92,6 +99,7 @@ impl Hand {
         let rests = self.rests_since.is_some_and(|since| since.elapsed() < REST);
         let pressed = match self.by_hand {
             _ if !is_tared => Vec::new(),
+            Some(_) if self.clicked.elapsed() < LIFT => Vec::new(),
             Some(by_hand) => vec![by_hand],
             None if rests => Vec::new(),
             None => self.by_itself(),
