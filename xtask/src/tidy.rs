@@ -184,8 +184,8 @@ fn command_faults(file: &str, text: &str, faults: &mut Vec<String>) {
     }
 }
 
-/// Rust that the docs show and that is not, line by line, in the compiled file that its fence names:
-/// ```rust (crates/hapdef-live/src/lib.rs).
+/// Rust that the docs show and that is not, line by line, in the compiled file that its fence names;
+/// its name is in brackets after `rust`.
 fn snippet_faults(
     file: &str,
     text: &str,

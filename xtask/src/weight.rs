@@ -17,7 +17,7 @@ use layers::{LAYERS, Layers};
 #[derive(clap::Args)]
 pub(crate) struct WeightArgs {
     /// Build every layer in release, one after the other, each from nothing in a folder of its own, and
-    /// write the table in ARCHITECTURE.md (minutes).
+    /// write the table in ARCHITECTURE.md after each (minutes).
     #[arg(long)]
     build: bool,
     /// Fail where the table in ARCHITECTURE.md says something else.
@@ -51,11 +51,11 @@ pub(crate) fn run(args: &WeightArgs) -> Result<()> {
         check(&rows)?;
     }
     if args.build {
-        for row in &mut rows {
-            eprintln!("── {}", row.layers.shown());
-            row.built = Some(build::measure(row.layers)?);
+        for i in 0..rows.len() {
+            eprintln!("── {}", rows[i].layers.shown());
+            rows[i].built = Some(build::measure(rows[i].layers)?);
+            write(&rows)?;
         }
-        write(&rows)?;
     }
     println!("{}", table::text(&rows));
     rows.iter().for_each(print_metrics);
