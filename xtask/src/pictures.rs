@@ -33,18 +33,22 @@ enum Part {
     Whole(&'static str),
 }
 
-const LIVE: &str = "live";
-const LIVE_SIZE: &str = "1280x800";
+/// Pictures of the live page: their names, windows and colours.
+const LIVE: [(&str, &str, &str); 3] = [
+    ("live", "1280x800", "dark"),
+    ("live-light", "1280x800", "light"),
+    ("live-phone", "390x844", "light"),
+];
 
 /// Waits for plots that are full and a press on the side that is seen.
 const LIVE_SCRIPT: &str = "new Promise((done) => {
     const began = performance.now();
     const look = () => {
         const view = hapdefView, facing = view.facing(), seconds = (performance.now() - began) / 1000;
-        const isNear = (c) => Math.hypot(...c.map((x, i) => x - view.node(facing)[i])) < 0.35 * view.radius;
+        const isNear = (c) => Math.hypot(...c.map((x, i) => x - view.node(facing)[i])) < 0.6 * view.radius;
         const isSeen = view.coloured > 0 && facing >= 0 && view.contacts.some(isNear);
         if (isSeen && seconds > 12) done('pressed in front');
-        else if (seconds > 38) done('no press in front for half a minute');
+        else if (seconds > 90) done('no press in front for a minute and a half');
         else setTimeout(look, 20);
     };
     look();
@@ -124,8 +128,8 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
             "no Chromium: `cargo xtask browser` installs one as root, or name one in HAPDEF_CHROMIUM"
         );
     }
-    let known = SHOTS.iter().map(|shot| shot.name).chain([LIVE]);
-    let known: Vec<&str> = known.collect();
+    let live = LIVE.iter().map(|(name, ..)| *name);
+    let known: Vec<&str> = SHOTS.iter().map(|shot| shot.name).chain(live).collect();
     if let Some(other) = args
         .names
         .iter()
@@ -144,13 +148,17 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
         let url = format!("file://{}", page.display());
         take(&camera, &url, shot.name, &[size, "light", PAGE_S, &script])?;
     }
-    if is_wanted(LIVE) {
-        let served = Served::start(None)?;
+    let live: Vec<_> = LIVE.iter().filter(|(name, ..)| is_wanted(name)).collect();
+    if live.is_empty() {
+        return Ok(());
+    }
+    let served = Served::start(None)?;
+    for (name, size, colours) in live {
         take(
             &camera,
             &served.url,
-            LIVE,
-            &[LIVE_SIZE, "dark", "0", LIVE_SCRIPT],
+            name,
+            &[size, colours, "0", LIVE_SCRIPT],
         )?;
     }
     Ok(())

@@ -43,7 +43,7 @@ pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth,
 pub use error::InverseError;
 pub use estimator::{
     Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
-    MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
+    IfTwo, MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
 };
 pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,

@@ -63,6 +63,67 @@ fn without_noise_one_and_two_contacts_are_exact() {
     }
 }
 
+/// The sum of two contacts' forces is as sure as is said of the one in their middle, in the direction
+/// where it is least so.
+#[test]
+fn what_one_contact_is_worth_if_it_is_two_is_what_two_are() {
+    let world = World::new(10, 800, 3);
+    let params = EstimatorParams::default();
+    let estimator = world.estimator(NoiseParams::uniform(10, SD), params);
+    let skin = world.map.skin();
+    for point in world.draw_points(6, 0.01, &mut ChaCha8Rng::seed_from_u64(8)) {
+        let one = estimator
+            .estimate(&world.readings(&[(point, 20.0)]))
+            .unwrap();
+        let [if_two] = one.if_two[..] else {
+            panic!("{} contacts", one.contacts.len());
+        };
+        let [t1, t2] = skin.tangents(&one.contacts[0].point);
+        let mut largest = [0.0_f64; 2];
+        for turn in [0.0, 0.25, 0.5, 0.75] {
+            let (sin, cos) = (turn * std::f64::consts::PI).sin_cos();
+            let step = (t1 * cos + t2 * sin) * params.distinct_m;
+            let ends = [step, -step].map(|step| {
+                let end = skin.walk(&one.contacts[0].point, &step, AtWall::Slide);
+                (end.point, 10.0)
+            });
+            let mut two = ContactEstimate::default();
+            let (points, y) = (ends.map(|(point, _)| point), world.readings(&ends));
+            estimator
+                .refine_into(&y, &points, &mut estimator.scratch(), &mut two)
+                .unwrap();
+            let joint = |p: usize, q: usize| two.joint_covariance[6 * p + q];
+            let force_sd_n = (joint(2, 2) + 2.0 * joint(2, 5) + joint(5, 5)).sqrt();
+            let place_sd_m = |p: usize| (joint(p, p) + joint(p + 1, p + 1)).sqrt();
+            largest[0] = largest[0].max(force_sd_n);
+            largest[1] = largest[1].max(place_sd_m(0).max(place_sd_m(3)));
+        }
+        let off = [
+            if_two.force_sd_n / largest[0] - 1.0,
+            if_two.position_sd_m / largest[1] - 1.0,
+        ];
+        assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
+        assert!(if_two.force_sd_n > one.contacts[0].covariance[(2, 2)].sqrt());
+    }
+}
+
+#[test]
+fn where_no_further_contact_may_touch_none_is_weighed() {
+    let world = World::new(10, 800, 3);
+    let alone = EstimatorParams {
+        max_contacts: 1,
+        ..EstimatorParams::default()
+    };
+    let estimator = world.estimator(NoiseParams::uniform(10, SD), alone);
+    let [point] = world.draw_points(1, 0.01, &mut ChaCha8Rng::seed_from_u64(8))[..] else {
+        panic!("one point was asked for");
+    };
+    let one = estimator
+        .estimate(&world.readings(&[(point, 20.0)]))
+        .unwrap();
+    assert_eq!((one.contacts.len(), one.if_two.len()), (1, 0));
+}
+
 /// Normalised errors of frames with `k` contacts that the answer calls identified: (Mahalanobis distance² of all unknowns, Σ of
 /// squared position errors, Σ of squared bounds).
 fn frames(k: usize, n_frames: usize, seed: u64) -> Vec<(f64, f64, f64)> {

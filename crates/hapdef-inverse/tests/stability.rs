@@ -30,6 +30,11 @@ fn check_numbers(e: &ContactEstimate) {
     assert!(e.residual.iter().all(|v| v.is_finite()));
     assert!(e.chi2.is_finite() && e.chi2 >= 0.0 && (0.0..=1.0).contains(&e.p_value));
     assert!(e.runner_ups.iter().all(|r| r.delta_evidence.is_finite()));
+    let if_two = e
+        .if_two
+        .iter()
+        .flat_map(|t| [t.force_sd_n, t.position_sd_m]);
+    assert!(if_two.into_iter().all(|sd| sd.is_finite() && sd >= 0.0));
 }
 
 fn small() -> (World, ContactEstimator) {

@@ -116,6 +116,22 @@ pub enum HapdefError {
         /// Why.
         source: std::io::Error,
     },
+    /// The surface that is drawn for the skin can't be read.
+    #[error("geometry.skin_gltf: {0}; the path is relative to the scene file")]
+    SkinGltf(#[source] Box<MeshError>),
+    /// The surface that is drawn for the skin is not where the limb is.
+    #[error(
+        "geometry.skin_gltf: {path}: expected vertices within {reach_mm:.1} mm of the skin's nodes, the \
+         nearest is {nearest_mm:.1} mm away; it has to be in metres and in the deck's frame"
+    )]
+    SkinGltfElsewhere {
+        /// The file.
+        path: PathBuf,
+        /// Smallest distance of a vertex from a surface node, mm.
+        nearest_mm: f64,
+        /// How near one has to be, mm.
+        reach_mm: f64,
+    },
     /// The rig's own mesh can't be used.
     #[error(
         "rig.mesh.solid_deck: {path}: {source}; mount, contact region and gauges must be found on it \

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use hapdef_mesh::{SurfaceMesh, write_glb};
 use serde_json::{Value, json};
 
 fn shin() -> PathBuf {
@@ -214,6 +215,21 @@ fn a_rigs_deck_that_is_the_limbs() {
         fs::copy(shin().join("shin.inp.gz"), path).unwrap();
     };
     rig_deck_refused(same, &["the simulated hardware would be the model"]);
+}
+
+#[test]
+fn a_drawn_skin_that_is_missing_or_elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |scene| {
+        scene["geometry"]["skin_gltf"] = json!("skin.glb");
+    });
+    let expected = ["geometry.skin_gltf", "skin.glb", "relative to the scene"];
+    refused_by("check", folder.path(), &expected);
+    let corners = [[1.0, 0.0, 0.0], [1.1, 0.0, 0.0], [1.0, 0.1, 0.0]].map(Into::into);
+    let surface = SurfaceMesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    write_glb(&folder.path().join("skin.glb"), &surface, None).unwrap();
+    let expected = ["geometry.skin_gltf", "skin.glb", "in the deck's frame"];
+    refused_by("check", folder.path(), &expected);
 }
 
 /// A deck of another limb: what the scene names is not on it.

@@ -19,6 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use chrome::Chrome;
 use hapdef_daq::record::{Content, Recording};
+use hapdef_mesh::{GltfParams, read_gltf};
 use page::Program;
 use pixels::{LimbRow, Pixels};
 use serde_json::json;
@@ -50,13 +51,19 @@ struct Look {
 
 /// The page with readings, or `None` where there is no browser.
 fn look(size: (u32, u32)) -> Option<Look> {
+    look_at(page::scene, size)
+}
+
+/// The page of a scene that is written to a folder.
+fn look_at(scene: impl FnOnce(&Path) -> PathBuf, size: (u32, u32)) -> Option<Look> {
     let browser = chrome::wanted()?;
     let one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
-    let scene = page::scene(folder.path());
+    let scene = scene(folder.path());
     let program = start(&scene, folder.path(), 0);
     program.page().until("frames come", |_| true);
-    let mut chrome = Chrome::start(&browser, size, true).unwrap();
+    // In light colours, from which the limb differs whatever its own.
+    let mut chrome = Chrome::start(&browser, size, false).unwrap();
     chrome.open(&program.url).unwrap();
     chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
     chrome.eval(LISTEN).unwrap();
@@ -233,6 +240,27 @@ fn the_page_comes_back_with_its_program_and_presses_again() {
     let node = look.node_in_the_middle();
     look.press(node);
     look.is_found_at(node);
+}
+
+#[test]
+fn the_gltf_that_the_scene_names_is_drawn_in_colours_and_pressed() {
+    let Some(mut look) = look_at(page::scene_with_gltf, (900, 700)) else {
+        return;
+    };
+    let skin = read_gltf(&page::shin().join("shin_skin.glb"), &GltfParams::default()).unwrap();
+    let n_vertices = skin.mesh.vertices().len();
+    assert_eq!(look.chrome.eval("hapdefView.nodes").unwrap(), n_vertices);
+    look.tares();
+    let node = look.node_in_the_middle();
+    look.press(node);
+    look.is_found_at(node);
+    look.chrome.wait_for("hapdefView.coloured > 0").unwrap();
+    let bend = "const e = document.getElementById('exaggerate'); e.value = 1; e.oninput()";
+    look.chrome.eval(bend).unwrap();
+    let moved =
+        format!("hapdefView.drawnNode({node}).some((x, k) => x !== hapdefView.node({node})[k])");
+    look.chrome.wait_for(&moved).unwrap();
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }
 
 #[test]

@@ -16,11 +16,14 @@ mod report;
 mod scan;
 mod scratch;
 mod search;
+mod shared;
 mod shear;
 
 pub use contact_estimator::ContactEstimator;
 pub use explanation::MAX_CONTACTS;
-pub use output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, ShearContact, Verdict, WhyNot};
+pub use output::{
+    Contact, ContactEstimate, EstimateInfo, IfTwo, RunnerUp, ShearContact, Verdict, WhyNot,
+};
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
 

@@ -35,6 +35,17 @@ pub struct ShearContact {
     pub force_covariance_n2: Matrix3<f64>,
 }
 
+/// What is known of a contact if it is two, [`crate::EstimatorParams::distinct_m`] to both sides of it and
+/// each with half its force: standard deviations, in the direction in which they are largest. Where
+/// the response falls off fast, as beside a clamp, one contact reads as two with quite other forces.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IfTwo {
+    /// Of the sum of both forces, N.
+    pub force_sd_n: f64,
+    /// Of the place of the one that is known less, m.
+    pub position_sd_m: f64,
+}
+
 /// Another explanation of the same frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunnerUp {
@@ -111,6 +122,8 @@ pub struct ContactEstimate {
     /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N, of the
     /// linearised problem: where it says a millimetre or more, its 95 % regions hold less.
     pub joint_covariance: Vec<f64>,
+    /// Of each contact, where the live gauges and the knobs leave room for a further one; else empty.
+    pub if_two: Vec<IfTwo>,
     /// Other explanations within the margin, the best first.
     pub runner_ups: Vec<RunnerUp>,
     /// What the frame decides.
@@ -134,6 +147,7 @@ impl Default for ContactEstimate {
         Self {
             contacts: Vec::new(),
             joint_covariance: Vec::new(),
+            if_two: Vec::new(),
             runner_ups: Vec::new(),
             verdict: Verdict::Untouched,
             chi2: 0.0,

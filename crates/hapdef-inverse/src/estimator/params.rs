@@ -61,7 +61,7 @@ impl Default for EstimatorParams {
             max_contacts: 4,
             known_count: None,
             touch_p: 1e-3,
-            accept_p: 0.05,
+            accept_p: 0.01,
             misfit_p: 1e-6,
             n_single_starts: 6,
             n_starts: 150,

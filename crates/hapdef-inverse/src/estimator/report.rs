@@ -6,6 +6,7 @@ use crate::estimator::doubt::evidence_with_more_noise;
 use crate::estimator::explanation::Explanation;
 use crate::estimator::output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
 use crate::estimator::refine::Refiner;
+use crate::estimator::shared::if_two;
 use crate::estimator::{ContactEstimator, EstimatorScratch};
 
 /// A place is open if its standard deviation exceeds this share of the prior's.
@@ -26,7 +27,7 @@ pub(crate) fn report(
     let model = &estimator.model;
     let mut best = choose(estimator, untouched, &scratch.found);
     sort_by_force(&mut best);
-    let refiner = Refiner {
+    let mut refiner = Refiner {
         model,
         params: &estimator.params,
         linear: &mut scratch.linear,
@@ -41,6 +42,12 @@ pub(crate) fn report(
     for i in 0..best.n {
         out.contacts
             .push(contact(estimator, &best, i, &out.joint_covariance));
+    }
+    out.if_two.clear();
+    if best.n < estimator.most_contacts() {
+        let (apart_m, joint) = (estimator.params.distinct_m, &mut scratch.joint);
+        let of_contact = |i| if_two(&mut refiner, &best, i, apart_m, joint);
+        out.if_two.extend((0..best.n).map(of_contact));
     }
     out.chi2 = best.chi2;
     out.n_dof = model.m.saturating_sub(3 * best.n);

@@ -21,6 +21,8 @@ pub struct EstimatorScratch {
     pub(crate) company: Company,
     pub(crate) base_company: Company,
     pub(crate) atom: Vec<f64>,
+    /// A joint covariance.
+    pub(crate) joint: Vec<f64>,
     pub(crate) bases: Vec<Explanation>,
     pub(crate) starts: Vec<Explanation>,
     pub(crate) kept: Vec<Explanation>,
@@ -42,6 +44,7 @@ impl EstimatorScratch {
             company: Company::new(model),
             base_company: Company::new(model),
             atom: vec![0.0; model.width],
+            joint: Vec::new(),
             bases: Vec::with_capacity(256),
             starts: Vec::with_capacity(1024),
             kept: Vec::with_capacity(64),

@@ -35,7 +35,8 @@ must hold.
   rounding and is not compared. `cargo xtask stability inverse` prints it in full.
 - sure: not called not identifiable. Where a row has many frames, those that are not sure don't
   count; a row without a sure frame is refused.
-- sd: the standard deviation that the answer itself gives.
+- sd: the standard deviation that the answer itself gives; if it is two: the one that it gives a contact for
+  the case that it is two near each other.
 
 A row is `accurate` where what must hold, holds, `refused` where there was a typed error or an answer
 called not identifiable, and `SILENTLY WRONG` where neither is so.

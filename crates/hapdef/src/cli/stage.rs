@@ -5,7 +5,7 @@ use std::io::Write;
 use anyhow::Result;
 use hapdef::plan::{Machine, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
-use hapdef::{Limb, Pipeline, SceneArgs, Stage, Until};
+use hapdef::{DrawnSkin, Limb, Pipeline, SceneArgs, Stage, Until};
 
 /// Reads the scene and its limb and says what is there.
 pub(crate) fn check(args: &SceneArgs) -> Result<()> {
@@ -20,6 +20,10 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
         limb.clamped.len(),
         limb.gauges.len(),
     );
+    if let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, &limb)? {
+        let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());
+        println!("drawn skin: {n} vertices, {n_beside} of them beside the touchable skin");
+    }
     if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
         println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");
     }

@@ -19,6 +19,10 @@ pub struct Geometry {
     /// `hapdef converge` says how many it takes.
     #[serde(default)]
     pub refinements: u32,
+    /// Surface (`.glb`, `.gltf`) in metres and in the deck's frame that the live page draws instead
+    /// of the deck's skin, relative to the scene file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skin_gltf: Option<PathBuf>,
 }
 
 /// Unit of lengths in a file. Stresses and densities go along: Pa and kg/m³ with metres, MPa and

@@ -55,11 +55,28 @@ pub struct Frame {
 /// The bundled limb with a map on its own mesh, which is solved in a moment. Its virtual rig is the one
 /// that the docs' commands solve and keep.
 pub fn scene(folder: &Path) -> PathBuf {
-    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    std::fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
-    let text = std::fs::read_to_string(shin.join("placed.json")).unwrap();
+    scene_with(folder, |_| {})
+}
+
+/// The same limb, drawn as its glTF surface.
+pub fn scene_with_gltf(folder: &Path) -> PathBuf {
+    std::fs::copy(shin().join("shin_skin.glb"), folder.join("skin.glb")).unwrap();
+    scene_with(folder, |scene| {
+        scene["geometry"]["skin_gltf"] = json!("skin.glb");
+    })
+}
+
+/// Where the bundled limb is.
+pub fn shin() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
+}
+
+fn scene_with(folder: &Path, change: impl FnOnce(&mut Value)) -> PathBuf {
+    std::fs::copy(shin().join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
+    let text = std::fs::read_to_string(shin().join("placed.json")).unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
     scene["estimator"]["map_refinements"] = json!(0);
+    change(&mut scene);
     let path = folder.join("scene.json");
     std::fs::write(&path, scene.to_string()).unwrap();
     path

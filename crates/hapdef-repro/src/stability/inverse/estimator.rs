@@ -3,7 +3,7 @@
 use hapdef_report::StabilityWanted;
 use std::sync::Arc;
 
-use hapdef_inverse::{ContactEstimate, SkinPoint};
+use hapdef_inverse::{ContactEstimate, IfTwo, SkinPoint};
 
 use super::super::row::{Case, case};
 use super::world::{InverseWorld, SD, add_noise, rng, single_sds, sure, worst, wrong_share};
@@ -18,6 +18,9 @@ const WRONG: (&str, f64) = (
 const N_FRAMES: usize = 40;
 const N_PAIRS: usize = 24;
 
+/// No answer on two merging contacts has to be nearer than this to half their gap, m.
+const LEAST_FAR_M: f64 = 3e-3;
+
 pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     merging(all, world);
     borders(all, world);
@@ -26,37 +29,34 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     bad_readings(all, world);
 }
 
-/// Two contacts of 10 and 12 N ever nearer, anywhere and at the free rim; beside the clamped border
-/// gauges don't feel one of them, and nothing tells of its force.
+/// Two contacts of 10 and 12 N ever nearer, anywhere and on the rim, where the limb is held included.
+/// Where one explains the readings of two, its answer has to say what it is worth if it is two.
 fn merging(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
+    let figures: [((&str, f64), Figure); 2] = [
+        (
+            (
+                "forces sum to those of both within 5 sd (one contact: its sd if it is two), 1 % each at least",
+                5.0,
+            ),
+            |m| (m.sum_n - 22.0).abs() / m.sum_sd_n.max(0.22),
+        ),
+        (
+            (
+                "half the gap and 3 mm from a contact to the nearest found (one contact: 5 of its sd if it is two), \
+                 in parts of that",
+                1.0,
+            ),
+            |m| (m.far_m - m.gap_m / 2.0) / m.allowed_m,
+        ),
+    ];
     for gap_mm in [20.0, 10.0, 7.0, 5.0, 1.0, 1e-3, 1e-6, 0.0] {
-        for (place, is_rim) in [("", false), (" at the free rim", true)] {
+        for (place, is_rim) in [("", false), (" on the rim", true)] {
             let extreme = format!("two contacts {gap_mm} mm apart{place}");
-            let figures: [(_, Figure); 2] = [
-                (
-                    (
-                        "forces sum to those of both within 5 sd, 1 % each at least",
-                        5.0,
-                    ),
-                    |m| (m.sum_n - 22.0).abs() / m.sum_sd_n.max(0.22),
-                ),
-                (
-                    (
-                        "mm beyond half the gap from a contact to the nearest found",
-                        3.0,
-                    ),
-                    |m| (m.far_m - m.gap_m / 2.0) * 1e3,
-                ),
-            ];
             for (holds, figure) in figures {
                 let w = world.clone();
-                all.push(case(
-                    METHOD,
-                    extreme.clone(),
-                    holds,
-                    StabilityWanted::Either,
-                    move || over_pairs(&w, gap_mm, is_rim, figure),
-                ));
+                let run = move || over_pairs(&w, gap_mm, is_rim, figure);
+                let wanted = StabilityWanted::Either;
+                all.push(case(METHOD, extreme.clone(), holds, wanted, run));
             }
         }
     }
@@ -69,6 +69,8 @@ type Figure = fn(&Merged) -> f64;
 struct Merged {
     /// Largest distance of a contact to the nearest found.
     far_m: f64,
+    /// How much more than half the gap it may be.
+    allowed_m: f64,
     gap_m: f64,
     /// Sum of the forces found, and its standard deviation.
     sum_n: f64,
@@ -85,11 +87,17 @@ impl Merged {
         let n = found.contacts.len();
         let forces = || (0..n).map(|i| 3 * i + 2);
         let covariance = |i: usize| forces().map(move |j| found.joint_covariance[3 * n * i + j]);
+        let own_sd_n = forces().flat_map(covariance).sum::<f64>().sqrt();
+        let if_two = match found.if_two.as_slice() {
+            [one] => *one,
+            _ => IfTwo::default(),
+        };
         Self {
             far_m: far(&truth[0]).max(far(&truth[1])),
+            allowed_m: LEAST_FAR_M.max(5.0 * if_two.position_sd_m),
             gap_m: world.gap_m(&truth[0], &truth[1]),
             sum_n: found.contacts.iter().map(|c| c.force_n).sum(),
-            sum_sd_n: forces().flat_map(covariance).sum::<f64>().sqrt(),
+            sum_sd_n: own_sd_n.max(if_two.force_sd_n),
         }
     }
 }
@@ -104,10 +112,7 @@ fn over_pairs(
 ) -> Result<f64, ReproError> {
     let estimator = world.estimator(SD)?;
     let starts = match is_rim {
-        true => {
-            let rim = world.rim();
-            spread(&rim[rim.len() / 2..])
-        }
+        true => spread(&world.rim()),
         false => world.draw(N_PAIRS, 0.0, &mut rng(31)),
     };
     let pairs = starts
@@ -115,8 +120,10 @@ fn over_pairs(
         .filter_map(|start| Some([start, world.beside(&start, gap_mm * 1e-3)?]));
     let one = |truth: [SkinPoint; 2]| {
         let y = world.readings(&[(truth[0], 10.0), (truth[1], 12.0)]);
-        let found = sure(&estimator, &y)?;
-        Ok(found.map_or(f64::NAN, |f| figure(&Merged::of(world, &truth, &f))))
+        let Some(found) = sure(&estimator, &y)? else {
+            return Ok(f64::NAN);
+        };
+        Ok(figure(&Merged::of(world, &truth, &found)))
     };
     worst(pairs.map(one))
 }

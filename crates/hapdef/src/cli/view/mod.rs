@@ -143,7 +143,7 @@ impl ViewArgs {
             default_n: 0.4 * force_n,
             max_n: force_n,
         };
-        let picture = picture::of_scene(&run.scene, limb);
+        let picture = picture::of_scene(run, limb)?;
         View::start(self, picture, (origin, press), out)
     }
 

@@ -1,19 +1,22 @@
 //! The limb as the page draws it.
 
-use hapdef::Limb;
-use hapdef::scene::Scene;
+use anyhow::Result;
+use hapdef::scene::{GaugeEntry, Scene};
+use hapdef::{DrawnSkin, Limb, Run};
 use hapdef_live::Bundle;
 use hapdef_mesh::{FeNodeId, PointIndex, SkinRegion};
 use hapdef_view::{GaugeSite, LimbPicture};
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
-/// The touchable skin, whose nodes are the picture's first.
+/// The touchable skin.
 #[derive(Clone)]
 pub(super) struct Surface {
     index: Arc<PointIndex>,
     points: Arc<Vec<Point3<f64>>>,
     normals: Arc<Vec<Vector3<f64>>>,
+    /// The surface that is drawn instead; its nodes are the picture's first where there is none.
+    drawn: Option<Arc<DrawnSkin>>,
 }
 
 impl Surface {
@@ -22,6 +25,7 @@ impl Surface {
             index: Arc::new(PointIndex::new(&points)),
             points: Arc::new(points),
             normals: Arc::new(normals),
+            drawn: None,
         }
     }
 
@@ -35,6 +39,24 @@ impl Surface {
         nearest.map_or_else(Vector3::z, |(node, _)| self.normals[node])
     }
 
+    /// What the picture's first vertices do when the skin's nodes do `of_nodes`.
+    pub(super) fn shown(&self, of_nodes: &[[f32; 3]], shown: &mut Vec<[f32; 3]>) {
+        shown.clear();
+        let Some(drawn) = &self.drawn else {
+            shown.extend_from_slice(of_nodes);
+            return;
+        };
+        shown.extend(drawn.moves_with.iter().map(|around| {
+            let part = |axis: usize| {
+                let parts = around
+                    .iter()
+                    .map(|&(i, w)| w * f64::from(of_nodes[i][axis]));
+                parts.sum::<f64>() as f32
+            };
+            [part(0), part(1), part(2)]
+        }));
+    }
+
     /// The three nearest nodes with weights by inverse distance, whose sum is 1.
     pub(super) fn around(&self, point: &Point3<f64>) -> Vec<(usize, f64)> {
         let near = self.index.k_nearest(point, 3);
@@ -46,8 +68,41 @@ impl Surface {
     }
 }
 
-/// A scene's limb: the touchable skin, then the rest of the boundary.
-pub(super) fn of_scene(scene: &Scene, limb: &Limb) -> (LimbPicture, Surface) {
+/// A scene's limb: the surface that it wants drawn, or the solid's boundary.
+pub(super) fn of_scene(run: &Run, limb: &Limb) -> Result<(LimbPicture, Surface)> {
+    let scene = &run.scene;
+    let mut surface = Surface::new(limb.surface_points(), limb.skin.normals.clone());
+    let drawn = DrawnSkin::load(scene, &run.scene_dir, limb)?;
+    surface.drawn = drawn.map(Arc::new);
+    let shape = match &surface.drawn {
+        Some(skin) => LimbPicture {
+            triangles: skin.triangles.clone(),
+            ..drawn_points(&skin.vertices_m, &skin.normals)
+        },
+        None => boundary(limb),
+    };
+    let axis = Vector3::from(scene.geometry.axis.direction);
+    let picture = LimbPicture {
+        title: scene.name.clone(),
+        gauges: sites(scene),
+        up: Some(axis.into()),
+        view_from: view_from(&limb.skin.normals, &axis),
+        ..shape
+    };
+    Ok((picture, surface))
+}
+
+fn sites(scene: &Scene) -> Vec<GaugeSite> {
+    let site = |site: &GaugeEntry| GaugeSite {
+        name: site.name.clone(),
+        position_m: site.position_m,
+        axis: site.axis,
+    };
+    scene.gauges.sites.iter().map(site).collect()
+}
+
+/// The touchable skin, then the rest of the boundary.
+fn boundary(limb: &Limb) -> LimbPicture {
     let skin = &limb.skin;
     let whole = SkinRegion::new(&limb.mesh, limb.boundary.faces.clone());
     let whole = whole.unwrap_or_else(|_| skin.clone());
@@ -68,24 +123,10 @@ pub(super) fn of_scene(scene: &Scene, limb: &Limb) -> (LimbPicture, Surface) {
         .faces
         .iter()
         .flat_map(|face| parts(face.nodes.map(|node: FeNodeId| place[node.index()])));
-    let axis = Vector3::from(scene.geometry.axis.direction);
-    let sites = scene.gauges.sites.iter().map(|site| GaugeSite {
-        name: site.name.clone(),
-        position_m: site.position_m,
-        axis: site.axis,
-    });
-    let picture = LimbPicture {
-        title: scene.name.clone(),
+    LimbPicture {
         triangles: faces.collect(),
-        gauges: sites.collect(),
-        up: Some(axis.into()),
-        view_from: view_from(&skin.normals, &axis),
-        ..drawn(&points, &normals)
-    };
-    (
-        picture,
-        Surface::new(limb.surface_points(), skin.normals.clone()),
-    )
+        ..drawn_points(&points, &normals)
+    }
 }
 
 /// A bundle's skin.
@@ -106,13 +147,13 @@ pub(super) fn of_bundle(bundle: &Bundle) -> (LimbPicture, Surface) {
         triangles: faces.collect(),
         gauges: sites.collect(),
         view_from: view_from(skin.normals(), &Vector3::zeros()),
-        ..drawn(skin.nodes(), skin.normals())
+        ..drawn_points(skin.nodes(), skin.normals())
     };
     let surface = Surface::new(skin.nodes().to_vec(), skin.normals().to_vec());
     (picture, surface)
 }
 
-fn drawn(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> LimbPicture {
+fn drawn_points(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> LimbPicture {
     LimbPicture {
         vertices_m: points
             .iter()

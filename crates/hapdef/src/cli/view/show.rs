@@ -163,9 +163,11 @@ impl Show {
                 table.add_displacement_m(node, weight * contact.force_n, &mut self.sum_m);
             }
         }
-        match &mut self.shown.displacement {
-            Displacement::Vector(shown) => shown.clone_from(&self.sum_m),
-            shown => *shown = Displacement::Vector(self.sum_m.clone()),
+        if !matches!(self.shown.displacement, Displacement::Vector(_)) {
+            self.shown.displacement = Displacement::Vector(Vec::new());
+        }
+        if let Displacement::Vector(shown) = &mut self.shown.displacement {
+            self.surface.shown(&self.sum_m, shown);
         }
     }
 
