@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result};
 
-use crate::tool::{cargo, release_binary, results, root, run, shown, target_dir};
+use crate::tool::{cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.
 const PLACES: [&str; 3] = [
@@ -24,20 +24,12 @@ pub(crate) fn test() -> Result<()> {
     if wish()? == "skip" {
         return Ok(());
     }
-    let tests = [
-        ("hapdef-report", "browser"),
-        ("hapdef-view", "browser"),
-        ("hapdef-view", "browser_looks"),
-        ("hapdef-view", "browser_reads"),
-        ("hapdef", "live_browser"),
-    ];
-    for (package, test) in tests {
-        let mut command = cargo(&["test", "--release", "--package", package, "--test", test]);
-        run(command
-            .args(["--", "--nocapture"])
-            .env("HAPDEF_BROWSER", "require"))?;
+    let mut command = cargo(&["test", "--release"]);
+    for test in ["browser", "browser_looks", "browser_reads", "live_browser"] {
+        command.args(["--test", test]);
     }
-    Ok(())
+    command.args(["--", "--nocapture"]);
+    run(command.env("HAPDEF_BROWSER", "require"))
 }
 
 /// What the tests are told by `HAPDEF_BROWSER`: that there is a Chromium, which is installed where that
@@ -110,20 +102,13 @@ pub(crate) fn opener() -> Result<Option<PathBuf>> {
     if has("DISPLAY") || has("WAYLAND_DISPLAY") {
         return Ok(in_path("xdg-open"));
     }
-    found().map(|_| example("view_shot")).transpose()
+    found().map(|_| release_example("view_shot")).transpose()
 }
 
 fn in_path(program: &str) -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
     let places = std::env::split_paths(&path).map(|folder| folder.join(program));
     places.into_iter().find(|place| place.exists())
-}
-
-/// Builds an example of the page's crate.
-pub(crate) fn example(name: &str) -> Result<PathBuf> {
-    let words = ["build", "--quiet", "--release", "--package", "hapdef-view"];
-    run(cargo(&words).args(["--example", name]))?;
-    Ok(target_dir()?.join("release/examples").join(name))
 }
 
 /// `cargo xtask bench view`: the page's speed with the scene's simulated rig.
@@ -134,7 +119,7 @@ pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<
         }
         return Ok(());
     }
-    let speed = example("view_speed")?;
+    let speed = release_example("view_speed")?;
     let served = Served::start(scene)?;
     let mut command = Command::new(speed);
     command.arg(&served.url).args(["--seed", &seed.to_string()]);

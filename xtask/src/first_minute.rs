@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::browser;
 use crate::pipeline::live_command;
-use crate::tool::{shown, target_dir};
+use crate::tool::{release_example, shown, target_dir};
 
 /// The figure, and what it may be at most, s.
 const FIGURE: &str = "METRIC:view.first_picture_s:";
@@ -27,7 +27,7 @@ pub(crate) fn check() -> Result<()> {
     if out.exists() {
         std::fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
     }
-    let opener = browser::example("view_shot")?;
+    let opener = release_example("view_shot")?;
     let mut command = live_command(None, None, Some(opener))?;
     command.args(["--view-port", "0", "--out"]).arg(&out);
     command.stdout(Stdio::piped());

@@ -1,24 +1,17 @@
 //! The bundled limb, made by the generator in hapdef-mesh.
 
+use std::process::Command;
+
 use anyhow::Result;
 
-use crate::tool::{cargo, run};
+use crate::tool::{release_example, root, run};
 
 /// Writes fixtures/shin, or compares it with what the generator makes now.
 pub(crate) fn make(check: bool) -> Result<()> {
-    let mut words = vec![
-        "run",
-        "--quiet",
-        "--release",
-        "-p",
-        "hapdef-mesh",
-        "--example",
-        "make_shin",
-        "--",
-    ];
-    words.push("fixtures/shin");
+    let mut command = Command::new(release_example("make_shin")?);
+    command.arg("fixtures/shin").current_dir(root());
     if check {
-        words.push("--check");
+        command.arg("--check");
     }
-    run(&mut cargo(&words))
+    run(&mut command)
 }

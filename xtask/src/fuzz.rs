@@ -5,7 +5,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, results, run as run_tool, target_dir};
+use crate::tool::{release_example, results};
 
 /// Arguments of `fuzz`.
 #[derive(clap::Args)]
@@ -26,18 +26,7 @@ pub(crate) struct FuzzArgs {
 
 /// `cargo xtask fuzz`.
 pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
-    let words = [
-        "build",
-        "--quiet",
-        "--release",
-        "--package",
-        "hapdef",
-        "--example",
-        "fuzz",
-    ];
-    run_tool(&mut cargo(&words))?;
-    let target = target_dir()?;
-    let mut command = Command::new(target.join("release/examples/fuzz"));
+    let mut command = Command::new(release_example("fuzz")?);
     let seconds = args.minutes.map_or(args.seconds, |minutes| 60.0 * minutes);
     command.args(["--seconds", &seconds.to_string()]);
     command.args(["--seed", &args.seed.to_string()]);

@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, release_binary, results, root, run as run_tool, target_dir};
+use crate::tool::{release_binary, release_example, results, root, run as run_tool};
 
 /// `cargo xtask bench live`: bundles the scene, then a device on a pseudo-terminal plays presses.
 pub(crate) fn bench(
@@ -23,9 +23,7 @@ pub(crate) fn bench(
     let mut command = Command::new(release_binary("hapdef")?);
     command.arg("bundle").arg(scene.unwrap_or(&bundled));
     run_tool(command.arg("-o").arg(&bundle))?;
-    let words = ["build", "--quiet", "--release", "--package", "hapdef-live"];
-    run_tool(cargo(&words).args(["--example", "latency"]))?;
-    let mut command = Command::new(target_dir()?.join("release/examples/latency"));
+    let mut command = Command::new(release_example("latency")?);
     command.arg(&bundle).args(["--seed", &seed.to_string()]);
     if let Some(seconds) = seconds {
         command.args(["--seconds", &seconds.to_string()]);

@@ -5,8 +5,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::browser::{Served, example, found};
-use crate::tool::{results, root, run};
+use crate::browser::{Served, found};
+use crate::tool::{release_example, results, root, run};
 
 /// Arguments of `pictures`.
 #[derive(clap::Args)]
@@ -115,7 +115,7 @@ const SHOTS: [Shot; 10] = [
     Shot {
         name: "shell",
         page: "shin_skin/shell-report.html",
-        made_by: "cargo run --release -p hapdef -- shell fixtures/shin/shin_skin.glb --unit m \
+        made_by: "cargo hapdef shell fixtures/shin/shin_skin.glb --unit m \
                   --wall 1 --solid",
         part: Part::From("figure"),
     },
@@ -138,7 +138,7 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
         bail!("{other}: expected one of {}", known.join(", "));
     }
     let is_wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
-    let camera = example("view_shot")?;
+    let camera = release_example("view_shot")?;
     for shot in SHOTS.iter().filter(|shot| is_wanted(shot.name)) {
         let page = results().join(shot.page);
         if !page.exists() {

@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, results, run as run_tool, target_dir};
+use crate::tool::{cargo, release_example, results, run as run_tool};
 
 /// Arguments of `soak`.
 #[derive(clap::Args)]
@@ -39,10 +39,9 @@ pub(crate) fn run(args: &SoakArgs) -> Result<()> {
 
 /// A client of the live server that does not read for a minute.
 fn stalled_client() -> Command {
-    let mut command = cargo(&["test", "--quiet", "--release", "--package", "hapdef-live"]);
-    command
-        .args(["--test", "stalled_client"])
-        .env("HAPDEF_SOAK", "1");
+    let words = ["test", "--quiet", "--release", "--test", "stalled_client"];
+    let mut command = cargo(&words);
+    command.env("HAPDEF_SOAK", "1");
     command
 }
 
@@ -59,18 +58,7 @@ pub(crate) fn short() -> Result<()> {
 
 /// Builds the program and says how it is started.
 fn command(args: &SoakArgs) -> Result<Command> {
-    let words = [
-        "build",
-        "--quiet",
-        "--release",
-        "--package",
-        "hapdef-daq",
-        "--example",
-        "soak",
-    ];
-    run_tool(&mut cargo(&words))?;
-    let target = target_dir()?;
-    let mut command = Command::new(target.join("release/examples/soak"));
+    let mut command = Command::new(release_example("soak")?);
     command.args(args.short.then_some("--short"));
     command.args(["--seed", &args.seed.to_string()]);
     command.arg("--metrics").arg(results().join("metrics.json"));

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use serde_json::Value;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, release_binary, results, root, target_dir};
+use crate::tool::{release_binary, release_example, results, root};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -104,9 +104,7 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
 /// Scenes at random; failing ones are left beside the results, for
 /// crates/hapdef/tests/scene_search.json.
 fn scenes(args: &StabilityArgs) -> Result<()> {
-    let words = ["build", "--quiet", "--release", "--package", "hapdef"];
-    crate::tool::run(cargo(&words).args(["--example", "scenes"]))?;
-    let mut command = Command::new(target_dir()?.join("release/examples/scenes"));
+    let mut command = Command::new(release_example("scenes")?);
     if let Some(minutes) = args.minutes {
         command.args(["--minutes", &minutes.to_string()]);
     }

@@ -41,17 +41,19 @@ pub(crate) fn status(command: &mut Command) -> Result<ExitStatus> {
         .with_context(|| format!("starting {}", shown(command)))
 }
 
-/// Builds the release binary of `package` and returns its path.
-pub(crate) fn release_binary(package: &str) -> Result<PathBuf> {
-    run(&mut cargo(&[
-        "build",
-        "--quiet",
-        "--release",
-        "--package",
-        package,
-        "--bins",
-    ]))?;
-    Ok(target_dir()?.join("release").join(package))
+/// Builds a program and returns its path. No package is named: that would build the crates below it
+/// once more, with the features of that package alone.
+pub(crate) fn release_binary(name: &str) -> Result<PathBuf> {
+    let words = ["build", "--quiet", "--release", "--bin", name];
+    run(&mut cargo(&words))?;
+    Ok(target_dir()?.join("release").join(name))
+}
+
+/// Builds an example, as [`release_binary`] does, and returns its path.
+pub(crate) fn release_example(name: &str) -> Result<PathBuf> {
+    let words = ["build", "--quiet", "--release", "--example", name];
+    run(&mut cargo(&words))?;
+    Ok(target_dir()?.join("release/examples").join(name))
 }
 
 /// Where hapdef's programs leave results and metrics, wherever cargo's target folder is and whatever the

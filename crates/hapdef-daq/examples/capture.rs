@@ -1,6 +1,6 @@
 //! Ten lines from a port to frames: here a device in memory takes the port's place.
 //!
-//! `cargo run --release -p hapdef-daq --example capture`
+//! `cargo run --release --example capture`
 //!
 //! 1. A link carries bytes. For hardware: `SerialLink::new("/dev/serial/by-id/…", …)`.
 //! 2. A source makes frames of them, and comes back when the link does.

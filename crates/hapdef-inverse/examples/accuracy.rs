@@ -1,6 +1,6 @@
 //! Errors by number of contacts on a made-up limb, count estimated, beside the time per frame.
 //!
-//! `cargo run --release -p hapdef-inverse --example accuracy -- [n_frames] [noise_ue] [n_gauges]`
+//! `cargo run --release --example accuracy -- [n_frames] [noise_ue] [n_gauges]`
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 #[path = "../tests/world/mod.rs"]

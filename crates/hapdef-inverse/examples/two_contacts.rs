@@ -1,7 +1,7 @@
 //! Two contacts behind one frame of ten readings, each with how sure it is: a made-up barrel whose
 //! gauges see bending, ovalling and what is near.
 //!
-//! `cargo run --release -p hapdef-inverse --example two_contacts`
+//! `cargo run --release --example two_contacts`
 //!
 //! ```text
 //! adjoint fields of the gauges → ResponseMap ─┐

@@ -1,7 +1,7 @@
 //! Where a field is largest of its neighbourhood, and which of those places to take: two bumps with
 //! ripples on them.
 //!
-//! `cargo run --release -p hapdef-kmax --example two_bumps`
+//! `cargo run --release --example two_bumps`
 //!
 //! ```text
 //! points → KMaxGraph (who is whose neighbour) ─┐

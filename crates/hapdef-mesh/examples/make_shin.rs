@@ -2,9 +2,9 @@
 //! or checks that they are what the generator makes.
 //!
 //! ```text
-//! cargo run --release -p hapdef-mesh --example make_shin -- fixtures/shin
-//! cargo run --release -p hapdef-mesh --example make_shin -- fixtures/shin --check
-//! cargo run --release -p hapdef-mesh --example make_shin -- fixtures/shin --gauges sites.json
+//! cargo run --release --example make_shin -- fixtures/shin
+//! cargo run --release --example make_shin -- fixtures/shin --check
+//! cargo run --release --example make_shin -- fixtures/shin --gauges sites.json
 //! ```
 //!
 //! With `--gauges` it also writes ten places for gauges on the inner wall: JSON, metres, each with

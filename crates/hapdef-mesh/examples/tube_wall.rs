@@ -1,6 +1,6 @@
 //! A skin, what is right or wrong with it, and the solid wall behind it: a tube of 48 × 12 squares.
 //!
-//! `cargo run --release -p hapdef-mesh --example tube_wall`
+//! `cargo run --release --example tube_wall`
 //!
 //! ```text
 //! triangles → SurfaceMesh → QualityReport

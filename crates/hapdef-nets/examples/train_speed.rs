@@ -1,7 +1,7 @@
 //! Samples per second in training, and microseconds per forward pass, of the paper's four networks
 //! on random samples. Prints one METRIC line each.
 //!
-//! `cargo run --release -p hapdef-nets --example train_speed [steps]`
+//! `cargo run --release --example train_speed [steps]`
 
 #![allow(clippy::print_stdout, reason = "its output is its purpose")]
 

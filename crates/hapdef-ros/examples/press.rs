@@ -1,6 +1,6 @@
 //! A made-up finger that slides along a limb, as a recording that ROS tools, Foxglove and rerun open.
 //!
-//!     cargo run --release -p hapdef-ros --example press -- press.mcap
+//!     cargo run --release --example press -- press.mcap
 #![expect(clippy::print_stdout, reason = "an example")]
 
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! A strip that is clamped at one end and pressed at the other: how far it bends, and what a strain
 //! gauge on it reads.
 //!
-//! `cargo run --release -p hapdef-sim --example cantilever`
+//! `cargo run --release --example cantilever`
 //!
 //! ```text
 //! ▓▓▓▓┌──────────────┬──────────────┐ ↓ 1 N

@@ -1,6 +1,6 @@
 //! The live page with a made-up limb and made-up readings, to look at the page.
 //!
-//! `cargo run --release -p hapdef-view --example view_demo [PORT [SECONDS]]`
+//! `cargo run --release --example view_demo [PORT [SECONDS]]`
 #![expect(clippy::print_stdout, reason = "says where the page is")]
 
 #[path = "../tests/support/synthetic.rs"]

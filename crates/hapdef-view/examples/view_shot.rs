@@ -3,7 +3,7 @@
 //! URL may be the path of a file. SCRIPT runs in the page before SECONDS pass. Without FILE it is enough that
 //! a live page drew a contact, with colours, or that its program has ended.
 //!
-//! `cargo run --release -p hapdef-view --example view_shot URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]`
+//! `cargo run --release --example view_shot URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]`
 
 #![expect(clippy::print_stdout, reason = "says what the script gives")]
 

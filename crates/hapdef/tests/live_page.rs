@@ -70,6 +70,30 @@ fn a_page_presses_records_keeps_and_plays_again() {
     plays_again(&scene, &recording, point);
 }
 
+/// With the map of the skin, and without: the press is found where it was.
+#[test]
+fn contacts_alone_are_shown_without_a_deformation() {
+    let found = |outputs: &str, n_components: u8| {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = page::scene_with(folder.path(), |scene| scene["outputs"] = json!(outputs));
+        let program = Program::start(&scene, &["--sim", "--tare-s", "0.5"], 0);
+        let mut page = program.page();
+        let (point, _) = page.node(NODE);
+        page.hear("Tared");
+        press(&mut page);
+        let start = page.until("the press is found", |frame| is_touched_at(frame, point));
+        let mut most_components = 0;
+        page.until("it is found a second later, and shown as wanted", |frame| {
+            most_components = most_components.max(frame.n_components);
+            frame.t_s > start.t_s + 1.0
+                && is_touched_at(frame, point)
+                && most_components == n_components
+        });
+    };
+    found("map", 3);
+    found("contacts", 0);
+}
+
 #[test]
 fn one_click_records_again_after_a_recording_that_failed() {
     let folder = tempfile::tempdir().unwrap();

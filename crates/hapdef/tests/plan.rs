@@ -208,6 +208,28 @@ fn calibration(run: &Run, limb: &Limb) -> Calibration {
 
 /// Without a comparison the deck's ribs speak, with one its figures; the plan says which.
 #[test]
+fn a_map_that_is_wanted_is_solved_and_one_that_is_not_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let planned = |outputs: &str| {
+        let (run, limb) = prepared(folder.path(), "placed.json", |scene| {
+            scene["outputs"] = outputs.into();
+        });
+        let plan = plan(&run, &limb, &MACHINE).unwrap();
+        plan.step("compliance").unwrap().clone()
+    };
+    let (of_map, of_contacts) = (planned("map"), planned("contacts"));
+    assert_eq!(of_map.state, StepState::Runs);
+    assert!(of_map.sizes["right-hand sides"] > 3000, "{of_map:?}");
+    assert!(of_map.predicted_s.unwrap() > 0.0 && of_map.flops > 0.0);
+    assert_eq!(of_contacts.state, StepState::Skipped);
+    assert_eq!((of_contacts.predicted_s, of_contacts.flops), (None, 0.0));
+    assert!(
+        of_contacts.why.contains("outputs is contacts"),
+        "{of_contacts:?}"
+    );
+}
+
+#[test]
 fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
     let folder = tempfile::tempdir().unwrap();
     let (run, limb) = prepared(folder.path(), "placed.json", |_| {});

@@ -118,12 +118,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let skips = skips::measure(&mut lab, &folder.join("frontier-design"))?;
     let planned = match args.without_nets {
         true => Vec::new(),
-        false => planned::measure(
-            &run,
-            &limb,
-            &args.scene.out.join("machine.json"),
-            &folder.join("frontier-plan"),
-        )?,
+        false => planned::measure(&run, &limb, &folder.join("frontier-plan"))?,
     };
     let most_nodes = if args.minutes < MINUTES_FOR_MANY {
         SOME_NODES

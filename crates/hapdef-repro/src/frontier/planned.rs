@@ -35,20 +35,16 @@ impl Planned {
 }
 
 /// Plans the paper's chain in a cache of its own, `folder`, which is emptied, runs it, and lays one
-/// beside the other. `machine` has the rates, measured once.
-pub(super) fn measure(
-    run: &Run,
-    limb: &Limb,
-    machine: &Path,
-    folder: &Path,
-) -> Result<Vec<Planned>> {
+/// beside the other. The machine's rates are measured just before.
+pub(super) fn measure(run: &Run, limb: &Limb, folder: &Path) -> Result<Vec<Planned>> {
     run.say("a plan, and what it comes to");
-    let machine = Machine::read_or_measure(machine, run.threads)?;
     let mut scene = Run {
         profile: Profile::quick(),
         ..made_anew(run, folder)?
     };
     scene.scene.estimator = hapdef::scene::EstimatorSpec::Hapdefx(run.scene.estimator.hapdefx());
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let machine = Machine::measure(folder, run.threads)?;
     let planned = plan(&scene, limb, &machine)?;
     let stages = chain_stages(&scene, limb)?;
     let rows = rows(&planned, &stages);

@@ -1,6 +1,6 @@
 //! Damaged inputs for every reader of hapdef, on stable Rust: `cargo xtask fuzz`.
 //!
-//!     cargo run --release -p hapdef --example fuzz -- --seconds 10 --target decoder
+//!     cargo run --release --example fuzz -- --seconds 10 --target decoder
 #![expect(clippy::print_stdout, reason = "a program that prints")]
 #![expect(clippy::print_stderr, reason = "a program that prints")]
 #![expect(clippy::unwrap_used, reason = "it ends where it can't go on")]

@@ -3,7 +3,7 @@
 //! First the map is exact and readings carry 5 µε of noise; then the readings are those of the
 //! simulated, perturbed limb, 1 µε, and the map is not calibrated.
 //!
-//! `cargo run --release -p hapdef --example inverse_accuracy -- [scene.json] [n_frames] [parts]`
+//! `cargo run --release --example inverse_accuracy -- [scene.json] [n_frames] [parts]`
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 mod row;

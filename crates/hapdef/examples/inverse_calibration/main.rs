@@ -1,7 +1,7 @@
 //! Calibration on a simulated real limb: error of the map and of the contacts found, by number of
 //! presses.
 //!
-//! `cargo run --release -p hapdef --example inverse_calibration -- [scene.json] [n_frames] [rig seed]`
+//! `cargo run --release --example inverse_calibration -- [scene.json] [n_frames] [rig seed]`
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 mod bench;

@@ -4,7 +4,7 @@
 //! map by 1.4 %, smoothly over the skin and anew in each scene. Errors are means over the contacts
 //! found, within 10 mm of where they are; times are the least of several runs of each frame.
 //!
-//! `cargo run --release -p hapdef --example inverse_tracking -- [scene.json] [n_scenes] [seed] [rows]`
+//! `cargo run --release --example inverse_tracking -- [scene.json] [n_scenes] [seed] [rows]`
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
 mod limb_error;

@@ -1,6 +1,6 @@
 //! Looks for scenes that are silently wrong, seed after seed: `cargo xtask stability scenes`.
 //!
-//!     cargo run --release -p hapdef --example scenes -- --minutes 5 --seed 1
+//!     cargo run --release --example scenes -- --minutes 5 --seed 1
 #![expect(clippy::print_stdout, reason = "a program that prints")]
 #![expect(clippy::unwrap_used, reason = "it ends where it can't go on")]
 

@@ -1,11 +1,11 @@
 //! hapdef in five small programs, each of which is a test with a number.
 //!
 //! ```text
-//! cargo run --release -p hapdef --example tour -- press-one
-//! cargo run --release -p hapdef --example tour -- two-fingers
-//! cargo run --release -p hapdef --example tour -- own-limb limb.glb 1.0
-//! cargo run --release -p hapdef --example tour -- own-board lines.csv
-//! cargo run --release -p hapdef --example tour -- replay press.mcap
+//! cargo run --release --example tour -- press-one
+//! cargo run --release --example tour -- two-fingers
+//! cargo run --release --example tour -- own-limb limb.glb 1.0
+//! cargo run --release --example tour -- own-board lines.csv
+//! cargo run --release --example tour -- replay press.mcap
 //! ```
 //!
 //! Read them in this order: `press_one.rs` is the whole way from a scene to a contact. Without a file

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Args, ValueEnum};
+use hapdef::scene::Outputs;
 use hapdef::touch::{
     LiveEstimator, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
@@ -212,7 +213,10 @@ impl Model {
             view,
         };
         if let Some(view) = &model.view {
-            view.solve_deformation(run, limb);
+            match run.scene.outputs {
+                Some(Outputs::Contacts) => view.say("no deformation: outputs is contacts"),
+                Some(Outputs::Map) | None => view.solve_deformation(run, limb),
+            }
         }
         Ok(model)
     }

@@ -9,7 +9,7 @@ use crate::limb::Limb;
 use crate::pipeline::{Pipeline, Until};
 use crate::profile::{Samples, Schedule};
 use crate::run::Run;
-use crate::stages::{Datasets, NetKind};
+use crate::stages::{self, Datasets, NetKind};
 use crate::touch::{ChainStages, chain_stages};
 
 /// Most contacts of a sample: the paper's sets I to IV.
@@ -27,6 +27,16 @@ pub(super) fn steps(
     steps.extend(planner.nets(&stages));
     steps.extend(planner.frame());
     Ok(steps)
+}
+
+/// The compliance of the skin on its own.
+pub(super) fn compliance_step(
+    run: &Run,
+    limb: &Limb,
+    machine: &Machine,
+) -> Result<PlanStep, HapdefError> {
+    let stage = stages::compliance(&looking(run), limb)?;
+    Planner { run, limb, machine }.compliance(&stage)
 }
 
 /// Expected time of what a pipeline up to its nets has to run, s: compliance, rig, datasets, nets.
@@ -90,14 +100,13 @@ impl Planner<'_> {
             ("right-hand sides", n_loads + limb.gauges.len()),
             ("wanted nodes", n_wanted),
         ];
-        let table_bytes = 12.0 * (n_loads * n_wanted) as f64;
         let cost = elastic(
             &estimate,
             n_loads + limb.gauges.len(),
             order_s,
             self.machine,
         );
-        let cost = cost.writing(table_bytes, self.machine);
+        let cost = cost.writing(self.table_bytes(), self.machine);
         Ok(PlanStep::runs("compliance", why, &sizes).costing(cost))
     }
 
@@ -146,7 +155,16 @@ impl Planner<'_> {
             Some(stage) => self.dataset(name, n, 2, stage),
             None => PlanStep::skipped(Skip::LargerSets, name, &too_many, &[("samples", n)]),
         });
+        if let Some(first) = steps.iter_mut().find(|step| step.state == StepState::Runs) {
+            let read_s = self.table_bytes() / self.machine.read_bytes_per_s;
+            first.predicted_s = first.predicted_s.map(|seconds| seconds + read_s);
+        }
         steps
+    }
+
+    /// Bytes of the compliance of the skin and the virtual gauges.
+    fn table_bytes(&self) -> f64 {
+        12.0 * (self.limb.n_surface_nodes() * self.n_nodes()) as f64
     }
 
     fn dataset(&self, name: &str, n: usize, n_contacts: usize, stage: &Stage) -> PlanStep {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use hapdef_data::{DatasetWriter, TensorSpec};
+use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_kmax::{KMaxGraph, KMaxParams};
 use hapdef_mesh::{FeNodeId, kuhn_block};
 use hapdef_nets::train::{MemorySource, train};
@@ -48,6 +48,8 @@ pub struct Machine {
     pub kmax_nodes_per_s: f64,
     /// Bytes written to the results' folder, 1/s.
     pub write_bytes_per_s: f64,
+    /// Bytes read from there, 1/s.
+    pub read_bytes_per_s: f64,
     /// What a frame and a calibration do.
     pub frame: FrameRates,
 }
@@ -66,6 +68,9 @@ const PASSES: usize = 20;
 
 /// Gap of the nodes among which peaks are looked for, m.
 const NODE_GAP_M: f64 = 2.5e-3;
+
+/// The tensor of the file that is written and read.
+const VALUES: &str = "values";
 
 /// Nodes at which samples are superposed, and samples.
 const SUPERPOSED: [usize; 2] = [3500, 2000];
@@ -103,6 +108,8 @@ impl Machine {
             solve_flops_per_s,
             few_solves_flops_per_s,
         ] = solver_rates(threads)?;
+        let [write_bytes_per_s, read_bytes_per_s] =
+            file_rates(&folder.join("machine.safetensors"))?;
         let wide = MlpSpec::reconstruction(240, 3200);
         let in_modes = MlpSpec::reconstruction(240, 512);
         let narrow = MlpSpec::transfer(10, 240);
@@ -118,7 +125,8 @@ impl Machine {
             superpose_flops_per_s: superposition_rate(threads),
             pass_flops_per_s: pass_rate(&wide)?,
             kmax_nodes_per_s: kmax_rate()?,
-            write_bytes_per_s: writing_rate(&folder.join("machine.safetensors"))?,
+            write_bytes_per_s,
+            read_bytes_per_s,
             frame: FrameRates::measure(threads)?,
         })
     }
@@ -249,18 +257,23 @@ fn kmax_rate() -> Result<f64, HapdefError> {
     Ok((points.len() * PASSES) as f64 / start.elapsed().as_secs_f64())
 }
 
-/// Bytes per second of a dataset of 64 MB at `path`, which is removed.
-fn writing_rate(path: &Path) -> Result<f64, HapdefError> {
+/// Bytes per second of a dataset of 64 MB at `path`, written and read back; it is removed.
+fn file_rates(path: &Path) -> Result<[f64; 2], HapdefError> {
     let (width, n_blocks, n_rows) = (4000, 16, 250);
     let rows = vec![1.0_f32; n_rows * width];
     let start = Instant::now();
-    let spec = TensorSpec::f32("values", width, "1");
+    let spec = TensorSpec::f32(VALUES, width, "1");
     let mut writer = DatasetWriter::create(path, n_blocks * n_rows, &[spec])?;
     for _ in 0..n_blocks {
-        writer.append("values", &rows)?;
+        writer.append(VALUES, &rows)?;
     }
     writer.finish()?;
-    let elapsed_s = start.elapsed().as_secs_f64();
+    let write_s = start.elapsed().as_secs_f64();
+    drop(rows);
+    let start = Instant::now();
+    let mut all = vec![0.0_f32; n_blocks * n_rows * width];
+    DatasetReader::open(path)?.read_rows(VALUES, 0..n_blocks * n_rows, &mut all)?;
+    let read_s = start.elapsed().as_secs_f64();
     std::fs::remove_file(path).map_err(HapdefError::file(path))?;
-    Ok((4 * width * n_rows * n_blocks) as f64 / elapsed_s)
+    Ok([write_s, read_s].map(|elapsed_s| (4 * all.len()) as f64 / elapsed_s))
 }

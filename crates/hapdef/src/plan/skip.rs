@@ -23,6 +23,8 @@ pub enum Skip {
     Scores,
     /// What only the estimator needs that the scene does not choose.
     OtherEstimator,
+    /// The compliance of the skin, where no map is wanted.
+    UnwantedMap,
     /// Shear in the noise, where nothing rubs.
     Friction,
     /// Pairs, where the scene has one contact at most.

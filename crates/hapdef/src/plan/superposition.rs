@@ -1,12 +1,13 @@
 //! The steps of contacts by superposition.
 
+use super::chain;
 use super::cost::{Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops};
 use super::elastic::limb_estimate;
 use super::{FrameRates, Machine, PlanStep, Skip};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::SuperpositionSpec;
+use crate::scene::{Outputs, SuperpositionSpec};
 use crate::touch::Calibration;
 
 /// Names of steps that are measured.
@@ -30,8 +31,8 @@ pub(super) fn steps(
     let n_sites = calibration.map(read).transpose()?.map(|c| c.n_sites);
     let mut steps = response(run, limb, spec, machine)?;
     let superposed = "the estimator is superposition";
+    steps.push(compliance(run, limb, machine)?);
     let needless = [
-        ("compliance", "surface-to-surface compliance is for maps"),
         ("rig", "no net learns from the rig"),
         ("datasets", "no net is trained"),
         ("nets", "readings are explained by the response itself"),
@@ -56,6 +57,22 @@ pub(super) fn steps(
     };
     steps.extend(frame.steps().map(PlanStep::each_frame));
     Ok(steps)
+}
+
+/// What only a map of the skin needs; contacts don't.
+fn compliance(run: &Run, limb: &Limb, machine: &Machine) -> Result<PlanStep, HapdefError> {
+    let why = match run.scene.outputs {
+        Some(Outputs::Map) => return chain::compliance_step(run, limb, machine),
+        Some(Outputs::Contacts) => "outputs is contacts: no map of the skin",
+        None => "contacts need no map of the skin; a live page has it solved beside the frames",
+    };
+    let sizes = [("right-hand sides", limb.n_surface_nodes())];
+    Ok(PlanStep::skipped(
+        Skip::UnwantedMap,
+        "compliance",
+        why,
+        &sizes,
+    ))
 }
 
 /// Where the response comes from: a calibration, or one adjoint solve for each gauge.

@@ -45,4 +45,17 @@ pub struct Scene {
     pub rig: RigSpec,
     /// How contacts are found from readings.
     pub estimator: EstimatorSpec,
+    /// What is wanted of a frame; if nothing is said, contacts, and the map once a live page asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outputs: Option<Outputs>,
+}
+
+/// What is wanted of a frame. A force is only known with its place: there are no forces alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outputs {
+    /// Contacts alone: no map of the skin, on the live page neither.
+    Contacts,
+    /// Contacts, and the displacement of the whole skin.
+    Map,
 }

@@ -16,6 +16,7 @@ pub const MACHINE: Machine = Machine {
     pass_flops_per_s: 1e9,
     kmax_nodes_per_s: 1e7,
     write_bytes_per_s: 1e8,
+    read_bytes_per_s: 1e8,
     frame: FrameRates {
         test_flops_per_s: 1e9,
         scan_flops_per_s: 1e9,

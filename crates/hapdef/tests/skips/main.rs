@@ -44,7 +44,9 @@ fn proof(skip: Skip) -> fn() {
         Skip::LargerSets | Skip::OtherNets | Skip::Scores => {
             chain::sets_nets_and_scores_that_are_left_out_change_no_other
         }
-        Skip::OtherEstimator => chain::each_estimator_needs_nothing_of_the_other,
+        Skip::OtherEstimator | Skip::UnwantedMap => {
+            chain::each_estimator_needs_nothing_of_the_other
+        }
         Skip::Friction | Skip::UnwantedPairs => {
             frames::pair_search_and_friction_change_no_single_contact
         }
@@ -83,5 +85,5 @@ fn every_step_left_out_is_a_skip_with_a_proof() {
         let _: fn() = proof(*skip);
     }
     let names: BTreeSet<String> = all.iter().map(|skip| format!("{skip:?}")).collect();
-    assert_eq!(names.len(), 11, "{names:?}");
+    assert_eq!(names.len(), 12, "{names:?}");
 }

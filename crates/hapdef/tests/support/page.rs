@@ -48,6 +48,8 @@ pub struct Frame {
     pub clock_residual_us: f64,
     pub position_s: f64,
     pub duration_s: f64,
+    /// Components of the displacement: 0 where none is shown.
+    pub n_components: u8,
     /// Place, m, and force, N.
     pub contacts: Vec<([f64; 3], f64)>,
 }
@@ -71,7 +73,7 @@ pub fn shin() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
 }
 
-fn scene_with(folder: &Path, change: impl FnOnce(&mut Value)) -> PathBuf {
+pub fn scene_with(folder: &Path, change: impl FnOnce(&mut Value)) -> PathBuf {
     std::fs::copy(shin().join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
     let text = std::fs::read_to_string(shin().join("placed.json")).unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
@@ -258,6 +260,7 @@ impl Frame {
             clock_residual_us: f32_at(bytes, 48),
             position_s: f32_at(bytes, 56),
             duration_s: f32_at(bytes, 60),
+            n_components: bytes[2],
             contacts: (0..usize::from(bytes[18])).map(contact).collect(),
         }
     }

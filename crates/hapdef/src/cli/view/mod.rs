@@ -224,6 +224,11 @@ impl View {
         );
     }
 
+    /// Tells the page.
+    pub(crate) fn say(&self, text: &str) {
+        self.handle.pusher().say(text);
+    }
+
     /// Shows frames, listens to the page and tells, if that is wanted, when it first drew a contact.
     pub(crate) fn attend(
         self,
