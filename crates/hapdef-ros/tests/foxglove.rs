@@ -69,8 +69,8 @@ fn a_client_gets_what_it_subscribes_to() {
     assert_eq!(info["name"], "hapdef");
     let channels = next_text(&mut socket, "advertise")["channels"].clone();
     let channel = |topic: &str| {
-        let all = channels.as_array().unwrap().iter();
-        all.cloned().find(|c| c["topic"] == topic).unwrap()
+        let mut all = channels.as_array().unwrap().iter();
+        all.find(|c| c["topic"] == topic).unwrap().clone()
     };
     assert_eq!(
         channels.as_array().unwrap().len(),

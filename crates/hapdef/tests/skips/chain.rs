@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use hapdef::scene::{ContactRegion, EstimatorSpec};
+use hapdef::scene::{ContactRegion, EstimatorSpec, RigMesh};
 use hapdef::stages::NetKind;
 use hapdef::touch::{Touch, chain_stages, response_map, touch_estimator};
 use hapdef::{Limb, Pipeline, Run, Stage, Until};
@@ -12,13 +12,17 @@ use hapdef_inverse::SkinPoint;
 
 use crate::{loaded, run_of};
 
-/// A scene on a part of the skin, with few samples and short trainings.
+/// A scene on a part of the skin, with a rig of the limb's own elements, few samples and short trainings.
 fn small(scene: &str, out: &Path, max_contacts: usize) -> (Run, Limb) {
     let mut run = run_of(scene, out);
     run.scene.contact.max_contacts = max_contacts;
     if let ContactRegion::Radial { axial_range_m, .. } = &mut run.scene.contact.region {
         *axial_range_m = [0.09, 0.12];
     }
+    run.scene.rig.mesh = RigMesh::Deck {
+        solid_deck: run.scene.geometry.solid_deck.clone(),
+        refinements: 0,
+    };
     let profile = &mut run.profile;
     (profile.n_single, profile.n_multi, profile.n_real_single) = (200, 100, 200);
     (profile.n_pairs, profile.n_amplitudes, profile.n_svr) = (10, 4, 50);
