@@ -6,11 +6,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use serde_json::{Value, json};
+
+/// The bundled limb, touched in the middle, with a rig of the limb's own elements.
+fn scene(folder: &Path) -> PathBuf {
+    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
+    fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
+    let text = fs::read_to_string(shin.join("scene.json")).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    scene["contact"]["region"]["axial_range_m"] = json!([0.08, 0.16]);
+    scene["rig"]["mesh"] = json!({ "kind": "deck", "solid_deck": "shin.inp.gz" });
+    let path = folder.join("scene.json");
+    fs::write(&path, scene.to_string()).unwrap();
+    path
+}
+
 /// Runs the whole pipeline with few samples and steps; returns the bytes of what it left, without
 /// the records that hold times.
-fn results(threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     let out = tempfile::tempdir().unwrap();
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/scene.json");
     let output = Command::new(env!("CARGO_BIN_EXE_hapdef-repro"))
         .arg("repro")
         .arg(scene)
@@ -49,7 +63,7 @@ fn results(threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
         &mut found,
     );
     let report = fs::read(out.path().join("shin/report/report.json")).unwrap();
-    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    let report: Value = serde_json::from_slice(&report).unwrap();
     assert!(
         report["tables"].as_array().unwrap().len() >= 8,
         "too few tables in the report"
@@ -77,8 +91,10 @@ fn collect(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
 
 #[test]
 fn one_seed_one_result_on_any_number_of_threads() {
-    let one = results("1");
-    let two = results("2");
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scene(folder.path());
+    let one = results(&scene, "1");
+    let two = results(&scene, "2");
     assert!(one.len() >= 16, "found {:?}", one.keys());
     assert!(
         one.keys().eq(two.keys()),
