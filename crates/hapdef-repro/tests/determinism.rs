@@ -6,16 +6,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use hapdef_mesh::{ShinParams, shin, write_inp};
 use serde_json::{Value, json};
 
-/// The bundled limb, touched in the middle, with a rig of the limb's own elements.
+/// The bundled limb in coarse elements, without its holes.
 fn scene(folder: &Path) -> PathBuf {
-    let shin = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    fs::copy(shin.join("shin.inp.gz"), folder.join("shin.inp.gz")).unwrap();
-    let text = fs::read_to_string(shin.join("scene.json")).unwrap();
+    let params = ShinParams {
+        panel_cells: (2, 2),
+        n_rib_layers: 1,
+        holes: Vec::new(),
+        ..ShinParams::default()
+    };
+    let limb = shin(&params).unwrap();
+    write_inp(&folder.join("limb.inp"), &limb.deck).unwrap();
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/scene.json");
+    let text = fs::read_to_string(bundled).unwrap();
     let mut scene: Value = serde_json::from_str(&text).unwrap();
-    scene["contact"]["region"]["axial_range_m"] = json!([0.08, 0.16]);
-    scene["rig"]["mesh"] = json!({ "kind": "deck", "solid_deck": "shin.inp.gz" });
+    scene["geometry"]["solid_deck"] = json!("limb.inp");
     let path = folder.join("scene.json");
     fs::write(&path, scene.to_string()).unwrap();
     path
@@ -32,7 +39,7 @@ fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
             "--profile",
             "quick",
             "--singles",
-            "200",
+            "100",
             "--multis",
             "50",
             "--steps",
