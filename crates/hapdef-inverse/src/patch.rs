@@ -1,5 +1,7 @@
 //! The mean of a nodal field under a round tip.
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 
 use crate::basis::{self, NODES};
@@ -34,34 +36,26 @@ const RULE: [([f64; 3], f64); 7] = {
 /// At every node the mean of `nodal` `[n_nodes, width]` under a tip of radius r there, whose
 /// pressure at distance d goes with (1 − (d/r)²)².
 pub(crate) fn patch_means(skin: &Skin, nodal: &[f64], width: usize, radius_m: f64) -> Vec<f64> {
-    let balls: Vec<_> = (0..skin.n_faces()).map(|f| ball(skin, f)).collect();
     let mut means = vec![0.0; nodal.len()];
-    for node in 0..skin.n_nodes() {
-        let tip = Tip {
-            skin,
-            centre: skin.nodes()[node],
-            radius_m,
-        };
-        let out = &mut means[node * width..(node + 1) * width];
-        let mut total = 0.0;
-        for (face, (middle, reach_m)) in balls.iter().enumerate() {
-            if (middle - tip.centre).norm() > radius_m + reach_m {
-                continue;
-            }
-            let mut shares = [0.0; 6];
-            tip.integrate(face as u32, &[NODES[0], NODES[1], NODES[2]], 0, &mut shares);
-            total += shares.iter().sum::<f64>();
-            for (&n, share) in skin.face_nodes(face).iter().zip(shares) {
+    let mut totals = vec![0.0; skin.n_nodes()];
+    for face in 0..skin.n_faces() {
+        for tip in Pressed::face(skin, face, radius_m).tips {
+            totals[tip.node] += tip.shares.iter().sum::<f64>();
+            let out = &mut means[tip.node * width..(tip.node + 1) * width];
+            for (&n, share) in skin.face_nodes(face).iter().zip(tip.shares) {
                 let values = &nodal[n as usize * width..(n as usize + 1) * width];
                 for (out, value) in out.iter_mut().zip(values) {
                     *out += share * value;
                 }
             }
         }
+    }
+    for (node, total) in totals.into_iter().enumerate() {
+        let own = node * width..(node + 1) * width;
         if total > 0.0 {
-            out.iter_mut().for_each(|v| *v /= total);
+            means[own].iter_mut().for_each(|v| *v /= total);
         } else {
-            out.copy_from_slice(&nodal[node * width..(node + 1) * width]);
+            means[own.clone()].copy_from_slice(&nodal[own]);
         }
     }
     means
@@ -83,49 +77,108 @@ fn ball(skin: &Skin, face: usize) -> (Point3<f64>, f64) {
     (Point3::from(middle), 1.5 * reach)
 }
 
-struct Tip<'a> {
+/// A face under the tips that may reach it. A piece is looked at once for all of them.
+struct Pressed<'a> {
     skin: &'a Skin,
-    centre: Point3<f64>,
+    face: u32,
     radius_m: f64,
+    tips: Vec<Tip>,
+    /// Tips that may reach the piece that is looked at, after those of the pieces that it is part of.
+    near: Vec<usize>,
 }
 
-impl Tip<'_> {
-    /// Adds ∫ Nᵢ κ dA over the piece of `face` with the given corners.
-    fn integrate(&self, face: u32, piece: &[[f64; 3]; 3], splits: u32, shares: &mut [f64; 6]) {
-        let at = |b: [f64; 3]| self.skin.position(&SkinPoint::trusted(face, b));
-        let middle = at(within(piece, &[1.0 / 3.0; 3]));
+/// A tip at a node, and ∫ Nᵢ κ dA over the face under it.
+struct Tip {
+    node: usize,
+    centre: Point3<f64>,
+    shares: [f64; 6],
+}
+
+impl<'a> Pressed<'a> {
+    fn face(skin: &'a Skin, face: usize, radius_m: f64) -> Self {
+        let (middle, reach_m) = ball(skin, face);
+        let is_near = |centre: &Point3<f64>| (middle - centre).norm() <= radius_m + reach_m;
+        let tips: Vec<Tip> = skin
+            .nodes()
+            .iter()
+            .enumerate()
+            .filter(|(_, centre)| is_near(centre))
+            .map(|(node, &centre)| Tip {
+                node,
+                centre,
+                shares: [0.0; 6],
+            })
+            .collect();
+        let mut pressed = Self {
+            skin,
+            face: face as u32,
+            radius_m,
+            near: (0..tips.len()).collect(),
+            tips,
+        };
+        pressed.integrate(&[NODES[0], NODES[1], NODES[2]], 0, 0..pressed.tips.len());
+        pressed
+    }
+
+    /// Adds the integrals over the piece of the face with the given corners for the tips in the
+    /// places `above` of `near`.
+    fn integrate(&mut self, piece: &[[f64; 3]; 3], splits: u32, above: Range<usize>) {
+        let middle = self.at(within(piece, &[1.0 / 3.0; 3]));
         let reach_m = piece
             .iter()
             .chain(&mids(piece))
-            .map(|&b| (at(b) - middle).norm())
+            .map(|&b| (self.at(b) - middle).norm())
             .fold(0.0, f64::max);
-        if (middle - self.centre).norm() > self.radius_m + 1.5 * reach_m {
-            return;
+        let first = self.near.len();
+        for place in above {
+            let tip = self.near[place];
+            if (middle - self.tips[tip].centre).norm() <= self.radius_m + 1.5 * reach_m {
+                self.near.push(tip);
+            }
         }
-        if reach_m > PIECE_PER_RADIUS * self.radius_m && splits < MAX_SPLITS {
+        let here = first..self.near.len();
+        if !here.is_empty() && reach_m > PIECE_PER_RADIUS * self.radius_m && splits < MAX_SPLITS {
             let [a, b, c] = *piece;
             let [ab, bc, ca] = mids(piece);
             for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]] {
-                self.integrate(face, &part, splits + 1, shares);
+                self.integrate(&part, splits + 1, here.clone());
             }
+        } else {
+            self.add(piece, splits, here);
+        }
+        self.near.truncate(first);
+    }
+
+    /// Adds what the points of the rule on one piece give.
+    fn add(&mut self, piece: &[[f64; 3]; 3], splits: u32, here: Range<usize>) {
+        if here.is_empty() {
             return;
         }
         for (inner, weight) in RULE {
             let b = within(piece, &inner);
-            let d_2 = (at(b) - self.centre).norm_squared() / (self.radius_m * self.radius_m);
-            if d_2 < 1.0 {
-                let pressure = (1.0 - d_2) * (1.0 - d_2);
-                let area = self.skin.area_vector(face, &b).norm() * 0.25_f64.powi(splits as i32);
-                let n = if self.skin.is_quadratic() {
-                    basis::quadratic(&b)
-                } else {
-                    [b[0], b[1], b[2], 0.0, 0.0, 0.0]
-                };
-                for (share, n) in shares.iter_mut().zip(n) {
-                    *share += n * weight * area * pressure;
+            let point = self.at(b);
+            let area = self.skin.area_vector(self.face, &b).norm() * 0.25_f64.powi(splits as i32);
+            let n = if self.skin.is_quadratic() {
+                basis::quadratic(&b)
+            } else {
+                [b[0], b[1], b[2], 0.0, 0.0, 0.0]
+            };
+            let n_area = n.map(|n| n * weight * area);
+            for &tip in &self.near[here.clone()] {
+                let tip = &mut self.tips[tip];
+                let d_2 = (point - tip.centre).norm_squared() / (self.radius_m * self.radius_m);
+                if d_2 < 1.0 {
+                    let pressure = (1.0 - d_2) * (1.0 - d_2);
+                    for (share, n_area) in tip.shares.iter_mut().zip(n_area) {
+                        *share += n_area * pressure;
+                    }
                 }
             }
         }
+    }
+
+    fn at(&self, b: [f64; 3]) -> Point3<f64> {
+        self.skin.position(&SkinPoint::trusted(self.face, b))
     }
 }
 

@@ -83,12 +83,17 @@ impl ContactEstimator {
         let mut model = Model::new(map, sites, &noise, live)?;
         model.max_force_n = params.max_force_n;
         let (map, sites) = (&model.map, &model.sites);
-        Ok(Self {
+        let estimator = Self {
             n_told: n_told(map, sites, &noise, &model.live, params.force_scale_n),
             model,
             noise,
             params,
-        })
+        };
+        if estimator.most_contacts() > 1 {
+            // now, not in the first frame that asks for pairs
+            estimator.model.gram();
+        }
+        Ok(estimator)
     }
 
     /// The response map.

@@ -1,6 +1,6 @@
 //! The response map in whitened readings, and its atoms at the scan sites.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::dense::{cholesky, dot, padded, solve_lower};
 use crate::error::{InverseError, check_length};
@@ -34,8 +34,7 @@ pub(crate) struct Model {
     pub(crate) atoms: Vec<f64>,
     /// Their length before `[n_sites]`, per newton.
     pub(crate) lengths: Vec<f64>,
-    /// Products of unit atoms `[n_sites, n_sites]`.
-    pub(crate) gram: Vec<f32>,
+    gram: OnceLock<Vec<f32>>,
     /// Whitened noise covariance `[m, m]`; `None` where it is the unit matrix and the map exact.
     pub(crate) base: Option<Vec<f64>>,
     /// Whitened map error per N² `[n_sites, m, m]`.
@@ -81,7 +80,7 @@ impl Model {
             vector_rows: Vec::new(),
             atoms: Vec::new(),
             lengths: Vec::new(),
-            gram: Vec::new(),
+            gram: OnceLock::new(),
             base: None,
             errors: Vec::new(),
             max_force_n: f64::INFINITY,
@@ -127,6 +126,23 @@ impl Model {
 
     pub(crate) fn atom(&self, site: usize) -> &[f64] {
         &self.atoms[site * self.width..(site + 1) * self.width]
+    }
+
+    /// Products of unit atoms `[n_sites, n_sites]`, which pairs are weighed by: made the first time
+    /// that they are asked for, since single contacts need none.
+    pub(crate) fn gram(&self) -> &[f32] {
+        self.gram.get_or_init(|| {
+            let n = self.n_sites();
+            let mut gram = vec![0.0; n * n];
+            for s in 0..n {
+                for t in s..n {
+                    let product = dot(self.atom(s), self.atom(t)) as f32;
+                    gram[s * n + t] = product;
+                    gram[t * n + s] = product;
+                }
+            }
+            gram
+        })
     }
 
     /// Whitened map error per N² near `point` `[m, m]`.
@@ -220,18 +236,7 @@ impl Model {
             let scale = if is_blind { 0.0 } else { 1.0 / lengths[site] };
             atom.iter_mut().for_each(|v| *v *= scale);
         }
-        let mut gram = vec![0.0_f32; n * n];
-        for s in 0..n {
-            for t in s..n {
-                let product = dot(
-                    &atoms[s * width..(s + 1) * width],
-                    &atoms[t * width..(t + 1) * width],
-                ) as f32;
-                gram[s * n + t] = product;
-                gram[t * n + s] = product;
-            }
-        }
-        (self.atoms, self.lengths, self.gram) = (atoms, lengths, gram);
+        (self.atoms, self.lengths) = (atoms, lengths);
     }
 }
 

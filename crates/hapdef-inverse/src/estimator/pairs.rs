@@ -51,7 +51,8 @@ impl Model {
         let n_sites = self.n_sites();
         buffers.best.fill(0.0);
         buffers.partner.fill(-1.0);
-        pulp::Arch::new().dispatch(|| scan_all(&self.gram, c, n_sites, buffers));
+        let gram = self.gram();
+        pulp::Arch::new().dispatch(|| scan_all(gram, c, n_sites, buffers));
         self.distinct_pairs(n, buffers, out);
     }
 

@@ -50,7 +50,7 @@ impl Company {
     /// Puts `site` in place `j`.
     pub(crate) fn set_site(&mut self, model: &Model, j: usize, site: usize, z: &[f64]) {
         let n = self.n_sites;
-        self.rows[j * n..(j + 1) * n].copy_from_slice(&model.gram[site * n..(site + 1) * n]);
+        self.rows[j * n..(j + 1) * n].copy_from_slice(&model.gram()[site * n..(site + 1) * n]);
         self.keep(model, j, model.atom(site), z);
     }
 
