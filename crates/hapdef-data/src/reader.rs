@@ -29,6 +29,9 @@ struct StoredTensor {
     start: u64,
 }
 
+/// Numbers that are read together.
+const PIECE: usize = 1 << 16;
+
 /// A longer header than this is taken for damage; a dataset's has a few hundred bytes.
 const MAX_HEADER_BYTES: u64 = 1 << 24;
 
@@ -182,28 +185,28 @@ impl DatasetReader {
                 n: self.n,
             });
         }
-        let row_bytes = stored.width * ELEMENT_BYTES;
-        self.bytes.resize(rows.len() * row_bytes, 0);
-        self.file
-            .seek(SeekFrom::Start(
-                stored.start + (rows.start * row_bytes) as u64,
-            ))
-            .and_then(|_| self.file.read_exact(&mut self.bytes))
-            .map_err(DataError::io("read", &self.path))?;
-        let (numbers, _) = self.bytes.as_chunks::<ELEMENT_BYTES>();
-        for (value, number) in out.iter_mut().zip(numbers) {
-            *value = T::from_le(*number);
+        let first = stored.start + (rows.start * stored.width * ELEMENT_BYTES) as u64;
+        let failed = |e| DataError::io("read", &self.path)(e);
+        self.file.seek(SeekFrom::Start(first)).map_err(failed)?;
+        for (nth, piece) in out.chunks_mut(PIECE).enumerate() {
+            self.bytes.resize(piece.len() * ELEMENT_BYTES, 0);
+            self.file.read_exact(&mut self.bytes).map_err(failed)?;
+            let (numbers, _) = self.bytes.as_chunks::<ELEMENT_BYTES>();
+            for (value, number) in piece.iter_mut().zip(numbers) {
+                *value = T::from_le(*number);
+            }
+            if let Some((at, value)) = first_not_finite(piece) {
+                let at = nth * PIECE + at;
+                return Err(DataError::NotFinite {
+                    path: self.path.clone(),
+                    tensor: stored.name.clone(),
+                    row: rows.start + at / stored.width,
+                    column: at % stored.width,
+                    value,
+                });
+            }
         }
-        match first_not_finite(out) {
-            Some((at, value)) => Err(DataError::NotFinite {
-                path: self.path.clone(),
-                tensor: stored.name.clone(),
-                row: rows.start + at / stored.width,
-                column: at % stored.width,
-                value,
-            }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 }
 

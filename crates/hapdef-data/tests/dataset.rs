@@ -301,6 +301,37 @@ fn a_nan_that_crept_into_the_file_is_told_with_its_place() {
     );
 }
 
+#[test]
+fn a_large_tensor_is_read_in_pieces_and_a_nan_in_a_later_one_has_its_place() {
+    let (_folder, path) = folder_and_path();
+    let (n, width) = (40_000, 7);
+    let written: Vec<f32> = (0..n * width).map(|i| i as f32).collect();
+    let mut writer = DatasetWriter::create(&path, n, &[TensorSpec::f32("x", width, "1")]).unwrap();
+    writer.append("x", &written).unwrap();
+    writer.finish().unwrap();
+    let mut read = vec![0.0; (n - 1) * width];
+    let mut reader = DatasetReader::open(&path).unwrap();
+    reader.read_rows("x", 1..n, &mut read).unwrap();
+    assert_eq!(read, written[width..]);
+    let mut bytes = fs::read(&path).unwrap();
+    let at = bytes.len() - (n - 33_333) * width * 4 + 5 * 4;
+    bytes[at..at + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    fs::write(&path, bytes).unwrap();
+    let mut reader = DatasetReader::open(&path).unwrap();
+    let error = reader.read_rows("x", 1..n, &mut read).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            DataError::NotFinite {
+                row: 33_333,
+                column: 5,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
 fn manifest(tensors: Vec<TensorSpec>, n: usize) -> Manifest {
     Manifest {
         format_version: MANIFEST_FORMAT_VERSION,
