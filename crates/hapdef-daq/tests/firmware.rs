@@ -194,9 +194,30 @@ fn a_stopped_sketch_goes_on_to_say_what_it_is_once_a_second() {
         Event::Data(data) => assert!(data.header.seq < 2, "{data:?}"),
         other => panic!("{other:?}"),
     });
-    // At the start and every second; 16 KiB hold those of the second without a host.
-    assert!((5..=6).contains(&n_hellos), "{n_hellos}");
+    // At the start, when the port opens, twice, and every second; 16 KiB hold those of the second
+    // without a host.
+    assert!((7..=8).contains(&n_hellos), "{n_hellos}");
     assert!((4..=5).contains(&n_statuses), "{n_statuses}");
+}
+
+#[test]
+fn a_host_that_opens_the_port_is_told_first_what_sends() {
+    let Some(bytes) = sketch(&[]) else { return };
+    let mut decoder = Decoder::new();
+    let mut said = Vec::new();
+    decoder.push(&bytes, &mut |event| match event {
+        Event::Hello { .. } => said.push(None),
+        Event::Data(data) => said.push(Some(data.header.seq)),
+        Event::Rejected(reason) => panic!("{reason}"),
+        _ => {}
+    });
+    assert_eq!((bytes[0], said[0]), (0, None));
+    // Opened again at 4.3 s: what was queued from 4.1 s on comes after HELLO.
+    let is_told = |w: &[Option<u32>]| matches!(w, [Some(4099..=4101), None, Some(_)]);
+    let hellos: Vec<usize> = (0..said.len()).filter(|&i| said[i].is_none()).collect();
+    assert!(said.windows(3).any(is_told), "{hellos:?}");
+    let n_ends = bytes.windows(2).filter(|pair| *pair == [0, 0]).count();
+    assert_eq!(n_ends, 1, "a 0x00 of its own at 4.3 s");
 }
 
 /// The sketch, with a fake of the board: 5 s, a second of them with the host away.

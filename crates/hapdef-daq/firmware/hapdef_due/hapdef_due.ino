@@ -24,6 +24,7 @@ static struct hdp1_status status;
 static struct hdp1_rx rx;
 static struct hdp1_tx tx;
 static uint8_t ring[16384];
+static uint8_t hello_bytes[32 + 16 * N];
 static uint8_t schema;
 static uint32_t next_us, next_hello_us, last_us, wraps, last_loop_us;
 static bool is_running = true;
@@ -44,17 +45,36 @@ static struct hdp1_header header(uint8_t type, uint64_t t_us)
     return h;
 }
 
-static void send_hello()
+/* HELLO's header, and its payload in hello_bytes. */
+static struct hdp1_header describe(size_t *n)
 {
-    static uint8_t payload[32 + 16 * N];
     uint16_t crc;
-    size_t n = hdp1_hello_payload(&hello, payload, sizeof payload, &crc);
-    struct hdp1_header h;
 
+    *n = hdp1_hello_payload(&hello, hello_bytes, sizeof hello_bytes, &crc);
     schema = (uint8_t)crc;
     data_header.schema = schema;
-    h = header(HDP1_HELLO, now_us());
-    hdp1_send(&tx, &h, payload, n);
+    return header(HDP1_HELLO, now_us());
+}
+
+static void send_hello()
+{
+    size_t n;
+    struct hdp1_header h = describe(&n);
+
+    hdp1_send(&tx, &h, hello_bytes, n);
+}
+
+/* What a host sees first: a 0x00, which ends what the port may still hold, and HELLO, before what was
+ * queued while nobody listened. */
+static void greet()
+{
+    static uint8_t bytes[sizeof hello_bytes + 64];
+    size_t n;
+    struct hdp1_header h = describe(&n);
+
+    bytes[0] = 0;
+    n = hdp1_packet(&h, hello_bytes, n, bytes + 1, sizeof bytes - 1);
+    SerialUSB.write(bytes, 1 + n);
 }
 
 static void send_status()
@@ -113,13 +133,17 @@ __attribute__((section(".ramfunc"), noinline)) static void read_uid(uint8_t uid[
  * for ever if the host has closed the port without saying so. */
 static void pump()
 {
+    static bool was_open;
     const uint8_t *bytes;
     size_t n = hdp1_peek(&tx, &bytes);
+    bool is_open = SerialUSB.dtr();
     bool is_free = UOTGHS->UOTGHS_DEVEPTISR[CDC_TX] & UOTGHS_DEVEPTISR_TXINI;
 
-    if (n == 0 || !SerialUSB.dtr() || !is_free)
-        return;
-    hdp1_taken(&tx, SerialUSB.write(bytes, n < 512 ? n : 512));
+    if (is_open && is_free && !was_open)
+        greet();
+    else if (is_open && is_free && n > 0)
+        hdp1_taken(&tx, SerialUSB.write(bytes, n < 512 ? n : 512));
+    was_open = is_open && (was_open || is_free);
 }
 
 static void listen()

@@ -1,4 +1,5 @@
-/* Runs the sketch on the host: 5 s of its time, the port open except from second 2 to 3. */
+/* Runs the sketch on the host: 5 s of its time. From second 2 to 3 the host is away without having
+ * closed the port; from 4.1 to 4.3 the port is closed. */
 #include "Arduino.h"
 
 #include <stdio.h>
@@ -19,11 +20,13 @@ static uint32_t started;
 
 uint32_t micros() { return us; }
 
-static bool is_away()
+static bool is_between(uint32_t from_ms, uint32_t to_ms)
 {
     uint32_t ms = (us - started) / 1000u;
-    return ms >= 2000 && ms < 3000;
+    return ms >= from_ms && ms < to_ms;
 }
+
+static bool is_away() { return is_between(2000, 3000); }
 
 int analogRead(int pin)
 {
@@ -31,7 +34,7 @@ int analogRead(int pin)
     return 100 * (pin - A0) + 8;
 }
 
-bool FakeSerial::dtr() { return true; }
+bool FakeSerial::dtr() { return !is_between(4100, 4300); }
 
 /* What the host said before: on standard input. */
 int FakeSerial::available()
@@ -47,7 +50,7 @@ int FakeSerial::read() { return getchar(); }
 
 size_t FakeSerial::write(const uint8_t *bytes, size_t n)
 {
-    if (is_away()) {
+    if (is_away() || !dtr()) {
         fprintf(stderr, "the core's write would block for ever here\n");
         exit(1);
     }
