@@ -43,9 +43,9 @@ impl CsvDecoder {
         }
     }
 
-    /// Takes bytes and hands out the values of each line. The first line after opening is left out:
-    /// its beginning may be missing without a trace.
-    pub fn push(&mut self, mut bytes: &[u8], sink: &mut impl FnMut(&[i32])) {
+    /// Takes bytes and hands out the values of each line, with the counts up to and with it. The first
+    /// line after opening is left out: its beginning may be missing without a trace.
+    pub fn push(&mut self, mut bytes: &[u8], sink: &mut impl FnMut(CsvCounts, &[i32])) {
         while let Some(end) = bytes.iter().position(|b| *b == b'\n') {
             self.append(&bytes[..end]);
             self.end_of_line(sink);
@@ -73,13 +73,13 @@ impl CsvDecoder {
         self.line.extend(&bytes[..bytes.len().min(room)]);
     }
 
-    fn end_of_line(&mut self, sink: &mut impl FnMut(&[i32])) {
+    fn end_of_line(&mut self, sink: &mut impl FnMut(CsvCounts, &[i32])) {
         let was_joining = std::mem::replace(&mut self.is_joining, false);
         let is_blank = !self.overlong && self.line.trim_ascii().is_empty();
         if !was_joining && !is_blank {
             if !self.overlong && self.parse() {
                 self.counts.n_lines += 1;
-                sink(&self.values);
+                sink(self.counts, &self.values);
             } else {
                 self.counts.n_refused += 1;
             }
@@ -111,7 +111,7 @@ mod tests {
 
     fn read(decoder: &mut CsvDecoder, text: &[u8]) -> Vec<Vec<i32>> {
         let mut lines = Vec::new();
-        decoder.push(text, &mut |values| lines.push(values.to_vec()));
+        decoder.push(text, &mut |_, values| lines.push(values.to_vec()));
         lines
     }
 

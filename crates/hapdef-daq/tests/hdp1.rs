@@ -331,6 +331,34 @@ fn a_lost_zero_between_two_packets_loses_neither() {
     assert!(matches!(decoder.rejected().n_damaged, 1));
 }
 
+/// Readings are told by the HELLO that describes them, or not at all; they count as lost.
+#[test]
+fn data_of_another_schema_or_number_of_channels_is_refused() {
+    let hello = golden_hello();
+    let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
+    said(&mut decoder, &hello_bytes(&mut encoder, &hello));
+    let mut other = golden_hello();
+    other.schema_crc = 0x12a6;
+    let mut nine = Hello::plain(9, SampleFormat::I16, 1000);
+    nine.schema_crc = hello.schema_crc;
+    let mut stream = data_bytes(&mut encoder, &hello, &GOLDEN_SAMPLES);
+    // a HELLO that does not come
+    hello_bytes(&mut encoder, &other);
+    stream.extend(data_bytes(&mut encoder, &other, &GOLDEN_SAMPLES));
+    hello_bytes(&mut encoder, &hello);
+    stream.extend(data_bytes(&mut encoder, &nine, &GOLDEN_SAMPLES[..9]));
+    stream.extend(data_bytes(&mut encoder, &hello, &GOLDEN_SAMPLES));
+    let lines = said(&mut decoder, &stream);
+    assert_eq!(lines.len(), 4, "{lines:?}");
+    assert!(lines[0].starts_with("0 lost 0"), "{lines:?}");
+    assert!(
+        lines[1].contains("a5") && lines[1].contains("a6"),
+        "{lines:?}"
+    );
+    assert!(lines[2].contains("channels or the length"), "{lines:?}");
+    assert!(lines[3].starts_with("3 lost 2"), "{lines:?}");
+}
+
 #[test]
 fn rejections_carry_their_numbers() {
     let mut reasons = Vec::new();

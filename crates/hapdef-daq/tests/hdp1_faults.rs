@@ -136,7 +136,7 @@ fn holes() {
 }
 
 #[test]
-fn garbage_is_no_frames_in_bounded_memory() {
+fn garbage_is_no_frames() {
     let hello = Hello::plain(10, SampleFormat::I16, 1000);
     let (mut decoder, mut bytes) = (Decoder::new(), Vec::new());
     assert!(Encoder::new().hello(&hello, 0, &mut bytes).is_ok());

@@ -26,11 +26,12 @@ pub fn report(figures: &[(&str, f64, &str)], seed: u64, path: Option<&Path>) {
         }));
     }
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).unwrap();
+        std::fs::create_dir_all(folder).expect("a folder for metrics.json");
     }
     let whole = path.with_extension("json.partial");
-    std::fs::write(&whole, serde_json::to_vec_pretty(&all).unwrap()).unwrap();
-    std::fs::rename(&whole, path).unwrap();
+    let text = serde_json::to_vec_pretty(&all).expect("figures are JSON");
+    std::fs::write(&whole, text).expect("room for metrics.json");
+    std::fs::rename(&whole, path).expect("metrics.json can be replaced");
 }
 
 fn machine() -> String {

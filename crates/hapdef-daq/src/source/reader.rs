@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Protocol, SourceStats};
 use crate::clock::ClockMap;
-use crate::csv_line::CsvDecoder;
+use crate::csv_line::{CsvCounts, CsvDecoder};
 use crate::hdp1::{Data, Decoder, Event, Hello, Rejected, SampleFormat};
 use crate::{Frame, Message};
 
@@ -25,6 +25,8 @@ struct State {
     version: Option<Rejected>,
     /// Packets or lines that were understood.
     n_good: u64,
+    /// Lines refused before the last frame.
+    n_refused: u64,
     /// Time and count of frames when the rate was last computed.
     rate_since: Option<(u64, u64)>,
     stats: SourceStats,
@@ -72,11 +74,8 @@ impl Reader {
                 decoder.push(bytes, &mut |event| state.event(event, now_ns, sink));
             }
             Decoding::Csv { decoder, hello } => {
-                let n_before = decoder.counts();
-                let mut seq = (n_before.n_lines + n_before.n_refused) as u32;
-                decoder.push(bytes, &mut |values| {
-                    state.line(seq, values, hello, now_ns, sink);
-                    seq = seq.wrapping_add(1);
+                decoder.push(bytes, &mut |counts, values| {
+                    state.line(counts, values, hello, now_ns, sink);
                 });
             }
         }
@@ -94,6 +93,7 @@ impl Reader {
             Decoding::Csv { decoder, .. } => {
                 stats.lines = decoder.counts();
                 stats.losses.n_delivered = stats.lines.n_lines;
+                stats.losses.n_lost = stats.lines.n_refused;
             }
         }
         stats
@@ -149,10 +149,11 @@ impl State {
         }
     }
 
-    /// A line has no time of its own: its arrival stands for it.
+    /// A line has no time of its own: its arrival stands for it; and no number: lines are counted,
+    /// refused ones as lost.
     fn line(
         &mut self,
-        seq: u32,
+        counts: CsvCounts,
         values: &[i32],
         hello: &Hello,
         now_ns: u64,
@@ -161,7 +162,10 @@ impl State {
         if !std::mem::replace(&mut self.has_hello, true) {
             sink(Message::Hello(Arc::new(hello.clone())));
         }
+        let seq = (counts.n_lines + counts.n_refused - 1) as u32;
         let mut frame = Frame::new(seq, SampleFormat::U16, values.iter().copied());
+        let n_refused = std::mem::replace(&mut self.n_refused, counts.n_refused);
+        frame.n_lost_before = (counts.n_refused - n_refused) as u32;
         (frame.t_device_us, frame.t_host_ns) = (now_ns / 1000, now_ns);
         self.n_good += 1;
         self.stats.n_frames += 1;

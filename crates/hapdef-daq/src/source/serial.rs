@@ -131,3 +131,22 @@ fn is_later(kind: ErrorKind) -> bool {
     use ErrorKind as K;
     matches!(kind, K::WouldBlock | K::TimedOut | K::Interrupted)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_without_permission_says_what_to_do() {
+        // root is refused nothing, so that no port is opened here
+        let link = SerialLink::new("/dev/null", SerialParams::default());
+        let kind = serialport::ErrorKind::Io(ErrorKind::PermissionDenied);
+        let fault = link.refused(&serialport::Error::new(kind, "Permission denied"));
+        assert!(
+            matches!(&fault, LinkFault::PermissionDenied { name, .. } if name == "/dev/null"),
+            "{fault}"
+        );
+        let text = fault.to_string();
+        assert!(text.contains("udev") || text.contains("group"), "{text}");
+    }
+}
