@@ -58,6 +58,17 @@ pub enum LiveError {
         /// Readings.
         found: usize,
     },
+    /// A device has another number of gauges than the limb.
+    #[error(
+        "expected {expected} gauges, the device has {found} bridges: connect the device of this limb, \
+         or give its channels the gauges' names"
+    )]
+    Channels {
+        /// Gauges.
+        expected: usize,
+        /// Bridges.
+        found: usize,
+    },
     /// An estimator of another crate failed.
     #[error("estimator {name}: {source}")]
     Estimator {

@@ -64,5 +64,6 @@ pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
 pub use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
+pub use runtime::channels::gauge_channels;
 pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
 pub use sink::{Delivery, FnSink, LiveEvent, Sink, Wants};

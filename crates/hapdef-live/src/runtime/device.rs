@@ -6,6 +6,7 @@ use hapdef_daq::Frame;
 use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, SampleFormat, Status};
 
 use super::LiveGauge;
+use super::channels::gauge_channels;
 
 /// A device that the gauges were found on.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ pub(super) struct Device {
 }
 
 impl Device {
-    /// Finds the gauges among the channels: by name if each has one, else the bridges in order.
+    /// Finds the gauges among the channels as [`gauge_channels`] does.
     ///
     /// # Errors
     /// What is expected, what was found, what to do.
@@ -38,28 +39,14 @@ impl Device {
         rate_hz: f64,
     ) -> Result<Self, String> {
         let channels = &hello.channels;
-        let of_kind = |is_it: fn(&Channel) -> bool| {
-            let numbered = channels.iter().enumerate();
-            numbered.filter(move |(_, c)| is_it(c)).map(|(i, _)| i)
-        };
-        let bridges: Vec<usize> = of_kind(is_bridge).collect();
-        let named = gauges.iter().map(|gauge| channel_of(gauge, channels));
-        let by_name = named.collect::<Option<Vec<usize>>>();
-        let expected = n_gauges.unwrap_or(bridges.len());
-        let places = by_name.filter(|p| p.len() == expected && !p.is_empty());
-        let places = places.unwrap_or(bridges);
-        let found = places.len();
-        if expected != found {
-            return Err(format!(
-                "expected {expected} gauges, the device has {found} bridges: connect the device of \
-                 this limb, or give its channels the gauges' names"
-            ));
-        }
+        let names = gauges.iter().map(|gauge| gauge.name.as_str());
+        let places = gauge_channels(channels, names, n_gauges).map_err(|e| e.to_string())?;
+        let is_temperature = |c: &Channel| c.kind == ChannelKind::Temperature;
         let of_gauge = |i: usize| gauges.get(i).map_or(1.0, |gauge| gauge.scale);
         let is_rate_known = hello.rate_mhz > 0;
         Ok(Self {
-            temperature: of_kind(|c| c.kind == ChannelKind::Temperature).next(),
-            scales: (0..found).map(of_gauge).collect(),
+            temperature: channels.iter().position(is_temperature),
+            scales: (0..places.len()).map(of_gauge).collect(),
             gauges: places,
             period_s: if is_rate_known {
                 hello.scan_period_us() * 1e-6
@@ -141,20 +128,6 @@ impl Device {
             (of(channel.scale), of(channel.offset))
         })
     }
-}
-
-fn is_bridge(channel: &Channel) -> bool {
-    use ChannelKind as K;
-    matches!(
-        channel.kind,
-        K::QuarterBridge | K::HalfBridge | K::FullBridge
-    )
-}
-
-fn channel_of(gauge: &LiveGauge, channels: &[Channel]) -> Option<usize> {
-    let short: String = gauge.name.chars().take(4).collect();
-    let is_it = |c: &Channel| is_bridge(c) && c.name_text().eq_ignore_ascii_case(&short);
-    channels.iter().position(is_it)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The runtime: a reader, a computing thread, a thread for each sink.
 
+pub(crate) mod channels;
 mod compute;
 mod counts;
 mod device;

@@ -62,6 +62,42 @@ fn what_no_sink_wants_is_not_computed() {
     assert_eq!(run(Wants::ALL), (100, 100, Some(all)));
 }
 
+/// Frames whose contacts come too late are counted, and the time of the stage that took it is told.
+#[test]
+fn a_slow_estimator_misses_the_deadline() {
+    let world = World::new(N_GAUGES, 400, 5);
+    let readings = pressed(&world, 30, 1);
+    let takes = Duration::from_millis(3);
+    let run = |deadline: Duration| {
+        let slow = Asked {
+            takes,
+            ..Asked::default()
+        };
+        let params = LiveParams {
+            tare_s: 0.0,
+            is_recorded: true,
+            is_lossless: true,
+            deadline,
+            ..LiveParams::default()
+        };
+        let sink = FnSink::new("probe", Wants::CONTACTS, |_| ());
+        let live = replay(messages(&readings))
+            .params(params)
+            .estimator(slow)
+            .sink(sink.with_delivery(Delivery::Queue(8)));
+        live.start().unwrap().wait().unwrap()
+    };
+    let late = run(Duration::from_millis(1));
+    assert_eq!(late.n_deadline_missed, 30);
+    let times = late.total;
+    assert_eq!((times.estimate.n, times.compute.n), (30, 30));
+    let takes_us = 0.97 * takes.as_secs_f64() * 1e6;
+    assert!(times.estimate.p50_us >= takes_us, "{times:?}");
+    assert!(times.compute.p50_us >= times.estimate.p50_us, "{times:?}");
+    assert!(times.conditioning.p50_us < takes_us, "{times:?}");
+    assert_eq!(run(Duration::from_secs(60)).n_deadline_missed, 0);
+}
+
 #[test]
 fn contacts_without_an_estimator_are_refused() {
     let sink = FnSink::new("robot", Wants::CONTACTS, |_| ());

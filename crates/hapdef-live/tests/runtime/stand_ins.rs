@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use hapdef_live::touch::{Touch, TouchEstimator, TouchFrame, TouchWanted};
 use hapdef_live::{AnyError, Delivery, LiveError, LiveEvent, LiveFrame, Sink, Wants};
@@ -14,6 +15,8 @@ pub(crate) struct Asked {
     pub(crate) n: Arc<AtomicUsize>,
     pub(crate) n_over: Arc<AtomicUsize>,
     pub(crate) wanted: Arc<Mutex<Vec<TouchWanted>>>,
+    /// How long it takes for a frame.
+    pub(crate) takes: Duration,
 }
 
 impl TouchEstimator for Asked {
@@ -33,6 +36,7 @@ impl TouchEstimator for Asked {
         touch.clear();
         self.n.fetch_add(1, Ordering::Relaxed);
         self.wanted.lock().unwrap().push(frame.wanted);
+        std::thread::sleep(self.takes);
         Ok(())
     }
 

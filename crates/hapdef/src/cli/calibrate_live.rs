@@ -14,10 +14,11 @@ use hapdef::touch::{Calibration, PressQuality};
 use hapdef::{
     Limb, Run, SOURCE_FORMS, SourceArg, SourceArgError, VirtualRigParams, live_limb, virtual_device,
 };
-use hapdef_daq::Message;
-use hapdef_daq::hdp1::{Channel, ChannelKind, Hello, MAX_CHANNELS, Status};
+use hapdef_daq::hdp1::{Channel, Hello, MAX_CHANNELS, Status};
 use hapdef_daq::source::{FrameSource, SourceStatus, StreamParams, StreamSource};
+use hapdef_daq::{Frame, Message};
 use hapdef_inverse::CalibrationInfo;
+use hapdef_live::gauge_channels;
 use hapdef_rig::live::{PressHandle, Pressed, RigLink, RunParams};
 
 use super::calibrate::CalibrateArgs;
@@ -55,6 +56,8 @@ struct Feed {
     /// The virtual rig's prober.
     prober: Option<PressHandle>,
     hello: Option<Arc<Hello>>,
+    /// Channel of each gauge.
+    channels: Vec<usize>,
     /// What the device said last of itself.
     status: Status,
     /// See [`SessionParams::rails_ue`].
@@ -101,7 +104,7 @@ pub(super) fn calibrate_live(
     );
     let mut feed = Feed::open(source, run, limb)?;
     run.say(&format!("waiting for {}", feed.source.name()));
-    let hello = feed.hello(run, limb.gauges.len())?;
+    let hello = feed.hello(run)?;
     let rate_hz = feed.rate_hz(run, &hello)?;
     let quality = PressQuality {
         noise_ue: args.noise_ue,
@@ -109,15 +112,15 @@ pub(super) fn calibrate_live(
         force_sd_n: args.force_sd_n,
     };
     run.say("solving the limb's response");
-    let steps = hello.channels.iter().map(|c| f64::from(c.scale).abs());
+    let steps = feed.channels.iter().map(|&i| hello.channels[i].scale);
     let params = SessionParams {
-        step_ue: steps.take(limb.gauges.len()).collect(),
+        step_ue: steps.map(|scale| f64::from(scale).abs()).collect(),
         rails_ue: feed.rails_ue.clone(),
         ..SessionParams::new(n_presses, force_n, rate_hz, quality)
     };
     let mut session = CalibrationSession::new(run, limb, params)?;
     run.say("taking the tare: don't touch the limb");
-    if !feed.guide(run, &mut session, limb.gauges.len(), table)? {
+    if !feed.guide(run, &mut session, table)? {
         let n = session.rows().len();
         let table = table.display();
         bail!("stopped after {n} presses; {table} has them: calibrate with it, without --live");
@@ -148,13 +151,14 @@ impl Feed {
             source,
             prober,
             hello: None,
+            channels: Vec::new(),
             status: Status::default(),
             rails_ue: Vec::new(),
         })
     }
 
-    /// Waits for what the device says about itself.
-    fn hello(&mut self, run: &Run, n_gauges: usize) -> Result<Arc<Hello>> {
+    /// Waits for what the device says about itself, and finds the gauges among its channels.
+    fn hello(&mut self, run: &Run) -> Result<Arc<Hello>> {
         loop {
             let mut said = None;
             run.check_stop("the calibration")?;
@@ -164,18 +168,10 @@ impl Feed {
                 _ => {}
             })?;
             let Some(hello) = said else { continue };
-            let is_gauge = |kind| {
-                use ChannelKind as K;
-                matches!(kind, K::QuarterBridge | K::HalfBridge | K::FullBridge)
-            };
-            let leading = hello.channels.iter().take_while(|c| is_gauge(c.kind));
-            let found = leading.count();
-            ensure!(
-                found == n_gauges,
-                "the device has {found} bridges in front, the scene {n_gauges} gauges: expected \
-                 the same number in the same order"
-            );
-            self.rails_ue = rails_ue(&hello, n_gauges);
+            let sites = &run.scene.gauges.sites;
+            let names = sites.iter().map(|site| site.name.as_str());
+            self.channels = gauge_channels(&hello.channels, names, Some(sites.len()))?;
+            self.rails_ue = rails_ue(&hello, &self.channels);
             self.hello = Some(Arc::clone(&hello));
             return Ok(hello);
         }
@@ -199,18 +195,12 @@ impl Feed {
     }
 
     /// Guides to the end, the table written after each press; false when the person stops it.
-    fn guide(
-        &mut self,
-        run: &Run,
-        session: &mut CalibrationSession,
-        n_gauges: usize,
-        table: &Path,
-    ) -> Result<bool> {
+    fn guide(&mut self, run: &Run, session: &mut CalibrationSession, table: &Path) -> Result<bool> {
         let mut messages = Vec::new();
         while !run.stopping() {
             self.poll(&mut |message| messages.push(message))?;
             for message in messages.drain(..) {
-                let Some(event) = self.take(run, session, n_gauges, message)? else {
+                let Some(event) = self.take(run, session, message)? else {
                     continue;
                 };
                 say(run, &event);
@@ -229,19 +219,15 @@ impl Feed {
         &mut self,
         run: &Run,
         session: &mut CalibrationSession,
-        n_gauges: usize,
         message: Message,
     ) -> Result<Option<SessionEvent>> {
         match message {
             Message::Frame(frame) => {
-                let Some(hello) = &self.hello else {
-                    return Ok(None);
-                };
                 let mut readings = [0.0; MAX_CHANNELS];
-                frame.scaled(hello, &mut readings);
-                let readings = &mut readings[..n_gauges];
-                self.mark_saturated(frame.saturated(&self.status), readings);
-                return Ok(session.frame(readings)?);
+                let readings = &mut readings[..self.channels.len()];
+                if self.read(&frame, readings) {
+                    return Ok(session.frame(readings)?);
+                }
             }
             Message::Hello(hello) => self.is_the_same(&hello)?,
             Message::Status(status) => self.status = status,
@@ -255,15 +241,24 @@ impl Feed {
         Ok(None)
     }
 
-    /// Puts gauges at the end of their range that the device says are saturated: its converter may have
-    /// fewer bits than its numbers.
-    fn mark_saturated(&self, channels: u64, readings: &mut [f64]) {
-        for (gauge, reading) in readings.iter_mut().enumerate() {
-            if channels >> gauge & 1 == 1 {
+    /// The gauges' readings, µε, into `readings` `[n_gauges]`; false before the device has described
+    /// itself. Gauges that it says are saturated are put at the end of their range: its converter may
+    /// have fewer bits than its numbers.
+    fn read(&self, frame: &Frame, readings: &mut [f64]) -> bool {
+        let Some(hello) = &self.hello else {
+            return false;
+        };
+        let mut scaled = [0.0; MAX_CHANNELS];
+        frame.scaled(hello, &mut scaled);
+        let saturated = frame.saturated(&self.status);
+        for (gauge, (reading, &channel)) in readings.iter_mut().zip(&self.channels).enumerate() {
+            *reading = scaled[channel];
+            if saturated >> channel & 1 == 1 {
                 let end = self.rails_ue.get(gauge);
                 *reading = end.map_or(f64::NAN, |(_, high)| *high);
             }
         }
+        true
     }
 
     /// Presses of two devices, or in two scales, make no calibration.
@@ -309,11 +304,11 @@ impl Feed {
 }
 
 /// Lowest and highest reading of each gauge, µε; empty where there are no limits.
-fn rails_ue(hello: &Hello, n_gauges: usize) -> Vec<(f64, f64)> {
+fn rails_ue(hello: &Hello, channels: &[usize]) -> Vec<(f64, f64)> {
     let Some([low, high]) = hello.count_range() else {
         return Vec::new();
     };
-    let channels = hello.channels.iter().take(n_gauges);
+    let channels = channels.iter().map(|&i| &hello.channels[i]);
     let ends = |c: &Channel| {
         let of = |count: f64| count * f64::from(c.scale) + f64::from(c.offset);
         (of(low).min(of(high)), of(low).max(of(high)))
@@ -356,4 +351,39 @@ fn held_in_words(held: &HeldPress) -> String {
         held.residual * 100.0,
         progress.coverage * 100.0
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_daq::hdp1::{FrameFlags, SampleFormat};
+    use hapdef_daq::source::ReplaySource;
+
+    use super::*;
+
+    #[test]
+    fn each_gauge_reads_the_channel_of_its_name() {
+        let hello = Hello::plain(4, SampleFormat::I16, 500);
+        let names = ["g3", "g0", "g1"];
+        let channels = gauge_channels(&hello.channels, names, Some(3)).unwrap();
+        let mut feed = Feed {
+            source: Box::new(ReplaySource::new("none", std::iter::empty(), 1.0)),
+            prober: None,
+            rails_ue: rails_ue(&hello, &channels),
+            hello: None,
+            channels,
+            status: Status {
+                saturated: 1 << 2 | 1 << 1,
+                ..Status::default()
+            },
+        };
+        let mut frame = Frame::new(0, SampleFormat::I16, [10, 20, 30, 40]);
+        let mut readings = [0.0; 3];
+        assert!(!feed.read(&frame, &mut readings));
+        feed.hello = Some(Arc::new(hello));
+        assert!(feed.read(&frame, &mut readings));
+        assert_eq!(readings, [40.0, 10.0, 20.0]);
+        frame.flags = FrameFlags::SATURATED;
+        assert!(feed.read(&frame, &mut readings));
+        assert_eq!(readings, [40.0, 10.0, 32767.0]);
+    }
 }

@@ -130,21 +130,29 @@ fn layout(seen: &Seen, gauges: &[String]) -> Check {
              firmware, or correct gauges.sites",
         );
     }
-    let differing = seen.bridges().zip(gauges).find(|(channel, gauge)| {
+    let channels = seen.gauges(gauges);
+    let is_other = |(channel, gauge): &(usize, &String)| {
         let name = seen.name(*channel);
-        !name.starts_with("channel ") && name != gauge.chars().take(4).collect::<String>()
-    });
-    match differing {
-        None => Check::ok("gauges", format!("{n_bridges}, as in the scene")),
-        Some((channel, gauge)) => Check::warn(
+        let short: String = gauge.chars().take(4).collect();
+        !name.starts_with("channel ") && !name.eq_ignore_ascii_case(&short)
+    };
+    let differing = channels.iter().copied().zip(gauges).find(is_other);
+    if let Some((channel, gauge)) = differing {
+        return Check::warn(
             "gauges",
             format!(
-                "channel {channel} is called {}, the scene's is {gauge}",
+                "channel {channel} is called {}, the scene's is {gauge}: gauges go by order",
                 seen.name(channel)
             ),
             "is the order right? hapdef doctor --press-check tells",
-        ),
+        );
     }
+    let how = if channels.is_sorted() {
+        "as in the scene"
+    } else {
+        "found by their names"
+    };
+    Check::ok("gauges", format!("{n_bridges}, {how}"))
 }
 
 /// Channels that say nothing or are at the end of their range.
@@ -279,11 +287,14 @@ mod tests {
     fn channels_are_compared_with_the_scene() {
         let seen = seen(&[[1, 2, 3], [2, 3, 4]], 1000);
         let names = |list: &[&str]| list.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
-        assert_eq!(layout(&seen, &names(&["G0", "G1", "G2"])).state, State::Ok);
-        assert_eq!(
-            layout(&seen, &names(&["G0", "G2", "G1"])).state,
-            State::Warn
-        );
-        assert_eq!(layout(&seen, &names(&["G0"])).state, State::Bad);
+        let checked = |list: &[&str]| layout(&seen, &names(list));
+        assert_eq!(checked(&["g0", "g1", "g2"]).state, State::Ok);
+        let turned = checked(&["g0", "g2", "g1"]);
+        assert_eq!(turned.state, State::Ok, "{turned}");
+        assert!(turned.found.contains("by their names"), "{turned}");
+        let others = checked(&["g0", "toe", "g1"]);
+        assert_eq!(others.state, State::Warn, "{others}");
+        assert!(others.found.contains("channel 1 is called G1"), "{others}");
+        assert_eq!(checked(&["g0"]).state, State::Bad);
     }
 }

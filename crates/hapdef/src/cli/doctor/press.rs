@@ -30,11 +30,15 @@ pub(super) fn checks(
     let (_acquisition, mut receivers) = acquire(source.open()?, AcquireParams::default())?;
     let mut limb = Limb::at_rest(&mut receivers[0], patience)?;
     let mut checks = Vec::new();
-    for (k, channel) in limb.channels.clone().into_iter().enumerate() {
-        let name = match gauges.and_then(|names| names.get(k)) {
-            Some(name) => name.clone(),
-            None => limb.seen.name(channel),
-        };
+    let asked: Vec<(String, usize)> = match gauges {
+        Some(names) => names.iter().cloned().zip(limb.seen.gauges(names)).collect(),
+        None => {
+            let own = limb.channels.iter();
+            own.map(|&channel| (limb.seen.name(channel), channel))
+                .collect()
+        }
+    };
+    for (name, channel) in asked {
         if stop.load(Ordering::Relaxed) {
             break;
         }
@@ -192,11 +196,12 @@ mod tests {
         std::iter::once(hello).chain(frames)
     }
 
-    #[test]
-    fn a_channel_that_answers_for_another_is_found() {
+    /// What is said and asked when gauges of these names are pressed one after the other, and these
+    /// channels answer.
+    fn checked(answers: [usize; 3], names: [&str; 3]) -> (Vec<Check>, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("presses.mcap");
-        let source = ReplaySource::new("made up", pressed([0, 2, 2]), f64::INFINITY);
+        let source = ReplaySource::new("made up", pressed(answers), f64::INFINITY);
         let (_acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
         let recorder = record(receivers.remove(0), &path, RecordParams::default()).unwrap();
         while recorder.stats().n_frames < 4000 {
@@ -204,15 +209,35 @@ mod tests {
         }
         recorder.finish().unwrap();
         let source: SourceArg = format!("replay:{}@1", path.display()).parse().unwrap();
-        let names = ["toe", "shin", "knee"].map(str::to_owned);
         let asked = std::sync::Mutex::new(Vec::new());
         let ask = |text: &str| asked.lock().unwrap().push(text.to_owned());
         let never = AtomicBool::new(false);
         let patience = Duration::from_secs(5);
+        let names = names.map(str::to_owned);
         let checks = checks(&source, patience, Some(&names), &never, &ask).unwrap();
-        let states: Vec<State> = checks.iter().map(|check| check.state).collect();
-        assert_eq!(states, [State::Ok, State::Bad, State::Ok], "{checks:?}");
+        (checks, asked.into_inner().unwrap())
+    }
+
+    fn states(checks: &[Check]) -> Vec<State> {
+        checks.iter().map(|check| check.state).collect()
+    }
+
+    #[test]
+    fn a_channel_that_answers_for_another_is_found() {
+        let (checks, asked) = checked([0, 2, 2], ["toe", "shin", "knee"]);
+        assert_eq!(
+            states(&checks),
+            [State::Ok, State::Bad, State::Ok],
+            "{checks:?}"
+        );
         assert!(checks[1].found.contains("channel 2 (G2)"), "{}", checks[1]);
-        assert_eq!(asked.into_inner().unwrap().len(), 3);
+        assert_eq!(asked.len(), 3);
+    }
+
+    #[test]
+    fn gauges_in_another_order_answer_on_the_channels_of_their_names() {
+        let (checks, asked) = checked([2, 0, 1], ["g2", "g0", "g1"]);
+        assert_eq!(states(&checks), [State::Ok; 3], "{checks:?}");
+        assert!(asked[0].contains("near gauge g2"), "{asked:?}");
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hapdef_daq::hdp1::{ChannelKind, FrameFlags, Hello};
 use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{Frame, Message};
+use hapdef_live::gauge_channels;
 
 /// What came in a few seconds.
 #[derive(Clone, Debug, Default)]
@@ -68,6 +69,16 @@ impl Seen {
             "" => format!("channel {channel}"),
             name => name.to_owned(),
         }
+    }
+
+    /// Channel of each of the gauges called `names`, as the live runtime finds them; the bridges as
+    /// they come where their number is another or the device does not describe itself.
+    pub(super) fn gauges(&self, names: &[String]) -> Vec<usize> {
+        let names_of = names.iter().map(String::as_str);
+        let hello = self.hello.as_ref();
+        let found = hello.map(|h| gauge_channels(&h.channels, names_of, Some(names.len())));
+        let found = found.and_then(Result::ok);
+        found.unwrap_or_else(|| self.bridges().collect())
     }
 
     /// Channels with a gauge.
