@@ -144,7 +144,13 @@ where
             y,
         )
         .map_err(message)?;
-    style::draw_axes(&mut plot, &chart.x_label, &chart.y_label, &name)?;
+    style::draw_axes(
+        &mut plot,
+        &chart.x_label,
+        &chart.y_label,
+        &name,
+        chart.log_y,
+    )?;
     let bar = 0.8 / chart.series.len() as f64;
     for (index, row) in panel.values.iter().enumerate() {
         let bars = drawable(row, chart.log_y).map(|(group, value)| {

@@ -115,7 +115,13 @@ where
         .y_label_area_size(64)
         .build_cartesian_2d(x, y)
         .map_err(message)?;
-    style::draw_axes(&mut area, &chart.x_label, &chart.y_label, &|v| tick(*v))?;
+    style::draw_axes(
+        &mut area,
+        &chart.x_label,
+        &chart.y_label,
+        &|v| tick(*v),
+        chart.log_y,
+    )?;
     for (index, series) in chart.series.iter().enumerate() {
         let colour = series_colour(index);
         let fit =
@@ -212,7 +218,7 @@ fn draw_scatter(
         .build_cartesian_2d(range.clone(), range.clone())
         .map_err(message)?;
     let labels = ["true", "predicted"].map(|word| format!("{word} {}", scatter.quantity));
-    style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v))?;
+    style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v), false)?;
     let dot = |p: &(f64, f64)| Circle::new(*p, 2, series_colour(0).mix(0.35).filled());
     area.draw_series(dots.iter().map(dot)).map_err(message)?;
     let equal = [range.start, range.end].map(|v| (v, v));

@@ -99,11 +99,21 @@ pub(super) fn draw_axes<X, Y>(
     x_label: &str,
     y_label: &str,
     x_tick: &dyn Fn(&f64) -> String,
+    is_log_y: bool,
 ) -> Result<(), String>
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
     Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
+    let y = plot.y_range();
+    let log_tick = log_tick(y.start, y.end);
+    let y_tick = |value: &f64| {
+        if is_log_y {
+            log_tick(value)
+        } else {
+            tick(*value)
+        }
+    };
     plot.configure_mesh()
         .x_desc(x_label)
         .y_desc(y_label)
@@ -113,7 +123,7 @@ where
         .bold_line_style(FAINT)
         .light_line_style(TRANSPARENT)
         .x_label_formatter(&x_tick)
-        .y_label_formatter(&|v| tick(*v))
+        .y_label_formatter(&y_tick)
         .draw()
         .map_err(message)
 }
@@ -159,9 +169,33 @@ pub(super) fn tick(value: f64) -> String {
     }
 }
 
+/// The same for a logarithmic axis from `low` to `high`: over a decade or more only 1, 2 and 5 times powers
+/// of ten are told, since the others would lie over each other.
+fn log_tick(low: f64, high: f64) -> impl Fn(&f64) -> String {
+    move |&value| {
+        let leading = value / 10_f64.powf(value.log10().floor());
+        let is_told = [1.0, 2.0, 5.0, 10.0]
+            .iter()
+            .any(|d| (leading - d).abs() < 1e-6);
+        if high < 10.0 * low || is_told {
+            tick(value)
+        } else {
+            String::new()
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_logarithmic_axis_of_decades_tells_1_2_and_5() {
+        let values = [0.1, 0.3, 0.5, 1.0, 2.0, 7.0, 10.0, 90.0];
+        let wide = values.map(|v| log_tick(0.1, 100.0)(&v));
+        assert_eq!(wide, ["0.1", "", "0.5", "1", "2", "", "10", ""]);
+        assert_eq!([3.0, 4.0].map(|v| log_tick(2.0, 8.0)(&v)), ["3", "4"]);
+    }
 
     #[test]
     fn ticks_are_short() {

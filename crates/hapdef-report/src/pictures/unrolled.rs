@@ -208,7 +208,13 @@ fn draw_surface(
         .y_label_area_size(56)
         .build_cartesian_2d(angles, height.0..height.1)
         .map_err(message)?;
-    style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
+    style::draw_axes(
+        &mut plot,
+        "angle, degrees",
+        "height, mm",
+        &|v| tick(*v),
+        false,
+    )?;
     let radius = if area.dim_in_pixel().0 > 500 { 4 } else { 3 };
     let dots = figure
         .points
