@@ -325,6 +325,11 @@ mod tests {
         };
         shown.health.n_lost = u64::MAX;
         shown.health.n_dropped = 513;
+        shown.health.rate_hz = 997.5;
+        shown.health.n_crc_errors = 258;
+        shown.health.latency_p50_us = 182.5;
+        shown.health.latency_p99_us = 950.25;
+        shown.health.clock_residual_us = 4.25;
         shown.health.recording = Recording::On { recorded_s: 2.0 };
         let bytes = frame(&shown, 258);
         assert_eq!(bytes.len(), 68 + 16 + 4 + 72 + 72 + 24);
@@ -333,7 +338,12 @@ mod tests {
         assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [4, 1, 1]);
         assert_eq!(bytes[24..28], [2, 0, 0, 0]);
         assert_eq!(bytes[32..36], [255; 4]);
-        assert_eq!(f32_at(&bytes, 52), 2.0);
+        assert_eq!(f32_at(&bytes, 28), 997.5);
+        assert_eq!(bytes[36..40], [2, 1, 0, 0]);
+        assert_eq!(
+            [40, 44, 48, 52].map(|at| f32_at(&bytes, at)),
+            [182.5, 950.25, 4.25, 2.0]
+        );
         assert!(f32_at(&bytes, 56).is_nan());
         assert_eq!(bytes[64..68], [1, 2, 0, 0]);
         assert_eq!([68, 72].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);

@@ -18,6 +18,7 @@ mod synthetic;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use hapdef_view::{Displacement, GaugeHealth, ReplayPosition, ViewCommand, ViewFrame, ViewParams};
 use look::{Look, Served, look};
@@ -30,6 +31,15 @@ const CURVE: &str = "import('/js/colour.js').then(({ contactColour }) => {
     const of = (at) => parseInt(contactColour(0).slice(at, at + 2), 16);
     const colour = [1, 3, 5].map(of);
     const plot = document.getElementById('force-plot');
+    const { data } = plot.getContext('2d').getImageData(0, 0, plot.width, plot.height);
+    let n = 0;
+    for (let i = 0; i < data.length; i += 4) n += colour.every((c, k) => Math.abs(c - data[i + k]) < 9) && data[i + 3] > 200;
+    return n; })";
+
+/// Pixels of the gauges' plot that have the colour of the first gauge.
+const GAUGE_CURVE: &str = "import('/js/colour.js').then(({ mapColour }) => {
+    const colour = mapColour('viridis', 0.25).map((c) => Math.round(255 * c));
+    const plot = document.getElementById('gauge-plot');
     const { data } = plot.getContext('2d').getImageData(0, 0, plot.width, plot.height);
     let n = 0;
     for (let i = 0; i < data.length; i += 4) n += colour.every((c, k) => Math.abs(c - data[i + k]) < 9) && data[i + 3] > 200;
@@ -66,8 +76,13 @@ fn doubtful(n: u32) -> ViewFrame {
     frame.gauge_health[1] = GaugeHealth::Saturated;
     frame.gauge_health[7] = GaugeHealth::Dead;
     frame.gauge_health[4] = GaugeHealth::LeftOut;
+    frame.health.n_lost = 7;
     frame.health.n_dropped = 1234;
+    frame.health.n_crc_errors = 3;
     frame.health.rate_hz = 0.0;
+    frame.health.latency_p50_us = 182.0;
+    frame.health.latency_p99_us = 1740.0;
+    frame.health.clock_residual_us = 4.25;
     if let Displacement::Vector(moved) = &mut frame.displacement {
         moved.as_flattened_mut().iter_mut().for_each(|c| *c *= 40.0);
     }
@@ -90,7 +105,18 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
     look.is(&text("#gauges li.out .value"), &json!("out"));
     look.is(
         "[...document.querySelectorAll('#health .bad')].map((row) => row.textContent)",
-        &json!(["Rate0 Hz", "Dropped1,234"]),
+        &json!(["Rate0 Hz", "Lost7", "Dropped1,234", "CRC errors3"]),
+    );
+    look.is(
+        "[...document.querySelectorAll('#health div:not(.bad)')].map((row) => row.textContent)",
+        &json!(["Latency182 µs · p99 1.7 ms", "Clock±4.3 µs", "Recordingoff"]),
+    );
+    let (good, saturated, dead, out) = ("#f3f6fa", "#ffb454", "#ff7b72", "#8a94a3");
+    look.is(
+        "hapdefView.sites",
+        &json!([
+            good, saturated, good, good, out, good, good, dead, good, good
+        ]),
     );
     look.is(&text("#contacts li.other span"), &json!("or this, 21 %"));
     look.until("document.querySelectorAll('.label.other:not([hidden])').length === 1");
@@ -107,6 +133,7 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
         .getImageData(0, 0, 1, 1000).data].some((x) => x > 0)";
     look.is(first_column, &json!(false));
     look.until(&format!("{CURVE}.then((n) => n > 60)"));
+    look.until(&format!("{GAUGE_CURVE}.then((n) => n > 60)"));
     for (x, y) in [(0.5, 0.02), (0.98, 0.98)] {
         let pixel = look.picture_at(x, y);
         assert!(pixel[..3].iter().all(|&c| c > 200), "{pixel:?}");
@@ -297,6 +324,10 @@ fn a_page_that_comes_later_knows_that_a_replay_is_stopped() {
     look.do_it("document.getElementById('pause').click()");
     look.view.hears(&ViewCommand::Pause(false));
     look.is(button, &json!("Resume"));
+    look.do_it(
+        "(() => { const time = document.getElementById('time'); time.value = 6; time.oninput(); })()",
+    );
+    look.view.hears(&ViewCommand::Seek { position_s: 6.0 });
     is_paused.store(false, Ordering::Relaxed);
     look.until(&format!("{button} === 'Pause'"));
 
@@ -332,4 +363,35 @@ fn another_limb_on_the_same_port_is_looked_at_anew() {
         "Math.abs(hapdefView.radius - {radius_m} / 2) < 1e-6"
     ));
     look.until("document.getElementById('ruler').textContent.trim() !== ''");
+}
+
+#[test]
+fn a_drag_presses_on_where_the_pointer_goes() {
+    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 5.0)) else {
+        return;
+    };
+    look.do_it("document.getElementById('press').click()");
+    let node = look.number("hapdefView.facing()");
+    let project = |look: &mut Look| {
+        ["0", "1"].map(|k| look.number(&format!("hapdefView.project({node})[{k}]")))
+    };
+    let at = project(&mut look);
+    let (from, to) = ((at[0], at[1]), (at[0], at[1] - 50.0));
+    look.chrome.pointer("mouseMoved", from).unwrap();
+    look.chrome.pointer("mousePressed", from).unwrap();
+    let first = look.view.hears_a_press();
+    // the page sends 30 presses a second at most
+    std::thread::sleep(Duration::from_millis(100));
+    look.chrome.pointer("mouseMoved", to).unwrap();
+    let then = look.view.hears_a_press();
+    let moved: f64 = (0..3).map(|k| (then[k] - first[k]).powi(2)).sum();
+    assert!(moved.sqrt() > 0.003, "{first:?} {then:?}");
+    look.chrome.pointer("mouseReleased", to).unwrap();
+    look.view.hears(&ViewCommand::Release);
+    let after = project(&mut look);
+    assert!(
+        (after[0] - at[0]).hypot(after[1] - at[1]) < 0.5,
+        "the view stays where it is"
+    );
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }

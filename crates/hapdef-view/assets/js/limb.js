@@ -21,6 +21,8 @@ export class Limb {
     this.geometry.setIndex(new BufferAttribute(surface.triangles, 1));
     this.mesh = new Mesh(this.geometry, new MeshStandardMaterial({ vertexColors: true, side: DoubleSide, roughness: 0.6, metalness: 0 }));
     this.mesh.frustumCulled = false;
+    this.geometry.computeBoundingSphere();
+    this.restRadius = this.geometry.boundingSphere.radius;
     this.setMap("viridis");
     this.range = 0;
     this.peak = 0;
@@ -38,9 +40,10 @@ export class Limb {
       this.plain();
       return;
     }
-    this.follow(largest(displacement, components), dt);
+    const peak = largest(displacement, components);
+    this.follow(peak, dt);
     this.paint(displacement, components);
-    this.bend(displacement, components);
+    this.bend(displacement, components, peak);
   }
 
   /** Without a displacement: one grey. */
@@ -50,7 +53,7 @@ export class Limb {
     position.array.set(this.rest);
     normal.array.set(this.restNormals);
     for (const attribute of [color, position, normal]) attribute.needsUpdate = true;
-    if (this.bent) this.geometry.computeBoundingSphere();
+    this.geometry.boundingSphere.radius = this.restRadius;
     this.bent = false;
   }
 
@@ -66,7 +69,7 @@ export class Limb {
     const scale = 255 / this.range;
     color.array.fill(GREY, displacement.length * 3 / components);
     for (let i = 0; i < displacement.length / components; i += 1) {
-      const length = components === 1 ? Math.abs(displacement[i]) : Math.hypot(displacement[3 * i], displacement[3 * i + 1], displacement[3 * i + 2]);
+      const length = components === 1 ? Math.abs(displacement[i]) : norm(displacement, 3 * i);
       const step = 3 * Math.min(255, Math.round(length * scale));
       color.array[3 * i] = this.table[step];
       color.array[3 * i + 1] = this.table[step + 1];
@@ -75,7 +78,8 @@ export class Limb {
     color.needsUpdate = true;
   }
 
-  bend(displacement, components) {
+  /** No node moves farther than `peak`, m. */
+  bend(displacement, components, peak) {
     const { position, normal } = this.geometry.attributes;
     const by = this.exaggeration;
     if (by === 0 && !this.bent) return;
@@ -84,9 +88,9 @@ export class Limb {
       position.array[k] = this.rest[k] + by * moved;
     }
     position.needsUpdate = true;
-    this.geometry.computeBoundingSphere();
+    this.geometry.boundingSphere.radius = this.restRadius + by * peak;
     if (by === 0) normal.array.set(this.restNormals);
-    else this.geometry.computeVertexNormals();
+    else vertexNormals(position.array, this.geometry.index.array, normal.array);
     normal.needsUpdate = true;
     this.bent = by !== 0;
   }
@@ -118,10 +122,33 @@ export class Limb {
   }
 }
 
+/** Unit normals of the vertices, those of the faces weighted by area. */
+function vertexNormals(positions, triangles, normals) {
+  normals.fill(0);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
+    normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
+    normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
+  }
+  for (let i = 0; i < normals.length; i += 3) {
+    const length = norm(normals, i) || 1;
+    normals[i] /= length; normals[i + 1] /= length; normals[i + 2] /= length;
+  }
+}
+
+function norm(values, i) {
+  const x = values[i], y = values[i + 1], z = values[i + 2];
+  return Math.sqrt(x * x + y * y + z * z);
+}
+
 function largest(displacement, components) {
   let most = 0;
   for (let i = 0; i < displacement.length; i += components) {
-    const length = components === 1 ? Math.abs(displacement[i]) : Math.hypot(displacement[i], displacement[i + 1], displacement[i + 2]);
+    const length = components === 1 ? Math.abs(displacement[i]) : norm(displacement, i);
     if (length > most) most = length;
   }
   return most;

@@ -282,7 +282,7 @@ function onScreen(point) {
 globalThis.hapdefView = {
   get nodes() { return view.limb ? view.limb.rest.length / 3 : 0; },
   get t() { return view.shown?.t ?? NaN; },
-  get states() { return Array.from(view.shown?.states ?? []); },
+  get sites() { return view.sites?.colours() ?? []; },
   get others() { return view.shown?.others.length ?? 0; },
   get ellipses() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible && arrow.ellipse.visible).length; },
   get ghosts() { return view.marks?.nGhosts ?? 0; },

@@ -42,6 +42,15 @@ export class Sites {
     for (const layer of this.layers) if (layer.instanceColor) layer.instanceColor.needsUpdate = true;
   }
 
+  /** The colour of each gauge as it is drawn. */
+  colours() {
+    const colour = new Color();
+    return this.gauges.map((_, i) => {
+      this.layers[0].getColorAt(i, colour);
+      return `#${colour.getHexString()}`;
+    });
+  }
+
   at(i) {
     return new Vector3(...this.gauges[i].position_m);
   }

@@ -62,6 +62,18 @@ impl Served {
     }
 }
 
+impl Served {
+    /// Where the next press is.
+    pub fn hears_a_press(&self) -> [f64; 3] {
+        loop {
+            match self.view.commands().recv_timeout(SOON) {
+                Ok(ViewCommand::Press { point_m, .. }) => return point_m,
+                other => assert!(other.is_ok(), "never heard a press"),
+            }
+        }
+    }
+}
+
 impl Drop for Served {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
