@@ -7,8 +7,8 @@ use anyhow::{Context, Result, bail};
 
 use crate::tool::{cargo, metadata, root, run, shown};
 use crate::{
-    browser, docs, first_minute, fixtures, frontier, python, repro, soak, stability, tidy, verify,
-    weight,
+    browser, docs, first_minute, fixtures, frontier, python, readers, repro, soak, stability, tidy,
+    verify, weight,
 };
 
 /// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
@@ -50,6 +50,10 @@ fn run_all() -> Result<Vec<(String, f64)>> {
         command.env("PROPTEST_RNG_SEED", PROPTEST_SEED);
         run(command.env("HAPDEF_BROWSER", browser::wish()?))
     })?;
+    step(&mut times, "tests of network servers", || {
+        let words = ["test", "--package", "hapdef-ros", "--features"];
+        run(cargo(&words).arg("foxglove,zenoh"))
+    })?;
     step(&mut times, "soak --short", soak::short)?;
     step(&mut times, "verification table", verify::check)?;
     step(&mut times, "stability tables", stability::check)?;
@@ -58,6 +62,7 @@ fn run_all() -> Result<Vec<(String, f64)>> {
     step(&mut times, "demo --quick", quick_demo)?;
     step(&mut times, "demo --live", first_minute::check)?;
     step(&mut times, "python", python::check)?;
+    step(&mut times, "readers", readers::check)?;
     step(&mut times, "commands of the docs", docs::run_commands)?;
     Ok(times)
 }

@@ -23,6 +23,7 @@ mod live;
 mod pictures;
 mod pipeline;
 mod python;
+mod readers;
 mod repro;
 mod rig;
 mod search;

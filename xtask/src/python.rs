@@ -83,7 +83,7 @@ fn snippets() -> Result<Vec<String>> {
 }
 
 /// The version is old enough, and environments can be made.
-fn usable(python: &str) -> Result<(), String> {
+pub(crate) fn usable(python: &str) -> Result<(), String> {
     let advice = format!(
         "expected Python {}.{} or newer with venv and pip",
         OLDEST.0, OLDEST.1
@@ -137,7 +137,7 @@ fn build(tools: &Path, folder: &Path) -> Result<PathBuf> {
 }
 
 /// A virtual environment's Python; made anew if it is to be clean.
-fn environment(python: &str, folder: &Path, is_clean: bool) -> Result<PathBuf> {
+pub(crate) fn environment(python: &str, folder: &Path, is_clean: bool) -> Result<PathBuf> {
     let own = folder.join("bin/python");
     if is_clean || !own.exists() {
         let mut command = Command::new(python);
@@ -146,7 +146,7 @@ fn environment(python: &str, folder: &Path, is_clean: bool) -> Result<PathBuf> {
     Ok(own)
 }
 
-fn install(python: &Path, packages: &[&str]) -> Result<()> {
+pub(crate) fn install(python: &Path, packages: &[&str]) -> Result<()> {
     let mut command = Command::new(python);
     command.args([
         "-m",

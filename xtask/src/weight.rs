@@ -2,13 +2,16 @@
 
 mod build;
 mod layers;
+#[path = "../../crates/hapdef-daq/examples/soak/metrics.rs"]
+mod metrics;
 mod table;
 
 use std::fs;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
-use crate::tool::root;
+use crate::tool::{results, root};
 
 use build::Built;
 use layers::{LAYERS, Layers};
@@ -16,17 +19,26 @@ use layers::{LAYERS, Layers};
 /// Arguments of `weight`.
 #[derive(clap::Args)]
 pub(crate) struct WeightArgs {
-    /// Build every layer in release, one after the other, each from nothing in a folder of its own, and
-    /// write the table in ARCHITECTURE.md after each (minutes).
+    /// Build every layer, not the robot's alone, in release, one after the other, each from nothing in a
+    /// folder of its own, and write the table in ARCHITECTURE.md after each (minutes).
     #[arg(long)]
     build: bool,
     /// Fail where the table in ARCHITECTURE.md says something else.
     #[arg(long, conflicts_with = "build")]
     check: bool,
+    /// Taken for the sake of scripts and not used: what is compiled knows no limb.
+    #[arg(long)]
+    scene: Option<PathBuf>,
+    /// The seed that the metrics carry; nothing is drawn.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 /// A robot's build that reads by TCP has fewer crates than this; serial ports come on top.
 const MAX_ROBOT_CRATES: usize = 60;
+
+/// The layer that is built unless all are or the table is checked.
+const ROBOT: &str = "robot";
 
 /// The layer that CI builds: the lightest, seconds.
 const BUILT_IN_CI: &str = "kmax";
@@ -45,20 +57,30 @@ struct Row {
 
 /// `cargo xtask weight`.
 pub(crate) fn run(args: &WeightArgs) -> Result<()> {
+    if let Some(scene) = &args.scene {
+        eprintln!(
+            "{} is not used: what is compiled knows no limb",
+            scene.display()
+        );
+    }
     let mut rows = counted()?;
     check_robot(&rows)?;
     if args.check {
         check(&rows)?;
     }
-    if args.build {
-        for i in 0..rows.len() {
-            eprintln!("── {}", rows[i].layers.shown());
-            rows[i].built = Some(build::measure(rows[i].layers)?);
+    for i in 0..rows.len() {
+        let is_wanted = args.build || (rows[i].layers.name == ROBOT && !args.check);
+        if !is_wanted {
+            continue;
+        }
+        eprintln!("── {}", rows[i].layers.shown());
+        rows[i].built = Some(build::measure(rows[i].layers)?);
+        if args.build {
             write(&rows)?;
         }
     }
     println!("{}", table::text(&rows));
-    rows.iter().for_each(print_metrics);
+    report(&rows, args.seed);
     Ok(())
 }
 
@@ -88,20 +110,29 @@ fn counted() -> Result<Vec<Row>> {
     LAYERS.iter().map(row).collect()
 }
 
-fn print_metrics(row: &Row) {
-    let name = row.layers.name;
-    println!("METRIC:weight.{name}_crates:{}:1", row.n_crates);
-    match &row.built {
-        Some(built) => {
-            println!("METRIC:weight.{name}_build_s:{:.1}:s", built.seconds);
-            println!("METRIC:weight.{name}_bytes:{}:B", built.bytes);
-        }
-        None => {
-            for what in ["build_s", "bytes"] {
-                println!("METRIC:weight.{name}_{what}:skipped:--build not given");
+/// The figures as METRIC lines, those that were measured in metrics.json, too.
+fn report(rows: &[Row], seed: u64) {
+    let mut figures = Vec::new();
+    for row in rows {
+        let of = |what: &str| format!("weight.{}_{what}", row.layers.name);
+        figures.push((of("crates"), row.n_crates as f64, "1"));
+        match &row.built {
+            Some(built) => {
+                figures.push((of("build_s"), built.seconds, "s"));
+                figures.push((of("bytes"), built.bytes as f64, "B"));
+            }
+            None => {
+                for what in ["build_s", "bytes"] {
+                    println!("METRIC:{}:skipped:--build not given", of(what));
+                }
             }
         }
     }
+    let figures: Vec<(&str, f64, &str)> = figures
+        .iter()
+        .map(|(name, value, unit)| (name.as_str(), *value, *unit))
+        .collect();
+    metrics::report(&figures, seed, Some(&results().join("metrics.json")));
 }
 
 fn check_robot(rows: &[Row]) -> Result<()> {

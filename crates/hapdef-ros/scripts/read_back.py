@@ -104,11 +104,11 @@ def hashes(folder):
         types.update(get_types_from_msg(path.read_text(), name))
     store = get_typestore(Stores.EMPTY)
     store.register(types)
-    known = get_typestore(Stores.ROS2_JAZZY)
+    known = [get_typestore(store) for store in (Stores.ROS2_HUMBLE, Stores.ROS2_JAZZY)]
     for name in sorted(types):
         digest = store.hash_rihs01(name)
         own = name.startswith("hapdef_msgs/")
-        same = own or digest == known.hash_rihs01(name)
+        same = own or all(digest == other.hash_rihs01(name) for other in known)
         print(name.replace("/msg/", "/"), digest, "same" if same else "differs")
 
 

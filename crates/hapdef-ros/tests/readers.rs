@@ -5,37 +5,21 @@
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 #![expect(clippy::print_stdout, reason = "says why it is skipped")]
 
+#[path = "support/read_back.rs"]
+mod read_back;
 mod support;
 
-use std::fmt::Write;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use hapdef_daq::record::Recording;
 use hapdef_daq::{Message, record::Content};
 use hapdef_ros::{RosParams, TopicKind, from_cdr, msg};
 use serde_json::Value;
 
+use read_back::{flat, read_back};
 use support::recorded;
 
 const N: u32 = 300;
-
-/// Runs the script, if the interpreter has the modules; says why not otherwise.
-fn read_back(modules: &str, arguments: &[&Path]) -> Option<Output> {
-    let python = std::env::var("HAPDEF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let import = format!("import {modules}");
-    let has_modules = Command::new(&python).args(["-c", &import]).output();
-    if !has_modules.is_ok_and(|output| output.status.success()) {
-        println!("skipped: {python} can't {import}");
-        return None;
-    }
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/read_back.py");
-    let output = Command::new(python).arg(script).args(arguments).output();
-    let output = output.unwrap();
-    let fault = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{fault}");
-    Some(output)
-}
 
 /// A message as JSON; names and values are ROS's.
 fn value(topic: TopicKind, bytes: &[u8]) -> Value {
@@ -49,25 +33,6 @@ fn value(topic: TopicKind, bytes: &[u8]) -> Value {
         TopicKind::Transforms => json::<msg::TfMessage>(bytes),
         TopicKind::Diagnostics => json::<msg::DiagnosticArray>(bytes),
         TopicKind::Wrench(_) => json::<msg::WrenchStamped>(bytes),
-    }
-}
-
-/// Appends a value as the script prints it: fields by name, bits of floats.
-fn flat(value: &Value, out: &mut String) {
-    match value {
-        Value::Null => out.push_str(" null"),
-        Value::Bool(b) => write!(out, " {}", u8::from(*b)).unwrap(),
-        Value::Number(n) if n.is_f64() => {
-            write!(out, " {:016x}", n.as_f64().unwrap().to_bits()).unwrap();
-        }
-        Value::Number(n) => write!(out, " {n}").unwrap(),
-        Value::String(_) => write!(out, " {value}").unwrap(),
-        Value::Array(items) => items.iter().for_each(|item| flat(item, out)),
-        Value::Object(fields) => {
-            let mut names: Vec<_> = fields.keys().collect();
-            names.sort();
-            names.iter().for_each(|name| flat(&fields[*name], out));
-        }
     }
 }
 

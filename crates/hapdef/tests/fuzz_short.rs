@@ -13,8 +13,11 @@ use std::path::Path;
 
 use driver::{corpus, fuzz};
 
+/// Memory of all readers together, whatever the damage claims; a few small files are the input.
+const MOST_MIB: u64 = 1024;
+
 #[test]
-fn no_reader_panics() {
+fn no_reader_panics_or_takes_much_memory() {
     let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
     let failures = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
     for target in targets::TARGETS {
@@ -23,4 +26,16 @@ fn no_reader_panics() {
         println!("{}: {outcome:?}", target.name);
         assert_eq!(outcome.n_panics, 0, "{}", target.name);
     }
+    if let Some(peak) = peak_mib() {
+        println!("at most {peak} MiB");
+        assert!(peak < MOST_MIB, "{peak} MiB");
+    }
+}
+
+/// The most memory that the process has held, MiB; none where the system doesn't tell.
+fn peak_mib() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib / 1024)
 }

@@ -117,14 +117,15 @@ impl Look {
         at
     }
 
-    /// Waits until one arrow alone is near a node.
+    /// Waits for a picture with one arrow alone, near a node, and its ellipse: how sure it is of the place.
     fn is_found_at(&mut self, node: u64) {
         let off = format!(
             "Math.hypot(...hapdefView.arrows[0].map((c, k) => c - hapdefView.node({node})[k]))"
         );
-        let is_near = format!("hapdefView.arrows.length === 1 && {off} < {NEAR_M}");
+        let is_near = format!(
+            "hapdefView.arrows.length === 1 && hapdefView.ellipses === 1 && {off} < {NEAR_M}"
+        );
         self.chrome.wait_for(&is_near).unwrap();
-        println!("arrow {} m off", self.chrome.eval(&off).unwrap());
     }
 
     fn node_in_the_middle(&mut self) -> u64 {

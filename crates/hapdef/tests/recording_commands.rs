@@ -11,6 +11,7 @@ use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::record::{Content, RecordParams, Recording, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
+use rustix::process::Signal;
 use serde_json::Value;
 
 fn hapdef(arguments: &[&str]) -> Command {
@@ -87,7 +88,7 @@ fn device(arguments: &[&str]) -> (Child, String) {
 }
 
 #[track_caller]
-fn check_wire(form: &[&str]) {
+fn check_wire(form: &[&str], ended_by: Signal) {
     let folder = tempfile::tempdir().unwrap();
     let original = made(folder.path(), 600);
     let again = folder.path().join("again.mcap");
@@ -102,7 +103,7 @@ fn check_wire(form: &[&str]) {
     assert!(child.wait().unwrap().success());
     std::thread::sleep(Duration::from_millis(300));
     let pid = rustix::process::Pid::from_child(&recorded);
-    rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();
+    rustix::process::kill_process(pid, ended_by).unwrap();
     let output = recorded.wait_with_output().unwrap();
     assert!(
         output.status.success(),
@@ -117,13 +118,13 @@ fn check_wire(form: &[&str]) {
 
 #[test]
 fn a_recording_played_over_tcp_and_recorded_again_is_the_same() {
-    check_wire(&["--tcp", "127.0.0.1:0"]);
+    check_wire(&["--tcp", "127.0.0.1:0"], Signal::TERM);
 }
 
 #[test]
 fn a_recording_played_on_a_pty_and_recorded_again_is_the_same() {
     let folder = tempfile::tempdir().unwrap();
-    check_wire(&["--pty", text(&folder.path().join("limb"))]);
+    check_wire(&["--pty", text(&folder.path().join("limb"))], Signal::INT);
 }
 
 #[test]

@@ -3,14 +3,19 @@
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 #![expect(clippy::print_stdout, reason = "figures, and why something is skipped")]
 
-use std::collections::BTreeMap;
+#[path = "../../hapdef-ros/tests/support/read_back.rs"]
+mod read_back;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 use hapdef_daq::Message;
 use hapdef_daq::record::{Content, Recording};
 use hapdef_ros::{from_cdr, msg};
+use read_back::{flat, read_back};
 use serde_json::json;
 
 /// Frames per second, which a full search in each frame keeps up with.
@@ -73,6 +78,17 @@ fn rig(link: &Path, truth: &Path, script: &Path) -> Child {
     child
 }
 
+/// The bundled limb's bundle.
+fn bundled(folder: &Path) -> PathBuf {
+    let bundle = folder.join("shin.hapdef");
+    let made = hapdef(&["bundle", text(&root().join("fixtures/shin/placed.json"))])
+        .args(["-o", text(&bundle)])
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{made:?}");
+    bundle
+}
+
 fn live(bundle: &Path, source: &str, words: &[&str]) {
     let output = hapdef(&["live", text(bundle), "--source", source])
         .args(["--estimator", "superposition", "--tare-s", "0.5"])
@@ -87,35 +103,49 @@ fn live(bundle: &Path, source: &str, words: &[&str]) {
 /// What a recording has, by the number of the reading.
 #[derive(Default)]
 struct Recorded {
-    /// Time and samples.
-    raw: BTreeMap<u32, (u64, Vec<i32>)>,
+    /// Times, ns.
+    raw: BTreeMap<u32, u64>,
     found: BTreeMap<u32, msg::Contacts>,
     truth: BTreeMap<u32, msg::Contacts>,
+    /// As scripts/read_back.py prints them: topic, time, values.
+    contact_lines: BTreeSet<String>,
+    reading_lines: BTreeSet<String>,
 }
 
 impl Recorded {
-    fn read(path: &Path) -> Self {
+    /// A whole recording, or what is left of one that was killed.
+    fn read(path: &Path, is_whole: bool) -> Self {
         let mut all = Self::default();
         let mut recording = Recording::open(path).unwrap();
         while let Some(record) = recording.next_record().unwrap() {
+            let (topic, time_ns) = (record.topic(), record.log_time_ns);
             let contacts = || from_cdr::<msg::Contacts>(&record.bytes).unwrap();
-            match (&record.content, record.topic()) {
+            let line = |contacts: &msg::Contacts| {
+                let mut line = format!("{topic} {time_ns}");
+                flat(&serde_json::to_value(contacts).unwrap(), &mut line);
+                line
+            };
+            match (&record.content, topic) {
                 (Content::Message(Message::Frame(frame)), _) => {
-                    let samples = frame.bits().to_vec();
-                    all.raw.insert(frame.seq, (record.log_time_ns, samples));
+                    let samples: Vec<String> = frame.bits().iter().map(i32::to_string).collect();
+                    let line = format!("/gauges {time_ns} {}", samples.join(" "));
+                    all.reading_lines.insert(line);
+                    all.raw.insert(frame.seq, time_ns);
                 }
                 (_, "/hapdef/contacts") => {
                     let contacts = contacts();
+                    all.contact_lines.insert(line(&contacts));
                     all.found.insert(contacts.seq, contacts);
                 }
                 (_, "/hapdef/truth") => {
                     let contacts = contacts();
+                    all.contact_lines.insert(line(&contacts));
                     all.truth.insert(contacts.seq, contacts);
                 }
                 _ => {}
             }
         }
-        assert!(recording.damage().is_finished);
+        assert_eq!(recording.damage().is_finished, is_whole);
         all
     }
 
@@ -141,12 +171,7 @@ impl Recorded {
 fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
-    let bundle = path("shin.hapdef");
-    let made = hapdef(&["bundle", text(&root().join("fixtures/shin/placed.json"))])
-        .args(["-o", text(&bundle)])
-        .output()
-        .unwrap();
-    assert!(made.status.success(), "{made:?}");
+    let bundle = bundled(folder.path());
     let (link, truth, recording) = (path("limb"), path("truth.jsonl"), path("press.mcap"));
     let mut device = rig(&link, &truth, &script(folder.path()));
     // What waits when the rig has ended is still looked at.
@@ -157,7 +182,7 @@ fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
     live(&bundle, &source, &words);
     assert!(device.wait().unwrap().success());
 
-    let first = Recorded::read(&recording);
+    let first = Recorded::read(&recording, true);
     let n = first.raw.len();
     println!(
         "{n} readings, {} found, {} true",
@@ -173,7 +198,7 @@ fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
     let again = path("again.mcap");
     let source = format!("replay:{}@max", text(&recording));
     live(&bundle, &source, &["--record", text(&again)]);
-    let second = Recorded::read(&again);
+    let second = Recorded::read(&again, true);
     assert!(first.raw.keys().eq(second.raw.keys()));
     for (seq, found) in &first.found {
         let (a, b) = (&found.contacts, &second.found[seq].contacts);
@@ -193,36 +218,60 @@ fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
     others_read_it(&recording, &first);
 }
 
-/// Python's mcap and mcap-ros2-support read as much, and the readings to the last bit.
+/// Contacts that were found are as safe in the file as the readings are, whose own loss
+/// hapdef-daq's tests bound.
+#[test]
+fn what_was_found_survives_kill_9() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let bundle = bundled(folder.path());
+    let (link, truth, recording) = (path("limb"), path("truth.jsonl"), path("press.mcap"));
+    let mut device = rig(&link, &truth, &script(folder.path()));
+    let source = format!("serial:{}", text(&link));
+    let mut program = hapdef(&["live", text(&bundle), "--source", &source])
+        .args(["--estimator", "superposition", "--tare-s", "0.5"])
+        .args(["--record", text(&recording)])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(5));
+    program.kill().unwrap();
+    program.wait().unwrap();
+    device.kill().unwrap();
+    device.wait().unwrap();
+    let left = Recorded::read(&recording.with_extension("partial.mcap"), false);
+    let read = left.raw.keys().last().copied();
+    let found = left.found.keys().last().copied();
+    println!("{} readings, {} found", left.raw.len(), left.found.len());
+    assert!(left.raw.len() as f64 > 2.0 * RATE_HZ);
+    let late_s = (f64::from(read.unwrap()) - f64::from(found.unwrap())) / RATE_HZ;
+    assert!(late_s <= 0.15, "{late_s} s");
+}
+
+/// Other programs read what our reader reads: contacts and truth by mcap-ros2-support, rosbags and rerun
+/// to the last bit of every number, readings by mcap.
 fn others_read_it(recording: &Path, ours: &Recorded) {
-    let python = std::env::var("HAPDEF_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let import = "import mcap, mcap_ros2, rosbags";
-    let has_modules = Command::new(&python).args(["-c", import]).output();
-    if !has_modules.is_ok_and(|output| output.status.success()) {
-        println!("skipped: {python} can't {import}");
-        return;
+    if let Some(output) = read_back("mcap, mcap_ros2, rosbags", &[recording]) {
+        let read = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(of_reader(&read, "mcap-ros2"), ours.contact_lines);
+        assert_eq!(of_reader(&read, "rosbags"), ours.contact_lines);
+        assert_eq!(of_reader(&read, "mcap"), ours.reading_lines);
     }
-    let script = root().join("crates/hapdef-ros/scripts/read_back.py");
-    let output = Command::new(python).arg(script).arg(recording).output();
-    let output = output.unwrap();
-    assert!(output.status.success(), "{output:?}");
-    let read = String::from_utf8(output.stdout).unwrap();
-    let count = |begin: &str| read.lines().filter(|line| line.starts_with(begin)).count();
-    for reader in ["mcap-ros2", "rosbags"] {
-        let contacts = count(&format!("{reader} /hapdef/contacts "));
-        let truth = count(&format!("{reader} /hapdef/truth "));
-        assert_eq!((contacts, truth), (ours.found.len(), ours.truth.len()));
+    if let Some(output) = read_back("rerun.chunk", &[Path::new("--rerun"), recording]) {
+        let read = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(of_reader(&read, "rerun"), ours.contact_lines);
     }
-    let mut readings: Vec<&str> = read
-        .lines()
-        .filter(|l| l.starts_with("mcap /gauges "))
-        .collect();
-    readings.sort_unstable();
-    let line = |(time_ns, samples): &(u64, Vec<i32>)| {
-        let samples: Vec<String> = samples.iter().map(ToString::to_string).collect();
-        format!("mcap /gauges {time_ns} {}", samples.join(" "))
+}
+
+/// What a reader says of contacts, truth and readings: topic, time, values.
+fn of_reader(read: &str, reader: &str) -> BTreeSet<String> {
+    let is_of = |line: &&str| {
+        let topics = ["/hapdef/contacts ", "/hapdef/truth ", "/gauges "];
+        topics.iter().any(|topic| line.starts_with(topic))
     };
-    let mut expected: Vec<String> = ours.raw.values().map(line).collect();
-    expected.sort();
-    assert_eq!(readings, expected);
+    let lines = read.lines().filter_map(|line| line.split_once(' '));
+    let own = lines.filter(|(name, _)| *name == reader);
+    let rest = own.map(|(_, rest)| rest).filter(is_of);
+    rest.map(str::to_owned).collect()
 }
