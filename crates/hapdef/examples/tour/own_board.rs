@@ -29,7 +29,7 @@ pub fn own_board(file: Option<&Path>) -> Result<Vec<(f64, f64)>> {
     };
     let mut lines: Vec<Vec<i32>> = Vec::new();
     let mut decoder = CsvDecoder::new(n_gauges);
-    decoder.push(&text, &mut |values| lines.push(values.to_vec()));
+    decoder.push(&text, &mut |_, values| lines.push(values.to_vec()));
     ensure!(
         lines.len() > N_TARE,
         "expected more than {N_TARE} lines of {n_gauges} integers from 0 to 4095, found {}",
