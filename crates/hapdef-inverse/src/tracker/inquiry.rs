@@ -209,8 +209,9 @@ impl ContactTracker {
             self.hypotheses.candidates[c].push(&self.model, slot);
             self.settle(Whose::Candidate(c), N_TRIALS);
             let candidate = &self.hypotheses.candidates[c];
-            let place = candidate.slots[candidate.n - 1].point;
-            if !self.is_apart(&self.hypotheses.candidates[base], &place) {
+            let born = &candidate.slots[candidate.n - 1];
+            let is_weak = born.force_n < self.params.release_force_n;
+            if is_weak || !self.is_apart(&self.hypotheses.candidates[base], &born.point) {
                 self.hypotheses.fits[c].evidence = f64::INFINITY;
             }
         }

@@ -247,6 +247,11 @@ impl Compute {
             told.map_err(|error| error.to_string())?;
         }
         if !is_same {
+            let least_ue = self.told_noise_ue(&device);
+            if let Some(estimator) = &mut self.setup.estimator {
+                let told = estimator.set_least_noise(&least_ue);
+                told.map_err(|error| error.to_string())?;
+            }
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
             self.frame = LiveFrame::new(device.n_gauges());

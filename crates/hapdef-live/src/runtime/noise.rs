@@ -13,7 +13,7 @@ pub(super) struct TareNoise {
     n: usize,
     mean_ue: Vec<f64>,
     square_ue2: Vec<f64>,
-    least_ue: Vec<f64>,
+    larger_ue: Vec<f64>,
 }
 
 impl TareNoise {
@@ -25,7 +25,7 @@ impl TareNoise {
             n: 0,
             mean_ue: zeros.clone(),
             square_ue2: zeros.clone(),
-            least_ue: zeros,
+            larger_ue: zeros,
         }
     }
 
@@ -51,21 +51,21 @@ impl TareNoise {
     }
 
     /// Standard deviation of each gauge where it is surely larger than told, else 0 `[n_gauges]`, µε.
-    pub(super) fn least_ue(&mut self) -> &[f64] {
+    pub(super) fn larger_ue(&mut self) -> &[f64] {
         let n_free = self.n.saturating_sub(1) as f64;
         let factor = 1.0 + SURE_SDS / (2.0 * n_free).sqrt();
-        for (gauge, least) in self.least_ue.iter_mut().enumerate() {
+        for (gauge, larger) in self.larger_ue.iter_mut().enumerate() {
             let sd = (self.square_ue2[gauge] / n_free).sqrt();
             let is_larger = n_free > 0.0 && sd > self.told_ue[gauge] * factor;
-            *least = if is_larger { sd } else { 0.0 };
+            *larger = if is_larger { sd } else { 0.0 };
         }
-        &self.least_ue
+        &self.larger_ue
     }
 
-    /// The larger of what was told and `least_ue` `[n_gauges]`, µε.
+    /// The larger of what was told and `larger_ue` `[n_gauges]`, µε.
     pub(super) fn to_use_ue(&self) -> Vec<f64> {
-        let pairs = self.told_ue.iter().zip(&self.least_ue);
-        pairs.map(|(told, least)| told.max(*least)).collect()
+        let pairs = self.told_ue.iter().zip(&self.larger_ue);
+        pairs.map(|(told, larger)| told.max(*larger)).collect()
     }
 }
 
@@ -93,11 +93,11 @@ mod tests {
                 assert!(!noise.take(&[1.0, f64::NAN, 0.0]));
                 assert_eq!(noise.take(&raw), i == 399);
             }
-            let least = noise.least_ue().to_vec();
-            assert_eq!((least[0], least[2]), (0.0, 0.0));
+            let larger = noise.larger_ue().to_vec();
+            assert_eq!((larger[0], larger[2]), (0.0, 0.0));
             if tare == 0 {
-                assert!((least[1] - 4.0).abs() < 0.5, "{least:?}");
-                assert_eq!(noise.to_use_ue(), [1.0, least[1], 1.0]);
+                assert!((larger[1] - 4.0).abs() < 0.5, "{larger:?}");
+                assert_eq!(noise.to_use_ue(), [1.0, larger[1], 1.0]);
             } else {
                 assert_eq!(noise.to_use_ue(), [1.0; 3]);
             }

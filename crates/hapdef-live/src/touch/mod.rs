@@ -59,9 +59,9 @@ pub trait TouchEstimator: Send {
         Ok(())
     }
 
-    /// Is told after each tare how large the noise of each gauge is at least `[n_gauges]`, µε; 0 where
-    /// it is not larger than was said. An estimator that weighs readings by their noise takes the
-    /// larger of this and what it was made with.
+    /// Is told of each device, and after each tare, how large the noise of each gauge is at least
+    /// `[n_gauges]`, µε, the converter's included. An estimator that weighs readings by their noise
+    /// takes the larger of this and what it was made with, where they differ by more than 1 %.
     ///
     /// # Errors
     /// [`LiveError`] for a wrong length or noise that can't be used.
@@ -69,6 +69,9 @@ pub trait TouchEstimator: Send {
         Ok(())
     }
 }
+
+/// Noise that is larger by less than this share is not worth weighing the readings anew.
+const NOISIER_SHARE: f64 = 0.01;
 
 /// `estimator` with the larger of the noise that it was made with and `least_ue`; none if it has
 /// that.
@@ -82,7 +85,11 @@ fn noisier(
         return Err(LiveError::FrameLength { expected, found });
     }
     let pairs = made_with_ue.iter().zip(least_ue);
-    let wanted: Vec<f64> = pairs.map(|(made, least)| made.max(*least)).collect();
+    let larger = |(made, least): (&f64, &f64)| match *least > made * (1.0 + NOISIER_SHARE) {
+        true => *least,
+        false => *made,
+    };
+    let wanted: Vec<f64> = pairs.map(larger).collect();
     if estimator.gauge_sd() == wanted {
         return Ok(None);
     }

@@ -15,6 +15,8 @@ pub(crate) struct Asked {
     pub(crate) n: Arc<AtomicUsize>,
     pub(crate) n_over: Arc<AtomicUsize>,
     pub(crate) wanted: Arc<Mutex<Vec<TouchWanted>>>,
+    /// What it is told of noise, µε.
+    pub(crate) least_ue: Arc<Mutex<Vec<Vec<f64>>>>,
     /// How long it takes for a frame.
     pub(crate) takes: Duration,
 }
@@ -37,6 +39,11 @@ impl TouchEstimator for Asked {
         self.n.fetch_add(1, Ordering::Relaxed);
         self.wanted.lock().unwrap().push(frame.wanted);
         std::thread::sleep(self.takes);
+        Ok(())
+    }
+
+    fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {
+        self.least_ue.lock().unwrap().push(least_ue.to_vec());
         Ok(())
     }
 
