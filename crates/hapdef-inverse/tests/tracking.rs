@@ -79,6 +79,31 @@ fn noise_alone_is_never_a_contact() {
     }
 }
 
+/// Beside a press whose noise is twice what was told ghosts are born, the fewer the more force a contact
+/// must have to be held.
+#[test]
+fn what_is_too_weak_to_be_held_is_not_born() {
+    let world = World::new(10, 400, 3);
+    let n_ghosts = |release_force_n: f64| {
+        let params = TrackerParams {
+            release_force_n,
+            ..TrackerParams::default()
+        };
+        let mut tracker = tracker(&world, 0.1, params);
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let point = world.draw_points(1, 0.01, &mut rng)[0];
+        let mut n_born = 0;
+        for index in 0..6000 {
+            let press = (point, ramp(index, 50, 15.0));
+            let y = frame(&world, &[press], 2.0 * SD, &mut rng);
+            n_born += tracker.step(&y, None).unwrap().info.n_born;
+        }
+        n_born - 1
+    };
+    let n = [0.0, 0.3, 3.0].map(n_ghosts);
+    assert!(n[1] < n[0] && 3 * n[2] < n[0], "{n:?}");
+}
+
 /// Four contacts one after another, at their places within a millimetre, names kept, then released
 /// one after another.
 #[test]
