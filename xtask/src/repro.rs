@@ -27,7 +27,13 @@ const GOLDEN: &str = "crates/hapdef-repro/golden/quick.json";
 /// `cargo xtask repro`: the report with every table and figure.
 pub(crate) fn repro(args: &ReproArgs) -> Result<()> {
     let is_quick = args.pipeline.quick && !args.full;
-    let mut command = Command::new(release_binary("hapdef-repro")?);
+    eprintln!("building (the first time takes some minutes) …");
+    let program = release_binary("hapdef-repro")?;
+    eprintln!(
+        "the paper's tables and figures: {}",
+        expected_time(is_quick)
+    );
+    let mut command = Command::new(program);
     command.arg("repro").args(common(&args.pipeline));
     if args.write {
         let files = files(args.pipeline.scene.as_deref())?;
@@ -35,6 +41,14 @@ pub(crate) fn repro(args: &ReproArgs) -> Result<()> {
         command.args(written(is_quick, has_full_run, files)?);
     }
     finish(&mut command)
+}
+
+fn expected_time(is_quick: bool) -> &'static str {
+    if is_quick {
+        "minutes; what is made already is taken as it is"
+    } else {
+        "hours, each stage with its bar; Ctrl-C ends it, and the same command goes on from there"
+    }
 }
 
 /// The Markdown and the JSON that `--write` writes.

@@ -48,11 +48,12 @@ export class Plot {
     this.pen.clearRect(0, 0, this.width, this.height);
   }
 
-  /** Width that the widest of the numbers needs. */
+  /** Width that the widest of the numbers needs, and the time that ends where the curves begin. */
   room(values) {
     this.pen.font = `11px ${this.style.fontFamily}`;
-    const widths = values.map((value) => this.pen.measureText(number(value)).width);
-    return Math.max(LEFT, Math.ceil(Math.max(...widths)) + BESIDE + 2);
+    const width = (text) => Math.ceil(this.pen.measureText(text).width) + 2;
+    const widths = values.map((value) => width(number(value)) + BESIDE);
+    return Math.max(LEFT, width(ago(SPAN_S)), ...widths);
   }
 
   axes(values, left, x, y, now) {
@@ -70,7 +71,7 @@ export class Plot {
     pen.textBaseline = "alphabetic";
     for (const back of [10, 5, 0]) {
       pen.textAlign = ["right", "center", "left"][back / 5];
-      pen.fillText(back ? `−${back} s` : "0", x(now - back), this.height - 3);
+      pen.fillText(back ? ago(back) : "0", x(now - back), this.height - 3);
     }
   }
 
@@ -101,4 +102,5 @@ export class Plot {
   }
 }
 
+const ago = (s) => `−${s} s`;
 const number = (value) => String(Number(value.toPrecision(3))).replace("-", "−");

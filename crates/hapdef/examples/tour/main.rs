@@ -50,8 +50,16 @@ fn main() -> Result<()> {
             println!("10 N found {:.4} mm off", limb.miss_mm);
         }
         "own-board" => {
-            for (force_n, miss_mm) in own_board::own_board(file.as_deref())? {
-                println!("{force_n:.3} N, {miss_mm:.3} mm from the made-up press");
+            for found in own_board::own_board(file.as_deref())? {
+                let at_mm = found.position_m.coords * 1e3;
+                print!(
+                    "{:.3} N at ({:.1}, {:.1}, {:.1}) mm",
+                    found.force_n, at_mm.x, at_mm.y, at_mm.z
+                );
+                match found.miss_mm {
+                    Some(miss_mm) => println!(", {miss_mm:.3} mm from the made-up press"),
+                    None => println!(),
+                }
             }
         }
         "replay" => {

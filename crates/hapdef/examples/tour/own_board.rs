@@ -17,9 +17,17 @@ const N_TARE: usize = 50;
 /// Face and force of the made-up press, N.
 const PRESSED: (usize, f64) = (700, 12.0);
 
-/// Force, N, and distance from the made-up press, mm, of each contact in the mean of what comes after
-/// the tare.
-pub fn own_board(file: Option<&Path>) -> Result<Vec<(f64, f64)>> {
+/// A contact that was found.
+#[derive(Debug)]
+pub struct Found {
+    pub force_n: f64,
+    pub position_m: Point3<f64>,
+    /// Distance from the made-up press, mm; none of readings from a file.
+    pub miss_mm: Option<f64>,
+}
+
+/// The contacts in the mean of what comes after the tare.
+pub fn own_board(file: Option<&Path>) -> Result<Vec<Found>> {
     let placed = Placed::load()?;
     let n_gauges = placed.map.n_gauges();
     let (place, readings_ue) = placed.press(PRESSED.0, PRESSED.1)?;
@@ -41,16 +49,16 @@ pub fn own_board(file: Option<&Path>) -> Result<Vec<(f64, f64)>> {
         .iter()
         .zip(zero)
         .map(|(value, zero)| (value - zero) * UE_PER_COUNT);
-    contacts(&placed, &tared.collect::<Vec<_>>(), &place)
-}
-
-fn contacts(placed: &Placed, tared_ue: &[f64], place: &Point3<f64>) -> Result<Vec<(f64, f64)>> {
+    let made_up_at = file.is_none().then_some(place);
     let mut touch = Touch::default();
-    placed.estimator()?.estimate(tared_ue, &mut touch)?;
-    let found = touch.contacts.iter();
-    Ok(found
-        .map(|c| (c.force_n, (c.position_m - place).norm() * 1e3))
-        .collect())
+    let tared_ue: Vec<f64> = tared.collect();
+    placed.estimator()?.estimate(&tared_ue, &mut touch)?;
+    let found = touch.contacts.iter().map(|contact| Found {
+        force_n: contact.force_n,
+        position_m: contact.position_m,
+        miss_mm: made_up_at.map(|place| (contact.position_m - place).norm() * 1e3),
+    });
+    Ok(found.collect())
 }
 
 /// Mean of each column, counts.
@@ -84,7 +92,7 @@ fn made_up(readings_ue: &[f64]) -> String {
 fn the_press_is_found_in_whole_counts() {
     let found = own_board(None).unwrap();
     assert_eq!(found.len(), 1, "{found:?}");
-    let (force_n, miss_mm) = found[0];
+    let (force_n, miss_mm) = (found[0].force_n, found[0].miss_mm.unwrap());
     // Rounding to half a microstrain is all that stands between.
     assert!((force_n - PRESSED.1).abs() < 0.3, "{force_n} N");
     assert!(miss_mm < 0.5, "{miss_mm} mm");

@@ -66,7 +66,8 @@ pub(crate) struct ViewArgs {
     /// Program that is started with a file that leads to the page, such as xdg-open.
     #[arg(long, value_name = "PROGRAM", requires = "view")]
     view_with: Option<PathBuf>,
-    /// Token of the page, 32 hexadecimal digits; a new one if not given.
+    /// Token of the page, 32 hexadecimal digits; a new one if not given. Give it by the variable where
+    /// others use the machine: they may read a command line.
     #[arg(long, env = "HAPDEF_VIEW_TOKEN", hide_env_values = true)]
     view_token: Option<Token>,
     /// Measure when the page first drew a contact.

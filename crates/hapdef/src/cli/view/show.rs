@@ -139,14 +139,7 @@ impl Show {
             .contacts
             .extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
         self.shown.alternatives.clear();
-        let weight = |other: &Alternative| (-0.5 * other.delta_evidence).exp();
-        let sum = 1.0 + touch.alternatives.iter().map(weight).sum::<f64>();
-        let others = touch
-            .alternatives
-            .iter()
-            .map(|other| (weight(other) / sum, other));
-        let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
-        for (probability, other) in others.take(MOST_ALTERNATIVES) {
+        for (probability, other) in probable(&touch.alternatives) {
             let marks = other.contacts().enumerate();
             let marks = marks.map(|(i, (at, force_n))| normal_mark(&self.surface, i, at, force_n));
             self.shown.alternatives.push((probability, marks.collect()));
@@ -191,6 +184,16 @@ impl Show {
     }
 }
 
+/// The other explanations that are worth showing, with how probable they are beside the best one and
+/// each other: exp(−Δ/2), Δ in −2 ln evidence.
+fn probable(others: &[Alternative]) -> impl Iterator<Item = (f64, &Alternative)> {
+    let weight = |other: &Alternative| (-0.5 * other.delta_evidence).exp();
+    let sum = 1.0 + others.iter().map(weight).sum::<f64>();
+    let others = others.iter().map(move |other| (weight(other) / sum, other));
+    let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
+    others.take(MOST_ALTERNATIVES)
+}
+
 fn state(health: GaugeHealth) -> hapdef_view::GaugeHealth {
     match health {
         GaugeHealth::Good => hapdef_view::GaugeHealth::Good,
@@ -231,7 +234,9 @@ fn normal_mark(surface: &Surface, index: usize, at: Point3<f64>, force_n: f64) -
 
 #[cfg(test)]
 mod tests {
-    use super::{GaugeHealth, state};
+    use nalgebra::Point3;
+
+    use super::{Alternative, GaugeHealth, probable, state};
 
     #[test]
     fn only_gauges_that_count_are_shown_as_good() {
@@ -239,5 +244,22 @@ mod tests {
         for left_out in [H::Saturated, H::Dead, H::Spike, H::NotFinite, H::Recovering] {
             assert_ne!(state(left_out), state(H::Good), "{left_out:?}");
         }
+    }
+
+    fn other(delta_evidence: f64) -> Alternative {
+        Alternative::new(delta_evidence, [(Point3::origin(), 1.0)])
+    }
+
+    #[test]
+    fn explanations_are_shown_as_probable_as_their_evidence_says() {
+        // as good as the best one; e times and 20 times less probable; and one of no account
+        let others = [0.0, 2.0, 2.0 * 20.0_f64.ln(), 50.0].map(other);
+        let shown: Vec<f64> = probable(&others).map(|(p, _)| p).collect();
+        let sum = 2.0 + (-1.0_f64).exp() + 0.05;
+        assert_eq!(shown.len(), 2, "{shown:?}");
+        assert!((shown[0] - 1.0 / sum).abs() < 1e-9, "{shown:?}");
+        assert!((shown[1] - (-1.0_f64).exp() / sum).abs() < 1e-9);
+        assert_eq!(probable(&[0.0; 9].map(other)).count(), 3);
+        assert_eq!(probable(&[]).count(), 0);
     }
 }
