@@ -207,6 +207,11 @@ pub(super) fn single_sds(
     })
 }
 
+/// Whether χ² could not tell readings from noise.
+pub(super) fn is_unseen(y: &[f64]) -> bool {
+    y.iter().map(|y| (y / SD).powi(2)).sum::<f64>() < UNSEEN_CHI2
+}
+
 /// Part of the sure answers with another count than the truth's or with a contact that is not where
 /// it is found.
 pub(super) fn wrong_share(
