@@ -198,7 +198,7 @@ impl PyScene {
     }
 
     /// Layouts of gauges on the inner wall, by several methods, the recommended one last.
-    #[pyo3(signature = (n_gauges = 10, *, noise_ue = 1.0, force_n = 10.0, n_positions = 160, n_axes = 4, n_sites = 400, n_mounted = 0, min_spacing_m = 0.01, keep_out = None, compare = false, seed = None))]
+    #[pyo3(signature = (n_gauges = 10, *, noise_ue = 1.0, force_n = 10.0, n_positions = 160, n_axes = 4, n_sites = 400, n_mounted = 0, min_spacing_m = 0.01, margin_m = 0.001, keep_out = None, compare = false, seed = None))]
     #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn place(
         &self,
@@ -211,6 +211,7 @@ impl PyScene {
         n_sites: usize,
         n_mounted: usize,
         min_spacing_m: f64,
+        margin_m: f64,
         keep_out: Option<Table<'_>>,
         compare: bool,
         seed: Option<u64>,
@@ -228,6 +229,7 @@ impl PyScene {
                 .map(|[x, y, z, r]| (Point3::new(*x, *y, *z), *r))
                 .collect(),
             min_spacing_m,
+            margin_m,
             noise_ue,
             force_n,
             compares: compare,

@@ -1,32 +1,38 @@
 //! Gauges glued a little off their nominal place.
 
 use hapdef_mesh::{Tet10Mesh, Tri6Face};
-use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain};
+use hapdef_sim::{GaugeSite, GaugeStrain};
 use nalgebra::{Rotation3, Unit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::RigError;
 use crate::params::MisplacementParams;
+use crate::real_limb::NominalLimb;
 
 /// Directions tried before a gauge is refused.
 const N_DIRECTIONS: usize = 64;
 
-/// Shifts and turns every gauge; a direction in which it would leave its wall is drawn again.
+/// Shifts and turns every gauge on the real limb's `mesh`; a direction in which it would leave its
+/// wall is drawn again. Where the real wall's edge has moved over a gauge's nominal place, its
+/// directions are those of the nominal wall.
 pub(crate) fn misplaced_gauges(
     mesh: &Tet10Mesh,
-    wall_faces: &[Tri6Face],
-    nominal: &[GaugeSite],
-    gauge_params: &GaugeParams,
+    limb: &NominalLimb<'_>,
     params: &MisplacementParams,
 ) -> Result<Vec<GaugeStrain>, RigError> {
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
-    let place = |site: &GaugeSite| GaugeStrain::with_params(mesh, wall_faces, site, gauge_params);
-    nominal
+    let boundary = mesh.boundary();
+    let on = |mesh: &Tet10Mesh, faces: &[Tri6Face], site: &GaugeSite| {
+        GaugeStrain::with_params(mesh, faces, site, &limb.gauge_params)
+    };
+    let place = |site: &GaugeSite| on(mesh, &boundary.faces, site);
+    limb.gauges
         .iter()
         .enumerate()
         .map(|(gauge, site)| {
-            let nominal = place(site)?;
+            let nominal =
+                place(site).or_else(|_| on(limb.mesh, &limb.mesh.boundary().faces, site))?;
             (0..N_DIRECTIONS)
                 .map(|_| misplaced(site, &nominal, params, &mut rng))
                 .find_map(|moved| place(&moved).ok())

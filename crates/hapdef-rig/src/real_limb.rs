@@ -94,13 +94,7 @@ impl RealLimb {
         } = finer(nominal, params.refinements)?;
         let varied = vary_thickness(&mesh, &skin, &params.thickness, params.max_wall_m)?;
         let mesh = varied.mesh;
-        let gauges = misplaced_gauges(
-            &mesh,
-            &mesh.boundary().faces,
-            nominal.gauges,
-            &nominal.gauge_params,
-            &params.misplacement,
-        )?;
+        let gauges = misplaced_gauges(&mesh, nominal, &params.misplacement)?;
         let elastic = ElasticParams {
             element_stiffness_scale: Some(stiffness_scale(&mesh, params)),
             n_threads,

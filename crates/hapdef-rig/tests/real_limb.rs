@@ -256,3 +256,38 @@ fn seeds_decide_the_perturbation() {
     assert_eq!(with(1), with(1));
     assert_ne!(with(1), with(2));
 }
+
+/// At the plate's edge the nominal gauge lies below; where the real plate is thicker its side is
+/// nearer, which has no room for a gauge. Glued a little inwards it fits all the same.
+#[test]
+fn a_gauge_at_an_edge_that_moved_is_glued_beside_it() {
+    let mut bench = Bench::new();
+    bench.gauges[0].position.y = 0.0;
+    for seed in 0..8 {
+        let params = RigParams {
+            thickness: VariationParams {
+                fraction: 0.1,
+                correlation_length_m: 0.02,
+                seed,
+            },
+            misplacement: MisplacementParams {
+                shift_m: 1e-3,
+                turn_rad: 0.05,
+                seed,
+            },
+            ..unperturbed()
+        };
+        let nominal = NominalLimb {
+            gauge_params: GaugeParams {
+                max_lost_share: 0.5,
+                ..GaugeParams::default()
+            },
+            ..bench.nominal()
+        };
+        let real = RealLimb::build(&nominal, &params, 1).unwrap();
+        let reading = real
+            .response_ue_per_n(&presses()[0], &-Vector3::z())
+            .unwrap()[0];
+        assert!(reading < -1.0, "seed {seed}: {reading} µε/N");
+    }
+}

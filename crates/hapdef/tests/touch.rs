@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use hapdef::scene::SuperpositionSpec;
 use hapdef::touch::{
-    Calibration, LimitsRequest, PressQuality, Touch, TouchEstimator, limits, response_map,
-    superposition, touch_estimator,
+    Calibration, LayoutParams, LimitsRequest, PressQuality, Touch, TouchEstimator, limits,
+    response_map, study_layouts, superposition, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{LimitParams, Press, SkinPoint};
+use hapdef_sim::{GaugeSite, GaugeStrain};
 
 fn placed() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json")
@@ -153,4 +154,48 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
     short.write(&path).unwrap();
     let error = Calibration::read(&path, &limb).unwrap_err().to_string();
     assert!(error.contains("site_error"), "{error}");
+}
+
+/// What `hapdef place` recommends fits its wall wherever it is glued within the margin.
+#[test]
+fn recommended_gauges_fit_when_glued_off_their_place() {
+    let out = tempfile::tempdir().unwrap();
+    let run = run_in(out.path());
+    let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
+    let study = |margin_m| {
+        let params = LayoutParams {
+            n_gauges: 6,
+            n_positions: 60,
+            n_axes: 2,
+            n_sites: 100,
+            margin_m,
+            compares: false,
+            other_counts: Vec::new(),
+            ..LayoutParams::default()
+        };
+        study_layouts(&run, &limb, &params).unwrap()
+    };
+    let margin_m = 1.5e-3;
+    let (free, kept) = (study(0.0), study(margin_m));
+    assert!(kept.n_refused > free.n_refused);
+    let gauge_at = |position, axis| {
+        let site = GaugeSite {
+            position,
+            axis,
+            length_m: run.scene.gauges.length_m,
+            width_m: run.scene.gauges.width_m,
+        };
+        GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params)
+    };
+    let best = kept.layouts.last().unwrap();
+    assert_eq!(best.gauges.len(), 6);
+    for placed in &best.gauges {
+        let (position, axis) = (placed.position_m, placed.axis);
+        let normal = gauge_at(position, axis).unwrap().normal();
+        let across = normal.cross(&axis);
+        for side in [axis, -axis, across, -across] {
+            let moved = gauge_at(position + side * margin_m, axis).unwrap();
+            assert!(moved.normal().dot(&normal) > 0.5, "{placed:?}: {side:?}");
+        }
+    }
 }

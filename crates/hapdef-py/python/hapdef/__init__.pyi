@@ -110,6 +110,7 @@ class Scene:
         n_sites: int = 400,
         n_mounted: int = 0,
         min_spacing_m: float = 0.01,
+        margin_m: float = 0.001,
         keep_out: Optional[ArrayLike] = None,
         compare: bool = False,
         seed: Optional[int] = None,
@@ -121,6 +122,7 @@ class Scene:
         n_positions, n_axes: places on the wall and directions at each that are looked at.
         n_sites: sites of contacts.
         n_mounted: the first so many of the scene's gauges stay.
+        margin_m: how far off a gauge may be glued and must still fit on its wall, m.
         keep_out: balls that no gauge's centre may lie in: x, y, z, radius, m, ``[n, 4]``.
         compare: other methods, too.
         """

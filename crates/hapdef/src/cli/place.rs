@@ -57,6 +57,9 @@ pub(crate) struct PlaceArgs {
     /// Least distance of two gauges, mm.
     #[arg(long, default_value_t = 10.0)]
     spacing_mm: f64,
+    /// How far off a gauge may be glued and must still fit on its wall, mm.
+    #[arg(long, default_value_t = 1.0)]
+    margin_mm: f64,
     /// Standard deviation of a reading's noise, µε.
     #[arg(long, default_value_t = 5.0)]
     noise_ue: f64,
@@ -91,6 +94,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
         n_axes: args.axes,
         keep_out: args.keep_out.clone(),
         min_spacing_m: args.spacing_mm * 1e-3,
+        margin_m: args.margin_mm * 1e-3,
         noise_ue: args.noise_ue,
         force_n: args.force_n,
         seed: run.scene.seed,

@@ -13,6 +13,10 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 
+/// Least cosine between the normals of a gauge and of the same gauge glued off its place: beyond
+/// 60° it lies on another wall, around an edge.
+const SAME_WALL: f64 = 0.5;
+
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayoutParams {
@@ -30,6 +34,8 @@ pub struct LayoutParams {
     pub keep_out: Vec<(Point3<f64>, f64)>,
     /// Least distance of two gauges, m.
     pub min_spacing_m: f64,
+    /// How far off a gauge may be glued and must still fit on its wall, m.
+    pub margin_m: f64,
     /// Standard deviation of a reading's noise, µε.
     pub noise_ue: f64,
     /// Force of the contacts, N.
@@ -54,6 +60,7 @@ impl Default for LayoutParams {
             n_sites: 400,
             keep_out: Vec::new(),
             min_spacing_m: 0.01,
+            margin_m: 1e-3,
             noise_ue: 5.0,
             force_n: 10.0,
             n_random: 20,
@@ -169,7 +176,16 @@ impl Places {
             let position = limb.mesh.position(*node);
             for i in 0..params.n_axes {
                 let turn = std::f64::consts::PI * i as f64 / params.n_axes as f64;
-                places.try_gauge(limb, run, position, &along, turn);
+                match gauge_at(limb, run, position, &along, turn, params.margin_m) {
+                    Some(gauge) => {
+                        places.placed.push(PlacedGauge {
+                            position_m: position,
+                            axis: gauge.axis(),
+                        });
+                        places.gauges.push(gauge);
+                    }
+                    None => places.n_refused += 1,
+                }
             }
         }
         if places.gauges.len() < params.n_gauges {
@@ -188,40 +204,6 @@ impl Places {
             });
         }
         Ok(places)
-    }
-
-    /// Adds a gauge whose axis is turned by `turn` from the limb's axis, if it fits.
-    fn try_gauge(
-        &mut self,
-        limb: &Limb,
-        run: &Run,
-        position: Point3<f64>,
-        along: &Unit<Vector3<f64>>,
-        turn: f64,
-    ) {
-        let placed = |axis| {
-            let site = GaugeSite {
-                position,
-                axis,
-                length_m: run.scene.gauges.length_m,
-                width_m: run.scene.gauges.width_m,
-            };
-            GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params)
-        };
-        let turned = placed(along.into_inner()).and_then(|gauge| {
-            let across = gauge.normal().cross(&gauge.axis());
-            placed(gauge.axis() * turn.cos() + across * turn.sin())
-        });
-        match turned {
-            Ok(gauge) => {
-                self.placed.push(PlacedGauge {
-                    position_m: position,
-                    axis: gauge.axis(),
-                });
-                self.gauges.push(gauge);
-            }
-            Err(_) => self.n_refused += 1,
-        }
     }
 
     pub(super) fn own(&self) -> std::ops::Range<usize> {
@@ -257,4 +239,38 @@ impl Places {
             allowed: self.placed.iter().enumerate().map(is_free).collect(),
         })
     }
+}
+
+/// The gauge whose axis is turned by `turn` from the limb's axis, if it fits there and `margin_m`
+/// off to every side, on the same wall.
+fn gauge_at(
+    limb: &Limb,
+    run: &Run,
+    position: Point3<f64>,
+    along: &Unit<Vector3<f64>>,
+    turn: f64,
+    margin_m: f64,
+) -> Option<GaugeStrain> {
+    let placed = |position, axis| {
+        let site = GaugeSite {
+            position,
+            axis,
+            length_m: run.scene.gauges.length_m,
+            width_m: run.scene.gauges.width_m,
+        };
+        GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params).ok()
+    };
+    let sides = |gauge: &GaugeStrain| [gauge.axis(), gauge.normal().cross(&gauge.axis())];
+    let [ahead, across] = sides(&placed(position, along.into_inner())?);
+    let gauge = placed(position, ahead * turn.cos() + across * turn.sin())?;
+    let axis = gauge.axis();
+    let fits = |side: Vector3<f64>| {
+        placed(position + side * margin_m, axis)
+            .is_some_and(|moved| moved.normal().dot(&gauge.normal()) > SAME_WALL)
+    };
+    let [ahead, across] = sides(&gauge);
+    [ahead, -ahead, across, -across]
+        .into_iter()
+        .all(fits)
+        .then_some(gauge)
 }
