@@ -313,7 +313,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// `n_gauges` gauges where log-det puts them.
+/// `n_gauges` gauges where log-det puts them, up to the edges of the wall.
 pub(crate) fn placed_gauges(
     run: &Run,
     limb: &Limb,
@@ -321,6 +321,7 @@ pub(crate) fn placed_gauges(
 ) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
     let params = LayoutParams {
         n_gauges,
+        margin_m: 0.0,
         noise_ue: run.scene.rig.electronics.noise_ue,
         seed: run.scene.seed,
         compares: false,
