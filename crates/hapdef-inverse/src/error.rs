@@ -37,7 +37,7 @@ pub enum InverseError {
         found: f64,
     },
     /// A reading that is NaN or infinite.
-    #[error("the reading of gauge {gauge} is {found}: mask the gauge as dead, or drop the frame")]
+    #[error("the reading of gauge {gauge} is {found:?}: mask the gauge as dead, or drop the frame")]
     Reading {
         /// Index of the gauge.
         gauge: usize,

@@ -18,6 +18,10 @@ const WRONG: (&str, f64) = (
     0.05,
 );
 const N_FRAMES: usize = 40;
+
+/// Enough to tell a share of 5 % from one of 8 %.
+const N_NOISY_FRAMES: usize = 400;
+
 const N_PAIRS: usize = 24;
 
 /// No answer on two merging contacts has to be nearer than this to half their gap, m.
@@ -45,11 +49,11 @@ fn merging(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         ),
         (
             (
-                "half the gap and 3 mm from a contact felt to the nearest found (one contact: 5 of its sd if it is two), \
-                 in parts of that",
+                "half the gap and 3 mm or 5 sd from a contact felt to the nearest found (one contact: its sd if it is two), \
+                 in parts of 3 mm or 5 sd",
                 1.0,
             ),
-            |m| (m.far_m - m.gap_m / 2.0) / m.allowed_m,
+            |m| m.far,
         ),
     ];
     for gap_mm in [20.0, 10.0, 7.0, 5.0, 1.0, 1e-3, 1e-6, 0.0] {
@@ -75,11 +79,9 @@ const FORCES_N: [f64; 2] = [10.0, 12.0];
 struct Merged {
     /// Sum of their forces.
     felt_n: f64,
-    /// Largest distance of one of them to the nearest found.
-    far_m: f64,
-    /// How much more than half the gap it may be.
-    allowed_m: f64,
-    gap_m: f64,
+    /// The largest distance of one of them to the nearest found beyond half the gap, in parts of 3 mm or
+    /// of 5 of the found one's standard deviations, whichever is more.
+    far: f64,
     /// Sum of the forces found, and its standard deviation.
     sum_n: f64,
     sum_sd_n: f64,
@@ -88,24 +90,27 @@ struct Merged {
 impl Merged {
     fn of(world: &InverseWorld, truth: &[SkinPoint; 2], found: &ContactEstimate) -> Self {
         let felt = felt(world, truth);
+        let if_two = match found.if_two.as_slice() {
+            [one] => *one,
+            _ => IfTwo::default(),
+        };
+        let half_m = world.gap_m(&truth[0], &truth[1]) / 2.0;
         let far = |point: &SkinPoint| {
             let x = world.map.skin().position(point);
-            let gaps = found.contacts.iter().map(|c| (c.position_m - x).norm());
-            gaps.fold(f64::INFINITY, f64::min)
+            let parts = found.contacts.iter().map(|c| {
+                let own_sd_m = (c.covariance[(0, 0)] + c.covariance[(1, 1)]).sqrt();
+                let allowed_m = LEAST_FAR_M.max(5.0 * own_sd_m.max(if_two.position_sd_m));
+                ((c.position_m - x).norm() - half_m) / allowed_m
+            });
+            parts.fold(f64::INFINITY, f64::min)
         };
         let n = found.contacts.len();
         let forces = || (0..n).map(|i| 3 * i + 2);
         let covariance = |i: usize| forces().map(move |j| found.joint_covariance[3 * n * i + j]);
         let own_sd_n = forces().flat_map(covariance).sum::<f64>().sqrt();
-        let if_two = match found.if_two.as_slice() {
-            [one] => *one,
-            _ => IfTwo::default(),
-        };
         Self {
             felt_n: felt.iter().map(|(_, force_n)| force_n).sum(),
-            far_m: felt.iter().map(|(p, _)| far(p)).fold(0.0, f64::max),
-            allowed_m: LEAST_FAR_M.max(5.0 * if_two.position_sd_m),
-            gap_m: world.gap_m(&truth[0], &truth[1]),
+            far: felt.iter().map(|(p, _)| far(p)).fold(0.0, f64::max),
             sum_n: found.contacts.iter().map(|c| c.force_n).sum(),
             sum_sd_n: own_sd_n.max(if_two.force_sd_n),
         }
@@ -219,7 +224,7 @@ fn noises(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                 StabilityWanted::Either,
                 move || {
                     let mut rng = rng(33 + k as u64);
-                    let frames = (0..N_FRAMES).map(|_| {
+                    let frames = (0..N_NOISY_FRAMES).map(|_| {
                         let truth = w.draw(k, 0.02, &mut rng);
                         let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
                         let mut y = w.readings(&contacts);
