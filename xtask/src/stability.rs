@@ -26,13 +26,14 @@ pub(crate) struct StabilityArgs {
     #[arg(long)]
     json: bool,
     /// `fe`: draws which elements are stiff where they are scattered at random; the file has seed 0.
-    /// `scenes`: the first scene's, the next has the next.
+    /// `scenes`: the first scene's, the next has the next. The other parts draw by seeds of their own.
     #[arg(long)]
     seed: Option<u64>,
     /// How long scenes are tried, minutes; `scenes` only.
     #[arg(long)]
     minutes: Option<f64>,
-    /// Another limb than the bundled one, which has no table in docs/; `inverse` only.
+    /// Another limb than the bundled one for the contacts by superposition, which has no table in docs/;
+    /// the other parts have no limb, or one of their own.
     #[arg(long, conflicts_with_all = ["write", "check"])]
     scene: Option<PathBuf>,
 }
@@ -74,9 +75,6 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
     if args.json {
         command.arg("--json");
     }
-    if let Some(seed) = args.seed {
-        command.args(["--seed", &seed.to_string()]);
-    }
     finish(&mut command)
 }
 
@@ -86,10 +84,11 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
     if args.json && !is_fe {
         bail!("--json is for `stability fe`");
     }
-    if args.seed.is_some() && !is_fe && !is_scenes {
+    let is_all = args.part.is_none();
+    if args.seed.is_some() && !is_fe && !is_scenes && !is_all {
         bail!("--seed is for `stability fe` and `stability scenes`");
     }
-    if args.scene.is_some() && args.part != Some(Part::Inverse) {
+    if args.scene.is_some() && args.part != Some(Part::Inverse) && !is_all {
         bail!("--scene is for `stability inverse`; `stability scenes` draws its own");
     }
     if args.minutes.is_some() && !is_scenes {
@@ -182,6 +181,9 @@ impl Table {
 
     fn with_files(self, args: &StabilityArgs) -> Result<Command> {
         let mut command = self.command(args.scene.as_deref())?;
+        if let (Self::Fe, Some(seed)) = (self, args.seed) {
+            command.args(["--seed", &seed.to_string()]);
+        }
         for (flag, on) in [("--write", args.write), ("--check", args.check)] {
             if on {
                 command.arg(flag).arg(root().join(self.document()));
