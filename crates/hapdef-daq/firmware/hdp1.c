@@ -196,10 +196,34 @@ size_t hdp1_peek(const struct hdp1_tx *tx, const uint8_t **bytes)
     return tx->used < to_end ? tx->used : to_end;
 }
 
+/* Takes the head's byte off the queue; 1 if it ends a packet of DATA. */
+static int take_byte(struct hdp1_tx *tx)
+{
+    uint8_t byte = tx->ring[tx->head];
+    int is_end = byte == 0, is_data = tx->at == 2 && tx->type == HDP1_DATA;
+
+    /* The first byte is COBS's, the second the type, which is not 0. */
+    if (tx->at == 1)
+        tx->type = byte;
+    tx->at = is_end ? 0 : tx->at < 2 ? tx->at + 1 : 2;
+    tx->head = (tx->head + 1) % tx->size;
+    tx->used--;
+    return is_end && is_data;
+}
+
 void hdp1_taken(struct hdp1_tx *tx, size_t n)
 {
-    tx->head = (tx->head + n) % tx->size;
-    tx->used -= n;
+    while (n-- > 0)
+        take_byte(tx);
+}
+
+void hdp1_clear(struct hdp1_tx *tx)
+{
+    while (tx->used > 0)
+        if (take_byte(tx)) {
+            tx->sent--;
+            tx->dropped++;
+        }
 }
 
 /* Decodes COBS in place; returns the length, or 0 if it does not add up. */

@@ -89,6 +89,8 @@ struct hdp1_tx {
     uint8_t *ring;
     size_t size, head, used;
     uint32_t sent, dropped;
+    /* How far the head is in its packet, 2 at most, and that packet's type. */
+    uint8_t at, type;
 };
 
 void hdp1_tx_init(struct hdp1_tx *tx, uint8_t *ring, size_t size);
@@ -104,6 +106,9 @@ int hdp1_send_data(struct hdp1_tx *tx, struct hdp1_header *header, const uint8_t
 /* The longest stretch of bytes that can be handed to the port now; take off what it took. */
 size_t hdp1_peek(const struct hdp1_tx *tx, const uint8_t **bytes);
 void hdp1_taken(struct hdp1_tx *tx, size_t n);
+
+/* Empties the queue; DATA in it counts as dropped. */
+void hdp1_clear(struct hdp1_tx *tx);
 
 /* Decodes what the host says. */
 struct hdp1_rx {

@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use hapdef_daq::hdp1::SampleFormat;
+use hapdef_daq::hdp1::{RejectedCounts, SampleFormat};
 use hapdef_daq::source::{
     FrameSource, Link, LinkFault, LinkState, SerialLink, SerialParams, StreamParams, StreamSource,
 };
@@ -141,4 +141,44 @@ fn all_bytes_pass_a_raw_port() {
     let mut echoed = [0; 512];
     let n = rustix::io::read(&master, &mut echoed[..]).unwrap();
     assert_eq!(&echoed[..n], all);
+}
+
+/// What was sent to whoever had the port before, or to nobody, is neither delivered nor counted as lost.
+#[test]
+fn what_was_sent_before_the_port_was_opened_is_left_out() {
+    let (master, path) = pty();
+    let mut sim = Device::new(10, SampleFormat::I16);
+    let mut bytes = Vec::new();
+    for _ in 0..20 {
+        let mut source = source(Path::new(&path));
+        source.poll(Duration::ZERO, &mut |_| {});
+        bytes.clear();
+        (0..5).for_each(|_| sim.tick(&mut bytes));
+        rustix::io::write(&master, &bytes).unwrap();
+        drop(source);
+        bytes.clear();
+        (0..5).for_each(|_| sim.tick(&mut bytes));
+        let _ = rustix::io::write(&master, &bytes);
+        (0..5).for_each(|_| sim.tick(&mut Vec::new()));
+
+        let mut source = self::source(Path::new(&path));
+        source.poll(Duration::ZERO, &mut |_| {});
+        bytes.clear();
+        sim.say_hello(&mut bytes);
+        let first = sim.encoder.seq();
+        (0..10).for_each(|_| sim.tick(&mut bytes));
+        rustix::io::write(&master, &bytes).unwrap();
+        let mut seqs = Vec::new();
+        while seqs.len() < 10 {
+            source.poll(SECOND, &mut |message| {
+                if let Message::Frame(frame) = message {
+                    seqs.push(frame.seq);
+                }
+            });
+        }
+        assert!(seqs.iter().copied().eq(first..first + 10), "{seqs:?}");
+        let stats = source.stats();
+        assert_eq!(stats.losses.n_lost, 0);
+        assert_eq!(stats.rejected, RejectedCounts::default());
+    }
 }

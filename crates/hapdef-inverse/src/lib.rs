@@ -36,8 +36,8 @@ mod tracker;
 mod walk;
 
 pub use calibration::{
-    BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError, ModeMap,
-    ModeScope, NextPress, Press, RejectReason, RejectedPress,
+    BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError,
+    LEAST_PRESSES, ModeMap, ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
 pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
 pub use error::InverseError;

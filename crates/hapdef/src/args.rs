@@ -21,7 +21,7 @@ const MIN_SAMPLES: usize = 20;
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// The scene file.
+    /// The scene file; `live` takes a bundle, too.
     pub scene: PathBuf,
     /// How much to make: `quick` for minutes, `full` for the paper's amounts of data.
     #[arg(long, default_value = "full")]
@@ -76,9 +76,9 @@ pub struct SceneArgs {
 /// Name of a [`Profile`].
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum ProfileName {
-    /// [`Profile::quick`].
+    /// Minutes.
     Quick,
-    /// [`Profile::full`].
+    /// The paper's amounts of data.
     Full,
 }
 

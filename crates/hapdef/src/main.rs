@@ -16,5 +16,30 @@ use clap::Parser;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    hapdef::exit_code(cli::run(&cli::Cli::parse()).map_err(Into::into))
+    match cli::run(&cli::Cli::parse()) {
+        Err(error) if is_end_of_reader(&error) => ExitCode::SUCCESS,
+        result => hapdef::exit_code(result.map_err(Into::into)),
+    }
+}
+
+/// Whether who reads the output has closed it, as `head` does.
+fn is_end_of_reader(error: &anyhow::Error) -> bool {
+    let io = |cause: &(dyn std::error::Error + 'static)| {
+        let io = cause.downcast_ref::<std::io::Error>();
+        io.map(std::io::Error::kind)
+    };
+    let mut kinds = error.chain().filter_map(io);
+    kinds.any(|kind| kind == std::io::ErrorKind::BrokenPipe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reader_that_has_enough_is_no_error() {
+        let error = |kind| anyhow::Error::from(std::io::Error::from(kind)).context("line 3");
+        assert!(is_end_of_reader(&error(std::io::ErrorKind::BrokenPipe)));
+        assert!(!is_end_of_reader(&error(std::io::ErrorKind::StorageFull)));
+    }
 }

@@ -14,6 +14,8 @@ use crate::proc::{rss_mib, thread_cpu};
 use crate::support::{Device, is_right, pty};
 
 const N_CHANNELS: usize = 64;
+/// Time from one packet to the next while the device makes up for time in which it was not run.
+const CATCHING_UP: Duration = Duration::from_micros(500);
 /// What the device keeps when the port does not take it, as the firmware does.
 const DEVICE_QUEUE: usize = 32 << 10;
 
@@ -25,6 +27,7 @@ static SENT_NS: [AtomicU64; 4096] = [const { AtomicU64::new(0) }; 4096];
 #[allow(dead_code, reason = "it is printed as a whole")]
 pub struct Stream {
     pub n_sent: u64,
+    pub sent_hz: f64,
     pub n_received: u64,
     pub n_recorded: u64,
     /// Packets lost on the link, dropped by the device or by a queue of the host.
@@ -64,6 +67,7 @@ pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
 
     // Memory is compared when the rings of 8192 frames have been around once.
     let warm = (duration / 5).max(Duration::from_secs(9)).min(duration);
+    let began = Instant::now();
     let mut seen = consume(&mut compute, warm);
     let (rss, reader, writer) = (
         rss_mib(),
@@ -80,6 +84,7 @@ pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
     );
     let rss_growth_mib = rss_mib() - rss;
     stop.store(true, Ordering::Release);
+    let sent_s = began.elapsed().as_secs_f64();
     let played = device.join().unwrap();
     let n_sent = played.n_packets;
     seen.add(&consume(&mut compute, Duration::from_millis(300)));
@@ -94,6 +99,7 @@ pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
     assert_eq!(n_read, recorded.n_frames);
     Stream {
         n_sent,
+        sent_hz: n_sent as f64 / sent_s,
         n_received: seen.n_frames,
         n_recorded: recorded.n_frames,
         n_lost,
@@ -182,9 +188,9 @@ struct Played {
     all_late: Duration,
 }
 
-/// The device: a packet every millisecond until it is stopped, never blocking. A board is never
-/// kept from running; when this thread was, its time stands still, and it does not make up for it
-/// by a burst that no board would send.
+/// The device: a packet for every millisecond until it is stopped, never blocking. A board is never
+/// kept from running; when this thread was, it makes up for it by packets of half a millisecond, not by a
+/// burst that no board would send.
 fn play(master: &std::os::fd::OwnedFd, stop: &AtomicBool) -> Played {
     let mut device = Device::new(N_CHANNELS, SampleFormat::I32);
     let (mut queue, mut packet, mut asked) = (Vec::new(), Vec::new(), [0; 256]);
@@ -209,11 +215,12 @@ fn play(master: &std::os::fd::OwnedFd, stop: &AtomicBool) -> Played {
             played.n_dropped += 1;
         }
         send(master, &mut queue);
+        let sent = Instant::now();
         due += Duration::from_millis(1);
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        let late = due.elapsed();
+        let next = due.max(sent + CATCHING_UP);
+        std::thread::sleep(next.saturating_duration_since(Instant::now()));
+        let late = next.elapsed();
         if late > Duration::from_millis(1) {
-            due += late;
             played.all_late += late;
             played.worst_late = played.worst_late.max(late);
         }

@@ -64,14 +64,19 @@ static void send_hello()
     hdp1_send(&tx, &h, hello_bytes, n);
 }
 
-/* What a host sees first: a 0x00, which ends what the port may still hold, and HELLO, before what was
- * queued while nobody listened. */
+/* What a host sees first: a 0x00, which ends what the port may still hold, and HELLO. What was queued
+ * while nobody listened is old. */
 static void greet()
 {
     static uint8_t bytes[sizeof hello_bytes + 64];
+    static bool is_later;
     size_t n;
     struct hdp1_header h = describe(&n);
 
+    hdp1_clear(&tx);
+    if (!is_later)
+        data_header.flags |= HDP1_FIRST_AFTER_BOOT;
+    is_later = true;
     bytes[0] = 0;
     n = hdp1_packet(&h, hello_bytes, n, bytes + 1, sizeof bytes - 1);
     SerialUSB.write(bytes, 1 + n);
@@ -224,6 +229,7 @@ void loop()
         send_hello();
         send_status();
     }
-    listen();
+    /* A host is greeted before it is answered. */
     pump();
+    listen();
 }

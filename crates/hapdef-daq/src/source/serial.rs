@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Read, Write};
 use std::time::Duration;
 
-use serialport::{SerialPort, TTYPort};
+use serialport::{ClearBuffer, SerialPort, TTYPort};
 
 use super::ports::permission_remedy;
 use super::{Link, LinkFault};
@@ -83,6 +83,9 @@ impl Link for SerialLink {
             .dtr_on_open(true)
             .exclusive(true);
         let port = builder.open_native().map_err(|e| self.refused(&e))?;
+        // What was sent to whoever had the port before.
+        port.clear(ClearBuffer::Input)
+            .map_err(|e| self.refused(&e))?;
         self.has_low_latency = self.params.low_latency && super::low_latency::ask(&port);
         self.port = Some(port);
         Ok(())

@@ -9,7 +9,7 @@ use crate::calibration::output::{
 use crate::calibration::params::{CalibrationParams, ModeMap};
 use crate::calibration::press::Press;
 use crate::calibration::reject::reject;
-use crate::calibration::samples::{Basis, Places, Samples};
+use crate::calibration::samples::{Basis, LEAST_PRESSES, Places, Samples};
 use crate::calibration::solution::{Problem, Solution};
 use crate::calibration::spread::Spread;
 use crate::error::InverseError;
@@ -67,7 +67,7 @@ impl Calibrated {
                 break;
             }
         }
-        let (found, needed) = (rows.len(), 12);
+        let (found, needed) = (rows.len(), LEAST_PRESSES);
         if found < needed {
             return Err(InverseError::TooFewPresses { found, needed });
         }

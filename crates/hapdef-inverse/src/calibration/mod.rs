@@ -28,3 +28,4 @@ pub use output::{
 };
 pub use params::{CalibrationParams, ModeMap, ModeScope};
 pub use press::Press;
+pub use samples::LEAST_PRESSES;

@@ -11,7 +11,7 @@ use crate::response::ResponseMap;
 use crate::skin_point::SkinPoint;
 
 /// Presses without which no calibration is tried.
-const LEAST_PRESSES: usize = 12;
+pub const LEAST_PRESSES: usize = 12;
 
 /// A cause this many standard deviations of its prior away is worth a warning.
 const BEYOND_SDS: f64 = 4.0;

@@ -3,25 +3,25 @@
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
 use clap::Args;
-use hapdef::session::{
-    AskedPress, CalibrationSession, HeldPress, SessionEvent, SessionParams, write_press_table,
-};
+use hapdef::session::{CalibrationSession, SessionEvent, SessionParams, write_press_table};
 use hapdef::touch::{Calibration, PressQuality};
 use hapdef::{
     Limb, Run, SOURCE_FORMS, SourceArg, SourceArgError, VirtualRigParams, live_limb, virtual_device,
 };
 use hapdef_daq::hdp1::{Channel, Hello, MAX_CHANNELS, Status};
-use hapdef_daq::source::{FrameSource, SourceStatus, StreamParams, StreamSource};
+use hapdef_daq::source::{FrameSource, ReplaySource, SourceStatus, StreamParams, StreamSource};
 use hapdef_daq::{Frame, Message};
-use hapdef_inverse::CalibrationInfo;
+use hapdef_inverse::{CalibrationInfo, LEAST_PRESSES};
 use hapdef_live::gauge_channels;
 use hapdef_rig::live::{PressHandle, Pressed, RigLink, RunParams};
 
+use super::backlog::Backlog;
 use super::calibrate::CalibrateArgs;
+use super::calibrate_words::say;
 
 /// Longest wait for bytes, so that Ctrl-C is seen.
 const POLL: Duration = Duration::from_millis(20);
@@ -62,6 +62,8 @@ struct Feed {
     status: Status,
     /// See [`SessionParams::rails_ue`].
     rails_ue: Vec<(f64, f64)>,
+    /// What was sent while presses were fitted, of presses that nobody asked for.
+    backlog: Backlog,
 }
 
 impl LiveArgs {
@@ -90,7 +92,10 @@ pub(super) fn calibrate_live(
     limb: &Limb,
 ) -> Result<(Calibration, CalibrationInfo)> {
     let (n_presses, force_n) = (args.live.presses, args.live.force_n);
-    ensure!(n_presses > 0, "--presses: expected at least 1, found 0");
+    ensure!(
+        n_presses >= LEAST_PRESSES,
+        "--presses: expected at least {LEAST_PRESSES}, without which there is no calibration, found {n_presses}"
+    );
     ensure!(
         force_n > 0.0,
         "--force-n: expected a force above 0, found {force_n}"
@@ -119,9 +124,14 @@ pub(super) fn calibrate_live(
         ..SessionParams::new(n_presses, force_n, rate_hz, quality)
     };
     let mut session = CalibrationSession::new(run, limb, params)?;
+    if let PressSource::Device(device) = source {
+        feed.open_again(device, run, limb)?;
+        feed.backlog = Backlog::new(rate_hz);
+    }
     run.say("taking the tare: don't touch the limb");
     if !feed.guide(run, &mut session, table)? {
         let n = session.rows().len();
+        ensure!(n > 0, "stopped before the first press was kept");
         let table = table.display();
         bail!("stopped after {n} presses; {table} has them: calibrate with it, without --live");
     }
@@ -154,7 +164,20 @@ impl Feed {
             channels: Vec::new(),
             status: Status::default(),
             rails_ue: Vec::new(),
+            backlog: Backlog::default(),
         })
+    }
+
+    /// Opens a device anew, so that what it sent while nobody read is gone.
+    fn open_again(&mut self, device: &SourceArg, run: &Run, limb: &Limb) -> Result<()> {
+        let nobody = ReplaySource::new("nobody", std::iter::empty(), 1.0);
+        // A port has one reader.
+        drop(std::mem::replace(&mut self.source, Box::new(nobody)));
+        self.source = device.open_for(limb.gauges.len())?;
+        let before = self.hello.take();
+        let now = self.hello(run)?;
+        self.hello = before;
+        self.is_the_same(&now)
     }
 
     /// Waits for what the device says about itself, and finds the gauges among its channels.
@@ -199,10 +222,16 @@ impl Feed {
         let mut messages = Vec::new();
         while !run.stopping() {
             self.poll(&mut |message| messages.push(message))?;
+            self.backlog.read(&messages);
             for message in messages.drain(..) {
+                if self.backlog.has(&message) {
+                    continue;
+                }
+                let start = Instant::now();
                 let Some(event) = self.take(run, session, message)? else {
                     continue;
                 };
+                self.backlog.grow(start.elapsed());
                 say(run, &event);
                 self.probe(&event);
                 match event {
@@ -316,49 +345,10 @@ fn rails_ue(hello: &Hello, channels: &[usize]) -> Vec<(f64, f64)> {
     channels.map(ends).collect()
 }
 
-fn say(run: &Run, event: &SessionEvent) {
-    run.say(&match event {
-        SessionEvent::Press(asked) => in_words(asked),
-        SessionEvent::Touched => "  hold still".to_owned(),
-        SessionEvent::LetGo => "  let go too early: press there again".to_owned(),
-        SessionEvent::GaugeOut(gauge) => {
-            format!("  gauge {gauge} is saturated, stuck or jumping: press less, check its wires")
-        }
-        SessionEvent::Held(held) => format!("  let go; {}", held_in_words(held)),
-        SessionEvent::Done => "done".to_owned(),
-    });
-}
-
-fn in_words(asked: &AskedPress) -> String {
-    let [x, y, z] = (asked.position_m.coords * 1e3).into();
-    let sd = asked.relative_sd.map_or(String::new(), |sd| {
-        format!(", where the map is known to {:.1} %", sd * 100.0)
-    });
-    format!(
-        "press {}: {} N at ({x:.1}, {y:.1}, {z:.1}) mm{sd}",
-        asked.index + 1,
-        asked.force_n
-    )
-}
-
-fn held_in_words(held: &HeldPress) -> String {
-    let progress = &held.progress;
-    let map = progress.relative_error.map_or(String::new(), |e| {
-        format!(", map good to {:.1} %", e * 100.0)
-    });
-    format!(
-        "residual {:.1} %, {:.0} % of the skin covered{map}",
-        held.residual * 100.0,
-        progress.coverage * 100.0
-    )
-}
-
 #[cfg(test)]
 mod tests {
-    use hapdef_daq::hdp1::{FrameFlags, SampleFormat};
-    use hapdef_daq::source::ReplaySource;
-
     use super::*;
+    use hapdef_daq::hdp1::{FrameFlags, SampleFormat};
 
     #[test]
     fn each_gauge_reads_the_channel_of_its_name() {
@@ -371,6 +361,7 @@ mod tests {
             rails_ue: rails_ue(&hello, &channels),
             hello: None,
             channels,
+            backlog: Backlog::default(),
             status: Status {
                 saturated: 1 << 2 | 1 << 1,
                 ..Status::default()

@@ -1,8 +1,10 @@
 //! The command line.
 
+mod backlog;
 mod bundle;
 mod calibrate;
 mod calibrate_live;
+mod calibrate_words;
 mod contacts;
 mod converge;
 mod deck;

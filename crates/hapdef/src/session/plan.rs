@@ -45,6 +45,10 @@ impl Plan {
         })
     }
 
+    pub(super) fn response(&self) -> &UncertainResponse {
+        &self.response
+    }
+
     pub(super) fn map(&self) -> &ResponseMap {
         &self.map
     }

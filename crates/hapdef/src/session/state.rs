@@ -299,7 +299,15 @@ impl CalibrationSession {
             noise_ue: norm(noise.iter().copied()) / (noise.len() as f64).sqrt(),
             ..self.params.quality
         };
-        Calibration::fit(run, limb, &self.presses, &quality, CALIBRATION_SITES)
+        let response = self.plan.response();
+        Calibration::of_response(
+            run,
+            limb,
+            response,
+            &self.presses,
+            &quality,
+            CALIBRATION_SITES,
+        )
     }
 
     /// Asks for the next press, or for the last one again.

@@ -90,6 +90,18 @@ impl Calibration {
             n_threads: run.threads,
         };
         let response = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+        Self::of_response(run, limb, &response, presses, quality, n_sites)
+    }
+
+    /// The same where the response is solved.
+    pub(crate) fn of_response(
+        run: &Run,
+        limb: &Limb,
+        response: &UncertainResponse,
+        presses: &[Press],
+        quality: &PressQuality,
+        n_sites: usize,
+    ) -> Result<(Self, CalibrationInfo), HapdefError> {
         let sites = ScanSites::farthest(response.map.skin(), n_sites)?;
         let n_gauges = limb.gauges.len();
         let params = CalibrationParams {

@@ -67,7 +67,7 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
         checks.extend(channels::checks(source, args.seconds, names, &stop)?);
         if let SourceArg::Serial { device, .. } | SourceArg::Csv { device, .. } = source {
             // Opening the port has asked the driver for low latency.
-            checks.extend(ports::latency_check(device));
+            checks.push(ports::latency_check(device));
         }
         if args.press_check {
             let ask = |text: &str| eprintln!("{text}");
