@@ -106,6 +106,8 @@ fn damage_costs_the_damaged_chunk_only() {
     let path = folder.path().join("press.mcap");
     recorded(&path, 2000);
     let whole = std::fs::read(&path).unwrap();
+    let chunks = chunks(&whole);
+    assert_eq!(chunks.last().unwrap().seqs.end, 2000);
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let mut draw = |n: usize| rng.next_u64() as usize % n;
     let damaged_path = folder.path().join("damaged.mcap");
@@ -113,17 +115,17 @@ fn damage_costs_the_damaged_chunk_only() {
     for round in 0..1000 {
         let mut bytes = whole.clone();
         let at = draw(bytes.len());
+        let end = match round % 4 {
+            0 => at + 1,
+            1 => bytes.len(),
+            2 => (at + 1 + draw(5000)).min(bytes.len()),
+            _ => (at + 16).min(bytes.len()),
+        };
         match round % 4 {
             0 => bytes[at] ^= 1 << draw(8),
             1 => bytes.truncate(at),
-            2 => {
-                let end = (at + 1 + draw(5000)).min(bytes.len());
-                bytes.drain(at..end);
-            }
-            _ => {
-                let end = (at + 16).min(bytes.len());
-                bytes[at..end].iter_mut().for_each(|b| *b = draw(256) as u8);
-            }
+            2 => drop(bytes.drain(at..end)),
+            _ => bytes[at..end].iter_mut().for_each(|b| *b = draw(256) as u8),
         }
         std::fs::write(&damaged_path, &bytes).unwrap();
         let got = frames(&damaged_path);
@@ -133,14 +135,38 @@ fn damage_costs_the_damaged_chunk_only() {
         );
         assert!(got.is_sorted_by(|a, b| a.1.seq < b.1.seq), "round {round}");
         n_untouched += usize::from(got.len() == 2000);
-        if round % 4 != 1 {
-            // A chunk holds at most 192 KiB and a message more: 900 frames here. A hole of 5000
-            // bytes can reach into two.
-            let most = if round % 4 == 2 { 1800 } else { 900 };
-            assert!(got.len() + most >= 2000, "round {round}: {}", got.len());
+        let is_hit = |chunk: &Chunk| chunk.at.start < end && at < chunk.at.end;
+        for chunk in chunks.iter().filter(|chunk| !is_hit(chunk)) {
+            let kept = got.iter().filter(|(_, f)| chunk.seqs.contains(&f.seq));
+            assert_eq!(kept.count(), chunk.seqs.len(), "round {round}: {chunk:?}");
         }
     }
     assert!(n_untouched < 400, "{n_untouched}");
+}
+
+/// A chunk of a recording: its place in the file, and the frames in it.
+#[derive(Debug)]
+struct Chunk {
+    at: std::ops::Range<usize>,
+    seqs: std::ops::Range<u32>,
+}
+
+/// The chunks of a whole file, by its own index.
+fn chunks(whole: &[u8]) -> Vec<Chunk> {
+    let summary = mcap::Summary::read(whole).unwrap().unwrap();
+    let mut first = 0;
+    let of_index = |chunk: &mcap::records::ChunkIndex| {
+        let start = usize::try_from(chunk.chunk_start_offset).unwrap();
+        let length = usize::try_from(chunk.chunk_length).unwrap();
+        let messages = summary.stream_chunk(whole, chunk).unwrap();
+        let gauges = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/gauges");
+        let end = first + u32::try_from(gauges.count()).unwrap();
+        Chunk {
+            at: start..start + length,
+            seqs: std::mem::replace(&mut first, end)..end,
+        }
+    };
+    summary.chunk_indexes.iter().map(of_index).collect()
 }
 
 #[test]
