@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use hapdef::scene::RigMesh;
 use hapdef::{HapdefError, Run};
+use hapdef_inverse::InverseError;
 use hapdef_report::MetricContext;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -59,10 +60,13 @@ impl Origin {
             let value = measure().and_then(|value| Ok(serde_json::to_value(value)?));
             value.map_err(|error| match error.downcast::<HapdefError>() {
                 Ok(error) => error,
-                Err(error) => HapdefError::Stale {
-                    path: "the frontier".into(),
-                    what: format!("{error:#}"),
-                },
+                Err(error) => error.downcast::<InverseError>().map_or_else(
+                    |error| HapdefError::Stale {
+                        path: "the frontier".into(),
+                        what: format!("{error:#}"),
+                    },
+                    HapdefError::from,
+                ),
             })
         })?;
         Ok(T::deserialize(&stage.record.info)?)

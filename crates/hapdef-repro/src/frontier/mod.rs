@@ -98,11 +98,20 @@ struct Measured {
     points: Vec<Point>,
     /// Why this limb has no shell of its skin, where it has none; its ways are left out.
     no_shell: Option<String>,
+    /// Ways that were refused, as where a gauge does not read what the response tells, and why.
+    refused: Vec<Refused>,
     /// Ways by superposition, measured or not.
     n_ways: usize,
     growths: Vec<Growth>,
     skips: Skips,
     planned: Vec<Planned>,
+}
+
+/// A way that could not be measured.
+#[derive(Clone, Debug, Serialize)]
+struct Refused {
+    way: String,
+    why: String,
 }
 
 /// Measures, prints and writes the frontier.
@@ -128,16 +137,25 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let growths = scaling::measure(&run, most_nodes, args.test_seed)?;
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
     let ways = Way::in_order(args.test_seed);
-    let (points, no_shell) = points(args, &run, &mut lab, &ways, deadline)?;
+    let walked = points(args, &run, &mut lab, &ways, deadline)?;
     let measured = Measured {
-        points,
-        no_shell,
+        points: point::on_one_footing(&walked.points),
+        no_shell: walked.no_shell,
+        refused: walked.refused,
         n_ways: ways.len(),
         growths,
         skips,
         planned,
     };
     page::write(args, &run, &measured)
+}
+
+/// What was walked of all ways.
+#[derive(Default)]
+struct Walked {
+    points: Vec<Point>,
+    no_shell: Option<String>,
+    refused: Vec<Refused>,
 }
 
 /// The usual way, the paper's chain, the usual way followed, and as many others as there is time for;
@@ -148,33 +166,43 @@ fn points(
     lab: &mut Lab<'_>,
     ways: &[Way],
     deadline: Instant,
-) -> Result<(Vec<Point>, Option<String>)> {
+) -> Result<Walked> {
     let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
-    let (mut points, mut no_shell) = (Vec::new(), None);
+    let mut walked = Walked::default();
     for (i, way) in ways.iter().enumerate() {
         if i >= N_ALWAYS && Instant::now() > deadline {
             break;
         }
         run.check_stop("the frontier")?;
-        if way.mesh == Mesh::Shell && no_shell.is_some() {
+        if way.mesh == Mesh::Shell && walked.no_shell.is_some() {
             continue;
         }
         let what = json!({ "way": way });
         match origin.kept(run, &what, || measure::superposed(lab, way)) {
-            Ok(point) => points.push(point),
+            Ok(point) => walked.points.push(point),
             Err(error) if way.mesh == Mesh::Shell && is_mesh_fault(&error) => {
-                no_shell = Some(format!("{error:#}"));
+                walked.no_shell = Some(format!("{error:#}"));
             }
+            Err(error) if i >= N_ALWAYS && is_refusal(&error) => walked.refused.push(Refused {
+                way: way.name(),
+                why: format!("{error:#}"),
+            }),
             Err(error) => return Err(error),
         }
         if i == 0 && !args.without_nets {
             let what = json!({ "chain": run.profile });
             let usual = lab.ready(way)?;
             let chain: Vec<Point> = origin.kept(run, &what, || chain::chain(lab, &usual))?;
-            points.extend(chain);
+            walked.points.extend(chain);
         }
     }
-    Ok((point::on_one_footing(&points), no_shell))
+    Ok(walked)
+}
+
+/// Whether the estimator or its calibration refuses what it is given.
+fn is_refusal(error: &anyhow::Error) -> bool {
+    let refusal = error.downcast_ref::<HapdefError>();
+    matches!(refusal, Some(HapdefError::Inverse(_)))
 }
 
 fn is_mesh_fault(error: &anyhow::Error) -> bool {

@@ -107,7 +107,10 @@ fn skipped(args: &ChainFrontierArgs, measured: &Measured) -> Vec<SkippedStage> {
     if let Some(reason) = &measured.no_shell {
         skip("ways on a shell of the skin", reason.clone());
     }
-    let n_left = measured.n_ways - n_superposed(measured);
+    for refused in &measured.refused {
+        skip(&refused.way, format!("refused: {}", refused.why));
+    }
+    let n_left = measured.n_ways - n_superposed(measured) - measured.refused.len();
     if n_left > 0 {
         let reason = format!("{} minutes are over; more go on from here", args.minutes);
         skip(&format!("{n_left} further ways"), reason);
