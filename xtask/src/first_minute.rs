@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::browser;
 use crate::pipeline::live_command;
-use crate::tool::{release_example, shown, target_dir};
+use crate::tool::{into_results, release_example, shown, target_dir};
 
 /// The figure, and what it may be at most, s.
 const FIGURE: &str = "METRIC:view.first_picture_s:";
@@ -30,7 +30,7 @@ pub(crate) fn check() -> Result<()> {
     let opener = release_example("view_shot")?;
     let mut command = live_command(None, None, Some(opener))?;
     command.args(["--view-port", "0", "--out"]).arg(&out);
-    command.stdout(Stdio::piped());
+    into_results(&mut command).stdout(Stdio::piped());
     let child = command.spawn();
     let mut program = Program(child.with_context(|| format!("starting {}", shown(&command)))?);
     let figures = figures(program.0.stdout.take().context("its output")?);

@@ -1,4 +1,5 @@
 //! Recordings: what comes back, and from damaged files.
+#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 mod support;
 

@@ -123,7 +123,7 @@ pub enum NetsError {
     },
     /// The loss is no longer a number.
     #[error(
-        "the loss became {loss} at step {step} with learning rate {learning_rate}: \
+        "the loss became {loss} at step {step} with learning rate {learning_rate:?}: \
          use a smaller learning rate"
     )]
     Diverged {
@@ -136,7 +136,7 @@ pub enum NetsError {
     },
     /// A net that is no better after its training than the means of its own training samples.
     #[error(
-        "the training learned nothing: after {steps} steps from learning rate {learning_rate} the \
+        "the training learned nothing: after {steps} steps from learning rate {learning_rate:?} the \
          √MSE of the standardised outputs is {after:.3} on training samples, and {of_means:.3} \
          where each output stays at its mean; if the loss grew, use a smaller learning rate, else \
          more steps or less L2, and see that the inputs vary"

@@ -197,10 +197,7 @@ fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
             continue;
         }
         let series = Series {
-            name: format!("{} {}", case.element, case.quantity)
-                .chars()
-                .take(30)
-                .collect(),
+            name: format!("{} {}", case.element, case.quantity),
             points,
         };
         match problems.iter_mut().find(|(title, _)| *title == case.title) {

@@ -59,10 +59,10 @@ function draw(canvas, limb, map, size, yaw, tilt) {
   }
   const marks = projected(limb.marks, limb, yaw, tilt);
   g.font = "bold 20px system-ui, sans-serif";
-  for (let m = 0; m < marks.length / 3; m++) {
-    const [x, y] = place(marks, 3 * m);
-    ring(g, x, y, marks[3 * m + 2] < 0, String(m));
-  }
+  const rings = Array.from({ length: marks.length / 3 }, (_, m) => place(marks, 3 * m));
+  rings.forEach(([x, y], m) => ring(g, x, y, marks[3 * m + 2] < 0));
+  const taken = rings.map(([x, y]) => [x - 9, y - 9, x + 9, y + 9]);
+  rings.forEach(([x, y], m) => number(g, x, y, String(m), taken));
   ruler(g, canvas, scale / STEP_MM);
 }
 
@@ -84,8 +84,8 @@ function ruler(g, canvas, pixelsPerMm) {
   g.fillText(`${Number(mm.toPrecision(1))} mm`, x, y - 14);
 }
 
-/* A numbered ring; a dashed one on the far side. */
-function ring(g, x, y, isFar, name) {
+/* A ring; a dashed one on the far side. */
+function ring(g, x, y, isFar) {
   g.setLineDash(isFar ? [3, 4] : []);
   for (const [width, ink] of [[6, "#fff"], [2.5, "#c2185b"]]) {
     g.lineWidth = width;
@@ -95,11 +95,23 @@ function ring(g, x, y, isFar, name) {
     g.stroke();
   }
   g.setLineDash([]);
+}
+
+/* A ring's number in the first corner beside it where nothing is yet, else in the first. */
+function number(g, x, y, name, taken) {
+  const width = g.measureText(name).width;
+  const corners = [[12, 7], [-12 - width, 7], [-width / 2, -14], [-width / 2, 28], [10, -8], [-10 - width, -8]];
+  const box = ([dx, dy]) => [x + dx, y + dy - 15, x + dx + width, y + dy];
+  const isFree = (b) =>
+    b[0] >= 0 && b[2] <= g.canvas.width &&
+    taken.every((t) => b[2] <= t[0] || b[0] >= t[2] || b[3] <= t[1] || b[1] >= t[3]);
+  const corner = corners.find((c) => isFree(box(c))) ?? corners[0];
+  taken.push(box(corner));
   g.lineWidth = 5;
   g.strokeStyle = "#fff";
-  g.strokeText(name, x + 12, y + 7);
+  g.strokeText(name, x + corner[0], y + corner[1]);
   g.fillStyle = "#c2185b";
-  g.fillText(name, x + 12, y + 7);
+  g.fillText(name, x + corner[0], y + corner[1]);
 }
 
 for (const canvas of document.querySelectorAll("canvas[data-map]")) {

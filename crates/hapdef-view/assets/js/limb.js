@@ -78,14 +78,19 @@ export class Limb {
     color.needsUpdate = true;
   }
 
-  /** No node moves farther than `peak`, m. */
+  /** No node moves farther than `peak`, m; those beyond the skin move with the nearest one of it. */
   bend(displacement, components, peak) {
     const { position, normal } = this.geometry.attributes;
     const by = this.exaggeration;
     if (by === 0 && !this.bent) return;
-    for (let k = 0; k < (3 / components) * displacement.length; k += 1) {
-      const moved = components === 3 ? displacement[k] : -displacement[(k / 3) | 0] * this.restNormals[k];
-      position.array[k] = this.rest[k] + by * moved;
+    const onSkin = displacement.length / components;
+    if (this.leaders?.onSkin !== onSkin) this.leaders = { onSkin, of: nearestOf(this.rest, onSkin) };
+    for (let i = 0; i < this.rest.length / 3; i += 1) {
+      const leader = i < onSkin ? i : this.leaders.of[i - onSkin];
+      for (let k = 0; k < 3; k += 1) {
+        const moved = components === 3 ? displacement[3 * leader + k] : -displacement[leader] * this.restNormals[3 * leader + k];
+        position.array[3 * i + k] = this.rest[3 * i + k] + by * moved;
+      }
     }
     position.needsUpdate = true;
     this.geometry.boundingSphere.radius = this.restRadius + by * peak;
@@ -120,6 +125,33 @@ export class Limb {
     this.geometry.dispose();
     this.mesh.material.dispose();
   }
+}
+
+/** Of each point beyond the first `n` the nearest one among these. */
+function nearestOf(points, n) {
+  const rising = Array.from({ length: n }, (_, i) => i).sort((i, j) => points[3 * i + 1] - points[3 * j + 1]);
+  const nearest = new Uint32Array(points.length / 3 - n);
+  for (let i = n; i < points.length / 3; i += 1) {
+    let [low, high] = [0, n];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (points[3 * rising[middle] + 1] < points[3 * i + 1]) low = middle + 1;
+      else high = middle;
+    }
+    let best = Infinity;
+    const look = (at, step) => {
+      for (let m = at; m >= 0 && m < n; m += step) {
+        const j = 3 * rising[m];
+        const [x, y, z] = [points[j] - points[3 * i], points[j + 1] - points[3 * i + 1], points[j + 2] - points[3 * i + 2]];
+        if (y * y >= best) break;
+        const gap = x * x + y * y + z * z;
+        if (gap < best) [best, nearest[i - n]] = [gap, rising[m]];
+      }
+    };
+    look(low, 1);
+    look(low - 1, -1);
+  }
+  return nearest;
 }
 
 /** Unit normals of the vertices, those of the faces weighted by area. */

@@ -178,7 +178,7 @@ function gaugeColour(i, n) {
   return `rgb(${[r, g, b].map((c) => Math.round(255 * c))})`;
 }
 
-const signed = (x) => (Math.abs(x) < 9.95 ? x.toFixed(1) : x.toFixed(0)).replace("-", "−");
+const signed = (x) => (Math.abs(x) < 0.05 ? "0.0" : x.toFixed(Math.abs(x) < 9.95 ? 1 : 0)).replace("-", "−");
 const count = (n) => n.toLocaleString("en");
 
 function time(us) {

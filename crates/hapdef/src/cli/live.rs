@@ -145,8 +145,15 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     };
     let first = args.view.is_first_measured().then(|| FirstParams {
         start,
-        is_output_taken: args.json,
-        metrics: args.scene.out.join("metrics.json"),
+        // What is taken by JSON would be damaged by figures.
+        out: match args.json {
+            true => || Box::new(std::io::stderr()),
+            false => || Box::new(std::io::stdout()),
+        },
+        metrics: std::env::var_os("HAPDEF_METRICS").map_or_else(
+            || args.scene.out.join("metrics.json"),
+            std::path::PathBuf::from,
+        ),
         seed: args.sim_seed,
     });
     let desk = view.map(|view| view.attend(live.control(), reach, first));

@@ -12,8 +12,8 @@ use hapdef_view::ClientInfo;
 pub(crate) struct FirstParams {
     /// The program's start.
     pub(crate) start: Instant,
-    /// Whether the standard output is taken by something that figures would damage.
-    pub(crate) is_output_taken: bool,
+    /// Where people see them.
+    pub(crate) out: fn() -> Box<dyn Write>,
     /// The file of figures.
     pub(crate) metrics: PathBuf,
     /// Seed of what is shown.
@@ -93,11 +93,7 @@ impl FirstParams {
         &self,
         figure: impl FnOnce(&mut MetricLog<Box<dyn Write>>) -> Result<()>,
     ) -> Result<()> {
-        let mut out: Box<dyn Write> = if self.is_output_taken {
-            Box::new(std::io::stderr())
-        } else {
-            Box::new(std::io::stdout())
-        };
+        let mut out = (self.out)();
         writeln!(out)?;
         let mut log = MetricLog::new(out, MetricContext::here(self.seed));
         figure(&mut log)?;
@@ -130,7 +126,7 @@ mod tests {
         };
         let mut first = First::new(FirstParams {
             start: Instant::now(),
-            is_output_taken: false,
+            out: || Box::new(std::io::sink()),
             metrics: metrics.clone(),
             seed: 1,
         });
