@@ -18,7 +18,7 @@ mod page;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod synthetic;
 
-use hapdef_view::{DeviceState, ViewFrame};
+use hapdef_view::{DeviceState, Displacement, ViewFrame};
 use look::look;
 use serde_json::json;
 use synthetic::{Touch, on_limb};
@@ -138,4 +138,67 @@ fn a_phone_shows_all_of_it() {
         look.is(&seen, &json!(true));
     }
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+/// Five of them.
+fn crowded(n: u32) -> ViewFrame {
+    let mut frame = touched(n);
+    for id in 1..5 {
+        let mut further = frame.contacts[0].clone();
+        further.id = id;
+        frame.contacts.push(further);
+    }
+    frame
+}
+
+#[test]
+fn a_long_list_of_contacts_leaves_the_plots_alone() {
+    let Some(mut look) = look((1280, 600), true, "", crowded) else {
+        return;
+    };
+    look.until("document.querySelectorAll('#contacts li').length === 5");
+    look.is(
+        "document.getElementById('contacts').getBoundingClientRect().bottom <=
+            document.getElementById('force-plot').closest('section').getBoundingClientRect().top",
+        &json!(true),
+    );
+}
+
+/// The first half of the limb's nodes is its skin.
+fn with_half_a_skin(n: u32) -> ViewFrame {
+    let mut frame = touched(n);
+    if let Displacement::Vector(moved) = &mut frame.displacement {
+        moved.truncate(moved.len() / 2);
+    }
+    frame
+}
+
+#[test]
+fn what_is_beyond_the_skin_bends_with_it() {
+    let Some(mut look) = look((900, 700), true, "", with_half_a_skin) else {
+        return;
+    };
+    look.until("hapdefView.coloured > 0");
+    look.do_it("const e = document.getElementById('exaggerate'); e.value = 1; e.oninput()");
+    let shift = "globalThis.shift = (i) => hapdefView.drawnNode(i).map((x, k) => x - hapdefView.node(i)[k])";
+    look.do_it(shift);
+    let [farthest, torn] = [
+        "Math.max(...Array.from({ length: hapdefView.nodes }, (_, i) => Math.hypot(...shift(i))))",
+        "(() => {
+            const n = hapdefView.nodes, k = Math.floor(n / 2);
+            const rest = Array.from({ length: n }, (_, i) => hapdefView.node(i));
+            const gap = (a, b) => Math.hypot(...a.map((x, c) => x - b[c]));
+            const shifts = Array.from({ length: n }, (_, i) => shift(i));
+            let worst = 0;
+            for (let i = k; i < n; i += 1) {
+                const gaps = rest.slice(0, k).map((x) => gap(x, rest[i]));
+                const least = Math.min(...gaps) + 1e-6;
+                const beside = shifts.slice(0, k).filter((_, j) => gaps[j] <= least);
+                worst = Math.max(worst, Math.min(...beside.map((s) => gap(s, shifts[i]))));
+            }
+            return worst;
+        })()",
+    ];
+    look.until(&format!("{farthest} > 0.01"));
+    assert!(look.number(torn) < 1e-5);
 }
