@@ -1,5 +1,8 @@
 //! Tables of short texts, for Markdown and HTML.
 
+/// Longest number with its unit, characters.
+const MOST_FIGURE: usize = 14;
+
 /// A cell.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct TextCell {
@@ -59,9 +62,14 @@ impl TextTable {
             text.push_str("<tr>");
             for cell in row {
                 let inner = escape_html(&cell.text);
+                let td = if is_figure(&cell.text) {
+                    "<td class=\"figure\">"
+                } else {
+                    "<td>"
+                };
                 text.push_str(&match cell.strong {
-                    true => format!("<td><strong>{inner}</strong></td>"),
-                    false => format!("<td>{inner}</td>"),
+                    true => format!("{td}<strong>{inner}</strong></td>"),
+                    false => format!("{td}{inner}</td>"),
                 });
             }
             text.push_str("</tr>\n");
@@ -69,6 +77,15 @@ impl TextTable {
         text.push_str("</tbody></table>\n");
         text
     }
+}
+
+/// Whether a cell is a number with its unit, which is not broken into lines.
+fn is_figure(text: &str) -> bool {
+    let is_short = text.chars().count() <= MOST_FIGURE;
+    is_short
+        && text
+            .trim_start_matches(['-', '−', '<', ' '])
+            .starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// A number for a table: two or three significant digits, "–" where not measured.
@@ -125,6 +142,9 @@ mod tests {
             html.contains("<th>a&lt;b</th>") && html.contains("<td>x&amp;y</td>"),
             "{html}"
         );
-        assert!(html.contains("<td><strong>1|2</strong></td>"), "{html}");
+        assert!(
+            html.contains("<td class=\"figure\"><strong>1|2</strong></td>"),
+            "{html}"
+        );
     }
 }
