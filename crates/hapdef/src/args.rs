@@ -21,7 +21,7 @@ const MIN_SAMPLES: usize = 20;
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// The scene file; `live` takes a bundle, too.
+    /// The scene file.
     pub scene: PathBuf,
     /// How much to make: `quick` for minutes, `full` for the paper's amounts of data.
     #[arg(long, default_value = "full")]
@@ -76,7 +76,7 @@ pub struct SceneArgs {
 /// Name of a [`Profile`].
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum ProfileName {
-    /// Minutes.
+    /// Minutes instead of hours: less data, short training.
     Quick,
     /// The paper's amounts of data.
     Full,

@@ -12,8 +12,8 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::error::HapdefError;
 use crate::scene::{
-    Axis, ContactRegion, GaugeEntry, Geometry, LengthUnit, LoadDirection, MaterialSpec, Mount,
-    Scene,
+    Axis, ContactRegion, GaugeEntry, GaugeSpec, Geometry, LengthUnit, LoadDirection, MaterialSpec,
+    Mount, Scene,
 };
 
 /// Farthest a gauge's centre may be from its wall, m.
@@ -306,13 +306,21 @@ fn load_directions(scene: &Scene, mesh: &Tet10Mesh, skin: &SkinRegion) -> Vec<Ve
     skin.nodes.iter().enumerate().map(inward).collect()
 }
 
-fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
-    GaugeSite {
-        position: Point3::from(entry.position_m),
-        axis: Vector3::from(entry.axis),
-        length_m: scene.gauges.length_m,
-        width_m: scene.gauges.width_m,
+impl GaugeSpec {
+    /// A gauge of the scene's size at `position`, measuring along `axis`.
+    pub fn site(&self, position: Point3<f64>, axis: Vector3<f64>) -> GaugeSite {
+        GaugeSite {
+            position,
+            axis,
+            length_m: self.length_m,
+            width_m: self.width_m,
+        }
     }
+}
+
+fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
+    let (position, axis) = (Point3::from(entry.position_m), Vector3::from(entry.axis));
+    scene.gauges.site(position, axis)
 }
 
 fn gauge_params(scene: &Scene) -> GaugeParams {

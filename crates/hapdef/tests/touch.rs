@@ -10,7 +10,7 @@ use hapdef::touch::{
 };
 use hapdef::{Limb, Profile, Progress, Run};
 use hapdef_inverse::{LimitParams, Press, SkinPoint};
-use hapdef_sim::{GaugeSite, GaugeStrain};
+use hapdef_sim::GaugeStrain;
 
 fn placed() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json")
@@ -179,12 +179,7 @@ fn recommended_gauges_fit_when_glued_off_their_place() {
     let (free, kept) = (study(0.0), study(margin_m));
     assert!(kept.n_refused > free.n_refused);
     let gauge_at = |position, axis| {
-        let site = GaugeSite {
-            position,
-            axis,
-            length_m: run.scene.gauges.length_m,
-            width_m: run.scene.gauges.width_m,
-        };
+        let site = run.scene.gauges.site(position, axis);
         GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params)
     };
     let best = kept.layouts.last().unwrap();

@@ -336,12 +336,7 @@ pub(crate) fn placed_gauges(
         .last()
         .map_or(&[][..], |layout| &layout.gauges)
     {
-        let site = GaugeSite {
-            position: placed.position_m,
-            axis: placed.axis,
-            length_m: run.scene.gauges.length_m,
-            width_m: run.scene.gauges.width_m,
-        };
+        let site = run.scene.gauges.site(placed.position_m, placed.axis);
         let faces = &limb.boundary.faces;
         gauges.push(GaugeStrain::with_params(
             &limb.mesh,

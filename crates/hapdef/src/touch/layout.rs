@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeSite, GaugeStrain};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeStrain};
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::layout_choice::choose_layouts;
@@ -252,12 +252,7 @@ fn gauge_at(
     margin_m: f64,
 ) -> Option<GaugeStrain> {
     let placed = |position, axis| {
-        let site = GaugeSite {
-            position,
-            axis,
-            length_m: run.scene.gauges.length_m,
-            width_m: run.scene.gauges.width_m,
-        };
+        let site = run.scene.gauges.site(position, axis);
         GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params).ok()
     };
     let sides = |gauge: &GaugeStrain| [gauge.axis(), gauge.normal().cross(&gauge.axis())];
