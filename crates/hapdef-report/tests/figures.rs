@@ -71,6 +71,7 @@ fn lines_break_at_what_cannot_be_drawn() {
         title: "loss & <steps>".to_owned(),
         x_label: "step".to_owned(),
         y_label: "loss".to_owned(),
+        log_x: false,
         log_y: true,
         dots: true,
         series: vec![

@@ -190,7 +190,7 @@ fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
     for case in &report.cases {
         let point = |row: &crate::Row| {
             let error = row.rel_err.filter(|e| *e > 0.0)?;
-            Some(((row.measured.n_equations as f64).log10(), error))
+            Some((row.measured.n_equations as f64, error))
         };
         let points: Vec<(f64, f64)> = case.rows.iter().filter_map(point).collect();
         if points.len() < PLOTTED_MESHES {
@@ -208,8 +208,9 @@ fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
     let figure = |(i, (title, series)): (usize, (&str, Vec<Series>))| {
         let chart = LineChart {
             title: title.into(),
-            x_label: "log₁₀ of the equations".into(),
+            x_label: "equations".into(),
             y_label: "relative error".into(),
+            log_x: true,
             log_y: true,
             dots: true,
             series,

@@ -1,9 +1,9 @@
 //! Grouped bars with a tick where the paper stands.
 
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
-use super::style::{self, INK, Marked, font, message, series_colour};
+use super::axes::Axis;
+use super::style::{self, INK, font, message, series_colour};
 use crate::argument::{ArgumentError, check_len};
 use crate::error::ReportError;
 
@@ -73,11 +73,9 @@ pub fn bars_svg(chart: &BarChart) -> Result<String, ReportError> {
             .iter()
             .zip(body.split_evenly((1, chart.panels.len())))
         {
-            if chart.log_y {
-                draw_panel(&area, chart, panel, (low..high).log_scale(), low)?;
-            } else {
-                draw_panel(&area, chart, panel, 0.0..high.max(1e-12), 0.0)?;
-            }
+            let base = if chart.log_y { low } else { 0.0 };
+            let y = Axis::new(base..high.max(1e-12), chart.log_y);
+            draw_panel(&area, chart, panel, y, base)?;
         }
         Ok(())
     })
@@ -112,17 +110,13 @@ fn legend(head: &style::Area<'_>, chart: &BarChart) -> Result<(), String> {
     Ok(())
 }
 
-fn draw_panel<Y>(
+fn draw_panel(
     area: &style::Area<'_>,
     chart: &BarChart,
     panel: &BarPanel,
-    y: Y,
+    y: Axis,
     base: f64,
-) -> Result<(), String>
-where
-    Y: AsRangedCoord<Value = f64>,
-    Y::CoordDescType: ValueFormatter<f64>,
-{
+) -> Result<(), String> {
     let n_groups = chart.groups.len();
     let name = |x: &f64| {
         let group = (x - 0.5).round();
@@ -140,17 +134,11 @@ where
         .x_label_area_size(40)
         .y_label_area_size(52)
         .build_cartesian_2d(
-            Marked::new(0.0..n_groups as f64, (0..n_groups).map(|g| g as f64 + 0.5)),
+            Axis::marked(0.0..n_groups as f64, (0..n_groups).map(|g| g as f64 + 0.5)),
             y,
         )
         .map_err(message)?;
-    style::draw_axes(
-        &mut plot,
-        &chart.x_label,
-        &chart.y_label,
-        &name,
-        chart.log_y,
-    )?;
+    style::draw_axes(&mut plot, &chart.x_label, &chart.y_label, &name)?;
     let bar = 0.8 / chart.series.len() as f64;
     for (index, row) in panel.values.iter().enumerate() {
         let bars = drawable(row, chart.log_y).map(|(group, value)| {

@@ -1,8 +1,8 @@
 //! Line charts and scatters.
 
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
+use super::axes::Axis;
 use super::style::{self, INK, font, message, series_colour, tick};
 use crate::argument::{ArgumentError, check_len};
 use crate::error::ReportError;
@@ -26,6 +26,8 @@ pub struct LineChart {
     pub x_label: String,
     /// Quantity and unit of y.
     pub y_label: String,
+    /// Logarithmic x axis.
+    pub log_x: bool,
     /// Logarithmic y axis; else linear from 0 or below.
     pub log_y: bool,
     /// Whether each point also gets a dot; the later a series, the smaller, so that none hides another.
@@ -40,7 +42,7 @@ pub struct LineChart {
 /// No point that can be drawn.
 pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
     let points = || chart.series.iter().flat_map(|s| s.points.iter().copied());
-    let x = style::range(points().map(|p| p.0), false);
+    let x = style::range(points().map(|p| p.0), chart.log_x);
     let y = style::range(points().map(|p| p.1), chart.log_y);
     let (Some(x), Some(mut y)) = (x, y) else {
         let found = points().count();
@@ -54,12 +56,14 @@ pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
     style::svg("line chart", (840, 400), |root| {
         let (main, side) = root.split_horizontally(640);
         legend(&side, chart)?;
-        if chart.log_y {
-            draw_lines(&main, chart, x.0..x.1, (y.0..y.1).log_scale())
-        } else {
+        if !chart.log_y {
             y.0 = y.0.min(0.0);
-            draw_lines(&main, chart, x.0..x.1, y.0..y.1)
         }
+        let (x, y) = (
+            Axis::new(x.0..x.1, chart.log_x),
+            Axis::new(y.0..y.1, chart.log_y),
+        );
+        draw_lines(&main, chart, x, y)
     })
 }
 
@@ -98,16 +102,7 @@ fn wrapped(text: &str, most: usize) -> Vec<String> {
     lines
 }
 
-fn draw_lines<Y>(
-    root: &style::Area<'_>,
-    chart: &LineChart,
-    x: std::ops::Range<f64>,
-    y: Y,
-) -> Result<(), String>
-where
-    Y: AsRangedCoord<Value = f64>,
-    Y::CoordDescType: ValueFormatter<f64>,
-{
+fn draw_lines(root: &style::Area<'_>, chart: &LineChart, x: Axis, y: Axis) -> Result<(), String> {
     let mut area = ChartBuilder::on(root)
         .caption(&chart.title, font(16))
         .margin(10)
@@ -115,17 +110,11 @@ where
         .y_label_area_size(64)
         .build_cartesian_2d(x, y)
         .map_err(message)?;
-    style::draw_axes(
-        &mut area,
-        &chart.x_label,
-        &chart.y_label,
-        &|v| tick(*v),
-        chart.log_y,
-    )?;
+    style::draw_axes(&mut area, &chart.x_label, &chart.y_label, &|v| tick(*v))?;
     for (index, series) in chart.series.iter().enumerate() {
         let colour = series_colour(index);
-        let fit =
-            |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite() && (!chart.log_y || p.1 > 0.0);
+        let can_be = |v: f64, is_log: bool| v.is_finite() && (!is_log || v > 0.0);
+        let fit = |p: &(f64, f64)| can_be(p.0, chart.log_x) && can_be(p.1, chart.log_y);
         for run in series
             .points
             .split(|p| !fit(p))
@@ -215,10 +204,13 @@ fn draw_scatter(
         .margin(10)
         .x_label_area_size(42)
         .y_label_area_size(64)
-        .build_cartesian_2d(range.clone(), range.clone())
+        .build_cartesian_2d(
+            Axis::new(range.clone(), false),
+            Axis::new(range.clone(), false),
+        )
         .map_err(message)?;
     let labels = ["true", "predicted"].map(|word| format!("{word} {}", scatter.quantity));
-    style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v), false)?;
+    style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v))?;
     let dot = |p: &(f64, f64)| Circle::new(*p, 2, series_colour(0).mix(0.35).filled());
     area.draw_series(dots.iter().map(dot)).map_err(message)?;
     let equal = [range.start, range.end].map(|v| (v, v));

@@ -1,5 +1,6 @@
 //! Figures: charts, the unrolled surface and limbs as SVG.
 
+mod axes;
 mod bars;
 mod limb;
 mod lines;

@@ -1,9 +1,8 @@
 //! Colours, fonts and helpers that all charts share.
 
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::axes::Axis;
 use crate::ReportError;
 
 /// A chart's drawing area.
@@ -61,59 +60,13 @@ fn shorter(svg: &str) -> String {
         .replace(" stroke=\"none\" stroke-width=\"1\"", "")
 }
 
-/// A linear axis with labels at given places.
-pub(super) struct Marked {
-    axis: RangedCoordf64,
-    marks: Vec<f64>,
-}
-
-impl Marked {
-    pub(super) fn new(range: std::ops::Range<f64>, marks: impl Iterator<Item = f64>) -> Self {
-        Self {
-            axis: range.into(),
-            marks: marks.collect(),
-        }
-    }
-}
-
-impl Ranged for Marked {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        self.axis.map(value, limit)
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
-        self.marks.clone()
-    }
-
-    fn range(&self) -> std::ops::Range<f64> {
-        self.axis.range()
-    }
-}
-
 /// Draws axes, labels and grid; `x_tick` labels the places along x.
-pub(super) fn draw_axes<X, Y>(
-    plot: &mut ChartContext<'_, SVGBackend<'_>, Cartesian2d<X, Y>>,
+pub(super) fn draw_axes(
+    plot: &mut ChartContext<'_, SVGBackend<'_>, Cartesian2d<Axis, Axis>>,
     x_label: &str,
     y_label: &str,
     x_tick: &dyn Fn(&f64) -> String,
-    is_log_y: bool,
-) -> Result<(), String>
-where
-    X: Ranged<ValueType = f64> + ValueFormatter<f64>,
-    Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
-{
-    let y = plot.y_range();
-    let log_tick = log_tick(y.start, y.end);
-    let y_tick = |value: &f64| {
-        if is_log_y {
-            log_tick(value)
-        } else {
-            tick(*value)
-        }
-    };
+) -> Result<(), String> {
     plot.configure_mesh()
         .x_desc(x_label)
         .y_desc(y_label)
@@ -123,7 +76,7 @@ where
         .bold_line_style(FAINT)
         .light_line_style(TRANSPARENT)
         .x_label_formatter(&x_tick)
-        .y_label_formatter(&y_tick)
+        .y_label_formatter(&|y| tick(*y))
         .draw()
         .map_err(message)
 }
@@ -158,7 +111,7 @@ pub(super) fn tick(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         "0".to_owned()
-    } else if !(1e-3..1e5).contains(&size) {
+    } else if !(1e-3..1e6).contains(&size) {
         format!("{value:.0e}")
     } else if size >= 100.0 {
         format!("{value:.0}")
@@ -169,33 +122,9 @@ pub(super) fn tick(value: f64) -> String {
     }
 }
 
-/// The same for a logarithmic axis from `low` to `high`: over a decade or more only 1, 2 and 5 times powers
-/// of ten are told, since the others would lie over each other.
-fn log_tick(low: f64, high: f64) -> impl Fn(&f64) -> String {
-    move |&value| {
-        let leading = value / 10_f64.powf(value.log10().floor());
-        let is_told = [1.0, 2.0, 5.0, 10.0]
-            .iter()
-            .any(|d| (leading - d).abs() < 1e-6);
-        if high < 10.0 * low || is_told {
-            tick(value)
-        } else {
-            String::new()
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_logarithmic_axis_of_decades_tells_1_2_and_5() {
-        let values = [0.1, 0.3, 0.5, 1.0, 2.0, 7.0, 10.0, 90.0];
-        let wide = values.map(|v| log_tick(0.1, 100.0)(&v));
-        assert_eq!(wide, ["0.1", "", "0.5", "1", "2", "", "10", ""]);
-        assert_eq!([3.0, 4.0].map(|v| log_tick(2.0, 8.0)(&v)), ["3", "4"]);
-    }
 
     #[test]
     fn ticks_are_short() {

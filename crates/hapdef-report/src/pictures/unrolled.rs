@@ -3,8 +3,9 @@
 use hapdef_mesh::colour::viridis;
 use plotters::prelude::*;
 
+use super::axes::Axis;
 use super::marker::Mark;
-use super::style::{self, Marked, font, message, tick};
+use super::style::{self, font, message, tick};
 use crate::argument::{ArgumentError, check_len};
 use crate::error::ReportError;
 
@@ -200,21 +201,15 @@ fn draw_surface(
 ) -> Result<(), String> {
     let heights = figure.points.iter().map(|p| p[1] * 1e3);
     let height = style::range(heights, false).unwrap_or((0.0, 1.0));
-    let angles = Marked::new(-185.0..185.0, (-2..=2).map(|k| f64::from(k) * 90.0));
+    let angles = Axis::marked(-185.0..185.0, (-2..=2).map(|k| f64::from(k) * 90.0));
     let mut plot = ChartBuilder::on(area)
         .caption(figure.title, font(16))
         .margin(10)
         .x_label_area_size(42)
         .y_label_area_size(56)
-        .build_cartesian_2d(angles, height.0..height.1)
+        .build_cartesian_2d(angles, Axis::new(height.0..height.1, false))
         .map_err(message)?;
-    style::draw_axes(
-        &mut plot,
-        "angle, degrees",
-        "height, mm",
-        &|v| tick(*v),
-        false,
-    )?;
+    style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
     let radius = if area.dim_in_pixel().0 > 500 { 4 } else { 3 };
     let dots = figure
         .points

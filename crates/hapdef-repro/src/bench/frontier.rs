@@ -186,7 +186,7 @@ fn chart(
 ) -> Result<String> {
     let series = |name: &str, chosen: &dyn Fn(&Point) -> bool| {
         let chosen = points.iter().filter(|p| chosen(p));
-        let place = |p: &Point| Some((p.times.p50_us.log10(), error(p)?));
+        let place = |p: &Point| Some((p.times.p50_us, error(p)?));
         let mut places: Vec<(f64, f64)> = chosen.filter_map(place).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         Series {
@@ -200,8 +200,9 @@ fn chart(
     all.retain(|series| !series.points.is_empty());
     Ok(lines_svg(&LineChart {
         title: title.into(),
-        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        x_label: "median time of a frame, µs".into(),
         y_label: y_label.into(),
+        log_x: true,
         log_y: true,
         dots: true,
         series: all,

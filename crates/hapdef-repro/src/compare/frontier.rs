@@ -267,9 +267,7 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         let of_k = points
             .iter()
             .filter(|p| p.n_contacts == k && p.row.name.starts_with("paper") == is_paper);
-        let mut places: Vec<(f64, f64)> = of_k
-            .map(|p| (p.row.p50_us.log10(), p.row.mean_mm))
-            .collect();
+        let mut places: Vec<(f64, f64)> = of_k.map(|p| (p.row.p50_us, p.row.mean_mm)).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let by = if is_paper { "paper" } else { "superposition" };
         Series {
@@ -283,8 +281,9 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
     all.retain(|series| !series.points.is_empty());
     let chart = LineChart {
         title: "Position error against run time".into(),
-        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        x_label: "median time of a frame, µs".into(),
         y_label: "mean position error, mm".into(),
+        log_x: true,
         log_y: true,
         dots: true,
         series: all,

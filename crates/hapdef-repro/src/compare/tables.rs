@@ -83,6 +83,7 @@ fn errors(measured: &Measured) -> Result<Figure> {
         title: "Position error".into(),
         x_label: "true contacts matched at most so far away, %".into(),
         y_label: "distance, mm".into(),
+        log_x: false,
         log_y: true,
         dots: false,
         series: series.collect(),

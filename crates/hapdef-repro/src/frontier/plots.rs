@@ -25,13 +25,14 @@ pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
             .filter(|g| g.with == with)
             .map(|g| Series {
                 name: g.what.into(),
-                points: g.points.iter().map(|(x, y)| (x.log10(), *y)).collect(),
+                points: g.points.clone(),
             })
             .collect();
         let chart = LineChart {
             title: format!("Growth with {with}"),
-            x_label: format!("log₁₀ of the number of {with}"),
+            x_label: format!("number of {with}"),
             y_label: "as named".into(),
+            log_x: true,
             log_y: true,
             dots: true,
             series,
@@ -47,7 +48,7 @@ pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
 
 /// Place of a point in the plot.
 fn at(p: &Point) -> (f64, f64) {
-    (p.frame.p50_us.log10(), error_mm(p))
+    (p.frame.p50_us, error_mm(p))
 }
 
 /// The front of the ways that know the same before.
@@ -82,8 +83,9 @@ fn cloud(points: &[Point]) -> LineChart {
     series.retain(|s| !s.points.is_empty());
     LineChart {
         title: "Position error against run time".into(),
-        x_label: "log₁₀ of the median time of a frame in µs".into(),
+        x_label: "median time of a frame, µs".into(),
         y_label: "GOSPA of two contacts over their number, mm".into(),
+        log_x: true,
         log_y: true,
         dots: true,
         series,

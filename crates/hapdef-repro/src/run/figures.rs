@@ -123,6 +123,7 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         title: "Validation loss".into(),
         x_label: "step".into(),
         y_label: "root mean square error, standardised outputs".into(),
+        log_x: false,
         log_y: true,
         dots: false,
         series: series.collect(),

@@ -111,6 +111,7 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
         title: format!("{}: best so far", header.method),
         x_label: "trial".into(),
         y_label: header.objective.clone(),
+        log_x: false,
         log_y: true,
         dots: true,
         series: vec![
@@ -127,25 +128,21 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
 }
 
 fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
-    let place = |value: f64| if knob.is_log { value.log10() } else { value };
     let of = |kind: TrialSource| {
         let points = trials
             .iter()
             .filter(move |t| t.source == kind)
-            .filter_map(|t| Some((place(*t.values.get(knob.name)?), t.objective?)));
+            .filter_map(|t| Some((*t.values.get(knob.name)?, t.objective?)));
         Series {
             name: source(kind).to_owned(),
             points: loose(points),
         }
     };
-    let x_label = match knob.is_log {
-        true => format!("log₁₀ {}", knob.name),
-        false => knob.name.to_owned(),
-    };
     LineChart {
         title: format!("{}: {}", header.method, knob.name),
-        x_label,
+        x_label: knob.name.to_owned(),
         y_label: header.objective.clone(),
+        log_x: knob.is_log,
         log_y: true,
         dots: true,
         series: [

@@ -221,6 +221,7 @@ fn curves(study: &LayoutStudy, title: &str, bound: Bound) -> Result<Figure> {
         title: title.into(),
         x_label: "gauges".into(),
         y_label: "bound, mm".into(),
+        log_x: false,
         log_y: true,
         dots: true,
         series,

@@ -103,6 +103,7 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
             title: format!("{name} presses of the rig"),
             x_label: "virtual gauges around each gauge".into(),
             y_label: "mean |error| of the map, µm".into(),
+            log_x: false,
             log_y: false,
             dots: true,
             series: series.collect(),
@@ -127,6 +128,7 @@ pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure
             title: "single presses of the rig".into(),
             x_label: "force, N".into(),
             y_label: y_label.into(),
+            log_x: false,
             log_y: false,
             dots: true,
             series: methods()
@@ -183,6 +185,7 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
             title: "double presses of the rig, T given, T + 1".into(),
             x_label: "force of the varied contact, N".into(),
             y_label: y_label.into(),
+            log_x: false,
             log_y: false,
             dots: true,
             series: series.collect(),
