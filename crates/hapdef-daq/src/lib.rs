@@ -5,7 +5,7 @@
 //! [`Receiver`]s; [`Fanout`] passes on what viewers want, who may be slow. [`clock::ClockMap`] maps
 //! the device's time to the host's.
 //!
-//! Features: `serial` (serial ports), `record` (recordings in MCAP, replay, recovery, export),
+//! Features: `serial` (serial ports), `tokio` (boards on a tokio runtime), `record` (recordings in MCAP, replay, recovery, export),
 //! `realtime` (SCHED_FIFO and locked memory, Linux), `faults` (seeded damage for tests and rigs).
 //! This crate knows nothing of limbs or estimators.
 

@@ -97,6 +97,17 @@ pub enum LinkState {
 }
 
 impl LinkFault {
+    /// The fault of an error while a connection is made.
+    pub(crate) fn of_connecting(name: String, error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::ConnectionRefused => Self::Refused { name },
+            _ => Self::Unreachable {
+                name,
+                message: error.to_string(),
+            },
+        }
+    }
+
     /// The fault of an error while a link is used: all but a few kinds mean that it is gone.
     pub(crate) fn of_use(name: &str, error: &io::Error) -> Self {
         use io::ErrorKind as K;

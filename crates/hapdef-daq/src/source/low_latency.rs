@@ -6,8 +6,8 @@
 /// True if the driver has agreed.
 #[cfg(target_os = "linux")]
 #[expect(unsafe_code, reason = "two ioctls that no crate wraps")]
-pub(crate) fn ask(port: &serialport::TTYPort) -> bool {
-    use std::os::fd::{AsRawFd, BorrowedFd};
+pub(crate) fn ask(port: &impl std::os::fd::AsRawFd) -> bool {
+    use std::os::fd::BorrowedFd;
 
     use rustix::ioctl::{Getter, Setter, ioctl};
 
@@ -23,7 +23,7 @@ pub(crate) fn ask(port: &serialport::TTYPort) -> bool {
 
 /// False: this system has no such call.
 #[cfg(not(target_os = "linux"))]
-pub(crate) fn ask(_port: &serialport::TTYPort) -> bool {
+pub(crate) fn ask<Port>(_port: &Port) -> bool {
     false
 }
 

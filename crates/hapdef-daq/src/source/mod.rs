@@ -10,8 +10,11 @@ mod reader;
 mod replay;
 #[cfg(feature = "serial")]
 mod serial;
+mod session;
 mod stream;
 mod tcp;
+#[cfg(feature = "tokio")]
+mod tokio;
 mod watch;
 
 use std::time::Duration;
@@ -25,6 +28,8 @@ pub use replay::ReplaySource;
 pub use serial::{SerialLink, SerialParams};
 pub use stream::{Protocol, StreamParams, StreamSource};
 pub use tcp::TcpLink;
+#[cfg(feature = "tokio")]
+pub use tokio::{AsyncLink, AsyncSerial, AsyncSource, AsyncTcp};
 
 use crate::Message;
 use crate::csv_line::CsvCounts;

@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Read, Write};
 use std::time::Duration;
 
-use serialport::{ClearBuffer, SerialPort, TTYPort};
+use serialport::{ClearBuffer, SerialPort, SerialPortBuilder, TTYPort};
 
 use super::ports::permission_remedy;
 use super::{Link, LinkFault};
@@ -55,37 +55,42 @@ impl SerialLink {
     pub fn has_low_latency(&self) -> bool {
         self.has_low_latency
     }
+}
 
-    fn refused(&self, error: &serialport::Error) -> LinkFault {
-        use serialport::ErrorKind as K;
-        let name = self.path.clone();
-        match error.kind() {
-            _ if !std::fs::exists(&name).unwrap_or(true) => LinkFault::NotFound { name },
-            K::Io(ErrorKind::PermissionDenied) => LinkFault::PermissionDenied {
-                remedy: permission_remedy(&name),
-                name,
-            },
-            K::NoDevice | K::Io(ErrorKind::ResourceBusy | ErrorKind::WouldBlock) => {
-                LinkFault::Busy { name }
-            }
-            _ => LinkFault::Io {
-                name,
-                message: error.to_string(),
-            },
+/// How every port is opened.
+pub(crate) fn builder(path: &str, params: &SerialParams) -> SerialPortBuilder {
+    serialport::new(path, params.baud)
+        .dtr_on_open(true)
+        .exclusive(true)
+}
+
+/// Why a port can't be opened.
+pub(crate) fn refused(path: &str, error: &serialport::Error) -> LinkFault {
+    use serialport::ErrorKind as K;
+    let name = path.to_owned();
+    match error.kind() {
+        _ if !std::fs::exists(&name).unwrap_or(true) => LinkFault::NotFound { name },
+        K::Io(ErrorKind::PermissionDenied) => LinkFault::PermissionDenied {
+            remedy: permission_remedy(&name),
+            name,
+        },
+        K::NoDevice | K::Io(ErrorKind::ResourceBusy | ErrorKind::WouldBlock) => {
+            LinkFault::Busy { name }
         }
+        _ => LinkFault::Io {
+            name,
+            message: error.to_string(),
+        },
     }
 }
 
 impl Link for SerialLink {
     fn open(&mut self) -> Result<(), LinkFault> {
-        let builder = serialport::new(&self.path, self.params.baud)
-            .timeout(WRITE_TIMEOUT)
-            .dtr_on_open(true)
-            .exclusive(true);
-        let port = builder.open_native().map_err(|e| self.refused(&e))?;
+        let builder = builder(&self.path, &self.params).timeout(WRITE_TIMEOUT);
+        let refused = |error: serialport::Error| refused(&self.path, &error);
+        let port = builder.open_native().map_err(refused)?;
         // What was sent to whoever had the port before.
-        port.clear(ClearBuffer::Input)
-            .map_err(|e| self.refused(&e))?;
+        port.clear(ClearBuffer::Input).map_err(refused)?;
         self.has_low_latency = self.params.low_latency && super::low_latency::ask(&port);
         self.port = Some(port);
         Ok(())
@@ -142,9 +147,9 @@ mod tests {
     #[test]
     fn a_port_without_permission_says_what_to_do() {
         // root is refused nothing, so that no port is opened here
-        let link = SerialLink::new("/dev/null", SerialParams::default());
         let kind = serialport::ErrorKind::Io(ErrorKind::PermissionDenied);
-        let fault = link.refused(&serialport::Error::new(kind, "Permission denied"));
+        let error = serialport::Error::new(kind, "Permission denied");
+        let fault = refused("/dev/null", &error);
         assert!(
             matches!(&fault, LinkFault::PermissionDenied { name, .. } if name == "/dev/null"),
             "{fault}"

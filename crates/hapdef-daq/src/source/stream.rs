@@ -3,17 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::reader::Reader;
-use super::watch::Watch;
+use super::session::{READ_LEN, REOPEN_NS, Session};
 use super::{FrameSource, Link, LinkFault, LinkState, SourceStats, SourceStatus};
 use crate::Message;
 use crate::clock::{HostClock, SystemClock};
-use crate::hdp1::{Command, Encoder};
-
-/// Time from one attempt to open a link to the next.
-const REOPEN_NS: u64 = 100_000_000;
-const PING_NS: u64 = 1_000_000_000;
-const READ_LEN: usize = 1 << 14;
 
 /// What the bytes of a link mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,14 +34,11 @@ pub struct StreamParams {
 pub struct StreamSource<L> {
     link: L,
     clock: Arc<dyn HostClock>,
-    reader: Reader,
+    session: Session,
     buffer: Vec<u8>,
     is_open: bool,
     last_fault: Option<LinkFault>,
     reopen_ns: u64,
-    ping_ns: u64,
-    watch: Watch,
-    stats: SourceStats,
 }
 
 impl Default for StreamParams {
@@ -67,14 +57,11 @@ impl<L: Link> StreamSource<L> {
         Self {
             link,
             clock: params.clock,
-            reader: Reader::new(params.protocol),
+            session: Session::new(params.protocol),
             buffer: vec![0; READ_LEN],
             is_open: false,
             last_fault: None,
             reopen_ns: 0,
-            ping_ns: 0,
-            watch: Watch::default(),
-            stats: SourceStats::default(),
         }
     }
 
@@ -90,11 +77,8 @@ impl<L: Link> StreamSource<L> {
             Ok(()) => {
                 self.is_open = true;
                 self.last_fault = None;
-                self.stats.n_opened += 1;
-                self.ping_ns = now_ns + PING_NS;
-                self.watch = Watch::from(now_ns);
-                sink(Message::Link(LinkState::Open));
-                self.say(&[Command::GetHello, Command::Start], sink)
+                let words = self.session.opened(now_ns, sink);
+                self.say(&words, sink)
             }
             Err(fault) => self.away(fault, sink),
         }
@@ -105,7 +89,7 @@ impl<L: Link> StreamSource<L> {
         if self.is_open {
             self.link.close();
             self.is_open = false;
-            self.reader.link_closed();
+            self.session.closed();
             self.reopen_ns = self.clock.now_ns() + REOPEN_NS;
         }
         let status = match fault {
@@ -119,15 +103,11 @@ impl<L: Link> StreamSource<L> {
         status
     }
 
-    fn say(&mut self, commands: &[Command], sink: &mut dyn FnMut(Message)) -> SourceStatus {
-        if !self.reader.has_commands() {
+    fn say(&mut self, bytes: &[u8], sink: &mut dyn FnMut(Message)) -> SourceStatus {
+        if bytes.is_empty() {
             return SourceStatus::Open;
         }
-        let mut bytes = vec![0];
-        for &command in commands {
-            Encoder::new().command(command, &mut bytes);
-        }
-        match self.link.write(&bytes) {
+        match self.link.write(bytes) {
             Ok(()) => SourceStatus::Open,
             Err(fault) => self.away(fault, sink),
         }
@@ -142,26 +122,15 @@ impl<L: Link> FrameSource for StreamSource<L> {
         match self.link.read(&mut self.buffer, timeout) {
             Ok(n) => {
                 let now_ns = self.clock.now_ns();
-                let bytes = &self.buffer[..n];
-                self.stats.n_bytes += n as u64;
-                self.reader.take(bytes, now_ns, sink);
-                self.watch.look(bytes, now_ns, &self.reader, sink);
-                if now_ns < self.ping_ns {
-                    return SourceStatus::Open;
-                }
-                self.ping_ns = now_ns + PING_NS;
-                self.say(&[Command::Ping { host_ns: now_ns }], sink)
+                let words = self.session.took(&self.buffer[..n], now_ns, sink);
+                self.say(&words, sink)
             }
             Err(fault) => self.away(fault, sink),
         }
     }
 
     fn stats(&self) -> SourceStats {
-        SourceStats {
-            n_bytes: self.stats.n_bytes,
-            n_opened: self.stats.n_opened,
-            ..self.reader.stats()
-        }
+        self.session.stats()
     }
 
     fn name(&self) -> String {

@@ -86,13 +86,8 @@ impl Link for TcpLink {
     fn open(&mut self) -> Result<(), LinkFault> {
         let name = self.name();
         self.timeout = None;
-        self.stream = Some(self.connect().map_err(|error| match error.kind() {
-            ErrorKind::ConnectionRefused => LinkFault::Refused { name },
-            _ => LinkFault::Unreachable {
-                name,
-                message: error.to_string(),
-            },
-        })?);
+        let stream = self.connect();
+        self.stream = Some(stream.map_err(|error| LinkFault::of_connecting(name, &error))?);
         Ok(())
     }
 
