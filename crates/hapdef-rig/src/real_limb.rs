@@ -7,7 +7,7 @@ use hapdef_mesh::{
 };
 use hapdef_sim::{
     ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
-    IsotropicMaterial, NodalLoad, SolveInfo,
+    IsotropicMaterial, PressedSkin, SolveInfo,
 };
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -60,8 +60,7 @@ pub struct RealLimbInfo {
 
 /// The simulated "real" limb: answers with strain where the hardware would.
 pub struct RealLimb {
-    mesh: Tet10Mesh,
-    skin: SkinRegion,
+    skin: PressedSkin,
     response: GaugeResponse,
     gains: Vec<f64>,
     tip_radius_m: f64,
@@ -123,8 +122,7 @@ impl RealLimb {
             });
         Ok(Self {
             projection: projection.transpose()?,
-            mesh,
-            skin,
+            skin: PressedSkin::new(&mesh, &skin)?,
             response,
             gains,
             tip_radius_m: nominal.tip_radius_m,
@@ -156,7 +154,7 @@ impl RealLimb {
         tip_radius_m: f64,
     ) -> Result<Vec<f64>, RigError> {
         let position = self.on_skin(position)?;
-        let load = NodalLoad::patch(&self.mesh, &self.skin, &position, tip_radius_m, direction)?;
+        let load = self.skin.load(&position, tip_radius_m, direction)?;
         Ok((0..self.gains.len())
             .map(|gauge| {
                 self.gains[gauge] * self.response.reading(GaugeId::from_index(gauge), &load) * 1e6
@@ -170,15 +168,17 @@ impl RealLimb {
     /// # Errors
     /// As [`RealLimb::response_ue_per_n`].
     pub fn columns_ue_per_n(&self, position: &Point3<f64>) -> Result<Vec<Vector3<f64>>, RigError> {
-        let along = |axis: Vector3<f64>| self.response_ue_per_n(position, &axis);
-        let (x, y, z) = (
-            along(Vector3::x())?,
-            along(Vector3::y())?,
-            along(Vector3::z())?,
-        );
-        Ok((0..self.gains.len())
-            .map(|gauge| Vector3::new(x[gauge], y[gauge], z[gauge]))
-            .collect())
+        let position = self.on_skin(position)?;
+        let load = self
+            .skin
+            .load(&position, self.tip_radius_m, &Vector3::x())?;
+        let column = |gauge: usize| {
+            let field = self.response.field(GaugeId::from_index(gauge));
+            let forces = load.forces_n.iter();
+            let sum: Vector3<f64> = forces.map(|(n, force)| field[n.index()] * force.x).sum();
+            sum.map(|strain| self.gains[gauge] * strain * 1e6)
+        };
+        Ok((0..self.gains.len()).map(column).collect())
     }
 
     fn on_skin(&self, position: &Point3<f64>) -> Result<Point3<f64>, RigError> {

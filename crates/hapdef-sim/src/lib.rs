@@ -73,6 +73,7 @@ pub use iterative::{
 pub use load::NodalLoad;
 pub use mass::{MassProperties, element_mass_kg};
 pub use material::IsotropicMaterial;
+pub use patch_load::PressedSkin;
 pub use patch_stress::patch_stress;
 pub use rigid_modes::{FloatingBody, RigidMotion};
 pub use shell::{

@@ -7,8 +7,9 @@ use hapdef_mesh::{
     SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region, read_deck,
     refine_unfolded,
 };
-use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad};
+use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin};
 use nalgebra::{Point3, Unit, Vector3};
+use rayon::prelude::*;
 
 use crate::error::HapdefError;
 use crate::scene::{
@@ -120,13 +121,10 @@ impl Limb {
     /// # Errors
     /// [`HapdefError::Sim`] when a tip does not touch the skin.
     pub fn unit_loads(&self, tip_radius_m: f64) -> Result<Vec<NodalLoad>, HapdefError> {
+        let skin = PressedSkin::new(&self.mesh, &self.skin)?;
         let points = self.surface_points();
-        let loads = points
-            .iter()
-            .zip(&self.directions)
-            .map(|(point, direction)| {
-                NodalLoad::patch(&self.mesh, &self.skin, point, tip_radius_m, direction)
-            });
+        let pressed = points.par_iter().zip(&self.directions);
+        let loads = pressed.map(|(point, direction)| skin.load(point, tip_radius_m, direction));
         Ok(loads.collect::<Result<_, _>>()?)
     }
 
