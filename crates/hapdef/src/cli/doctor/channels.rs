@@ -15,6 +15,9 @@ use super::seen::Seen;
 /// Largest difference between the rate announced and the rate measured that is no fault.
 const RATE_SLACK: f64 = 0.02;
 
+/// Where channels move by so many steps of the converter at rest, some may not move at all.
+const FEW_STEPS: f64 = 3.0;
+
 pub(super) fn checks(
     source: &SourceArg,
     time: Duration,
@@ -163,6 +166,7 @@ fn each_channel(seen: &Seen) -> Vec<Check> {
         let name = format!("channel {channel} ({})", seen.name(channel));
         match fault(seen, channel) {
             Some((found, fix)) => checks.push(Check::bad(&name, found, fix)),
+            None if is_still(seen, channel) => checks.push(still(seen, channel, &name)),
             None => n_good += 1,
         }
     }
@@ -196,11 +200,37 @@ fn fault(seen: &Seen, channel: usize) -> Option<(String, &'static str)> {
         let found = format!("saturated, says the device, in at most {n_most} of {n} readings");
         return Some((found, SATURATED));
     }
-    (n > 1 && span.low.total_cmp(&span.high).is_eq()).then(|| {
-        let fix = "no noise at all: is the gauge wired, the amplifier on, the converter's input \
-                   the right one?";
-        (format!("always {}", span.low), fix)
-    })
+    None
+}
+
+/// Whether a channel never moved.
+fn is_still(seen: &Seen, channel: usize) -> bool {
+    let span = &seen.channels[channel];
+    seen.n_frames > 1 && span.low.total_cmp(&span.high).is_eq()
+}
+
+/// What to say of a channel that never moved: others tell whether noise reaches over a step.
+fn still(seen: &Seen, channel: usize, name: &str) -> Check {
+    let found = format!("always {}", seen.channels[channel].low);
+    let others = seen.bridges().filter(|&i| !is_still(seen, i));
+    let mut spans: Vec<f64> = others
+        .map(|i| seen.channels[i].high - seen.channels[i].low)
+        .collect();
+    spans.sort_unstable_by(f64::total_cmp);
+    if spans
+        .get(spans.len() / 2)
+        .is_some_and(|span| *span <= FEW_STEPS)
+    {
+        return Check::warn(
+            name,
+            found,
+            "others move by few steps of the converter, too, so it may be well: --press-check shows \
+             whether it answers",
+        );
+    }
+    let fix = "no noise at all: is the gauge wired, the amplifier on, the converter's input the right \
+               one?";
+    Check::bad(name, found, fix)
 }
 
 #[cfg(test)]
@@ -235,6 +265,19 @@ mod tests {
         assert_eq!(checks[1].found, "saturated in 50 of 100 readings");
         assert!(checks[1].name.contains("G2"));
         assert_eq!(checks[2].state, State::Ok);
+    }
+
+    #[test]
+    fn a_channel_whose_noise_is_below_a_step_may_be_well() {
+        let samples: Vec<[i32; 3]> = (0..100).map(|i| [i % 2, 0, i % 3 - 1]).collect();
+        let checks = each_channel(&seen(&samples, 1000));
+        assert_eq!(checks[0].state, State::Warn, "{}", checks[0]);
+        assert!(
+            checks[0].to_string().contains("press-check"),
+            "{}",
+            checks[0]
+        );
+        assert_eq!(checks[1].state, State::Ok);
     }
 
     #[test]

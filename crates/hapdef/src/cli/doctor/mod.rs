@@ -3,6 +3,7 @@
 mod bundle;
 mod channels;
 mod check;
+mod expected;
 mod machine;
 mod ports;
 mod press;
@@ -19,6 +20,8 @@ use hapdef::{SOURCE_FORMS, SourceArg};
 use serde_json::Value;
 
 use self::check::{Check, State};
+use self::expected::Expected;
+use self::press::Known;
 use super::live::is_bundle;
 use super::record::seconds;
 use super::signals::stop_flag;
@@ -71,7 +74,12 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
         }
         if args.press_check {
             let ask = |text: &str| eprintln!("{text}");
-            checks.extend(press::checks(source, args.patience, names, &stop, &ask)?);
+            let expected = args.scene.as_deref().filter(|_| gauges.is_some());
+            let known = Known {
+                expected: expected.map(Expected::read).transpose()?,
+                names: gauges,
+            };
+            checks.extend(press::checks(source, args.patience, &known, &stop, &ask)?);
         }
     }
     print(args, &checks)?;
