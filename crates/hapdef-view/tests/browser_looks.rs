@@ -237,13 +237,23 @@ fn exaggeration_bends_the_limb_and_a_map_colours_it() {
         return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
     }))";
     assert_eq!(look.number(farthest), 0.0);
-    look.do_it("const e = document.getElementById('exaggerate'); e.value = 1; e.oninput()");
-    // 18 µm a newton, ten newtons, a thousand times.
-    look.until(&format!("Math.abs({farthest} - 0.18) < 0.01"));
-    look.is(
-        "document.getElementById('exaggerate').ariaValueText",
-        &json!("×1000"),
+    look.do_it("const e = document.getElementById('exaggerate'); e.value = 1 / 3; e.oninput()");
+    // 18 µm a newton, ten newtons, ten times.
+    look.until(&format!("Math.abs({farthest} - 0.0018) < 0.0001"));
+    let told = "document.getElementById('exaggerate').ariaValueText";
+    look.is(told, &json!("×10"));
+    look.do_it("e.value = 1; e.oninput()");
+    // A thousand times that is more than there is room for: three tenths of the limb's radius.
+    look.do_it(
+        "globalThis.box = new Array(3).fill(0).map((_, k) => {
+            const all = Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.node(i)[k]);
+            return (Math.min(...all) + Math.max(...all)) / 2;
+        });
+        globalThis.radius = Math.max(...Array.from({ length: hapdefView.nodes }, (_, i) =>
+            Math.hypot(...hapdefView.node(i).map((x, k) => x - box[k]))))",
     );
+    look.until(&format!("Math.abs({farthest} / radius - 0.3) < 0.02"));
+    look.until(&format!("/^×[0-9]+ at most$/.test({told})"));
     let outside = "Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.drawnNode(i))
         .filter((p) => hapdefView.pickable(p) === false).length";
     look.is(outside, &json!(0));

@@ -61,9 +61,15 @@ export class Controls {
 
   setExaggeration() {
     const x = Number(this.byId("exaggerate").value);
-    const times = x === 0 ? 0 : Number((MOST ** x).toPrecision(2));
-    this.tell("exaggerate", times ? `×${times}` : "off");
-    this.act.exaggerate(times);
+    this.exaggeration = x === 0 ? 0 : Number((MOST ** x).toPrecision(2));
+    this.showExaggeration(this.exaggeration);
+    this.act.exaggerate(this.exaggeration);
+  }
+
+  /** What is drawn of the exaggeration that the slider stands at. */
+  showExaggeration(drawn) {
+    const all = drawn === this.exaggeration;
+    this.tell("exaggerate", drawn === 0 ? "off" : all ? `×${drawn}` : `×${drawn} at most`);
   }
 
   setPaused(on) {

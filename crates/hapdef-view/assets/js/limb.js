@@ -7,6 +7,8 @@ import { mapTable, roundUp } from "./colour.js";
 
 const GREY = 0.42;
 const SHRINK_PER_S = 0.35;
+/** Farthest that a node is drawn from where it is, by the limb's radius: the limb stays in its window. */
+const MOST_BENT = 0.3;
 
 /** The limb's surface. */
 export class Limb {
@@ -31,6 +33,12 @@ export class Limb {
 
   setMap(name) {
     this.table = mapTable(name);
+  }
+
+  /** The exaggeration that is drawn: what was asked for, or as much of it as there is room for. */
+  get drawnExaggeration() {
+    const fits = Number((MOST_BENT * this.restRadius / this.peak).toPrecision(2));
+    return Math.min(this.exaggeration, Math.max(1, fits));
   }
 
   /** Colours and bends the surface; `dt` s since the last frame, for the scale to follow slowly. */
@@ -81,7 +89,7 @@ export class Limb {
   /** No node moves farther than `peak`, m; those beyond the skin move with the nearest one of it. */
   bend(displacement, components, peak) {
     const { position, normal } = this.geometry.attributes;
-    const by = this.exaggeration;
+    const by = this.drawnExaggeration;
     if (by === 0 && !this.bent) return;
     const onSkin = displacement.length / components;
     if (this.leaders?.onSkin !== onSkin) this.leaders = { onSkin, of: nearestOf(this.rest, onSkin) };

@@ -162,6 +162,7 @@ function show(chosen, now) {
   view.sites.show(Array.from(chosen.states), panel.seen);
   byId("legend").hidden = chosen.components === 0;
   legend.setRange(view.limb.range);
+  controls.showExaggeration(view.limb.drawnExaggeration);
   panel.show(chosen, recent, now);
   view.shown = chosen;
   stage.stale = true;
