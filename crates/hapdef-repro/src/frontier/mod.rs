@@ -29,6 +29,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::{Cache, HapdefError, Limb, Run, SceneArgs};
+use hapdef_sim::SimError;
 use serde::Serialize;
 use serde_json::json;
 
@@ -199,10 +200,13 @@ fn points(
     Ok(walked)
 }
 
-/// Whether the estimator or its calibration refuses what it is given.
+/// Whether the estimator or its calibration refuses what it is given, or the mesh a gauge.
 fn is_refusal(error: &anyhow::Error) -> bool {
-    let refusal = error.downcast_ref::<HapdefError>();
-    matches!(refusal, Some(HapdefError::Inverse(_)))
+    match error.downcast_ref::<HapdefError>() {
+        Some(HapdefError::Inverse(_)) => true,
+        Some(HapdefError::Sim(error)) => matches!(error, SimError::GaugeOverhang { .. }),
+        _ => false,
+    }
 }
 
 fn is_mesh_fault(error: &anyhow::Error) -> bool {

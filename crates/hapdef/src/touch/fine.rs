@@ -2,7 +2,7 @@
 
 use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeSite, GaugeStrain};
+use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain};
 use nalgebra::Vector3;
 
 use super::modes::UncertainParams;
@@ -39,7 +39,8 @@ impl<'a> FineLimb<'a> {
         Ok(fine)
     }
 
-    /// The map of gauges at `sites` on the limb's own skin: the tip is averaged over the finer one.
+    /// The map of gauges at `sites` on the limb's own skin: the tip is averaged over the finer one. A gauge
+    /// that fits the limb's own wall is read here where it lies on the finer one.
     ///
     /// # Errors
     /// [`HapdefError::Sim`] when a gauge finds no place or the mesh can't be solved.
@@ -49,8 +50,11 @@ impl<'a> FineLimb<'a> {
         params: &UncertainParams,
     ) -> Result<ResponseMap, HapdefError> {
         let faces = self.mesh.boundary().faces;
-        let place =
-            |site| GaugeStrain::with_params(&self.mesh, &faces, site, &self.limb.gauge_params);
+        let anywhere = GaugeParams {
+            max_lost_share: 1.0,
+            ..self.limb.gauge_params
+        };
+        let place = |site| GaugeStrain::with_params(&self.mesh, &faces, site, &anywhere);
         let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
         let elastic = ElasticParams {
             n_threads: params.n_threads,
