@@ -57,7 +57,7 @@ const LIVE_SCRIPT: &str = "new Promise((done) => {
 const PAGE_SIZE: &str = "1100x760";
 const PAGE_S: &str = "1";
 
-const SHOTS: [Shot; 10] = [
+const SHOTS: [Shot; 13] = [
     Shot {
         name: "shin-rigidity",
         page: "shin/report/rigidity-limb.svg",
@@ -95,7 +95,25 @@ const SHOTS: [Shot; 10] = [
         part: Part::From("figure"),
     },
     Shot {
-        name: "stability",
+        name: "stability-fe",
+        page: "stability-fe/report.html",
+        made_by: "cargo xtask stability fe",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "stability-nets",
+        page: "stability-nets/report.html",
+        made_by: "cargo xtask stability nets",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "stability-inverse",
+        page: "stability-inverse/report.html",
+        made_by: "cargo xtask stability inverse",
+        part: Part::From("body"),
+    },
+    Shot {
+        name: "stability-parts",
         page: "stability-parts/report.html",
         made_by: "cargo xtask stability parts",
         part: Part::From("body"),

@@ -227,54 +227,6 @@ fn keys_turn_zoom_press_record_and_keep() {
 }
 
 #[test]
-fn exaggeration_bends_the_limb_and_a_map_colours_it() {
-    let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 10.0)) else {
-        return;
-    };
-    look.until("hapdefView.coloured > 0");
-    let farthest = "Math.max(...Array.from({ length: hapdefView.nodes }, (_, i) => {
-        const [a, b] = [hapdefView.node(i), hapdefView.drawnNode(i)];
-        return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-    }))";
-    assert_eq!(look.number(farthest), 0.0);
-    look.do_it("const e = document.getElementById('exaggerate'); e.value = 1 / 3; e.oninput()");
-    // 18 µm a newton, ten newtons, ten times.
-    look.until(&format!("Math.abs({farthest} - 0.0018) < 0.0001"));
-    let told = "document.getElementById('exaggerate').ariaValueText";
-    look.is(told, &json!("×10"));
-    look.do_it("e.value = 1; e.oninput()");
-    // A thousand times that is more than there is room for: three tenths of the limb's radius.
-    look.do_it(
-        "globalThis.box = new Array(3).fill(0).map((_, k) => {
-            const all = Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.node(i)[k]);
-            return (Math.min(...all) + Math.max(...all)) / 2;
-        });
-        globalThis.radius = Math.max(...Array.from({ length: hapdefView.nodes }, (_, i) =>
-            Math.hypot(...hapdefView.node(i).map((x, k) => x - box[k]))))",
-    );
-    look.until(&format!("Math.abs({farthest} / radius - 0.3) < 0.02"));
-    look.until(&format!("/^×[0-9]+ at most$/.test({told})"));
-    let outside = "Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.drawnNode(i))
-        .filter((p) => hapdefView.pickable(p) === false).length";
-    look.is(outside, &json!(0));
-    look.do_it("e.value = 0; e.oninput()");
-    look.until(&format!("{farthest} === 0"));
-    let bar = "[...document.getElementById('bar').getContext('2d').getImageData(0, 0, 1, 1).data]";
-    look.is(bar, &json!([68, 1, 84, 255]));
-    let viridis = look.picture_at(0.5, 0.5);
-    look.do_it("const c = document.getElementById('colours'); c.value = 'cividis'; c.onchange()");
-    look.is(bar, &json!([0, 34, 78, 255]));
-    let drawn = look.number("hapdefView.drawn");
-    look.until(&format!("hapdefView.drawn > {drawn} + 1"));
-    let cividis = look.picture_at(0.5, 0.5);
-    assert_ne!(viridis, cividis);
-    look.is(
-        "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
-        &json!("200 µm"),
-    );
-}
-
-#[test]
 fn everything_that_is_handled_has_a_name() {
     let Some(mut look) = look((1200, 800), true, "", |n| touched(n, 1.0, 5.0)) else {
         return;

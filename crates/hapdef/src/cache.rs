@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
@@ -120,6 +120,15 @@ impl Cache {
         let file = File::create(&path).map_err(HapdefError::file(&path))?;
         file.lock().map_err(HapdefError::file(&path))?;
         Ok(file)
+    }
+}
+
+impl Stage {
+    /// When it was made, if its record's file tells.
+    #[must_use]
+    pub fn made_at(&self) -> Option<SystemTime> {
+        let record = fs::metadata(self.dir.join(RECORD_FILE)).ok()?;
+        record.modified().ok()
     }
 }
 

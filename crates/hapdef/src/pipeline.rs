@@ -131,7 +131,11 @@ impl Pipeline {
 
 /// An expected time for people; that of scores is not known before.
 fn left_text(seconds: f64, has_scores: bool) -> String {
-    let more = if has_scores { ", then the scores" } else { "" };
+    let more = if has_scores {
+        ", then minutes for the scores"
+    } else {
+        ""
+    };
     match seconds {
         s if s < 1.0 => format!("nothing to solve or train any more{more}"),
         s if s < 90.0 => format!("about {s:.0} s left{more}"),
@@ -147,7 +151,10 @@ mod tests {
     #[test]
     fn times_are_told_in_round_units() {
         assert_eq!(left_text(0.2, false), "nothing to solve or train any more");
-        assert_eq!(left_text(41.6, true), "about 42 s left, then the scores");
+        assert_eq!(
+            left_text(41.6, true),
+            "about 42 s left, then minutes for the scores"
+        );
         assert_eq!(left_text(600.0, false), "about 10 min left");
         assert_eq!(left_text(9000.0, false), "about 2.5 h left");
     }

@@ -1,6 +1,6 @@
 //! What a run rests on, for the report's head and tail.
 
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use hapdef::convergence::Convergence;
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
@@ -131,9 +131,12 @@ fn training(profile: &Profile) -> String {
     )
 }
 
-/// Time of every stage, from the run that made it.
+/// Time of every stage, from the run that made it. What the demo's first program made is no find in the
+/// cache for its second.
 pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
     let stages = done.stages().into_iter().chain(more);
+    let began = demo_began();
+    let is_old = |stage: &Stage| stage.made_at() < began || began.is_none();
     stages
         .map(|stage| {
             let record = &stage.record;
@@ -146,7 +149,7 @@ pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
             StageTime {
                 name,
                 elapsed_s: record.elapsed_s,
-                cached: stage.cached,
+                cached: stage.cached && is_old(stage),
             }
         })
         .collect()
@@ -159,17 +162,17 @@ fn plain(value: &serde_json::Value) -> String {
         .replace(':', " ")
 }
 
-/// Time since the demo began its first program, s; it says so in its environment.
+/// Time since the demo began its first program, s.
 pub(crate) fn since_demo_s() -> Option<f64> {
-    let began_s: f64 = std::env::var("HAPDEF_DEMO_BEGAN_UNIX_S")
-        .ok()?
-        .parse()
-        .ok()?;
-    let now_s = SystemTime::now()
-        .duration_since(SystemTime::UNIX_EPOCH)
-        .ok()?
-        .as_secs_f64();
-    Some(now_s - began_s)
+    let since = SystemTime::now().duration_since(demo_began()?);
+    since.ok().map(|since| since.as_secs_f64())
+}
+
+/// When the demo began its first program; it says so in its environment.
+fn demo_began() -> Option<SystemTime> {
+    let unix_s = std::env::var("HAPDEF_DEMO_BEGAN_UNIX_S").ok()?;
+    let unix = Duration::try_from_secs_f64(unix_s.parse().ok()?).ok()?;
+    Some(SystemTime::UNIX_EPOCH + unix)
 }
 
 /// What the scene does not need, and what only the whole reproduction makes.
