@@ -104,6 +104,30 @@ fn forces_over_eight_decades() {
     }
 }
 
+/// Beside the map's error alone every force is known to the same share of it.
+#[test]
+fn the_doubt_of_a_force_grows_with_it() {
+    let world = World::new(10, 300, 5);
+    let mut noise = NoiseParams::uniform(10, 1e-3);
+    noise.model_error.relative = 0.03;
+    let estimator = world.estimator(noise, EstimatorParams::default());
+    let point = world.draw_points(1, 0.0, &mut ChaCha8Rng::seed_from_u64(8))[0];
+    let shares = [1e2, 1e3, 1e5].map(|force_n| {
+        let readings = world.readings(&[(point, force_n)]);
+        let found = estimator.estimate(&readings).unwrap();
+        let (sheared, _) = estimator.refine_shear(&readings, &[point], 0.5).unwrap();
+        let along = sheared[0].force_vector_n.normalize();
+        let of_vector = along.dot(&(sheared[0].force_covariance_n2 * along)).sqrt();
+        let own = found.contacts[0].covariance[(2, 2)].sqrt();
+        [own, found.if_two[0].force_sd_n, of_vector].map(|sd| sd / force_n)
+    });
+    for [least, most] in [[shares[0], shares[1]], [shares[1], shares[2]]] {
+        for (a, b) in least.into_iter().zip(most) {
+            assert!((a / b - 1.0).abs() < 0.02, "{shares:?}");
+        }
+    }
+}
+
 #[test]
 fn readings_that_are_not_finite_are_refused_by_gauge() {
     let (_, estimator) = small();

@@ -145,6 +145,31 @@ impl Model {
         })
     }
 
+    /// L_S `[m, m]` of S = R + Σ A² C(p) for contacts at p with a force A (N); `false`, and `s` as it
+    /// was, where S is the unit matrix.
+    pub(crate) fn set_covariance<'a>(
+        &self,
+        contacts: impl Iterator<Item = (&'a SkinPoint, f64)>,
+        s: &mut [f64],
+    ) -> bool {
+        let Some(base) = &self.base else {
+            return false;
+        };
+        s.copy_from_slice(base);
+        for (point, force_n) in contacts {
+            let scale = force_n.min(self.max_force_n).powi(2);
+            for (s, c) in s.iter_mut().zip(self.error_at(point)) {
+                *s += scale * c;
+            }
+        }
+        if !cholesky(s, self.m, 0.0) {
+            // rounding at huge forces: the scan's own whitening stands in
+            s.fill(0.0);
+            (0..self.m).for_each(|i| s[i * self.m + i] = 1.0);
+        }
+        true
+    }
+
     /// Whitened map error per N² near `point` `[m, m]`.
     pub(crate) fn error_at(&self, point: &SkinPoint) -> &[f64] {
         let site = self.sites.of_point(self.skin(), point);

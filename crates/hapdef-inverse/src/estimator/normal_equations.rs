@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::dense::{add_scaled, cholesky, dot, log_det, solve_lower};
+use crate::dense::{add_scaled, dot, log_det, solve_lower};
 use crate::estimator::Model;
 use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
 use crate::estimator::forces::non_negative;
@@ -54,20 +54,10 @@ impl Linear {
     pub(crate) fn set_covariance(&mut self, model: &Model, e: &mut Explanation) {
         self.z_s.copy_from_slice(&self.z);
         e.log_det_s = 0.0;
-        let (Some(base), m) = (&model.base, model.m) else {
+        let m = model.m;
+        let contacts = e.points[..e.n].iter().zip(e.forces);
+        if !model.set_covariance(contacts, &mut self.s) {
             return;
-        };
-        self.s.copy_from_slice(base);
-        for i in 0..e.n {
-            let scale = e.forces[i].min(model.max_force_n).powi(2);
-            for (s, c) in self.s.iter_mut().zip(model.error_at(&e.points[i])) {
-                *s += scale * c;
-            }
-        }
-        if !cholesky(&mut self.s, m, 0.0) {
-            // rounding at huge forces: the scan's own whitening stands in
-            self.s.fill(0.0);
-            (0..m).for_each(|i| self.s[i * m + i] = 1.0);
         }
         e.log_det_s = log_det(&self.s, m);
         solve_lower(&self.s, m, &mut self.z_s[..m]);

@@ -151,13 +151,13 @@ impl Refiner<'_> {
         (self.model.skin().area_m2() / std::f64::consts::TAU).sqrt()
     }
 
-    /// 1 + D I D where D holds the prior's standard deviations, factored; `false` if it can't be.
-    fn scaled_information(&self, n: usize, l: &mut [f64; SIZE]) -> bool {
+    /// 1 + D I D where D holds the prior's standard deviations `[n]`, factored; `false` if it can't be.
+    fn scaled_information(&self, sds: &[f64], l: &mut [f64; SIZE]) -> bool {
+        let n = sds.len();
         for p in 0..n {
             for q in 0..n {
                 let unit = if p == q { 1.0 } else { 0.0 };
-                let scale = self.prior_sd(p) * self.prior_sd(q);
-                l[p * n + q] = unit + scale * self.linear.a[p * n + q];
+                l[p * n + q] = unit + sds[p] * sds[q] * self.linear.a[p * n + q];
             }
         }
         cholesky(&mut l[..n * n], n, 0.0)
@@ -165,7 +165,8 @@ impl Refiner<'_> {
 
     fn occam(&self, e: &Explanation) -> f64 {
         let (n, mut l) = (3 * e.n, [0.0; SIZE]);
-        if self.scaled_information(n, &mut l) {
+        let sds: [f64; MAX_UNKNOWNS] = std::array::from_fn(|q| self.prior_sd(q));
+        if self.scaled_information(&sds[..n], &mut l) {
             log_det(&l, n)
         } else {
             f64::MAX
@@ -173,19 +174,24 @@ impl Refiner<'_> {
     }
 
     /// (Λ₀ + I)⁻¹ `[3 n, 3 n]` where the normal equations were formed last, m and N; the prior
-    /// alone where rounding spoils it.
+    /// alone where rounding spoils it. The prior of a force is no narrower here than the force found,
+    /// whose error grows with it.
     pub(crate) fn covariance(&self, e: &Explanation, out: &mut Vec<f64>) {
         let (n, mut l) = (3 * e.n, [0.0; SIZE]);
+        let sds: [f64; MAX_UNKNOWNS] = std::array::from_fn(|q| match q % 3 {
+            2 => self.prior_sd(q).max(e.forces[q / 3]),
+            _ => self.prior_sd(q),
+        });
         out.clear();
         out.resize(n * n, 0.0);
-        if self.scaled_information(n, &mut l) {
+        if self.scaled_information(&sds[..n], &mut l) {
             inverse(&l, n, out);
         } else {
             (0..n).for_each(|p| out[p * (n + 1)] = 1.0);
         }
         for p in 0..n {
             for q in 0..n {
-                out[p * n + q] *= self.prior_sd(p) * self.prior_sd(q);
+                out[p * n + q] *= sds[p] * sds[q];
             }
         }
     }

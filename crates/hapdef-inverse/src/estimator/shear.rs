@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::dense::dot;
+use crate::dense::{dot, solve_lower};
 use crate::error::{InverseError, check_not_negative};
 use crate::estimator::ContactEstimator;
 use crate::estimator::explanation::MAX_CONTACTS;
@@ -13,8 +13,11 @@ use crate::walk::AtWall;
 /// Unknowns of a contact: two on the surface and a force.
 const N: usize = 5;
 
-/// Steps at most.
+/// Steps of a round at most.
 const MAX_STEPS: usize = 60;
+
+/// Rounds in which the map's error is set anew from the forces.
+const N_ROUNDS: usize = 3;
 
 /// Steps of the projected gradient that keeps forces within their cones.
 const MAX_PROJECTIONS: usize = 400;
@@ -24,7 +27,7 @@ impl ContactEstimator {
     /// has a force within the cone of `friction` (tangential over normal at most; infinite leaves
     /// only the sign of the normal force) and takes five unknowns, so that the live gauges carry
     /// one for every five of them. The covariance is that of the unconstrained linearised problem
-    /// with a prior of the expected force. Returns the contacts in the order of `points`, and χ².
+    /// with a prior of the expected force, or of the force found if that is larger. Returns the contacts in the order of `points`, and χ².
     ///
     /// # Errors
     /// [`InverseError::TooManyContacts`], [`InverseError::Reading`], [`InverseError::Length`],
@@ -45,25 +48,18 @@ impl ContactEstimator {
         let mut problem = Problem {
             estimator: self,
             z,
+            l: None,
             friction,
         };
         let mut state = problem.state(points.to_vec());
-        let mut damping = 1e-3;
-        for _ in 0..MAX_STEPS {
-            let before = state.chi2;
-            let step = problem.step(&state, damping);
-            let trial = problem.state(problem.walked(&state, &step));
-            if trial.chi2 < before {
-                state = trial;
-                damping = f64::max(damping * 0.2, 1e-9);
-                if before - state.chi2 <= self.params.chi2_tolerance {
-                    break;
-                }
-            } else if damping > 1e6 {
-                break;
-            } else {
-                damping *= 8.0;
-            }
+        let n_rounds = if self.model.base.is_some() {
+            N_ROUNDS
+        } else {
+            1
+        };
+        for _ in 0..n_rounds {
+            problem.set_covariance(&state);
+            state = problem.descended(state.points);
         }
         Ok((problem.report(&state), state.chi2))
     }
@@ -71,7 +67,10 @@ impl ContactEstimator {
 
 struct Problem<'a> {
     estimator: &'a ContactEstimator,
+    /// The frame, whitened for the scan `[width]`.
     z: Vec<f64>,
+    /// Factor of the covariance at the forces `[m, m]`; `None` for the scan's own.
+    l: Option<Vec<f64>>,
     friction: f64,
 }
 
@@ -85,6 +84,47 @@ struct State {
 }
 
 impl Problem<'_> {
+    /// The covariance with the map's error at the state's forces.
+    fn set_covariance(&mut self, state: &State) {
+        let model = &self.estimator.model;
+        let forces_n = state.forces.iter().map(|force| force.norm());
+        let mut l = vec![0.0; model.m * model.m];
+        let is_set = model.set_covariance(state.points.iter().zip(forces_n), &mut l);
+        self.l = is_set.then_some(l);
+    }
+
+    /// A row of the scan's whitening in the covariance's.
+    fn whitened(&self, mut row: Vec<f64>) -> Vec<f64> {
+        if let Some(l) = &self.l {
+            let m = self.estimator.model.m;
+            solve_lower(l, m, &mut row[..m]);
+        }
+        row
+    }
+
+    /// Damped Gauss–Newton steps from `points`, the covariance held.
+    fn descended(&self, points: Vec<SkinPoint>) -> State {
+        let mut state = self.state(points);
+        let mut damping = 1e-3;
+        for _ in 0..MAX_STEPS {
+            let before = state.chi2;
+            let step = self.step(&state, damping);
+            let trial = self.state(self.walked(&state, &step));
+            if trial.chi2 < before {
+                state = trial;
+                damping = f64::max(damping * 0.2, 1e-9);
+                if before - state.chi2 <= self.estimator.params.chi2_tolerance {
+                    break;
+                }
+            } else if damping > 1e6 {
+                break;
+            } else {
+                damping *= 8.0;
+            }
+        }
+        state
+    }
+
     /// Forces and residual at `points`.
     fn state(&self, points: Vec<SkinPoint>) -> State {
         let model = &self.estimator.model;
@@ -105,13 +145,15 @@ impl Problem<'_> {
             values.push(combined(&weights.value));
             slopes.push(weights.slope.each_ref().map(combined));
         }
-        let axis = |rows: &[f64], a: usize| rows[a * width..(a + 1) * width].to_vec();
+        let axis =
+            |rows: &[f64], a: usize| self.whitened(rows[a * width..(a + 1) * width].to_vec());
+        let z = self.whitened(self.z.clone());
         let force_columns: Vec<Vec<f64>> = values
             .iter()
             .flat_map(|rows| (0..3).map(|a| axis(rows, a)).collect::<Vec<_>>())
             .collect();
-        let forces = self.forces(&points, &force_columns);
-        let mut residual = self.z.clone();
+        let forces = self.forces(&points, &force_columns, &z);
+        let mut residual = z;
         for (i, force) in forces.iter().enumerate() {
             for a in 0..3 {
                 crate::dense::add_scaled(&mut residual, -force[a], &force_columns[3 * i + a]);
@@ -140,10 +182,10 @@ impl Problem<'_> {
 
     /// The forces within their cones that explain most, by projected gradient with Nesterov's
     /// momentum (Beck and Teboulle 2009).
-    fn forces(&self, points: &[SkinPoint], columns: &[Vec<f64>]) -> Vec<Vector3<f64>> {
+    fn forces(&self, points: &[SkinPoint], columns: &[Vec<f64>], z: &[f64]) -> Vec<Vector3<f64>> {
         let n = columns.len();
         let h = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-        let c = DVector::from_fn(n, |i, _| dot(&columns[i], &self.z));
+        let c = DVector::from_fn(n, |i, _| dot(&columns[i], z));
         let inward: Vec<_> = points
             .iter()
             .map(|p| -self.estimator.model.skin().normal(p))
@@ -188,7 +230,7 @@ impl Problem<'_> {
         DMatrix::from_fn(n, n, |i, j| dot(&state.columns[i], &state.columns[j]))
     }
 
-    fn step(&mut self, state: &State, damping: f64) -> DVector<f64> {
+    fn step(&self, state: &State, damping: f64) -> DVector<f64> {
         let n = state.columns.len();
         let mut a = self.information(state);
         let floor = 1e-12 * a.trace() + f64::MIN_POSITIVE;
@@ -214,11 +256,19 @@ impl Problem<'_> {
 
     fn report(&self, state: &State) -> Vec<ShearContact> {
         let n = state.columns.len();
-        let (area, force) = (
-            self.estimator.model.skin().area_m2() / std::f64::consts::TAU,
-            self.estimator.params.force_scale_n,
-        );
-        let prior = |q: usize| if q % N < 2 { area.sqrt() } else { force };
+        let skin_sd_m = (self.estimator.model.skin().area_m2() / std::f64::consts::TAU).sqrt();
+        // no narrower than the force found, whose error grows with it
+        let force_sd_n = |i: usize| {
+            let found_n = state.forces[i].norm();
+            self.estimator.params.force_scale_n.max(found_n)
+        };
+        let prior = |q: usize| {
+            if q % N < 2 {
+                skin_sd_m
+            } else {
+                force_sd_n(q / N)
+            }
+        };
         let scaled = self.information(state);
         let scaled = DMatrix::from_fn(n, n, |i, j| {
             f64::from(u8::from(i == j)) + prior(i) * prior(j) * scaled[(i, j)]

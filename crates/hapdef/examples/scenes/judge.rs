@@ -19,6 +19,8 @@ const LEAST_SHARE: f64 = 1e-3;
 pub(crate) enum Honest {
     /// Every press found, where and as strong as claimed.
     Found,
+    /// One contact for two presses, all of it within what it tells of itself if it is two.
+    OneForTwo,
     /// What was not found is below what χ² can see.
     BelowNoise,
     /// It says that it is not sure.
@@ -89,7 +91,15 @@ pub(crate) fn judged(pressed: &Pressed, estimate: &ContactEstimate) -> Result<Ho
     if contacts.is_empty() {
         return below_noise(pressed);
     }
-    let (missed, times) = matched(contacts, presses)?;
+    match as_claimed(pressed, contacts) {
+        Err(_) if stands_for_two(estimate, presses) => Ok(Honest::OneForTwo),
+        end => end,
+    }
+}
+
+/// Each contact where and as strong as claimed, and no press is left that the readings show.
+fn as_claimed(pressed: &Pressed, contacts: &[Contact]) -> Result<Honest, Wrong> {
+    let (missed, times) = matched(contacts, &pressed.presses)?;
     if times > 1.0 {
         return Err(Wrong::Off { times });
     }
@@ -98,6 +108,17 @@ pub(crate) fn judged(pressed: &Pressed, estimate: &ContactEstimate) -> Result<Ho
         (Some(missed), [found]) => hidden(pressed, found, missed),
         (Some(_), _) => unreachable!("two presses at most"),
     }
+}
+
+/// One contact whose place if it is two holds both presses, and its force then their sum.
+fn stands_for_two(estimate: &ContactEstimate, presses: &[Press]) -> bool {
+    let ([found], [if_two], [a, b]) = (&estimate.contacts[..], &estimate.if_two[..], presses)
+    else {
+        return false;
+    };
+    let far_m = |press: &Press| (found.position_m - press.position_m).norm();
+    let off_n = (found.force_n - a.force_n - b.force_n).abs();
+    far_m(a).max(far_m(b)) <= MOST_SD * if_two.position_sd_m && off_n <= MOST_SD * if_two.force_sd_n
 }
 
 fn is_finite(contact: &Contact) -> bool {
