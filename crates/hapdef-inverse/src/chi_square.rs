@@ -21,6 +21,23 @@ pub(crate) fn upper_tail(x: f64, n_dof: usize) -> f64 {
     .clamp(0.0, 1.0)
 }
 
+/// The χ² that noise exceeds with probability `p`, by bisection; infinite without degrees of freedom.
+pub(crate) fn tail_point(p: f64, n_dof: usize) -> f64 {
+    if n_dof == 0 {
+        return f64::INFINITY;
+    }
+    let (mut low, mut high) = (0.0, 1e4);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if upper_tail(middle, n_dof) > p {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
 fn lower_series(a: f64, x: f64) -> f64 {
     let mut term = 1.0 / a;
     let mut sum = term;
@@ -95,5 +112,15 @@ mod tests {
         }
         assert_eq!(upper_tail(f64::INFINITY, 3), 0.0);
         assert_eq!(upper_tail(5.0, 0), 1.0);
+    }
+
+    /// Abramowitz and Stegun, table 26.8: P = 0.001 at 10.828 with one, 29.588 with ten degrees.
+    #[test]
+    fn the_tail_point_has_its_tail() {
+        for (n_dof, expected) in [(1, 10.828), (10, 29.588)] {
+            let found = tail_point(1e-3, n_dof);
+            assert!((found - expected).abs() < 1e-3, "{found} for {expected}");
+        }
+        assert_eq!(tail_point(1e-3, 0), f64::INFINITY);
     }
 }

@@ -1,5 +1,7 @@
 //! Rays against the boundary of a solid.
 
+use std::cmp::Ordering;
+
 use nalgebra::{Point3, Vector3};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 
@@ -59,14 +61,7 @@ impl FaceRays {
         direction: &Vector3<f64>,
         skip: usize,
     ) -> bool {
-        let ray = Ray {
-            origin: *origin,
-            direction: *direction,
-        };
-        !self
-            .tree
-            .locate_with_selection_function(ray)
-            .any(|triangle| triangle.face != skip && triangle.distance(&ray).is_some())
+        self.met(origin, direction, skip).next().is_none()
     }
 
     /// Every face other than `skip` that the ray meets at a distance above 0, the nearest first,
@@ -77,26 +72,8 @@ impl FaceRays {
         direction: &Vector3<f64>,
         skip: usize,
     ) -> Vec<Hit> {
-        let ray = Ray {
-            origin: *origin,
-            direction: *direction,
-        };
-        let mut hits: Vec<Hit> = self
-            .tree
-            .locate_with_selection_function(ray)
-            .filter(|triangle| triangle.face != skip)
-            .filter_map(|triangle| {
-                let distance_m = triangle.distance(&ray)?;
-                Some(Hit {
-                    face: triangle.face,
-                    distance_m,
-                })
-            })
-            .collect();
-        hits.sort_by(|a, b| {
-            let nearer = a.distance_m.total_cmp(&b.distance_m);
-            nearer.then(a.face.cmp(&b.face))
-        });
+        let mut hits: Vec<Hit> = self.met(origin, direction, skip).collect();
+        hits.sort_by(nearer);
         hits
     }
 
@@ -108,26 +85,36 @@ impl FaceRays {
         direction: &Vector3<f64>,
         skip: usize,
     ) -> Option<Hit> {
+        self.met(origin, direction, skip).min_by(nearer)
+    }
+
+    fn met(
+        &self,
+        origin: &Point3<f64>,
+        direction: &Vector3<f64>,
+        skip: usize,
+    ) -> impl Iterator<Item = Hit> {
         let ray = Ray {
             origin: *origin,
             direction: *direction,
         };
         self.tree
             .locate_with_selection_function(ray)
-            .filter(|triangle| triangle.face != skip)
-            .filter_map(|triangle| {
+            .filter(move |triangle| triangle.face != skip)
+            .filter_map(move |triangle| {
                 let distance_m = triangle.distance(&ray)?;
                 Some(Hit {
                     face: triangle.face,
                     distance_m,
                 })
             })
-            .min_by(|a, b| {
-                a.distance_m
-                    .total_cmp(&b.distance_m)
-                    .then(a.face.cmp(&b.face))
-            })
     }
+}
+
+/// By distance, ties by face.
+fn nearer(a: &Hit, b: &Hit) -> Ordering {
+    let distance = a.distance_m.total_cmp(&b.distance_m);
+    distance.then(a.face.cmp(&b.face))
 }
 
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use crate::calibration::kernel::Kernel;
 use crate::calibration::output::{RejectReason, RejectedPress};
 use crate::calibration::solution::Problem;
-use crate::chi_square::upper_tail;
+use crate::chi_square::tail_point;
 use crate::error::InverseError;
 
 /// Presses looked at together.
@@ -32,7 +32,7 @@ pub(crate) fn reject(
     rejected: &mut Vec<RejectedPress>,
 ) -> Result<Vec<usize>, InverseError> {
     let m = problem.samples.n_gauges();
-    let limit = TAIL * chi2_at(reject_p, m);
+    let limit = TAIL * tail_point(reject_p, m);
     let n_chunks = rows.len().div_ceil(CHUNK).max(1);
     let mut good = Vec::new();
     for chunk in rows.chunks(rows.len().div_ceil(n_chunks)) {
@@ -102,18 +102,4 @@ fn worst(
         }
     }
     chosen
-}
-
-/// The χ² that is exceeded with probability `p`, by bisection.
-fn chi2_at(p: f64, n_dof: usize) -> f64 {
-    let (mut low, mut high) = (0.0, 1e4);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if upper_tail(middle, n_dof) > p {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::chi_square::upper_tail;
+use crate::chi_square::tail_point;
 use crate::error::{InverseError, check_length};
 use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict};
 use crate::noise::NoiseParams;
@@ -322,21 +322,4 @@ impl ContactTracker {
     pub(super) fn most_contacts(&self) -> usize {
         self.params.max_contacts.min(self.n_live.saturating_sub(2))
     }
-}
-
-/// The χ² with upper tail `p`; infinite without degrees of freedom.
-fn tail_point(p: f64, n_dof: usize) -> f64 {
-    if n_dof == 0 {
-        return f64::INFINITY;
-    }
-    let (mut low, mut high) = (0.0, 1e4);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if upper_tail(middle, n_dof) > p {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
 }

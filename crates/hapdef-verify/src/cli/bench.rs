@@ -6,6 +6,8 @@ use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::bench::{self, BenchOptions};
 
+use super::context::FiguresArgs;
+
 /// Arguments of `bench`.
 #[derive(clap::Args)]
 pub(crate) struct BenchArgs {
@@ -24,13 +26,8 @@ pub(crate) struct BenchArgs {
     /// The seed the metrics carry; nothing is drawn at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Where metrics are appended.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
-    metrics: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArgs,
 }
 
 /// Measures and prints.
@@ -45,6 +42,6 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     }
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     bench::run(&args.deck, &options, &mut log)?;
-    log.append_to(&args.metrics)?;
+    log.append_to(&args.figures.metrics)?;
     Ok(())
 }

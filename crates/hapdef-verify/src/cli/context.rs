@@ -1,10 +1,22 @@
-//! Where pages go.
+//! Where figures and pages go.
 
 use std::io::Stdout;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use hapdef_report::{MetricLog, Report, write_report};
+
+/// Where figures go.
+#[derive(clap::Args)]
+pub(crate) struct FiguresArgs {
+    /// Where metrics are appended.
+    #[arg(
+        long,
+        env = "HAPDEF_METRICS",
+        default_value = "target/hapdef/metrics.json"
+    )]
+    pub(crate) metrics: PathBuf,
+}
 
 /// Writes a report into `folder` beside the metrics' file, with the metrics of `log`, and says where.
 pub(crate) fn write_page(

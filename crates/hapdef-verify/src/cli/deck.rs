@@ -6,6 +6,8 @@ use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{DeckFigures, KnownFigures, read_displacements};
 
+use super::context::FiguresArgs;
+
 /// Arguments of `deck`.
 #[derive(clap::Args)]
 pub(crate) struct DeckArgs {
@@ -29,13 +31,8 @@ pub(crate) struct DeckArgs {
     /// The seed the metrics carry; nothing is drawn at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Where metrics are appended.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
-    metrics: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArgs,
 }
 
 /// Solves the deck and prints its figures beside those that are known.
@@ -84,7 +81,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
     }
     println!("largest |u|  {:.9e} m", figures.largest_u_m);
     displacement(args, &figures, &known, &mut log)?;
-    log.append_to(&args.metrics)?;
+    log.append_to(&args.figures.metrics)?;
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use hapdef_verify::{
     STABILITY_DOCUMENT, StabilityRow, stability_line, stability_page, stability_rows,
 };
 
-use super::context::write_page;
+use super::context::{FiguresArgs, write_page};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -31,13 +31,8 @@ pub(crate) struct StabilityArgs {
     /// Draws which elements are stiff where they are scattered at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Where metrics are appended.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
-    metrics: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArgs,
 }
 
 /// What is tried at its extremes.
@@ -66,11 +61,11 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
     }
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     log_stability(&rows, &mut log)?;
-    log.append_to(&args.metrics)?;
+    log.append_to(&args.figures.metrics)?;
     write_page(
         stability_page(&rows, data),
         &log,
-        &args.metrics,
+        &args.figures.metrics,
         "stability-fe",
     )?;
     Ok(agrees(args, &rows)? && !rows.iter().any(StabilityCase::is_failed))

@@ -10,7 +10,7 @@ use hapdef_verify::{
     Report, Verdict, all_cases, differences, markdown, people_table, run_cases, verification_page,
 };
 
-use super::context::write_page;
+use super::context::{FiguresArgs, write_page};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -30,13 +30,8 @@ pub(crate) struct VerifyArgs {
     /// The seed the metrics carry; the table itself draws nothing at random.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Where metrics are appended.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
-    metrics: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArgs,
 }
 
 /// Solves, prints and judges; false where a row missed its target.
@@ -66,7 +61,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
     }
     let log = metrics(args, &report)?;
     let page = verification_page(&report, data)?;
-    write_page(page, &log, &args.metrics, "verify")?;
+    write_page(page, &log, &args.figures.metrics, "verify")?;
     Ok(agrees(args, &report)? && report.n_failed() == 0)
 }
 
@@ -126,6 +121,6 @@ fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdo
             "no row has an error that is a number",
         )?,
     }
-    log.append_to(&args.metrics)?;
+    log.append_to(&args.figures.metrics)?;
     Ok(log)
 }
