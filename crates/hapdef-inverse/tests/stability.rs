@@ -116,7 +116,7 @@ fn the_doubt_of_a_force_grows_with_it() {
         let readings = world.readings(&[(point, force_n)]);
         let found = estimator.estimate(&readings).unwrap();
         let (sheared, _) = estimator.refine_shear(&readings, &[point], 0.5).unwrap();
-        let along = sheared[0].force_vector_n.normalize();
+        let along = sheared[0].force_vector_n.try_normalize(0.0).unwrap();
         let of_vector = along.dot(&(sheared[0].force_covariance_n2 * along)).sqrt();
         let own = found.contacts[0].covariance[(2, 2)].sqrt();
         [own, found.if_two[0].force_sd_n, of_vector].map(|sd| sd / force_n)
