@@ -108,7 +108,10 @@ fn seal_chunks(file: &mut [u8]) {
         let len = u64::from_le_bytes(len.try_into().expect("eight bytes"));
         let start = at + PREFIX;
         let end = start.saturating_add(usize::try_from(len).unwrap_or(usize::MAX));
-        if file[at] == CHUNK && end <= file.len() && start + RECORDS <= end {
+        if end > file.len() {
+            return;
+        }
+        if file[at] == CHUNK && start + RECORDS <= end {
             let crc = crc32(&file[start + RECORDS..end]);
             file[start + CRC..][..4].copy_from_slice(&crc.to_le_bytes());
         }

@@ -12,7 +12,7 @@ use crate::tool::{release_binary, root, shown, status};
 /// Arguments of the tasks that run the pipeline.
 #[derive(clap::Args, Clone)]
 pub(crate) struct PipelineArgs {
-    /// The scene; the bundled shin if absent.
+    /// The scene; the bundled shin if absent, for the whole frontier with its gauges placed.
     #[arg(long)]
     pub(crate) scene: Option<PathBuf>,
     /// Fewer samples and short training: minutes instead of hours.

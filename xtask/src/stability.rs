@@ -5,7 +5,6 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use serde_json::Value;
 
 use crate::pipeline::finish;
 use crate::tool::{release_binary, release_example, results, root};
@@ -115,44 +114,32 @@ fn scenes(args: &StabilityArgs) -> Result<()> {
     finish(&mut command)
 }
 
-/// What a part counts.
-const COUNTS: [&str; 3] = [
-    "stability.rows",
-    "stability.failed",
-    "stability.silently_wrong",
-];
-
-/// Every layer; then what all parts come to, and which failed.
+/// Every layer; then all rows as one table, and which parts failed.
 fn all(args: &StabilityArgs) -> Result<()> {
     let mut failed = Vec::new();
-    let n_before = logged()?.len();
     for table in Table::ALL {
         println!("── {}", table.document());
+        let page = results().join(table.folder()).join("report.json");
+        if page.exists() {
+            std::fs::remove_file(&page).with_context(|| page.display().to_string())?;
+        }
         if crate::tool::run(&mut table.with_files(args)?).is_err() {
             failed.push(table.document());
         }
     }
     println!("── all");
-    let records = logged()?;
-    for name in COUNTS {
-        let of_name = records[n_before..].iter().filter(|r| r["name"] == name);
-        let sum: f64 = of_name.filter_map(|r| r["value"].as_f64()).sum();
-        println!("METRIC:{name}:{sum}:1");
-    }
+    joined()?;
     if !failed.is_empty() {
         bail!("rows failed in {}", failed.join(", "));
     }
     Ok(())
 }
 
-/// The metrics that were logged so far.
-fn logged() -> Result<Vec<Value>> {
-    let path = results().join("metrics.json");
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    serde_json::from_str(&text).with_context(|| path.display().to_string())
+/// All rows as one table.
+fn joined() -> Result<()> {
+    let mut command = Command::new(release_binary("hapdef-repro")?);
+    command.arg("stability-all");
+    crate::tool::run(command.arg("--metrics").arg(results().join("metrics.json")))
 }
 
 /// All tables, compared with docs/.
@@ -161,7 +148,7 @@ pub(crate) fn check() -> Result<()> {
         let mut command = table.command(None)?;
         crate::tool::run(command.arg("--check").arg(root().join(table.document())))?;
     }
-    Ok(())
+    joined()
 }
 
 impl Part {
@@ -198,6 +185,16 @@ impl Table {
             Self::Nets => "docs/stability-nets.md",
             Self::Inverse => "docs/stability-inverse.md",
             Self::Parts => "docs/stability-parts.md",
+        }
+    }
+
+    /// Where its page is, beside the metrics.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Fe => "stability-fe",
+            Self::Nets => "stability-nets",
+            Self::Inverse => "stability-inverse",
+            Self::Parts => "stability-parts",
         }
     }
 

@@ -93,6 +93,9 @@ pub enum ReproError {
     /// Samples could not be standardised, written or read.
     #[error(transparent)]
     Data(#[from] hapdef_data::DataError),
+    /// A limb's table could not be written or read.
+    #[error(transparent)]
+    Limb(Box<hapdef::HapdefError>),
     /// Contacts could not be estimated, followed, calibrated or conditioned.
     #[error(transparent)]
     Inverse(#[from] hapdef_inverse::InverseError),
@@ -126,6 +129,12 @@ pub enum ReproError {
     /// A figure or a report could not be made.
     #[error(transparent)]
     Report(#[from] hapdef_report::ReportError),
+}
+
+impl From<hapdef::HapdefError> for ReproError {
+    fn from(error: hapdef::HapdefError) -> Self {
+        Self::Limb(Box::new(error))
+    }
 }
 
 /// Number of rows of `width` in a slice of `found` values.

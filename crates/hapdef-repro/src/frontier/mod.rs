@@ -101,7 +101,7 @@ struct Measured {
     no_shell: Option<String>,
     /// Ways that were refused, as where a gauge does not read what the response tells, and why.
     refused: Vec<Refused>,
-    /// Ways by superposition, measured or not.
+    /// Ways by superposition that this limb can go, measured or not.
     n_ways: usize,
     growths: Vec<Growth>,
     skips: Skips,
@@ -139,11 +139,15 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
     let ways = Way::in_order(args.test_seed);
     let walked = points(args, &run, &mut lab, &ways, deadline)?;
+    let n_without_shell = match walked.no_shell {
+        Some(_) => ways.iter().filter(|way| way.mesh == Mesh::Shell).count(),
+        None => 0,
+    };
     let measured = Measured {
         points: point::on_one_footing(&walked.points),
         no_shell: walked.no_shell,
         refused: walked.refused,
-        n_ways: ways.len(),
+        n_ways: ways.len() - n_without_shell,
         growths,
         skips,
         planned,

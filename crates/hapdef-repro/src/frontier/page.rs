@@ -56,6 +56,12 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
         ("design_speedup", skips.design_speedup(), "1"),
         ("frame_speedup", followed.speedup(), "1"),
         ("frame_speedup_searched", searched.speedup(), "1"),
+        ("frame_speedup_contacts", followed.contacts_speedup(), "1"),
+        (
+            "frame_speedup_contacts_searched",
+            searched.contacts_speedup(),
+            "1",
+        ),
         ("equal_followed_pct", followed.equal_pct(), "%"),
         ("equal_searched_pct", searched.equal_pct(), "%"),
     ] {

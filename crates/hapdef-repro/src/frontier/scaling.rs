@@ -124,7 +124,7 @@ fn contacts(run: &Run, seed: u64) -> Result<Growth> {
         "a frame while contacts are followed, 24 gauges, µs",
         "contacts",
         "frame_contacts_exponent",
-        "1 to 2",
+        "1 to 2, beside a fixed cost",
         points?,
     ))
 }

@@ -49,6 +49,8 @@ pub(super) struct Compared {
     /// Median of a frame: up to the scene's number of contacts, and the displacement of the whole
     /// skin, µs.
     pub(super) full_us: f64,
+    /// Median of its contacts alone, µs.
+    pub(super) contacts_us: f64,
     /// Median of a frame: one contact, µs.
     pub(super) lean_us: f64,
     /// Answers compared, and those in which both find the same contact to rounding.
@@ -61,6 +63,11 @@ pub(super) struct Compared {
 impl Compared {
     pub(super) fn speedup(&self) -> f64 {
         self.full_us / self.lean_us
+    }
+
+    /// The same where neither scene wants the displacement of the skin.
+    pub(super) fn contacts_speedup(&self) -> f64 {
+        self.contacts_us / self.lean_us
     }
 
     /// Answers that are the same, %.
@@ -111,9 +118,10 @@ fn searched(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
     let mut both = Both::default();
     for round in 0..ROUNDS {
         for frame in &lab.frames.singles {
-            let (found, full_us) = estimate(full, frame, |found| lab.show(&found.contacts))?;
-            let (alone, lean_us) = estimate(lean, frame, |_| ())?;
-            both.time(full_us, lean_us);
+            let (found, contacts_us) = estimate(full, frame)?;
+            let shown_us = lab.show(&found.contacts);
+            let (alone, lean_us) = estimate(lean, frame)?;
+            both.time(contacts_us, shown_us, lean_us);
             if round == 0 {
                 both.answers(&found.contacts, &alone.contacts);
             }
@@ -135,13 +143,13 @@ fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
             let [full, lean] = &mut trackers;
             let start = Instant::now();
             full.step(&frame[..n_gauges], None)?;
-            lab.show(&contacts(full));
-            let full_us = start.elapsed().as_secs_f64() * 1e6;
+            let contacts_us = start.elapsed().as_secs_f64() * 1e6;
+            let shown_us = lab.show(&contacts(full));
             let start = Instant::now();
             lean.step(&frame[..n_gauges], None)?;
             let lean_us = start.elapsed().as_secs_f64() * 1e6;
             if i >= Script::first_frame_of(1) {
-                both.time(full_us, lean_us);
+                both.time(contacts_us, shown_us, lean_us);
             }
         }
         let [found, alone] = trackers.each_ref().map(contacts);
@@ -164,11 +172,13 @@ fn contacts(tracker: &ContactTracker) -> Vec<Contact> {
 }
 
 impl Lab<'_> {
-    /// The displacement of the whole skin, which only the full scene wants.
-    fn show(&self, contacts: &[Contact]) {
+    /// Time of the displacement of the whole skin, which only the full scene wants, µs.
+    fn show(&self, contacts: &[Contact]) -> f64 {
+        let start = Instant::now();
         if !contacts.is_empty() {
             std::hint::black_box(self.maps_of.found_um(contacts));
         }
+        start.elapsed().as_secs_f64() * 1e6
     }
 }
 
@@ -176,6 +186,7 @@ impl Lab<'_> {
 #[derive(Default)]
 struct Both {
     full_us: Vec<f64>,
+    contacts_us: Vec<f64>,
     lean_us: Vec<f64>,
     n: usize,
     n_equal: usize,
@@ -183,8 +194,9 @@ struct Both {
 }
 
 impl Both {
-    fn time(&mut self, full_us: f64, lean_us: f64) {
-        self.full_us.push(full_us);
+    fn time(&mut self, contacts_us: f64, shown_us: f64, lean_us: f64) {
+        self.full_us.push(contacts_us + shown_us);
+        self.contacts_us.push(contacts_us);
         self.lean_us.push(lean_us);
     }
 
@@ -198,6 +210,7 @@ impl Both {
         let median = |times: Vec<f64>| at(&sorted(times.into_iter()), 0.5);
         Compared {
             full_us: median(self.full_us),
+            contacts_us: median(self.contacts_us),
             lean_us: median(self.lean_us),
             n: self.n,
             n_equal: self.n_equal,
@@ -234,17 +247,12 @@ fn make_estimator(run: &Run, limb: &Limb, max_contacts: usize) -> Result<()> {
     Ok(())
 }
 
-fn estimate(
-    estimator: &ContactEstimator,
-    frame: &Frame,
-    further: impl Fn(&ContactEstimate),
-) -> Result<(ContactEstimate, f64)> {
+fn estimate(estimator: &ContactEstimator, frame: &Frame) -> Result<(ContactEstimate, f64)> {
     let mut scratch = estimator.scratch();
     let mut estimate = ContactEstimate::default();
     let readings = &frame.readings_ue[..estimator.map().n_gauges()];
     let start = Instant::now();
     estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
-    further(&estimate);
     Ok((estimate, start.elapsed().as_secs_f64() * 1e6))
 }
 
@@ -264,6 +272,7 @@ mod tests {
     fn a_scene_of_single_contacts_that_finds_another_one_is_refused() {
         let compared = |n_single, n_equal| Compared {
             full_us: 10.0,
+            contacts_us: 1.5,
             lean_us: 2.0,
             n: 8,
             n_equal,

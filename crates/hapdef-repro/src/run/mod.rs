@@ -18,6 +18,7 @@ pub(crate) mod scores;
 mod search;
 mod singles;
 mod stability;
+mod stability_all;
 pub(crate) mod summary;
 mod svr;
 mod table1;
@@ -75,6 +76,8 @@ enum Command {
     StabilityInverse(stability::InverseArgs),
     /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
     StabilityParts(stability::StabilityArgs),
+    /// The tables of all layers at their extremes as one, and what they come to
+    StabilityAll(stability_all::AllArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     BenchNets(BenchNetsArgs),
     /// Error against run time: every method, precision, rank and width in one table and plot.
@@ -129,6 +132,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Stability(args) => stability::run(args),
         Command::StabilityInverse(args) => stability::run_inverse(args),
         Command::StabilityParts(args) => stability::run_parts(args),
+        Command::StabilityAll(args) => stability_all::run(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
         Command::Frontier(args) => frontier::run(args),

@@ -66,7 +66,7 @@ const NETS: Names = Names {
 };
 
 const PARTS: Names = Names {
-    title: "Meshes, datasets, k-Max, decoder, clock and recordings at their extremes",
+    title: "Meshes, datasets, compliance, k-Max, decoder, clock and recordings at their extremes",
     folder: "stability-parts",
     document: &PARTS_DOCUMENT,
 };

@@ -85,6 +85,7 @@ fn refusal(error: &ReproError) -> StabilityRefusal {
         ReproError::Argument(cause) => StabilityRefusal::new(cause, text),
         ReproError::Nets(cause) => StabilityRefusal::new(cause, text),
         ReproError::Data(cause) => StabilityRefusal::new(cause, text),
+        ReproError::Limb(cause) => StabilityRefusal::new(&**cause, text),
         ReproError::Inverse(cause) => StabilityRefusal::new(cause, text),
         ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => {
             StabilityRefusal::new(cause, text)

@@ -12,7 +12,7 @@ use super::nets::NetKind;
 use super::train::TrainedNets;
 use crate::cache::Stage;
 use crate::error::HapdefError;
-use crate::estimator::hapdefx;
+use crate::hapdefx::hapdefx;
 use crate::limb::Limb;
 use crate::map_error::{MapError, MapErrorSum};
 use crate::run::Run;

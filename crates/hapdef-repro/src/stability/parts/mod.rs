@@ -1,7 +1,8 @@
-//! The parts around solver, nets and superposition at their extremes: mesh, datasets, k-Max,
-//! compliance maps, decoder, clock, recorder.
+//! The parts around solver, nets and superposition at their extremes: mesh, datasets,
+//! compliance tables, k-Max, decoder, clock, recorder.
 
 mod clock;
+mod compliance;
 mod data;
 mod kmax;
 mod mesh;
@@ -14,6 +15,7 @@ use super::row::Case;
 pub(super) fn cases() -> Vec<Case> {
     let mut all = mesh::cases();
     all.extend(data::cases());
+    all.extend(compliance::cases());
     all.extend(kmax::cases());
     all.extend(wire::cases());
     all.extend(clock::cases());
