@@ -11,17 +11,20 @@ use serde::{Deserialize, Serialize};
 
 use super::barrel::{N_GAUGES, barrel};
 use super::cost::{fit_flops, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops};
-use super::frames::{DrawnFrame, FrameDraws, Searched, followed_s, searched, step_s};
+use super::frames::{DrawnFrame, FrameDraws, Searched, followed_s, searched};
 use crate::scene::SuperpositionSpec;
 
 /// Frames that are timed: untouched, of one contact, of two.
-pub(super) const N_FRAMES: [usize; 3] = [2000, 60, 15];
+pub(super) const N_FRAMES: [usize; 3] = [2000, 60, 60];
 
 /// Presses of the calibration that is timed.
 const N_PRESSES: usize = 150;
 
 /// Part of a search that a scan counts for at least.
 const LEAST_SCAN: f64 = 0.02;
+
+/// Part of a search that its steps count for at least.
+const LEAST_STEP: f64 = 1e-3;
 
 /// Rates of a frame's inner loops on one thread, and the steps that searches take.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -60,33 +63,50 @@ impl FrameRates {
             },
             ..NoiseParams::uniform(N_GAUGES, spec.noise_ue)
         };
-        let params = EstimatorParams::default();
-        let estimator = ContactEstimator::new(map.clone(), sites.clone(), noise, params)?;
+        let with =
+            |params| ContactEstimator::new(map.clone(), sites.clone(), noise.clone(), params);
+        let estimator = with(EstimatorParams::default())?;
+        let short = with(EstimatorParams {
+            max_steps: 1,
+            ..EstimatorParams::default()
+        })?;
         let mut draws = FrameDraws::new(&map, &sites, spec.noise_ue);
         let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
         let test = searched(&estimator, &none)?;
-        let single = Refined::measure(&estimator, &singles, test)?;
-        let pair = Refined::measure(&estimator, &pairs, test)?;
+        let step_s = step_s(&estimator, &short, &pairs)?;
+        let single = Refined::measure(&estimator, &singles, test, step_s)?;
+        let pair = Refined::measure(&estimator, &pairs, test, step_s)?;
         let follow_s = followed_s(&estimator, &singles[0])?;
         Ok(Self {
             test_flops_per_s: test_flops(N_GAUGES) / test.seconds,
             scan_flops_per_s: scan_flops(N_GAUGES, spec.n_sites) / single.scan_s,
             pairs_flops_per_s: pairs_flops(spec.n_sites) / pair.scan_s,
-            single_flops_per_s: refine_flops(N_GAUGES, 1, 1.0) / single.step_s,
-            pair_flops_per_s: refine_flops(N_GAUGES, 2, 1.0) / pair.step_s,
-            single_steps: single.whole.steps,
-            pair_steps: pair.whole.steps,
+            single_flops_per_s: refine_flops(N_GAUGES, 1, 1.0) / step_s,
+            pair_flops_per_s: refine_flops(N_GAUGES, 2, 1.0) / step_s,
+            single_steps: single.steps,
+            pair_steps: pair.steps,
             follow_flops_per_s: follow_flops(N_GAUGES, 1) / follow_s,
             fit_flops_per_s: fit_rate(&mut draws, threads)?,
         })
     }
 }
 
+/// Time of a step of refinement, s: what the further steps of `estimator` take beyond those of `short`,
+/// which does the same with fewer.
+fn step_s(
+    estimator: &ContactEstimator,
+    short: &ContactEstimator,
+    frames: &[DrawnFrame],
+) -> Result<f64, InverseError> {
+    let (whole, least) = (searched(estimator, frames)?, searched(short, frames)?);
+    let n_further = (whole.steps - least.steps).max(1.0);
+    Ok((whole.seconds - least.seconds).max(LEAST_STEP * whole.seconds) / n_further)
+}
+
 /// A search in its parts.
 struct Refined {
-    whole: Searched,
-    step_s: f64,
-    /// What is left beside test and steps.
+    steps: f64,
+    /// What is left beside test and steps, s.
     scan_s: f64,
 }
 
@@ -95,13 +115,12 @@ impl Refined {
         estimator: &ContactEstimator,
         frames: &[DrawnFrame],
         test: Searched,
+        step_s: f64,
     ) -> Result<Self, InverseError> {
         let whole = searched(estimator, frames)?;
-        let step_s = step_s(estimator, frames)?;
         let scan_s = whole.seconds - test.seconds - step_s * whole.steps;
         Ok(Self {
-            whole,
-            step_s,
+            steps: whole.steps,
             scan_s: scan_s.max(LEAST_SCAN * whole.seconds),
         })
     }

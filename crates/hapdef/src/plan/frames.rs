@@ -116,22 +116,6 @@ pub(super) fn searched(
     })
 }
 
-/// Time of a step of refinement, s, from where the contacts are.
-pub(super) fn step_s(
-    estimator: &ContactEstimator,
-    frames: &[DrawnFrame],
-) -> Result<f64, InverseError> {
-    let (mut scratch, mut estimate) = (estimator.scratch(), ContactEstimate::default());
-    let mut n_steps = 0;
-    let start = Instant::now();
-    for frame in frames {
-        let readings = &frame.readings_ue;
-        estimator.refine_into(readings, &frame.points, &mut scratch, &mut estimate)?;
-        n_steps += estimate.info.n_steps;
-    }
-    Ok(start.elapsed().as_secs_f64() / n_steps.max(1) as f64)
-}
-
 /// Time of a frame in which one contact is followed, s, the same frame again and again.
 pub(super) fn followed_s(
     estimator: &ContactEstimator,
