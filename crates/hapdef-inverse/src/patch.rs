@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use crate::basis::{self, NODES};
+use crate::error::{InverseError, check_not_negative};
 use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
 
@@ -33,32 +34,76 @@ const RULE: [([f64; 3], f64); 7] = {
     ]
 };
 
-/// At every node the mean of `nodal` `[n_nodes, width]` under a tip of radius r there, whose
-/// pressure at distance d goes with (1 − (d/r)²)².
-pub(crate) fn patch_means(skin: &Skin, nodal: &[f64], width: usize, radius_m: f64) -> Vec<f64> {
-    let mut means = vec![0.0; nodal.len()];
-    let mut totals = vec![0.0; skin.n_nodes()];
-    for face in 0..skin.n_faces() {
-        for tip in Pressed::face(skin, face, radius_m).tips {
-            totals[tip.node] += tip.shares.iter().sum::<f64>();
-            let out = &mut means[tip.node * width..(tip.node + 1) * width];
-            for (&n, share) in skin.face_nodes(face).iter().zip(tip.shares) {
-                let values = &nodal[n as usize * width..(n as usize + 1) * width];
+/// What a round tip at each node of a skin averages over.
+#[derive(Clone, Debug)]
+pub struct TipMeans {
+    /// Where each node's shares begin, and where the last ones end `[n_nodes + 1]`.
+    starts: Vec<usize>,
+    /// A node and its share of the mean; those of a tip are 1 together.
+    shares: Vec<(u32, f64)>,
+}
+
+impl TipMeans {
+    /// A tip of `radius_m` at every node of `skin`, whose pressure at distance d goes with
+    /// (1 − (d/r)²)²; a radius of 0 is a point force.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a radius that is negative or not finite.
+    pub fn new(skin: &Skin, radius_m: f64) -> Result<Self, InverseError> {
+        check_not_negative("tip_radius_m", radius_m)?;
+        let mut under: Vec<Vec<(u32, f64)>> = vec![Vec::new(); skin.n_nodes()];
+        if radius_m > 0.0 {
+            for face in 0..skin.n_faces() {
+                for tip in Pressed::face(skin, face, radius_m).tips {
+                    let shares = skin.face_nodes(face).iter().copied().zip(tip.shares);
+                    under[tip.node].extend(shares);
+                }
+            }
+        }
+        let mut means = Self {
+            starts: vec![0],
+            shares: Vec::new(),
+        };
+        for (node, shares) in under.into_iter().enumerate() {
+            means.push(node as u32, shares);
+        }
+        Ok(means)
+    }
+
+    /// Nodes of the skin.
+    pub(crate) fn n_nodes(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// At every node the mean of `nodal` `[n_nodes, width]` under the tip there.
+    pub(crate) fn of(&self, nodal: &[f64], width: usize) -> Vec<f64> {
+        let mut means = vec![0.0; nodal.len()];
+        for (out, ends) in means.chunks_exact_mut(width).zip(self.starts.windows(2)) {
+            for &(node, share) in &self.shares[ends[0]..ends[1]] {
+                let values = &nodal[node as usize * width..(node as usize + 1) * width];
                 for (out, value) in out.iter_mut().zip(values) {
                     *out += share * value;
                 }
             }
         }
+        means
     }
-    for (node, total) in totals.into_iter().enumerate() {
-        let own = node * width..(node + 1) * width;
+
+    /// Adds the next node's shares: of each other node the sum, all of them 1 together; the node
+    /// itself alone where nothing is under its tip.
+    fn push(&mut self, node: u32, mut shares: Vec<(u32, f64)>) {
+        let total: f64 = shares.iter().map(|(_, share)| share).sum();
         if total > 0.0 {
-            means[own].iter_mut().for_each(|v| *v /= total);
+            shares.sort_by_key(|(other, _)| *other);
+            for same in shares.chunk_by(|a, b| a.0 == b.0) {
+                let sum: f64 = same.iter().map(|(_, share)| share).sum();
+                self.shares.push((same[0].0, sum / total));
+            }
         } else {
-            means[own.clone()].copy_from_slice(&nodal[own]);
+            self.shares.push((node, 1.0));
         }
+        self.starts.push(self.shares.len());
     }
-    means
 }
 
 /// A ball around a face: a quadratic map stays within the hull of its Bézier points, which reach

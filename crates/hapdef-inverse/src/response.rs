@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use crate::dense::padded;
-use crate::error::{InverseError, check_finite, check_length, check_not_negative};
+use crate::error::{InverseError, check_finite, check_length};
 use crate::interpolant::Interpolant;
-use crate::patch::patch_means;
+use crate::patch::TipMeans;
 use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
 
@@ -43,7 +43,21 @@ impl ResponseMap {
         adjoint: &[Vector3<f64>],
         params: &ResponseParams,
     ) -> Result<Self, InverseError> {
-        check_not_negative("tip_radius_m", params.tip_radius_m)?;
+        let tips = TipMeans::new(&skin, params.tip_radius_m)?;
+        Self::under_tips(skin, n_gauges, adjoint, &tips)
+    }
+
+    /// The same under tips that are known: what takes longest, and is the same for every field of a skin.
+    ///
+    /// # Errors
+    /// As [`ResponseMap::from_nodal`], and [`InverseError`] for tips of another skin.
+    pub fn under_tips(
+        skin: Skin,
+        n_gauges: usize,
+        adjoint: &[Vector3<f64>],
+        tips: &TipMeans,
+    ) -> Result<Self, InverseError> {
+        check_length("the tips", skin.n_nodes(), tips.n_nodes())?;
         check_length(
             "the adjoint fields",
             skin.n_nodes() * n_gauges,
@@ -62,9 +76,7 @@ impl ResponseMap {
                 vector[(3 * node + axis) * width + gauge] = force[axis];
             }
         }
-        if params.tip_radius_m > 0.0 {
-            vector = patch_means(&skin, &vector, 3 * width, params.tip_radius_m);
-        }
+        let vector = tips.of(&vector, 3 * width);
         let mut normal = vec![0.0; skin.n_nodes() * width];
         for (node, direction) in skin.normals().iter().enumerate() {
             for gauge in 0..n_gauges {

@@ -2,7 +2,7 @@
 
 mod world;
 
-use hapdef_inverse::{AtWall, ResponseMap, ResponseParams, Skin};
+use hapdef_inverse::{AtWall, InverseError, ResponseMap, ResponseParams, Skin, TipMeans};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -184,4 +184,26 @@ fn the_nearest_point_is_found() {
         let miss = (skin.position(&found) - skin.position(&point)).norm();
         assert!(miss < 2e-5 && (distance_m - 1e-3).abs() < 1e-6, "{miss:e}");
     }
+}
+
+/// A mean of a constant field is the constant, to the rim, whatever the tip's size; tips are a skin's own.
+#[test]
+fn tips_average_constants_to_themselves_and_fit_one_skin() {
+    let skin = World::on(barrel(28, 22, true), 1, 20, 3).map.skin().clone();
+    let constant = vec![Vector3::new(1.0, -2.0, 3.0); skin.n_nodes()];
+    for tip_radius_m in [0.0, 1e-5, 0.002, 0.05] {
+        let tips = TipMeans::new(&skin, tip_radius_m).unwrap();
+        let map = ResponseMap::under_tips(skin.clone(), 1, &constant, &tips).unwrap();
+        for mean in map.nodal() {
+            assert!(
+                (mean - constant[0]).norm() < 1e-13,
+                "{tip_radius_m}: {mean}"
+            );
+        }
+    }
+    let other = World::on(barrel(20, 22, true), 1, 20, 3).map.skin().clone();
+    let tips = TipMeans::new(&other, 0.002).unwrap();
+    let refused = ResponseMap::under_tips(skin.clone(), 1, &constant, &tips);
+    assert!(matches!(refused, Err(InverseError::Length { .. })));
+    assert!(TipMeans::new(&skin, -1.0).is_err());
 }

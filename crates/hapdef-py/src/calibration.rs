@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use hapdef::Limb;
-use hapdef::touch::{Calibration, PressQuality, Superposition, response_map};
-use hapdef_inverse::{CalibrationInfo, Press};
+use hapdef::touch::{Calibration, PressQuality, Superposition, touchable_skin};
+use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use nalgebra::Point3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -120,8 +120,7 @@ impl PyCalibration {
         table: PressTable,
     ) -> PyResult<Self> {
         let (calibration, info) = setup.work(py, &limb, move |run, limb| {
-            let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
-            let presses = table.presses(&map)?;
+            let presses = table.presses(&touchable_skin(limb)?, limb.gauges.len())?;
             Calibration::fit(run, limb, &presses, &table.quality, table.n_sites)
         })?;
         Ok(Self {
@@ -134,12 +133,12 @@ impl PyCalibration {
 }
 
 impl PressTable {
-    fn presses(&self, map: &hapdef_inverse::ResponseMap) -> Result<Vec<Press>, Fault> {
-        let readings = self.readings_ue.chunks_exact(map.n_gauges());
+    fn presses(&self, skin: &Skin, n_gauges: usize) -> Result<Vec<Press>, Fault> {
+        let readings = self.readings_ue.chunks_exact(n_gauges);
         let rows = self.positions_m.iter().zip(&self.forces_n).zip(readings);
         let press = |((place, force_n), readings): ((&[f64; 3], &f64), &[f64])| {
             let (place, readings) = (Point3::from(*place), readings.to_vec());
-            Press::at_position(map.skin(), &place, self.off_skin_m, *force_n, readings)
+            Press::at_position(skin, &place, self.off_skin_m, *force_n, readings)
         };
         Ok(rows.map(press).collect::<Result<_, _>>()?)
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::stages::real_limb;
-use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, response_map};
+use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
 use hapdef::{Limb, Run, SceneArgs};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use hapdef_rig::{Electronics, ElectronicsParams};
@@ -142,8 +142,7 @@ fn from_table(
     run: &Run,
     limb: &Limb,
 ) -> Result<(Calibration, CalibrationInfo)> {
-    let map = response_map(limb, run.scene.contact.tip_radius_m, run.threads)?;
-    let presses = read_presses(args, map.skin(), limb.gauges.len())?;
+    let presses = read_presses(args, &touchable_skin(limb)?, limb.gauges.len())?;
     let quality = PressQuality {
         noise_ue: args.noise_ue,
         position_sd_m: args.position_sd_mm * 1e-3,

@@ -2,7 +2,7 @@
 
 use hapdef_sim::FactorEstimate;
 
-use super::cost::{Cost, elastic, fit_flops};
+use super::cost::{Cost, elastic, fit_flops, solves, tips};
 use super::elastic::{fine_estimate, limb_estimate};
 use super::{Machine, Plan, PlanStep, When};
 use crate::error::HapdefError;
@@ -15,6 +15,9 @@ pub(super) const NAME: &str = "hapdef calibrate";
 
 /// Directions in which each gauge is moved for its modes, two ways each: along, across, turned.
 const GAUGE_MODES: usize = 3;
+
+/// Power of a solid's nodes with which those of its skin grow as it is refined.
+const SKIN_GROWTH: f64 = 2.0 / 3.0;
 
 impl Plan {
     /// The plan with a calibration by `n_presses`: the response and its modes on the limb's mesh, the
@@ -37,7 +40,7 @@ impl Plan {
             0 => None,
             times => Some(fine_estimate(run, limb, times)?),
         };
-        let solved = solves(&own, fine.as_ref(), n_gauges, machine);
+        let solved = solved(&own, fine.as_ref(), limb, machine);
         let flops = fit_flops(n_presses, n_gauges, n_columns, CALIBRATION_SITES);
         let fitted = Cost {
             flops,
@@ -60,23 +63,25 @@ impl Plan {
     }
 }
 
-/// The limb's mesh twice, for the presses' places and for the modes: the gauges, the gauges moved
-/// both ways, the stiffness modes. The finer mesh once.
-fn solves(
+/// The limb's mesh for the modes: the gauges, the gauges moved both ways, the stiffness modes, and the
+/// tips of them all; the finer mesh for the gauges, with tips on its own skin.
+fn solved(
     (own, order_s): &(FactorEstimate, f64),
     fine: Option<&(FactorEstimate, f64)>,
-    n_gauges: usize,
+    limb: &Limb,
     machine: &Machine,
 ) -> Cost {
-    let once = |n_loads| elastic(own, n_loads, *order_s, machine);
-    let factor = elastic(own, 0, *order_s, machine);
-    let batch = |n_loads: usize| once(n_loads).less(factor);
-    let mut cost = once(n_gauges).plus(once(n_gauges));
+    let (n_gauges, n_nodes) = (limb.gauges.len(), limb.n_surface_nodes());
+    let moved = solves(own, n_gauges, machine);
+    let mut cost = elastic(own, n_gauges, *order_s, machine).plus(tips(n_nodes, machine));
     for _ in 0..2 * GAUGE_MODES {
-        cost = cost.plus(batch(n_gauges));
+        cost = cost.plus(moved);
     }
-    cost = cost.plus(batch(N_STIFFNESS * n_gauges));
+    cost = cost.plus(solves(own, N_STIFFNESS * n_gauges, machine));
     fine.map_or(cost, |(fine, order_s)| {
+        let nodes_per_own = fine.n_fe_nodes as f64 / own.n_fe_nodes as f64;
+        let n_fine_nodes = (n_nodes as f64 * nodes_per_own.powf(SKIN_GROWTH)) as usize;
         cost.plus(elastic(fine, n_gauges, *order_s, machine))
+            .plus(tips(n_fine_nodes, machine))
     })
 }

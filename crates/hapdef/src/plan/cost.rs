@@ -23,29 +23,56 @@ const VALIDATED: f64 = 20.0 * 1000.0;
 /// Layers up to so many parameters are too narrow to fill the processor.
 const NARROW: usize = 2_000_000;
 
-/// Assembly, factor and `n_loads` solves, given together or few at a time, on a structure that was
-/// ordered in `order_s` seconds. A solve passes L twice with two operations an entry.
+/// Right-hand sides that the first solve on a factor takes for itself, for its condition number.
+pub(super) const CONDITION_LOADS: usize = 24;
+
+/// Assembly, factor and the first `n_loads` solves, given together or few at a time, on a structure that
+/// was ordered in `order_s` seconds.
 pub(super) fn elastic(
     estimate: &FactorEstimate,
     n_loads: usize,
     order_s: f64,
     machine: &Machine,
 ) -> Cost {
-    let solve_flops = 4.0 * estimate.nnz_l as f64 * n_loads as f64;
-    let is_direct = estimate.nnz_l > 0;
+    let seconds = order_s
+        + estimate.n_elements as f64 / machine.elements_per_s
+        + estimate.factor_flops / machine.factor_flops_per_s;
+    let factored = Cost {
+        flops: estimate.factor_flops,
+        bytes: 8.0 * estimate.nnz_l as f64,
+        seconds: (estimate.nnz_l > 0).then_some(seconds),
+    };
+    if n_loads == 0 {
+        return factored;
+    }
+    let condition = solves(estimate, CONDITION_LOADS, machine);
+    factored
+        .plus(condition)
+        .plus(solves(estimate, n_loads, machine))
+}
+
+/// `n_loads` solves on a factor whose condition number is known. A solve passes L twice with two
+/// operations an entry.
+pub(super) fn solves(estimate: &FactorEstimate, n_loads: usize, machine: &Machine) -> Cost {
+    let flops = 4.0 * estimate.nnz_l as f64 * n_loads as f64;
     let rate = if n_loads < Machine::MANY_LOADS {
         machine.few_solves_flops_per_s
     } else {
         machine.solve_flops_per_s
     };
-    let seconds = order_s
-        + estimate.n_elements as f64 / machine.elements_per_s
-        + estimate.factor_flops / machine.factor_flops_per_s
-        + solve_flops / rate;
     Cost {
-        flops: estimate.factor_flops + solve_flops,
-        bytes: 8.0 * estimate.nnz_l as f64,
-        seconds: is_direct.then_some(seconds),
+        flops,
+        bytes: 0.0,
+        seconds: (estimate.nnz_l > 0).then_some(flops / rate),
+    }
+}
+
+/// What a tip at each of `n_nodes` nodes of a skin averages over.
+pub(super) fn tips(n_nodes: usize, machine: &Machine) -> Cost {
+    Cost {
+        flops: 0.0,
+        bytes: 0.0,
+        seconds: Some(n_nodes as f64 / machine.frame.tips_per_s),
     }
 }
 
@@ -99,15 +126,6 @@ impl Cost {
             bytes: self.bytes + bytes,
             seconds: self.seconds.map(|s| s + bytes / machine.write_bytes_per_s),
             ..self
-        }
-    }
-
-    /// Without a part of it.
-    pub(super) fn less(self, part: Self) -> Self {
-        Self {
-            flops: self.flops - part.flops,
-            bytes: self.bytes - part.bytes,
-            seconds: self.seconds.zip(part.seconds).map(|(a, b)| a - b),
         }
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use hapdef_inverse::{
     Calibrated, CalibrationParams, ContactEstimator, EstimatorParams, InverseError, ModelError,
-    NoiseParams, ScanSites,
+    NoiseParams, ScanSites, Skin, TipMeans,
 };
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,9 @@ pub(super) const N_FRAMES: [usize; 3] = [2000, 60, 60];
 
 /// Presses of the calibration that is timed.
 const N_PRESSES: usize = 150;
+
+/// Radius of the tip that is timed, m.
+const TIP_M: f64 = 2e-3;
 
 /// Part of a search that a scan counts for at least.
 const LEAST_SCAN: f64 = 0.02;
@@ -48,6 +51,8 @@ pub struct FrameRates {
     pub follow_flops_per_s: f64,
     /// Operations of a calibration's fit on all threads, 1/s.
     pub fit_flops_per_s: f64,
+    /// Nodes of a skin of which it is found what a tip there averages over, 1/s.
+    pub tips_per_s: f64,
 }
 
 impl FrameRates {
@@ -87,6 +92,7 @@ impl FrameRates {
             pair_steps: pair.steps,
             follow_flops_per_s: follow_flops(N_GAUGES, 1) / follow_s,
             fit_flops_per_s: fit_rate(&mut draws, threads)?,
+            tips_per_s: tip_rate(map.skin())?,
         })
     }
 }
@@ -137,4 +143,11 @@ fn fit_rate(draws: &mut FrameDraws<'_>, n_threads: usize) -> Result<f64, Inverse
     Calibrated::fit(draws.map, draws.sites, &[], &presses, &params)?;
     let flops = fit_flops(N_PRESSES, N_GAUGES, 1, draws.sites.len());
     Ok(flops / start.elapsed().as_secs_f64())
+}
+
+/// Nodes per second of which it is found what a tip there averages over.
+fn tip_rate(skin: &Skin) -> Result<f64, InverseError> {
+    let start = Instant::now();
+    TipMeans::new(skin, TIP_M)?;
+    Ok(skin.n_nodes() as f64 / start.elapsed().as_secs_f64())
 }

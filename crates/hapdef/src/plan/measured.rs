@@ -59,7 +59,7 @@ impl Plan {
         taken.extend(frames_s(&mut draws, &estimator)?);
         if self.step(calibration::NAME).is_some() {
             let fit_s = calibration_s(run, limb, &mut draws, n_presses)?;
-            taken.push((calibration::NAME, "calibration", response_s + fit_s));
+            taken.push((calibration::NAME, "calibration", fit_s));
         }
         let beside = |(step, word, measured_s)| {
             let planned = self.step(step).filter(|s| s.state == StepState::Runs)?;

@@ -1,7 +1,9 @@
 //! The steps of contacts by superposition.
 
 use super::chain;
-use super::cost::{Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops};
+use super::cost::{
+    Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops, tips,
+};
 use super::elastic::limb_estimate;
 use super::{FrameRates, Machine, PlanStep, Skip};
 use crate::error::HapdefError;
@@ -106,6 +108,7 @@ fn response(
     ];
     let why = "one factorisation and one adjoint solve for each gauge";
     let cost = elastic(&estimate, n_loads, order_s, machine);
+    let cost = cost.plus(tips(limb.n_surface_nodes(), machine));
     let every_node = estimate.n_fe_nodes - clamped_once(limb);
     Ok(vec![
         PlanStep::runs(RESPONSE, why, &sizes).costing(cost),

@@ -6,7 +6,7 @@ use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrai
 use nalgebra::Vector3;
 
 use super::modes::UncertainParams;
-use super::response::{field_map, node_values};
+use super::response::{TouchedSkin, node_values};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 
@@ -68,7 +68,7 @@ impl<'a> FineLimb<'a> {
         let under_tip =
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
         let own: Vec<Vector3<f64>> = self.own_rows(&under_tip, gauges.len());
-        field_map(self.limb, gauges.len(), &own, 0.0)
+        TouchedSkin::new(self.limb, 0.0)?.map(gauges.len(), &own)
     }
 
     fn as_skin(&self) -> Result<Skin, HapdefError> {

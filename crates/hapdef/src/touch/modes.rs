@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::fine::FineLimb;
 use super::glued::{Gauges, Glued};
-use super::response::{field_map, skin_values};
+use super::response::{TouchedSkin, skin_values};
 use super::shell::SkinShell;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -58,8 +58,8 @@ impl UncertainResponse {
         };
         let model = ElasticModel::build(&limb.mesh, &elastic)?;
         let (response, _) = model.gauge_response(gauges)?;
-        let on_skin =
-            |adjoint: &[Vector3<f64>]| field_map(limb, gauges.len(), adjoint, params.tip_radius_m);
+        let skin = TouchedSkin::new(limb, params.tip_radius_m)?;
+        let on_skin = |adjoint: &[Vector3<f64>]| skin.map(gauges.len(), adjoint);
         let solid = Solid {
             limb,
             model: &model,
@@ -103,8 +103,8 @@ impl UncertainResponse {
         let shell = SkinShell::new(limb, max_wall_m, params.n_threads)?;
         let on_shell = sites.iter().map(|site| shell.gauge(site));
         let on_shell: Vec<_> = on_shell.collect::<Result<_, _>>()?;
-        let on_skin =
-            |adjoint: &[Vector3<f64>]| field_map(limb, gauges.len(), adjoint, params.tip_radius_m);
+        let skin = TouchedSkin::new(limb, params.tip_radius_m)?;
+        let on_skin = |adjoint: &[Vector3<f64>]| skin.map(gauges.len(), adjoint);
         Ok(Self {
             map: on_skin(&shell.fields(&on_shell)?)?,
             gauge_modes: Gauges {

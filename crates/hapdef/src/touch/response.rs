@@ -1,6 +1,6 @@
 //! The response map of a scene's limb.
 
-use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
+use hapdef_inverse::{ResponseMap, Skin, SkinFaces, SkinParams, TipMeans};
 use hapdef_mesh::{FeNodeId, GaugeId};
 use hapdef_sim::{ElasticModel, ElasticParams, GaugeResponse, GaugeStrain};
 use nalgebra::Vector3;
@@ -40,7 +40,7 @@ pub fn gauge_map(
 ) -> Result<ResponseMap, HapdefError> {
     let (response, _) = model.gauge_response(gauges)?;
     let adjoint = skin_values(limb, &response);
-    field_map(limb, gauges.len(), &adjoint, tip_radius_m)
+    TouchedSkin::new(limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }
 
 /// Adjoint fields on the skin `[n_surface, n_gauges]`, µε/N.
@@ -57,16 +57,30 @@ pub(super) fn node_values(nodes: &[FeNodeId], response: &GaugeResponse) -> Vec<V
     nodes.iter().copied().flat_map(at).collect()
 }
 
-/// The map of adjoint fields on the skin `[n_surface, n_gauges]`.
-pub(super) fn field_map(
-    limb: &Limb,
-    n_gauges: usize,
-    adjoint: &[Vector3<f64>],
-    tip_radius_m: f64,
-) -> Result<ResponseMap, HapdefError> {
-    let params = ResponseParams { tip_radius_m };
-    let skin = touchable_skin(limb)?;
-    Ok(ResponseMap::from_nodal(skin, n_gauges, adjoint, &params)?)
+/// A limb's touchable skin under a tip, for the maps of several fields.
+pub(super) struct TouchedSkin {
+    skin: Skin,
+    tips: TipMeans,
+}
+
+impl TouchedSkin {
+    pub(super) fn new(limb: &Limb, tip_radius_m: f64) -> Result<Self, HapdefError> {
+        let skin = touchable_skin(limb)?;
+        let tips = TipMeans::new(&skin, tip_radius_m)?;
+        Ok(Self { skin, tips })
+    }
+
+    /// The map of adjoint fields on the skin `[n_surface, n_gauges]`.
+    pub(super) fn map(
+        &self,
+        n_gauges: usize,
+        adjoint: &[Vector3<f64>],
+    ) -> Result<ResponseMap, HapdefError> {
+        let skin = self.skin.clone();
+        Ok(ResponseMap::under_tips(
+            skin, n_gauges, adjoint, &self.tips,
+        )?)
+    }
 }
 
 /// The scene's skin with the directions of contacts as its normals.

@@ -27,5 +27,6 @@ pub const MACHINE: Machine = Machine {
         pair_steps: 2000.0,
         follow_flops_per_s: 1e9,
         fit_flops_per_s: 1e9,
+        tips_per_s: 1e4,
     },
 };
