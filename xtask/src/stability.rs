@@ -24,15 +24,15 @@ pub(crate) struct StabilityArgs {
     /// Rows as JSON; `fe` only.
     #[arg(long)]
     json: bool,
-    /// `fe`: draws which elements are stiff where they are scattered at random; the file has seed 0.
-    /// `scenes`: the first scene's, the next has the next. The other parts draw by seeds of their own.
+    /// Seed of what is drawn; 0 is that of the tables in docs/. Of `scenes` the first scene's, the next
+    /// has the next.
     #[arg(long)]
     seed: Option<u64>,
     /// How long scenes are tried, minutes; `scenes` only.
     #[arg(long)]
     minutes: Option<f64>,
-    /// Another limb than the bundled one for the contacts by superposition, which has no table in docs/;
-    /// the other parts have no limb, or one of their own.
+    /// Another limb than the bundled one for the contacts by superposition; the other parts have no limb,
+    /// or one of their own, and say so.
     #[arg(long, conflicts_with_all = ["write", "check"])]
     scene: Option<PathBuf>,
 }
@@ -83,12 +83,15 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
     if args.json && !is_fe {
         bail!("--json is for `stability fe`");
     }
-    let is_all = args.part.is_none();
-    if args.seed.is_some() && !is_fe && !is_scenes && !is_all {
-        bail!("--seed is for `stability fe` and `stability scenes`");
+    let has_limb = matches!(args.part, None | Some(Part::Inverse));
+    if args.scene.is_some() && !has_limb {
+        eprintln!(
+            "no scene's limb is tried here, so --scene changes nothing: see `stability inverse`"
+        );
     }
-    if args.scene.is_some() && args.part != Some(Part::Inverse) && !is_all {
-        bail!("--scene is for `stability inverse`; `stability scenes` draws its own");
+    let is_of_docs = args.seed.is_none_or(|seed| seed == 0);
+    if !is_of_docs && (args.write || args.check) {
+        bail!("the tables in docs/ are those of seed 0");
     }
     if args.minutes.is_some() && !is_scenes {
         bail!("--minutes is for `stability scenes`");
@@ -168,8 +171,12 @@ impl Table {
 
     fn with_files(self, args: &StabilityArgs) -> Result<Command> {
         let mut command = self.command(args.scene.as_deref())?;
-        if let (Self::Fe, Some(seed)) = (self, args.seed) {
-            command.args(["--seed", &seed.to_string()]);
+        if let Some(seed) = args.seed {
+            let word = match self {
+                Self::Fe => "--seed",
+                _ => "--test-seed",
+            };
+            command.args([word, &seed.to_string()]);
         }
         for (flag, on) in [("--write", args.write), ("--check", args.check)] {
             if on {

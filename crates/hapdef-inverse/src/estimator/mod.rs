@@ -33,4 +33,5 @@ pub(crate) use model::Model;
 pub(crate) use normal_equations::{Linear, MAX_UNKNOWNS};
 pub(crate) use pairs::pair_energies;
 pub(crate) use refine::solved;
+pub(crate) use report::spare_numbers;
 pub(crate) use scan::Gain;

@@ -12,7 +12,7 @@ use crate::estimator::{ContactEstimator, EstimatorScratch};
 /// A place is open if its standard deviation exceeds this share of the prior's.
 const OPEN_SHARE: f64 = 0.5;
 
-/// Numbers that the gauges have to tell beyond the contacts' unknowns.
+/// Numbers beyond the contacts' unknowns that check them.
 const LEAST_SPARE: usize = 2;
 
 /// Puts the answer together from `scratch.found`.
@@ -197,14 +197,18 @@ fn verdict(
     }
 }
 
-/// Whether the gauges tell enough to check `n` contacts by: two numbers beyond their unknowns, and where
-/// a further contact may touch, its unknowns, without which many a set of `n + 1` reads as some set
-/// of `n`.
+/// Whether the gauges tell enough to check `n` contacts by.
 fn is_checked(estimator: &ContactEstimator, n: usize) -> bool {
     let params = &estimator.params;
     let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
-    let spare = if is_last { LEAST_SPARE } else { 3 };
-    estimator.n_told >= 3 * n + spare
+    estimator.n_told >= 3 * n + spare_numbers(is_last)
+}
+
+/// Numbers that the gauges have to tell beyond the contacts' unknowns, to check them by: two, and where
+/// they are not the last that may touch, a further contact's unknowns, without which many a set with
+/// one more reads as some set of them.
+pub(crate) fn spare_numbers(is_last: bool) -> usize {
+    if is_last { LEAST_SPARE } else { 3 }
 }
 
 /// Whether fewer contacts and more noise explain the frame nearly as well as `best`.

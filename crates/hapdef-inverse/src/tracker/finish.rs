@@ -3,12 +3,15 @@
 use nalgebra::Point3;
 
 use crate::chi_square::upper_tail;
-use crate::estimator::{Contact, Verdict, WhyNot};
+use crate::estimator::{Contact, Verdict, WhyNot, spare_numbers};
 use crate::tracker::follow::{ContactTracker, Mode};
 use crate::tracker::frame::TrackedContact;
 
 /// A place is open if its standard deviation exceeds this share of the skin's.
 const OPEN_SHARE: f64 = 0.5;
+
+/// Unknowns of a place.
+const PLACE_UNKNOWNS: usize = 2;
 
 /// A force is steady within so many standard deviations.
 const STEADY_SDS: f64 = 3.0;
@@ -138,10 +141,19 @@ impl ContactTracker {
             Verdict::Untouched
         } else if contacts.iter().any(open) {
             Verdict::NotIdentifiable(WhyNot::SingularInformation)
+        } else if !self.is_checked() {
+            Verdict::NotIdentifiable(WhyNot::Unchecked)
         } else if self.hypotheses.lead() <= self.settings.tie_delta {
             Verdict::NotIdentifiable(WhyNot::TiedExplanations)
         } else {
             Verdict::Identified
         }
+    }
+
+    /// Whether live gauges tell enough to check the newest contact by, the places of the others known.
+    fn is_checked(&self) -> bool {
+        let n = self.frame.contacts.len();
+        let is_last = n >= self.params.max_contacts;
+        self.n_live >= n + PLACE_UNKNOWNS + spare_numbers(is_last)
     }
 }

@@ -49,13 +49,14 @@ impl Origin {
         })
     }
 
-    /// From the run's cache, or measured and put there; `what` tells a point from the others.
+    /// From the run's cache, or measured and put there; and whether it was there. `what` tells a point
+    /// from the others.
     pub(super) fn kept<T: Serialize + DeserializeOwned>(
         &self,
         run: &Run,
         what: &Value,
         measure: impl FnOnce() -> Result<T>,
-    ) -> Result<T> {
+    ) -> Result<(T, bool)> {
         let stage = run.cache.stage("frontier-point", &self.inputs(what), |_| {
             let value = measure().and_then(|value| Ok(serde_json::to_value(value)?));
             value.map_err(|error| match error.downcast::<HapdefError>() {
@@ -69,7 +70,7 @@ impl Origin {
                 ),
             })
         })?;
-        Ok(T::deserialize(&stage.record.info)?)
+        Ok((T::deserialize(&stage.record.info)?, stage.cached))
     }
 
     fn inputs(&self, what: &Value) -> Value {

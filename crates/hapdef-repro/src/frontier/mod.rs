@@ -17,6 +17,7 @@ mod point;
 mod scaling;
 mod skips;
 mod tables;
+mod targets;
 mod times;
 mod tube;
 mod way;
@@ -101,6 +102,8 @@ struct Measured {
     no_shell: Option<String>,
     /// Ways that were refused, as where a gauge does not read what the response tells, and why.
     refused: Vec<Refused>,
+    /// Points that an earlier run of this program on this machine measured.
+    n_kept: usize,
     /// Ways by superposition that this limb can go, measured or not.
     n_ways: usize,
     growths: Vec<Growth>,
@@ -147,6 +150,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         points: point::on_one_footing(&walked.points),
         no_shell: walked.no_shell,
         refused: walked.refused,
+        n_kept: walked.n_kept,
         n_ways: ways.len() - n_without_shell,
         growths,
         skips,
@@ -161,6 +165,7 @@ struct Walked {
     points: Vec<Point>,
     no_shell: Option<String>,
     refused: Vec<Refused>,
+    n_kept: usize,
 }
 
 /// The usual way, the paper's chain, the usual way followed, and as many others as there is time for;
@@ -184,7 +189,10 @@ fn points(
         }
         let what = json!({ "way": way });
         match origin.kept(run, &what, || measure::superposed(lab, way)) {
-            Ok(point) => walked.points.push(point),
+            Ok((point, is_kept)) => {
+                walked.points.push(point);
+                walked.n_kept += usize::from(is_kept);
+            }
             Err(error) if way.mesh == Mesh::Shell && is_mesh_fault(&error) => {
                 walked.no_shell = Some(format!("{error:#}"));
             }
@@ -197,7 +205,9 @@ fn points(
         if i == 0 && !args.without_nets {
             let what = json!({ "chain": run.profile });
             let usual = lab.ready(way)?;
-            let chain: Vec<Point> = origin.kept(run, &what, || chain::chain(lab, &usual))?;
+            let (chain, is_kept): (Vec<Point>, bool) =
+                origin.kept(run, &what, || chain::chain(lab, &usual))?;
+            walked.n_kept += if is_kept { chain.len() } else { 0 };
             walked.points.extend(chain);
         }
     }

@@ -90,10 +90,12 @@ fn facts_of(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Vec<Nam
     facts.push(named(
         "budget",
         format!(
-            "{} minutes: {} ways by superposition of {}",
+            "{} minutes: {} ways by superposition of {}; points that an earlier run of this program on \
+             this machine measured: {}",
             args.minutes,
             n_superposed(measured),
-            measured.n_ways
+            measured.n_ways,
+            measured.n_kept
         ),
     ));
     facts

@@ -21,6 +21,12 @@ use crate::compare::score::{at, sorted};
 use crate::compare::sequence::Script;
 use crate::compare::world::Draw;
 
+/// Names of exponents that should be at most or about something.
+pub(super) const FACTOR: &str = "factor_exponent";
+pub(super) const ADJOINT: &str = "adjoint_exponent";
+pub(super) const FRAME_NODES: &str = "frame_nodes_exponent";
+pub(super) const FRAME_GAUGES: &str = "frame_gauges_exponent";
+
 /// Cells around of tubes of about 1, 3, 10, 30, 100 and 300 thousand nodes.
 const CELLS: [usize; 6] = [9, 16, 29, 50, 91, 158];
 
@@ -75,13 +81,8 @@ fn nodes(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
     }
     let of = |what, metric, theory, points| Growth::new(what, "nodes", metric, theory, points);
     Ok(vec![
-        of("ordering and factor, s", "factor_exponent", "1.5", factor),
-        of(
-            "10 adjoint solves, s",
-            "adjoint_exponent",
-            "1, times log n",
-            adjoint,
-        ),
+        of("ordering and factor, s", FACTOR, "1.5", factor),
+        of("10 adjoint solves, s", ADJOINT, "1, times log n", adjoint),
         of(
             "factor and response, MB",
             "memory_nodes_exponent",
@@ -90,7 +91,7 @@ fn nodes(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
         ),
         of(
             "a frame while two contacts are followed, µs",
-            "frame_nodes_exponent",
+            FRAME_NODES,
             "0",
             frame,
         ),
@@ -109,7 +110,7 @@ fn gauges(run: &Run, seed: u64) -> Result<[Growth; 2]> {
     Ok([
         of(
             "a frame while one contact is followed, µs",
-            "frame_gauges_exponent",
+            FRAME_GAUGES,
             frame,
         ),
         of("response, MB", "memory_gauges_exponent", memory),

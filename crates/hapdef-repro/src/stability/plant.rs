@@ -24,8 +24,8 @@ pub(super) struct Plant {
 
 impl Plant {
     /// Four channels evenly in ±1; y = (a + b²/2, sin c + a d, b − c).
-    pub(super) fn new() -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
+    pub(super) fn new(seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(1));
         let mut draw = |n: usize| -> (Vec<f32>, Vec<f32>) {
             let word = |rng: &mut ChaCha8Rng| (rng.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0;
             let x: Vec<f32> = (0..4 * n).map(|_| word(&mut rng)).collect();

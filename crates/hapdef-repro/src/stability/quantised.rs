@@ -18,21 +18,21 @@ const PRECISIONS: [Precision; 3] = [Precision::Bf16, Precision::Int8Weights, Pre
 const IN_BOUND: (&str, f64) = ("outputs within the stated bound", 1.0);
 
 /// Every row.
-pub(super) fn quantised(all: &mut Vec<Case>) {
+pub(super) fn quantised(all: &mut Vec<Case>, seed: u64) {
     for precision in PRECISIONS {
-        trained(all, precision);
-        changed_weights(all, precision);
-        far_inputs(all, precision);
-        refused(all, precision);
+        trained(all, seed, precision);
+        changed_weights(all, seed, precision);
+        far_inputs(all, seed, precision);
+        refused(all, seed, precision);
     }
 }
 
-fn trained(all: &mut Vec<Case>, precision: Precision) {
+fn trained(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     let method = precision.name();
     let holds = ("error at most 1.1 × that in 32 bits", 1.1);
     let wanted = StabilityWanted::Result;
     all.push(case(method, "a trained net", holds, wanted, move || {
-        let (plant, learner) = (Plant::new(), net(3e-3));
+        let (plant, learner) = (Plant::new(seed), net(3e-3));
         let net = trained_net(&plant, &learner)?;
         let in_32 = apart(
             &plant.test_y,
@@ -44,7 +44,7 @@ fn trained(all: &mut Vec<Case>, precision: Precision) {
     let holds = ("predictions do not move", 0.0);
     let extreme = "a channel constant in training moves later";
     all.push(case(method, extreme, holds, wanted, move || {
-        let still = Plant::new().with_inputs(|x| [x, &[100.0]].concat());
+        let still = Plant::new(seed).with_inputs(|x| [x, &[100.0]].concat());
         let mut moved = still.test_x.clone();
         moved.iter_mut().skip(4).step_by(5).for_each(|x| *x = 1e30);
         let net = trained_net(&still, &net(3e-3))?;
@@ -57,12 +57,12 @@ fn trained(all: &mut Vec<Case>, precision: Precision) {
     for activation in [Activation::Relu, Activation::Tanh] {
         let extreme = format!("a trained net of {activation:?}");
         all.push(case(method, extreme, IN_BOUND, wanted, move || {
-            in_bound(precision, activation, |_| {}, |_| {})
+            in_bound(precision, seed, activation, |_| {}, |_| {})
         }));
     }
 }
 
-fn changed_weights(all: &mut Vec<Case>, precision: Precision) {
+fn changed_weights(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     type Change = fn(&mut [Layer]);
     let changes: [(&'static str, StabilityWanted, Change); 9] = [
         (
@@ -107,12 +107,12 @@ fn changed_weights(all: &mut Vec<Case>, precision: Precision) {
             extreme,
             IN_BOUND,
             wanted,
-            move || in_bound(precision, Activation::Relu, change, |_| {}),
+            move || in_bound(precision, seed, Activation::Relu, change, |_| {}),
         ));
     }
 }
 
-fn far_inputs(all: &mut Vec<Case>, precision: Precision) {
+fn far_inputs(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     for activation in [Activation::Relu, Activation::Tanh] {
         for value in [1e-40_f32, 1e3, 1e6, 1e12, 1e30, f32::MAX] {
             let extreme = format!("a channel at {value:.0e}, {activation:?}");
@@ -124,27 +124,27 @@ fn far_inputs(all: &mut Vec<Case>, precision: Precision) {
                 wanted,
                 move || {
                     let set = |x: &mut [f32]| x.iter_mut().step_by(4).for_each(|x| *x = value);
-                    in_bound(precision, activation, |_| {}, set)
+                    in_bound(precision, seed, activation, |_| {}, set)
                 },
             ));
         }
     }
 }
 
-fn refused(all: &mut Vec<Case>, precision: Precision) {
+fn refused(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     for value in [f32::NAN, f32::INFINITY] {
         let holds = ("refused with row and column", 0.0);
         let wanted = StabilityWanted::saying("row 0, column 2");
         let extreme = format!("a channel is {value}");
         all.push(case(precision.name(), extreme, holds, wanted, move || {
-            in_bound(precision, Activation::Relu, |_| {}, |x| x[2] = value)
+            in_bound(precision, seed, Activation::Relu, |_| {}, |x| x[2] = value)
         }));
         let holds = ("refused", 0.0);
         let extreme = format!("a weight is {value}");
         let wanted = StabilityWanted::saying("weights of a layer");
         all.push(case(precision.name(), extreme, holds, wanted, move || {
             let spoil = |l: &mut [Layer]| l[1].weights[99] = value;
-            in_bound(precision, Activation::Relu, spoil, |_| {})
+            in_bound(precision, seed, Activation::Relu, spoil, |_| {})
         }));
     }
 }
@@ -157,11 +157,12 @@ fn times(layers: &mut [Layer], factor: f32) {
 /// The largest error over its bound, of a trained net with changed weights on changed inputs.
 fn in_bound(
     precision: Precision,
+    seed: u64,
     activation: Activation,
     change: impl Fn(&mut [Layer]),
     set: impl Fn(&mut [f32]),
 ) -> Result<f64, ReproError> {
-    let mut plant = Plant::new();
+    let mut plant = Plant::new(seed);
     let mut learner = net(3e-3);
     if let Learner::Net(settings) = &mut learner {
         settings.activation = activation;

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::row::{Case, case};
-use super::world::{InverseWorld, SD, add_noise, rng};
+use super::world::{InverseWorld, SD, add_noise};
 use crate::ReproError;
 
 const METHOD: &str = "calibration";
@@ -68,7 +68,7 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             HONEST,
             StabilityWanted::Either,
             move || {
-                let mut rng = rng(61);
+                let mut rng = w.rng(61);
                 let mut presses = draw(&w, n, &mut rng);
                 spoil(&w, &mut presses, &mut rng);
                 let (fitted, before) = (fit(&w, &presses, told_m)?, error(&w, &w.map));
@@ -122,7 +122,7 @@ fn refusals(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             REFUSED,
             StabilityWanted::saying(words),
             move || {
-                let mut rng = rng(61);
+                let mut rng = w.rng(61);
                 let mut presses = draw(&w, n, &mut rng);
                 spoil(&w, &mut presses, &mut rng);
                 fit(&w, &presses, 0.0)?;
@@ -173,7 +173,7 @@ fn draw(world: &InverseWorld, n: usize, rng: &mut ChaCha8Rng) -> Vec<Press> {
 /// Root mean square error of `map` over that of the limb, at places of its own.
 fn error(world: &InverseWorld, map: &ResponseMap) -> f64 {
     let (mut error, mut all) = (0.0, 0.0);
-    for point in world.draw(200, 0.0, &mut rng(62)) {
+    for point in world.draw(200, 0.0, &mut world.rng(62)) {
         for (t, g) in truth(world, &point).iter().zip(map.normal(&point)) {
             error += (t - g).powi(2);
             all += t * t;

@@ -22,7 +22,7 @@ const N_FRAMES: usize = 3000;
 /// What becomes of gauge `.1`'s value in frame `.0`; `None` where nothing.
 type Fault = fn(usize, usize) -> Option<f64>;
 
-pub(super) fn cases(all: &mut Vec<Case>) {
+pub(super) fn cases(all: &mut Vec<Case>, seed: u64) {
     let of: [(&str, f64, Fault); 11] = [
         ("no fault", 1.0, |_, _| None),
         ("noise told 10 × too small", 0.1, |_, _| None),
@@ -59,17 +59,17 @@ pub(super) fn cases(all: &mut Vec<Case>) {
             KEPT,
             StabilityWanted::Either,
             move || {
-                let (missed, _) = play(told, fault)?;
+                let (missed, _) = play(seed, told, fault)?;
                 Ok(missed)
             },
         ));
     }
-    frozen(all);
-    broken(all);
+    frozen(all, seed);
+    broken(all, seed);
 }
 
 /// All gauges repeat their values: converters that hang.
-fn frozen(all: &mut Vec<Case>) {
+fn frozen(all: &mut Vec<Case>, seed: u64) {
     let holds = ("gauges that are still live", 0.0);
     let extreme = "all gauges repeat their values from frame 500 on";
     all.push(case(
@@ -77,23 +77,23 @@ fn frozen(all: &mut Vec<Case>) {
         extreme,
         holds,
         StabilityWanted::Either,
-        || {
-            let (_, out) = play(1.0, |i, _| (i >= 500).then_some(3.0))?;
+        move || {
+            let (_, out) = play(seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
             Ok(out.live.iter().filter(|live| **live).count() as f64)
         },
     ));
 }
 
 /// A value beyond any converter, without limits told: refused or masked, never passed on.
-fn broken(all: &mut Vec<Case>) {
+fn broken(all: &mut Vec<Case>, seed: u64) {
     let holds = ("readings that are not finite", 0.0);
     all.push(case(
         METHOD,
         "one gauge at 1e300",
         holds,
         StabilityWanted::Either,
-        || {
-            let (_, out) = play(1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
+        move || {
+            let (_, out) = play(seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
             let numbers = out.readings.iter().chain(&out.baseline_sd);
             Ok(numbers.filter(|v| !v.is_finite()).count() as f64)
         },
@@ -102,14 +102,14 @@ fn broken(all: &mut Vec<Case>) {
 
 /// Three seconds, touched after the first: what live gauges miss of the contact on average over the
 /// last half second, infinite where a bad gauge is live; and the last frame.
-fn play(told: f64, fault: Fault) -> Result<(f64, Conditioned), ReproError> {
+fn play(seed: u64, told: f64, fault: Fault) -> Result<(f64, Conditioned), ReproError> {
     let params = ConditionerParams {
         rails: vec![(-500.0, 500.0); N],
         ..ConditionerParams::new(vec![told; N], PERIOD_S)
     };
     let mut conditioner = Conditioner::new(params)?;
     let mut out = conditioner.output();
-    let (mut rng, mut sums) = (rng(71), vec![0.0; N]);
+    let (mut rng, mut sums) = (rng(71, seed), vec![0.0; N]);
     for index in 0..N_FRAMES {
         let signal = |g: usize| {
             let contact = if index < TOUCHED { 0.0 } else { contact(g) };

@@ -6,15 +6,11 @@ use std::sync::Arc;
 use hapdef_inverse::{NoiseParams, SkinPoint};
 
 use super::super::row::{Case, case};
-use super::world::{InverseWorld, SD, add_noise, rng, single_sds, sure, worst, wrong_share};
+use super::world::{InverseWorld, SD, WRONG, add_noise, answers, single_sds, sure, worst};
 use crate::ReproError;
 
 const METHOD: &str = "estimator";
 const IN_SDS: (&str, f64) = ("sure answers are one contact within 5 sd", 5.0);
-const WRONG: (&str, f64) = (
-    "at most 5 % of the sure answers are wrong in count or by over 10 mm",
-    0.05,
-);
 
 /// Which gauge stands in a gauge's place, and its factor.
 type Layout = fn(usize) -> (usize, f64);
@@ -65,11 +61,11 @@ fn singles(world: &InverseWorld) -> Result<f64, ReproError> {
         let truth = (point, 20.0);
         single_sds(world, &estimator, truth, &world.readings(&[truth]))
     };
-    worst(world.draw(12, 0.0, &mut rng(41)).into_iter().map(one))
+    worst(world.draw(12, 0.0, &mut world.rng(41)).into_iter().map(one))
 }
 
 fn doubles(world: &InverseWorld) -> Result<f64, ReproError> {
-    let mut rng = rng(42);
+    let mut rng = world.rng(42);
     let frames = (0..30).map(|_| {
         let truth = world.draw(2, 0.02, &mut rng);
         let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
@@ -77,7 +73,7 @@ fn doubles(world: &InverseWorld) -> Result<f64, ReproError> {
         add_noise(&mut y, SD, &mut rng);
         (truth, y)
     });
-    wrong_share(world, &world.estimator(SD)?, frames)
+    Ok(answers(world, &world.estimator(SD)?, frames)?.wrong_share())
 }
 
 /// All columns zero: readings of 30 µε are no contact's, and not nothing either.
@@ -115,7 +111,7 @@ fn gains(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                 ..NoiseParams::uniform(w.n(), SD)
             };
             let (plain, other) = (w.estimator(SD)?, changed.estimator_with(noise)?);
-            let mut rng = rng(43);
+            let mut rng = w.rng(43);
             let one = |point: SkinPoint| {
                 let mut y = w.readings(&[(point, 20.0)]);
                 add_noise(&mut y, SD, &mut rng);
@@ -130,7 +126,7 @@ fn gains(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                 let far = pairs.map(|(a, b)| (a.position_m - b.position_m).norm() * 1e3);
                 Ok(far.fold(0.0, f64::max))
             };
-            let points = w.draw(12, 0.0, &mut super::world::rng(44));
+            let points = w.draw(12, 0.0, &mut w.rng(44));
             worst(points.into_iter().map(one))
         },
     ));
@@ -147,7 +143,7 @@ fn dead(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             StabilityWanted::Either,
             move || {
                 let live: Vec<bool> = (0..w.n()).map(|i| i < n_live).collect();
-                let mut rng = rng(45);
+                let mut rng = w.rng(45);
                 let frames = (0..40).map(|_| {
                     let truth = w.draw(1, 0.0, &mut rng);
                     let mut y = w.readings(&[(truth[0], 20.0)]);
@@ -155,7 +151,7 @@ fn dead(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                     y[n_live..].fill(f64::NAN);
                     (truth, y)
                 });
-                wrong_share(&w, &w.estimator(SD)?.masked(&live)?, frames)
+                Ok(answers(&w, &w.estimator(SD)?.masked(&live)?, frames)?.wrong_share())
             },
         ));
     }

@@ -20,6 +20,6 @@ pub(super) fn cases(world: &Arc<InverseWorld>) -> Vec<Case> {
     layouts::cases(&mut all, world);
     tracker::cases(&mut all, world);
     calibration::cases(&mut all, world);
-    conditioning::cases(&mut all);
+    conditioning::cases(&mut all, world.seed());
     all
 }

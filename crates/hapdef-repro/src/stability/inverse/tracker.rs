@@ -10,7 +10,7 @@ use hapdef_inverse::{
 use rand::RngExt;
 
 use super::super::row::{Case, case};
-use super::world::{InverseWorld, SD, add_noise, rng};
+use super::world::{InverseWorld, SD, add_noise};
 use crate::ReproError;
 
 const METHOD: &str = "tracker";
@@ -92,7 +92,7 @@ fn held(world: &InverseWorld, told: f64, force_n: f64, change: Change) -> Result
     let estimator = world.estimator(told)?;
     let mut scratch = estimator.scratch();
     let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
-    let mut rng = rng(51);
+    let mut rng = world.rng(51);
     let point = world.draw(1, 0.0, &mut rng)[0];
     for index in 0..2000 {
         let part = (index as f64 - 1500.0) / 30.0;
@@ -134,7 +134,7 @@ fn quiet(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                 let estimator = w.estimator(told * SD)?;
                 let mut scratch = estimator.scratch();
                 let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
-                let (mut rng, mut n_wrong) = (rng(52), 0);
+                let (mut rng, mut n_wrong) = (w.rng(52), 0);
                 for _ in 0..2000 {
                     let mut y = vec![0.0; w.n()];
                     add_noise(&mut y, SD, &mut rng);
@@ -165,7 +165,7 @@ fn garbage(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             let estimator = w.estimator(SD)?;
             let params = TrackerParams::default();
             let mut tracker = ContactTracker::new(&estimator, params)?;
-            let (mut rng, mut size, mut most) = (rng(53), 1.0, 0);
+            let (mut rng, mut size, mut most) = (w.rng(53), 1.0, 0);
             for index in 0..4000 {
                 if index % 97 == 0 {
                     size = 10.0_f64.powf(rng.random_range(-3.0..9.0));

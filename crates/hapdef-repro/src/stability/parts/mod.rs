@@ -12,13 +12,13 @@ mod wire;
 use super::row::Case;
 
 /// Every row of docs/stability-parts.md.
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases(seed: u64) -> Vec<Case> {
     let mut all = mesh::cases();
     all.extend(data::cases());
     all.extend(compliance::cases());
     all.extend(kmax::cases());
-    all.extend(wire::cases());
-    all.extend(clock::cases());
+    all.extend(wire::cases(seed));
+    all.extend(clock::cases(seed));
     all.extend(recorder::cases());
     all
 }

@@ -23,7 +23,7 @@ struct Heard {
     n_seen: u64,
 }
 
-pub(super) fn cases() -> Vec<Case> {
+pub(super) fn cases(seed: u64) -> Vec<Case> {
     let damages = [
         ("1 bit in 10,000 flips", Fault::BitFlips { rate: 1e-4 }),
         ("1 bit in 100 flips", Fault::BitFlips { rate: 1e-2 }),
@@ -57,11 +57,11 @@ pub(super) fn cases() -> Vec<Case> {
             extreme,
             ("wrong frames", 0.0),
             Wanted,
-            move || Ok(through(fault, 64, 0)?.n_wrong as f64),
+            move || Ok(through(fault, 64, 0, seed)?.n_wrong as f64),
         ));
         let unaccounted = ("frames up to the last seen that are in no count", 0.0);
         all.push(case("decoder", extreme, unaccounted, Wanted, move || {
-            let heard = through(fault, 64, 0)?;
+            let heard = through(fault, 64, 0, seed)?;
             let n_counted = heard.n_right + heard.n_wrong + heard.n_lost;
             Ok(heard.n_seen.abs_diff(n_counted) as f64)
         }));
@@ -74,7 +74,7 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         let missing = ("frames missing or wrong", 0.0);
         all.push(case("decoder", extreme, missing, Wanted, move || {
-            let heard = through(none, piece, first)?;
+            let heard = through(none, piece, first, seed)?;
             Ok((u64::from(N_PACKETS) - heard.n_right + heard.n_wrong + heard.n_lost) as f64)
         }));
     }
@@ -83,7 +83,7 @@ pub(super) fn cases() -> Vec<Case> {
         "10 MB of random bytes",
         ("frames", 0.0),
         Wanted,
-        noise,
+        move || noise(seed),
     ));
     all.push(case(
         "decoder",
@@ -101,9 +101,9 @@ fn sample(seq: u32, channel: usize) -> i32 {
 }
 
 /// A stream from number `first` on, damaged, in pieces of `piece` bytes.
-fn through(fault: Fault, piece: usize, first: u32) -> Result<Heard, ReproError> {
+fn through(fault: Fault, piece: usize, first: u32, seed: u64) -> Result<Heard, ReproError> {
     let hello = Hello::plain(N_CHANNELS, SampleFormat::I32, 1000);
-    let (mut encoder, mut injector) = (Encoder::new(), Injector::new(fault, 7));
+    let (mut encoder, mut injector) = (Encoder::new(), Injector::new(fault, seed.wrapping_add(7)));
     let mut stream = vec![0];
     encoder.hello(&hello, 0, &mut stream)?;
     encoder.set_seq(first);
@@ -142,8 +142,8 @@ fn through(fault: Fault, piece: usize, first: u32) -> Result<Heard, ReproError> 
     Ok(heard)
 }
 
-fn noise() -> Result<f64, ReproError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
+fn noise(seed: u64) -> Result<f64, ReproError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(3));
     let mut bytes = vec![0; 10_000_000];
     rng.fill_bytes(&mut bytes);
     let mut n_frames = 0;
