@@ -125,7 +125,9 @@ fn quick_demo() -> Result<()> {
             bail!("{name}: expected {expected}, the demo printed {value}");
         }
     }
-    repro::check_golden(&root().join("target/hapdef/shin/report/report.json"))
+    let report = root().join("target/hapdef/shin/report/report.json");
+    repro::check_golden(&report)?;
+    repro::check_results(&report)
 }
 
 /// The value of a `METRIC:name:value:unit` line.

@@ -98,6 +98,21 @@ pub(crate) fn check_golden(report: &Path) -> Result<()> {
         .arg(root().join(GOLDEN)))
 }
 
+/// Fails where docs/results.md is not about what the code makes now, by the report of a quick run of the
+/// bundled limb.
+pub(crate) fn check_results(report: &Path) -> Result<()> {
+    let program = release_binary("hapdef-repro")?;
+    let mut command = Command::new(program);
+    command
+        .arg("check-results")
+        .arg(root().join("fixtures/shin/scene.json"))
+        .args(["--profile", "full", "--report"])
+        .arg(report)
+        .arg("--results")
+        .arg(root().join("docs/results.md"));
+    run(&mut command)
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

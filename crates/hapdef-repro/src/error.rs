@@ -126,6 +126,15 @@ pub enum ReproError {
         /// Every value that is off.
         what: String,
     },
+    /// A results page says something else than the code makes now.
+    #[error(
+        "the results page is stale; `cargo xtask repro --full --write` makes it again:\n  {}",
+        differences.join("\n  ")
+    )]
+    StaleResults {
+        /// What it does not say.
+        differences: Vec<String>,
+    },
     /// A figure or a report could not be made.
     #[error(transparent)]
     Report(#[from] hapdef_report::ReportError),

@@ -24,7 +24,7 @@ pub use baselines::{
     OwnRow, Svr, SvrInfo, SvrParams,
 };
 pub use error::ReproError;
-pub use report::{Golden, GoldenValue, results_markdown};
+pub use report::{Golden, GoldenValue, check_results, results_markdown};
 pub use search::{
     Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
     TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,

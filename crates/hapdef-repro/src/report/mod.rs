@@ -2,6 +2,8 @@
 
 mod golden;
 mod results;
+mod stale;
 
 pub use golden::{Golden, GoldenValue};
 pub use results::results_markdown;
+pub use stale::check_results;

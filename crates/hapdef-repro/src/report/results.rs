@@ -59,8 +59,8 @@ pub fn results_markdown(report: &Value) -> String {
 }
 
 fn cells(table: &Value) -> String {
-    let header: Vec<String> = items(&table["header"]).iter().map(shown).collect();
-    let mut text = format!("{}|{}\n", row(&header), "---|".repeat(header.len()));
+    let n_columns = items(&table["header"]).len();
+    let mut text = format!("{}|{}\n", header_row(table), "---|".repeat(n_columns));
     for cells in items(&table["rows"]) {
         let cell = |cell: &Value| match cell["strong"] == true {
             true => format!("**{}**", shown(&cell["text"])),
@@ -71,16 +71,22 @@ fn cells(table: &Value) -> String {
     text
 }
 
-fn row(cells: &[String]) -> String {
+/// The line of a table's column names.
+pub(super) fn header_row(table: &Value) -> String {
+    let header: Vec<String> = items(&table["header"]).iter().map(shown).collect();
+    row(&header)
+}
+
+pub(super) fn row(cells: &[String]) -> String {
     let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
     format!("| {} |\n", cells.join(" | "))
 }
 
-fn items(value: &Value) -> &[Value] {
+pub(super) fn items(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
-fn shown(value: &Value) -> String {
+pub(super) fn shown(value: &Value) -> String {
     value
         .as_str()
         .map_or_else(|| value.to_string(), str::to_owned)

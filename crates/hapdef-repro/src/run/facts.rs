@@ -16,13 +16,13 @@ pub(crate) fn facts(
     svr: &SvrScore,
     mesh_check: &Convergence,
 ) -> Vec<NamedText> {
-    let profile = &run.profile;
     let limb = &done.compliance.record.info;
     let rig = &done.rig.record.info;
     let named = |name: &str, text: String| NamedText {
         name: name.into(),
         text,
     };
+    let [samples, training] = amounts(run);
     vec![
         named(
             "simulated",
@@ -30,7 +30,7 @@ pub(crate) fn facts(
         ),
         named(
             "profile",
-            format!("{}, seed {}", profile.name, run.scene.seed),
+            format!("{}, seed {}", run.profile.name, run.scene.seed),
         ),
         named(
             "limb",
@@ -44,21 +44,8 @@ pub(crate) fn facts(
             "rig",
             format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"]),
         ),
-        named(
-            "samples",
-            format!(
-                "simulated: {} of one contact, {} each of two to {}; rig: {} single and {} × {} \
-                 double presses (paper: 27,000; 6,000 each of two, three and four; 27,000; 270 × \
-                 25)",
-                profile.n_single,
-                profile.n_multi,
-                run.scene.contact.max_contacts,
-                profile.n_real_single,
-                profile.n_pairs,
-                profile.n_amplitudes
-            ),
-        ),
-        named("training", training(profile)),
+        samples,
+        training,
         named(
             "support vectors",
             format!(
@@ -68,6 +55,25 @@ pub(crate) fn facts(
         ),
         named("machine", MetricContext::here(0).machine),
     ]
+}
+
+/// How many samples a run takes, and how long it trains.
+pub(crate) fn amounts(run: &Run) -> [NamedText; 2] {
+    let profile = &run.profile;
+    let samples = format!(
+        "simulated: {} of one contact, {} each of two to {}; rig: {} single and {} × {} double presses \
+         (paper: 27,000; 6,000 each of two, three and four; 27,000; 270 × 25)",
+        profile.n_single,
+        profile.n_multi,
+        run.scene.contact.max_contacts,
+        profile.n_real_single,
+        profile.n_pairs,
+        profile.n_amplitudes
+    );
+    [("samples", samples), ("training", training(profile))].map(|(name, text)| NamedText {
+        name: name.into(),
+        text,
+    })
 }
 
 /// The lines that every page over a run has.

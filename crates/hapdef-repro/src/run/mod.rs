@@ -24,7 +24,7 @@ mod svr;
 mod table1;
 mod tactile;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -33,7 +33,7 @@ use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
 use hapdef_report::{MetricLog, Report, write_report, write_text};
-use hapdef_repro::{Golden, Table1, results_markdown, table1_claims};
+use hapdef_repro::{Golden, Table1, check_results, results_markdown, table1_claims};
 
 use self::ablation_table::{Ablations, ablation_table};
 use self::frames::Frames;
@@ -94,6 +94,8 @@ enum Command {
     BenchInverse(BenchInverseArgs),
     /// Compares the tables of a report with golden values, or writes those.
     Golden(GoldenArgs),
+    /// Fails where the results page of a full run is not about what the code makes now.
+    CheckResults(CheckResultsArgs),
 }
 
 #[derive(Args)]
@@ -122,6 +124,19 @@ struct GoldenArgs {
     write: bool,
 }
 
+#[derive(Args)]
+struct CheckResultsArgs {
+    /// The scene and the amounts of the page's run.
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The report of a quick run of that scene, `report.json`.
+    #[arg(long)]
+    report: PathBuf,
+    /// The page.
+    #[arg(long)]
+    results: PathBuf,
+}
+
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
@@ -142,6 +157,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Report(args) => report(args, Extent::Demo).map(drop),
         Command::Repro(args) => repro(args),
         Command::Golden(args) => golden(args),
+        Command::CheckResults(args) => check_results_page(args),
     }
 }
 
@@ -162,10 +178,21 @@ fn repro(args: &ReproArgs) -> Result<()> {
     Ok(())
 }
 
+fn check_results_page(args: &CheckResultsArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
+    let report = serde_json::from_str(&read(&args.report)?).context("the report")?;
+    let page = read(&args.results)?;
+    check_results(&page, &report, &facts::amounts(&run))?;
+    println!("{} is about what the code makes", args.results.display());
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
+}
+
 fn golden(args: &GoldenArgs) -> Result<()> {
-    let text = std::fs::read_to_string(&args.report)
-        .with_context(|| format!("reading {}", args.report.display()))?;
-    let report = serde_json::from_str(&text).context("the report")?;
+    let report = serde_json::from_str(&read(&args.report)?).context("the report")?;
     if args.write {
         return Ok(Golden::of(&report)?.write(&args.golden)?);
     }
