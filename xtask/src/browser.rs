@@ -4,8 +4,9 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 
+use crate::pipeline::DEMO_LIVE;
 use crate::tool::{cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.
@@ -42,13 +43,14 @@ pub(crate) fn wish() -> Result<&'static str> {
     if found().is_some() {
         return Ok("require");
     }
-    let reason = match why_not_installed() {
-        Some(reason) => reason.to_owned(),
-        None => match install() {
-            Ok(()) => return Ok("require"),
-            Err(error) if std::env::var("CI").is_ok_and(|ci| ci == "true") => return Err(error),
-            Err(error) => format!("{error:#}"),
-        },
+    let installed = match why_not_installed() {
+        Some(reason) => Err(anyhow!(reason)),
+        None => install(),
+    };
+    let reason = match installed {
+        Ok(()) => return Ok("require"),
+        Err(error) if std::env::var("CI").is_ok_and(|ci| ci == "true") => return Err(error),
+        Err(error) => format!("{error:#}"),
     };
     println!("browser tests skipped: no Chromium, and {reason}; {ADVICE}");
     Ok("skip")
@@ -136,7 +138,7 @@ pub(crate) struct Served {
 impl Served {
     /// Of the bundled limb without a scene.
     pub(crate) fn start(scene: Option<&Path>) -> Result<Self> {
-        let bundled = root().join("fixtures/shin/placed.json");
+        let bundled = root().join(DEMO_LIVE);
         let mut command = Command::new(release_binary("hapdef")?);
         command.arg("live").arg(scene.unwrap_or(&bundled));
         command.args(["--sim", "--view", "--view-port", "0"]);

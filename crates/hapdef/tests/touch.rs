@@ -137,11 +137,17 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
         calibration.relative_error,
         calibration.relative_error_before
     );
+    let packed = out.path().join("calibration.json.gz");
     let path = out.path().join("calibration.json");
-    calibration.write(&path).unwrap();
+    for path in [&packed, &path] {
+        calibration.write(path).unwrap();
+        let read = Calibration::read(path, &limb).unwrap();
+        assert_eq!(read.adjoint_ue_per_n, calibration.adjoint_ue_per_n);
+        assert_eq!(read.site_error, calibration.site_error);
+    }
+    let size = |path: &Path| std::fs::metadata(path).unwrap().len();
+    assert!(2 * size(&packed) < size(&path));
     let read = Calibration::read(&path, &limb).unwrap();
-    assert_eq!(read.adjoint_ue_per_n, calibration.adjoint_ue_per_n);
-    assert_eq!(read.site_error, calibration.site_error);
     let spec = SuperpositionSpec::default();
     let estimator = read.estimator(&run.scene, &spec, &limb).unwrap();
     let found = estimator.estimate(&presses[7].readings).unwrap();

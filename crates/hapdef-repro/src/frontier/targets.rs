@@ -78,7 +78,7 @@ impl Target {
         let mut cells = cells.map(TextCell::plain).to_vec();
         cells.push(TextCell {
             text: verdict.into(),
-            strong: verdict == "missed",
+            strong: verdict == "met",
         });
         cells
     }

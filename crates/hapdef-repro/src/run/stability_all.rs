@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use hapdef_report::{MetricLog, NamedText, Report, ReportTable, TextCell, TextTable, write_report};
 use serde::Deserialize;
+use serde_json::Value;
 
 use super::facts;
 
@@ -44,19 +45,29 @@ const COLUMNS: [&str; 7] = [
 #[derive(Deserialize)]
 struct Page {
     made: Made,
+    /// Empty where a part has no limb of a scene.
+    scene: String,
     tables: Vec<PageTable>,
+    hashes: Vec<Hash>,
 }
 
 #[derive(Deserialize)]
 struct Made {
     commit: String,
+    seed: u64,
     time: String,
+}
+
+#[derive(Deserialize)]
+struct Hash {
+    name: String,
+    text: String,
 }
 
 #[derive(Deserialize)]
 struct PageTable {
     text: PageText,
-    data: Vec<PageRow>,
+    data: Vec<Value>,
 }
 
 #[derive(Deserialize)]
@@ -70,15 +81,10 @@ struct PageCell {
     text: String,
 }
 
-#[derive(Deserialize)]
-struct PageRow {
-    verdict: String,
-    failed: bool,
-}
-
 /// Joins the parts' pages, and says what all rows come to.
 pub(crate) fn run(args: &AllArgs) -> Result<()> {
-    let (mut rows, mut data, mut facts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rows, mut data) = (Vec::new(), Vec::new());
+    let (mut facts, mut hashes, mut seed) = (Vec::new(), Vec::new(), 0);
     for (folder, layer) in PARTS {
         let page = read(&args.metrics.with_file_name(folder))?;
         let n_before = rows.len();
@@ -90,27 +96,35 @@ pub(crate) fn run(args: &AllArgs) -> Result<()> {
                     .iter()
                     .map(|row| cells(&table.text.header, row, layer)),
             );
-            data.extend(
-                table
-                    .data
-                    .iter()
-                    .map(|row| (row.verdict.clone(), row.failed)),
-            );
+            data.extend(table.data.iter().cloned());
         }
+        seed = seed.max(page.made.seed);
+        hashes.extend(page.hashes.iter().map(|hash| NamedText {
+            name: format!("{folder}: {}", hash.name),
+            text: hash.text.clone(),
+        }));
+        let of_scene = match page.scene.as_str() {
+            "" => String::new(),
+            scene => format!(" on {scene}"),
+        };
         facts.push(NamedText {
             name: folder.into(),
             text: format!(
-                "{} rows, commit {}, {}",
+                "{} rows{of_scene}, seed {}, commit {}, {}",
                 rows.len() - n_before,
+                page.made.seed,
                 page.made.commit,
                 page.made.time
             ),
         });
     }
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(0));
-    let n_failed = data.iter().filter(|(_, failed)| *failed).count();
-    let is_wrong = |verdict: &str| verdict.eq_ignore_ascii_case("silently wrong");
-    let n_wrong = data.iter().filter(|(verdict, _)| is_wrong(verdict)).count();
+    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(seed));
+    let n_failed = data.iter().filter(|row| row["failed"] == true).count();
+    let is_wrong = |row: &&Value| {
+        let verdict = row["verdict"].as_str();
+        verdict.is_some_and(|verdict| verdict.eq_ignore_ascii_case("silently wrong"))
+    };
+    let n_wrong = data.iter().filter(is_wrong).count();
     log.value("stability.rows", data.len() as f64, "1")?;
     log.value("stability.failed", n_failed as f64, "1")?;
     log.value("stability.silently_wrong", n_wrong as f64, "1")?;
@@ -120,20 +134,22 @@ pub(crate) fn run(args: &AllArgs) -> Result<()> {
         rows,
     };
     let hash = blake3::hash(text.to_markdown().as_bytes());
+    hashes.push(NamedText {
+        name: "table".into(),
+        text: hash.to_hex().to_string(),
+    });
     let report = Report {
         title: "Every layer at its extremes".into(),
+        seed,
         facts,
         tables: vec![ReportTable {
             title: "Rows".into(),
             note: "Measured: the figure, of the most that it may be.".into(),
             text,
-            data: serde_json::Value::Null,
+            data: data.into(),
         }],
         metrics: log.records().to_vec(),
-        hashes: vec![NamedText {
-            name: "table".into(),
-            text: hash.to_hex().to_string(),
-        }],
+        hashes,
         ..Report::default()
     };
     let pages = write_report(&args.metrics.with_file_name(FOLDER), &report)?;

@@ -182,6 +182,10 @@ impl Model {
         let gauges = bundle.info.gauges.iter();
         let out = &args.scene.out;
         let view = || args.view.of_bundle(bundle, args.origin(), out);
+        let view = args.view.is_wanted().then(view).transpose()?;
+        if let Some(view) = &view {
+            view.say("no deformation: a bundle has none");
+        }
         Ok(Self {
             source: Source::of(args, source, gauges.len())?,
             estimator,
@@ -189,7 +193,7 @@ impl Model {
             noise_ue: bundle.info.settings.noise_ue,
             calibration: bundle.calibration_json.clone(),
             stop: stop_flag()?,
-            view: args.view.is_wanted().then(view).transpose()?,
+            view,
         })
     }
 

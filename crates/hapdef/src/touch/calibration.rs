@@ -1,8 +1,12 @@
 //! A response map corrected by presses, and the file it is kept in.
 
+use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
 
+use flate2::Compression;
+use flate2::read::MultiGzDecoder;
+use flate2::write::GzEncoder;
 use hapdef_inverse::{
     Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, ModelError, NoiseParams,
     Press, ResponseMap, ResponseParams, ScanSites,
@@ -131,22 +135,37 @@ impl Calibration {
         Ok((calibration, fitted.info))
     }
 
-    /// Writes the file.
+    /// Writes the file, gzipped where its name ends in `.gz`.
     ///
     /// # Errors
     /// [`HapdefError::File`] when it can't be written.
     pub fn write(&self, path: &Path) -> Result<(), HapdefError> {
         let json = serde_json::to_vec(self).map_err(|e| HapdefError::file(path)(e.into()))?;
-        atomic_write(path, |file| std::io::Write::write_all(file, &json))
-            .map_err(HapdefError::file(path))
+        let write = |file: &mut dyn Write| {
+            if !is_gzip(path) {
+                return file.write_all(&json);
+            }
+            let mut packed = GzEncoder::new(file, Compression::best());
+            packed.write_all(&json)?;
+            packed.finish().map(drop)
+        };
+        atomic_write(path, |file| write(file)).map_err(HapdefError::file(path))
     }
 
-    /// Reads the calibration of a limb.
+    /// Reads the calibration of a limb, gzipped or not as its name says.
     ///
     /// # Errors
     /// [`HapdefError::File`]; [`HapdefError::Stale`] when it is of another form, limb or layout.
     pub fn read(path: &Path, limb: &Limb) -> Result<Self, HapdefError> {
-        let bytes = std::fs::read(path).map_err(HapdefError::file(path))?;
+        let mut bytes = std::fs::read(path).map_err(HapdefError::file(path))?;
+        if is_gzip(path) {
+            let mut json = Vec::new();
+            let mut packed = MultiGzDecoder::new(bytes.as_slice());
+            packed
+                .read_to_end(&mut json)
+                .map_err(HapdefError::file(path))?;
+            bytes = json;
+        }
         let stale = |what: String| HapdefError::Stale {
             path: path.to_path_buf(),
             what,
@@ -215,6 +234,10 @@ impl Calibration {
             params,
         )?)
     }
+}
+
+fn is_gzip(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "gz")
 }
 
 fn hash_of(presses: &[Press]) -> String {
