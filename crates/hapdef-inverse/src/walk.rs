@@ -8,6 +8,9 @@ use crate::skin_point::{Frame, SkinPoint};
 /// Edges crossed at most in one walk; a walk around a corner of many faces crosses each once.
 const MAX_CROSSINGS: usize = 512;
 
+/// Walls met in one place that are slid along; at a third the step points into a corner.
+const MAX_SLIDES: usize = 2;
+
 /// What a walk does where it may not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtWall {
@@ -63,6 +66,17 @@ impl Skin {
         at_wall: AtWall,
         max_crossings: usize,
     ) -> Walk {
+        self.walk_counting(start, step, at_wall, max_crossings).0
+    }
+
+    /// The same, and how many edges were met.
+    fn walk_counting(
+        &self,
+        start: &SkinPoint,
+        step: &Vector3<f64>,
+        at_wall: AtWall,
+        max_crossings: usize,
+    ) -> (Walk, usize) {
         let frame = self.frame(start);
         let [t1, t2] = frame.tangents;
         let along = t1 * t1.dot(step) + t2 * t2.dot(step);
@@ -73,13 +87,16 @@ impl Skin {
             frame,
             left: if is_finite { along } else { Vector3::zeros() },
             held: None,
+            n_slides: 0,
             walked_m: 0.0,
             end: WalkEnd::Done,
         };
-        for _ in 0..max_crossings {
+        let mut n_met = 0;
+        while n_met < max_crossings {
             let Some(edge) = walker.go_straight() else {
                 break;
             };
+            n_met += 1;
             if !walker.cross(edge, at_wall) {
                 break;
             }
@@ -90,11 +107,12 @@ impl Skin {
             end,
             ..
         } = walker;
-        Walk {
+        let walk = Walk {
             point,
             walked_m,
             end,
-        }
+        };
+        (walk, n_met)
     }
 }
 
@@ -106,6 +124,8 @@ struct Walker<'a> {
     left: Vector3<f64>,
     /// The edge that is followed, which bounds the walk no more.
     held: Option<usize>,
+    /// Walls met since the walk last got on.
+    n_slides: usize,
     walked_m: f64,
     end: WalkEnd,
 }
@@ -142,6 +162,9 @@ impl Walker<'_> {
         let sum: f64 = bary.iter().sum();
         self.point = SkinPoint::trusted(self.point.face_id(), bary.map(|b| b / sum));
         self.walked_m += share * length;
+        if share > 0.0 {
+            self.n_slides = 0;
+        }
         let met = met?;
         self.frame = self.skin.frame(&self.point);
         let [a, b] = self.frame.by_parent;
@@ -172,7 +195,9 @@ impl Walker<'_> {
         if self.end == WalkEnd::Done {
             self.end = wall;
         }
-        if at_wall == AtWall::Stop || self.held == Some(edge) {
+        self.n_slides += 1;
+        let is_cornered = self.n_slides > MAX_SLIDES || self.held == Some(edge);
+        if at_wall == AtWall::Stop || is_cornered {
             return false;
         }
         let along = self.frame.edge_direction(edge);
@@ -274,6 +299,23 @@ mod tests {
     }
 
     #[test]
+    fn a_walk_into_a_corner_ends_there() {
+        let flat = strip(4, 0.0);
+        let barred = flat.clone().forbid(&[1, 5]).unwrap();
+        for (skin, step, corner) in [
+            (&flat, [9.0, 7.0], [4.0, 2.0]),
+            (&flat, [-3.0, 9.0], [0.0, 2.0]),
+            // an angle of 45° between two faces that are barred
+            (&barred, [0.6, 3.0], [1.0, 1.0]),
+        ] {
+            let step = Vector3::new(step[0], step[1], 0.0);
+            let (walk, n_met) = skin.walk_counting(&start(skin), &step, AtWall::Slide, 99);
+            let miss = skin.position(&walk.point) - Point3::new(corner[0], corner[1], 0.0);
+            assert!(miss.norm() < 1e-12 && n_met < 20, "{n_met} edges: {walk:?}");
+        }
+    }
+
+    #[test]
     fn folds_and_forbidden_faces_are_walls() {
         let step = Vector3::new(1.5, 0.0, 0.0);
         let folded = strip(3, 1.2);
@@ -298,5 +340,85 @@ mod tests {
         let again = skin.walk(&there.point, &back, AtWall::Stop);
         let miss = skin.position(&again.point) - skin.position(&from);
         assert!(miss.norm() < 1e-12, "{miss}");
+    }
+
+    /// The regular icosahedron of edges of about 1.05: 42° from face to face.
+    fn icosahedron() -> Skin {
+        let (x, z) = (0.525_731_112_119_133_6, 0.850_650_808_352_04);
+        let nodes = [
+            [-x, 0.0, z],
+            [x, 0.0, z],
+            [-x, 0.0, -z],
+            [x, 0.0, -z],
+            [0.0, z, x],
+            [0.0, z, -x],
+            [0.0, -z, x],
+            [0.0, -z, -x],
+            [z, x, 0.0],
+            [-z, x, 0.0],
+            [z, -x, 0.0],
+            [-z, -x, 0.0],
+        ];
+        let faces = [
+            [0, 1, 4],
+            [0, 4, 9],
+            [9, 4, 5],
+            [4, 8, 5],
+            [4, 1, 8],
+            [8, 1, 10],
+            [8, 10, 3],
+            [5, 8, 3],
+            [5, 3, 2],
+            [2, 3, 7],
+            [7, 3, 10],
+            [7, 10, 6],
+            [7, 6, 11],
+            [11, 6, 0],
+            [0, 6, 1],
+            [6, 10, 1],
+            [9, 11, 0],
+            [9, 2, 11],
+            [9, 5, 2],
+            [7, 11, 2],
+        ];
+        Skin::new(
+            nodes.map(Point3::from).to_vec(),
+            SkinFaces::Linear(&faces),
+            None,
+            &SkinParams::default(),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_walk_from_a_corner_gets_on_whatever_its_direction() {
+        let skin = icosahedron();
+        let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for face in 0..20 {
+            for bary in corners
+                .into_iter()
+                .chain([[0.5, 0.5, 0.0], [0.0, 0.4, 0.6]])
+            {
+                let from = SkinPoint::new(&skin, face, bary).unwrap();
+                let [t1, t2] = skin.tangents(&from);
+                let frame = skin.frame(&from);
+                let turned = (0..24).map(|i| {
+                    let (sin, cos) = (f64::from(i) * std::f64::consts::PI / 12.0).sin_cos();
+                    t1 * cos + t2 * sin
+                });
+                let along_edges = (0..3).flat_map(|edge| {
+                    let along = frame.edge_direction(edge);
+                    [along, -along]
+                });
+                for step in turned.chain(along_edges) {
+                    let walk = skin.walk_at_most(&from, &(step * 0.7), AtWall::Stop, 8);
+                    assert_eq!(walk.end, WalkEnd::Done);
+                    assert!(
+                        (walk.walked_m - 0.7).abs() < 1e-12,
+                        "face {face}, {bary:?}, {step:?}: {walk:?}"
+                    );
+                }
+            }
+        }
     }
 }
