@@ -1,5 +1,7 @@
 //! The steps of the paper's chain.
 
+use hapdef_nets::MlpSpec;
+
 use super::cost::{Cost, elastic, projected, superposed, training};
 use super::elastic::{left_out_loads, limb_estimate, rig_estimate};
 use super::{Machine, PlanStep, Skip, StepState};
@@ -210,7 +212,7 @@ impl Planner<'_> {
             ("steps", schedule.steps),
             ("samples a step", schedule.batch),
         ];
-        let mut cost = training(self.n_trained(kind), &schedule, self.machine);
+        let mut cost = training(&self.trained(kind), &schedule, self.machine);
         if let NetKind::Reconstruction { n_sets } = kind
             && self.run.profile.samples == Samples::Drawn
         {
@@ -279,29 +281,28 @@ impl Planner<'_> {
     }
 
     fn n_parameters(&self, kind: NetKind) -> usize {
-        self.n_of_map(kind, self.limb.n_surface_nodes())
+        self.spec(kind, self.limb.n_surface_nodes()).n_parameters()
     }
 
-    /// Parameters while it is trained: F_R's outputs are the map's modes, where fewer than nodes.
-    fn n_trained(&self, kind: NetKind) -> usize {
+    /// The net while it is trained: F_R's outputs are the map's modes, where fewer than nodes.
+    fn trained(&self, kind: NetKind) -> MlpSpec {
         let (n_modes, n_surface) = (self.run.profile.output_modes, self.limb.n_surface_nodes());
         let n_outputs = if n_modes == 0 {
             n_surface
         } else {
             n_modes.min(n_surface)
         };
-        self.n_of_map(kind, n_outputs)
+        self.spec(kind, n_outputs)
     }
 
-    fn n_of_map(&self, kind: NetKind, n_outputs: usize) -> usize {
+    fn spec(&self, kind: NetKind, n_outputs: usize) -> MlpSpec {
         let n_gauges = self.limb.gauges.len();
         let n_virtual = self.n_nodes() - self.limb.n_surface_nodes();
-        let spec = match kind {
+        match kind {
             NetKind::Transfer => kind.spec(n_gauges, n_virtual),
             NetKind::Reconstruction { .. } => kind.spec(n_virtual, n_outputs),
             NetKind::Sensitivity | NetKind::Direct => kind.spec(n_gauges, 0),
-        };
-        spec.n_parameters()
+        }
     }
 
     /// Surface nodes and virtual gauges.

@@ -1,6 +1,6 @@
 //! Operations and bytes of what the stages do, and the time they take on a machine.
 
-use hapdef_nets::TrainPrecision;
+use hapdef_nets::{Activation, MlpSpec, TrainPrecision};
 use hapdef_sim::FactorEstimate;
 
 use super::Machine;
@@ -99,14 +99,17 @@ pub(super) fn projected(n: usize, n_nodes: usize, n_modes: usize, machine: &Mach
     }
 }
 
-/// Training of a net of `n_parameters`: two operations a parameter and sample forward, four
-/// backward, and the looks at the validation set.
-pub(super) fn training(n_parameters: usize, schedule: &Schedule, machine: &Machine) -> Cost {
-    let p = n_parameters as f64;
+/// Training of a net: two operations a parameter and sample forward, four backward, and the looks at
+/// the validation set.
+pub(super) fn training(net: &MlpSpec, schedule: &Schedule, machine: &Machine) -> Cost {
+    let p = net.n_parameters() as f64;
     let steps = 6.0 * p * (schedule.batch * schedule.steps) as f64;
     let looks = 2.0 * p * VALIDATED;
-    let rate = if n_parameters < NARROW {
-        machine.train_narrow_flops_per_s
+    let rate = if net.n_parameters() < NARROW {
+        match net.activation {
+            Activation::Tanh => machine.train_narrow_tanh_flops_per_s,
+            Activation::Relu => machine.train_narrow_relu_flops_per_s,
+        }
     } else if schedule.precision == TrainPrecision::Mixed {
         machine.train_mixed_flops_per_s
     } else {

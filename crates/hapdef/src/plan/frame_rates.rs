@@ -77,10 +77,10 @@ impl FrameRates {
         })?;
         let mut draws = FrameDraws::new(&map, &sites, spec.noise_ue);
         let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
-        let test = searched(&estimator, &none)?;
+        let test = Searched::mean_of(&searched(&estimator, &none)?, 0);
         let step_s = step_s(&estimator, &short, &pairs)?;
-        let single = Refined::measure(&estimator, &singles, test, step_s)?;
-        let pair = Refined::measure(&estimator, &pairs, test, step_s)?;
+        let single = Refined::measure(&estimator, (&singles, 1), test, step_s)?;
+        let pair = Refined::measure(&estimator, (&pairs, 2), test, step_s)?;
         let follow_s = followed_s(&estimator, &singles[0])?;
         Ok(Self {
             test_flops_per_s: test_flops(N_GAUGES) / test.seconds,
@@ -104,7 +104,8 @@ fn step_s(
     short: &ContactEstimator,
     frames: &[DrawnFrame],
 ) -> Result<f64, InverseError> {
-    let (whole, least) = (searched(estimator, frames)?, searched(short, frames)?);
+    let all = |estimator| Ok(Searched::mean(searched(estimator, frames)?.iter()));
+    let (whole, least) = (all(estimator)?, all(short)?);
     let n_further = (whole.steps - least.steps).max(1.0);
     Ok((whole.seconds - least.seconds).max(LEAST_STEP * whole.seconds) / n_further)
 }
@@ -119,11 +120,11 @@ struct Refined {
 impl Refined {
     fn measure(
         estimator: &ContactEstimator,
-        frames: &[DrawnFrame],
+        (frames, n_contacts): (&[DrawnFrame], usize),
         test: Searched,
         step_s: f64,
     ) -> Result<Self, InverseError> {
-        let whole = searched(estimator, frames)?;
+        let whole = Searched::mean_of(&searched(estimator, frames)?, n_contacts);
         let scan_s = whole.seconds - test.seconds - step_s * whole.steps;
         Ok(Self {
             steps: whole.steps,

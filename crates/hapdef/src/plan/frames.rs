@@ -33,12 +33,14 @@ pub(super) struct FrameDraws<'a> {
     rng: ChaCha8Rng,
 }
 
-/// Means over frames that were searched.
-#[derive(Clone, Copy, Debug)]
+/// A frame that was searched, or the mean over some.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Searched {
     pub(super) seconds: f64,
     /// Steps of refinement.
     pub(super) steps: f64,
+    /// The most contacts that were searched for.
+    pub(super) most_contacts: usize,
 }
 
 impl<'a> FrameDraws<'a> {
@@ -100,20 +102,41 @@ impl<'a> FrameDraws<'a> {
 pub(super) fn searched(
     estimator: &ContactEstimator,
     frames: &[DrawnFrame],
-) -> Result<Searched, InverseError> {
+) -> Result<Vec<Searched>, InverseError> {
     let (mut scratch, mut estimate) = (estimator.scratch(), ContactEstimate::default());
-    let mut n_steps = 0;
     estimator.estimate_into(&frames[0].readings_ue, &mut scratch, &mut estimate)?;
-    let start = Instant::now();
-    for frame in frames {
+    let mut search = |frame: &DrawnFrame| {
+        let start = Instant::now();
         estimator.estimate_into(&frame.readings_ue, &mut scratch, &mut estimate)?;
-        n_steps += estimate.info.n_steps;
+        Ok(Searched {
+            seconds: start.elapsed().as_secs_f64(),
+            steps: estimate.info.n_steps as f64,
+            most_contacts: estimate.info.most_contacts,
+        })
+    };
+    frames.iter().map(&mut search).collect()
+}
+
+impl Searched {
+    /// The mean over frames that were searched for exactly `n_contacts`; one that goes on to more is
+    /// another step of the plan. Over all, where there is none.
+    pub(super) fn mean_of(frames: &[Self], n_contacts: usize) -> Self {
+        let is_so = |frame: &&Self| frame.most_contacts == n_contacts;
+        match frames.iter().any(|frame| is_so(&frame)) {
+            true => Self::mean(frames.iter().filter(is_so)),
+            false => Self::mean(frames.iter()),
+        }
     }
-    let n = frames.len() as f64;
-    Ok(Searched {
-        seconds: start.elapsed().as_secs_f64() / n,
-        steps: n_steps as f64 / n,
-    })
+
+    /// The mean over frames; the most contacts of any.
+    pub(super) fn mean<'a>(frames: impl Iterator<Item = &'a Self> + Clone) -> Self {
+        let n = frames.clone().count().max(1) as f64;
+        frames.fold(Self::default(), |sum, frame| Self {
+            seconds: sum.seconds + frame.seconds / n,
+            steps: sum.steps + frame.steps / n,
+            most_contacts: sum.most_contacts.max(frame.most_contacts),
+        })
+    }
 }
 
 /// Time of a frame in which one contact is followed, s, the same frame again and again.
@@ -131,4 +154,25 @@ pub(super) fn followed_s(
     };
     follow()?;
     follow()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_that_goes_on_to_more_contacts_is_no_part_of_the_mean() {
+        let frame = |seconds, most_contacts| Searched {
+            seconds,
+            steps: 10.0 * seconds,
+            most_contacts,
+        };
+        let frames = [frame(1.0, 1), frame(30.0, 2), frame(3.0, 1)];
+        let single = Searched::mean_of(&frames, 1);
+        assert_eq!((single.seconds, single.steps), (2.0, 20.0));
+        let pair = Searched::mean_of(&frames, 2);
+        assert_eq!((pair.seconds, pair.steps), (30.0, 300.0));
+        let none_ended_so = Searched::mean_of(&frames[..1], 2);
+        assert_eq!(none_ended_so.seconds, 1.0);
+    }
 }

@@ -39,8 +39,10 @@ pub struct Machine {
     pub train_flops_per_s: f64,
     /// The same in mixed precision.
     pub train_mixed_flops_per_s: f64,
-    /// The same of a net of F_T's widths.
-    pub train_narrow_flops_per_s: f64,
+    /// The same of a net of F_T's widths, whose units are hyperbolic tangents.
+    pub train_narrow_tanh_flops_per_s: f64,
+    /// The same of one of F_S's widths, whose units are rectified.
+    pub train_narrow_relu_flops_per_s: f64,
     /// Operations of superposition, 1/s.
     pub superpose_flops_per_s: f64,
     /// Operations of a pass of a net of F_R's widths, one sample, 1/s.
@@ -119,7 +121,7 @@ impl Machine {
             file_rates(&folder.join("machine.safetensors"))?;
         let wide = MlpSpec::reconstruction(240, 3200);
         let in_modes = MlpSpec::reconstruction(240, 512);
-        let narrow = MlpSpec::transfer(10, 240);
+        let narrow_rate = |spec| training_rate(spec, 400, 100, TrainPrecision::F32);
         Ok(Self {
             threads,
             elements_per_s,
@@ -128,7 +130,8 @@ impl Machine {
             few_solves_flops_per_s,
             train_flops_per_s: training_rate(&wide, 10, 100, TrainPrecision::F32)?,
             train_mixed_flops_per_s: training_rate(&in_modes, 10, 256, TrainPrecision::Mixed)?,
-            train_narrow_flops_per_s: training_rate(&narrow, 400, 100, TrainPrecision::F32)?,
+            train_narrow_tanh_flops_per_s: narrow_rate(&MlpSpec::transfer(10, 240))?,
+            train_narrow_relu_flops_per_s: narrow_rate(&MlpSpec::sensitivity())?,
             superpose_flops_per_s: superposition_rate(threads),
             pass_flops_per_s: pass_rate(&wide)?,
             kmax_nodes_per_s: kmax_rate()?,

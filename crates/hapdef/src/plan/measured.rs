@@ -6,7 +6,7 @@ use hapdef_inverse::{ContactEstimator, ScanSites};
 use serde::Serialize;
 
 use super::frame_rates::N_FRAMES;
-use super::frames::{FrameDraws, followed_s, searched};
+use super::frames::{DrawnFrame, FrameDraws, Searched, followed_s, searched};
 use super::{Plan, StepState, calibration, superposition as steps};
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -22,7 +22,7 @@ pub struct MeasuredStep {
     pub word: &'static str,
     /// Expected time, s.
     pub predicted_s: f64,
-    /// Time it took, s; of a frame the mean over many.
+    /// Time it took, s; of a frame the mean over many that ended with that step.
     pub measured_s: f64,
 }
 
@@ -79,9 +79,11 @@ fn frames_s(
     estimator: &ContactEstimator,
 ) -> Result<[(&'static str, &'static str, f64); 4], HapdefError> {
     let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
-    let test_s = searched(estimator, &none)?.seconds;
-    let single_s = searched(estimator, &singles)?.seconds;
-    let pair_s = searched(estimator, &pairs)?.seconds;
+    let mean_s = |frames: &[DrawnFrame], n_contacts| -> Result<f64, HapdefError> {
+        Ok(Searched::mean_of(&searched(estimator, frames)?, n_contacts).seconds)
+    };
+    let (test_s, single_s) = (mean_s(&none, 0)?, mean_s(&singles, 1)?);
+    let pair_s = mean_s(&pairs, 2)?;
     Ok([
         (steps::TEST, "test", test_s),
         (steps::SINGLE, "single", single_s - test_s),
