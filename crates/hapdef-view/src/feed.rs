@@ -105,12 +105,11 @@ impl Feed {
     }
 
     pub(crate) fn say(&self, text: &str) {
-        let before = self.notice.load().as_ref().map_or(0, |notice| notice.seq);
-        let notice = Numbered {
-            seq: before + 1,
-            value: text.to_owned(),
-        };
-        self.notice.store(Some(Arc::new(notice)));
+        self.notice.rcu(|before| {
+            let seq = before.as_ref().map_or(0, |notice| notice.seq) + 1;
+            let value = text.to_owned();
+            Some(Arc::new(Numbered { seq, value }))
+        });
     }
 
     pub(crate) fn set_device(&self, state: &DeviceState) {

@@ -28,7 +28,7 @@ use super::live_ros::{Attached, Recordings, RosArgs};
 use super::network::{IS_READ, check_reach};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::view::{FirstParams, Origin, Reach, Sim, View, ViewArgs};
+use super::view::{First, FirstParams, Origin, Reach, Sim, View, ViewArgs};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -122,7 +122,7 @@ struct Source {
 }
 
 pub(crate) fn run(args: &LiveArgs) -> Result<()> {
-    let start = Instant::now();
+    let first = args.first(Instant::now());
     let path = &args.scene.scene;
     args.view.check_reach(args.insecure_bind)?;
     let mut model = if is_bundle(path)? {
@@ -143,19 +143,6 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         tape: tape.clone(),
         player,
     };
-    let first = args.view.is_first_measured().then(|| FirstParams {
-        start,
-        // What is taken by JSON would be damaged by figures.
-        out: match args.json {
-            true => || Box::new(std::io::stderr()),
-            false => || Box::new(std::io::stdout()),
-        },
-        metrics: std::env::var_os("HAPDEF_METRICS").map_or_else(
-            || args.scene.out.join("metrics.json"),
-            std::path::PathBuf::from,
-        ),
-        seed: args.sim_seed,
-    });
     let desk = view.map(|view| view.attend(live.control(), reach, first));
     // The page tells of a recording that fails by itself.
     let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
@@ -311,6 +298,25 @@ impl Source {
 }
 
 impl LiveArgs {
+    /// The page's first pictures, counted from `start`, if that is wanted.
+    fn first(&self, start: Instant) -> Option<First> {
+        let params = || FirstParams {
+            start,
+            // What is taken by JSON would be damaged by figures.
+            out: match self.json {
+                true => || Box::new(std::io::stderr()),
+                false => || Box::new(std::io::stdout()),
+            },
+            metrics: std::env::var_os("HAPDEF_METRICS").map_or_else(
+                || self.scene.out.join("metrics.json"),
+                std::path::PathBuf::from,
+            ),
+            seed: self.sim_seed,
+        };
+        let is_measured = self.view.is_first_measured();
+        is_measured.then(|| First::new(params()))
+    }
+
     /// A replay gives the same contacts each time.
     fn place(&self) -> SearchPlace {
         if self.is_recorded() {

@@ -72,9 +72,6 @@ impl Desk {
                 attendant.step();
                 std::thread::sleep(LOOK);
             }
-            if let Some(Err(error)) = attendant.first.as_ref().map(First::end) {
-                attendant.say(&format!("{error:#}"));
-            }
         };
         Self {
             stop,

@@ -20,8 +20,8 @@ pub(crate) struct FirstParams {
     pub(crate) seed: u64,
 }
 
-/// The page's first pictures.
-pub(super) struct First {
+/// The page's first pictures; what never came is told when it is dropped, however the program ends.
+pub(crate) struct First {
     params: FirstParams,
     steps: [Step; 2],
 }
@@ -36,7 +36,7 @@ struct Step {
 }
 
 impl First {
-    pub(super) fn new(params: FirstParams) -> Self {
+    pub(crate) fn new(params: FirstParams) -> Self {
         let step = |name, what| Step {
             name,
             what,
@@ -75,15 +75,18 @@ impl First {
         }
         Ok(())
     }
+}
 
-    /// Tells what never came.
-    pub(super) fn end(&self) -> Result<()> {
-        let missing = self.steps.iter().filter(|step| !step.is_told);
-        for step in missing {
-            self.params
-                .tell(|log| Ok(log.skipped(step.name, step.what)?))?;
+impl Drop for First {
+    fn drop(&mut self) {
+        for step in self.steps.iter().filter(|step| !step.is_told) {
+            let told = self
+                .params
+                .tell(|log| Ok(log.skipped(step.name, step.what)?));
+            if let Err(error) = told {
+                let _ = writeln!(std::io::stderr(), "{}: {error:#}", step.name);
+            }
         }
-        Ok(())
     }
 }
 
@@ -140,7 +143,7 @@ mod tests {
         first.look(&[page(4)]).unwrap();
         assert_eq!(told().len(), 1);
         assert!(told()[0].starts_with("METRIC:view.first_picture_s:"));
-        first.end().unwrap();
+        drop(first);
         assert_eq!(
             told()[1],
             "METRIC:view.first_colours_s:skipped:no contact was drawn with colours"

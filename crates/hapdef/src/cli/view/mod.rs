@@ -30,8 +30,7 @@ use super::network::check_reach;
 pub(crate) use desk::Desk;
 use desk::{Attendant, Pace};
 use door::Door;
-use first::First;
-pub(crate) use first::FirstParams;
+pub(crate) use first::{First, FirstParams};
 use hand::Hand;
 pub(crate) use hand::Sim;
 use keep::Keep;
@@ -231,12 +230,7 @@ impl View {
     }
 
     /// Shows frames, listens to the page and tells, if that is wanted, when it first drew a contact.
-    pub(crate) fn attend(
-        self,
-        control: LiveControl,
-        reach: Reach,
-        first: Option<FirstParams>,
-    ) -> Desk {
+    pub(crate) fn attend(self, control: LiveControl, reach: Reach, first: Option<First>) -> Desk {
         let Reach { sim, tape, player } = reach;
         let shared = Arc::clone(&self.shared);
         let show = Show::new(self.handle.pusher(), self.surface, shared, player.clone());
@@ -249,7 +243,7 @@ impl View {
             hand: sim.map(Hand::new),
             tape,
             player,
-            first: first.map(First::new),
+            first,
             pace: Pace::default(),
             _door: self.door,
         })
