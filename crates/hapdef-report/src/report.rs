@@ -1,5 +1,6 @@
 //! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
 
+mod figure;
 mod markdown;
 
 use std::io::Write;
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
+pub use self::figure::{Figure, FigureContent};
 use crate::argument::ArgumentError;
 use crate::error::ReportError;
 use crate::metrics::{MetricContext, MetricOutcome, MetricRecord};
@@ -56,27 +58,6 @@ pub struct ReportTable {
     pub data: serde_json::Value,
 }
 
-/// What a figure consists of.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FigureContent {
-    /// An SVG document.
-    Svg(String),
-    /// PNG bytes.
-    Png(Vec<u8>),
-}
-
-/// A figure.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Figure {
-    /// File name in the report's folder, ending in .svg or .png.
-    pub file: String,
-    /// What is seen.
-    pub caption: String,
-    /// The picture.
-    #[serde(skip)]
-    pub content: FigureContent,
-}
-
 /// Everything that goes into a report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
@@ -115,8 +96,8 @@ struct Written<'a> {
     report: &'a Report,
 }
 
-/// Writes the figures, `report.json`, `report.md` and `report.html` into `folder`, which is made
-/// when absent; commit, machine and time are added. Each file appears whole or not at all. Returns the
+/// Writes the figures and the numbers that they draw, `report.json`, `report.md` and `report.html`
+/// into `folder`, which is made when absent; commit, machine and time are added. Each file appears whole or not at all. Returns the
 /// paths, the page last.
 ///
 /// # Errors
@@ -152,6 +133,9 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
             FigureContent::Svg(text) => write(&figure.file, text.as_bytes())?,
             FigureContent::Png(bytes) => write(&figure.file, bytes)?,
         }
+        if let Some(name) = figure.data_file() {
+            write(&name, figure.data.to_string().as_bytes())?;
+        }
     }
     write("report.json", &json)?;
     let shown = with_facts_of(&made, report);
@@ -186,11 +170,20 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
         .map_err(ReportError::io("writing", path))
 }
 
+/// Stem of the report's own files.
+const REPORT: &str = "report";
+
 fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
     for (index, figure) in figures.iter().enumerate() {
         let (ending, expected) = match figure.content {
-            FigureContent::Svg(_) => (".svg", "letters, digits, _ and -, then .svg"),
-            FigureContent::Png(_) => (".png", "letters, digits, _ and -, then .png"),
+            FigureContent::Svg(_) => (
+                ".svg",
+                "letters, digits, _ and -, then .svg; not report.svg",
+            ),
+            FigureContent::Png(_) => (
+                ".png",
+                "letters, digits, _ and -, then .png; not report.png",
+            ),
         };
         let stem = figure.file.strip_suffix(ending).unwrap_or_default();
         let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
@@ -202,10 +195,16 @@ fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
                 expected,
             })
         };
-        if stem.is_empty() || !stem.chars().all(plain) {
+        if stem.is_empty() || stem == REPORT || !stem.chars().all(plain) {
             return refuse(expected);
         }
-        if figures[..index].iter().any(|f| f.file == figure.file) {
+        let name = |figure: &Figure| {
+            figure
+                .file
+                .rsplit_once('.')
+                .map(|(stem, _)| stem.to_owned())
+        };
+        if figures[..index].iter().any(|f| name(f) == name(figure)) {
             return refuse("each figure needs a file of its own");
         }
     }

@@ -37,7 +37,7 @@ pub use stability::{
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,
     PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, PAPER_TABLE2, PaperAccuracy, Table1, Table1Record, Table2,
-    TestSet, TrainSet, claims_text, fnn_over_lr, table1_claims, table1_svg,
+    TestSet, TrainSet, claims_text, fnn_over_lr, table1_bars, table1_claims,
 };
 pub use tactile::{
     TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,

@@ -1,8 +1,8 @@
 //! The rows as a report with a page: docs/verification.md and docs/stability-fe.md to look at.
 
 use hapdef_report::{
-    Figure, FigureContent, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage,
-    StabilityCase, TextCell, TextTable, lines_svg, stability_counts,
+    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, StabilityCase,
+    TextCell, TextTable, stability_counts,
 };
 use serde_json::Value;
 
@@ -215,11 +215,11 @@ fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
             dots: true,
             series,
         };
-        Ok(Figure {
-            file: format!("convergence-{i}.svg"),
-            caption: format!("{title}: error against equations."),
-            content: FigureContent::Svg(lines_svg(&chart)?),
-        })
+        Figure::lines(
+            format!("convergence-{i}.svg"),
+            format!("{title}: error against equations."),
+            &chart,
+        )
     };
     problems.into_iter().enumerate().map(figure).collect()
 }

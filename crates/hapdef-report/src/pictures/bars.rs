@@ -1,6 +1,7 @@
 //! Grouped bars with a tick where the paper stands.
 
 use plotters::prelude::*;
+use serde::Serialize;
 
 use super::axes::Axis;
 use super::style::{self, INK, font, message, series_colour};
@@ -8,7 +9,7 @@ use crate::argument::{ArgumentError, check_len};
 use crate::error::ReportError;
 
 /// One panel of grouped bars.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BarPanel {
     /// Above the panel.
     pub title: String,
@@ -21,7 +22,7 @@ pub struct BarPanel {
 }
 
 /// Panels side by side that share groups, series and the y axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BarChart {
     /// Quantity and unit of y.
     pub y_label: String,

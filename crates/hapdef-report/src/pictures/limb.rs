@@ -4,6 +4,7 @@ mod legend;
 mod view;
 
 use hapdef_mesh::colour::viridis;
+use serde::Serialize;
 use tiny_skia::{IntSize, Pixmap};
 
 use self::legend::{Legend, row_svg};
@@ -18,7 +19,7 @@ use crate::error::ReportError;
 const BAR_PX: u32 = 84;
 
 /// A contact on a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LimbMarker {
     /// Position, m.
     pub position: [f64; 3],
@@ -30,15 +31,17 @@ pub struct LimbMarker {
 const NO_VALUE: [u8; 3] = [205; 3];
 
 /// What to draw.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LimbPicture<'a> {
     /// Above the picture.
     pub title: &'a str,
     /// Quantity and unit of the values, above the colour bar; no bar if empty.
     pub value_label: &'a str,
     /// Nodes, m, `[n]`.
+    #[serde(skip)]
     pub positions: &'a [[f64; 3]],
     /// Three nodes each; either side may face outwards.
+    #[serde(skip)]
     pub triangles: &'a [[u32; 3]],
     /// One value per node, `[n]`, in the unit printed; a triangle with a NaN is grey.
     pub values: &'a [f64],

@@ -1,6 +1,7 @@
 //! Line charts and scatters.
 
 use plotters::prelude::*;
+use serde::Serialize;
 
 use super::axes::Axis;
 use super::style::{self, INK, font, message, series_colour, tick};
@@ -8,7 +9,7 @@ use crate::argument::{ArgumentError, check_len};
 use crate::error::ReportError;
 
 /// A named line.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Series {
     /// For the legend.
     pub name: String,
@@ -18,7 +19,7 @@ pub struct Series {
 
 /// Lines against a common x axis: error against force, loss against steps, error against the
 /// number of virtual gauges.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineChart {
     /// Above the chart.
     pub title: String,

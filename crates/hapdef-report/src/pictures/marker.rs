@@ -1,5 +1,6 @@
 //! Marks on pictures of the limb.
 
+use serde::Serialize;
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
 const INK: [u8; 3] = [34, 34, 34];
@@ -8,7 +9,8 @@ const BLUE: [u8; 3] = [30, 90, 220];
 const GOLD: [u8; 3] = [240, 180, 0];
 
 /// What a mark stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Mark {
     /// A true contact: a red ring.
     True,

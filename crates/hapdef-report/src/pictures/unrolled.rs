@@ -2,6 +2,7 @@
 
 use hapdef_mesh::colour::viridis;
 use plotters::prelude::*;
+use serde::Serialize;
 
 use super::axes::Axis;
 use super::marker::Mark;
@@ -14,7 +15,7 @@ const NO_VALUE: RGBColor = RGBColor(205, 205, 205);
 const GOLD: RGBColor = RGBColor(240, 180, 0);
 
 /// A mark on the unrolled surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnrolledMarker {
     /// (angle, rad; height, m), as from [`unroll`].
     pub at: [f64; 2],
@@ -23,7 +24,7 @@ pub struct UnrolledMarker {
 }
 
 /// From a true to a found position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnrolledArrow {
     /// (angle, rad; height, m) of the true position.
     pub from: [f64; 2],
@@ -34,7 +35,7 @@ pub struct UnrolledArrow {
 }
 
 /// What to draw.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Unrolled<'a> {
     /// Above the chart.
     pub title: &'a str,

@@ -19,6 +19,7 @@ fn report() -> Report {
         file: file.to_owned(),
         caption: "a <small> picture".to_owned(),
         content,
+        data: serde_json::Value::Null,
     };
     let svg = "<?xml version=\"1.0\"?><svg xmlns=\"http://www.w3.org/2000/svg\"/>";
     let context = MetricContext {
@@ -43,7 +44,10 @@ fn report() -> Report {
             data: serde_json::json!([1, 2, 3]),
         }],
         figures: vec![
-            figure("bars.svg", FigureContent::Svg(svg.to_owned())),
+            Figure {
+                data: serde_json::json!({ "series": ["LR"] }),
+                ..figure("bars.svg", FigureContent::Svg(svg.to_owned()))
+            },
             figure("limb.png", FigureContent::Png(vec![1, 2, 3])),
         ],
         limbs: vec![],
@@ -77,6 +81,7 @@ fn every_part_is_written() {
         names,
         [
             "bars.svg",
+            "bars.json",
             "limb.png",
             "report.json",
             "report.md",
@@ -84,14 +89,15 @@ fn every_part_is_written() {
         ]
     );
     let read = |i: usize| std::fs::read_to_string(&paths[i]).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&read(2)).unwrap();
+    assert_eq!(read(1), r#"{"series":["LR"]}"#);
+    let json: serde_json::Value = serde_json::from_str(&read(3)).unwrap();
     assert_eq!(json["tables"][0]["data"].as_array().unwrap().len(), 3);
     assert_eq!(json["figures"][1]["file"], "limb.png");
     assert_eq!(json["metrics"][0]["skipped"], "no net");
     assert_eq!(json["made"]["commit"], "c");
     assert_eq!(json["hashes"][0]["text"], "abc");
     assert_eq!(json["skipped"][0]["reason"], "quick");
-    let markdown = read(3);
+    let markdown = read(4);
     for part in [
         "# Shin",
         "## Table 1",
@@ -136,12 +142,12 @@ fn every_report_says_by_what_and_from_what_it_was_made() {
     report.metrics.clear();
     let paths = write_report(folder.path(), &report).unwrap();
     let json: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(&paths[2]).unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read(&paths[3]).unwrap()).unwrap();
     let here = MetricContext::here(report.seed);
     assert_eq!(json["made"]["commit"], here.commit);
     assert_eq!(json["made"]["machine"], here.machine);
     assert_eq!(json["made"]["seed"], 1);
-    let page = std::fs::read_to_string(&paths[4]).unwrap();
+    let page = std::fs::read_to_string(&paths[5]).unwrap();
     for part in [here.commit, here.machine] {
         assert!(
             page.contains(&format!("<dd>{}</dd>", crate::escape_html(&part))),
@@ -158,7 +164,15 @@ fn every_report_says_by_what_and_from_what_it_was_made() {
 #[test]
 fn odd_file_names_are_refused_before_writing() {
     let folder = tempfile::tempdir().unwrap();
-    for file in ["../x.svg", "x.png", ".svg", "a/b.svg", "limb.png"] {
+    for file in [
+        "../x.svg",
+        "x.png",
+        ".svg",
+        "a/b.svg",
+        "limb.png",
+        "limb.svg",
+        "report.svg",
+    ] {
         let mut report = report();
         report.figures[0].file = file.to_owned();
         let error = write_report(folder.path(), &report).unwrap_err();
@@ -175,4 +189,26 @@ fn odd_file_names_are_refused_before_writing() {
         Err(ReportError::Argument(ArgumentError::Name { .. }))
     ));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_chart_brings_its_numbers_along() {
+    let chart = crate::LineChart {
+        title: "growth".to_owned(),
+        x_label: "nodes".to_owned(),
+        y_label: "s".to_owned(),
+        log_x: false,
+        log_y: false,
+        dots: true,
+        series: vec![crate::Series {
+            name: "factor".to_owned(),
+            points: vec![(1.0, 2.0), (3.0, f64::NAN)],
+        }],
+    };
+    let figure = Figure::lines("growth.svg", "how it grows", &chart).unwrap();
+    assert_eq!(figure.data["x_label"], "nodes");
+    assert_eq!(
+        figure.data["series"][0]["points"],
+        serde_json::json!([[1.0, 2.0], [3.0, null]])
+    );
 }

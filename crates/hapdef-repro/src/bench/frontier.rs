@@ -6,8 +6,8 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::SceneArgs;
 use hapdef_report::{
-    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage,
-    TextCell, TextTable, lines_svg, write_report,
+    Figure, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage, TextCell, TextTable,
+    write_report,
 };
 
 use super::measure::{Measured, Point, best_reduced, measure};
@@ -155,25 +155,24 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         "mean |error| of the map, µm",
         |p| p.errors.map_um,
         |p| p.on_map_front,
-    )?;
+    );
     let contacts = chart(
         points,
         "Contact error against run time",
         "mean position error, mm",
         |p| p.errors.contact_mm,
         |p| p.on_contact_front,
-    )?;
-    let figure = |file: &str, what: &str, svg: String| Figure {
-        file: file.into(),
-        caption: format!(
+    );
+    let figure = |file: &str, what: &str, chart: &LineChart| {
+        let caption = format!(
             "{what} against the median time of a frame, logarithmic. Dots of a family are joined \
              from fast to slow; the front is what nothing beats."
-        ),
-        content: FigureContent::Svg(svg),
+        );
+        Figure::lines(file, caption, chart)
     };
     Ok(vec![
-        figure("frontier_map.svg", "Map error", map),
-        figure("frontier_contacts.svg", "Contact error", contacts),
+        figure("frontier_map.svg", "Map error", &map)?,
+        figure("frontier_contacts.svg", "Contact error", &contacts)?,
     ])
 }
 
@@ -183,7 +182,7 @@ fn chart(
     y_label: &str,
     error: impl Fn(&Point) -> Option<f64>,
     is_on_front: impl Fn(&Point) -> bool,
-) -> Result<String> {
+) -> LineChart {
     let series = |name: &str, chosen: &dyn Fn(&Point) -> bool| {
         let chosen = points.iter().filter(|p| chosen(p));
         let place = |p: &Point| Some((p.times.p50_us, error(p)?));
@@ -198,7 +197,7 @@ fn chart(
     let families = Family::ALL.into_iter();
     all.extend(families.map(|family| series(family.name(), &|p: &Point| p.family == family)));
     all.retain(|series| !series.points.is_empty());
-    Ok(lines_svg(&LineChart {
+    LineChart {
         title: title.into(),
         x_label: "median time of a frame, µs".into(),
         y_label: y_label.into(),
@@ -206,5 +205,5 @@ fn chart(
         log_y: true,
         dots: true,
         series: all,
-    })?)
+    }
 }

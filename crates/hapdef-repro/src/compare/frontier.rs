@@ -8,8 +8,7 @@ use clap::Args;
 use hapdef::{Limb, SceneArgs};
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
 use hapdef_report::{
-    Figure, FigureContent, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable,
-    lines_svg, write_report,
+    Figure, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable, write_report,
 };
 use serde::Serialize;
 
@@ -288,9 +287,9 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         dots: true,
         series: all,
     };
-    Ok(vec![Figure {
-        file: "frontier-inverse.svg".into(),
-        caption: "Mean position error against the time of a frame, by number of contacts.".into(),
-        content: FigureContent::Svg(lines_svg(&chart)?),
-    }])
+    Ok(vec![Figure::lines(
+        "frontier-inverse.svg",
+        "Mean position error against the time of a frame, by number of contacts.",
+        &chart,
+    )?])
 }

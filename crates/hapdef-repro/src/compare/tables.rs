@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 use hapdef::Run;
 use hapdef_report::{
-    Figure, FigureContent, LineChart, MetricLog, NamedText, Report, ReportTable, Series,
-    SkippedStage, TextCell, TextTable, lines_svg, write_report,
+    Figure, LineChart, MetricLog, NamedText, Report, ReportTable, Series, SkippedStage, TextCell,
+    TextTable, write_report,
 };
 
 use super::run::{Measured, paper_time_us};
@@ -88,12 +88,11 @@ fn errors(measured: &Measured) -> Result<Figure> {
         dots: false,
         series: series.collect(),
     };
-    Ok(Figure {
-        file: "position-error.svg".into(),
-        caption: "Distance of contacts from their matches. A line ends where the rest is missed."
-            .into(),
-        content: FigureContent::Svg(lines_svg(&chart)?),
-    })
+    Ok(Figure::lines(
+        "position-error.svg",
+        "Distance of contacts from their matches. A line ends where the rest is missed.",
+        &chart,
+    )?)
 }
 
 fn skipped(measured: &Measured) -> Vec<SkippedStage> {

@@ -1,7 +1,7 @@
 //! The frontier and the growths as plots.
 
 use anyhow::Result;
-use hapdef_report::{Figure, FigureContent, LineChart, Series, lines_svg};
+use hapdef_report::{Figure, LineChart, Series};
 
 use super::Measured;
 use super::point::{Family, Point, error_mm, on_front};
@@ -9,15 +9,13 @@ use super::way::Knows;
 
 /// Every plot of the page.
 pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
-    let mut figures = vec![Figure {
-        file: "frontier.svg".into(),
-        caption:
-            "Position error with two contacts (GOSPA over their number) against the time of a \
-                  frame. Lines: the fronts of frames that are searched each for itself, and of \
-                  contacts that are followed."
-                .into(),
-        content: FigureContent::Svg(lines_svg(&cloud(&measured.points))?),
-    }];
+    let mut figures = vec![Figure::lines(
+        "frontier.svg",
+        "Position error with two contacts (GOSPA over their number) against the time of a frame. \
+         Lines: the fronts of frames that are searched each for itself, and of contacts that are \
+         followed.",
+        &cloud(&measured.points),
+    )?];
     for with in ["nodes", "gauges", "contacts", "frames"] {
         let series: Vec<Series> = measured
             .growths
@@ -37,11 +35,11 @@ pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
             dots: true,
             series,
         };
-        figures.push(Figure {
-            file: format!("growth-{with}.svg"),
-            caption: format!("How time and memory grow with {with}."),
-            content: FigureContent::Svg(lines_svg(&chart)?),
-        });
+        figures.push(Figure::lines(
+            format!("growth-{with}.svg"),
+            format!("How time and memory grow with {with}."),
+            &chart,
+        )?);
     }
     Ok(figures)
 }

@@ -9,8 +9,8 @@ use std::path::Path;
 use anyhow::Result;
 use hapdef::{ComplianceTable, Hapdefx, Limb, Pipeline, Run};
 use hapdef_mesh::{VertexField, write_glb};
-use hapdef_report::{Figure, FigureContent, LimbMap, LimbView, LineChart, Series, lines_svg};
-use hapdef_repro::{Table1, table1_svg};
+use hapdef_report::{Figure, LimbMap, LimbView, LineChart, Series};
+use hapdef_repro::{Table1, table1_bars};
 use serde_json::Value;
 
 use self::surface::Surface;
@@ -61,11 +61,11 @@ pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
         &shown.frames.rig_double,
         strongest_n,
     )?);
-    figures.push(svg(
+    figures.push(Figure::bars(
         "table1.svg",
         "Table 1, mean absolute error, ours beside the paper's.",
-        table1_svg(shown.table1)?,
-    ));
+        &table1_bars(shown.table1),
+    )?);
     figures.push(training_curves(shown.done)?);
     Ok(figures)
 }
@@ -128,17 +128,9 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         dots: false,
         series: series.collect(),
     };
-    Ok(svg(
+    Ok(Figure::lines(
         "training.svg",
         "Validation loss over the training of each net.",
-        lines_svg(&chart)?,
-    ))
-}
-
-fn svg(file: &str, caption: &str, text: String) -> Figure {
-    Figure {
-        file: file.into(),
-        caption: caption.into(),
-        content: FigureContent::Svg(text),
-    }
+        &chart,
+    )?)
 }

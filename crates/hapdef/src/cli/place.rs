@@ -9,9 +9,7 @@ use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
 use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, study_layouts};
 use hapdef::{Limb, Run, SceneArgs, write_json};
 use hapdef_inverse::PlacementScore;
-use hapdef_report::{
-    Block, Figure, FigureContent, LimbMap, LimbView, LineChart, Page, Series, TextTable, lines_svg,
-};
+use hapdef_report::{Block, Figure, LimbMap, LimbView, LineChart, Page, Series, TextTable};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
@@ -226,11 +224,8 @@ fn curves(study: &LayoutStudy, title: &str, bound: Bound) -> Result<Figure> {
         dots: true,
         series,
     };
-    Ok(Figure {
-        file: String::new(),
-        caption: format!("{title}, by number of gauges and method"),
-        content: FigureContent::Svg(lines_svg(&chart)?),
-    })
+    let caption = format!("{title}, by number of gauges and method");
+    Ok(Figure::lines("", caption, &chart)?)
 }
 
 /// How far each place of the skin is from the nearest gauge.

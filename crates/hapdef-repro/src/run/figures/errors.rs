@@ -2,17 +2,13 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
-use hapdef_report::{
-    BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow, bars_svg, lines_svg,
-    unrolled_svg,
-};
+use hapdef_report::{BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow};
 
 use super::super::frames::Frame;
 use super::super::patches::{METHODS, SizePoint};
 use super::super::scores::{Rule, choose, scored};
-use super::super::singles::Singles;
+use super::super::singles::{Bin, Singles};
 use super::surface::Surface;
-use super::svg;
 
 /// Presses whose errors figure 4B shows.
 const N_ARROWS: usize = 24;
@@ -39,7 +35,7 @@ pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
         values.push(cells.map(|c| Some(c.0)).to_vec());
         spread.push(cells.map(|c| Some(c.1)).to_vec());
     }
-    let text = bars_svg(&BarChart {
+    let chart = BarChart {
         y_label: "mm, N".into(),
         x_label: "error".into(),
         log_y: false,
@@ -51,10 +47,10 @@ pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
             paper: vec![],
             spread,
         }],
-    })?;
+    };
     let caption = "Figure 4A: mean errors on single test presses of the rig, straight from \
                    readings; error bars: standard deviation over presses.";
-    Ok(svg("figure4a.svg", caption, text))
+    Ok(Figure::bars("figure4a.svg", caption, &chart)?)
 }
 
 /// Error arrows of the same methods on the unrolled surface.
@@ -72,7 +68,7 @@ pub(super) fn figure_4b(surface: &Surface, singles: &Singles) -> Result<Figure> 
     }
     let points = surface.unroll(&surface.positions)?;
     let names: Vec<&str> = singles.direct.iter().map(|m| m.name.as_str()).collect();
-    let text = unrolled_svg(&Unrolled {
+    let arrows = Unrolled {
         title: "",
         value_label: "",
         points: &points,
@@ -81,12 +77,12 @@ pub(super) fn figure_4b(surface: &Surface, singles: &Singles) -> Result<Figure> 
         markers: &[],
         arrows: &arrows,
         arrow_names: &names,
-    })?;
+    };
     let caption = format!(
         "Figure 4B: from the true to the found position (dot) for every {stride}th single test \
          press."
     );
-    Ok(svg("figure4b.svg", &caption, text))
+    Ok(Figure::unrolled("figure4b.svg", caption, &[arrows])?)
 }
 
 /// Map error against the number of virtual gauges, on one and on two contacts.
@@ -99,7 +95,7 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
                 .map(|point| (point.size as f64, point.errors[m][i].mean_abs_um))
                 .collect(),
         });
-        let text = lines_svg(&LineChart {
+        let chart = LineChart {
             title: format!("{name} presses of the rig"),
             x_label: "virtual gauges around each gauge".into(),
             y_label: "mean |error| of the map, µm".into(),
@@ -107,12 +103,12 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
             log_y: false,
             dots: true,
             series: series.collect(),
-        })?;
+        };
         let caption = format!(
             "Figure 5A, {name} contacts: F_T by three methods, then F_R. Every net here is trained \
              briefly; the paper's optimum on two contacts is 24."
         );
-        anyhow::Ok(svg(file, &caption, text))
+        anyhow::Ok(Figure::lines(file, caption, &chart)?)
     };
     Ok(vec![
         chart(0, "figure5a_single.svg", "single")?,
@@ -123,36 +119,36 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
 /// Errors of the ablations on single presses against the force.
 pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure>> {
     let methods = || singles.direct.iter().skip(2).chain(&singles.ablations);
-    let chart = |y_label: &str, value: fn(&super::super::singles::Bin) -> f64| {
-        lines_svg(&LineChart {
-            title: "single presses of the rig".into(),
-            x_label: "force, N".into(),
-            y_label: y_label.into(),
-            log_x: false,
-            log_y: false,
-            dots: true,
-            series: methods()
-                .map(|method| Series {
-                    name: method.name.clone(),
-                    points: singles
-                        .by_force(method, strongest_n)
-                        .iter()
-                        .map(|bin| (bin.force_n, value(bin)))
-                        .collect(),
-                })
-                .collect(),
-        })
+    let chart = |y_label: &str, value: fn(&Bin) -> f64| LineChart {
+        title: "single presses of the rig".into(),
+        x_label: "force, N".into(),
+        y_label: y_label.into(),
+        log_x: false,
+        log_y: false,
+        dots: true,
+        series: methods()
+            .map(|method| Series {
+                name: method.name.clone(),
+                points: singles
+                    .by_force(method, strongest_n)
+                    .iter()
+                    .map(|bin| (bin.force_n, value(bin)))
+                    .collect(),
+            })
+            .collect(),
     };
-    let position = chart("position error, mm", |bin| bin.position_mm)?;
-    let force = chart("force error, N", |bin| bin.error_n)?;
     Ok(vec![
-        svg(
+        Figure::lines(
             "figure8a.svg",
             "Figure 8A: position error with parts of the chain left out. R: readings, S: virtual \
              gauges, D: map; \"net\": position and force straight from the map.",
-            position,
-        ),
-        svg("figure8b.svg", "Figure 8B: force error of the same.", force),
+            &chart("position error, mm", |bin| bin.position_mm),
+        )?,
+        Figure::lines(
+            "figure8b.svg",
+            "Figure 8B: force error of the same.",
+            &chart("force error, N", |bin| bin.error_n),
+        )?,
     ])
 }
 
@@ -181,7 +177,7 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
             name: (*name).to_owned(),
             points: binned(errors, strongest_n, value),
         });
-        lines_svg(&LineChart {
+        LineChart {
             title: "double presses of the rig, T given, T + 1".into(),
             x_label: "force of the varied contact, N".into(),
             y_label: y_label.into(),
@@ -189,16 +185,16 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
             log_y: false,
             dots: true,
             series: series.collect(),
-        })
+        }
     };
-    let position = chart("position error, mm", |pair| pair.position_error_m * 1e3)?;
-    let force = chart("force error, N", |pair| pair.force_error_n.abs())?;
+    let position = chart("position error, mm", |pair| pair.position_error_m * 1e3);
+    let force = chart("force error, N", |pair| pair.force_error_n.abs());
     let caption = |letter: &str, what: &str| {
         format!("Figure 9{letter}: {what} error of two contacts, one held at about 30 N.")
     };
     Ok(vec![
-        svg("figure9b.svg", &caption("B", "position"), position),
-        svg("figure9c.svg", &caption("C", "force"), force),
+        Figure::lines("figure9b.svg", caption("B", "position"), &position)?,
+        Figure::lines("figure9c.svg", caption("C", "force"), &force)?,
     ])
 }
 

@@ -3,12 +3,9 @@
 use anyhow::Result;
 use hapdef::{Limb, Run};
 use hapdef_report::{
-    Figure, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker, limb_row_svg,
-    unroll, unrolled_row_svg, unrolled_svg,
+    Figure, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker, unroll,
 };
 use nalgebra::Vector3;
-
-use super::svg;
 
 /// One panel: a title, a value per node, the ends of its colours.
 pub(super) struct Panel<'a> {
@@ -70,7 +67,7 @@ impl Surface {
             (picture, params)
         });
         let pictures: Vec<_> = pictures.collect();
-        Ok(svg(file, caption, limb_row_svg(&pictures)?))
+        Ok(Figure::limbs(file, caption, &pictures)?)
     }
 
     /// Unrolled surfaces side by side.
@@ -99,11 +96,7 @@ impl Surface {
                 arrow_names: &[],
             });
         let figures: Vec<_> = figures.collect();
-        let text = match &figures[..] {
-            [one] => unrolled_svg(one)?,
-            row => unrolled_row_svg(row)?,
-        };
-        Ok(svg(file, caption, text))
+        Ok(Figure::unrolled(file, caption, &figures)?)
     }
 
     fn unrolled_marks(&self, marks: &[LimbMarker]) -> Result<Vec<UnrolledMarker>> {
