@@ -228,6 +228,28 @@ fn two_at_once_are_two() {
     assert!(n_good >= 9, "{n_good} of 10 pairs");
 }
 
+/// While a force grows by kilonewtons a frame two contacts beside each other may explain it better than
+/// one whose place is not exact yet.
+#[test]
+fn one_place_is_never_surely_two_contacts() {
+    for seed in 0..40 {
+        let world = World::new(10, 400, 100 + seed);
+        let mut tracker = tracker(&world, 0.0, TrackerParams::default());
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let point = world.draw_points(1, 0.0, &mut rng)[0];
+        for index in 0..300 {
+            let y = frame(&world, &[(point, ramp(index, 20, 1e5))], SD, &mut rng);
+            let found = tracker.step(&y, None).unwrap();
+            let is_sure = found.verdict == Verdict::Identified;
+            let n = found.contacts.len();
+            assert!(
+                !is_sure || n == 1,
+                "seed {seed}, frame {index}: {n} contacts"
+            );
+        }
+    }
+}
+
 /// Dead gauges and readings that are not finite are left out, and too few gauges are refused
 /// without a trace.
 #[test]

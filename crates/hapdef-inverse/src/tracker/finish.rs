@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use crate::chi_square::upper_tail;
 use crate::estimator::{Contact, Verdict, WhyNot, spare_numbers};
+use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode};
 use crate::tracker::frame::TrackedContact;
 
@@ -77,12 +78,14 @@ impl ContactTracker {
         let skin = model.skin();
         frame.contacts.clear();
         for slot in best.slots() {
+            let mut covariance = slot.covariance;
+            model.tell(covariance.as_mut_slice(), 3);
             let contact = Contact {
                 point: slot.point,
                 position_m: skin.position(&slot.point),
                 force_n: slot.steady.0,
                 force_vector_n: -skin.normal(&slot.point) * slot.steady.0,
-                covariance: slot.covariance,
+                covariance,
             };
             frame.contacts.push(TrackedContact {
                 id: slot.id,
@@ -129,8 +132,8 @@ impl ContactTracker {
     fn verdict(&self) -> Verdict {
         let contacts = &self.frame.contacts;
         let skin_sd_m = self.skin_sd_m();
-        let open = |c: &TrackedContact| {
-            let p = &c.contact.covariance;
+        let open = |slot: &Slot| {
+            let p = &slot.covariance;
             let (a, b, d) = (p[(0, 0)], p[(0, 1)], p[(1, 1)]);
             let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
             largest.sqrt() > OPEN_SHARE * skin_sd_m
@@ -139,15 +142,27 @@ impl ContactTracker {
             Verdict::NotIdentifiable(WhyNot::Misfit)
         } else if contacts.is_empty() {
             Verdict::Untouched
-        } else if contacts.iter().any(open) {
+        } else if self.hypotheses.best().slots().iter().any(open) {
             Verdict::NotIdentifiable(WhyNot::SingularInformation)
         } else if !self.is_checked() {
             Verdict::NotIdentifiable(WhyNot::Unchecked)
-        } else if self.hypotheses.lead() <= self.settings.tie_delta {
+        } else if self.hypotheses.lead() <= self.settings.tie_delta || self.are_two_in_one_place() {
             Verdict::NotIdentifiable(WhyNot::TiedExplanations)
         } else {
             Verdict::Identified
         }
+    }
+
+    /// Whether two contacts are where one is told as well as two: one that grows by kilonewtons a frame
+    /// is, before its place is exact, explained best by two beside it.
+    fn are_two_in_one_place(&self) -> bool {
+        let place = |c: &TrackedContact| c.contact.position_m;
+        let (contacts, apart_m) = (&self.frame.contacts, self.settings.distinct_m);
+        contacts.iter().enumerate().any(|(i, one)| {
+            let others = &contacts[..i];
+            let is_there = |c: &TrackedContact| (place(c) - place(one)).norm() < apart_m;
+            others.iter().any(is_there)
+        })
     }
 
     /// Whether live gauges tell enough to check the newest contact by, the places of the others known.
