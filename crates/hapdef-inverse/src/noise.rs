@@ -16,7 +16,7 @@ pub struct NoiseParams {
 }
 
 /// Error of the response map: a contact of force A adds A² C(p) to the covariance of the readings.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModelError {
     /// ρ: C gets a diagonal ½ ρ² (gᵢ² + sᵢ² q), where sᵢ² is the mean square of gᵢ over the skin
     /// and q the mean of gⱼ²/sⱼ² over the gauges: relative, and nowhere zero.
@@ -26,6 +26,21 @@ pub struct ModelError {
     pub friction_rms: f64,
     /// A covariance for each scan site `[n_sites, n_gauges, n_gauges]`, per N²; empty for none.
     pub per_site: Vec<f64>,
+    /// What the covariance of a contact's place is multiplied by when it is told. It changes no
+    /// search, no count and no verdict.
+    pub place_factor: f64,
+}
+
+impl Default for ModelError {
+    /// A map without error.
+    fn default() -> Self {
+        Self {
+            relative: 0.0,
+            friction_rms: 0.0,
+            per_site: Vec::new(),
+            place_factor: 1.0,
+        }
+    }
 }
 
 impl NoiseParams {
@@ -55,6 +70,7 @@ impl NoiseParams {
         let error = &self.model_error;
         check_not_negative("model_error.relative", error.relative)?;
         check_not_negative("model_error.friction_rms", error.friction_rms)?;
+        check_positive("model_error.place_factor", error.place_factor)?;
         if !error.per_site.is_empty() {
             let expected = n_sites * n_gauges * n_gauges;
             check_length("model_error.per_site", expected, error.per_site.len())?;

@@ -337,7 +337,7 @@ fn an_error_of_the_map_widens_the_regions() {
         let model_error = ModelError {
             relative,
             friction_rms,
-            per_site: Vec::new(),
+            ..ModelError::default()
         };
         let noise = NoiseParams {
             model_error,

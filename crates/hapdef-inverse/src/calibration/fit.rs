@@ -1,6 +1,8 @@
 //! A calibration from beginning to end.
 
+use crate::calibration::corrected::{Corrected, Given};
 use crate::calibration::evidence::{FIRST, choose_kernels};
+use crate::calibration::held_out::place_factor;
 use crate::calibration::kernel::Kernel;
 use crate::calibration::next::next_presses;
 use crate::calibration::output::{
@@ -73,14 +75,22 @@ impl Calibrated {
         }
         let at_sites = Places::new(&basis, &nodal, sites.points().to_vec(), params.envelope_m);
         let cuts: Vec<usize> = CUTS.map(|c| (c * found as f64) as usize).to_vec();
-        let solution = problem.solve(&rows, &kernels, Some(&at_sites), &cuts)?;
-        let residual = nodal_residual(&basis, &nodal, &problem, &solution, &kernels, params);
-        let corrected = map.plus(&basis.terms(&solution.modes.theta), &residual);
-        let extra = interpolation_errors(&corrected, &samples, &solution);
-        let spread = Spread::new(&corrected, &samples, &solution, &extra);
+        let given = Given {
+            basis: &basis,
+            nodal: &nodal,
+            problem: &problem,
+            at_sites: &at_sites,
+            params,
+        };
+        let place_factor = place_factor(&given, sites, presses, &rows, &kernels)?;
+        let Corrected {
+            solution,
+            map,
+            spread,
+            per_site,
+        } = given.correct(&rows, &kernels, &cuts)?;
         not_needed(presses.len(), &samples, &mut rejected);
         let info = info(&basis, &samples, &solution, &spread, &kernels, rejected);
-        let per_site = spread.covariances(&samples, &solution, &at_sites);
         let next = next_presses(
             &problem,
             &solution,
@@ -89,9 +99,10 @@ impl Calibrated {
             params.n_next,
         );
         Ok(Self {
-            map: corrected,
+            map,
             model_error: ModelError {
                 per_site,
+                place_factor,
                 ..ModelError::default()
             },
             info: CalibrationInfo { next, ..info },
@@ -117,62 +128,6 @@ fn mean_squares(nodal: &[f64], n_gauges: usize) -> Vec<f64> {
         (column.map(|g| g * g).sum::<f64>() / n).max(f64::MIN_POSITIVE)
     };
     (0..n_gauges).map(mean).collect()
-}
-
-/// The process's mean at the nodes `[n_nodes, n_gauges]`.
-fn nodal_residual(
-    basis: &Basis<'_>,
-    nodal: &[f64],
-    problem: &Problem<'_>,
-    solution: &Solution,
-    kernels: &[Kernel],
-    params: &CalibrationParams,
-) -> Vec<f64> {
-    let skin = basis.map.skin();
-    let (m, samples) = (basis.map.n_gauges(), problem.samples);
-    let squares =
-        crate::calibration::kernel::local_squares(skin, nodal, m, skin.nodes(), params.envelope_m);
-    let by_gauge = crate::calibration::solution::by_gauge(m, params.n_threads, |gauge| {
-        let (kernel, mean_square) = (&kernels[gauge], problem.mean_squares[gauge]);
-        let weights: Vec<f64> = solution
-            .alpha(gauge)
-            .iter()
-            .zip(&solution.rows)
-            .map(|(a, &i)| a * kernel.amplitude(samples.places.square(i, gauge), mean_square))
-            .collect();
-        let at = |(node, x): (usize, &nalgebra::Point3<f64>)| {
-            let sum: f64 = weights
-                .iter()
-                .zip(&solution.rows)
-                .map(|(w, &i)| {
-                    w * kernel.correlation((x - samples.places.positions[i]).norm_squared())
-                })
-                .sum();
-            sum * kernel.amplitude(squares[node * m + gauge], mean_square)
-        };
-        skin.nodes()
-            .iter()
-            .enumerate()
-            .map(at)
-            .collect::<Vec<f64>>()
-    });
-    let n_nodes = skin.n_nodes();
-    (0..n_nodes * m).map(|i| by_gauge[i % m][i / m]).collect()
-}
-
-/// The process's mean at the presses less the interpolated map `[n, n_gauges]`.
-fn interpolation_errors(map: &ResponseMap, samples: &Samples, solution: &Solution) -> Vec<f64> {
-    let m = samples.n_gauges();
-    let alphas: Vec<Vec<f64>> = (0..m).map(|gauge| solution.alpha(gauge)).collect();
-    let mut extra = Vec::with_capacity(solution.rows.len() * m);
-    for (place, &i) in solution.rows.iter().enumerate() {
-        let found = map.normal(&samples.places.points[i]);
-        for gauge in 0..m {
-            let noise = samples.noise[i * m + gauge] * alphas[gauge][place];
-            extra.push(samples.response[i * m + gauge] - noise - found[gauge]);
-        }
-    }
-    extra
 }
 
 fn not_needed(n_presses: usize, samples: &Samples, rejected: &mut Vec<RejectedPress>) {

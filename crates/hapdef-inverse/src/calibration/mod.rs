@@ -6,9 +6,11 @@
 //! together (universal kriging; Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006,
 //! section 2.7).
 
+mod corrected;
 mod evidence;
 mod factor;
 mod fit;
+mod held_out;
 mod kernel;
 mod mode_fit;
 mod next;

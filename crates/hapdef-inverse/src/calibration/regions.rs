@@ -9,8 +9,8 @@ use crate::response::ResponseMap;
 
 /// Share of the regions that are to hold the truth, and the χ² with two degrees of freedom that
 /// bounds them: −2 ln 0.05.
-const SHARE: f64 = 0.95;
-const CHI2: f64 = 5.991_464_547_107_979;
+pub(crate) const SHARE: f64 = 0.95;
+pub(crate) const CHI2: f64 = 5.991_464_547_107_979;
 
 /// Factors that are tried, and halvings of the interval of their logarithm.
 const FACTORS: [f64; 2] = [0.25, 64.0];

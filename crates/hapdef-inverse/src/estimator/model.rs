@@ -41,6 +41,8 @@ pub(crate) struct Model {
     errors: Vec<f64>,
     /// The map's error counts for no larger force than this, N.
     pub(crate) max_force_n: f64,
+    /// See [`crate::ModelError::place_factor`].
+    pub(crate) place_factor: f64,
 }
 
 impl Model {
@@ -84,6 +86,7 @@ impl Model {
             base: None,
             errors: Vec::new(),
             max_force_n: f64::INFINITY,
+            place_factor: noise.model_error.place_factor,
             map,
             sites,
             live,
@@ -102,6 +105,18 @@ impl Model {
         }
         model.set_atoms();
         Ok(model)
+    }
+
+    /// Turns the covariance of places and forces `[n, n]`, three numbers a contact with its force last,
+    /// into what is told.
+    pub(crate) fn tell(&self, covariance: &mut [f64], n: usize) {
+        let scale = |p: usize| match p % 3 {
+            2 => 1.0,
+            _ => self.place_factor.sqrt(),
+        };
+        for (k, entry) in covariance.iter_mut().enumerate() {
+            *entry *= scale(k / n) * scale(k % n);
+        }
     }
 
     pub(crate) fn skin(&self) -> &Skin {

@@ -78,7 +78,8 @@ impl RunnerUp {
 pub enum WhyNot {
     /// The readings leave a contact's place open: its standard deviation is that of the whole skin.
     SingularInformation,
-    /// Another explanation in a different place is as good.
+    /// Another explanation in a different place is as good, or one contact in place of two that are
+    /// followed nearer to each other than [`crate::EstimatorParams::distinct_m`].
     TiedExplanations,
     /// Even as many contacts as may be do not explain the readings.
     Misfit,

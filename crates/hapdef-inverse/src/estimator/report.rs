@@ -62,6 +62,16 @@ pub(crate) fn report(
         }
         verdict => verdict,
     };
+    tell(estimator, out);
+}
+
+/// Covariances as they are told, once everything has been judged by what they are.
+fn tell(estimator: &ContactEstimator, out: &mut ContactEstimate) {
+    let model = &estimator.model;
+    for contact in &mut out.contacts {
+        model.tell(contact.covariance.as_mut_slice(), 3);
+    }
+    model.tell(&mut out.joint_covariance, 3 * out.contacts.len());
 }
 
 /// The best explanation of each count, and of these the one with the best evidence, each further

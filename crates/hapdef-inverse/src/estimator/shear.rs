@@ -277,13 +277,16 @@ impl Problem<'_> {
             .cholesky()
             .map_or_else(|| DMatrix::identity(n, n), |l| l.inverse());
         let entry = |i: usize, j: usize| prior(i) * prior(j) * covariance[(i, j)];
-        let skin = self.estimator.model.skin();
+        let (skin, told) = (
+            self.estimator.model.skin(),
+            self.estimator.model.place_factor,
+        );
         let contact = |i: usize| ShearContact {
             point: state.points[i],
             position_m: skin.position(&state.points[i]),
             force_vector_n: state.forces[i],
             position_covariance_m2: std::array::from_fn(|p| {
-                std::array::from_fn(|q| entry(N * i + p, N * i + q))
+                std::array::from_fn(|q| told * entry(N * i + p, N * i + q))
             }),
             force_covariance_n2: Matrix3::from_fn(|p, q| entry(N * i + 2 + p, N * i + 2 + q)),
         };

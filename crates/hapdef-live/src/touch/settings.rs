@@ -17,6 +17,9 @@ pub struct SuperpositionSettings {
     pub noise_ue: f64,
     /// Relative error of the map; 0 where its error is given site by site.
     pub map_error: f64,
+    /// Factor of a place's told covariance, from a calibration; 1 without one and in older bundles.
+    #[serde(default = "unchanged")]
+    pub place_factor: f64,
     /// Largest friction coefficient of what touches.
     pub friction: f64,
     /// Sites of the scan.
@@ -44,6 +47,7 @@ impl SuperpositionSettings {
                 relative: self.map_error,
                 friction_rms: friction_rms(self.friction),
                 per_site: site_error,
+                place_factor: self.place_factor,
             },
             ..NoiseParams::uniform(map.n_gauges(), self.noise_ue)
         };
@@ -54,6 +58,10 @@ impl SuperpositionSettings {
         };
         Ok(ContactEstimator::new(map, sites, noise, params)?)
     }
+}
+
+fn unchanged() -> f64 {
+    1.0
 }
 
 /// Root mean square along each tangent of a friction coefficient uniform in 0…`most` in a random

@@ -97,3 +97,24 @@ fn the_press_is_found_in_whole_counts() {
     assert!((force_n - PRESSED.1).abs() < 0.3, "{force_n} N");
     assert!(miss_mm < 0.5, "{miss_mm} mm");
 }
+
+#[test]
+fn a_file_gives_what_the_made_up_lines_give_and_a_short_one_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("board.csv");
+    let placed = Placed::load().unwrap();
+    let (_, readings_ue) = placed.press(PRESSED.0, PRESSED.1).unwrap();
+    let text = made_up(&readings_ue);
+    std::fs::write(&file, &text).unwrap();
+    let (of_file, made_up) = (own_board(Some(&file)).unwrap(), own_board(None).unwrap());
+    assert_eq!(of_file.len(), made_up.len());
+    assert_eq!(of_file[0].force_n, made_up[0].force_n);
+    assert_eq!(of_file[0].position_m, made_up[0].position_m);
+    assert!(of_file[0].miss_mm.is_none());
+    let begin: Vec<&str> = text.lines().take(1 + N_TARE).collect();
+    std::fs::write(&file, begin.join("\n") + "\n").unwrap();
+    let refused = own_board(Some(&file)).unwrap_err().to_string();
+    assert!(refused.ends_with("found 50"), "{refused}");
+    let absent = own_board(Some(&folder.path().join("no.csv"))).unwrap_err();
+    assert!(absent.to_string().ends_with("no.csv"), "{absent}");
+}

@@ -1,5 +1,6 @@
 //! Operations and bytes of what the stages do, and the time they take on a machine.
 
+use hapdef_inverse::Calibrated;
 use hapdef_nets::{Activation, MlpSpec, TrainPrecision};
 use hapdef_sim::FactorEstimate;
 
@@ -178,7 +179,8 @@ const N_KERNELS: f64 = 60.0;
 
 /// Operations of a calibration's fit to `n_presses` with `n_columns` modes: for every gauge the
 /// kernels tried, each a factorisation; presses judged among some hundred others; the last solution
-/// with the inverse's diagonal and what is known at the scan sites.
+/// with the inverse's diagonal and what is known at the scan sites, and once more for every part of the
+/// presses that is held out.
 pub(super) fn fit_flops(
     n_presses: usize,
     n_gauges: usize,
@@ -191,5 +193,6 @@ pub(super) fn fit_flops(
     let kernels = N_KERNELS * (few.powi(3) / 3.0 + few * few * columns);
     let judged = 2.0 * n * few * (few + columns);
     let solved = n.powi(3) + n * n * (columns + sites) + n * sites * sites;
-    n_gauges as f64 * (kernels + judged + solved)
+    let n_solved = 1 + Calibrated::n_refits(n_presses.min(MOST_FITTED));
+    n_gauges as f64 * (kernels + judged + n_solved as f64 * solved)
 }

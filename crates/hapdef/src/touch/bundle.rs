@@ -88,6 +88,7 @@ impl Source {
             settings: SuperpositionSettings {
                 map_error: 0.0,
                 n_sites: calibration.n_sites,
+                place_factor: calibration.place_factor,
                 ..settings
             },
             calibration_json: Some(summary(&calibration)),

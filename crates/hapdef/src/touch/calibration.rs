@@ -62,6 +62,13 @@ pub struct Calibration {
     pub adjoint_ue_per_n: Vec<[f64; 3]>,
     /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
     pub site_error: Vec<f64>,
+    /// Factor of a place's told covariance, from presses that were held out; 1 in files without it.
+    #[serde(default = "unchanged")]
+    pub place_factor: f64,
+}
+
+fn unchanged() -> f64 {
+    1.0
 }
 
 /// What is known of the presses.
@@ -131,6 +138,7 @@ impl Calibration {
             n_sites: sites.len(),
             adjoint_ue_per_n: adjoint.collect(),
             site_error: fitted.model_error.per_site,
+            place_factor: fitted.model_error.place_factor,
         };
         Ok((calibration, fitted.info))
     }
@@ -222,6 +230,7 @@ impl Calibration {
             model_error: ModelError {
                 friction_rms: friction_rms(spec.friction),
                 per_site: self.site_error.clone(),
+                place_factor: self.place_factor,
                 ..ModelError::default()
             },
             ..NoiseParams::uniform(self.n_gauges, spec.noise_ue)

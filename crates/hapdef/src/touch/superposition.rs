@@ -31,6 +31,7 @@ pub fn estimator_settings(scene: &Scene, spec: &SuperpositionSpec) -> Superposit
     SuperpositionSettings {
         noise_ue: spec.noise_ue,
         map_error: spec.map_error,
+        place_factor: 1.0,
         friction: spec.friction,
         n_sites: spec.n_sites,
         max_contacts: params.max_contacts,

@@ -42,6 +42,8 @@ pub struct Frame {
     pub t_s: f64,
     pub rate_hz: f64,
     pub n_lost: u32,
+    /// What the device left out and what the reader's queue had no room for.
+    pub n_dropped: u32,
     /// 0 off, 1 on, 2 failed.
     pub recording: u8,
     pub recorded_s: f64,
@@ -255,6 +257,7 @@ impl Frame {
             t_s: f64_at(8),
             rate_hz: f32_at(bytes, 28),
             n_lost: u32_at(bytes, 32),
+            n_dropped: u32_at(bytes, 64),
             recording: bytes[3],
             recorded_s: f32_at(bytes, 52),
             clock_residual_us: f32_at(bytes, 48),
