@@ -6,12 +6,59 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+use crate::browser;
 use crate::tool::{root, run};
 
 /// Commands that are not run here, and why.
 const LEFT_OUT: [(&str, &str); 2] = [
     ("cargo xtask ci", "this is what is running"),
     ("cargo xtask demo --quick", "run by its own step"),
+];
+
+/// Commands that take long as they are shown, and what is run in their place.
+const SMALLER: [(&str, &str); 10] = [
+    (
+        "cargo xtask compare",
+        "cargo xtask compare --quick -- --without-paper --frames 10",
+    ),
+    (
+        "cargo xtask frontier inverse",
+        "cargo xtask frontier inverse -- --without-paper --frames 10",
+    ),
+    (
+        "cargo xtask bench inverse",
+        "cargo xtask bench inverse -- --scripts 2 --pairs 10",
+    ),
+    (
+        "cargo xtask bench nets",
+        "cargo xtask bench nets -- --skip-trained --rounds 2",
+    ),
+    (
+        "cargo xtask frontier nets --quick",
+        "cargo xtask frontier nets --quick -- --rounds 2",
+    ),
+    (
+        "cargo xtask search --quick --method lr --trials 20",
+        "cargo xtask search --quick --method lr --trials 2",
+    ),
+    (
+        "cargo xtask search compare --quick",
+        "cargo xtask search compare --quick",
+    ),
+    (
+        "cargo xtask tactile",
+        "cargo xtask tactile -- --steps 100 --svr-presses 200",
+    ),
+    (
+        "cargo hapdef calibrate fixtures/shin/placed.json target/live-presses.csv \
+         target/live-calibration.json --live virtual --presses 24",
+        "rm -f target/few-presses.csv target/few-calibration.json && cargo hapdef calibrate fixtures/shin/placed.json \
+         target/few-presses.csv target/few-calibration.json --live virtual --presses 12",
+    ),
+    (
+        "cargo xtask pictures",
+        "cargo xtask pictures report shin-rigidity --into target/pictures",
+    ),
 ];
 
 /// Words that begin a command.
@@ -50,6 +97,11 @@ pub(crate) fn run_commands() -> Result<()> {
     }
     files.retain(|file| file.extension().is_some_and(|e| e == "md"));
     files.sort();
+    let texts = files.iter().map(fs::read_to_string);
+    let texts: String = texts.collect::<Result<_, _>>().context("reading docs/")?;
+    if let Some((shown, _)) = SMALLER.iter().find(|(shown, _)| !is_shown(&texts, shown)) {
+        bail!("{shown}: run in small for the docs, which don't show it; take it out of docs.rs");
+    }
     run_of(&files)
 }
 
@@ -59,6 +111,10 @@ fn run_of(files: &[PathBuf]) -> Result<()> {
         let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
         for line in commands(&text) {
             if LEFT_OUT.iter().any(|(command, _)| *command == line) {
+                continue;
+            }
+            if line.starts_with("cargo xtask pictures") && browser::wish()? == "skip" {
+                println!("skipped: {line}: no Chromium");
                 continue;
             }
             eprintln!("   $ {line}");
@@ -105,19 +161,40 @@ impl<'a> Block<'a> {
         (!reason.is_empty()).then_some(reason)
     }
 
+    fn commands(&self) -> Vec<&'a str> {
+        let lines = self.trimmed();
+        match self.fence {
+            "sh" => lines
+                .filter(|line| !line.is_empty() && !line.starts_with('#'))
+                .collect(),
+            _ => lines.filter_map(smaller).collect(),
+        }
+    }
+
     fn trimmed(&self) -> impl Iterator<Item = &'a str> {
         self.lines.iter().map(|line| line.trim())
     }
 }
 
-/// Lines of the fenced `sh` blocks.
+/// Lines of the fenced `sh` blocks, and what stands in for lines of blocks that say why they are not run.
 fn commands(text: &str) -> Vec<&str> {
-    let blocks = blocks(text);
-    let lines = blocks.iter().filter(|block| block.fence == "sh");
-    let lines = lines.flat_map(Block::trimmed);
-    lines
-        .filter(|line| !line.is_empty() && !line.starts_with('#'))
-        .collect()
+    blocks(text).iter().flat_map(Block::commands).collect()
+}
+
+/// What is run in place of a line.
+fn smaller(line: &str) -> Option<&'static str> {
+    let command = without_remark(line);
+    let mut pairs = SMALLER.iter();
+    pairs.find_map(|(shown, small)| (*shown == command).then_some(*small))
+}
+
+fn is_shown(text: &str, command: &str) -> bool {
+    text.lines()
+        .any(|line| without_remark(line.trim()) == command)
+}
+
+fn without_remark(line: &str) -> &str {
+    line.split(" #").next().unwrap_or_default().trim_end()
 }
 
 /// Commands in blocks that are neither run, ```sh, nor say why not, ```sh (a device).
@@ -150,6 +227,18 @@ mod tests {
         assert_eq!(found[0].reason(), Some("src/a.rs"));
         assert_eq!(found[0].lines, ["fn f() {", "    1", "}"]);
         assert_eq!((found[1].fence, found[1].reason()), ("", None));
+    }
+
+    #[test]
+    fn a_long_command_is_run_in_small() {
+        let text = "```sh (an hour)\ncargo xtask tactile   # remark\nhapdef b\n```\n";
+        let [small] = commands(text)[..] else {
+            panic!("{:?}", commands(text));
+        };
+        assert!(
+            small.starts_with("cargo xtask tactile -- --steps"),
+            "{small}"
+        );
     }
 
     #[test]

@@ -13,6 +13,9 @@ use crate::tool::{release_example, results, root, run};
 pub(crate) struct PicturesArgs {
     /// These only, by their names under docs/images/; all if nothing is said.
     names: Vec<String>,
+    /// Write them into this folder instead of docs/images.
+    #[arg(long)]
+    into: Option<PathBuf>,
 }
 
 /// A page that a command has written.
@@ -57,7 +60,7 @@ const LIVE_SCRIPT: &str = "new Promise((done) => {
 const PAGE_SIZE: &str = "1100x760";
 const PAGE_S: &str = "1";
 
-const SHOTS: [Shot; 13] = [
+const SHOTS: [Shot; 14] = [
     Shot {
         name: "shin-rigidity",
         page: "shin/report/rigidity-limb.svg",
@@ -93,6 +96,12 @@ const SHOTS: [Shot; 13] = [
         page: "shin-placed-anew/frontier/report.html",
         made_by: "cargo xtask frontier",
         part: Part::From("figure"),
+    },
+    Shot {
+        name: "stability",
+        page: "stability/report.html",
+        made_by: "cargo xtask stability",
+        part: Part::From("body"),
     },
     Shot {
         name: "stability-fe",
@@ -155,6 +164,9 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     {
         bail!("{other}: expected one of {}", known.join(", "));
     }
+    let folder = args.into.clone();
+    let folder = folder.unwrap_or_else(|| root().join("docs/images"));
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let is_wanted = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
     let camera = release_example("view_shot")?;
     for shot in SHOTS.iter().filter(|shot| is_wanted(shot.name)) {
@@ -164,7 +176,8 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
         }
         let (size, script) = shot.part.shown();
         let url = format!("file://{}", page.display());
-        take(&camera, &url, shot.name, &[size, "light", PAGE_S, &script])?;
+        let file = image(&folder, shot.name);
+        take(&camera, &url, &file, &[size, "light", PAGE_S, &script])?;
     }
     let live: Vec<_> = LIVE.iter().filter(|(name, ..)| is_wanted(name)).collect();
     if live.is_empty() {
@@ -172,10 +185,11 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     }
     let served = Served::start(None)?;
     for (name, size, colours) in live {
+        let file = image(&folder, name);
         take(
             &camera,
             &served.url,
-            name,
+            &file,
             &[size, colours, "0", LIVE_SCRIPT],
         )?;
     }
@@ -195,16 +209,15 @@ impl Part {
     }
 }
 
-fn take(camera: &Path, url: &str, name: &str, words: &[&str]) -> Result<()> {
-    let file = image(name);
-    run(Command::new(camera).arg(url).arg(&file).args(words))?;
-    let bytes = std::fs::metadata(&file)
+fn take(camera: &Path, url: &str, file: &Path, words: &[&str]) -> Result<()> {
+    run(Command::new(camera).arg(url).arg(file).args(words))?;
+    let bytes = std::fs::metadata(file)
         .with_context(|| file.display().to_string())?
         .len();
     println!("{} kB  {}", bytes.div_ceil(1000), file.display());
     Ok(())
 }
 
-fn image(name: &str) -> PathBuf {
-    root().join("docs/images").join(name).with_extension("webp")
+fn image(folder: &Path, name: &str) -> PathBuf {
+    folder.join(name).with_extension("webp")
 }
