@@ -81,7 +81,7 @@ const SHOTS: [Shot; 14] = [
     },
     Shot {
         name: "compare",
-        page: "shin/compare/report.html",
+        page: "shin-placed/compare/report.html",
         made_by: "cargo xtask compare",
         part: Part::From("body"),
     },

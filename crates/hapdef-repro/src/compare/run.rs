@@ -19,6 +19,9 @@ use super::world::{Draw, Frame, World};
 /// Gauges of the layout for the static triple.
 const N_MORE: usize = 16;
 
+/// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
+const MARGIN_M: f64 = 1e-3;
+
 /// Presses of the two calibrations.
 const N_MANY: usize = 3000;
 const N_FEW: usize = 300;
@@ -120,7 +123,7 @@ impl<'a> Bench<'a> {
         };
         run.say("solving the response and what may change it");
         let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
-        let (sites, gauges) = placed_gauges(run, limb, N_MORE)?;
+        let (sites, gauges) = placed_gauges(run, limb, N_MORE, MARGIN_M)?;
         let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, ten.map.skin(), &sites)?;
@@ -313,15 +316,16 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// `n_gauges` gauges where log-det puts them, up to the edges of the wall.
+/// `n_gauges` gauges where log-det puts them, no nearer than `margin_m` to the edges of the wall.
 pub(crate) fn placed_gauges(
     run: &Run,
     limb: &Limb,
     n_gauges: usize,
+    margin_m: f64,
 ) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
     let params = LayoutParams {
         n_gauges,
-        margin_m: 0.0,
+        margin_m,
         noise_ue: run.scene.rig.electronics.noise_ue,
         seed: run.scene.seed,
         compares: false,

@@ -223,7 +223,7 @@ fn place(
             Layout::Scene => (limb.sites.clone(), limb.gauges.clone(), 0),
             Layout::Greedy(n) => {
                 run.say(&format!("placing {n} gauges"));
-                let (sites, gauges) = placed_gauges(run, limb, n)?;
+                let (sites, gauges) = placed_gauges(run, limb, n, 0.0)?;
                 let first = limb.gauges.len() + further.len();
                 further.extend_from_slice(&sites);
                 (sites, gauges, first)
