@@ -16,27 +16,7 @@ const LEFT_OUT: [(&str, &str); 2] = [
 ];
 
 /// Commands that take long as they are shown, and what is run in their place.
-const SMALLER: [(&str, &str); 10] = [
-    (
-        "cargo xtask compare",
-        "cargo xtask compare --quick -- --without-paper --frames 10",
-    ),
-    (
-        "cargo xtask frontier inverse",
-        "cargo xtask frontier inverse -- --without-paper --frames 10",
-    ),
-    (
-        "cargo xtask bench inverse",
-        "cargo xtask bench inverse -- --scripts 2 --pairs 10",
-    ),
-    (
-        "cargo xtask bench nets",
-        "cargo xtask bench nets -- --skip-trained --rounds 2",
-    ),
-    (
-        "cargo xtask frontier nets --quick",
-        "cargo xtask frontier nets --quick -- --rounds 2",
-    ),
+const SMALLER: [(&str, &str); 5] = [
     (
         "cargo xtask search --quick --method lr --trials 20",
         "cargo xtask search --quick --method lr --trials 2",
