@@ -16,7 +16,19 @@ const LEFT_OUT: [(&str, &str); 2] = [
 ];
 
 /// Commands that take long as they are shown, and what is run in their place.
-const SMALLER: [(&str, &str); 5] = [
+const SMALLER: [(&str, &str); 8] = [
+    (
+        "cargo xtask compare",
+        "cargo xtask compare --quick -- --without-paper --frames 10 --presses 300",
+    ),
+    (
+        "cargo xtask frontier inverse",
+        "cargo xtask frontier inverse -- --without-paper --frames 10 --presses 300",
+    ),
+    (
+        "cargo xtask bench inverse",
+        "cargo xtask bench inverse -- --scripts 2 --pairs 10",
+    ),
     (
         "cargo xtask search --quick --method lr --trials 20",
         "cargo xtask search --quick --method lr --trials 2",

@@ -82,7 +82,10 @@ impl Calibrated {
             at_sites: &at_sites,
             params,
         };
-        let place_factor = place_factor(&given, sites, presses, &rows, &kernels)?;
+        let place_factor = match params.holds_out {
+            true => place_factor(&given, sites, presses, &rows, &kernels)?,
+            false => 1.0,
+        };
         let Corrected {
             solution,
             map,

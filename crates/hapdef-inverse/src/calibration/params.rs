@@ -52,6 +52,9 @@ pub struct CalibrationParams {
     pub reject_p: f64,
     /// Places proposed for the next presses.
     pub n_next: usize,
+    /// Whether presses are held out to see how large the told regions have to be, which repeats the fit
+    /// up to ten times; else [`crate::ModelError::place_factor`] is 1.
+    pub holds_out: bool,
     /// Threads; the result does not depend on it.
     pub n_threads: usize,
 }
@@ -72,6 +75,7 @@ impl CalibrationParams {
             max_presses: 4000,
             reject_p: 1e-9,
             n_next: 10,
+            holds_out: true,
             n_threads: 2,
         }
     }

@@ -194,7 +194,10 @@ fn write(
         facts: facts::of_run(run),
         tables: vec![ReportTable {
             title: "Every way from readings to contacts".into(),
-            note: NOTE.into(),
+            note: format!(
+                "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
+                bench.n_presses()
+            ),
             text: table,
             data: serde_json::to_value(points)?,
         }],
@@ -214,8 +217,7 @@ fn write(
     Ok(())
 }
 
-const NOTE: &str = "Simulated: the scene's rig, a map calibrated with 3,000 presses. Contacts of 5 N \
-    to the strongest, 20 mm apart, matched one to one; by superposition their number is estimated, \
+const NOTE: &str = "Contacts of 5 N to the strongest, 20 mm apart, matched one to one; by superposition their number is estimated, \
     the paper's pipeline is given it. Efforts differ in scan sites, starts that are refined and \
     rounds of new starts. Bound: the median Cramér–Rao bound with the map's error, which no \
     unbiased estimate beats. Front: no other row is both faster and nearer.";

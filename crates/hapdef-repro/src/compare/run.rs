@@ -22,8 +22,7 @@ const N_MORE: usize = 16;
 /// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
 const MARGIN_M: f64 = 1e-3;
 
-/// Presses of the two calibrations.
-const N_MANY: usize = 3000;
+/// Presses of the calibration by few.
 const N_FEW: usize = 300;
 
 /// Largest friction coefficient of the friction row, and its tip: 8 mm across.
@@ -50,9 +49,20 @@ pub(crate) struct CompareArgs {
     /// Seed of the presses and frames; nothing was tuned on the default.
     #[arg(long, default_value_t = 7000)]
     test_seed: u64,
+    /// Presses that the map is calibrated with where nothing else is said, 300 at least.
+    #[arg(long, default_value_t = 3000, value_parser = at_least_few)]
+    presses: usize,
     /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
     #[arg(long)]
     without_paper: bool,
+}
+
+fn at_least_few(word: &str) -> Result<usize, String> {
+    let n: usize = word.parse().map_err(|_| "expected a number".to_owned())?;
+    if n < N_FEW {
+        return Err(format!("expected {N_FEW} at least"));
+    }
+    Ok(n)
 }
 
 impl CompareArgs {
@@ -71,7 +81,9 @@ pub(crate) struct Measured {
     pub(crate) rows: Vec<Row>,
     pub(crate) coverage95_pct: Option<f64>,
     pub(crate) bound_ratio: Option<f64>,
-    /// Relative errors of the maps at presses they were not calibrated with: with 3,000 presses,
+    /// Presses that the map is calibrated with where nothing else is said.
+    pub(crate) n_presses: usize,
+    /// Relative errors of the maps at presses they were not calibrated with: with all presses,
     /// 300, and none.
     pub(crate) map_errors: [f64; 3],
     /// Times of all frames of the tracker, µs, rising.
@@ -85,7 +97,10 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
-    let mut measured = Measured::default();
+    let mut measured = Measured {
+        n_presses: args.presses,
+        ..Measured::default()
+    };
     bench.by_superposition(&mut measured)?;
     if !args.without_paper {
         bench.by_the_paper(&mut measured)?;
@@ -137,6 +152,10 @@ impl<'a> Bench<'a> {
         })
     }
 
+    pub(super) fn n_presses(&self) -> usize {
+        self.args.presses
+    }
+
     pub(super) fn test_seed(&self) -> u64 {
         self.args.test_seed
     }
@@ -145,14 +164,14 @@ impl<'a> Bench<'a> {
         estimator_params(&self.run.scene)
     }
 
-    /// The scene's gauges, calibrated with 3,000 presses.
+    /// The scene's gauges, calibrated with all presses.
     pub(super) fn calibrated(&self) -> Result<Map> {
         self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
     }
 
     fn presses(&self) -> Result<Vec<Frame>> {
         let range = self.run.scene.contact.force_range_n;
-        cells::presses(&self.world, &mut self.draw(1), N_MANY, range)
+        cells::presses(&self.world, &mut self.draw(1), self.args.presses, range)
     }
 
     /// Frames of a row are drawn from a seed of their own.

@@ -178,7 +178,8 @@ fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {
         "response map",
         format!(
             "relative error at presses it was not calibrated with, their noise included: {none:.1} \
-             % computed, {few:.2} % with 300 presses, {many:.2} % with 3,000"
+             % computed, {few:.2} % with 300 presses, {many:.2} % with {}",
+            measured.n_presses
         ),
     ));
     facts.push(named(

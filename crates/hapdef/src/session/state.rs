@@ -198,6 +198,8 @@ impl CalibrationSession {
             position_sd_m: params.quality.position_sd_m,
             force_sd_n: params.quality.force_sd_n,
             n_next: params.n_between,
+            // the finger waits; the calibration in the end holds some out
+            holds_out: false,
             n_threads: run.threads,
             ..CalibrationParams::new(params.press_noise_ue(n_gauges))
         };
