@@ -16,7 +16,11 @@ const LEFT_OUT: [(&str, &str); 2] = [
 ];
 
 /// Commands that take long as they are shown, and what is run in their place.
-const SMALLER: [(&str, &str); 8] = [
+const SMALLER: [(&str, &str); 9] = [
+    (
+        "cargo xtask bench nets",
+        "cargo xtask bench nets -- --skip-trained --rounds 2",
+    ),
     (
         "cargo xtask compare",
         "cargo xtask compare --quick -- --without-paper --frames 10 --presses 300",
