@@ -42,8 +42,8 @@ pub use calibration::{
 pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
 pub use error::InverseError;
 pub use estimator::{
-    Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
-    IfTwo, MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
+    CHI2_95, Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams,
+    EstimatorScratch, IfTwo, MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
 };
 pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,

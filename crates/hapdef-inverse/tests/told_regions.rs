@@ -10,10 +10,9 @@ mod world;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    Calibrated, ContactEstimator, EstimatorParams, ModelError, NoiseParams, Verdict,
+    CHI2_95, Calibrated, ContactEstimator, EstimatorParams, ModelError, NoiseParams, Verdict,
 };
 use limb::{Limb, N_GAUGES, fit, params};
-use nalgebra::Vector2;
 use world::World;
 
 fn estimator(world: &World, fitted: &Calibrated, place_factor: f64) -> ContactEstimator {
@@ -47,11 +46,9 @@ fn told_regions_hold_presses_that_were_not_seen() {
     for press in limb.presses(&world, 600, 1.0, 4) {
         let found = estimator.estimate(&press.readings).unwrap();
         if let ([one], Verdict::Identified) = (&found.contacts[..], found.verdict) {
-            let off = skin.position(&press.point) - one.position_m;
-            let off = Vector2::from(skin.tangents(&one.point).map(|t| t.dot(&off)));
-            let told = one.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-            let distance_2 = (off.transpose() * told.try_inverse().unwrap() * off)[(0, 0)];
-            (inside, all) = (inside + usize::from(distance_2 <= 5.991), all + 1);
+            let truth = skin.position(&press.point);
+            let distance_2 = one.distance_2(skin, &truth, 0.0).unwrap();
+            (inside, all) = (inside + usize::from(distance_2 <= CHI2_95), all + 1);
         }
     }
     let share = inside as f64 / f64::from(all);

@@ -2,19 +2,15 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Matrix2, Vector2};
-
 use crate::calibration::corrected::{Corrected, Given};
 use crate::calibration::kernel::Kernel;
 use crate::calibration::output::Calibrated;
 use crate::calibration::press::Press;
-use crate::calibration::regions::{CHI2, SHARE};
+use crate::calibration::regions::SHARE;
 use crate::error::InverseError;
-use crate::estimator::{Contact, ContactEstimator, EstimatorParams, Verdict};
+use crate::estimator::{CHI2_95, ContactEstimator, EstimatorParams, Verdict};
 use crate::noise::{ModelError, NoiseParams};
 use crate::sites::ScanSites;
-use crate::skin::Skin;
-use crate::skin_point::SkinPoint;
 
 /// Numbers of presses for which some are held out: fewer don't tell a quantile of 95 %, and more know
 /// so little of each other that the left-out ones of the fit itself suffice.
@@ -65,7 +61,7 @@ pub(crate) fn place_factor(
             if let ([one], Verdict::Identified) = (&found.contacts[..], found.verdict) {
                 let skin = given.basis.map.skin();
                 let sd_m = given.params.position_sd_m;
-                distances.extend(distance_2(skin, one, &press.point, sd_m));
+                distances.extend(one.distance_2(skin, &skin.position(&press.point), sd_m));
             }
         }
     }
@@ -73,7 +69,7 @@ pub(crate) fn place_factor(
     let n = distances.len();
     let rank = (SHARE * (n + 1) as f64).ceil() as usize;
     let quantile = distances.get(rank.min(n).wrapping_sub(1));
-    Ok(quantile.map_or(1.0, |distance_2| distance_2 / CHI2))
+    Ok(quantile.map_or(1.0, |distance_2| distance_2 / CHI2_95))
 }
 
 fn estimator(
@@ -96,15 +92,4 @@ fn estimator(
     };
     let (map, sites) = (Arc::new(corrected.map), Arc::new(sites.clone()));
     ContactEstimator::new(map, sites, noise, params)
-}
-
-/// Squared distance of a contact from a press in its own standard deviations, in the tangent plane,
-/// the press placed to `sd_m`.
-fn distance_2(skin: &Skin, contact: &Contact, press: &SkinPoint, sd_m: f64) -> Option<f64> {
-    let off = skin.position(press) - contact.position_m;
-    let along = skin.tangents(&contact.point).map(|t| t.dot(&off));
-    let off = Vector2::from(along);
-    let told = contact.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let covariance = told + Matrix2::identity() * sd_m * sd_m;
-    Some((off.transpose() * covariance.try_inverse()? * off)[(0, 0)])
 }

@@ -5,12 +5,11 @@ use nalgebra::{Matrix3, Vector3};
 use crate::calibration::samples::Samples;
 use crate::calibration::solution::Solution;
 use crate::dense::{cholesky, solve_lower};
+use crate::estimator::CHI2_95;
 use crate::response::ResponseMap;
 
-/// Share of the regions that are to hold the truth, and the χ² with two degrees of freedom that
-/// bounds them: −2 ln 0.05.
+/// Share of the regions that are to hold the truth.
 pub(crate) const SHARE: f64 = 0.95;
-pub(crate) const CHI2: f64 = 5.991_464_547_107_979;
 
 /// Factors that are tried, and halvings of the interval of their logarithm.
 const FACTORS: [f64; 2] = [0.25, 64.0];
@@ -82,7 +81,7 @@ pub(crate) fn region_factor(presses: &[LeftOutPress]) -> f64 {
     let holds = |factor: f64| {
         let distances = presses.iter().filter_map(|press| press.distance_2(factor));
         let (inside, all) = distances.fold((0, 0), |(inside, all), d| {
-            (inside + usize::from(d <= CHI2), all + 1)
+            (inside + usize::from(d <= CHI2_95), all + 1)
         });
         f64::from(inside as u32) >= SHARE * f64::from(all)
     };

@@ -22,7 +22,7 @@ mod shear;
 pub use contact_estimator::ContactEstimator;
 pub use explanation::MAX_CONTACTS;
 pub use output::{
-    Contact, ContactEstimate, EstimateInfo, IfTwo, RunnerUp, ShearContact, Verdict, WhyNot,
+    CHI2_95, Contact, ContactEstimate, EstimateInfo, IfTwo, RunnerUp, ShearContact, Verdict, WhyNot,
 };
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;

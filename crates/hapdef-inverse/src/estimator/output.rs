@@ -1,8 +1,12 @@
 //! What is known after a frame, and what is not.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
+use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
+
+/// The 95 % region of a place: χ² with two degrees of freedom, −2 ln 0.05.
+pub const CHI2_95: f64 = 5.991_464_547_107_979;
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +22,20 @@ pub struct Contact {
     /// Covariance of (position along tangent 1, along tangent 2, force), m and N; the tangents are
     /// [`crate::Skin::tangents`] at `point`.
     pub covariance: Matrix3<f64>,
+}
+
+impl Contact {
+    /// Squared distance (Mahalanobis) of the place from `truth`, m, in its own standard deviations, in the
+    /// tangent plane of `skin`, `truth` itself being known to `truth_sd_m`; [`CHI2_95`] bounds the 95 %
+    /// region. None if the covariance is singular.
+    #[must_use]
+    pub fn distance_2(&self, skin: &Skin, truth: &Point3<f64>, truth_sd_m: f64) -> Option<f64> {
+        let off = truth - self.position_m;
+        let off = Vector2::from(skin.tangents(&self.point).map(|t| t.dot(&off)));
+        let told = self.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        let covariance = told + Matrix2::identity() * truth_sd_m.powi(2);
+        Some((off.transpose() * covariance.try_inverse()? * off)[(0, 0)])
+    }
 }
 
 /// One contact with its force in three directions.

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
-use hapdef_inverse::{Contact, ContactEstimate, Skin, Verdict};
+use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
 use serde::Serialize;
 
 use super::world::Frame;
@@ -13,9 +13,6 @@ const FOUND_M: f64 = 0.010;
 
 /// Points of a row's curve.
 const N_CURVE: usize = 100;
-
-/// The 95 % quantile of χ² with two degrees of freedom: −2 ln 0.05.
-const CHI2_95: f64 = 5.991_464_547_107_979;
 
 /// Frames of a row, matched one to one.
 #[derive(Clone, Debug, Default)]
@@ -119,7 +116,7 @@ impl Score {
         let is_right = found.len() == frame.contacts.len();
         for pair in pairs.iter().filter(|_| is_sure && is_right) {
             let truth = skin.position(&frame.contacts[pair.truth].point);
-            let distance2 = mahalanobis2(skin, &estimate.contacts[pair.detected], &truth);
+            let distance2 = estimate.contacts[pair.detected].distance_2(skin, &truth, 0.0);
             self.n_regions += 1;
             self.n_inside += usize::from(distance2.is_some_and(|d| d <= CHI2_95));
         }
@@ -164,16 +161,6 @@ impl Score {
         );
         (all > 0).then(|| inside as f64 / all as f64 * 100.0)
     }
-}
-
-/// Squared distance of a contact from the truth in its own standard deviations, in the tangent
-/// plane; none if the covariance is singular.
-fn mahalanobis2(skin: &Skin, contact: &Contact, truth: &nalgebra::Point3<f64>) -> Option<f64> {
-    let off = truth - contact.position_m;
-    let along = skin.tangents(&contact.point).map(|t| t.dot(&off));
-    let off = nalgebra::Vector2::from(along);
-    let covariance = contact.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    Some((off.transpose() * covariance.try_inverse()? * off)[(0, 0)])
 }
 
 pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
