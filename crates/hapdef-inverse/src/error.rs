@@ -109,7 +109,7 @@ pub enum InverseError {
     },
     /// A press that is not on the skin.
     #[error(
-        "the press at {position_m:?} m is {distance_m} m from the skin, {max_distance_m} m are \
+        "the press at {position_m:.6?} m is {distance_m:.6} m from the skin, {max_distance_m} m are \
          allowed: check its frame and unit, or leave it out"
     )]
     PressOffSkin {
@@ -163,7 +163,7 @@ pub enum InverseError {
     },
     /// All presses in one place.
     #[error(
-        "all presses lie within {extent_m} m of each other, on a skin of {skin_extent_m} m: spread \
+        "all presses lie within {extent_m:.6} m of each other, on a skin of {skin_extent_m:.6} m: spread \
          them over the skin"
     )]
     PressesInOneSpot {

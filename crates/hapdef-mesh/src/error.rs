@@ -135,7 +135,7 @@ pub enum MeshError {
     },
     /// A gauge that is not on the wall it should be glued to.
     #[error(
-        "a gauge centred at ({}, {}, {}) m is {distance_m} m from the nearest wall face, more than \
+        "a gauge centred at ({:.6}, {:.6}, {:.6}) m is {distance_m:.6} m from the nearest wall face, more than \
          the {max_distance_m} m allowed: move it onto the wall",
         centre_m[0], centre_m[1], centre_m[2]
     )]
@@ -150,7 +150,7 @@ pub enum MeshError {
     },
     /// A wall with fewer nodes than a gauge's patch needs.
     #[error(
-        "the wall at gauge centre ({}, {}, {}) m has {found} FE nodes, but a patch of {expected} is \
+        "the wall at gauge centre ({:.6}, {:.6}, {:.6}) m has {found} FE nodes, but a patch of {expected} is \
          wanted: refine the mesh there or take fewer",
         centre_m[0], centre_m[1], centre_m[2]
     )]

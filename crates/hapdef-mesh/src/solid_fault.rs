@@ -52,7 +52,7 @@ pub enum SolidFault {
     },
     /// Four corners that lie in a plane or are numbered inside out.
     #[error(
-        "element {element} has corner volume {volume_m3:e} m3 (0-based); it must be positive: \
+        "element {element} has corner volume {volume_m3:.3e} m3 (0-based); it must be positive: \
          number the corners so that the fourth sees the first three counterclockwise from inside"
     )]
     CornerVolume {

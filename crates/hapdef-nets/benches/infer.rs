@@ -2,7 +2,7 @@
 //! vector instructions that the processor has.
 //!
 //! ```text
-//! cargo bench -p hapdef-nets --no-default-features
+//! cargo bench --bench infer
 //! ```
 #![expect(missing_docs, reason = "criterion's macros make undocumented items")]
 

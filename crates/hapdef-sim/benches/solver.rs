@@ -1,7 +1,7 @@
 //! The solver's parts on a ribbed box: build, one load, many loads, adjoints, shell elements.
 //!
 //! ```text
-//! cargo bench -p hapdef-sim
+//! cargo bench --bench solver
 //! ```
 #![expect(missing_docs, reason = "criterion's macros make undocumented items")]
 

@@ -102,7 +102,7 @@ pub enum SimError {
     NeedsRotations,
     /// An element that is turned inside out at a Gauss point, seen by its Jacobian.
     #[error(
-        "element {element} (0-based) has det J = {det_j_m3:e} m³ at parent coordinates \
+        "element {element} (0-based) has det J = {det_j_m3:.3e} m³ at parent coordinates \
          ({}, {}, {}): it is inside out or flat; move its mid-side nodes or remesh", parent[0], parent[1], parent[2]
     )]
     ElementInverted {
@@ -220,8 +220,8 @@ pub enum SimError {
     },
     /// A patch load whose tip does not touch the skin.
     #[error(
-        "the tip at ({}, {}, {}) m with radius {tip_radius_m} m does not reach the skin; \
-         the nearest skin node is {nearest_node_m} m away", centre_m[0], centre_m[1], centre_m[2]
+        "the tip at ({:.6}, {:.6}, {:.6}) m with radius {tip_radius_m} m does not reach the skin; \
+         the nearest skin node is {nearest_node_m:.6} m away", centre_m[0], centre_m[1], centre_m[2]
     )]
     PatchOffSkin {
         /// The tip's centre, m.
@@ -243,7 +243,7 @@ pub enum SimError {
     },
     /// A gauge too far from every wall face.
     #[error(
-        "the gauge at ({}, {}, {}) m is {distance_m} m from the nearest wall face; allowed are {max_distance_m} m",
+        "the gauge at ({:.6}, {:.6}, {:.6}) m is {distance_m:.6} m from the nearest wall face; allowed are {max_distance_m} m",
         centre_m[0], centre_m[1], centre_m[2]
     )]
     GaugeOffWall {
@@ -256,8 +256,8 @@ pub enum SimError {
     },
     /// A gauge whose footprint hangs over a hole or a rim.
     #[error(
-        "{n_lost} of the {n_samples} sample points of the gauge at ({}, {}, {}) m miss its wall \
-         (share {lost_share}, allowed {max_lost_share}): move the gauge away from holes and rims",
+        "{n_lost} of the {n_samples} sample points of the gauge at ({:.6}, {:.6}, {:.6}) m miss its wall \
+         (share {lost_share:.3}, allowed {max_lost_share}): move the gauge away from holes and rims",
         centre_m[0], centre_m[1], centre_m[2]
     )]
     GaugeOverhang {
@@ -274,7 +274,7 @@ pub enum SimError {
     },
     /// A solution whose residual stays too large after refinement.
     #[error(
-        "load {load} is solved to a backward error of {backward_error:e} after \
+        "load {load} is solved to a backward error of {backward_error:.2e} after \
          {n_refinements} refinement steps; allowed is {limit:e}"
     )]
     Residual {
@@ -290,7 +290,7 @@ pub enum SimError {
     /// A stiffness matrix that is singular up to rounding, found on the coarsest level of multigrid.
     #[error(
         "the stiffness matrix is singular: around node {node} (0-based) the body can move almost \
-         without resistance in direction {direction} (scaled pivot {pivot:e}): hold it, or tie \
+         without resistance in direction {direction} (scaled pivot {pivot:.2e}): hold it, or tie \
          its hinged parts"
     )]
     Singular {
@@ -303,8 +303,8 @@ pub enum SimError {
     },
     /// An iteration that ended short of its promise.
     #[error(
-        "load {load} after {n_iterations} iterations: backward error {backward_error:e} (allowed \
-         {limit:e}), estimated relative error in energy {energy_error:e} (allowed {energy_limit:e}); \
+        "load {load} after {n_iterations} iterations: backward error {backward_error:.2e} (allowed \
+         {limit:e}), estimated relative error in energy {energy_error:.2e} (allowed {energy_limit:e}); \
          give the direct factor more memory, or remesh slivers"
     )]
     NotConverged {
@@ -324,7 +324,7 @@ pub enum SimError {
     /// A system so near to singular that its solution can't be trusted.
     #[error(
         "the stiffness has a condition number of about {condition:e}: with a backward error of \
-         {backward_error:e} displacements may be off by {bound:e}, allowed is {limit:e}; tie parts \
+         {backward_error:.2e} displacements may be off by {bound:e}, allowed is {limit:e}; tie parts \
          that are far stiffer than the rest as rigid inserts, and remesh slivers"
     )]
     IllConditioned {

@@ -64,9 +64,6 @@ fn main() -> Result<(), Fault> {
     if let Some(path) = value("--metrics") {
         log.append_to(Path::new(path))?;
     }
-    if !is_met {
-        std::process::exit(1);
-    }
     Ok(())
 }
 

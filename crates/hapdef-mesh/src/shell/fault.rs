@@ -37,8 +37,8 @@ pub enum SurfaceFault {
     },
     /// A closed surface whose volume can't be a solid's.
     #[error(
-        "the enclosed volume is {volume_m3:e} m3, but a solid in this bounding box has more than 0 \
-         and at most {box_volume_m3:e} m3: the triangles face inward or overlap"
+        "the enclosed volume is {volume_m3:.3e} m3, but a solid in this bounding box has more than 0 \
+         and at most {box_volume_m3:.3e} m3: the triangles face inward or overlap"
     )]
     Volume {
         /// The signed volume, m³.
@@ -105,7 +105,7 @@ pub enum SurfaceFault {
     },
     /// A skin that turns over on the way to the middle of its wall.
     #[error(
-        "triangle {triangle} turns over when its nodes move {offset_m} m to the middle of the \
+        "triangle {triangle} turns over when its nodes move {offset_m:.6} m to the middle of the \
          wall: the wall is too thick for the skin's edges or curvature there; thin it or remesh \
          coarser"
     )]
@@ -118,7 +118,7 @@ pub enum SurfaceFault {
     /// A wedge that turns over when the skin is extruded.
     #[error(
         "the wedge under triangle {triangle}, layer {layer}, folds: a ten-node tetrahedron there \
-         has det J = {jacobian_m3:e} m3 (thickness {thickness_m} m at node {node}); thin the wall \
+         has det J = {jacobian_m3:.3e} m3 (thickness {thickness_m} m at node {node}); thin the wall \
          or remesh coarser"
     )]
     ExtrusionFolds {
@@ -167,7 +167,7 @@ pub enum SurfaceFault {
     },
     /// A cavity that is not inside its solid.
     #[error(
-        "body {body} faces inward (volume {volume_m3:e} m3) like a cavity, but does not lie inside \
+        "body {body} faces inward (volume {volume_m3:.3e} m3) like a cavity, but does not lie inside \
          the solid"
     )]
     CavityOutside {
@@ -194,7 +194,7 @@ pub enum SurfaceFault {
     },
     /// A target edge that asks for too fine a mesh.
     #[error(
-        "an edge length of {target_edge_m} m on {area_m2} m2 makes about {n_triangles} triangles, \
+        "an edge length of {target_edge_m} m on {area_m2:.6} m2 makes about {n_triangles} triangles, \
          more than the {max_triangles} allowed"
     )]
     TooManyTriangles {
@@ -209,8 +209,8 @@ pub enum SurfaceFault {
     },
     /// A remeshed surface that strays from the one it was made from.
     #[error(
-        "the remeshed surface is {distance_m} m from the given one (allowed {max_distance_m}) and \
-         its volume changes by {volume_change} (allowed {max_volume_change}), relative: take a \
+        "the remeshed surface is {distance_m:.6} m from the given one (allowed {max_distance_m}) and \
+         its volume changes by {volume_change:.4} (allowed {max_volume_change}), relative: take a \
          shorter edge length"
     )]
     RemeshStrays {

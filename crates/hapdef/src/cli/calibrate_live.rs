@@ -128,7 +128,7 @@ pub(super) fn calibrate_live(
         feed.open_again(device, run, limb)?;
         feed.backlog = Backlog::new(rate_hz);
     }
-    run.say("taking the tare: don't touch the limb");
+    run.say("taking the tare in a second: don't touch the limb");
     if !feed.guide(run, &mut session, table)? {
         let n = session.rows().len();
         ensure!(n > 0, "stopped before the first press was kept");

@@ -19,6 +19,9 @@ use crate::touch::{
 /// Untouched frames after a press before the next one is asked for, per second.
 const REST_S: f64 = 0.2;
 
+/// Time to take one's hands off the limb before the tare, s.
+const BEFORE_TARE_S: f64 = 1.0;
+
 /// What a session is to reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SessionParams {
@@ -115,6 +118,8 @@ pub struct CalibrationSession {
     conditioned: Conditioned,
     hold: Hold,
     phase: Phase,
+    /// Frames left before the tare begins.
+    n_before_tare: usize,
     asked: Option<(AskedPress, SkinPoint)>,
     presses: Vec<Press>,
     has_told_gauge: bool,
@@ -163,6 +168,10 @@ impl SessionParams {
         (0..n_gauges).map(noise).collect()
     }
 
+    fn before_tare(&self) -> usize {
+        (BEFORE_TARE_S * self.rate_hz).round() as usize
+    }
+
     fn conditioning(&self, n_gauges: usize) -> ConditionerParams {
         let sd = |gauge| {
             self.quality
@@ -179,7 +188,8 @@ impl SessionParams {
 }
 
 impl CalibrationSession {
-    /// Solves for the limb's response and begins with the tare: the limb must be untouched.
+    /// Solves for the limb's response and begins with the tare, a second after the first frame: the limb
+    /// must be untouched then.
     ///
     /// # Errors
     /// [`HapdefError::Sim`] when the limb can't be solved; [`HapdefError::Inverse`] for parameters
@@ -210,6 +220,7 @@ impl CalibrationSession {
             conditioner,
             hold: Hold::new(params.hold, noise_ue, n_gauges),
             phase: Phase::Taring,
+            n_before_tare: params.before_tare(),
             asked: None,
             presses: Vec::new(),
             has_told_gauge: false,
@@ -222,6 +233,10 @@ impl CalibrationSession {
     /// # Errors
     /// [`HapdefError::Inverse`] for a frame of another length, or presses that can't be fitted.
     pub fn frame(&mut self, raw_ue: &[f64]) -> Result<Option<SessionEvent>, HapdefError> {
+        if self.n_before_tare > 0 {
+            self.n_before_tare -= 1;
+            return Ok(None);
+        }
         self.conditioner
             .step_into(raw_ue, None, &mut self.conditioned)?;
         let is_touched = self.conditioned.phase == TouchPhase::Touched;
@@ -244,9 +259,10 @@ impl CalibrationSession {
         }
     }
 
-    /// Begins with the tare again, as after the device has started anew; the press that is asked for
-    /// is asked for again.
+    /// Begins with the tare again, a second from now, as after the device has started anew; the press
+    /// that is asked for is asked for again.
     pub fn restart(&mut self) {
+        self.n_before_tare = self.params.before_tare();
         self.conditioner.tare();
         if self.phase != Phase::Done {
             self.phase = Phase::Taring;
