@@ -6,6 +6,7 @@ mod bench;
 mod compare;
 mod frontier;
 mod run;
+mod target;
 
 use std::process::ExitCode;
 

@@ -9,6 +9,7 @@ mod run;
 pub(crate) mod score;
 pub(crate) mod sequence;
 mod tables;
+mod targets;
 pub(crate) mod world;
 
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};

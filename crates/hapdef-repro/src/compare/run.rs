@@ -11,7 +11,7 @@ use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::cells::{self, Map};
 use super::paper::{PaperPipeline, Ranking, VirtualGauges};
-use super::score::{Row, Score, mean, sorted};
+use super::score::{Row, Score, at, mean, sorted};
 use super::sequence::{Followed, Script};
 use super::tables;
 use super::world::{Draw, Frame, World};
@@ -372,9 +372,16 @@ pub(crate) fn placed_gauges(
     Ok((sites, gauges))
 }
 
-/// Times of the paper's rows, µs.
-pub(crate) fn paper_time_us(measured: &Measured) -> Option<f64> {
+/// The mean position error of the paper's pipeline with two contacts over superposition's.
+pub(super) fn double_vs_paper(measured: &Measured) -> Option<f64> {
+    let paper = measured.row(measured.best_paper.as_ref()?)?;
+    Some(paper.mean_mm / measured.row("double")?.mean_mm)
+}
+
+/// The time of a frame of the paper's pipeline over that of a followed one.
+pub(super) fn time_vs_paper(measured: &Measured) -> Option<f64> {
     let rows = measured.rows.iter().filter(|r| r.name.starts_with("paper"));
     let times: Vec<f64> = rows.map(|r| r.p50_us).collect();
-    (!times.is_empty()).then(|| mean(times.into_iter()))
+    let paper_us = mean(times.iter().copied());
+    (!times.is_empty()).then(|| paper_us / at(&measured.tracking_us, 0.5))
 }

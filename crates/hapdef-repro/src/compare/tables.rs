@@ -9,8 +9,9 @@ use hapdef_report::{
     TextTable, write_report,
 };
 
-use super::run::{Measured, paper_time_us};
+use super::run::{Measured, double_vs_paper, time_vs_paper};
 use super::score::{Row, at};
+use super::targets;
 use crate::run::facts;
 use crate::run::summary::terminal_table;
 
@@ -47,12 +48,15 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
         ),
         scene: run.scene.name.clone(),
         facts: facts_of(run, test_seed, measured),
-        tables: vec![ReportTable {
-            title: "Contacts, the same frames for all".into(),
-            note: NOTE.into(),
-            text: table,
-            data: serde_json::to_value(&measured.rows)?,
-        }],
+        tables: vec![
+            targets::table(measured)?,
+            ReportTable {
+                title: "Contacts, the same frames for all".into(),
+                note: NOTE.into(),
+                text: table,
+                data: serde_json::to_value(&measured.rows)?,
+            },
+        ],
         figures: vec![errors(measured)?],
         metrics: log.records().to_vec(),
         seed: test_seed,
@@ -156,15 +160,9 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
     )?;
     let why = "at no contact does the noise's bound exceed the map's error";
     number("bound_ratio", measured.bound_ratio, "1", why)?;
-    let paper = measured
-        .best_paper
-        .as_ref()
-        .and_then(|name| measured.row(name));
-    let ours = measured.row("double").map(|row| row.mean_mm);
-    let ratio = paper.zip(ours).map(|(paper, ours)| paper.mean_mm / ours);
-    number("double_vs_paper", ratio, "1", "--without-paper")?;
-    let times = paper_time_us(measured).map(|paper| paper / at(&measured.tracking_us, 0.5));
-    number("time_vs_paper", times, "1", "--without-paper")
+    let why = "--without-paper";
+    number("double_vs_paper", double_vs_paper(measured), "1", why)?;
+    number("time_vs_paper", time_vs_paper(measured), "1", why)
 }
 
 fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {

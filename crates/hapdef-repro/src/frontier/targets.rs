@@ -1,29 +1,11 @@
-//! What the figures of the frontier should be, and whether they are.
+//! What the figures of the frontier should be.
 
 use anyhow::Result;
-use hapdef_report::{ReportTable, TextCell, TextTable};
-use serde::Serialize;
+use hapdef_report::ReportTable;
 
 use super::scaling::{ADJOINT, FACTOR, FRAME_GAUGES, FRAME_NODES};
 use super::{Measured, planned};
-
-/// A figure and the least or most that it should be.
-#[derive(Clone, Debug, Serialize)]
-struct Target {
-    what: &'static str,
-    wanted: Wanted,
-    /// None where it was not measured.
-    measured: Option<f64>,
-}
-
-/// What a figure should be.
-#[derive(Clone, Copy, Debug, Serialize)]
-enum Wanted {
-    AtLeast(f64),
-    AtMost(f64),
-    /// An exponent within a tenth of zero.
-    Flat,
-}
+use crate::target::{Target, Wanted, target_table};
 
 /// Exponents of times with what they grow with, by their metrics.
 const EXPONENTS: [(&str, &str, Wanted); 4] = [
@@ -49,56 +31,11 @@ const EXPONENTS: [(&str, &str, Wanted); 4] = [
     ),
 ];
 
-impl Wanted {
-    fn is_met(self, figure: f64) -> bool {
-        match self {
-            Self::AtLeast(least) => figure >= least,
-            Self::AtMost(most) => figure <= most,
-            Self::Flat => figure.abs() <= 0.1,
-        }
-    }
-
-    fn text(self) -> String {
-        match self {
-            Self::AtLeast(least) => format!("at least {least}"),
-            Self::AtMost(most) => format!("at most {most}"),
-            Self::Flat => "0 ± 0.1".into(),
-        }
-    }
-}
-
-impl Target {
-    fn cells(&self) -> Vec<TextCell> {
-        let (measured, verdict) = match self.measured {
-            Some(figure) if self.wanted.is_met(figure) => (format!("{figure:.2}"), "met"),
-            Some(figure) => (format!("{figure:.2}"), "missed"),
-            None => ("–".into(), "not measured"),
-        };
-        let cells = [self.what.to_owned(), self.wanted.text(), measured];
-        let mut cells = cells.map(TextCell::plain).to_vec();
-        cells.push(TextCell {
-            text: verdict.into(),
-            strong: verdict == "met",
-        });
-        cells
-    }
-}
-
 /// The figures beside what they should be.
 pub(super) fn table(measured: &Measured) -> Result<ReportTable> {
-    let targets = targets(measured);
-    let header = ["", "should be", "is", ""];
-    Ok(ReportTable {
-        title: "What was asked for".into(),
-        note: "Times faster: the same scene with everything it may want over the same with single contacts \
-               alone, as further below; a followed frame with the displacement of the whole skin."
-            .into(),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: targets.iter().map(Target::cells).collect(),
-        },
-        data: serde_json::to_value(&targets)?,
-    })
+    let note = "Times faster: the same scene with everything it may want over the same with single contacts \
+                alone, as further below; a followed frame with the displacement of the whole skin.";
+    target_table(&targets(measured), note)
 }
 
 fn targets(measured: &Measured) -> Vec<Target> {
@@ -142,29 +79,4 @@ fn targets(measured: &Measured) -> Vec<Target> {
         targets.push(target(what, wanted, growth.map(|g| g.exponent)));
     }
     targets
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_figure_is_met_or_missed_or_was_not_measured() {
-        let verdict = |wanted, measured| {
-            let what = "x";
-            let target = Target {
-                what,
-                wanted,
-                measured,
-            };
-            target.cells()[3].text.clone()
-        };
-        assert_eq!(verdict(Wanted::AtLeast(5.0), Some(5.0)), "met");
-        assert_eq!(verdict(Wanted::AtLeast(5.0), Some(4.99)), "missed");
-        assert_eq!(verdict(Wanted::AtMost(2.0), Some(2.01)), "missed");
-        assert_eq!(verdict(Wanted::AtMost(2.0), Some(f64::NAN)), "missed");
-        assert_eq!(verdict(Wanted::Flat, Some(-0.1)), "met");
-        assert_eq!(verdict(Wanted::Flat, Some(0.11)), "missed");
-        assert_eq!(verdict(Wanted::Flat, None), "not measured");
-    }
 }
