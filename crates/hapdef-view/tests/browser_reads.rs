@@ -1,5 +1,6 @@
 //! What the page tells those who read it, in a headless Chromium: where readings come from, texts that stay in
-//! place, keys that are left to the browser, names of files, all of it on a phone; how a limb is bent and coloured.
+//! place, keys that are left to the browser, names of files, all of it on a phone; how a limb is bent and coloured,
+//! and what goes with it.
 //!
 //! Left out where there is no Chromium, as `browser.rs` says.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
@@ -249,4 +250,118 @@ fn exaggeration_bends_the_limb_and_a_map_colours_it() {
         "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
         &json!("100 µm"),
     );
+}
+
+#[test]
+fn marks_go_with_the_bent_skin() {
+    let Some(mut look) = look((900, 700), true, "", touched) else {
+        return;
+    };
+    look.until("hapdefView.coloured > 0 && hapdefView.ghosts > 1");
+    look.do_it("globalThis.rest = hapdefView.marksDrawn");
+    // An arrow, its ellipse, a ghost and ten gauges.
+    look.is("rest.length", &json!(13));
+    look.do_it("const e = document.getElementById('exaggerate'); e.value = 2 / 3; e.oninput()");
+    let moved = "hapdefView.marksDrawn.map((at, i) => at.map((x, k) => x - rest[i][k]))";
+    let lengths = format!("{moved}.map((by) => Math.hypot(...by))");
+    // 18 µm a newton, five newtons, a hundred times: as deep as the dent.
+    for i in 0..3 {
+        look.until(&format!("Math.abs({lengths}[{i}] - 0.009) < 0.0003"));
+    }
+    look.is(
+        &format!("{lengths}.slice(3).some((length) => length > 0.001)"),
+        &json!(true),
+    );
+    let off = format!(
+        "{moved}.map((by, m) => {{
+            const gap = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
+            const gaps = Array.from({{ length: hapdefView.nodes }}, (_, i) => gap(rest[m], hapdefView.node(i)));
+            const i = gaps.indexOf(Math.min(...gaps));
+            return gap(by, hapdefView.drawnNode(i).map((x, k) => x - hapdefView.node(i)[k]));
+        }})"
+    );
+    let worst_m = look.number(&format!("Math.max(...{off})"));
+    assert!(worst_m < 0.0015, "{worst_m} m from the skin");
+    look.do_it("e.value = 0; e.oninput()");
+    look.until(&format!("Math.max(...{lengths}) < 1e-7"));
+}
+
+/// Share of one part of the page that another covers.
+const COVERED: &str = "globalThis.covered = (part, by) => {
+    const [a, b] = [part, by].map((id) => document.getElementById(id).getBoundingClientRect());
+    const wide = Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left));
+    const high = Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
+    return wide * high / (a.width * a.height); }";
+
+/// How many of the limb's nodes are under the legend.
+const HIDDEN_NODES: &str = "(({ left, top, right, bottom }) =>
+    Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.project(i))
+        .filter(([x, y]) => x > left && x < right && y > top && y < bottom).length)(
+    document.getElementById('legend').getBoundingClientRect())";
+
+#[test]
+fn a_window_of_any_width_has_room_for_its_sliders_and_scales() {
+    for size in [(1200, 800), (1024, 700), (900, 700), (850, 600), (390, 844)] {
+        let Some(mut look) = look(size, true, "", touched) else {
+            return;
+        };
+        look.until("hapdefView.coloured > 0");
+        look.do_it(COVERED);
+        for slider in ["time", "exaggerate"] {
+            let width = format!("document.getElementById('{slider}').offsetWidth");
+            let width_px = look.number(&width);
+            assert!(width_px >= 120.0, "{slider} {width_px} px in {size:?}");
+        }
+        let share = look.number("covered('limb', 'legend')");
+        assert!(share < 0.06, "{share} of the stage in {size:?}");
+        look.is(HIDDEN_NODES, &json!(0));
+        for part in ["ruler", "legend", "tools", "health"] {
+            look.is(&format!("covered('axes', '{part}')"), &json!(0));
+        }
+        let heights =
+            "['exaggerate-out', 'legend'].map((id) => document.getElementById(id).offsetHeight)";
+        let off = look.chrome.eval(heights).unwrap();
+        look.do_it("const e = document.getElementById('exaggerate'); e.value = 1; e.oninput()");
+        look.until("document.getElementById('exaggerate-out').textContent.endsWith('at most')");
+        look.is(heights, &off);
+    }
+}
+
+#[test]
+fn axes_turn_with_the_view() {
+    let Some(mut look) = look((900, 700), true, "", touched) else {
+        return;
+    };
+    let end = |letter: &str, at: &str| {
+        let lines = "[...document.querySelectorAll('#axes g')]";
+        format!(
+            "Number({lines}.find((g) => g.textContent === '{letter}').children[0].getAttribute('{at}'))"
+        )
+    };
+    // From x and a little from the right, z is up and y to the right.
+    let before: Vec<f64> = ["x", "y", "z"]
+        .map(|axis| look.number(&end(axis, "x2")))
+        .into();
+    assert!(before[1] > 15.0 && before[2].abs() < 1e-6, "{before:?}");
+    assert!(look.number(&end("z", "y2")) < -20.0);
+    look.do_it("document.getElementById('limb').focus()");
+    look.chrome.key("ArrowLeft", "ArrowLeft").unwrap();
+    look.until(&format!("Math.abs({} - {}) > 1", end("x", "x2"), before[0]));
+}
+
+#[test]
+fn an_arrow_that_is_seen_from_its_tail_has_a_sign_beside_its_newtons() {
+    let Some(mut look) = look((1200, 800), true, "", touched) else {
+        return;
+    };
+    look.until("hapdefView.signs.length === 1");
+    let clear = "(([x, y, radius], box) => Math.max(box.left - x, x - box.right) >= radius)(
+        hapdefView.signs[0], document.querySelector('.label:not([hidden])').getBoundingClientRect())";
+    look.is(clear, &json!(true));
+    look.do_it("document.getElementById('limb').focus()");
+    for _ in 0..4 {
+        look.chrome.key("ArrowLeft", "ArrowLeft").unwrap();
+    }
+    look.until("hapdefView.signs.length === 0");
+    assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }

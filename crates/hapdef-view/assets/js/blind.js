@@ -1,5 +1,7 @@
 // What stands in for the stage where the browser gives no WebGL: the numbers go on without it.
 
+import { Vector3 } from "../vendor/three/three.module.min.js";
+
 /** A stage that draws nothing and finds nothing. */
 export class Blind {
   constructor(canvas) {
@@ -9,6 +11,8 @@ export class Blind {
     this.controls = { enabled: true };
     this.stale = true;
     this.metresPerPixel = NaN;
+    this.towards = new Vector3(0, 0, 1);
+    this.axes = [];
   }
 
   frame() {}

@@ -9,7 +9,8 @@ export class Labels {
     this.items = [];
   }
 
-  /** Places `labels` [{point, text, small, colour, kind}] on the stage. */
+  /** Places `labels` [{point, text, small, colour, kind, clear}] on the stage, `clear` pixels or more beside
+   * their points. */
   show(stage, labels) {
     while (this.items.length < labels.length) this.items.push(this.add());
     this.items.forEach((item, i) => { item.root.hidden = i >= labels.length; });
@@ -36,7 +37,8 @@ export class Labels {
     const [w, h] = [root.offsetWidth, root.offsetHeight];
     const [x, y] = stage.project(label.point);
     const right = x >= width / 2;
-    const box = { x: clamp(right ? x + 8 : x - w - 8, GAP, width - w - GAP), y: clamp(y - h / 2, 52, height - h - GAP), w, h };
+    const beside = Math.max(8, label.clear);
+    const box = { x: clamp(right ? x + beside : x - w - beside, GAP, width - w - GAP), y: clamp(y - h / 2, 52, height - h - GAP), w, h };
     for (let tries = 0; tries < 8; tries += 1) {
       const other = taken.find((place) => overlap(place, box));
       if (!other) break;

@@ -4,6 +4,8 @@ import {
   BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshStandardMaterial, Vector3,
 } from "../vendor/three/three.module.min.js";
 import { mapTable, roundUp } from "./colour.js";
+import { barycentric, Follower } from "./follow.js";
+import { Nearest } from "./nearest.js";
 
 const GREY = 0.42;
 const SHRINK_PER_S = 0.35;
@@ -92,7 +94,7 @@ export class Limb {
     const by = this.drawnExaggeration;
     if (by === 0 && !this.bent) return;
     const onSkin = displacement.length / components;
-    if (this.leaders?.onSkin !== onSkin) this.leaders = { onSkin, of: nearestOf(this.rest, onSkin) };
+    if (this.leaders?.onSkin !== onSkin) this.leaders = { onSkin, of: this.leadersOf(onSkin) };
     for (let i = 0; i < this.rest.length / 3; i += 1) {
       const leader = i < onSkin ? i : this.leaders.of[i - onSkin];
       for (let k = 0; k < 3; k += 1) {
@@ -106,6 +108,22 @@ export class Limb {
     else vertexNormals(position.array, this.geometry.index.array, normal.array);
     normal.needsUpdate = true;
     this.bent = by !== 0;
+  }
+
+  /** Of each node beyond the first `onSkin` the nearest one among these. */
+  leadersOf(onSkin) {
+    const nearest = new Nearest(this.rest, onSkin);
+    return Uint32Array.from({ length: this.rest.length / 3 - onSkin }, (_, i) => nearest.to(this.rest.subarray(3 * (onSkin + i))));
+  }
+
+  /** Where a place on the limb at rest is drawn: it goes with the skin that is nearest to it. */
+  drawnPlace(place) {
+    const at = new Vector3().fromArray(place);
+    if (!this.bent) return at;
+    this.follower ??= new Follower(this.rest, this.geometry.index.array);
+    const { nodes, weights } = this.follower.corners(place);
+    nodes.forEach((node, k) => at.addScaledVector(this.drawnNode(node).sub(this.node(node)), weights[k]));
+    return at;
   }
 
   /** Point and normal of the limb at rest where a ray met the limb as drawn. */
@@ -133,33 +151,6 @@ export class Limb {
     this.geometry.dispose();
     this.mesh.material.dispose();
   }
-}
-
-/** Of each point beyond the first `n` the nearest one among these. */
-function nearestOf(points, n) {
-  const rising = Array.from({ length: n }, (_, i) => i).sort((i, j) => points[3 * i + 1] - points[3 * j + 1]);
-  const nearest = new Uint32Array(points.length / 3 - n);
-  for (let i = n; i < points.length / 3; i += 1) {
-    let [low, high] = [0, n];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (points[3 * rising[middle] + 1] < points[3 * i + 1]) low = middle + 1;
-      else high = middle;
-    }
-    let best = Infinity;
-    const look = (at, step) => {
-      for (let m = at; m >= 0 && m < n; m += step) {
-        const j = 3 * rising[m];
-        const [x, y, z] = [points[j] - points[3 * i], points[j + 1] - points[3 * i + 1], points[j + 2] - points[3 * i + 2]];
-        if (y * y >= best) break;
-        const gap = x * x + y * y + z * z;
-        if (gap < best) [best, nearest[i - n]] = [gap, rising[m]];
-      }
-    };
-    look(low, 1);
-    look(low - 1, -1);
-  }
-  return nearest;
 }
 
 /** Unit normals of the vertices, those of the faces weighted by area. */
@@ -192,14 +183,4 @@ function largest(displacement, components) {
     if (length > most) most = length;
   }
   return most;
-}
-
-function barycentric(point, a, b, c) {
-  const area = (p, q, r) => new Vector3().crossVectors(q.clone().sub(p), r.clone().sub(p));
-  const whole = area(a, b, c);
-  const total = whole.lengthSq();
-  if (total === 0) return [1, 0, 0];
-  const u = area(point, b, c).dot(whole) / total;
-  const v = area(point, c, a).dot(whole) / total;
-  return [u, v, 1 - u - v];
 }

@@ -1,5 +1,6 @@
 // The page: the newest frame from the link, on the stage and in the panel.
 
+import { Axes } from "./axes.js";
 import { Blind } from "./blind.js";
 import { Controls } from "./controls.js";
 import { History, KEPT_S } from "./history.js";
@@ -22,6 +23,7 @@ const byId = (id) => document.getElementById(id);
 const stage = makeStage(byId("limb"));
 const labels = new Labels(byId("labels"));
 const legend = new Legend(byId("legend"), byId("ruler"));
+const axes = new Axes(byId("axes"));
 const panel = new Panel(byId);
 const history = new History();
 const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null };
@@ -79,7 +81,7 @@ function hello(message, surface) {
   view.limb.setMap(view.map);
   if (isOther && message.offers.press) say("Drag on the limb to press it");
   if (isOther) stage.frame(view.limb.geometry, message.up, message.view_from);
-  view.marks = new Marks(stage.sphere.radius);
+  view.marks = new Marks(view.limb, stage.sphere.radius);
   view.sites = new Sites(message.gauges, stage.sphere.radius);
   stage.scene.add(view.limb.mesh, view.marks.group, view.sites.group);
   stage.stale = true;
@@ -140,6 +142,7 @@ function tick(now) {
     if (chosen) show(chosen, now);
     view.fresh = false;
   }
+  if (stage.stale) view.marks?.face(stage.towards);
   if (stage.draw() && view.limb) {
     dress();
     view.workMs += performance.now() - began;
@@ -149,6 +152,7 @@ function tick(now) {
 /** What goes with a picture that was just drawn. */
 function dress() {
   legend.setRuler(stage.metresPerPixel);
+  axes.show(stage.axes);
   if (!view.shown) return;
   placeLabels();
   view.drawn += 1;
@@ -159,6 +163,7 @@ function show(chosen, now) {
   const recent = view.held?.recent ?? history.span(chosen.t, SPAN_S);
   view.limb.show(chosen, chosen.t - (view.shown?.t ?? chosen.t));
   view.marked = view.marks.show(chosen, recent);
+  view.sites.follow(view.limb);
   view.sites.show(Array.from(chosen.states), panel.seen);
   byId("legend").hidden = chosen.components === 0;
   legend.setRange(view.limb.range);
@@ -180,16 +185,17 @@ function showTime(chosen) {
 }
 
 function placeLabels() {
-  const marks = (view.marked ?? []).map(({ mark, other, tail, colour }) => ({
+  const marks = (view.marked ?? []).map(({ mark, other, tail, sign, colour }) => ({
     point: tail,
     text: newtons(mark.newtons),
     small: other ? `or ${(100 * mark.weight).toFixed(0)} %` : "",
     colour,
     kind: other ? "other" : "",
+    clear: sign.sprite.visible ? sign.radius / stage.metresPerPixel + 4 : 0,
   }));
   const { seen } = panel;
   if (seen >= 0 && view.sites.gauges[seen]) {
-    marks.push({ point: view.sites.at(seen), text: view.sites.gauges[seen].name, small: "", colour: "", kind: "name" });
+    marks.push({ point: view.sites.at(seen), text: view.sites.gauges[seen].name, small: "", colour: "", kind: "name", clear: 0 });
   }
   labels.show(stage, marks);
 }
@@ -240,6 +246,7 @@ function picture() {
     tags,
     displacement: view.shown?.components ? { ticks: legend.texts, exaggerated } : null,
     ruler: legend.length,
+    axes: axes.ends,
   });
 }
 
@@ -298,7 +305,18 @@ globalThis.hapdefView = {
   get contacts() { return (view.shown?.contacts ?? []).map((mark) => Array.from(mark.position)); },
   get arrows() { return (view.marks?.arrows ?? []).filter((arrow) => arrow.group.visible).map((arrow) => arrow.body.position.toArray()); },
   /** Tip and tail of an arrow on the screen. */
-  arrowEnds: (i) => [stage.sphere.center.clone().fromArray(view.marked[i].mark.position), view.marked[i].tail].map(onScreen),
+  arrowEnds: (i) => [view.marked[i].tip, view.marked[i].tail].map(onScreen),
+  /** Where the first arrow, its ellipse, the newest ghost and the gauges are drawn. */
+  get marksDrawn() {
+    const { arrows: [{ body, ellipse }], ghosts } = view.marks;
+    const ofContact = [body.position.toArray(), ellipse.matrix.elements.slice(12, 15), [...ghosts.geometry.attributes.position.array.slice(0, 3)]];
+    return [...ofContact, ...view.sites.gauges.map((_, i) => view.sites.at(i).toArray())];
+  },
+  /** Crosses for arrows that are seen from their tails, as [x, y, radius] on the screen. */
+  get signs() {
+    const seen = (view.marked ?? []).filter(({ sign }) => sign.sprite.visible);
+    return seen.map(({ tip, sign }) => [...onScreen(tip), sign.radius / stage.metresPerPixel]);
+  },
   get times() { return history.entries.map((entry) => entry.t); },
   node: (i) => view.limb.node(i).toArray(),
   drawnNode: (i) => view.limb.drawnNode(i).toArray(),

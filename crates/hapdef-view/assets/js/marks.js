@@ -5,6 +5,7 @@ import {
   MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Quaternion, RingGeometry, Vector3,
 } from "../vendor/three/three.module.min.js";
 import { contactColour, roundUp } from "./colour.js";
+import { Sign } from "./sign.js";
 
 const GHOST_S = 3;
 const MOST_GHOSTS = 512;
@@ -17,9 +18,10 @@ const head = new ConeGeometry(1, 1, 24).rotateX(Math.PI).translate(0, 0.5, 0);
 const disc = new CircleGeometry(1, 48);
 const ring = new RingGeometry(0.9, 1, 64);
 
-/** Marks of contacts; `size` is the limb's radius, m. */
+/** Marks of contacts where they are drawn on `limb`; `size` is the limb's radius, m. */
 export class Marks {
-  constructor(size) {
+  constructor(limb, size) {
+    this.limb = limb;
     this.size = size;
     this.group = new Group();
     this.arrows = [];
@@ -39,15 +41,21 @@ export class Marks {
   }
 
   add() {
-    const arrow = new Arrow();
+    const arrow = new Arrow(this.size);
     this.arrows.push(arrow);
     this.group.add(arrow.group);
   }
 
   place(arrow, mark, other) {
     const length = this.size * (0.1 + (0.5 * mark.newtons) / this.fullScale);
-    const tail = arrow.place(mark, length, this.size, other);
-    return { mark, other, tail, colour: contactColour(mark.id) };
+    const tip = this.limb.drawnPlace(mark.position);
+    const tail = arrow.place(mark, tip, length, other);
+    return { mark, other, tip, tail, sign: arrow.sign, colour: contactColour(mark.id) };
+  }
+
+  /** Signs the arrows whose tails point to a viewer who is `towards`. */
+  face(towards) {
+    for (const arrow of this.arrows) arrow.sign.face(towards);
   }
 
   /** Where contacts were in the last seconds, the newest first: those are never the ones left out. */
@@ -61,7 +69,7 @@ export class Marks {
       next = t;
       for (const { id, position: p } of frame.contacts) {
         if (n === MOST_GHOSTS) break;
-        position.array.set(p, 3 * n);
+        this.limb.drawnPlace(p).toArray(position.array, 3 * n);
         const [r, g, b] = rgb(contactColour(id));
         color.array.set([r, g, b, 0.6 * (1 - (now - t) / GHOST_S)], 4 * n);
         n += 1;
@@ -83,7 +91,8 @@ export class Marks {
 
 /** An arrow with its ellipse; where the limb hides it, a faint one. */
 class Arrow {
-  constructor() {
+  constructor(size) {
+    this.size = size;
     this.solid = new MeshLambertMaterial();
     this.faint = new MeshBasicMaterial({ transparent: true, opacity: 0.22, depthFunc: GreaterDepth, depthWrite: false });
     this.area = new MeshBasicMaterial({ transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false });
@@ -96,16 +105,17 @@ class Arrow {
     this.ellipse.add(new Mesh(disc, this.area), new Mesh(ring, this.edge));
     this.ellipse.matrixAutoUpdate = false;
     this.group = new Group();
-    this.group.add(this.body, this.ellipse);
+    this.sign = new Sign(size);
+    this.group.add(this.body, this.ellipse, this.sign.sprite);
   }
 
-  /** Points along the force, its tip at the contact; returns the tail. */
-  place(mark, length, size, other) {
-    const tip = new Vector3(...mark.position);
+  /** Points along the force, its tip where the contact is drawn; returns the tail. */
+  place(mark, tip, length, other) {
     const outward = new Vector3(...mark.force).multiplyScalar(-1 / (mark.newtons || 1));
     if (!mark.newtons) outward.set(...mark.normal);
     this.colour(mark.id, other);
-    const width = size * (other ? 0.009 : 0.012);
+    this.sign.place(tip, outward, contactColour(mark.id), other ? 0.5 : 1);
+    const width = this.size * (other ? 0.009 : 0.012);
     const headLength = Math.min(0.5 * length, 5 * width);
     this.body.position.copy(tip);
     this.body.quaternion.copy(new Quaternion().setFromUnitVectors(UP, outward));
@@ -114,16 +124,16 @@ class Arrow {
       part.scale.set(width, length - headLength, width);
     }
     for (const part of this.heads) part.scale.set(2.3 * width, headLength, 2.3 * width);
-    this.placeEllipse(mark, size);
+    this.placeEllipse(mark, tip);
     return tip.clone().addScaledVector(outward, length);
   }
 
-  placeEllipse(mark, size) {
+  placeEllipse(mark, tip) {
     this.ellipse.visible = mark.axes !== null;
     if (!mark.axes) return;
     const normal = new Vector3(...mark.normal);
     const [a, b] = mark.axes.map((axis) => new Vector3(...axis).multiplyScalar(SDS));
-    const origin = new Vector3(...mark.position).addScaledVector(normal, 0.006 * size);
+    const origin = tip.clone().addScaledVector(normal, 0.006 * this.size);
     this.ellipse.matrix.copy(new Matrix4().makeBasis(a, b, normal).setPosition(origin));
     this.ellipse.matrixWorldNeedsUpdate = true;
   }
@@ -138,7 +148,7 @@ class Arrow {
   }
 
   dispose() {
-    for (const material of [this.solid, this.faint, this.area, this.edge]) material.dispose();
+    for (const part of [this.solid, this.faint, this.area, this.edge, this.sign]) part.dispose();
   }
 }
 

@@ -5,7 +5,8 @@ const BAR = { width: 170, height: 12 };
 const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
 
 /** Draws the stage as it is seen on a canvas of its own. `words` has title, tags [text], displacement (null
- * where none is drawn, else {ticks [text], exaggerated}), ruler {width, text}; CSS pixels. */
+ * where none is drawn, else {ticks [text], exaggerated}), ruler {width, text}, axes [{letter, end, at}];
+ * CSS pixels. */
 export function compose(section, stageCanvas, bar, words) {
   const ratio = Math.min(devicePixelRatio, 2);
   const canvas = document.createElement("canvas");
@@ -23,6 +24,7 @@ export function compose(section, stageCanvas, bar, words) {
   for (const label of section.querySelectorAll(".label:not([hidden])")) drawLabel(brush, label);
   heading(brush, words);
   scales(brush, bar, words);
+  drawAxes(brush, words.axes);
   return canvas;
 }
 
@@ -78,6 +80,19 @@ function scales({ pen, frame, colour }, bar, { displacement, ruler }) {
   ["left", "center", "right"].forEach((align, i) => {
     write(pen, ticks[i] ?? "", PAD + (i * BAR.width) / 2, top + 35, font, text, align);
   });
+}
+
+/** At the bottom right, those that point away first. */
+function drawAxes({ pen, frame, colour }, axes) {
+  const [x, y] = [frame.width - PAD - 36, frame.height - PAD - 36];
+  for (const { letter, end, at } of axes) {
+    Object.assign(pen, { strokeStyle: colour("--quiet"), lineWidth: 1.5 });
+    pen.beginPath();
+    pen.moveTo(x, y);
+    pen.lineTo(x + end[0], y + end[1]);
+    pen.stroke();
+    write(pen, letter, x + at[0], y + at[1], `12px ${FONT}`, colour("--text"), "center");
+  }
 }
 
 function write(pen, text, x, y, font, colour, align = "left") {

@@ -17,17 +17,26 @@ export class Sites {
     const behind = new MeshBasicMaterial({ transparent: true, opacity: 0.4, depthFunc: GreaterDepth, depthWrite: false });
     this.layers = [front, behind].map((material) => new InstancedMesh(box, material, gauges.length));
     this.layers.forEach((layer) => { layer.frustumCulled = false; });
-    gauges.forEach((gauge, i) => this.place(gauge, i));
+    gauges.forEach((gauge, i) => this.place(i, new Vector3(...gauge.position_m)));
     this.group.add(...this.layers);
     this.shown = "";
+    this.moved = false;
   }
 
-  place(gauge, i) {
-    const axis = new Vector3(...gauge.axis);
+  place(i, at) {
+    const axis = new Vector3(...this.gauges[i].axis);
     const along = axis.lengthSq() > 0 ? axis.normalize() : new Vector3(1, 0, 0);
     const turned = new Quaternion().setFromUnitVectors(new Vector3(1, 0, 0), along);
-    const matrix = new Matrix4().compose(new Vector3(...gauge.position_m), turned, new Vector3(1, 1, 1));
+    const matrix = new Matrix4().compose(at, turned, new Vector3(1, 1, 1));
     for (const layer of this.layers) layer.setMatrixAt(i, matrix);
+  }
+
+  /** Goes with `limb` as it is drawn. */
+  follow(limb) {
+    if (!limb.bent && !this.moved) return;
+    this.moved = limb.bent;
+    this.gauges.forEach((gauge, i) => this.place(i, limb.drawnPlace(gauge.position_m)));
+    for (const layer of this.layers) layer.instanceMatrix.needsUpdate = true;
   }
 
   /** Colours by state; the gauge that is looked at stands out. */
@@ -51,8 +60,11 @@ export class Sites {
     });
   }
 
+  /** Where a gauge is drawn. */
   at(i) {
-    return new Vector3(...this.gauges[i].position_m);
+    const matrix = new Matrix4();
+    this.layers[0].getMatrixAt(i, matrix);
+    return new Vector3().setFromMatrixPosition(matrix);
   }
 
   dispose() {

@@ -90,6 +90,17 @@ export class Stage {
     return (this.camera.top - this.camera.bottom) / this.camera.zoom / this.canvas.clientHeight;
   }
 
+  /** Towards the viewer. */
+  get towards() {
+    return new Vector3(0, 0, 1).applyQuaternion(this.camera.quaternion);
+  }
+
+  /** x, y and z as they are seen, each as [right, up, towards the viewer]. */
+  get axes() {
+    const seen = this.camera.quaternion.clone().invert();
+    return [0, 1, 2].map((k) => new Vector3().setComponent(k, 1).applyQuaternion(seen).toArray());
+  }
+
   /** Where a point is on the canvas, CSS pixels. */
   project(point) {
     const at = point.clone().project(this.camera);

@@ -31,7 +31,7 @@ impl LimbRow {
 }
 
 /// What stands over the limb.
-const OVER: &str = "#labels, #tools, #legend, #ruler, #say";
+const OVER: &str = "#labels, #tools, #legend, #ruler, #axes, #say";
 /// Distance from the limb's outermost node to what is surely ground.
 const GROUND_PX: f64 = 16.0;
 
