@@ -148,13 +148,13 @@ impl ContactEstimator {
             for n in 1..=self.most_contacts() {
                 self.search(n, scratch, &mut info);
                 info.most_contacts = n;
-                let is_good = |e: &Explanation| {
-                    e.n == n && self.p_value(e) >= self.params.accept_p && self.is_believed(e)
+                let is_any_good = |p: f64, found: &[Explanation]| {
+                    found.iter().any(|e| e.n == n && self.is_good(e, p))
                 };
-                if n == 1 && !scratch.found.iter().any(is_good) {
+                if n == 1 && !is_any_good(self.params.accept_p, &scratch.found) {
                     self.search_wider(scratch, &mut info);
                 }
-                if !is_count_known && scratch.found.iter().any(is_good) {
+                if !is_count_known && is_any_good(self.enough_p(n), &scratch.found) {
                     break;
                 }
             }

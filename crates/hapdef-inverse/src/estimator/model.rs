@@ -185,6 +185,11 @@ impl Model {
         true
     }
 
+    /// Whether the map has no error.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.base.is_none()
+    }
+
     /// Whitened map error per N² near `point` `[m, m]`.
     pub(crate) fn error_at(&self, point: &SkinPoint) -> &[f64] {
         let site = self.sites.of_point(self.skin(), point);

@@ -11,9 +11,15 @@ pub struct EstimatorParams {
     pub known_count: Option<usize>,
     /// Below this probability of the readings without any contact, something touches.
     pub touch_p: f64,
-    /// An explanation whose residual has at least this probability is good enough not to look for
-    /// one with more contacts.
+    /// An explanation whose residual has at least this probability is good enough: none with more
+    /// contacts is looked for, unless the map is uncertain and the gauges could check one.
     pub accept_p: f64,
+    /// Then the residual has to have this probability: a contact that the map's error may hide leaves
+    /// a residual that is likely, but less so than without it.
+    pub settle_p: f64,
+    /// Each contact beyond those of an explanation that is good enough has to improve −2 ln evidence by
+    /// this.
+    pub settle_margin: f64,
     /// A misfit less probable than this, with as many contacts as may be, is reported.
     pub misfit_p: f64,
     /// Single-contact starts that are refined.
@@ -62,6 +68,8 @@ impl Default for EstimatorParams {
             known_count: None,
             touch_p: 1e-3,
             accept_p: 0.01,
+            settle_p: 0.5,
+            settle_margin: 4.0,
             misfit_p: 1e-6,
             n_single_starts: 6,
             n_starts: 150,
@@ -94,6 +102,7 @@ impl EstimatorParams {
         for (what, p) in [
             ("touch_p", self.touch_p),
             ("accept_p", self.accept_p),
+            ("settle_p", self.settle_p),
             ("misfit_p", self.misfit_p),
         ] {
             if !(0.0..=1.0).contains(&p) {
@@ -126,13 +135,19 @@ impl EstimatorParams {
                 expected: "above 0",
             });
         }
-        if self.count_margin.is_finite() {
-            return Ok(());
+        for (what, found) in [
+            ("count_margin", self.count_margin),
+            ("settle_margin", self.settle_margin),
+        ] {
+            if !found.is_finite() {
+                let expected = "a finite number";
+                return Err(InverseError::Parameter {
+                    what,
+                    found,
+                    expected,
+                });
+            }
         }
-        Err(InverseError::Parameter {
-            what: "count_margin",
-            found: self.count_margin,
-            expected: "a finite number",
-        })
+        Ok(())
     }
 }

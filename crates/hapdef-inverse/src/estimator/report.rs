@@ -81,8 +81,15 @@ fn choose(
     untouched: &Explanation,
     found: &[Explanation],
 ) -> Explanation {
-    let margin = estimator.params.count_margin;
-    let cost = |e: &Explanation| e.evidence() + margin * e.n as f64;
+    let params = &estimator.params;
+    let good = found
+        .iter()
+        .filter(|e| estimator.is_good(e, params.accept_p));
+    let enough = good.map(|e| e.n).min().unwrap_or(usize::MAX);
+    let cost = |e: &Explanation| {
+        let beyond = e.n.saturating_sub(enough) as f64;
+        e.evidence() + params.count_margin * e.n as f64 + params.settle_margin * beyond
+    };
     let most = estimator.most_contacts();
     // where a contact's force vanishes fewer are left than asked for
     let is_allowed = |e: &&Explanation| {
@@ -198,7 +205,7 @@ fn verdict(
         Verdict::Untouched
     } else if out.contacts.iter().any(open) {
         Verdict::NotIdentifiable(WhyNot::SingularInformation)
-    } else if !is_checked(estimator, best.n) {
+    } else if !estimator.is_checked(best.n) {
         Verdict::NotIdentifiable(WhyNot::Unchecked)
     } else if out.runner_ups.iter().any(ties) {
         Verdict::NotIdentifiable(WhyNot::TiedExplanations)
@@ -207,11 +214,27 @@ fn verdict(
     }
 }
 
-/// Whether the gauges tell enough to check `n` contacts by.
-fn is_checked(estimator: &ContactEstimator, n: usize) -> bool {
-    let params = &estimator.params;
-    let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
-    estimator.n_told >= 3 * n + spare_numbers(is_last)
+impl ContactEstimator {
+    /// Whether an explanation's residual has at least the probability `p`, and its forces are possible.
+    pub(super) fn is_good(&self, e: &Explanation, p: f64) -> bool {
+        self.p_value(e) >= p && self.is_believed(e)
+    }
+
+    /// Probability that the residual of `n` contacts has to have for no more to be looked for.
+    pub(super) fn enough_p(&self, n: usize) -> f64 {
+        if self.model.is_exact() || !self.is_checked(n + 1) {
+            self.params.accept_p
+        } else {
+            self.params.settle_p
+        }
+    }
+
+    /// Whether the gauges tell enough to check `n` contacts by.
+    fn is_checked(&self, n: usize) -> bool {
+        let params = &self.params;
+        let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
+        self.n_told >= 3 * n + spare_numbers(is_last)
+    }
 }
 
 /// Numbers that the gauges have to tell beyond the contacts' unknowns, to check them by: two, and where
