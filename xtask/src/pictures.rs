@@ -30,8 +30,8 @@ struct Shot {
 
 /// What of a page is in the picture; selectors are CSS.
 enum Part {
-    /// From this element on.
-    From(&'static str),
+    /// From this element on, in a window of this size.
+    From(&'static str, &'static str),
     /// All of it, in a window of this size.
     Whole(&'static str),
 }
@@ -43,21 +43,25 @@ const LIVE: [(&str, &str, &str); 3] = [
     ("live-phone", "390x844", "light"),
 ];
 
-/// Waits for plots that are full and a press on the side that is seen.
+/// Waits for plots that are full and a press on the side that is seen, and stops there.
 const LIVE_SCRIPT: &str = "new Promise((done) => {
     const began = performance.now();
     const look = () => {
         const view = hapdefView, facing = view.facing(), seconds = (performance.now() - began) / 1000;
         const isNear = (c) => Math.hypot(...c.map((x, i) => x - view.node(facing)[i])) < 0.6 * view.radius;
         const isSeen = view.coloured > 0 && facing >= 0 && view.contacts.some(isNear);
-        if (isSeen && seconds > 12) done('pressed in front');
-        else if (seconds > 90) done('no press in front for a minute and a half');
+        if (isSeen && seconds > 12) {
+            document.getElementById('pause').click();
+            done('pressed in front');
+        } else if (seconds > 90) done('no press in front for a minute and a half');
         else setTimeout(look, 20);
     };
     look();
 })";
 
 const PAGE_SIZE: &str = "1100x760";
+/// Holds a figure from end to end.
+const FIGURE_SIZE: &str = "1100x980";
 const PAGE_S: &str = "1";
 
 const SHOTS: [Shot; 14] = [
@@ -77,74 +81,74 @@ const SHOTS: [Shot; 14] = [
         name: "report",
         page: "shin/report/report.html",
         made_by: "cargo xtask demo",
-        part: Part::From("figure"),
+        part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {
         name: "compare",
         page: "shin-placed/compare/report.html",
         made_by: "cargo xtask compare",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "verify",
         page: "verify/report.html",
         made_by: "cargo xtask verify",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "frontier",
         page: "shin-placed-anew/frontier/report.html",
         made_by: "cargo xtask frontier",
-        part: Part::From("figure"),
+        part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {
         name: "stability",
         page: "stability/report.html",
         made_by: "cargo xtask stability",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-fe",
         page: "stability-fe/report.html",
         made_by: "cargo xtask stability fe",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-nets",
         page: "stability-nets/report.html",
         made_by: "cargo xtask stability nets",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-inverse",
         page: "stability-inverse/report.html",
         made_by: "cargo xtask stability inverse",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-parts",
         page: "stability-parts/report.html",
         made_by: "cargo xtask stability parts",
-        part: Part::From("body"),
+        part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "limits",
         page: "shin/limits.html",
         made_by: "cargo xtask limits",
-        part: Part::From("figure"),
+        part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {
         name: "place",
         page: "shin/placement.html",
         made_by: "cargo xtask place",
-        part: Part::From("figure"),
+        part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {
         name: "shell",
         page: "shin_skin/shell-report.html",
         made_by: "cargo hapdef shell fixtures/shin/shin_skin.glb --unit m \
                   --wall 1 --solid",
-        part: Part::From("figure"),
+        part: Part::From("figure", FIGURE_SIZE),
     },
 ];
 
@@ -200,8 +204,8 @@ impl Part {
     /// The window's size, and what the page does before its picture is taken.
     fn shown(&self) -> (&'static str, String) {
         match self {
-            Self::From(selector) => (
-                PAGE_SIZE,
+            Self::From(selector, size) => (
+                size,
                 format!("document.querySelector(\"{selector}\").scrollIntoView(); scrollY"),
             ),
             Self::Whole(size) => (size, "0".to_owned()),
