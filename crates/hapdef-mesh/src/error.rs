@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::unit::LIMB_LENGTH_M;
 use crate::{DeckFault, GltfFault, SolidFault, SurfaceFault};
 
 /// Why a mesh could not be read, built or written.
@@ -119,8 +120,14 @@ pub enum MeshError {
     #[error(transparent)]
     Surface(#[from] SurfaceFault),
     /// No boundary face belongs to the contact region.
-    #[error("no boundary face belongs to the contact region; widen its limits")]
-    EmptySkin,
+    #[error(
+        "no boundary face belongs to the contact region: {} (the solid measures {} x {} x {} m)",
+        region_remedy(size_m), size_m[0], size_m[1], size_m[2]
+    )]
+    EmptySkin {
+        /// The solid's bounding box, m.
+        size_m: [f64; 3],
+    },
     /// The faces around a node of the contact region face opposite ways.
     #[error("the contact region has no outward normal at FE node {node}: its faces cancel")]
     SkinNormal {
@@ -191,4 +198,17 @@ pub enum MeshError {
         /// What is asked for.
         why: &'static str,
     },
+}
+
+/// What to do where no face is touchable: mend a unit that makes the solid no limb, or the region.
+fn region_remedy(size_m: &[f64; 3]) -> String {
+    let longest_m = size_m.iter().copied().fold(0.0, f64::max);
+    if LIMB_LENGTH_M.contains(&longest_m) {
+        return "widen its limits".to_owned();
+    }
+    let (low, high) = (LIMB_LENGTH_M.start(), LIMB_LENGTH_M.end());
+    format!(
+        "check the unit, because no limb is {longest_m} m long ({low} to {high} m), or widen the \
+         region's limits"
+    )
 }

@@ -42,7 +42,9 @@ impl SkinRegion {
     /// area vectors cancel.
     pub fn new(mesh: &Tet10Mesh, faces: Vec<Tri6Face>) -> Result<Self, MeshError> {
         if faces.is_empty() {
-            return Err(MeshError::EmptySkin);
+            return Err(MeshError::EmptySkin {
+                size_m: size_m(mesh),
+            });
         }
         let nodes = nodes_of(&faces);
         let mut sums = vec![Vector3::zeros(); nodes.len()];
@@ -96,6 +98,16 @@ impl SkinRegion {
             .map(|face| tri6::area(&face_positions(mesh, face)))
             .sum()
     }
+}
+
+/// Edges of the solid's bounding box, m, to the micrometre.
+fn size_m(mesh: &Tet10Mesh) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let along = || mesh.nodes().iter().map(|node| node[axis]);
+        let low = along().fold(f64::INFINITY, f64::min);
+        let high = along().fold(f64::NEG_INFINITY, f64::max);
+        ((high - low) * 1e6).round() / 1e6
+    })
 }
 
 /// The six node positions of `face`, m.

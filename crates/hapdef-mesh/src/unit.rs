@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The length of a plausible limb, m: from a robot finger to a leg.
-const LIMB_LENGTH_M: std::ops::RangeInclusive<f64> = 0.05..=0.8;
+pub(crate) const LIMB_LENGTH_M: std::ops::RangeInclusive<f64> = 0.05..=0.8;
 
 /// A unit of length that meshes are exported in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

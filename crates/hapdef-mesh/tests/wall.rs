@@ -117,7 +117,7 @@ fn limits_of_a_region_are_checked() {
         min_radius_m: 1.0,
         ..about_y()
     };
-    assert!(matches!(try_with(far), Err(MeshError::EmptySkin)));
+    assert!(matches!(try_with(far), Err(MeshError::EmptySkin { .. })));
 }
 
 #[test]

@@ -25,7 +25,25 @@ pub enum SceneError {
         /// Why.
         source: std::io::Error,
     },
-    /// The file is no JSON, or not of a scene's form.
+    /// The file is of another kind.
+    #[error("{file}: this is not a scene: expected JSON text, found {found}; {advice}")]
+    NotAScene {
+        /// The file.
+        file: String,
+        /// What it is instead.
+        found: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// The file is no JSON, or is cut off.
+    #[error("{file}: this is no whole JSON: {source}; correct it there, or write the file again")]
+    NoJson {
+        /// The file.
+        file: String,
+        /// What the JSON reader says, with line and column.
+        source: serde_json::Error,
+    },
+    /// The file is JSON, but not of a scene's form.
     #[error("{file}: at {path}: {source}; docs/scene.md lists every field")]
     Form {
         /// The file.
@@ -115,6 +133,17 @@ pub enum HapdefError {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// The calibration that the scene names can't be used.
+    #[error(
+        "estimator.calibration: {path}: {what}; the path is relative to the scene file: correct it, \
+         make the file with `hapdef calibrate`, or leave the field out"
+    )]
+    Calibration {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
     },
     /// The surface that is drawn for the skin can't be read.
     #[error("geometry.skin_gltf: {0}; the path is relative to the scene file")]

@@ -78,7 +78,7 @@ impl SourceArg {
     /// they went away; only a recording is opened here. Lines have 10 integers where none are named.
     ///
     /// # Errors
-    /// A recording that can't be opened.
+    /// A recording that can't be opened, or a file that is none.
     pub fn open(&self) -> Result<Box<dyn FrameSource>, HapdefError> {
         self.open_for(N_SKETCH_CHANNELS)
     }
@@ -86,7 +86,7 @@ impl SourceArg {
     /// The source, with one integer a line for each of `n_gauges` where no number is named.
     ///
     /// # Errors
-    /// A recording that can't be opened.
+    /// A recording that can't be opened, or a file that is none.
     pub fn open_for(&self, n_gauges: usize) -> Result<Box<dyn FrameSource>, HapdefError> {
         Ok(match self {
             Self::Serial { device, baud } => stream(serial(device, *baud), Protocol::Hdp1),
@@ -96,7 +96,7 @@ impl SourceArg {
                 stream(serial(device, BAUD), Protocol::Csv { n_channels })
             }
             Self::Replay { file, speed } => {
-                let messages = Recording::open(file)?.messages();
+                let messages = Recording::open(file)?.with_first_chunk()?.messages();
                 let name = self.to_string();
                 Box::new(ReplaySource::new(&name, messages, *speed))
             }

@@ -46,8 +46,13 @@ fn refused_in(folder: &Path, expected: &[&str]) {
 
 #[track_caller]
 fn refused_by(command: &str, folder: &Path, expected: &[&str]) {
-    let output = hapdef(&[command, "scene.json"], folder);
-    let text = String::from_utf8_lossy(&output.stderr);
+    refused_words(&[command, "scene.json"], folder, expected);
+}
+
+#[track_caller]
+fn refused_words(words: &[&str], folder: &Path, expected: &[&str]) -> String {
+    let output = hapdef(words, folder);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert_eq!(text.matches("error:").count(), 1, "{text}");
     for words in expected {
@@ -61,6 +66,7 @@ fn refused_by(command: &str, folder: &Path, expected: &[&str]) {
         .collect();
     let is_lock = |path: &PathBuf| path.extension().is_some_and(|e| e == "lock");
     assert!(left.iter().all(is_lock), "left behind: {left:?}");
+    text
 }
 
 #[test]
@@ -99,7 +105,93 @@ fn a_value_out_of_range() {
 fn a_scene_that_is_no_json() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.json"), "{\"name\": ").unwrap();
-    refused_in(folder.path(), &["scene.json", "EOF"]);
+    refused_in(folder.path(), &["scene.json", "EOF", "line 1 column 9"]);
+}
+
+/// Cut off within a field: its path means little there, line and column say where.
+#[test]
+fn a_scene_that_is_cut_off() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    let file = folder.path().join("scene.json");
+    let text = fs::read(&file).unwrap();
+    fs::write(&file, &text[..300]).unwrap();
+    refused_in(folder.path(), &["no whole JSON", "line 1 column 300"]);
+}
+
+#[test]
+fn what_is_no_scene_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = [
+        ("limb.glb", "hapdef shell"),
+        ("limb.GLTF", "hapdef shell"),
+        ("limb.hapdef", "hapdef live"),
+        ("limb.json", "docs/scene.md"),
+    ];
+    for (name, advice) in cases {
+        fs::write(folder.path().join(name), b"glTF\x02\0\0\0\xff").unwrap();
+        refused_words(
+            &["check", name],
+            folder.path(),
+            &[name, "expected JSON text", advice],
+        );
+    }
+}
+
+#[test]
+fn a_calibration_that_is_not_there_or_of_another_limb() {
+    let folder = tempfile::tempdir().unwrap();
+    let calibrated = |scene: &mut Value| {
+        scene["estimator"] = json!({
+            "kind": "superposition", "noise_ue": 1.0, "calibration": "made.json.gz"
+        });
+    };
+    scene_with(folder.path(), calibrated);
+    let expected = ["estimator.calibration", "made.json.gz", "hapdef calibrate"];
+    refused_by("check", folder.path(), &expected);
+    let made = folder.path().join("made.json.gz");
+    fs::copy(shin().join("demo_calibration.json.gz"), made).unwrap();
+    scene_with(folder.path(), |scene| {
+        calibrated(scene);
+        scene["gauges"]["sites"].as_array_mut().unwrap().pop();
+    });
+    let expected = ["estimator.calibration", "of another scene: n_gauges"];
+    refused_by("check", folder.path(), &expected);
+}
+
+#[test]
+fn a_deck_in_metres_called_millimetres() {
+    refused(
+        |scene| scene["geometry"]["unit"] = json!("mm"),
+        &["contact region", "check the unit", "0.05 to 0.8 m"],
+    );
+}
+
+#[test]
+fn a_layout_without_gauges() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    let words = ["place", "scene.json", "--gauges", "0"];
+    refused_words(&words, folder.path(), &["--gauges", "1.."]);
+    assert!(!folder.path().join("target").exists());
+}
+
+/// Refused before anything is solved for it.
+#[test]
+fn a_replay_of_what_is_no_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    fs::write(folder.path().join("notes.md"), "# Notes\n").unwrap();
+    let words = ["live", "scene.json", "--source", "replay:notes.md"];
+    let said = refused_words(&words, folder.path(), &["notes.md: 8 bytes", "a recording"]);
+    assert!(!said.contains("solving"), "{said}");
+}
+
+#[test]
+fn frames_from_nowhere() {
+    let words = ["live", "shin.hapdef"];
+    let folder = tempfile::tempdir().unwrap();
+    refused_words(&words, folder.path(), &["--source", "--sim"]);
 }
 
 #[test]

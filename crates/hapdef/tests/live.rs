@@ -207,7 +207,7 @@ fn damage_is_told_and_counted(file: &str, recording: &str) {
     std::fs::write(recording, "no recording at all").unwrap();
     refused(
         &["live", file, "--source", &source],
-        &["not one reading came", "is it a recording"],
+        &["bytes and not one readable chunk", "is it a recording"],
     );
 }
 

@@ -82,6 +82,22 @@ impl Recording {
         })
     }
 
+    /// The same with its first whole chunk read, so that a file of another kind is refused at once.
+    ///
+    /// # Errors
+    /// [`DaqError::NothingToRecover`] for a file without such a chunk; a file that can't be read.
+    pub fn with_first_chunk(mut self) -> Result<Self, DaqError> {
+        if !self.next_chunk()? {
+            let file = std::fs::metadata(&self.path);
+            return Err(DaqError::NothingToRecover {
+                n_bytes: file.map_or(0, |file| file.len()),
+                path: self.path,
+            });
+        }
+        self.take_records();
+        Ok(self)
+    }
+
     /// The same without the frames before a time, which are passed over fast; what the device said of
     /// itself before is read.
     pub(crate) fn with_frames_from(self, from_ns: u64) -> Self {

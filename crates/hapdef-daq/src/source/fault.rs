@@ -16,7 +16,7 @@ pub enum LinkFault {
         name: String,
     },
     /// There is nothing of that name.
-    #[error("{name}: not there; plug it in, or list the ports to see what it is called")]
+    #[error("{name}: not there; plug it in, or see with `hapdef doctor` what the ports are called")]
     NotFound {
         /// Which link.
         name: String,

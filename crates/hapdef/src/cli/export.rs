@@ -37,7 +37,7 @@ struct Form {
 }
 
 pub(crate) fn run(args: &ExportArgs) -> Result<()> {
-    let mut recording = Recording::open(&args.file)?;
+    let mut recording = Recording::open(&args.file)?.with_first_chunk()?;
     let mut out: Box<dyn Write> = match &args.out {
         Some(path) => Box::new(new_file(path, "-o")?),
         None => Box::new(std::io::stdout().lock()),

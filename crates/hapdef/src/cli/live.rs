@@ -9,7 +9,7 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use hapdef::scene::Outputs;
 use hapdef::touch::{
     LiveEstimator, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
@@ -41,17 +41,17 @@ use super::view::{First, FirstParams, Origin, Reach, Sim, View, ViewArgs};
     terminal, one line that is refreshed (a line a frame where it is no terminal); each second a \
     line says how it is doing. Ctrl-C ends it cleanly. Exit code 0 when it ran, 2 when something \
     has to be corrected first.")]
+#[command(
+    group(ArgGroup::new("readings").required(true).args(["source", "sim"])),
+    mut_arg("scene", |arg| arg.help("The bundle (.hapdef) or the scene (.json)"))
+)]
 pub(crate) struct LiveArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    #[arg(
-        long,
-        help = format!("Where readings come from: {SOURCE_FORMS}"),
-        required_unless_present = "sim"
-    )]
+    #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
     /// Play the scene's simulated rig at 1 kHz, pressed at random; needs a scene.
-    #[arg(long, conflicts_with = "source")]
+    #[arg(long)]
     sim: bool,
     /// Seed of those presses.
     #[arg(long, default_value_t = 1, requires = "sim")]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use clap::builder::RangedU64ValueParser;
 use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
 use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, study_layouts};
 use hapdef::{Limb, Run, SceneArgs, write_json};
@@ -41,16 +42,16 @@ pub(crate) struct PlaceArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// Gauges in all.
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     gauges: usize,
     /// So many of the scene's gauges, the first ones, are mounted already and stay.
     #[arg(long, default_value_t = 0)]
     mounted: usize,
     /// Places on the inner wall that are looked at.
-    #[arg(long, default_value_t = 160)]
+    #[arg(long, default_value_t = 160, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     positions: usize,
     /// Directions tried at each place.
-    #[arg(long, default_value_t = 4)]
+    #[arg(long, default_value_t = 4, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
     axes: usize,
     /// Least distance of two gauges, mm.
     #[arg(long, default_value_t = 10.0)]

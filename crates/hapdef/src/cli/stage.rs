@@ -5,6 +5,7 @@ use std::io::Write;
 use anyhow::Result;
 use hapdef::plan::{Machine, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
+use hapdef::touch::calibration_in_use;
 use hapdef::{DrawnSkin, Limb, Pipeline, SceneArgs, Stage, Until};
 
 /// Reads the scene and its limb and says what is there.
@@ -26,6 +27,9 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
     }
     if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
         println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");
+    }
+    if calibration_in_use(&run, &limb)?.is_some() {
+        println!("calibration: of this limb and its gauges");
     }
     Ok(())
 }

@@ -120,7 +120,7 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
 /// The calibration that a scene names, for the recordings made with it: what it rests on, as JSON.
 ///
 /// # Errors
-/// [`HapdefError::File`] and what else reading it returns.
+/// [`HapdefError::Calibration`] when it can't be used.
 pub fn calibration_in_use(run: &Run, limb: &Limb) -> Result<Option<String>, HapdefError> {
     let path = run.scene.estimator.superposition().calibration;
     path.map(|path| {

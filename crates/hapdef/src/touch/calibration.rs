@@ -163,22 +163,15 @@ impl Calibration {
     /// Reads the calibration of a limb, gzipped or not as its name says.
     ///
     /// # Errors
-    /// [`HapdefError::File`]; [`HapdefError::Stale`] when it is of another form, limb or layout.
+    /// [`HapdefError::Calibration`] when it can't be read, or is of another form, limb or layout.
     pub fn read(path: &Path, limb: &Limb) -> Result<Self, HapdefError> {
-        let mut bytes = std::fs::read(path).map_err(HapdefError::file(path))?;
-        if is_gzip(path) {
-            let mut json = Vec::new();
-            let mut packed = MultiGzDecoder::new(bytes.as_slice());
-            packed
-                .read_to_end(&mut json)
-                .map_err(HapdefError::file(path))?;
-            bytes = json;
-        }
-        let stale = |what: String| HapdefError::Stale {
+        let refused = |what: String| HapdefError::Calibration {
             path: path.to_path_buf(),
             what,
         };
-        let read: Self = serde_json::from_slice(&bytes).map_err(|e| stale(e.to_string()))?;
+        let bytes = read_bytes(path).map_err(|e| refused(e.to_string()))?;
+        let read: Self =
+            serde_json::from_slice(&bytes).map_err(|e| refused(format!("no calibration: {e}")))?;
         let (n_nodes, n_gauges) = (limb.n_surface_nodes(), limb.gauges.len());
         let checks = [
             ("version", VERSION as usize, read.version as usize),
@@ -196,13 +189,13 @@ impl Calibration {
         ];
         for (name, expected, found) in checks {
             if expected != found {
-                return Err(stale(format!("{name}: expected {expected}, found {found}")));
+                return Err(refused(format!(
+                    "of another scene: {name}: expected {expected}, found {found}"
+                )));
             }
         }
         if read.deck_hash != limb.deck_hash {
-            return Err(stale(
-                "it belongs to another limb: the deck's hash differs".into(),
-            ));
+            return Err(refused("of another limb: the deck's hash differs".into()));
         }
         Ok(read)
     }
@@ -243,6 +236,17 @@ impl Calibration {
             params,
         )?)
     }
+}
+
+/// What is in a file, unpacked where its name ends in `.gz`.
+fn read_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
+    let bytes = std::fs::read(path)?;
+    if !is_gzip(path) {
+        return Ok(bytes);
+    }
+    let mut unpacked = Vec::new();
+    MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut unpacked)?;
+    Ok(unpacked)
 }
 
 fn is_gzip(path: &Path) -> bool {

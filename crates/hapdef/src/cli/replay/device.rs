@@ -135,7 +135,7 @@ impl<W: Wire> Device<W> {
 
 /// Frames per 1000 s, by the recorded times: devices that send lines name no rate.
 fn rate_mhz(file: &Path) -> Result<u32> {
-    let messages = Recording::open(file)?.messages();
+    let messages = Recording::open(file)?.with_first_chunk()?.messages();
     let times: Vec<u64> = messages
         .filter_map(|message| match message {
             Message::Frame(frame) => Some(frame.t_host_ns),

@@ -63,7 +63,7 @@ pub(crate) fn run(args: &ReplayArgs) -> Result<()> {
 
 /// The records as lines, frames at their times.
 fn lines(args: &ReplayArgs, stop: &AtomicBool) -> Result<()> {
-    let mut recording = Recording::open(&args.file)?;
+    let mut recording = Recording::open(&args.file)?.with_first_chunk()?;
     let mut out = std::io::stdout().lock();
     let mut start = None;
     while let Some(record) = recording.next_record()? {
