@@ -57,54 +57,108 @@ struct Cli {
 #[derive(Subcommand)]
 enum Task {
     /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
+    #[command(
+        after_help = "Examples:\n  cargo xtask demo --quick\n  cargo xtask demo --live\n  \
+        cargo xtask demo --live --scene fixtures/shin/placed.json -- --seconds 60"
+    )]
     Demo(DemoArgs),
     /// The paper's tables and figures in full, with verdicts on its claims.
+    #[command(
+        after_help = "Examples:\n  cargo xtask repro --quick\n  cargo xtask repro --full --write"
+    )]
     Repro(repro::ReproArgs),
     /// The limb's compliance and the datasets only.
+    #[command(after_help = "Example:\n  cargo xtask dataset --quick")]
     Dataset(PipelineArgs),
     /// Everything up to the trained nets.
+    #[command(after_help = "Example:\n  cargo xtask train --quick")]
     Train(PipelineArgs),
     /// Everything up to the scores of the trained nets.
+    #[command(after_help = "Example:\n  cargo xtask eval --quick")]
     Eval(PipelineArgs),
     /// What CI runs: format, lints, tests, docs, each crate alone, layering, a quick demo.
+    #[command(after_help = "Example:\n  cargo xtask ci")]
     Ci,
     /// Is the elasticity solver right: the verification table, or one deck.
+    #[command(
+        after_help = "Examples:\n  cargo xtask verify\n  cargo xtask verify -- --only \
+        solid.le10\n  cargo xtask verify --deck fixtures/shin/shin.inp.gz"
+    )]
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
+    #[command(
+        after_help = "Examples:\n  cargo xtask bench fe\n  cargo xtask bench nets -- \
+        --skip-trained --rounds 2\n  cargo xtask bench live --seconds 10"
+    )]
     Bench(bench::BenchArgs),
     /// Contacts by superposition against the paper's pipeline, on the same frames of the same rig.
+    #[command(
+        after_help = "Examples:\n  cargo xtask compare\n  cargo xtask compare --quick -- --without-paper"
+    )]
     Compare(compare::CompareArgs),
     /// Error against run time: every method and variant in one table and plot.
+    #[command(
+        after_help = "Examples:\n  cargo xtask frontier --minutes 20\n  cargo xtask frontier \
+        nets --quick\n  cargo xtask frontier inverse"
+    )]
     Frontier(frontier::FrontierArgs),
     /// What a scene's gauges can tell about contacts: bounds on the limb, blind spots.
+    #[command(after_help = "Example:\n  cargo xtask limits -- --noise-ue 1")]
     Limits(design::DesignArgs),
     /// Where on the inner wall to put gauges.
+    #[command(after_help = "Example:\n  cargo xtask place -- --gauges 12 --noise-ue 1")]
     Place(design::DesignArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
+    #[command(
+        after_help = "Examples:\n  cargo xtask stability\n  cargo xtask stability inverse \
+        --seed 1\n  cargo xtask stability scenes --minutes 10 --seed 1"
+    )]
     Stability(stability::StabilityArgs),
     /// Settings of a net or a baseline by Bayesian optimisation.
+    #[command(
+        after_help = "Examples:\n  cargo xtask search --quick --method lr --trials 20\n  cargo \
+        xtask search compare --quick"
+    )]
     Search(search::SearchArgs),
     /// The baselines and a net on a real tactile skin that nobody here built.
+    #[command(after_help = "Example:\n  cargo xtask tactile -- --steps 100 --svr-presses 200")]
     Tactile(search::TactileArgs),
     /// Damaged inputs for every reader; ends with exit code 1 if one panics.
+    #[command(after_help = "Example:\n  cargo xtask fuzz --minutes 10")]
     Fuzz(fuzz::FuzzArgs),
     /// Are frames wrong, lost or uncounted: damaged wires, a device at 1 kHz on a pty, kill -9.
+    #[command(
+        after_help = "Examples:\n  cargo xtask soak --short\n  cargo xtask soak -- --seconds 600 --kills 200"
+    )]
     Soak(soak::SoakArgs),
     /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
+    #[command(
+        after_help = "Examples:\n  cargo xtask rig -- --link target/limb --seconds 2\n  cargo \
+        xtask rig -- --tcp 127.0.0.1:0 --seconds 2"
+    )]
     Rig(rig::RigArgs),
     /// The live page in a headless Chromium, which it installs as root: its tests.
+    #[command(after_help = "Example:\n  cargo xtask browser")]
     Browser,
     /// The pictures of the docs, from the pages that the other commands have written.
+    #[command(
+        after_help = "Example:\n  cargo xtask pictures report shin-rigidity --into target/pictures"
+    )]
     Pictures(pictures::PicturesArgs),
     /// The Python module: its wheel, installed and tested; says so where there is no Python.
+    #[command(after_help = "Example:\n  cargo xtask python")]
     Python,
     /// What somebody compiles who takes one layer alone: crates, seconds, bytes.
+    #[command(after_help = "Examples:\n  cargo xtask weight --check\n  cargo xtask weight --build")]
     Weight(weight::WeightArgs),
     /// Runs the commands that the docs show.
+    #[command(after_help = "Example:\n  cargo xtask docs")]
     Docs(docs::DocsArgs),
     /// Compares the tree with its own rules: layers, file lengths, leftovers, links of the docs.
+    #[command(after_help = "Example:\n  cargo xtask tidy")]
     Tidy,
     /// Makes the bundled limb under fixtures/ again.
+    #[command(after_help = "Example:\n  cargo xtask fixtures --check")]
     Fixtures {
         /// Write nothing; fail if what is there differs.
         #[arg(long)]
@@ -149,5 +203,29 @@ fn run(task: Task) -> Result<()> {
         Task::Docs(args) => docs::run_some(&args),
         Task::Tidy => tidy::run(),
         Task::Fixtures { check } => fixtures::make(check),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory, Parser};
+
+    use super::Cli;
+
+    fn check(command: &mut Command) {
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Example"), "{}", command.get_name());
+        let lines = help.lines().map(str::trim);
+        for example in lines.filter(|line| line.starts_with("cargo xtask ")) {
+            let parsed = Cli::try_parse_from(example.split_whitespace().skip(1));
+            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
+        }
+        let own = |sub: &&mut Command| sub.get_name() != "help";
+        command.get_subcommands_mut().filter(own).for_each(check);
+    }
+
+    #[test]
+    fn every_help_has_an_example_that_is_understood() {
+        check(&mut Cli::command());
     }
 }

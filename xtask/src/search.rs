@@ -22,6 +22,10 @@ pub(crate) struct SearchArgs {
 #[derive(clap::Subcommand)]
 enum Action {
     /// Joins the trials of several shards.
+    #[command(
+        after_help = "Example:\n  cargo xtask search merge a/trials-1-of-2.jsonl \
+        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl"
+    )]
     Merge {
         /// Files of trials.
         #[arg(required = true)]
@@ -31,6 +35,7 @@ enum Action {
         into: PathBuf,
     },
     /// The paper's settings beside the search's best, on test samples.
+    #[command(after_help = "Example:\n  cargo xtask search compare --quick")]
     Compare(SceneArgs),
 }
 

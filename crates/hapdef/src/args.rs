@@ -18,6 +18,9 @@ const INTERRUPTED: i32 = 130;
 /// Fewest samples of a set: one in five is for testing, and the smallest net is trained on 60 %.
 const MIN_SAMPLES: usize = 20;
 
+/// Where `--help` lists how nets are trained: after what a command has of its own.
+const TRAINING: &str = "Training";
+
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
@@ -36,40 +39,40 @@ pub struct SceneArgs {
     #[arg(long)]
     pub seed: Option<u64>,
     /// Optimiser steps of each F_R instead of the profile's.
-    #[arg(long, value_parser = at_least::<1>)]
+    #[arg(long, help_heading = TRAINING, value_parser = at_least::<1>)]
     pub steps: Option<usize>,
     /// Weight of the L2 term of each F_R instead of the profile's; the paper states 1e-4.
-    #[arg(long)]
+    #[arg(long, help_heading = TRAINING)]
     pub l2: Option<f64>,
     /// Samples of each step of F_R instead of the profile's; the paper has 100.
-    #[arg(long, value_parser = at_least::<1>)]
+    #[arg(long, help_heading = TRAINING, value_parser = at_least::<1>)]
     pub batch: Option<usize>,
     /// Train F_R in that many modes of its outputs, and unfold it to all surface nodes after; 0 trains
     /// the nodes themselves.
-    #[arg(long, value_name = "N")]
+    #[arg(long, help_heading = TRAINING, value_name = "N")]
     pub output_modes: Option<usize>,
     /// By what F_R's outputs are divided in training, instead of the profile's choice.
-    #[arg(long)]
+    #[arg(long, help_heading = TRAINING)]
     pub output_scale: Option<OutputScale>,
     /// What the training of F_R minimises, `root-mean-square` (the paper's) or `mean-of-samples`,
     /// instead of the profile's choice.
-    #[arg(long, value_parser = loss)]
+    #[arg(long, help_heading = TRAINING, value_parser = loss)]
     pub loss: Option<Loss>,
     /// Where the training samples of F_R come from, instead of the profile's choice.
-    #[arg(long)]
+    #[arg(long, help_heading = TRAINING)]
     pub samples: Option<Samples>,
     /// What trains the nets: `slices`, `candle`, or `cuda` and `cuda:1` for a GPU in a build with
     /// the feature `cuda`.
-    #[arg(long, default_value = "slices", value_parser = backend)]
+    #[arg(long, help_heading = TRAINING, default_value = "slices", value_parser = backend)]
     pub backend: TrainBackend,
     /// Optimiser steps of F_T, F_S and the direct net instead of the profile's.
-    #[arg(long, value_parser = at_least::<1>)]
+    #[arg(long, help_heading = TRAINING, value_parser = at_least::<1>)]
     pub other_steps: Option<usize>,
     /// Single-contact samples instead of the profile's, simulated and on the rig.
-    #[arg(long, value_parser = at_least::<MIN_SAMPLES>)]
+    #[arg(long, help_heading = TRAINING, value_parser = at_least::<MIN_SAMPLES>)]
     pub singles: Option<usize>,
     /// Samples of each set of several contacts instead of the profile's.
-    #[arg(long, value_parser = at_least::<MIN_SAMPLES>)]
+    #[arg(long, help_heading = TRAINING, value_parser = at_least::<MIN_SAMPLES>)]
     pub multis: Option<usize>,
 }
 

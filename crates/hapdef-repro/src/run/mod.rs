@@ -4,6 +4,7 @@ mod ablation;
 mod ablation_table;
 pub(crate) mod chain;
 mod claims;
+mod cli;
 mod contents;
 mod examples;
 pub(crate) mod facts;
@@ -24,11 +25,10 @@ mod svr;
 mod table1;
 mod tactile;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, Parser, Subcommand};
 use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
@@ -36,106 +36,15 @@ use hapdef_report::{MetricLog, Report, write_report, write_text};
 use hapdef_repro::{Golden, Table1, check_results, results_markdown, table1_claims};
 
 use self::ablation_table::{Ablations, ablation_table};
+pub(crate) use self::cli::Cli;
+use self::cli::{CheckResultsArgs, Command, GoldenArgs, ReproArgs};
 use self::frames::Frames;
 use self::patches::SizePoint;
 use self::ridge::RidgeRows;
 use self::singles::Singles;
 use self::summary::Printed;
 use self::svr::SvrScore;
-use crate::bench::{self, BenchNetsArgs, FrontierArgs};
-use crate::compare::{self, BenchInverseArgs, CompareArgs, FrontierInverseArgs};
-use crate::frontier::{self, ChainFrontierArgs};
-
-/// The tables and figures of Sun & Martius 2019 for a scene.
-#[derive(Parser)]
-#[command(
-    version,
-    after_help = "Example:\n  \
-    hapdef-repro report fixtures/shin/scene.json --profile quick"
-)]
-pub(crate) struct Cli {
-    #[command(subcommand)]
-    command: Command,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Runs what is missing and writes the report: Markdown, JSON, HTML, figures.
-    Report(SceneArgs),
-    /// The baselines and a net on a real tactile skin that nobody here built.
-    Tactile(tactile::TactileArgs),
-    /// Settings of a method by Bayesian optimisation on validation samples; goes on where it was.
-    Search(search::SearchArgs),
-    /// Joins the trials of several shards.
-    SearchMerge(search::MergeArgs),
-    /// The paper's settings beside the search's best, on test samples.
-    SearchCompare(search::CompareArgs),
-    /// Nets and baselines with data and settings at their extremes.
-    Stability(stability::StabilityArgs),
-    /// Contacts by superposition with frames, layouts and presses at their extremes.
-    StabilityInverse(stability::InverseArgs),
-    /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
-    StabilityParts(stability::StabilityArgs),
-    /// The tables of all layers at their extremes as one, and what they come to
-    StabilityAll(stability_all::AllArgs),
-    /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
-    BenchNets(BenchNetsArgs),
-    /// Error against run time: every method, precision, rank and width in one table and plot.
-    FrontierNets(FrontierArgs),
-    /// Error against run time of the whole chain, its growth, and what leaving things out is worth.
-    Frontier(ChainFrontierArgs),
-    /// The same with what needs nets of its own: figure 5A and the ablations of figure 8.
-    Repro(ReproArgs),
-    /// Contacts by superposition against the paper's pipeline, the same frames of the same rig.
-    Compare(CompareArgs),
-    /// Effort of the search against error, with the bound and the paper's nets beside it.
-    FrontierInverse(FrontierInverseArgs),
-    /// Time and allocations of a frame by superposition.
-    BenchInverse(BenchInverseArgs),
-    /// Compares the tables of a report with golden values, or writes those.
-    Golden(GoldenArgs),
-    /// Fails where the results page of a full run is not about what the code makes now.
-    CheckResults(CheckResultsArgs),
-}
-
-#[derive(Args)]
-struct ReproArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Also writes the tables and verdicts to this Markdown file.
-    #[arg(long)]
-    results: Option<PathBuf>,
-    /// Also writes the metrics to this JSON file.
-    #[arg(long)]
-    metrics: Option<PathBuf>,
-    /// Leave out what needs nets of its own: figure 5A and the ablations of figure 8.
-    #[arg(long)]
-    tables_only: bool,
-}
-
-#[derive(Args)]
-struct GoldenArgs {
-    /// The report, `report.json`.
-    report: PathBuf,
-    /// The golden values.
-    golden: PathBuf,
-    /// Writes them instead of comparing.
-    #[arg(long)]
-    write: bool,
-}
-
-#[derive(Args)]
-struct CheckResultsArgs {
-    /// The scene and the amounts of the page's run.
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// The report of a quick run of that scene, `report.json`.
-    #[arg(long)]
-    report: PathBuf,
-    /// The page.
-    #[arg(long)]
-    results: PathBuf,
-}
+use crate::{bench, compare, frontier};
 
 /// Does what the arguments say.
 pub(crate) fn run(cli: &Cli) -> Result<()> {

@@ -13,7 +13,7 @@ use clap::{Parser, Subcommand};
 #[derive(Parser)]
 #[command(
     name = "hapdef-verify",
-    after_help = "Example:\n  cargo xtask verify\n  cargo xtask verify --only solid.le10"
+    after_help = "Examples:\n  cargo xtask verify\n  cargo xtask verify -- --only solid.le10"
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -23,12 +23,16 @@ pub(crate) struct Cli {
 #[derive(Subcommand)]
 enum Task {
     /// Solves the verification table and judges every row.
+    #[command(after_help = "Example:\n  hapdef-verify verify --only solid.le10")]
     Verify(verify::VerifyArgs),
     /// Times the solver against other solvers.
+    #[command(after_help = "Example:\n  hapdef-verify bench --skip-large")]
     Bench(bench::BenchArgs),
     /// Tries the solver at its extremes: accurate to its bound, or a clear error.
+    #[command(after_help = "Example:\n  hapdef-verify stability fe")]
     Stability(stability::StabilityArgs),
     /// Solves a deck's own load and compares it with known figures.
+    #[command(after_help = "Example:\n  hapdef-verify deck fixtures/shin/shin.inp.gz")]
     Deck(deck::DeckArgs),
 }
 
@@ -39,5 +43,29 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
         Task::Bench(args) => bench::run(args).map(|()| true),
         Task::Stability(args) => stability::run(args),
         Task::Deck(args) => deck::run(args).map(|()| true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory, Parser};
+
+    use super::Cli;
+
+    fn check(command: &mut Command) {
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Example"), "{}", command.get_name());
+        let lines = help.lines().map(str::trim);
+        for example in lines.filter(|line| line.starts_with("hapdef-verify ")) {
+            let parsed = Cli::try_parse_from(example.split_whitespace());
+            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
+        }
+        let own = |sub: &&mut Command| sub.get_name() != "help";
+        command.get_subcommands_mut().filter(own).for_each(check);
+    }
+
+    #[test]
+    fn every_help_has_an_example_that_is_understood() {
+        check(&mut Cli::command());
     }
 }

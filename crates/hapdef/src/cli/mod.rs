@@ -56,8 +56,12 @@ pub(crate) struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Reads a surface (.glb, .gltf) or a solid deck (.inp, .dat, .cdb) and reports its quality.
+    #[command(
+        after_help = "Examples:\n  hapdef inspect fixtures/shin/shin_skin.glb\n  hapdef inspect fixtures/shin/shin.inp.gz --json"
+    )]
     Inspect(inspect::InspectArgs),
     /// Solves a solid deck's own load and prints displacement, energy and mass.
+    #[command(after_help = "Example:\n  hapdef deck fixtures/shin/shin.inp.gz")]
     Deck {
         /// The deck.
         file: PathBuf,
@@ -69,6 +73,7 @@ enum Command {
         vtu: Option<PathBuf>,
     },
     /// Reads a scene and its limb and checks both, without solving anything.
+    #[command(after_help = "Example:\n  hapdef check fixtures/shin/scene.json")]
     Check(SceneArgs),
     /// Which stages the scene needs, which are left out and why, and what they will take; solves
     /// nothing.
@@ -104,12 +109,16 @@ enum Command {
     /// Contacts from a stream of frames: a device, a recording.
     Live(live::LiveArgs),
     /// The limb's compliance and the simulated rig's response.
+    #[command(after_help = "Example:\n  hapdef simulate fixtures/shin/scene.json")]
     Simulate(RunArgs),
     /// Everything up to the datasets.
+    #[command(after_help = "Example:\n  hapdef dataset fixtures/shin/scene.json --profile quick")]
     Dataset(RunArgs),
     /// Everything up to the trained nets.
+    #[command(after_help = "Example:\n  hapdef train fixtures/shin/scene.json --profile quick")]
     Train(RunArgs),
     /// Everything up to the scores of the trained nets.
+    #[command(after_help = "Example:\n  hapdef eval fixtures/shin/scene.json --profile quick")]
     Eval(RunArgs),
 }
 
@@ -153,5 +162,46 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Dataset(args) => stage::run_until(&args.scene, Until::Dataset, args.json),
         Command::Train(args) => stage::run_until(&args.scene, Until::Train, args.json),
         Command::Eval(args) => stage::run_until(&args.scene, Until::Eval, args.json),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory, Parser};
+
+    use super::Cli;
+
+    fn check(command: &mut Command) {
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Example"), "{}", command.get_name());
+        let lines = help.lines().map(str::trim);
+        for example in lines.filter(|line| line.starts_with("hapdef ")) {
+            let words = example.split_whitespace().take_while(|word| *word != "|");
+            let parsed = Cli::try_parse_from(words);
+            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
+        }
+        let own = |sub: &&mut Command| sub.get_name() != "help";
+        command.get_subcommands_mut().filter(own).for_each(check);
+    }
+
+    #[test]
+    fn every_help_has_an_example_that_is_understood() {
+        check(&mut Cli::command());
+    }
+
+    #[test]
+    fn how_nets_are_trained_comes_after_what_a_command_has_of_its_own() {
+        let mut command = Cli::command();
+        for (name, own) in [
+            ("live", "--source"),
+            ("place", "--gauges"),
+            ("calibrate", "--noise-ue"),
+        ] {
+            let command = command.find_subcommand_mut(name).unwrap();
+            let help = command.render_long_help().to_string();
+            let at = |words: &str| help.find(words).unwrap();
+            assert!(at("\nTraining:") < at("      --l2"), "{name}");
+            assert!(at(&format!("      {own}")) < at("\nTraining:"), "{name}");
+        }
     }
 }

@@ -1,0 +1,176 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use hapdef::SceneArgs;
+
+use super::{search, stability, stability_all, tactile};
+use crate::bench::{BenchNetsArgs, FrontierArgs};
+use crate::compare::{BenchInverseArgs, CompareArgs, FrontierInverseArgs};
+use crate::frontier::ChainFrontierArgs;
+
+/// The tables and figures of Sun & Martius 2019 for a scene.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Example:\n  \
+    hapdef-repro report fixtures/shin/scene.json --profile quick"
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    /// Runs what is missing and writes the report: Markdown, JSON, HTML, figures.
+    #[command(
+        after_help = "Example:\n  hapdef-repro report fixtures/shin/scene.json --profile quick"
+    )]
+    Report(SceneArgs),
+    /// The baselines and a net on a real tactile skin that nobody here built.
+    #[command(after_help = "Example:\n  hapdef-repro tactile --steps 1000")]
+    Tactile(tactile::TactileArgs),
+    /// Settings of a method by Bayesian optimisation on validation samples; goes on where it was.
+    #[command(
+        after_help = "Example:\n  hapdef-repro search fixtures/shin/scene.json --profile quick \
+        --method lr --trials 20"
+    )]
+    Search(search::SearchArgs),
+    /// Joins the trials of several shards.
+    #[command(
+        after_help = "Example:\n  hapdef-repro search-merge a/trials-1-of-2.jsonl \
+        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl"
+    )]
+    SearchMerge(search::MergeArgs),
+    /// The paper's settings beside the search's best, on test samples.
+    #[command(
+        after_help = "Example:\n  hapdef-repro search-compare fixtures/shin/scene.json \
+        --profile quick"
+    )]
+    SearchCompare(search::CompareArgs),
+    /// Nets and baselines with data and settings at their extremes.
+    #[command(after_help = "Example:\n  hapdef-repro stability --check docs/stability-nets.md")]
+    Stability(stability::StabilityArgs),
+    /// Contacts by superposition with frames, layouts and presses at their extremes.
+    #[command(
+        after_help = "Example:\n  hapdef-repro stability-inverse fixtures/shin/placed.json \
+        --check docs/stability-inverse.md"
+    )]
+    StabilityInverse(stability::InverseArgs),
+    /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
+    #[command(
+        after_help = "Example:\n  hapdef-repro stability-parts --check docs/stability-parts.md"
+    )]
+    StabilityParts(stability::StabilityArgs),
+    /// The tables of all layers at their extremes as one, and what they come to
+    #[command(after_help = "Example:\n  hapdef-repro stability-all")]
+    StabilityAll(stability_all::AllArgs),
+    /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
+    #[command(after_help = "Example:\n  hapdef-repro bench-nets --skip-trained --rounds 2")]
+    BenchNets(BenchNetsArgs),
+    /// Error against run time: every method, precision, rank and width in one table and plot.
+    #[command(
+        after_help = "Example:\n  hapdef-repro frontier-nets fixtures/shin/scene.json \
+        --profile quick"
+    )]
+    FrontierNets(FrontierArgs),
+    /// Error against run time of the whole chain, its growth, and what leaving things out is worth.
+    Frontier(ChainFrontierArgs),
+    /// The same with what needs nets of its own: figure 5A and the ablations of figure 8.
+    #[command(
+        after_help = "Example:\n  hapdef-repro repro fixtures/shin/scene.json --profile quick"
+    )]
+    Repro(ReproArgs),
+    /// Contacts by superposition against the paper's pipeline, the same frames of the same rig.
+    #[command(
+        after_help = "Example:\n  hapdef-repro compare fixtures/shin/placed.json --profile \
+        quick --frames 100"
+    )]
+    Compare(CompareArgs),
+    /// Effort of the search against error, with the bound and the paper's nets beside it.
+    #[command(
+        after_help = "Example:\n  hapdef-repro frontier-inverse fixtures/shin/placed.json \
+        --without-paper --frames 100"
+    )]
+    FrontierInverse(FrontierInverseArgs),
+    /// Time and allocations of a frame by superposition.
+    #[command(after_help = "Example:\n  hapdef-repro bench-inverse fixtures/shin/placed.json")]
+    BenchInverse(BenchInverseArgs),
+    /// Compares the tables of a report with golden values, or writes those.
+    #[command(
+        after_help = "Example:\n  hapdef-repro golden target/hapdef/shin/report/report.json \
+        crates/hapdef-repro/golden/quick.json"
+    )]
+    Golden(GoldenArgs),
+    /// Fails where the results page of a full run is not about what the code makes now.
+    #[command(
+        after_help = "Example:\n  hapdef-repro check-results fixtures/shin/scene.json --report \
+        target/hapdef/shin/report/report.json --results docs/results.md"
+    )]
+    CheckResults(CheckResultsArgs),
+}
+
+#[derive(Args)]
+pub(super) struct ReproArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Also writes the tables and verdicts to this Markdown file.
+    #[arg(long)]
+    pub(super) results: Option<PathBuf>,
+    /// Also writes the metrics to this JSON file.
+    #[arg(long)]
+    pub(super) metrics: Option<PathBuf>,
+    /// Leave out what needs nets of its own: figure 5A and the ablations of figure 8.
+    #[arg(long)]
+    pub(super) tables_only: bool,
+}
+
+#[derive(Args)]
+pub(super) struct GoldenArgs {
+    /// The report, `report.json`.
+    pub(super) report: PathBuf,
+    /// The golden values.
+    pub(super) golden: PathBuf,
+    /// Writes them instead of comparing.
+    #[arg(long)]
+    pub(super) write: bool,
+}
+
+#[derive(Args)]
+pub(super) struct CheckResultsArgs {
+    /// The scene and the amounts of the page's run.
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// The report of a quick run of that scene, `report.json`.
+    #[arg(long)]
+    pub(super) report: PathBuf,
+    /// The page.
+    #[arg(long)]
+    pub(super) results: PathBuf,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory, Parser};
+
+    use super::Cli;
+
+    fn check(command: &mut Command) {
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Example"), "{}", command.get_name());
+        let lines = help.lines().map(str::trim);
+        for example in lines.filter(|line| line.starts_with("hapdef-repro ")) {
+            let parsed = Cli::try_parse_from(example.split_whitespace());
+            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
+        }
+        let own = |sub: &&mut Command| sub.get_name() != "help";
+        command.get_subcommands_mut().filter(own).for_each(check);
+    }
+
+    #[test]
+    fn every_help_has_an_example_that_is_understood() {
+        check(&mut Cli::command());
+    }
+}
