@@ -4,12 +4,13 @@
 //! cargo run --release --example tour -- press-one
 //! cargo run --release --example tour -- two-fingers
 //! cargo run --release --example tour -- own-limb limb.glb 1.0
-//! cargo run --release --example tour -- own-board lines.csv
+//! cargo run --release --example tour -- own-board lines.csv 0.5
 //! cargo run --release --example tour -- replay press.mcap
 //! ```
 //!
 //! Read them in this order: `press_one.rs` is the whole way from a scene to a contact. Without a file
-//! of your own the last three make one up.
+//! of your own the last three make one up. The numbers are the wall's thickness, mm, and the strain
+//! that one count of your board is, µε; they are 1.0 and 0.5 where nothing is said.
 #![allow(clippy::print_stdout, reason = "an example shows what it does")]
 
 mod own_board;
@@ -50,7 +51,10 @@ fn main() -> Result<()> {
             println!("10 N found {:.4} mm off", limb.miss_mm);
         }
         "own-board" => {
-            for found in own_board::own_board(file.as_deref())? {
+            let count = words.next().map(|word| word.parse()).transpose()?;
+            let ue_per_count = count.unwrap_or(own_board::UE_PER_COUNT);
+            println!("{ue_per_count} µε per count");
+            for found in own_board::own_board(file.as_deref(), ue_per_count)? {
                 let at_mm = found.position_m.coords * 1e3;
                 print!(
                     "{:.3} N at ({:.1}, {:.1}, {:.1}) mm",
