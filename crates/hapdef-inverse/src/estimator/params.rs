@@ -12,7 +12,8 @@ pub struct EstimatorParams {
     /// Below this probability of the readings without any contact, something touches.
     pub touch_p: f64,
     /// An explanation whose residual has at least this probability is good enough: none with more
-    /// contacts is looked for, unless the map is uncertain and the gauges could check one.
+    /// contacts is looked for, unless there are two already, the map is uncertain, and the gauges could
+    /// check one.
     pub accept_p: f64,
     /// Then the residual has to have this probability: a contact that the map's error may hide leaves
     /// a residual that is likely, but less so than without it.
