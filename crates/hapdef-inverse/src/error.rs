@@ -163,9 +163,8 @@ pub enum InverseError {
     },
     /// All presses in one place.
     #[error(
-        "all presses lie within {} m of each other, on a skin of {} m: spread them over the skin",
-        to_micrometre(*extent_m),
-        to_micrometre(*skin_extent_m)
+        "all presses lie within {extent_m:.6} m of each other, on a skin of {skin_extent_m:.6} m: spread \
+         them over the skin"
     )]
     PressesInOneSpot {
         /// The largest distance between two presses, m.
@@ -187,11 +186,6 @@ pub enum InverseError {
         /// What the system said.
         reason: String,
     },
-}
-
-/// A length rounded to what a message needs, m.
-fn to_micrometre(length_m: f64) -> f64 {
-    (length_m * 1e6).round() / 1e6
 }
 
 /// The first number that is not finite, as an error.

@@ -121,7 +121,7 @@ pub enum MeshError {
     Surface(#[from] SurfaceFault),
     /// No boundary face belongs to the contact region.
     #[error(
-        "no boundary face belongs to the contact region: {} (the solid measures {} x {} x {} m)",
+        "no boundary face belongs to the contact region: {} (the solid measures {:.6} x {:.6} x {:.6} m)",
         region_remedy(size_m), size_m[0], size_m[1], size_m[2]
     )]
     EmptySkin {
@@ -208,7 +208,7 @@ fn region_remedy(size_m: &[f64; 3]) -> String {
     }
     let (low, high) = (LIMB_LENGTH_M.start(), LIMB_LENGTH_M.end());
     format!(
-        "check the unit, because no limb is {longest_m} m long ({low} to {high} m), or widen the \
+        "check the unit, because no limb is {longest_m:.6} m long ({low} to {high} m), or widen the \
          region's limits"
     )
 }

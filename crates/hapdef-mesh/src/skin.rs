@@ -100,13 +100,13 @@ impl SkinRegion {
     }
 }
 
-/// Edges of the solid's bounding box, m, to the micrometre.
+/// Edges of the solid's bounding box, m.
 fn size_m(mesh: &Tet10Mesh) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let along = || mesh.nodes().iter().map(|node| node[axis]);
         let low = along().fold(f64::INFINITY, f64::min);
         let high = along().fold(f64::NEG_INFINITY, f64::max);
-        ((high - low) * 1e6).round() / 1e6
+        high - low
     })
 }
 

@@ -140,27 +140,6 @@ impl ContactEstimator {
         scratch: &mut EstimatorScratch,
         estimate: &mut ContactEstimate,
     ) -> Result<(), InverseError> {
-        self.estimate_to(self.params.settle_p, readings, scratch, estimate)
-    }
-
-    /// The same with any likely residual settling the count: what later frames can mend is not worth the
-    /// time of a wider search.
-    pub(crate) fn estimate_soon_into(
-        &self,
-        readings: &[f64],
-        scratch: &mut EstimatorScratch,
-        estimate: &mut ContactEstimate,
-    ) -> Result<(), InverseError> {
-        self.estimate_to(self.params.accept_p, readings, scratch, estimate)
-    }
-
-    fn estimate_to(
-        &self,
-        settle_p: f64,
-        readings: &[f64],
-        scratch: &mut EstimatorScratch,
-        estimate: &mut ContactEstimate,
-    ) -> Result<(), InverseError> {
         self.begin(readings, scratch)?;
         let mut info = EstimateInfo::default();
         let untouched = self.untouched(scratch);
@@ -175,7 +154,7 @@ impl ContactEstimator {
                 if n == 1 && !is_any_good(self.params.accept_p, &scratch.found) {
                     self.search_wider(scratch, &mut info);
                 }
-                if !is_count_known && is_any_good(self.enough_p(n, settle_p), &scratch.found) {
+                if !is_count_known && is_any_good(self.enough_p(n), &scratch.found) {
                     break;
                 }
             }

@@ -15,8 +15,8 @@ pub struct EstimatorParams {
     /// contacts is looked for, unless there are two already, the map is uncertain, and the gauges could
     /// check one.
     pub accept_p: f64,
-    /// Then the residual has to have this probability: a contact that the map's error may hide leaves
-    /// a residual that is likely, but less so than without it.
+    /// The probability that the residual of two contacts and more needs there: a contact that the map's error
+    /// may hide leaves a residual that is likely, but less so than without it.
     pub settle_p: f64,
     /// Each contact beyond those of an explanation that is good enough has to improve −2 ln evidence by
     /// this.

@@ -220,14 +220,13 @@ impl ContactEstimator {
         self.p_value(e) >= p && self.is_believed(e)
     }
 
-    /// Probability that the residual of `n` contacts has to have for no more to be looked for: `settle_p`
-    /// for two and more where the map is uncertain and the gauges could check one more. A frame of one
-    /// contact stays cheap.
-    pub(super) fn enough_p(&self, n: usize, settle_p: f64) -> f64 {
+    /// Probability that the residual of `n` contacts has to have for no more to be looked for. A frame of
+    /// one contact stays cheap.
+    pub(super) fn enough_p(&self, n: usize) -> f64 {
         if n < 2 || self.model.is_exact() || !self.is_checked(n + 1) {
             self.params.accept_p
         } else {
-            settle_p
+            self.params.settle_p
         }
     }
 

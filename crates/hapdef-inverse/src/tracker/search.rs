@@ -58,14 +58,14 @@ fn search(
 ) -> Result<(), InverseError> {
     let is_whole = estimator.model.live.iter().all(|&gauge| live[gauge]);
     if is_whole {
-        return estimator.estimate_soon_into(readings, scratch, estimate);
+        return estimator.estimate_into(readings, scratch, estimate);
     }
     let both: Vec<bool> = (0..live.len())
         .map(|gauge| live[gauge] && estimator.model.live.contains(&gauge))
         .collect();
     estimator
         .masked(&both)?
-        .estimate_soon_into(readings, scratch, estimate)
+        .estimate_into(readings, scratch, estimate)
 }
 
 #[derive(Debug)]

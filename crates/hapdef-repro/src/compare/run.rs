@@ -210,6 +210,15 @@ impl<'a> Bench<'a> {
             let estimator = more.estimator(self.params(), 0.0)?;
             let frames = self.apart(k, 30 + k as u64)?;
             measured.add(name, &more.score(&estimator, &frames)?);
+            let given = EstimatorParams {
+                known_count: Some(k),
+                ..self.params()
+            };
+            let told = more.estimator(given, 0.0)?;
+            measured.add(
+                &format!("{name}, count given"),
+                &more.score(&told, &frames)?,
+            );
         }
         Ok(())
     }

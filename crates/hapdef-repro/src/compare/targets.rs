@@ -11,129 +11,42 @@ use crate::target::{Target, Wanted, target_table};
 type OfRow = (&'static str, &'static str, Wanted, fn(&Row) -> f64);
 
 const OF_ROWS: [OfRow; 24] = [
-    (
-        "single",
-        "one contact, mean, mm",
-        Wanted::AtMost(0.3),
-        |r| r.mean_mm,
-    ),
-    (
-        "single",
-        "one contact, median, mm",
-        Wanted::AtMost(0.15),
-        |r| r.median_mm,
-    ),
-    (
-        "single",
-        "one contact, mean, N",
-        Wanted::AtMost(0.35),
-        |r| r.mean_n,
-    ),
-    (
-        "single",
-        "one contact, count right, %",
-        Wanted::AtLeast(99.0),
-        |r| r.count_pct,
-    ),
-    ("double", "two, mean, mm", Wanted::AtMost(2.0), |r| {
-        r.mean_mm
+    at_most("single", "one contact, mean, mm", 0.3, |r| r.mean_mm),
+    at_most("single", "one contact, median, mm", 0.15, |r| r.median_mm),
+    at_most("single", "one contact, mean, N", 0.35, |r| r.mean_n),
+    at_least("single", "one contact, count right, %", 99.0, |r| {
+        r.count_pct
     }),
-    ("double", "two, median, mm", Wanted::AtMost(0.3), |r| {
+    at_most("double", "two, mean, mm", 2.0, |r| r.mean_mm),
+    at_most("double", "two, median, mm", 0.3, |r| r.median_mm),
+    at_most("double", "two, mean, N", 1.0, |r| r.mean_n),
+    at_least("double", "two, within 10 mm, %", 96.0, |r| r.within10_pct),
+    at_least("double", "two, count right, %", 94.0, |r| r.count_pct),
+    at_most(FEW_SINGLE, "one, 300 presses, mean, mm", 0.5, |r| r.mean_mm),
+    at_most(FEW_DOUBLE, "two, 300 presses, mean, mm", 3.0, |r| r.mean_mm),
+    at_most(FEW_DOUBLE, "two, 300 presses, median, mm", 0.6, |r| {
         r.median_mm
     }),
-    ("double", "two, mean, N", Wanted::AtMost(1.0), |r| r.mean_n),
-    (
-        "double",
-        "two, within 10 mm, %",
-        Wanted::AtLeast(96.0),
-        |r| r.within10_pct,
-    ),
-    (
-        "double",
-        "two, count right, %",
-        Wanted::AtLeast(94.0),
-        |r| r.count_pct,
-    ),
-    (
-        FEW_SINGLE,
-        "one contact, 300 presses, mean, mm",
-        Wanted::AtMost(0.5),
-        |r| r.mean_mm,
-    ),
-    (
-        FEW_DOUBLE,
-        "two, 300 presses, mean, mm",
-        Wanted::AtMost(3.0),
-        |r| r.mean_mm,
-    ),
-    (
-        FEW_DOUBLE,
-        "two, 300 presses, median, mm",
-        Wanted::AtMost(0.6),
-        |r| r.median_mm,
-    ),
-    (
-        ARRIVING,
-        "four arriving, mean, mm",
-        Wanted::AtMost(0.7),
-        |r| r.mean_mm,
-    ),
-    (
-        ARRIVING,
-        "four arriving, mean, N",
-        Wanted::AtMost(0.6),
-        |r| r.mean_n,
-    ),
-    (
-        ARRIVING,
-        "four arriving, found, %",
-        Wanted::AtLeast(99.0),
-        |r| r.within10_pct,
-    ),
-    (
-        ARRIVING,
-        "four arriving, count right, %",
-        Wanted::AtLeast(97.0),
-        |r| r.count_pct,
-    ),
-    (
-        TRIPLE,
-        "three, 16 gauges, mean, mm",
-        Wanted::AtMost(1.5),
-        |r| r.mean_mm,
-    ),
-    (
-        TRIPLE,
-        "three, 16 gauges, frames clean, %",
-        Wanted::AtLeast(95.0),
-        |r| r.clean_pct,
-    ),
-    (
-        ROUGH,
-        "two, friction and 8 mm tip, mean, mm",
-        Wanted::AtMost(3.0),
-        |r| r.mean_mm,
-    ),
-    (
-        ROUGH,
-        "two, friction and 8 mm tip, frames clean, %",
-        Wanted::AtLeast(95.0),
-        |r| r.clean_pct,
-    ),
-    (MANY, "one contact, in 95 % regions, %", HONEST, coverage),
-    ("double", "two, in 95 % regions, %", HONEST, coverage),
-    (
-        FEW_SINGLE,
-        "one contact, 300 presses, in 95 % regions, %",
-        HONEST,
-        coverage,
-    ),
-    (
-        FEW_DOUBLE,
-        "two, 300 presses, in 95 % regions, %",
-        HONEST,
-        coverage,
-    ),
+    at_most(ARRIVING, "four arriving, mean, mm", 0.7, |r| r.mean_mm),
+    at_most(ARRIVING, "four arriving, mean, N", 0.6, |r| r.mean_n),
+    at_least(ARRIVING, "four arriving, found, %", 99.0, |r| {
+        r.within10_pct
+    }),
+    at_least(ARRIVING, "four arriving, count right, %", 97.0, |r| {
+        r.count_pct
+    }),
+    at_most(TRIPLE, "three, 16 gauges, mean, mm", 1.5, |r| r.mean_mm),
+    at_least(TRIPLE, "three, 16 gauges, clean, %", 95.0, |r| r.clean_pct),
+    at_most(ROUGH, "two, friction and 8 mm tip, mean, mm", 3.0, |r| {
+        r.mean_mm
+    }),
+    at_least(ROUGH, "two, friction and 8 mm tip, clean, %", 95.0, |r| {
+        r.clean_pct
+    }),
+    honest(MANY, "one contact, in 95 % regions, %"),
+    honest("double", "two, in 95 % regions, %"),
+    honest(FEW_SINGLE, "one, 300 presses, in 95 % regions, %"),
+    honest(FEW_DOUBLE, "two, 300 presses, in 95 % regions, %"),
 ];
 
 const FEW_SINGLE: &str = "single, 300 presses";
@@ -142,7 +55,6 @@ const ARRIVING: &str = "four arriving";
 const TRIPLE: &str = "triple, 16 gauges";
 const ROUGH: &str = "double, friction and wide tip";
 const MANY: &str = "single, many frames";
-const HONEST: Wanted = Wanted::Between(92.0, 98.0);
 
 /// The figures beside what they should be.
 pub(super) fn table(measured: &Measured) -> Result<ReportTable> {
@@ -172,6 +84,18 @@ pub(super) fn table(measured: &Measured) -> Result<ReportTable> {
     let note = "Found: matched within 10 mm. Clean: every contact within 10 mm of a true one, and none else. \
                 Asked of a map calibrated with 3,000 presses where no number is said, ten gauges, 1 µε.";
     target_table(&targets, note)
+}
+
+const fn at_most(row: &'static str, what: &'static str, most: f64, of: fn(&Row) -> f64) -> OfRow {
+    (row, what, Wanted::AtMost(most), of)
+}
+
+const fn at_least(row: &'static str, what: &'static str, least: f64, of: fn(&Row) -> f64) -> OfRow {
+    (row, what, Wanted::AtLeast(least), of)
+}
+
+const fn honest(row: &'static str, what: &'static str) -> OfRow {
+    (row, what, Wanted::Between(92.0, 98.0), coverage)
 }
 
 fn coverage(row: &Row) -> f64 {

@@ -166,27 +166,18 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
 }
 
 #[cfg(test)]
+#[path = "../../tests/support/help.rs"]
+mod help;
+
+#[cfg(test)]
 mod tests {
-    use clap::{Command, CommandFactory, Parser};
+    use clap::CommandFactory;
 
-    use super::Cli;
-
-    fn check(command: &mut Command) {
-        let help = command.render_long_help().to_string();
-        assert!(help.contains("Example"), "{}", command.get_name());
-        let lines = help.lines().map(str::trim);
-        for example in lines.filter(|line| line.starts_with("hapdef ")) {
-            let words = example.split_whitespace().take_while(|word| *word != "|");
-            let parsed = Cli::try_parse_from(words);
-            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err());
-        }
-        let own = |sub: &&mut Command| sub.get_name() != "help";
-        command.get_subcommands_mut().filter(own).for_each(check);
-    }
+    use super::{Cli, help};
 
     #[test]
     fn every_help_has_an_example_that_is_understood() {
-        check(&mut Cli::command());
+        help::every_help_has_an_example_that_is_understood::<Cli>("hapdef");
     }
 
     #[test]
