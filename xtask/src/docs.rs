@@ -16,10 +16,14 @@ const LEFT_OUT: [(&str, &str); 2] = [
 ];
 
 /// Commands that take long as they are shown, and what is run in their place.
-const SMALLER: [(&str, &str); 11] = [
+const SMALLER: [(&str, &str); 12] = [
     (
         "cargo xtask bench nets",
         "cargo xtask bench nets -- --skip-trained --rounds 2",
+    ),
+    (
+        "cargo xtask frontier nets --quick",
+        "cargo xtask frontier nets --quick -- --rounds 1",
     ),
     (
         "cargo bench --bench infer",

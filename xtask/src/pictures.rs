@@ -61,7 +61,7 @@ const LIVE_SCRIPT: &str = "new Promise((done) => {
 
 const PAGE_SIZE: &str = "1100x760";
 /// Holds a figure from end to end.
-const FIGURE_SIZE: &str = "1100x980";
+const FIGURE_SIZE: &str = "1100x1040";
 const PAGE_S: &str = "1";
 
 const SHOTS: [Shot; 14] = [
