@@ -28,6 +28,7 @@ mod node_gradient;
 mod noise;
 mod patch;
 mod placement;
+mod quarters;
 mod response;
 mod sites;
 mod skin;

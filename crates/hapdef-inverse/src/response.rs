@@ -1,11 +1,14 @@
 //! The response map: what every gauge reads for a newton anywhere on the skin.
 
-use nalgebra::Vector3;
+use std::borrow::Cow;
+
+use nalgebra::{Point3, Vector3};
 
 use crate::dense::padded;
 use crate::error::{InverseError, check_finite, check_length};
 use crate::interpolant::Interpolant;
 use crate::patch::TipMeans;
+use crate::quarters::Quarters;
 use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
 
@@ -63,28 +66,10 @@ impl ResponseMap {
             skin.n_nodes() * n_gauges,
             adjoint.len(),
         )?;
-        if n_gauges == 0 {
-            let (needed, n_live) = (3, 0);
-            return Err(InverseError::TooFewGauges { n_live, needed });
-        }
+        check_gauges(n_gauges)?;
         let width = padded(n_gauges);
-        let mut vector = vec![0.0; skin.n_nodes() * 3 * width];
-        for (i, force) in adjoint.iter().enumerate() {
-            check_finite("the adjoint fields", force.as_slice())?;
-            let (node, gauge) = (i / n_gauges, i % n_gauges);
-            for axis in 0..3 {
-                vector[(3 * node + axis) * width + gauge] = force[axis];
-            }
-        }
-        let vector = tips.of(&vector, 3 * width);
-        let mut normal = vec![0.0; skin.n_nodes() * width];
-        for (node, direction) in skin.normals().iter().enumerate() {
-            for gauge in 0..n_gauges {
-                let along = |axis: usize| vector[(3 * node + axis) * width + gauge];
-                normal[node * width + gauge] =
-                    -(0..3).map(|a| along(a) * direction[a]).sum::<f64>();
-            }
-        }
+        let vector = tips.of(&as_rows(adjoint, n_gauges)?, 3 * width);
+        let normal = against(skin.normals(), &vector, n_gauges);
         let interpolant = Interpolant::new(&skin);
         Ok(Self {
             n_gauges,
@@ -95,19 +80,86 @@ impl ResponseMap {
         })
     }
 
+    /// The map from values on the quarters of six-node faces: at [`Skin::quarter_points`] readings per
+    /// newton in each direction `[n_points, n_gauges]`, tips being in them. For a response that varies
+    /// more than the faces' own nodes can tell, as it does within millimetres of a gauge.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a wrong length, a value that is not finite, a skin of three-node faces.
+    pub fn from_quarters(
+        skin: Skin,
+        n_gauges: usize,
+        adjoint: &[Vector3<f64>],
+    ) -> Result<Self, InverseError> {
+        check_length("the nodes of a face", 6, skin.n_face_nodes())?;
+        let quarters = Quarters::new(&skin);
+        let points = &quarters.points;
+        check_length("the adjoint fields", points.len() * n_gauges, adjoint.len())?;
+        check_gauges(n_gauges)?;
+        let vector = as_rows(adjoint, n_gauges)?;
+        let normals: Vec<_> = points.iter().map(|point| skin.normal(point)).collect();
+        Ok(Self {
+            n_gauges,
+            normal: against(&normals, &vector, n_gauges),
+            vector,
+            interpolant: Interpolant::in_quarters(&quarters),
+            skin,
+        })
+    }
+
+    /// The map that has these values as its [`ResponseMap::nodal`].
+    ///
+    /// # Errors
+    /// As [`ResponseMap::from_nodal`] and [`ResponseMap::from_quarters`].
+    pub fn from_values(
+        skin: Skin,
+        n_gauges: usize,
+        values: &[Vector3<f64>],
+    ) -> Result<Self, InverseError> {
+        if values.len() == skin.n_nodes() * n_gauges {
+            return Self::from_nodal(skin, n_gauges, values, &ResponseParams::default());
+        }
+        Self::from_quarters(skin, n_gauges, values)
+    }
+
+    /// Where [`ResponseMap::nodal`] has its values: the nodes of the skin, or its quarters' points.
+    #[must_use]
+    pub fn value_positions(&self) -> Vec<Point3<f64>> {
+        if !self.interpolant.is_in_quarters() {
+            return self.skin.nodes().to_vec();
+        }
+        let points = self.skin.quarter_points();
+        points
+            .iter()
+            .map(|point| self.skin.position(point))
+            .collect()
+    }
+
+    /// Outward normals there.
+    fn value_normals(&self) -> Vec<Vector3<f64>> {
+        if !self.interpolant.is_in_quarters() {
+            return self.skin.normals().to_vec();
+        }
+        let points = self.skin.quarter_points();
+        points.iter().map(|point| self.skin.normal(point)).collect()
+    }
+
     /// This map and Σ M h over `terms`, each a map h of the same skin with a matrix M
-    /// `[n_gauges, n_gauges]` that mixes its gauges, and `residual` `[n_nodes, n_gauges]` for a
-    /// newton against the normal, which in forces of any direction counts along the normal.
+    /// `[n_gauges, n_gauges]` that mixes its gauges, and `residual` `[n_values, n_gauges]` for a
+    /// newton against the normal, which in forces of any direction counts along the normal. Terms with
+    /// fewer values are interpolated, and of those with more the nodes' count.
     pub(crate) fn plus(&self, terms: &[(&Self, Vec<f64>)], residual: &[f64]) -> Self {
         let (m, width) = (self.n_gauges, padded(self.n_gauges));
         let mut map = self.clone();
         for (term, mix) in terms {
-            add_mixed(&mut map.normal, &term.normal, mix, m);
-            add_mixed(&mut map.vector, &term.vector, mix, m);
+            let [normal, vector] = term.rows_like(self);
+            add_mixed(&mut map.normal, &normal, mix, m);
+            add_mixed(&mut map.vector, &vector, mix, m);
         }
-        let mut normal = vec![0.0; self.skin.n_nodes() * width];
-        let mut vector = vec![0.0; self.skin.n_nodes() * 3 * width];
-        for (node, direction) in self.skin.normals().iter().enumerate() {
+        let normals = self.value_normals();
+        let mut normal = vec![0.0; normals.len() * width];
+        let mut vector = vec![0.0; normals.len() * 3 * width];
+        for (node, direction) in normals.iter().enumerate() {
             for (gauge, r) in residual[node * m..(node + 1) * m].iter().enumerate() {
                 normal[node * width + gauge] = *r;
                 for axis in 0..3 {
@@ -124,6 +176,23 @@ impl ResponseMap {
             self.interpolant.control(&vector, 3 * width),
         );
         map
+    }
+
+    /// Rows for normal forces and for those along x, y, z at the values of `other`, a map of the same skin.
+    fn rows_like(&self, other: &Self) -> [Cow<'_, [f64]>; 2] {
+        if self.interpolant.is_in_quarters() || !other.interpolant.is_in_quarters() {
+            return [Cow::Borrowed(&self.normal), Cow::Borrowed(&self.vector)];
+        }
+        let width = padded(self.n_gauges);
+        let points = self.skin.quarter_points();
+        let at = |rows: &[f64], width: usize| -> Cow<'_, [f64]> {
+            let row = |point: &SkinPoint| {
+                let weights = self.interpolant.value_weights(&point.bary());
+                self.combined(rows, width, point, &weights)
+            };
+            points.iter().flat_map(row).collect()
+        };
+        [at(&self.normal, width), at(&self.vector, 3 * width)]
     }
 
     /// The skin that the map is on.
@@ -195,13 +264,24 @@ impl ResponseMap {
     }
 
     /// Readings per newton along x, y and z at every node of the skin `[n_nodes, n_gauges]`: what
-    /// [`ResponseMap::from_nodal`] makes the same map of, with a tip of 0 as this one's is in it.
+    /// [`ResponseMap::from_nodal`] makes the same map of, with a tip of 0 as this one's is in it; of a
+    /// map in quarters, at [`Skin::quarter_points`], for [`ResponseMap::from_quarters`].
     #[must_use]
     pub fn nodal(&self) -> Vec<Vector3<f64>> {
         let width = 3 * padded(self.n_gauges);
-        (0..self.skin.n_nodes())
+        (0..self.n_values())
             .flat_map(|node| self.as_vectors(&self.vector[node * width..(node + 1) * width]))
             .collect()
+    }
+
+    /// Values of [`ResponseMap::nodal`] for a gauge.
+    #[must_use]
+    pub fn n_values(&self) -> usize {
+        if self.interpolant.is_in_quarters() {
+            self.normal.len() / padded(self.n_gauges)
+        } else {
+            self.skin.n_nodes()
+        }
     }
 
     /// g(p) of one gauge.
@@ -250,6 +330,41 @@ impl ResponseMap {
         let at = |gauge: usize| std::array::from_fn::<f64, 3, _>(|axis| flat[axis * width + gauge]);
         (0..self.n_gauges).map(|g| Vector3::from(at(g))).collect()
     }
+}
+
+fn check_gauges(n_gauges: usize) -> Result<(), InverseError> {
+    if n_gauges == 0 {
+        let (needed, n_live) = (3, 0);
+        return Err(InverseError::TooFewGauges { n_live, needed });
+    }
+    Ok(())
+}
+
+/// Forces `[n, n_gauges]` as rows `[n, 3, padded(n_gauges)]`.
+fn as_rows(adjoint: &[Vector3<f64>], n_gauges: usize) -> Result<Vec<f64>, InverseError> {
+    let width = padded(n_gauges);
+    let mut rows = vec![0.0; adjoint.len() / n_gauges * 3 * width];
+    for (i, force) in adjoint.iter().enumerate() {
+        check_finite("the adjoint fields", force.as_slice())?;
+        let (node, gauge) = (i / n_gauges, i % n_gauges);
+        for axis in 0..3 {
+            rows[(3 * node + axis) * width + gauge] = force[axis];
+        }
+    }
+    Ok(rows)
+}
+
+/// Rows `[n, padded(n_gauges)]` for forces against `normals` of rows `[n, 3, padded(n_gauges)]`.
+fn against(normals: &[Vector3<f64>], vector: &[f64], n_gauges: usize) -> Vec<f64> {
+    let width = padded(n_gauges);
+    let mut rows = vec![0.0; normals.len() * width];
+    for (node, direction) in normals.iter().enumerate() {
+        for gauge in 0..n_gauges {
+            let along = |axis: usize| vector[(3 * node + axis) * width + gauge];
+            rows[node * width + gauge] = -(0..3).map(|a| along(a) * direction[a]).sum::<f64>();
+        }
+    }
+    rows
 }
 
 /// to ← to + M from, row by row; rows are padded, `mix` `[m, m]`.

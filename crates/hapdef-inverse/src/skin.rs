@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::basis::NODES;
 use crate::error::{InverseError, check_finite, check_length};
+use crate::quarters::Quarters;
 use crate::skin_point::SkinPoint;
 
 /// The faces of a skin, counter-clockwise seen from outside.
@@ -288,6 +289,15 @@ impl Skin {
         let a = self.area_vector(face as u32, &NODES[3 + edge]);
         let b = self.area_vector(other as u32, &NODES[3 + its_edge]);
         a.angle(&b)
+    }
+
+    /// The points at which a map on the quarters of the faces has its values: the nodes, then on each
+    /// edge a quarter from either end, and three within each face.
+    ///
+    /// Of a skin of three-node faces they mean nothing.
+    #[must_use]
+    pub fn quarter_points(&self) -> Vec<SkinPoint> {
+        Quarters::new(self).points
     }
 
     /// The skin point of a node, on the first face that has it and may be entered.

@@ -13,6 +13,7 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use world::World;
 
 #[test]
 fn gains_are_recovered() {
@@ -52,8 +53,17 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
     let adjoint: Vec<Vector3<f64>> = (skin.nodes().iter())
         .flat_map(|x| (0..N_GAUGES).map(move |g| field(x) * (1.0 + 0.2 * g as f64)))
         .collect();
-    let mode = ResponseMap::from_nodal(skin, N_GAUGES, &adjoint, &params).unwrap();
-    let mut presses = Limb::plain().presses(&world, 150, 0.1, 2);
+    let mode = ResponseMap::from_nodal(skin.clone(), N_GAUGES, &adjoint, &params).unwrap();
+    let points = skin.quarter_points();
+    let values: Vec<_> = points.iter().flat_map(|p| world.map.vector(p)).collect();
+    let in_quarters = ResponseMap::from_quarters(skin, N_GAUGES, &values).unwrap();
+    for map in [&world.map, &in_quarters] {
+        check_mode(&world, map, &mode);
+    }
+}
+
+fn check_mode(world: &World, map: &ResponseMap, mode: &ResponseMap) {
+    let mut presses = Limb::plain().presses(world, 150, 0.1, 2);
     for press in &mut presses {
         let h = mode.normal(&press.point);
         press
@@ -63,19 +73,19 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
             .for_each(|(y, h)| *y += 0.4 * press.force_n * h);
     }
     let modes = [ModeMap {
-        map: &mode,
+        map: mode,
         scope: ModeScope::Shared,
         prior_sd: 1.0,
     }];
     let params = CalibrationParams::new(vec![0.1; N_GAUGES]);
-    let fitted = Calibrated::fit(&world.map, &world.sites, &modes, &presses, &params).unwrap();
+    let fitted = Calibrated::fit(map, &world.sites, &modes, &presses, &params).unwrap();
     let found = fitted.info.mode_coefficients[0][0];
     assert!((found - 0.4).abs() < 0.02, "{found}");
     // tangential forces: what a normal residual alone could not change
     let point = presses[0].point;
     let tangent = world.map.skin().tangents(&point)[0];
     let along = |map: &ResponseMap| map.vector(&point)[3].dot(&tangent);
-    let expected = along(&world.map) + found * along(&mode);
+    let expected = along(map) + found * along(mode);
     assert!((along(&fitted.map) - expected).abs() < 0.05 * expected.abs().max(1.0));
 }
 

@@ -76,16 +76,78 @@ fn cubics_are_exact_for_quadratics_on_a_plane() {
     }
 }
 
+/// Half the spacing of the values with faces of the same size: an error that falls with its third power
+/// falls to an eighth, and both maps are the same at the nodes.
+#[test]
+fn quarters_have_an_eighth_of_the_error() {
+    let world = World::on(barrel(28, 22, true), 10, 20, 3);
+    let fine = in_quarters(&world);
+    let skin = world.map.skin();
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let (mut coarse_2, mut fine_2) = (0.0, 0.0);
+    for _ in 0..2000 {
+        let point = world::draw_point(skin, &mut rng);
+        let x = skin.position(&point);
+        let gauges = world
+            .gauges
+            .iter()
+            .map(|gauge| -gauge.response(&x).dot(&skin.normal(&point)));
+        for (gauge, truth) in gauges.enumerate() {
+            coarse_2 += (world.map.normal(&point)[gauge] - truth).powi(2);
+            fine_2 += (fine.normal(&point)[gauge] - truth).powi(2);
+        }
+    }
+    let ratio = f64::sqrt(coarse_2 / fine_2);
+    assert!((6.0..12.0).contains(&ratio), "{ratio}");
+    for node in skin.node_points().into_iter().flatten() {
+        for (a, b) in world.map.vector(&node).iter().zip(fine.vector(&node)) {
+            assert!((a - b).norm() <= 1e-12 * a.norm(), "{a} and {b}");
+        }
+    }
+}
+
+/// The gauges' formulas on the quarters of the world's faces.
+fn in_quarters(world: &World) -> ResponseMap {
+    let skin = world.map.skin();
+    let points = skin.quarter_points();
+    let values = points.iter().flat_map(|point| {
+        let x = skin.position(point);
+        let gauges = world.gauges.iter();
+        gauges.map(|gauge| gauge.response(&x)).collect::<Vec<_>>()
+    });
+    let values: Vec<_> = values.collect();
+    ResponseMap::from_quarters(skin.clone(), world.gauges.len(), &values).unwrap()
+}
+
+#[test]
+fn a_map_in_quarters_is_made_again_of_its_values_and_refused_with_fewer() {
+    let world = World::on(barrel(8, 6, true), 4, 20, 3);
+    let map = in_quarters(&world);
+    let (skin, values) = (map.skin().clone(), map.nodal());
+    let again = ResponseMap::from_values(skin.clone(), 4, &values).unwrap();
+    assert_eq!(again.nodal(), values);
+    assert_eq!(again.n_values(), skin.quarter_points().len());
+    let refused = ResponseMap::from_values(skin, 4, &values[4..]);
+    assert!(matches!(refused, Err(InverseError::Length { .. })));
+    let linear = World::on(barrel(8, 6, false), 4, 20, 3);
+    let skin = linear.map.skin().clone();
+    assert!(ResponseMap::from_quarters(skin, 4, &values).is_err());
+}
+
 #[test]
 fn the_gradient_is_the_derivative_along_the_skin() {
-    for is_quadratic in [true, false] {
-        let world = World::on(barrel(20, 16, is_quadratic), 10, 50, 3);
+    for (is_quadratic, has_quarters) in [(true, false), (true, true), (false, false)] {
+        let mut world = World::on(barrel(20, 16, is_quadratic), 10, 50, 3);
+        if has_quarters {
+            world.map = std::sync::Arc::new(in_quarters(&world));
+        }
         let skin = world.map.skin();
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let h = 1e-7;
         for _ in 0..200 {
             let point = world::draw_point(skin, &mut rng);
-            if point.bary().iter().any(|b| *b < 0.01) {
+            let is_near = |line: f64| point.bary().iter().any(|b| (b - line).abs() < 0.01);
+            if is_near(0.0) || is_near(0.5) {
                 continue;
             }
             let normal = world.map.normal_gradient(&point);

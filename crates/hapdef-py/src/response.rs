@@ -42,7 +42,8 @@ impl PyResponse {
     fn nodal_ue_per_n(&self, py: Python<'_>) -> PyResult<Py<PyArray3<f64>>> {
         let nodal = self.map.nodal();
         let n_nodes = self.map.skin().n_nodes();
-        let numbers = nodal.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+        let of_nodes = nodal.iter().take(n_nodes * self.map.n_gauges());
+        let numbers = of_nodes.flat_map(|v| [v.x, v.y, v.z]).collect();
         three(py, numbers, [n_nodes, self.map.n_gauges(), 3])
     }
 

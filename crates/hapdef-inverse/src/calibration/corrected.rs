@@ -1,6 +1,8 @@
 //! A map corrected by some of the presses, and its error.
 
-use crate::calibration::kernel::{Kernel, local_squares};
+use nalgebra::Point3;
+
+use crate::calibration::kernel::{Amplitude, Around, Kernel};
 use crate::calibration::params::CalibrationParams;
 use crate::calibration::samples::{Basis, Places, Samples};
 use crate::calibration::solution::{Problem, Solution, by_gauge};
@@ -11,9 +13,9 @@ use crate::response::ResponseMap;
 /// What a correction starts from.
 pub(crate) struct Given<'a> {
     pub(crate) basis: &'a Basis<'a>,
-    /// g at the nodes `[n_nodes, n_gauges]`.
-    pub(crate) nodal: &'a [f64],
     pub(crate) problem: &'a Problem<'a>,
+    /// Where the map has values, and the map around those `[n_values, n_gauges]`.
+    pub(crate) values: &'a (Vec<Point3<f64>>, Vec<Around>),
     /// Scan sites, where the error is told.
     pub(crate) at_sites: &'a Places,
     pub(crate) params: &'a CalibrationParams,
@@ -56,37 +58,28 @@ impl Given<'_> {
         })
     }
 
-    /// The process's mean at the nodes `[n_nodes, n_gauges]`.
+    /// The process's mean where the map has values `[n_values, n_gauges]`.
     fn nodal_residual(&self, solution: &Solution, kernels: &[Kernel]) -> Vec<f64> {
-        let (basis, nodal, params) = (self.basis, self.nodal, self.params);
-        let skin = basis.map.skin();
-        let (m, samples) = (basis.map.n_gauges(), self.problem.samples);
-        let squares = local_squares(skin, nodal, m, skin.nodes(), params.envelope_m);
-        let by_gauge = by_gauge(m, params.n_threads, |gauge| {
+        let (nodes, around) = self.values;
+        let (m, samples) = (self.basis.map.n_gauges(), self.problem.samples);
+        let by_gauge = by_gauge(m, self.params.n_threads, |gauge| {
             let (kernel, mean_square) = (&kernels[gauge], self.problem.mean_squares[gauge]);
-            let weights: Vec<f64> = solution
-                .alpha(gauge)
-                .iter()
-                .zip(&solution.rows)
-                .map(|(a, &i)| a * kernel.amplitude(samples.places.square(i, gauge), mean_square))
-                .collect();
-            let at = |(node, x): (usize, &nalgebra::Point3<f64>)| {
-                let sum: f64 = weights
-                    .iter()
-                    .zip(&solution.rows)
-                    .map(|(w, &i)| {
-                        w * kernel.correlation((x - samples.places.positions[i]).norm_squared())
-                    })
-                    .sum();
-                sum * kernel.amplitude(squares[node * m + gauge], mean_square)
+            let alpha = solution.alpha(gauge);
+            let rows = solution.rows.iter();
+            let sizes =
+                rows.map(|&i| kernel.amplitude(samples.places.around(i, gauge), mean_square));
+            let sizes: Vec<Amplitude> = sizes.collect();
+            let at = |(node, x): (usize, &Point3<f64>)| {
+                let size = kernel.amplitude(around[node * m + gauge], mean_square);
+                let told = |(place, &i): (usize, &usize)| {
+                    let distance_2 = (x - samples.places.positions[i]).norm_squared();
+                    alpha[place] * kernel.covariance(size, sizes[place], distance_2)
+                };
+                solution.rows.iter().enumerate().map(told).sum::<f64>()
             };
-            skin.nodes()
-                .iter()
-                .enumerate()
-                .map(at)
-                .collect::<Vec<f64>>()
+            nodes.iter().enumerate().map(at).collect::<Vec<f64>>()
         });
-        let n_nodes = skin.n_nodes();
+        let n_nodes = nodes.len();
         (0..n_nodes * m).map(|i| by_gauge[i % m][i / m]).collect()
     }
 }

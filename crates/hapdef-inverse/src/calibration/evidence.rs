@@ -1,6 +1,7 @@
 //! The kernel of each gauge's residual, by evidence.
 
 use crate::calibration::kernel::Kernel;
+use crate::calibration::params::CalibrationParams;
 use crate::calibration::residual::log_evidence;
 use crate::calibration::solution::{Problem, by_gauge};
 
@@ -9,23 +10,27 @@ pub(crate) const FIRST: Kernel = Kernel {
     length_m: 0.012,
     size: 0.2,
     floor: 0.03,
+    steep_length_m: 0.005,
+    steep_size: 0.05,
 };
 
 /// Sizes and floors that are tried.
-const SIZES: [f64; 6] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.8];
-const FLOORS: [f64; 4] = [1e-3, 1e-2, 0.1, 1.0];
+const SIZES: [f64; 8] = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8];
+const FLOORS: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 1.0];
+const STEEP_SIZES: [f64; 8] = [0.0, 0.01, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8];
 
-/// Rounds over the three parameters.
+/// Rounds over the parameters.
 const N_ROUNDS: usize = 2;
 
 /// The most probable kernel of each gauge on a grid, one parameter at a time.
 pub(crate) fn choose_kernels(
     problem: &Problem<'_>,
     rows: &[usize],
-    lengths_m: &[f64],
+    params: &CalibrationParams,
 ) -> Vec<Kernel> {
     by_gauge(problem.samples.n_gauges(), problem.n_threads, |gauge| {
         let mean_square = problem.mean_squares[gauge];
+        let rows = &telling(problem, gauge, rows, params.n_evidence);
         let evidence = |kernel: &Kernel| {
             log_evidence(problem.samples, gauge, rows, kernel, mean_square)
                 .unwrap_or(f64::NEG_INFINITY)
@@ -33,20 +38,42 @@ pub(crate) fn choose_kernels(
         let mut best = (f64::NEG_INFINITY, FIRST);
         for _ in 0..N_ROUNDS {
             let before = best.0;
-            let lengths = lengths_m
-                .iter()
-                .map(|&length_m| Kernel { length_m, ..best.1 });
+            let lengths = params.lengths_m.iter();
+            let lengths = lengths.map(|&length_m| Kernel { length_m, ..best.1 });
             best = better(best, lengths.collect(), &evidence);
             let sizes = SIZES.iter().map(|&size| Kernel { size, ..best.1 });
             best = better(best, sizes.collect(), &evidence);
             let floors = FLOORS.iter().map(|&floor| Kernel { floor, ..best.1 });
             best = better(best, floors.collect(), &evidence);
+            let steep_sizes = STEEP_SIZES.iter();
+            let steep_sizes = steep_sizes.map(|&steep_size| Kernel {
+                steep_size,
+                ..best.1
+            });
+            best = better(best, steep_sizes.collect(), &evidence);
+            let lengths = params.steep_lengths_m.iter();
+            let lengths = lengths.map(|&steep_length_m| Kernel {
+                steep_length_m,
+                ..best.1
+            });
+            best = better(best, lengths.collect(), &evidence);
             if best.0 <= before {
                 break;
             }
         }
         best.1
     })
+}
+
+/// `n` of the presses `rows` at most: half of them are the first ones, and half those where the gauge's
+/// map varies most.
+fn telling(problem: &Problem<'_>, gauge: usize, rows: &[usize], n: usize) -> Vec<usize> {
+    let (first, others) = rows.split_at((n / 2).min(rows.len()));
+    let mut others = others.to_vec();
+    let variance = |row: &usize| problem.samples.places.around(*row, gauge).variance;
+    others.sort_by(|a, b| variance(b).total_cmp(&variance(a)));
+    others.truncate(n - n / 2);
+    first.iter().copied().chain(others).collect()
 }
 
 fn better(

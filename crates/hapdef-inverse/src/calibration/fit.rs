@@ -3,7 +3,7 @@
 use crate::calibration::corrected::{Corrected, Given};
 use crate::calibration::evidence::{FIRST, choose_kernels};
 use crate::calibration::held_out::place_factor;
-use crate::calibration::kernel::Kernel;
+use crate::calibration::kernel::{Kernel, around};
 use crate::calibration::next::next_presses;
 use crate::calibration::output::{
     Calibrated, CalibrationInfo, CurvePoint, HeldOutError, RejectReason, RejectedPress,
@@ -59,8 +59,7 @@ impl Calibrated {
         let mut rows = reject(&problem, &all, &kernels, params.reject_p, &mut rejected)?;
         // bad presses make the residual look rough, and a rough residual excuses bad presses
         for _ in 0..N_ROUNDS {
-            let few = &rows[..rows.len().min(params.n_evidence)];
-            kernels = choose_kernels(&problem, few, &params.lengths_m);
+            kernels = choose_kernels(&problem, &rows, params);
             rejected.clear();
             let kept = reject(&problem, &all, &kernels, params.reject_p, &mut rejected)?;
             let is_same = kept == rows;
@@ -73,11 +72,14 @@ impl Calibrated {
         if found < needed {
             return Err(InverseError::TooFewPresses { found, needed });
         }
-        let at_sites = Places::new(&basis, &nodal, sites.points().to_vec(), params.envelope_m);
+        let at_sites = Places::new(&basis, &nodal, sites.points().to_vec(), params.widths_m());
         let cuts: Vec<usize> = CUTS.map(|c| (c * found as f64) as usize).to_vec();
+        let positions = map.value_positions();
+        let widths_m = params.widths_m();
+        let around = around(&positions, &nodal, map.n_gauges(), &positions, widths_m);
         let given = Given {
             basis: &basis,
-            nodal: &nodal,
+            values: &(positions, around),
             problem: &problem,
             at_sites: &at_sites,
             params,
@@ -113,13 +115,10 @@ impl Calibrated {
     }
 }
 
-/// g at the nodes `[n_nodes, n_gauges]`.
+/// g where the map has values `[n_values, n_gauges]`.
 fn nodal_values(map: &ResponseMap) -> Vec<f64> {
     let width = crate::dense::padded(map.n_gauges());
-    let rows = map
-        .normal_rows()
-        .chunks_exact(width)
-        .take(map.skin().n_nodes());
+    let rows = map.normal_rows().chunks_exact(width).take(map.n_values());
     rows.flat_map(|row| row[..map.n_gauges()].to_vec())
         .collect()
 }

@@ -42,8 +42,12 @@ pub struct CalibrationParams {
     pub mix_sd: f64,
     /// Length over which the map's size is averaged to scale the residual's, m.
     pub envelope_m: f64,
+    /// Length over which the map's variance is taken to scale the residual's near a gauge, m.
+    pub steep_m: f64,
     /// Correlation lengths of the residual that are tried, m.
     pub lengths_m: Vec<f64>,
+    /// Correlation lengths of what varies with the map's variance that are tried, m.
+    pub steep_lengths_m: Vec<f64>,
     /// Presses at most on which lengths and sizes are chosen.
     pub n_evidence: usize,
     /// Presses at most; of more, this many spread over the list are used.
@@ -70,7 +74,9 @@ impl CalibrationParams {
             gain_sd: 0.03,
             mix_sd: 0.0,
             envelope_m: 12e-3,
+            steep_m: 4e-3,
             lengths_m: vec![6e-3, 9e-3, 14e-3, 21e-3, 32e-3],
+            steep_lengths_m: vec![3e-3, 5e-3, 8e-3],
             n_evidence: 600,
             max_presses: 4000,
             reject_p: 1e-9,
@@ -78,6 +84,10 @@ impl CalibrationParams {
             holds_out: true,
             n_threads: 2,
         }
+    }
+
+    pub(crate) fn widths_m(&self) -> [f64; 2] {
+        [self.envelope_m, self.steep_m]
     }
 
     pub(crate) fn check(&self, n_gauges: usize) -> Result<(), InverseError> {

@@ -1,7 +1,7 @@
 //! One gauge's Gaussian process: the whitened problem, leave-one-out parts, variances at places.
 
 use crate::calibration::factor::{Trapezoid, dot};
-use crate::calibration::kernel::Kernel;
+use crate::calibration::kernel::{Amplitude, Kernel};
 use crate::calibration::samples::{Places, Samples};
 
 /// What one gauge's presses say, before the modes' coefficients are known.
@@ -52,15 +52,15 @@ fn factored(
     let n_columns = places.n_columns;
     let n_sites = sites.map_or(0, |s| s.points.len());
     let mut t = Trapezoid::zeros(n, n + 1 + n_columns + n_sites);
-    let amplitude = |of: &Places, i: usize| kernel.amplitude(of.square(i, gauge), mean_square);
-    let sizes: Vec<f64> = rows.iter().map(|&i| amplitude(places, i)).collect();
+    let amplitude = |of: &Places, i: usize| kernel.amplitude(of.around(i, gauge), mean_square);
+    let sizes: Vec<Amplitude> = rows.iter().map(|&i| amplitude(places, i)).collect();
     let at: Vec<_> = rows.iter().map(|&i| places.positions[i]).collect();
     for a in 0..n {
         let row = t.row_mut(a);
         for b in 0..a {
-            row[b] = sizes[a] * sizes[b] * kernel.correlation((at[a] - at[b]).norm_squared());
+            row[b] = kernel.covariance(sizes[a], sizes[b], (at[a] - at[b]).norm_squared());
         }
-        row[a] = sizes[a] * sizes[a] * (1.0 + 1e-8) + samples.noise[rows[a] * m + gauge];
+        row[a] = Kernel::variance(sizes[a]) * (1.0 + 1e-8) + samples.noise[rows[a] * m + gauge];
     }
     for (a, &i) in rows.iter().enumerate() {
         t.row_mut(n)[a] = samples.residual[i * m + gauge];
@@ -74,7 +74,7 @@ fn factored(
             let x = sites.positions[s];
             let row = t.row_mut(n + 1 + n_columns + s);
             for b in 0..n {
-                row[b] = size * sizes[b] * kernel.correlation((x - at[b]).norm_squared());
+                row[b] = kernel.covariance(size, sizes[b], (x - at[b]).norm_squared());
             }
         }
     }
@@ -183,13 +183,13 @@ fn at_sites(
 ) -> AtSites {
     let (n_sites, n_columns) = (sites.points.len(), sites.n_columns);
     let row = |s: usize| t.row(t.n + 1 + n_columns + s);
-    let size = |s: usize| kernel.amplitude(sites.square(s, gauge), mean_square);
+    let size = |s: usize| kernel.amplitude(sites.around(s, gauge), mean_square);
     let mut covariance = vec![0.0; n_sites * n_sites];
     let mut columns = Vec::with_capacity(n_sites * n_columns);
     for s in 0..n_sites {
         for r in 0..=s {
             let d_2 = (sites.positions[s] - sites.positions[r]).norm_squared();
-            let prior = size(s) * size(r) * kernel.correlation(d_2);
+            let prior = kernel.covariance(size(s), size(r), d_2);
             covariance[s * n_sites + r] = prior - dot(row(s), row(r));
         }
         let told = |c: usize| dot(row(s), t.row(t.n + 1 + c));

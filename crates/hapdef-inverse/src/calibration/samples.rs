@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::calibration::kernel::local_squares;
+use crate::calibration::kernel::{Around, around};
 use crate::calibration::output::BeyondPrior;
 use crate::calibration::params::{CalibrationParams, ModeMap, ModeScope};
 use crate::calibration::press::Press;
@@ -177,8 +177,8 @@ impl<'a> Basis<'a> {
 pub(crate) struct Places {
     pub(crate) points: Vec<SkinPoint>,
     pub(crate) positions: Vec<Point3<f64>>,
-    /// Local mean square of the map `[n, n_gauges]`.
-    pub(crate) squares: Vec<f64>,
+    /// The map around them `[n, n_gauges]`.
+    around: Vec<Around>,
     /// `[n, n_gauges, n_columns]`.
     pub(crate) columns: Vec<f64>,
     pub(crate) n_columns: usize,
@@ -190,13 +190,14 @@ impl Places {
         basis: &Basis<'_>,
         nodal: &[f64],
         points: Vec<SkinPoint>,
-        envelope_m: f64,
+        widths_m: [f64; 2],
     ) -> Self {
         let skin = basis.map.skin();
         let n_gauges = basis.map.n_gauges();
+        let nodes = basis.map.value_positions();
         let positions: Vec<_> = points.iter().map(|p| skin.position(p)).collect();
         Self {
-            squares: local_squares(skin, nodal, n_gauges, &positions, envelope_m),
+            around: around(&nodes, nodal, n_gauges, &positions, widths_m),
             columns: points.iter().flat_map(|p| basis.at(p).1).collect(),
             n_columns: basis.n_columns(),
             n_gauges,
@@ -211,8 +212,8 @@ impl Places {
         &self.columns[at..at + self.n_columns]
     }
 
-    pub(crate) fn square(&self, i: usize, gauge: usize) -> f64 {
-        self.squares[i * self.n_gauges + gauge]
+    pub(crate) fn around(&self, i: usize, gauge: usize) -> Around {
+        self.around[i * self.n_gauges + gauge]
     }
 }
 
@@ -241,7 +242,7 @@ impl Samples {
         let mut index = shuffled(presses.len());
         index.truncate(params.max_presses);
         let points = index.iter().map(|&i| presses[i].point).collect();
-        let places = Places::new(basis, nodal, points, params.envelope_m);
+        let places = Places::new(basis, nodal, points, params.widths_m());
         check_extent(basis.map, &places.positions)?;
         let n = index.len();
         let mut samples = Self {

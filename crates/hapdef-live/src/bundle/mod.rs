@@ -11,8 +11,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimator, ModeMap, ModeScope, ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams,
-    TrackerParams,
+    ContactEstimator, ModeMap, ModeScope, ResponseMap, Skin, SkinFaces, SkinParams, TrackerParams,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -258,8 +257,7 @@ fn skin_corners(skin: &Skin) -> Vec<u32> {
 
 /// The tip is in the nodal values already.
 fn map_on(skin: Skin, n_gauges: usize, nodal: &[Vector3<f64>]) -> Result<ResponseMap, LiveError> {
-    let params = ResponseParams { tip_radius_m: 0.0 };
-    Ok(ResponseMap::from_nodal(skin, n_gauges, nodal, &params)?)
+    Ok(ResponseMap::from_values(skin, n_gauges, nodal)?)
 }
 
 /// What a skin is made of.

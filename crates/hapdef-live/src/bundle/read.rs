@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use hapdef_inverse::{ModeScope, Skin};
+use hapdef_inverse::{ModeScope, ResponseMap, Skin};
 use nalgebra::{Point3, Vector3};
 use safetensors::{Dtype, SafeTensors};
 
@@ -39,13 +39,11 @@ impl Bundle {
         parts.check_hashes(&header.hashes)?;
         let n_gauges = header.info.gauges.len();
         let (skin, outward) = parts.skin()?;
-        let shape = [skin.n_nodes(), n_gauges, 3];
-        let map = map_on(skin.clone(), n_gauges, &parts.vectors(MAP, &shape)?)?;
+        let map = parts.map(MAP, &skin, n_gauges)?;
         let mut modes = Vec::with_capacity(header.modes.len());
         for (i, mode) in header.modes.iter().enumerate() {
-            let nodal = parts.vectors(&format!("{MODE}{i}"), &shape)?;
             modes.push(BundleMode {
-                map: map_on(skin.clone(), n_gauges, &nodal)?,
+                map: parts.map(&format!("{MODE}{i}"), &skin, n_gauges)?,
                 scope: if mode.is_each_gauge {
                     ModeScope::EachGauge
                 } else {
@@ -190,6 +188,15 @@ impl<'a> Parts<'a> {
     }
 
     /// `shape` ends with the three coordinates.
+    /// A map with a value at each node, or at each point of the quarters of six-node faces.
+    fn map(&self, name: &str, skin: &Skin, n_gauges: usize) -> Result<ResponseMap, LiveError> {
+        let found = self.part(name)?.shape().first().copied();
+        let in_quarters = skin.is_quadratic().then(|| skin.quarter_points().len());
+        let n_values = in_quarters.filter(|n| Some(*n) == found);
+        let shape = [n_values.unwrap_or(skin.n_nodes()), n_gauges, 3];
+        map_on(skin.clone(), n_gauges, &self.vectors(name, &shape)?)
+    }
+
     fn vectors(&self, name: &str, shape: &[usize]) -> Result<Vec<Vector3<f64>>, LiveError> {
         let numbers = self.numbers(name, shape)?;
         let (triples, _) = numbers.as_chunks::<3>();

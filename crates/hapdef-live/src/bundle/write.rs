@@ -59,7 +59,8 @@ impl Bundle {
         let (skin, n_gauges) = (self.skin(), self.map.n_gauges());
         let mut parts = skin_parts(skin, self.outward.as_deref());
         let of_map = |nodal: &[Vector3<f64>]| {
-            Part::of_f64(nodal.iter().flatten(), vec![skin.n_nodes(), n_gauges, 3])
+            let n_values = nodal.len() / n_gauges;
+            Part::of_f64(nodal.iter().flatten(), vec![n_values, n_gauges, 3])
         };
         parts.insert(MAP.to_owned(), of_map(&self.map.nodal()));
         parts.insert(SCENE.to_owned(), Part::of_bytes(self.scene_json.as_bytes()));

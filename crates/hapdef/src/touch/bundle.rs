@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hapdef_inverse::{ResponseMap, ResponseParams};
+use hapdef_inverse::ResponseMap;
 use hapdef_live::touch::SuperpositionSettings;
 use hapdef_live::{Bundle, BundleEstimator, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 
-use super::response::touchable_skin;
 use super::{
     Calibration, ChainStages, UncertainParams, UncertainResponse, chain_stages, estimator_settings,
     response_map,
@@ -79,12 +78,8 @@ impl Source {
             });
         };
         let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;
-        let adjoint = calibration.adjoint_ue_per_n.iter();
-        let adjoint: Vec<Vector3<f64>> = adjoint.map(|v| Vector3::from(*v)).collect();
-        let tip_in_map = ResponseParams { tip_radius_m: 0.0 };
-        let (skin, n_gauges) = (touchable_skin(limb)?, limb.gauges.len());
         Ok(Self {
-            map: ResponseMap::from_nodal(skin, n_gauges, &adjoint, &tip_in_map)?,
+            map: calibration.map(limb)?,
             settings: SuperpositionSettings {
                 map_error: 0.0,
                 n_sites: calibration.n_sites,
@@ -92,7 +87,7 @@ impl Source {
                 ..settings
             },
             calibration_json: Some(summary(&calibration)),
-            site_error: calibration.site_error,
+            site_error: calibration.site_error(),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! A response map corrected by presses, and the file it is kept in.
 
+use std::collections::BTreeSet;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
 use hapdef_inverse::{
     Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, ModelError, NoiseParams,
-    Press, ResponseMap, ResponseParams, ScanSites,
+    Press, ResponseMap, ScanSites,
 };
 use hapdef_mesh::atomic_write;
 use nalgebra::Vector3;
@@ -58,10 +59,11 @@ pub struct Calibration {
     pub n_gauges: usize,
     /// Scan sites at which the error is told, spread over the skin.
     pub n_sites: usize,
-    /// Reading per newton along x, y, z `[n_surface, n_gauges]`, µε/N; the tip is in it.
-    pub adjoint_ue_per_n: Vec<[f64; 3]>,
+    /// Reading per newton along x, y, z `[n_values, n_gauges]`, µε/N, at the nodes of the surface or at the
+    /// [`hapdef_inverse::Skin::quarter_points`] of its faces; the tip is in it.
+    pub adjoint_ue_per_n: Vec<[f32; 3]>,
     /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
-    pub site_error: Vec<f64>,
+    pub site_error: Vec<f32>,
     /// Factor of a place's told covariance, from presses that were held out; 1 in files without it.
     #[serde(default = "unchanged")]
     pub place_factor: f64,
@@ -123,7 +125,8 @@ impl Calibration {
         };
         let modes = response.modes();
         let fitted = Calibrated::fit(&response.map, &sites, &modes, presses, &params)?;
-        let adjoint = fitted.map.nodal().into_iter().map(<[f64; 3]>::from);
+        let adjoint = fitted.map.nodal().into_iter();
+        let site_error = fitted.model_error.per_site.iter();
         let calibration = Self {
             version: VERSION,
             scene: run.scene.name.clone(),
@@ -136,8 +139,8 @@ impl Calibration {
             noise_ue: quality.noise_ue,
             n_gauges,
             n_sites: sites.len(),
-            adjoint_ue_per_n: adjoint.collect(),
-            site_error: fitted.model_error.per_site,
+            adjoint_ue_per_n: adjoint.map(|v| v.cast::<f32>().into()).collect(),
+            site_error: site_error.map(|value| *value as f32).collect(),
             place_factor: fitted.model_error.place_factor,
         };
         Ok((calibration, fitted.info))
@@ -173,12 +176,17 @@ impl Calibration {
         let read: Self =
             serde_json::from_slice(&bytes).map_err(|e| refused(format!("no calibration: {e}")))?;
         let (n_nodes, n_gauges) = (limb.n_surface_nodes(), limb.gauges.len());
+        let in_quarters = n_quarter_points(limb);
+        let n_values = match read.adjoint_ue_per_n.len() == in_quarters * n_gauges {
+            true => in_quarters,
+            false => n_nodes,
+        };
         let checks = [
             ("version", VERSION as usize, read.version as usize),
             ("n_gauges", n_gauges, read.n_gauges),
             (
                 "adjoint_ue_per_n",
-                n_nodes * n_gauges,
+                n_values * n_gauges,
                 read.adjoint_ue_per_n.len(),
             ),
             (
@@ -200,6 +208,25 @@ impl Calibration {
         Ok(read)
     }
 
+    /// The corrected map.
+    ///
+    /// # Errors
+    /// [`HapdefError::Inverse`] for values that can't be used.
+    pub(super) fn map(&self, limb: &Limb) -> Result<ResponseMap, HapdefError> {
+        let values = self.adjoint_ue_per_n.iter();
+        let values: Vec<_> = values.map(|v| Vector3::from(*v).cast::<f64>()).collect();
+        let skin = touchable_skin(limb)?;
+        Ok(ResponseMap::from_values(skin, self.n_gauges, &values)?)
+    }
+
+    /// [`Calibration::site_error`] in double precision.
+    pub(super) fn site_error(&self) -> Vec<f64> {
+        self.site_error
+            .iter()
+            .map(|value| f64::from(*value))
+            .collect()
+    }
+
     /// The estimator on this map.
     ///
     /// # Errors
@@ -210,19 +237,12 @@ impl Calibration {
         spec: &SuperpositionSpec,
         limb: &Limb,
     ) -> Result<ContactEstimator, HapdefError> {
-        let adjoint: Vec<Vector3<f64>> = self
-            .adjoint_ue_per_n
-            .iter()
-            .map(|v| Vector3::from(*v))
-            .collect();
-        let tip_in_map = ResponseParams { tip_radius_m: 0.0 };
-        let skin = touchable_skin(limb)?;
-        let map = ResponseMap::from_nodal(skin, self.n_gauges, &adjoint, &tip_in_map)?;
+        let map = self.map(limb)?;
         let sites = ScanSites::farthest(map.skin(), self.n_sites)?;
         let noise = NoiseParams {
             model_error: ModelError {
                 friction_rms: friction_rms(spec.friction),
-                per_site: self.site_error.clone(),
+                per_site: self.site_error(),
                 place_factor: self.place_factor,
                 ..ModelError::default()
             },
@@ -236,6 +256,13 @@ impl Calibration {
             params,
         )?)
     }
+}
+
+/// [`hapdef_inverse::Skin::quarter_points`] of a limb's skin: its nodes, two on each edge, three on each face.
+fn n_quarter_points(limb: &Limb) -> usize {
+    let faces = &limb.skin.faces;
+    let middles: BTreeSet<_> = faces.iter().flat_map(|face| &face.nodes[3..]).collect();
+    limb.n_surface_nodes() + 2 * middles.len() + 3 * faces.len()
 }
 
 /// What is in a file, unpacked where its name ends in `.gz`.

@@ -4,9 +4,11 @@ use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};
 use hapdef_sim::{ElasticModel, ElasticParams, GaugeParams, GaugeSite, GaugeStrain};
 use nalgebra::Vector3;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 use super::modes::UncertainParams;
-use super::response::{TouchedSkin, node_values};
+use super::response::{node_values, touchable_skin};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 
@@ -39,7 +41,7 @@ impl<'a> FineLimb<'a> {
         Ok(fine)
     }
 
-    /// The map of gauges at `sites` on the limb's own skin: the tip is averaged over the finer one. A gauge
+    /// The map of gauges at `sites` on the quarters of the limb's own skin: the tip is averaged over the finer one. A gauge
     /// that fits the limb's own wall is read here where it lies on the finer one.
     ///
     /// # Errors
@@ -67,8 +69,9 @@ impl<'a> FineLimb<'a> {
         };
         let under_tip =
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
-        let own: Vec<Vector3<f64>> = self.own_rows(&under_tip, gauges.len());
-        TouchedSkin::new(self.limb, 0.0)?.map(gauges.len(), &own)
+        let skin = touchable_skin(self.limb)?;
+        let own = self.rows_at(&skin, &under_tip, gauges.len());
+        Ok(ResponseMap::from_quarters(skin, gauges.len(), &own)?)
     }
 
     fn as_skin(&self) -> Result<Skin, HapdefError> {
@@ -83,12 +86,20 @@ impl<'a> FineLimb<'a> {
         )?)
     }
 
-    /// The rows of the limb's own nodes, which refinement leaves their numbers.
-    fn own_rows(&self, rows: &[Vector3<f64>], n_gauges: usize) -> Vec<Vector3<f64>> {
-        let of = |node: &FeNodeId| {
-            let i = self.skin.nodes.partition_point(|other| other < node);
-            rows[i * n_gauges..(i + 1) * n_gauges].to_vec()
-        };
-        self.limb.skin.nodes.iter().flat_map(of).collect()
+    /// The rows of the finer skin's nodes at the quarters' points of the limb's own skin, which are nodes of
+    /// every refined one.
+    fn rows_at(&self, skin: &Skin, rows: &[Vector3<f64>], n_gauges: usize) -> Vec<Vector3<f64>> {
+        let position = |node: &FeNodeId| self.mesh.position(*node).coords.into();
+        let nodes = self.skin.nodes.iter().enumerate();
+        let nodes = nodes.map(|(i, node)| GeomWithData::new(position(node), i));
+        let nodes: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(nodes.collect());
+        let points = skin.quarter_points();
+        let mut found = Vec::with_capacity(points.len() * n_gauges);
+        for point in points {
+            let nearest = nodes.nearest_neighbor(skin.position(&point).coords.into());
+            let row = nearest.map_or(0, |node| node.data);
+            found.extend_from_slice(&rows[row * n_gauges..][..n_gauges]);
+        }
+        found
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use hapdef_inverse::{
     AtWall, ContactEstimate, ContactEstimator, EstimatorParams, InverseError, NoiseParams,
-    ResponseMap, ResponseParams, ScanSites, SkinPoint, Verdict,
+    ResponseMap, ScanSites, SkinPoint, Verdict,
 };
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
@@ -71,10 +71,10 @@ impl InverseWorld {
             let gauge = |i| row[of(i).0] * of(i).1;
             (0..row.len()).map(gauge).collect::<Vec<_>>()
         });
-        let (skin, params) = (self.map.skin().clone(), ResponseParams::default());
+        let skin = self.map.skin().clone();
         let adjoint: Vec<_> = changed.collect();
         Ok(Self {
-            map: Arc::new(ResponseMap::from_nodal(skin, self.n(), &adjoint, &params)?),
+            map: Arc::new(ResponseMap::from_values(skin, self.n(), &adjoint)?),
             ..self.clone()
         })
     }
