@@ -60,7 +60,7 @@ pub struct Calibration {
     /// Scan sites at which the error is told, spread over the skin.
     pub n_sites: usize,
     /// Reading per newton along x, y, z `[n_values, n_gauges]`, µε/N, at the nodes of the surface or at the
-    /// [`hapdef_inverse::Skin::quarter_points`] of its faces; the tip is in it.
+    /// [`hapdef_inverse::Skin::quarter_points`] of its faces, to six digits; the tip is in it.
     pub adjoint_ue_per_n: Vec<[f32; 3]>,
     /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
     pub site_error: Vec<f32>,
@@ -126,7 +126,8 @@ impl Calibration {
         let modes = response.modes();
         let fitted = Calibrated::fit(&response.map, &sites, &modes, presses, &params)?;
         let adjoint = fitted.map.nodal().into_iter();
-        let site_error = fitted.model_error.per_site.iter();
+        let adjoint = adjoint.map(|v| <[f64; 3]>::from(v).map(six_digits));
+        let site_error = fitted.model_error.per_site.iter().copied();
         let calibration = Self {
             version: VERSION,
             scene: run.scene.name.clone(),
@@ -139,8 +140,8 @@ impl Calibration {
             noise_ue: quality.noise_ue,
             n_gauges,
             n_sites: sites.len(),
-            adjoint_ue_per_n: adjoint.map(|v| v.cast::<f32>().into()).collect(),
-            site_error: site_error.map(|value| *value as f32).collect(),
+            adjoint_ue_per_n: adjoint.collect(),
+            site_error: site_error.map(six_digits).collect(),
             place_factor: fitted.model_error.place_factor,
         };
         Ok((calibration, fitted.info))
@@ -256,6 +257,12 @@ impl Calibration {
             params,
         )?)
     }
+}
+
+/// Far beyond what presses tell, and a smaller file.
+fn six_digits(value: f64) -> f32 {
+    let rounded = format!("{value:.5e}").parse();
+    rounded.unwrap_or(value as f32)
 }
 
 /// [`hapdef_inverse::Skin::quarter_points`] of a limb's skin: its nodes, two on each edge, three on each face.
