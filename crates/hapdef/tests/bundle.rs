@@ -84,7 +84,11 @@ fn a_calibrated_scene_takes_its_calibration_along() {
     let plain = through_bytes(&run, &limb);
     let n_sites = 100;
     let error = |i: usize| if i.is_multiple_of(11) { 1e-3 } else { 0.0 };
-    let adjoint = plain.map().nodal().into_iter().map(|v| (v * 1.02).into());
+    let adjoint = plain
+        .map()
+        .nodal()
+        .into_iter()
+        .map(|v| (v * 1.02).cast().into());
     let calibration = Calibration {
         version: 1,
         scene: run.scene.name.clone(),

@@ -38,31 +38,32 @@ pub(crate) fn choose_kernels(
         let mut best = (f64::NEG_INFINITY, FIRST);
         for _ in 0..N_ROUNDS {
             let before = best.0;
-            let lengths = params.lengths_m.iter();
-            let lengths = lengths.map(|&length_m| Kernel { length_m, ..best.1 });
-            best = better(best, lengths.collect(), &evidence);
-            let sizes = SIZES.iter().map(|&size| Kernel { size, ..best.1 });
-            best = better(best, sizes.collect(), &evidence);
-            let floors = FLOORS.iter().map(|&floor| Kernel { floor, ..best.1 });
-            best = better(best, floors.collect(), &evidence);
-            let steep_sizes = STEEP_SIZES.iter();
-            let steep_sizes = steep_sizes.map(|&steep_size| Kernel {
-                steep_size,
-                ..best.1
-            });
-            best = better(best, steep_sizes.collect(), &evidence);
-            let lengths = params.steep_lengths_m.iter();
-            let lengths = lengths.map(|&steep_length_m| Kernel {
-                steep_length_m,
-                ..best.1
-            });
-            best = better(best, lengths.collect(), &evidence);
+            for (values, change) in steps(params) {
+                let tried = values.iter().map(|value| change(best.1, *value));
+                best = better(best, tried.collect(), &evidence);
+            }
             if best.0 <= before {
                 break;
             }
         }
         best.1
     })
+}
+
+/// Values that are tried, and the kernel with one.
+type Step<'a> = (&'a [f64], fn(Kernel, f64) -> Kernel);
+
+fn steps(params: &CalibrationParams) -> [Step<'_>; 5] {
+    [
+        (&params.lengths_m, |k, length_m| Kernel { length_m, ..k }),
+        (&SIZES, |k, size| Kernel { size, ..k }),
+        (&FLOORS, |k, floor| Kernel { floor, ..k }),
+        (&STEEP_SIZES, |k, steep_size| Kernel { steep_size, ..k }),
+        (&params.steep_lengths_m, |k, steep_length_m| Kernel {
+            steep_length_m,
+            ..k
+        }),
+    ]
 }
 
 /// `n` of the presses `rows` at most: half of them are the first ones, and half those where the gauge's

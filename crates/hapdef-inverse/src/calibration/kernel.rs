@@ -97,10 +97,9 @@ pub(crate) fn around(
         }
         let alone = &nodal[nearest.1 * n_gauges..][..n_gauges];
         found.extend((0..n_gauges).map(|gauge| {
+            let square = far.mean(&far.squares, gauge);
             Around {
-                square: far
-                    .mean(&far.squares, gauge)
-                    .unwrap_or(alone[gauge] * alone[gauge]),
+                square: square.unwrap_or(alone[gauge] * alone[gauge]),
                 variance: near.variance(gauge),
             }
         }));

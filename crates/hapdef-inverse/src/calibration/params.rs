@@ -104,6 +104,12 @@ impl CalibrationParams {
         for &length_m in &self.lengths_m {
             check_positive("lengths_m", length_m)?;
         }
+        check_positive("steep_m", self.steep_m)?;
+        let n_steep = self.steep_lengths_m.len() as f64;
+        check_positive("the number of steep_lengths_m", n_steep)?;
+        for &length_m in &self.steep_lengths_m {
+            check_positive("steep_lengths_m", length_m)?;
+        }
         check_positive("n_evidence", self.n_evidence as f64)?;
         check_positive("max_presses", self.max_presses as f64)?;
         check_positive("reject_p", self.reject_p)?;
