@@ -81,7 +81,7 @@ fn cubics_are_exact_for_quadratics_on_a_plane() {
 #[test]
 fn quarters_have_an_eighth_of_the_error() {
     let world = World::on(barrel(28, 22, true), 10, 20, 3);
-    let fine = in_quarters(&world);
+    let fine = world.in_quarters();
     let skin = world.map.skin();
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let (mut coarse_2, mut fine_2) = (0.0, 0.0);
@@ -106,23 +106,10 @@ fn quarters_have_an_eighth_of_the_error() {
     }
 }
 
-/// The gauges' formulas on the quarters of the world's faces.
-fn in_quarters(world: &World) -> ResponseMap {
-    let skin = world.map.skin();
-    let points = skin.quarter_points();
-    let values = points.iter().flat_map(|point| {
-        let x = skin.position(point);
-        let gauges = world.gauges.iter();
-        gauges.map(|gauge| gauge.response(&x)).collect::<Vec<_>>()
-    });
-    let values: Vec<_> = values.collect();
-    ResponseMap::from_quarters(skin.clone(), world.gauges.len(), &values).unwrap()
-}
-
 #[test]
 fn a_map_in_quarters_is_made_again_of_its_values_and_refused_with_fewer() {
     let world = World::on(barrel(8, 6, true), 4, 20, 3);
-    let map = in_quarters(&world);
+    let map = world.in_quarters();
     let (skin, values) = (map.skin().clone(), map.nodal());
     let again = ResponseMap::from_values(skin.clone(), 4, &values).unwrap();
     assert_eq!(again.nodal(), values);
@@ -139,7 +126,7 @@ fn the_gradient_is_the_derivative_along_the_skin() {
     for (is_quadratic, has_quarters) in [(true, false), (true, true), (false, false)] {
         let mut world = World::on(barrel(20, 16, is_quadratic), 10, 50, 3);
         if has_quarters {
-            world.map = std::sync::Arc::new(in_quarters(&world));
+            world.map = std::sync::Arc::new(world.in_quarters());
         }
         let skin = world.map.skin();
         let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -61,6 +61,19 @@ impl World {
         }
     }
 
+    /// The gauges' formulas on the quarters of the skin's six-node faces.
+    pub fn in_quarters(&self) -> ResponseMap {
+        let skin = self.map.skin();
+        let points = skin.quarter_points();
+        let values = points.iter().flat_map(|point| {
+            let x = skin.position(point);
+            let gauges = self.gauges.iter();
+            gauges.map(|gauge| gauge.response(&x)).collect::<Vec<_>>()
+        });
+        let values: Vec<_> = values.collect();
+        ResponseMap::from_quarters(skin.clone(), self.gauges.len(), &values).unwrap()
+    }
+
     pub fn estimator(&self, noise: NoiseParams, params: EstimatorParams) -> ContactEstimator {
         ContactEstimator::new(self.map.clone(), self.sites.clone(), noise, params).unwrap()
     }

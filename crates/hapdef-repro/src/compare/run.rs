@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::scene::EstimatorSpec;
 use hapdef::touch::{
     LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
 };
@@ -15,16 +14,13 @@ use super::paper::{PaperPipeline, Ranking, VirtualGauges};
 use super::score::{Row, Score, at, mean, sorted};
 use super::sequence::{Followed, Script};
 use super::tables;
-use super::world::{Draw, Frame, World};
+use super::world::{Draw, Frame, World, map_refinements};
 
 /// Gauges of the layout for the static triple.
 const N_MORE: usize = 16;
 
 /// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
 const MARGIN_M: f64 = 1e-3;
-
-/// Refinements of the mesh for the map where the scene chooses the paper's chain and says nothing of it.
-const MAP_REFINEMENTS: u32 = 1;
 
 /// Presses of the calibration by few.
 const N_FEW: usize = 300;
@@ -136,10 +132,7 @@ impl<'a> Bench<'a> {
     pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
         let params = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: match &run.scene.estimator {
-                EstimatorSpec::Superposition(spec) => spec.map_refinements,
-                EstimatorSpec::Hapdefx(_) => MAP_REFINEMENTS,
-            },
+            refinements: map_refinements(run),
             n_stiffness: N_STIFFNESS,
             n_threads: run.threads,
         };

@@ -1,6 +1,7 @@
 //! The simulated rig behind every frame of the comparison: presses anywhere on the skin.
 
 use anyhow::Result;
+use hapdef::scene::EstimatorSpec;
 use hapdef::stages::real_limb;
 use hapdef::{Limb, Run};
 use hapdef_inverse::{ScanSites, Skin, SkinPoint};
@@ -10,6 +11,17 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+
+/// Refinements of the mesh for the map where a scene chooses the paper's chain and says nothing of it.
+const MAP_REFINEMENTS: u32 = 1;
+
+/// Refinements of the mesh for a scene's map.
+pub(crate) fn map_refinements(run: &Run) -> u32 {
+    match &run.scene.estimator {
+        EstimatorSpec::Superposition(spec) => spec.map_refinements,
+        EstimatorSpec::Hapdefx(_) => MAP_REFINEMENTS,
+    }
+}
 
 /// One contact of a frame.
 #[derive(Clone, Copy, Debug)]
