@@ -294,9 +294,12 @@ impl Skin {
     /// The points at which a map on the quarters of the faces has its values: the nodes, then on each
     /// edge a quarter from either end, and three within each face.
     ///
-    /// Of a skin of three-node faces they mean nothing.
+    /// None on a skin of three-node faces.
     #[must_use]
     pub fn quarter_points(&self) -> Vec<SkinPoint> {
+        if !self.is_quadratic {
+            return Vec::new();
+        }
         Quarters::new(self).points
     }
 

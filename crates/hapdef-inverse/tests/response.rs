@@ -118,6 +118,7 @@ fn a_map_in_quarters_is_made_again_of_its_values_and_refused_with_fewer() {
     assert!(matches!(refused, Err(InverseError::Length { .. })));
     let linear = World::on(barrel(8, 6, false), 4, 20, 3);
     let skin = linear.map.skin().clone();
+    assert!(skin.quarter_points().is_empty());
     assert!(ResponseMap::from_quarters(skin, 4, &values).is_err());
 }
 

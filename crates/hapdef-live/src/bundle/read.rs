@@ -191,9 +191,12 @@ impl<'a> Parts<'a> {
     /// A map with a value at each node, or at each point of the quarters of six-node faces.
     fn map(&self, name: &str, skin: &Skin, n_gauges: usize) -> Result<ResponseMap, LiveError> {
         let found = self.part(name)?.shape().first().copied();
-        let in_quarters = skin.is_quadratic().then(|| skin.quarter_points().len());
-        let n_values = in_quarters.filter(|n| Some(*n) == found);
-        let shape = [n_values.unwrap_or(skin.n_nodes()), n_gauges, 3];
+        let in_quarters = skin.quarter_points().len();
+        let n_values = match found == Some(in_quarters) {
+            true => in_quarters,
+            false => skin.n_nodes(),
+        };
+        let shape = [n_values, n_gauges, 3];
         map_on(skin.clone(), n_gauges, &self.vectors(name, &shape)?)
     }
 

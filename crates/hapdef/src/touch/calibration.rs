@@ -1,6 +1,5 @@
 //! A response map corrected by presses, and the file it is kept in.
 
-use std::collections::BTreeSet;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -177,7 +176,7 @@ impl Calibration {
         let read: Self =
             serde_json::from_slice(&bytes).map_err(|e| refused(format!("no calibration: {e}")))?;
         let (n_nodes, n_gauges) = (limb.n_surface_nodes(), limb.gauges.len());
-        let in_quarters = n_quarter_points(limb);
+        let in_quarters = touchable_skin(limb)?.quarter_points().len();
         let n_values = match read.adjoint_ue_per_n.len() == in_quarters * n_gauges {
             true => in_quarters,
             false => n_nodes,
@@ -263,13 +262,6 @@ impl Calibration {
 fn six_digits(value: f64) -> f32 {
     let rounded = format!("{value:.5e}").parse();
     rounded.unwrap_or(value as f32)
-}
-
-/// [`hapdef_inverse::Skin::quarter_points`] of a limb's skin: its nodes, two on each edge, three on each face.
-fn n_quarter_points(limb: &Limb) -> usize {
-    let faces = &limb.skin.faces;
-    let middles: BTreeSet<_> = faces.iter().flat_map(|face| &face.nodes[3..]).collect();
-    limb.n_surface_nodes() + 2 * middles.len() + 3 * faces.len()
 }
 
 /// What is in a file, unpacked where its name ends in `.gz`.
