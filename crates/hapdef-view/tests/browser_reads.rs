@@ -24,6 +24,9 @@ use look::look;
 use serde_json::json;
 use synthetic::{Touch, on_limb};
 
+/// Presses of an arrow key that turn the limb by half a turn.
+const N_HALF_TURN: usize = 24;
+
 /// Five newtons, at a rate that changes with every frame.
 fn touched(n: u32) -> ViewFrame {
     let (point_m, normal) = on_limb(-0.6, 0.2);
@@ -350,11 +353,12 @@ fn axes_turn_with_the_view() {
 }
 
 #[test]
-fn an_arrow_that_is_seen_from_its_tail_has_a_sign_beside_its_newtons() {
+fn an_arrow_that_is_seen_along_itself_has_a_sign_beside_its_newtons() {
     let Some(mut look) = look((1200, 800), true, "", touched) else {
         return;
     };
     look.until("hapdefView.signs.length === 1");
+    look.is("hapdefView.signs[0][3]", &json!(false));
     let clear = "(([x, y, radius], box) => Math.max(box.left - x, x - box.right) >= radius)(
         hapdefView.signs[0], document.querySelector('.label:not([hidden])').getBoundingClientRect())";
     look.is(clear, &json!(true));
@@ -363,5 +367,10 @@ fn an_arrow_that_is_seen_from_its_tail_has_a_sign_beside_its_newtons() {
         look.chrome.key("ArrowLeft", "ArrowLeft").unwrap();
     }
     look.until("hapdefView.signs.length === 0");
+    for _ in 0..N_HALF_TURN - 4 {
+        look.chrome.key("ArrowLeft", "ArrowLeft").unwrap();
+    }
+    look.until("hapdefView.signs.length === 1 && hapdefView.signs[0][3]");
+    look.is(clear, &json!(true));
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }

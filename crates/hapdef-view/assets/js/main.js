@@ -312,10 +312,10 @@ globalThis.hapdefView = {
     const ofContact = [body.position.toArray(), ellipse.matrix.elements.slice(12, 15), [...ghosts.geometry.attributes.position.array.slice(0, 3)]];
     return [...ofContact, ...view.sites.gauges.map((_, i) => view.sites.at(i).toArray())];
   },
-  /** Crosses for arrows that are seen from their tails, as [x, y, radius] on the screen. */
+  /** Signs of arrows that are seen along themselves, as [x, y, radius, from its tip] on the screen. */
   get signs() {
     const seen = (view.marked ?? []).filter(({ sign }) => sign.sprite.visible);
-    return seen.map(({ tip, sign }) => [...onScreen(tip), sign.radius / stage.metresPerPixel]);
+    return seen.map(({ tip, sign }) => [...onScreen(tip), sign.radius / stage.metresPerPixel, sign.ofTip]);
   },
   get times() { return history.entries.map((entry) => entry.t); },
   node: (i) => view.limb.node(i).toArray(),
