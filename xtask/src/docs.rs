@@ -35,7 +35,7 @@ const SMALLER: [(&str, &str); 12] = [
     ),
     (
         "cargo xtask compare",
-        "cargo xtask compare --quick -- --without-paper --frames 10 --presses 300",
+        "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300",
     ),
     (
         "cargo xtask frontier inverse",

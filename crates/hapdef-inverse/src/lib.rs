@@ -50,7 +50,7 @@ pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
 };
 pub use noise::{ModelError, NoiseParams};
-pub use patch::TipMeans;
+pub use patch::{TipMeans, tip_ring_m};
 pub use placement::{
     Candidates, PlacementParams, PlacementScore, exchange, place_entropy, place_greedy,
     place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,

@@ -24,6 +24,9 @@ pub struct ModelError {
     /// Root mean square of tangential over normal force, each tangent: C gets μ² (g_t₁ g_t₁ᵀ +
     /// g_t₂ g_t₂ᵀ). A friction coefficient uniform in 0…μ in a random direction has μ/√6.
     pub friction_rms: f64,
+    /// How much wider than the map's tip those that touch are, m: C gets d dᵀ with d the mean of g on a
+    /// ring of this radius around p less g(p); see [`crate::tip_ring_m`].
+    pub tip_ring_m: f64,
     /// A covariance for each scan site `[n_sites, n_gauges, n_gauges]`, per N²; empty for none.
     pub per_site: Vec<f64>,
     /// What the covariance of a contact's place is multiplied by when it is told. It changes no
@@ -37,6 +40,7 @@ impl Default for ModelError {
         Self {
             relative: 0.0,
             friction_rms: 0.0,
+            tip_ring_m: 0.0,
             per_site: Vec::new(),
             place_factor: 1.0,
         }
@@ -70,6 +74,7 @@ impl NoiseParams {
         let error = &self.model_error;
         check_not_negative("model_error.relative", error.relative)?;
         check_not_negative("model_error.friction_rms", error.friction_rms)?;
+        check_not_negative("model_error.tip_ring_m", error.tip_ring_m)?;
         check_positive("model_error.place_factor", error.place_factor)?;
         if !error.per_site.is_empty() {
             let expected = n_sites * n_gauges * n_gauges;
@@ -88,6 +93,10 @@ impl NoiseParams {
 
 impl ModelError {
     pub(crate) fn is_none(&self) -> bool {
-        self.relative == 0.0 && self.friction_rms == 0.0 && self.per_site.is_empty()
+        let is_zero = |v: f64| v == 0.0;
+        [self.relative, self.friction_rms, self.tip_ring_m]
+            .into_iter()
+            .all(is_zero)
+            && self.per_site.is_empty()
     }
 }

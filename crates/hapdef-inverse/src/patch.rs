@@ -34,6 +34,14 @@ const RULE: [([f64; 3], f64); 7] = {
     ]
 };
 
+/// Radius of the ring that smears a response as a tip of `radius_m` does, to second order, where a tip of
+/// `within_m` is in the response already, m; 0 for a tip that is no wider. Under a pressure that goes
+/// with (1 − (d/r)²)² the mean of d² is r²/4, on a ring the square of its radius.
+#[must_use]
+pub fn tip_ring_m(radius_m: f64, within_m: f64) -> f64 {
+    0.5 * (radius_m * radius_m - within_m * within_m).max(0.0).sqrt()
+}
+
 /// What a round tip at each node of a skin averages over.
 #[derive(Clone, Debug)]
 pub struct TipMeans {

@@ -333,10 +333,11 @@ fn an_error_of_the_map_widens_the_regions() {
     let world = World::new(10, 300, 5);
     let point = world.draw_points(1, 0.0, &mut ChaCha8Rng::seed_from_u64(8))[0];
     let y = world.readings(&[(point, 20.0)]);
-    let area = |relative: f64, friction_rms: f64| {
+    let area = |relative: f64, friction_rms: f64, tip_ring_m: f64| {
         let model_error = ModelError {
             relative,
             friction_rms,
+            tip_ring_m,
             ..ModelError::default()
         };
         let noise = NoiseParams {
@@ -351,9 +352,10 @@ fn an_error_of_the_map_widens_the_regions() {
         assert!(miss.norm() < 1e-5, "{}", miss.norm());
         found.contacts[0].covariance.determinant()
     };
-    let exact = area(0.0, 0.0);
-    assert!(area(0.02, 0.0) > 2.0 * exact);
-    assert!(area(0.0, 0.1) > 2.0 * exact);
+    let exact = area(0.0, 0.0, 0.0);
+    assert!(area(0.02, 0.0, 0.0) > 2.0 * exact);
+    assert!(area(0.0, 0.1, 0.0) > 2.0 * exact);
+    assert!(area(0.0, 0.0, 0.004) > 2.0 * exact);
 }
 
 proptest! {

@@ -170,13 +170,14 @@ impl PyScene {
     }
 
     /// The same scene, its contacts found by superposition, with these settings in place of its own.
-    #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, n_sites = None, calibration = None))]
+    #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, widest_tip_m = None, n_sites = None, calibration = None))]
     fn with_superposition(
         &self,
         noise_ue: Option<f64>,
         map_error: Option<f64>,
         map_refinements: Option<u32>,
         friction: Option<f64>,
+        widest_tip_m: Option<f64>,
         n_sites: Option<usize>,
         calibration: Option<PathBuf>,
     ) -> PyResult<Self> {
@@ -188,6 +189,7 @@ impl PyScene {
             map_error: map_error.unwrap_or(own.map_error),
             map_refinements: map_refinements.unwrap_or(own.map_refinements),
             friction: friction.unwrap_or(own.friction),
+            widest_tip_m: widest_tip_m.unwrap_or(own.widest_tip_m),
             calibration: calibration.or(own.calibration),
             n_sites: n_sites.unwrap_or(own.n_sites),
         };

@@ -191,6 +191,9 @@ fn recommended_gauges_fit_when_glued_off_their_place() {
     let best = kept.layouts.last().unwrap();
     assert_eq!(best.gauges.len(), 6);
     for placed in &best.gauges {
+        // as a scene has it, to the micrometre: where walls meet, less decides which one it is on
+        let written = placed.position_m.map(|x| (x * 1e6).round() / 1e6);
+        assert_eq!(written, placed.position_m);
         let (position, axis) = (placed.position_m, placed.axis);
         let normal = gauge_at(position, axis).unwrap().normal();
         let across = normal.cross(&axis);

@@ -6,6 +6,7 @@ mod doubt;
 mod explanation;
 mod forces;
 mod grow;
+mod map_error;
 mod model;
 mod normal_equations;
 mod output;

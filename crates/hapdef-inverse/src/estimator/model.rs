@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::dense::{cholesky, dot, padded, solve_lower};
 use crate::error::{InverseError, check_length};
+use crate::estimator::map_error::site_errors;
 use crate::interpolant::Interpolant;
 use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
@@ -60,7 +61,7 @@ impl Model {
             let (n_live, needed) = (m, 3);
             return Err(InverseError::TooFewGauges { n_live, needed });
         }
-        let errors = site_errors(&map, &sites, noise, &live);
+        let errors = site_errors(&map, &sites, &noise.model_error, &live);
         let mut r = vec![0.0; m * m];
         for i in 0..m {
             r[i * m + i] = noise.variance(live[i]);
@@ -283,53 +284,4 @@ impl Model {
         }
         (self.atoms, self.lengths) = (atoms, lengths);
     }
-}
-
-/// The map's error per N² at each site for the live gauges `[n_sites, m, m]`; empty if exact.
-fn site_errors(
-    map: &ResponseMap,
-    sites: &ScanSites,
-    noise: &NoiseParams,
-    live: &[usize],
-) -> Vec<f64> {
-    let error = &noise.model_error;
-    if error.is_none() {
-        return Vec::new();
-    }
-    let (m, n_gauges) = (live.len(), map.n_gauges());
-    let values: Vec<Vec<f64>> = sites.points().iter().map(|p| map.normal(p)).collect();
-    let mean_square = |gauge: usize| {
-        let sum: f64 = values.iter().map(|g| g[gauge] * g[gauge]).sum();
-        (sum / values.len() as f64).max(f64::MIN_POSITIVE)
-    };
-    let s2: Vec<f64> = live.iter().map(|&gauge| mean_square(gauge)).collect();
-    let mut errors = vec![0.0; sites.len() * m * m];
-    for (site, c) in errors.chunks_exact_mut(m * m).enumerate() {
-        let g: Vec<f64> = live.iter().map(|&gauge| values[site][gauge]).collect();
-        let q = (0..m).map(|i| g[i] * g[i] / s2[i]).sum::<f64>() / m as f64;
-        for i in 0..m {
-            c[i * m + i] += 0.5 * error.relative.powi(2) * (g[i] * g[i] + s2[i] * q);
-        }
-        if error.friction_rms > 0.0 {
-            let point = &sites.points()[site];
-            let vectors = map.vector(point);
-            for tangent in map.skin().tangents(point) {
-                let along: Vec<f64> = live.iter().map(|&g| vectors[g].dot(&tangent)).collect();
-                for i in 0..m {
-                    for j in 0..m {
-                        c[i * m + j] += error.friction_rms.powi(2) * along[i] * along[j];
-                    }
-                }
-            }
-        }
-        if !error.per_site.is_empty() {
-            let given = &error.per_site[site * n_gauges * n_gauges..];
-            for i in 0..m {
-                for j in 0..m {
-                    c[i * m + j] += given[live[i] * n_gauges + live[j]];
-                }
-            }
-        }
-    }
-    errors
 }

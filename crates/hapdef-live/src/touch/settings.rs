@@ -22,6 +22,10 @@ pub struct SuperpositionSettings {
     pub place_factor: f64,
     /// Largest friction coefficient of what touches.
     pub friction: f64,
+    /// How much wider than the map's tip those that touch are, m, as [`ModelError::tip_ring_m`]; 0 in
+    /// older bundles.
+    #[serde(default)]
+    pub tip_ring_m: f64,
     /// Sites of the scan.
     pub n_sites: usize,
     /// Contacts at a time at most.
@@ -46,6 +50,7 @@ impl SuperpositionSettings {
             model_error: ModelError {
                 relative: self.map_error,
                 friction_rms: friction_rms(self.friction),
+                tip_ring_m: self.tip_ring_m,
                 per_site: site_error,
                 place_factor: self.place_factor,
             },

@@ -26,6 +26,7 @@ pub fn settings() -> SuperpositionSettings {
         noise_ue: 1.0,
         map_error: 0.0,
         place_factor: 1.0,
+        tip_ring_m: 0.0,
         friction: 0.0,
         n_sites: 400,
         max_contacts: 3,

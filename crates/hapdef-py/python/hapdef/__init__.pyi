@@ -88,6 +88,7 @@ class Scene:
         map_error: Optional[float] = None,
         map_refinements: Optional[int] = None,
         friction: Optional[float] = None,
+        widest_tip_m: Optional[float] = None,
         n_sites: Optional[int] = None,
         calibration: Optional[_Path] = None,
     ) -> "Scene":
@@ -97,6 +98,7 @@ class Scene:
         map_error: relative error of the map; not used with a calibration.
         map_refinements: of the mesh from which a calibration starts.
         friction: largest friction coefficient of what touches.
+        widest_tip_m: radius of the widest tip that touches; the scene's tip_radius_m is the map's.
         calibration: file that a calibration wrote.
         """
     def place(

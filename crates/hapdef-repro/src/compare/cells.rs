@@ -81,15 +81,23 @@ impl Map {
         })
     }
 
-    /// An estimator on the map. `most_friction` is told to it, not seen.
-    pub(crate) fn estimator(
+    /// An estimator on the map.
+    pub(crate) fn estimator(&self, params: EstimatorParams) -> Result<ContactEstimator> {
+        self.estimator_told(params, 0.0, 0.0)
+    }
+
+    /// An estimator that is told of friction up to `most_friction`, which the presses didn't have, and
+    /// how much wider the tips are than theirs, as [`ModelError::tip_ring_m`].
+    pub(crate) fn estimator_told(
         &self,
         params: EstimatorParams,
         most_friction: f64,
+        tip_ring_m: f64,
     ) -> Result<ContactEstimator> {
         let noise = NoiseParams {
             model_error: ModelError {
                 friction_rms: most_friction * FRICTION_RMS,
+                tip_ring_m,
                 ..self.calibrated.model_error.clone()
             },
             ..self.noise.clone()

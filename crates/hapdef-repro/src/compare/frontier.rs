@@ -160,7 +160,7 @@ fn with_front(n_contacts: usize, rows: Vec<Row>) -> Vec<Point> {
 
 /// Median Cramér–Rao bound of the position, the map's error included, mm; none if most are singular.
 fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Option<f64>> {
-    let estimator = map.estimator(params, 0.0)?;
+    let estimator = map.estimator(params)?;
     let mut bounds = Vec::new();
     for frame in frames {
         let truth: Vec<_> = frame

@@ -1,6 +1,7 @@
 //! `compare`: contacts by superposition against the paper's trained pipeline, on the same frames of
 //! the same simulated rig.
 
+mod arrivals;
 pub(crate) mod bench;
 pub(crate) mod cells;
 pub(crate) mod frontier;

@@ -6,13 +6,13 @@ use hapdef::touch::{
     LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
 };
 use hapdef::{Limb, Run, SceneArgs};
-use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams};
+use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams, tip_ring_m};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
+use super::arrivals;
 use super::cells::{self, Map};
 use super::paper::{PaperPipeline, Ranking, VirtualGauges};
-use super::score::{Row, Score, at, mean, sorted};
-use super::sequence::{Followed, Script};
+use super::score::{Row, Score, at, mean};
 use super::tables;
 use super::world::{Draw, Frame, World, map_refinements};
 
@@ -32,9 +32,6 @@ const WIDE_TIP_M: f64 = 0.004;
 /// Frames on which the covariance is judged.
 const N_COVERAGE: usize = 10_000;
 
-/// Scripts of contacts that arrive one after another.
-const N_SCRIPTS: usize = 200;
-
 /// Stiffness modes of a calibration.
 pub(crate) const N_STIFFNESS: usize = 32;
 
@@ -49,6 +46,9 @@ pub(crate) struct CompareArgs {
     /// Seed of the presses and frames; nothing was tuned on the default.
     #[arg(long, default_value_t = 7000)]
     test_seed: u64,
+    /// Scripts of each row of contacts that are followed.
+    #[arg(long, default_value_t = 200)]
+    scripts: usize,
     /// Presses that the map is calibrated with where nothing else is said, 300 at least.
     #[arg(long, default_value_t = 3000, value_parser = at_least_few)]
     presses: usize,
@@ -86,7 +86,7 @@ pub(crate) struct Measured {
     /// Relative errors of the maps at presses they were not calibrated with: with all presses,
     /// 300, and none.
     pub(crate) map_errors: [f64; 3],
-    /// Times of all frames of the tracker, µs, rising.
+    /// Times of all frames of contacts that arrive one after another, µs, rising.
     pub(crate) tracking_us: Vec<f64>,
     /// Name of the paper's better row on doubles.
     pub(crate) best_paper: Option<String>,
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
 }
 
 impl Measured {
-    fn add(&mut self, name: &str, score: &Score) {
+    pub(super) fn add(&mut self, name: &str, score: &Score) {
         self.rows.push(score.row(name));
     }
 
@@ -152,6 +152,18 @@ impl<'a> Bench<'a> {
         })
     }
 
+    pub(super) fn run(&self) -> &Run {
+        self.run
+    }
+
+    pub(super) fn world(&self) -> &World {
+        &self.world
+    }
+
+    pub(super) fn n_scripts(&self) -> usize {
+        self.args.scripts
+    }
+
     pub(super) fn n_presses(&self) -> usize {
         self.args.presses
     }
@@ -175,7 +187,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Frames of a row are drawn from a seed of their own.
-    fn draw(&self, row: u64) -> Draw<'_> {
+    pub(super) fn draw(&self, row: u64) -> Draw<'_> {
         Draw::new(self.ten.map.skin(), self.args.test_seed.wrapping_add(row))
     }
 
@@ -203,18 +215,18 @@ impl<'a> Bench<'a> {
         measured.map_errors = [&many, &few, &few].map(|m| m.calibrated.info.relative_error);
         measured.map_errors[2] = many.calibrated.info.relative_error_before;
         self.static_rows(&many, &few, measured)?;
-        self.arrivals(&many, measured)?;
+        arrivals::add(self, &many, measured)?;
         let n_all = n_gauges + N_MORE;
         let more = self.calibrate(&self.more, &presses, n_gauges..n_all)?;
         for (k, name) in [(3, "triple, 16 gauges"), (4, "quadruple, 16 gauges")] {
-            let estimator = more.estimator(self.params(), 0.0)?;
+            let estimator = more.estimator(self.params())?;
             let frames = self.apart(k, 30 + k as u64)?;
             measured.add(name, &more.score(&estimator, &frames)?);
             let given = EstimatorParams {
                 known_count: Some(k),
                 ..self.params()
             };
-            let told = more.estimator(given, 0.0)?;
+            let told = more.estimator(given)?;
             measured.add(
                 &format!("{name}, count given"),
                 &more.score(&told, &frames)?,
@@ -224,16 +236,17 @@ impl<'a> Bench<'a> {
     }
 
     fn static_rows(&self, many: &Map, few: &Map, measured: &mut Measured) -> Result<()> {
-        let estimator = many.estimator(self.params(), 0.0)?;
+        let estimator = many.estimator(self.params())?;
         let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
         measured.add("single", &many.score(&estimator, &singles)?);
         measured.add("double", &many.score(&estimator, &doubles)?);
         measured.add("triple", &many.score(&estimator, &self.apart(3, 13)?)?);
         measured.add("quadruple", &many.score(&estimator, &self.apart(4, 14)?)?);
-        let of_few = few.estimator(self.params(), 0.0)?;
+        let of_few = few.estimator(self.params())?;
         measured.add("single, 300 presses", &few.score(&of_few, &singles)?);
         measured.add("double, 300 presses", &few.score(&of_few, &doubles)?);
-        let told = many.estimator(self.params(), FRICTION)?;
+        let ring_m = tip_ring_m(WIDE_TIP_M, self.run.scene.contact.tip_radius_m);
+        let told = many.estimator_told(self.params(), FRICTION, ring_m)?;
         let rough = self.rough_doubles()?;
         measured.add("double, friction and wide tip", &many.score(&told, &rough)?);
         self.honesty(many, &estimator, measured)
@@ -253,24 +266,6 @@ impl<'a> Bench<'a> {
         measured.add("single, many frames", &score);
         let n = self.args.frames.min(singles.len());
         measured.bound_ratio = many.bound_ratio(estimator, &singles[..n])?;
-        Ok(())
-    }
-
-    fn arrivals(&self, map: &Map, measured: &mut Measured) -> Result<()> {
-        self.run
-            .say("following contacts that arrive one after another");
-        let estimator = map.estimator(self.params(), 0.0)?;
-        let mut scratch = estimator.scratch();
-        let mut draw = self.draw(40);
-        let mut followed = Followed::default();
-        let contact = &self.run.scene.contact;
-        for i in 0..N_SCRIPTS as u64 {
-            let script = Script::draw(&mut draw, 4, 0.02, contact.force_range_n[1]);
-            let readings = script.readings(&self.world, 1000 + i)?;
-            followed.follow(&estimator, &mut scratch, &script, &readings)?;
-        }
-        measured.add("four arriving", &followed.score);
-        measured.tracking_us = sorted(followed.times_us.iter().copied());
         Ok(())
     }
 

@@ -24,7 +24,9 @@ const NOTE: &str = "Simulated: readings come from the scene's rig, another and p
     Doubles: 30 N held, 0–34 N varied, 12–75 mm apart. Triples, quadruples and arrivals: 5 N to the \
     strongest, 20 mm apart. Friction: coefficients uniform in 0–.2 in any direction and a tip 8 mm \
     across, neither seen in calibration; the covariance is told the friction. Four arriving: the \
-    contacts when all have come, and the time of the last frame.";
+    contacts when all have come, a fifth of a second apart, and the time of the last frame; two at once: \
+    in pairs; one released: the other three after it; one sliding: ten times while it does, by 20 mm at \
+    100 mm/s, and at rest after it.";
 
 /// Rows by superposition that are drawn.
 const DRAWN: [&str; 5] = [

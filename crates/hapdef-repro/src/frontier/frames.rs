@@ -96,7 +96,7 @@ impl Frames {
 fn scripted(world: &World, frames: &[Frame], stream: u64) -> Result<Vec<Scripted>> {
     let scripted = |(i, frame): (usize, &Frame)| {
         let contacts = frame.contacts.clone();
-        let (script, n_frames) = Script { contacts }.first(frame.contacts.len());
+        let (script, n_frames) = Script::new(contacts).first(frame.contacts.len());
         let mut readings_ue = script.readings(world, stream + i as u64)?;
         readings_ue.truncate(n_frames);
         Ok(Scripted {

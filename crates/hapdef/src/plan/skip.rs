@@ -25,7 +25,7 @@ pub enum Skip {
     OtherEstimator,
     /// The compliance of the skin, where no map is wanted.
     UnwantedMap,
-    /// Shear in the noise, where nothing rubs.
+    /// Shear and wider tips in the noise, where nothing rubs and none is wider.
     Friction,
     /// Pairs, where the scene has one contact at most.
     UnwantedPairs,

@@ -1,5 +1,7 @@
 //! The steps of contacts by superposition.
 
+use hapdef_inverse::tip_ring_m;
+
 use super::chain;
 use super::cost::{
     Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops, tips,
@@ -43,14 +45,7 @@ pub(super) fn steps(
         let why = format!("{superposed}: {why}");
         steps.push(PlanStep::skipped(Skip::OtherEstimator, name, why, &[]));
     }
-    let friction = "shear columns in the noise";
-    steps.push(if spec.friction > 0.0 {
-        let why = format!("estimator.friction is {}", spec.friction);
-        PlanStep::runs(friction, why, &[("gauges", limb.gauges.len())])
-    } else {
-        let why = "normal forces only: estimator.friction is 0";
-        PlanStep::skipped(Skip::Friction, friction, why, &[])
-    });
+    steps.push(unlike_presses(run, limb, spec));
     let frame = Frame {
         n_gauges: limb.gauges.len(),
         n_sites: n_sites.unwrap_or(spec.n_sites),
@@ -59,6 +54,21 @@ pub(super) fn steps(
     };
     steps.extend(frame.steps().map(PlanStep::each_frame));
     Ok(steps)
+}
+
+/// What the noise gets for contacts unlike the map's.
+fn unlike_presses(run: &Run, limb: &Limb, spec: &SuperpositionSpec) -> PlanStep {
+    let name = "friction and wider tips in the noise";
+    let own_m = run.scene.contact.tip_radius_m;
+    if spec.friction > 0.0 || tip_ring_m(spec.widest_tip_m, own_m) > 0.0 {
+        let (friction, tip_m) = (spec.friction, spec.widest_tip_m);
+        let why = format!("estimator.friction is {friction}, estimator.widest_tip_m {tip_m}");
+        return PlanStep::runs(name, why, &[("gauges", limb.gauges.len())]);
+    }
+    let why = format!(
+        "normal forces only, tips of {own_m} m: estimator.friction is 0, estimator.widest_tip_m no more"
+    );
+    PlanStep::skipped(Skip::Friction, name, why, &[])
 }
 
 /// What only a map of the skin needs; contacts don't.

@@ -38,6 +38,7 @@ fn check_estimator(estimator: &EstimatorSpec) -> Checked {
             positive("estimator.noise_ue", spec.noise_ue)?;
             not_negative("estimator.map_error", spec.map_error)?;
             not_negative("estimator.friction", spec.friction)?;
+            not_negative("estimator.widest_tip_m", spec.widest_tip_m)?;
             require(
                 spec.map_refinements <= 2,
                 "estimator.map_refinements",

@@ -41,6 +41,9 @@ pub struct SuperpositionSpec {
     /// Largest friction coefficient of what touches.
     #[serde(default)]
     pub friction: f64,
+    /// Radius of the widest tip that touches, m; none wider than `contact.tip_radius_m` if that is more.
+    #[serde(default, skip_serializing_if = "is_nothing")]
+    pub widest_tip_m: f64,
     /// What `hapdef calibrate` wrote, relative to the scene file: the map and its error come from
     /// there, and nothing is solved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -61,13 +64,14 @@ impl Default for HapdefxSpec {
 }
 
 impl Default for SuperpositionSpec {
-    /// A microstrain of noise, a map off by a tenth, no friction.
+    /// A microstrain of noise, a map off by a tenth, no friction, no wider tips.
     fn default() -> Self {
         Self {
             noise_ue: 1.0,
             map_error: default_map_error(),
             map_refinements: 0,
             friction: 0.0,
+            widest_tip_m: 0.0,
             calibration: None,
             n_sites: default_sites(),
         }
@@ -107,6 +111,11 @@ impl EstimatorSpec {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
 fn is_zero(n: &u32) -> bool {
     *n == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn is_nothing(v: &f64) -> bool {
+    *v == 0.0
 }
 
 fn default_map_error() -> f64 {

@@ -9,7 +9,7 @@ use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
 use hapdef_inverse::{
     Calibrated, CalibrationInfo, CalibrationParams, ContactEstimator, ModelError, NoiseParams,
-    Press, ResponseMap, ScanSites,
+    Press, ResponseMap, ScanSites, tip_ring_m,
 };
 use hapdef_mesh::atomic_write;
 use nalgebra::Vector3;
@@ -242,6 +242,7 @@ impl Calibration {
         let noise = NoiseParams {
             model_error: ModelError {
                 friction_rms: friction_rms(spec.friction),
+                tip_ring_m: tip_ring_m(spec.widest_tip_m, scene.contact.tip_radius_m),
                 per_site: self.site_error(),
                 place_factor: self.place_factor,
                 ..ModelError::default()

@@ -173,7 +173,7 @@ impl Places {
             n_refused: 0,
         };
         for node in &chosen {
-            let position = limb.mesh.position(*node);
+            let position = limb.mesh.position(*node).map(to_micrometres);
             for i in 0..params.n_axes {
                 let turn = std::f64::consts::PI * i as f64 / params.n_axes as f64;
                 match gauge_at(limb, run, position, &along, turn, params.margin_m) {
@@ -239,6 +239,11 @@ impl Places {
             allowed: self.placed.iter().enumerate().map(is_free).collect(),
         })
     }
+}
+
+/// As a scene file has it: where walls meet, a micrometre decides which of them a gauge is on.
+fn to_micrometres(x_m: f64) -> f64 {
+    (x_m * 1e6).round() / 1e6
 }
 
 /// The gauge whose axis is turned by `turn` from the limb's axis, if it fits there and `margin_m`

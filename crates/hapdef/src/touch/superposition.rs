@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use hapdef_inverse::{EstimatorParams, ResponseMap};
+use hapdef_inverse::{EstimatorParams, ResponseMap, tip_ring_m};
 pub(super) use hapdef_live::touch::friction_rms;
 use hapdef_live::touch::{Superposition, SuperpositionSettings};
 
@@ -33,6 +33,7 @@ pub fn estimator_settings(scene: &Scene, spec: &SuperpositionSpec) -> Superposit
         map_error: spec.map_error,
         place_factor: 1.0,
         friction: spec.friction,
+        tip_ring_m: tip_ring_m(spec.widest_tip_m, scene.contact.tip_radius_m),
         n_sites: spec.n_sites,
         max_contacts: params.max_contacts,
         max_force_n: params.max_force_n,
