@@ -67,7 +67,7 @@ impl ContactTracker {
             if !matches!(self.mode, Mode::Growing { .. }) {
                 return;
             }
-        } else if is_alarm || age.is_multiple_of(STRIDE) {
+        } else if (is_alarm || age.is_multiple_of(STRIDE)) && !self.pair_birth.is_ready() {
             self.settle(Whose::Best, N_TRIALS);
             self.refresh();
         }

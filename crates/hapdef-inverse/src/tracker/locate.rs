@@ -21,6 +21,10 @@ const N_ROUNDS: usize = 2;
 /// Change of a force that makes a new round worth it, relative.
 const FORCE_CHANGE: f64 = 0.1;
 
+/// Forces beyond the largest that is believed have this standard deviation, a share of it: what nothing
+/// else explains still does.
+const BEYOND_SD: f64 = 0.1;
+
 /// A frame that contacts are looked for in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target<'a> {
@@ -311,6 +315,10 @@ impl Workshop<'_> {
             }
         }
         let mut evidence = guess.cost + self.metric.log_det;
+        for force in &guess.forces[..belief.n] {
+            let beyond = force / target.scale / self.params.max_force_n - 1.0;
+            evidence += (beyond.max(0.0) / BEYOND_SD).powi(2);
+        }
         for slot in belief.slots() {
             if let Some((from, sd_m)) = slot.slide {
                 let gone = self.model.skin().position(&slot.point) - from;

@@ -54,6 +54,11 @@ impl PairBirth {
         self.job.is_active
     }
 
+    /// Whether all pairs are refined and the best of them wait for a frame that has room for them.
+    pub(super) fn is_ready(&self) -> bool {
+        self.is_active() && self.job.n_left() == 0 && self.next == self.job.pairs.len()
+    }
+
     pub(super) fn stop(&mut self) {
         self.job.is_active = false;
     }
