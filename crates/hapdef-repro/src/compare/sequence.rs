@@ -288,7 +288,6 @@ mod tests {
     use super::*;
 
     /// A triangle of 100 mm, and a contact of 10 N at a place on it, m.
-    #[expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
     fn on_a_triangle(places_m: &[[f64; 2]]) -> (Skin, Vec<TrueContact>) {
         let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
         let faces = SkinFaces::Linear(&[[0, 1, 2]]);
