@@ -171,6 +171,7 @@ impl PyScene {
 
     /// The same scene, its contacts found by superposition, with these settings in place of its own.
     #[pyo3(signature = (*, noise_ue = None, map_error = None, map_refinements = None, friction = None, widest_tip_m = None, n_sites = None, calibration = None))]
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
     fn with_superposition(
         &self,
         noise_ue: Option<f64>,
