@@ -46,7 +46,8 @@ pub struct EstimatorParams {
     /// Forces are expected to be of this size, N: the standard deviation of their prior.
     pub force_scale_n: f64,
     /// Explanations with a larger force are not believed, N: where the map is uncertain, a contact of
-    /// thousands of newtons on a stiff place explains everything. Infinite for no limit.
+    /// thousands of newtons on a stiff place explains everything. Where contacts are followed they lose in
+    /// evidence beyond it. Infinite for no limit.
     pub max_force_n: f64,
     /// A further contact has to improve −2 ln evidence by this.
     pub count_margin: f64,

@@ -36,13 +36,13 @@ pub struct SuperpositionSpec {
     pub map_error: f64,
     /// Refinements of the limb's mesh for the map that `hapdef calibrate` corrects; each cuts an
     /// element into eight.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub map_refinements: u32,
     /// Largest friction coefficient of what touches.
     #[serde(default)]
     pub friction: f64,
     /// Radius of the widest tip that touches, m; none wider than `contact.tip_radius_m` if that is more.
-    #[serde(default, skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub widest_tip_m: f64,
     /// What `hapdef calibrate` wrote, relative to the scene file: the map and its error come from
     /// there, and nothing is solved.
@@ -108,14 +108,8 @@ impl EstimatorSpec {
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-fn is_zero(n: &u32) -> bool {
-    *n == 0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-fn is_nothing(v: &f64) -> bool {
-    *v == 0.0
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn default_map_error() -> f64 {
