@@ -1,5 +1,7 @@
 //! Outputs by their first modes: a wide last layer is trained as a narrow one, and unfolded after.
 
+use rayon::prelude::*;
+
 use crate::error::{NetsError, check_length};
 use crate::mlp::{Layer, Mlp};
 use crate::net::{Net, Scale};
@@ -147,7 +149,8 @@ impl BatchSource for InModes<'_> {
         let n_out = self.modes.scale.width();
         self.y.resize(rows.len() * n_out, 0.0);
         self.samples.fill(rows, x, &mut self.y)?;
-        self.modes.scale.apply(&mut self.y);
+        let samples = self.y.par_chunks_mut(n_out);
+        samples.for_each(|y| self.modes.scale.apply(y));
         let project = View::new(&self.modes.project, n_out, self.modes.rank);
         multiply(View::new(&self.y, rows.len(), n_out), project, y);
         Ok(())

@@ -30,24 +30,44 @@ impl Dot {
 
     /// The target takes the sum over the groups of products of rows and columns.
     pub(super) fn multiply(self, mut target: Target<'_>, a: &[LeftGroup], b: &[RightGroup]) {
+        if target.is_whole() {
+            self.multiply_whole(target, a, b);
+            return;
+        }
         let mut tile = [[0.0; TILE_COLUMNS]; TILE_ROWS];
         target.read(&mut tile);
-        for (i, rows) in tile.chunks_exact_mut(ROWS).enumerate() {
-            // SAFETY: `Dot` exists only where `detect` found the extensions.
-            unsafe { add(rows, a, i * ROWS, b) }
-        }
+        let whole = Target {
+            rows: tile.as_flattened_mut(),
+            columns: TILE_COLUMNS,
+            at: 0,
+            is_first: target.is_first,
+        };
+        self.multiply_whole(whole, a, b);
         target.write(&tile);
+    }
+
+    fn multiply_whole(self, target: Target<'_>, a: &[LeftGroup], b: &[RightGroup]) {
+        let strips = target.rows.chunks_exact_mut(ROWS * target.columns);
+        for (i, rows) in strips.enumerate() {
+            let strip = Target { rows, ..target };
+            // SAFETY: `Dot` exists only where `detect` found the extensions.
+            unsafe { add(strip, a, i * ROWS, b) }
+        }
     }
 }
 
 /// Adds the products of [`ROWS`] rows from `first` on.
 #[target_feature(enable = "avx512f,avx512bw,avx512bf16")]
-fn add(tile: &mut [[f32; TILE_COLUMNS]], a: &[LeftGroup], first: usize, b: &[RightGroup]) {
+fn add(target: Target<'_>, a: &[LeftGroup], first: usize, b: &[RightGroup]) {
+    let columns = target.at..target.at + TILE_COLUMNS;
     let mut sums = [[_mm512_setzero_ps(); 3]; ROWS];
-    for (row, sums) in tile.iter().zip(&mut sums) {
-        for (lanes, sum) in row.as_chunks::<16>().0.iter().zip(sums) {
-            // SAFETY: `lanes` are 16 numbers, which is what the load reads.
-            *sum = unsafe { _mm512_loadu_ps(lanes.as_ptr()) };
+    if !target.is_first {
+        let rows = target.rows.chunks_exact(target.columns);
+        for (row, sums) in rows.zip(&mut sums) {
+            for (lanes, sum) in row[columns.clone()].as_chunks::<16>().0.iter().zip(sums) {
+                // SAFETY: `lanes` are 16 numbers, which is what the load reads.
+                *sum = unsafe { _mm512_loadu_ps(lanes.as_ptr()) };
+            }
         }
     }
     for (a, b) in a.iter().zip(b) {
@@ -67,8 +87,14 @@ fn add(tile: &mut [[f32; TILE_COLUMNS]], a: &[LeftGroup], first: usize, b: &[Rig
             }
         }
     }
-    for (row, sums) in tile.iter_mut().zip(sums) {
-        for (lanes, sum) in row.as_chunks_mut::<16>().0.iter_mut().zip(sums) {
+    let rows = target.rows.chunks_exact_mut(target.columns);
+    for (row, sums) in rows.zip(sums) {
+        for (lanes, sum) in row[columns.clone()]
+            .as_chunks_mut::<16>()
+            .0
+            .iter_mut()
+            .zip(sums)
+        {
             // SAFETY: `lanes` are 16 numbers, which is what the store writes.
             unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), sum) }
         }
