@@ -39,8 +39,8 @@ impl Activation {
 ///
 /// |x| < 0.6: Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + …))), cut at 13. Else
 /// ±(1 − 2/(e^{2|x|} + 1)), which is exactly ±1 in f32 beyond |x| = 10.
-#[inline]
-fn tanh(x: f32) -> f32 {
+#[inline(always)]
+pub(crate) fn tanh(x: f32) -> f32 {
     let square = x * x;
     let numerator = x * (10_395.0 + square * (1_260.0 + square * 21.0));
     let denominator = 10_395.0 + square * (4_725.0 + square * (210.0 + square));
@@ -51,7 +51,7 @@ fn tanh(x: f32) -> f32 {
 }
 
 /// e^y for 0 ≤ y ≤ 20: y = k ln 2 + r, |r| ≤ ½ ln 2, Taylor's series to r⁷ for e^r.
-#[inline]
+#[inline(always)]
 fn exp(y: f32) -> f32 {
     // Adding 1.5 · 2²³ rounds to an integer and leaves it in the low bits of the mantissa.
     const ROUND: f32 = 12_582_912.0;

@@ -4,53 +4,70 @@ use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::Layer;
 
-use super::kernels::{Active, ActiveGroup, Isa};
-use super::panels::{
-    Bf16Line, F32Line, GROUP, I32Line, Int8Line, Line, Panels, bf16_lines, f32_lines, int8_groups,
-    int8_lines,
-};
-use super::params::Precision;
-use super::quantise::{bf16_bits, quantise_activations, quantised_weight, row_scale};
+use super::kernels::{ByteEnding, Ending, Isa, Sixteen};
+use super::panels::{Bf16Line, F32Line, Int8Line, Panels, bf16_lines, f32_lines, int8_lines};
+use super::quantise::{bf16_bits, quantised_weight, row_scale};
+use super::scratch::LayerScratch;
 
 /// Inputs beyond which an exact sum of byte products might not fit 32 bits.
-const MOST_BYTE_INPUTS: usize = (i32::MAX / (255 * 127 + 128 * 127)) as usize;
+pub(super) const MOST_BYTE_INPUTS: usize = (i32::MAX / (255 * 127 + 128 * 127)) as usize;
 
 /// A layer as the kernels read it.
 #[derive(Debug, Clone)]
 pub(super) struct PreparedLayer {
     weights: Weights,
-    bias: Vec<f32>,
+    /// Of the outputs, `[ceil(n_out / 16)]`.
+    bias: Vec<Sixteen<f32>>,
     n_in: usize,
+    n_out: usize,
     /// None for a layer whose sums go on as they are.
     activation: Option<Activation>,
+}
+
+/// How a layer multiplies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Product {
+    /// Weights and inputs in f32.
+    F32,
+    /// Weights in bf16, inputs in f32.
+    Bf16,
+    /// Weights in bytes, inputs in f32.
+    Int8,
+    /// Weights and inputs in bytes; sums are exact.
+    Bytes(InputBytes),
+}
+
+/// Bytes of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum InputBytes {
+    One,
+    Two,
 }
 
 #[derive(Debug, Clone)]
 enum Weights {
     F32(Panels<F32Line>),
     Bf16(Panels<Bf16Line>),
-    Bytes(Panels<Int8Line>, Vec<f32>),
-    /// Panels, scales of the rows, sums of the rows in steps.
-    Groups(Panels<Int8Line>, Vec<f32>, Vec<i32>),
+    Int8(Panels<Int8Line>, Vec<Sixteen<f32>>),
+    Bytes(ByteWeights),
 }
 
-/// Buffers of a pass.
-#[derive(Debug, Clone, Default)]
-pub(super) struct LayerScratch {
-    /// Inputs of the layer before the pass, outputs after it.
-    pub(super) values: Vec<f32>,
-    active: Vec<Active>,
-    bytes: Vec<u8>,
-    groups: Vec<ActiveGroup>,
-    sums: Vec<F32Line>,
-    whole_sums: Vec<I32Line>,
+/// Weights of a layer whose inputs are bytes, too.
+#[derive(Debug, Clone)]
+struct ByteWeights {
+    panels: Panels<Int8Line>,
+    /// Of the rows.
+    scales: Vec<Sixteen<f32>>,
+    /// Of the rows, in steps.
+    sums: Vec<Sixteen<i32>>,
+    n_bytes: InputBytes,
 }
 
 impl PreparedLayer {
     /// Lays out `layer`. Only the rows of `wanted`, in that order, if it is given.
     pub(super) fn new(
         layer: &Layer,
-        precision: Precision,
+        product: Product,
         activation: Option<Activation>,
         wanted: Option<&[usize]>,
     ) -> Result<Self, NetsError> {
@@ -65,33 +82,41 @@ impl PreparedLayer {
         };
         let row = |i: usize| &layer.weights[rows[i] * n_in..(rows[i] + 1) * n_in];
         let shape = [rows.len(), n_in];
-        let weights = match precision {
-            Precision::F32 => Weights::F32(f32_lines(shape, |o, i| row(o)[i])),
-            Precision::Bf16 => Weights::Bf16(bf16_lines(shape, |o, i| bf16_bits(row(o)[i]))),
-            Precision::Int8Weights | Precision::Int8 => {
+        let weights = match product {
+            Product::F32 => Weights::F32(f32_lines(shape, |o, i| row(o)[i])),
+            Product::Bf16 => Weights::Bf16(bf16_lines(shape, |o, i| bf16_bits(row(o)[i]))),
+            Product::Int8 | Product::Bytes(_) => {
                 let scales: Vec<f32> = (0..rows.len()).map(|o| row_scale(row(o))).collect();
                 let steps = |o: usize, i: usize| quantised_weight(row(o)[i], scales[o]);
-                if precision == Precision::Int8Weights {
-                    Weights::Bytes(int8_lines(shape, steps), scales)
-                } else {
+                let panels = int8_lines(shape, steps);
+                if let Product::Bytes(n_bytes) = product {
                     check_byte_inputs(n_in)?;
                     let sum = |o: usize| (0..n_in).map(|i| i32::from(steps(o, i))).sum();
-                    let sums = (0..rows.len()).map(sum).collect();
-                    Weights::Groups(int8_groups(shape, steps), scales, sums)
+                    let sums: Vec<i32> = (0..rows.len()).map(sum).collect();
+                    Weights::Bytes(ByteWeights {
+                        panels,
+                        scales: sixteens(&scales),
+                        sums: sixteens(&sums),
+                        n_bytes,
+                    })
+                } else {
+                    Weights::Int8(panels, sixteens(&scales))
                 }
             }
         };
+        let bias: Vec<f32> = rows.iter().map(|&row| layer.bias[row]).collect();
         Ok(Self {
             weights,
-            bias: rows.iter().map(|&row| layer.bias[row]).collect(),
+            bias: sixteens(&bias),
             n_in,
+            n_out: rows.len(),
             activation,
         })
     }
 
     /// Numbers out.
     pub(super) fn n_out(&self) -> usize {
-        self.bias.len()
+        self.n_out
     }
 
     /// Bytes of the weights and what goes with them.
@@ -99,9 +124,10 @@ impl PreparedLayer {
         let lines = match &self.weights {
             Weights::F32(panels) => panels.bytes(),
             Weights::Bf16(panels) => panels.bytes(),
-            Weights::Bytes(panels, scales) => panels.bytes() + size_of_val(&scales[..]),
-            Weights::Groups(panels, scales, sums) => {
-                panels.bytes() + size_of_val(&scales[..]) + size_of_val(&sums[..])
+            Weights::Int8(panels, scales) => panels.bytes() + size_of_val(&scales[..]),
+            Weights::Bytes(weights) => {
+                let rows = size_of_val(&weights.scales[..]) + size_of_val(&weights.sums[..]);
+                weights.panels.bytes() + rows
             }
         };
         lines + size_of_val(&self.bias[..])
@@ -109,115 +135,78 @@ impl PreparedLayer {
 
     /// Makes room for a pass, so that the pass itself allocates nothing.
     pub(super) fn reserve(&self, scratch: &mut LayerScratch) {
-        fn at_least<T>(buffer: &mut Vec<T>, n: usize) {
-            buffer.reserve(n.saturating_sub(buffer.len()));
-        }
-        let n_groups = self.n_in.div_ceil(GROUP);
-        let n_lines = self.n_out().div_ceil(64) * 4;
-        at_least(&mut scratch.values, self.n_in.max(self.n_out()));
-        at_least(&mut scratch.active, self.n_in);
-        at_least(&mut scratch.bytes, n_groups * GROUP);
-        at_least(&mut scratch.groups, n_groups);
-        at_least(&mut scratch.sums, n_lines);
-        at_least(&mut scratch.whole_sums, n_lines);
+        scratch.reserve(self.n_in, self.n_out);
     }
 
     /// `values ← σ(W values + b)`; returns the bytes of weights that were read.
     pub(super) fn pass(&self, isa: Isa, scratch: &mut LayerScratch) -> usize {
+        let (n_in, n_out) = (self.n_in, self.n_out);
+        let mut scales: &[Sixteen<f32>] = &[];
         let bytes = match &self.weights {
             Weights::F32(panels) => {
-                let (x, sums) = scratch.prepare(self.n_out().div_ceil(16));
+                let (x, sums) = scratch.active(n_in, n_out.div_ceil(16));
                 isa.f32(panels, x, sums);
                 x.len() * panels.row_bytes()
             }
             Weights::Bf16(panels) => {
-                let (x, sums) = scratch.prepare(self.n_out().div_ceil(32) * 2);
+                let (x, sums) = scratch.active(n_in, n_out.div_ceil(32) * 2);
                 isa.bf16(panels, x, sums);
                 x.len() * panels.row_bytes()
             }
-            Weights::Bytes(panels, _) => {
-                let (x, sums) = scratch.prepare(self.n_out().div_ceil(64) * 4);
+            Weights::Int8(panels, of_rows) => {
+                scales = of_rows;
+                let (x, sums) = scratch.active(n_in, n_out.div_ceil(64) * 4);
                 isa.int8(panels, x, sums);
                 x.len() * panels.row_bytes()
             }
-            Weights::Groups(panels, scales, row_sums) => {
-                return self.pass_bytes(isa, panels, scales, row_sums, scratch);
-            }
+            Weights::Bytes(weights) => match weights.n_bytes {
+                InputBytes::One => return self.pass_bytes::<1>(isa, weights, scratch),
+                InputBytes::Two => return self.pass_bytes::<2>(isa, weights, scratch),
+            },
         };
-        scratch.values.resize(self.n_out(), 0.0);
-        for (values, sums) in scratch.values.chunks_mut(16).zip(&scratch.sums) {
-            values.copy_from_slice(&sums.0[..values.len()]);
-        }
-        if let Weights::Bytes(_, scales) = &self.weights {
-            let pairs = scratch.values.iter_mut().zip(scales);
-            pairs.for_each(|(value, scale)| *value *= scale);
-        }
-        self.finish(isa, &mut scratch.values);
+        scratch.values.resize(self.bias.len(), [0.0; 16]);
+        let ending = self.ending(scales);
+        scratch.extent = isa.finish(&scratch.sums, ending, &mut scratch.values);
         bytes
     }
 
-    fn pass_bytes(
+    /// The pass with inputs of `P` bytes.
+    fn pass_bytes<const P: usize>(
         &self,
         isa: Isa,
-        panels: &Panels<Int8Line>,
-        scales: &[f32],
-        row_sums: &[i32],
+        weights: &ByteWeights,
         scratch: &mut LayerScratch,
     ) -> usize {
-        scratch.bytes.resize(self.n_in.next_multiple_of(GROUP), 0);
-        let scale = quantise_activations(&scratch.values, &mut scratch.bytes);
-        scratch.groups.clear();
-        for (row, bytes) in scratch.bytes.as_chunks::<GROUP>().0.iter().enumerate() {
-            if *bytes != [0; GROUP] {
-                scratch.groups.push(ActiveGroup {
-                    row: row as u32,
-                    bytes: *bytes,
-                });
-            }
-        }
-        let n_lines = self.n_out().div_ceil(16);
-        scratch.whole_sums.resize(n_lines, Line([0; 16]));
-        isa.groups(panels, &scratch.groups, &mut scratch.whole_sums);
-        scratch.values.resize(self.n_out(), 0.0);
-        let rows = scales.chunks(16).zip(row_sums.chunks(16));
-        let lines = scratch.values.chunks_mut(16).zip(&scratch.whole_sums);
-        for ((values, sums), (scales, row_sums)) in lines.zip(rows) {
-            for (((value, sum), row_scale), row_sum) in
-                values.iter_mut().zip(&sums.0).zip(scales).zip(row_sums)
-            {
-                *value = (sum - scale.offset * row_sum) as f32 * scale.scale * row_scale;
-            }
-        }
-        self.finish(isa, &mut scratch.values);
-        scratch.groups.len() * panels.row_bytes()
+        scratch.steps.resize(self.n_in, 0);
+        let x = &scratch.values.as_flattened()[..self.n_in];
+        let inputs = isa.to_steps::<P>(x, scratch.extent, &mut scratch.steps);
+        let (x, n_active, sums) = scratch.active_bytes(self.n_out.div_ceil(64) * 4 * P);
+        isa.bytes::<P>(&weights.panels, x, sums);
+        let bytes = ByteEnding {
+            inputs,
+            row_sums: &weights.sums,
+        };
+        scratch.values.resize(self.bias.len(), [0.0; 16]);
+        let ending = self.ending(&weights.scales);
+        let (sums, values) = (&scratch.whole_sums, &mut scratch.values);
+        scratch.extent = isa.finish_bytes::<P>(sums, bytes, ending, values);
+        n_active * weights.panels.row_bytes()
     }
 
-    fn finish(&self, isa: Isa, values: &mut [f32]) {
-        match self.activation {
-            Some(activation) => isa.activate(activation, values, &self.bias),
-            None => {
-                let pairs = values.iter_mut().zip(&self.bias);
-                pairs.for_each(|(value, bias)| *value += bias);
-            }
+    fn ending<'a>(&'a self, scales: &'a [Sixteen<f32>]) -> Ending<'a> {
+        Ending {
+            scales,
+            bias: &self.bias,
+            activation: self.activation,
         }
     }
 }
 
-impl LayerScratch {
-    /// The inputs that are not 0, and room for the sums.
-    fn prepare(&mut self, n_lines: usize) -> (&[Active], &mut [F32Line]) {
-        // Without a branch: half of the values are 0, and nobody can guess which.
-        let none = Active { row: 0, value: 0.0 };
-        self.active.resize(self.values.len(), none);
-        let mut n_active = 0;
-        for (row, &value) in self.values.iter().enumerate() {
-            let row = row as u32;
-            self.active[n_active] = Active { row, value };
-            n_active += usize::from(value != 0.0);
-        }
-        self.sums.resize(n_lines, Line([0.0; 16]));
-        (&self.active[..n_active], &mut self.sums)
-    }
+/// In lines of 16, the last filled up.
+fn sixteens<T: Copy + Default>(values: &[T]) -> Vec<Sixteen<T>> {
+    let mut lines = vec![[T::default(); 16]; values.len().div_ceil(16)];
+    lines.as_flattened_mut()[..values.len()].copy_from_slice(values);
+    lines
 }
 
 fn check_byte_inputs(n_in: usize) -> Result<(), NetsError> {

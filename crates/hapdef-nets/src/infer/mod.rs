@@ -6,7 +6,7 @@
 //! most once: its time is close to the time in which the memory hands those bytes over, so fewer
 //! bytes are the only way to be faster, and [`InferInfo`] says how many there were.
 //!
-//! Weights lie transposed, in panels of outputs: one input's weights for up to 128 outputs lie side
+//! Weights lie transposed, in panels of outputs: one input's weights for up to 4,096 outputs lie side
 //! by side, and an input that is 0 (half of them after a ReLU) is passed over, which is exact.
 //! Every output is one sum over the inputs in ascending order, whatever the panel: a net that
 //! evaluates few outputs gives them the bits that the whole net gives them.
@@ -43,6 +43,7 @@ mod panels;
 mod params;
 mod prepared;
 mod quantise;
+mod scratch;
 
 pub use kernels::SimdLevel;
 pub use low_rank::{LowRank, LowRankInfo};

@@ -1,19 +1,11 @@
 //! Weights as the kernels read them.
 //!
 //! A *line* is 64 bytes, a cache line; a *unit* is the outputs that one line serves. The lines of
-//! one input (or of one group of [`GROUP`] inputs) for some units lie side by side, and the inputs
-//! follow each other; then comes the next panel.
+//! one input for some units lie side by side, and the inputs follow each other; then comes the next
+//! panel.
 
-/// Units of a panel by what a unit is. With f32 sums a row of a panel is 2 or 4 KiB, for the reason that
-/// the kernels give, and the sums of a panel fit the first cache. With whole sums it is what the
-/// registers of AVX-512 hold.
-const F32_PANEL: usize = 64;
-const BF16_PANEL: usize = 64;
-const INT8_PANEL: usize = 32;
-const GROUP_PANEL: usize = 16;
-
-/// Inputs whose weights share a line in [`int8_groups`].
-pub(super) const GROUP: usize = 4;
+/// Units of a panel: a row of one is 4 KiB, for the reason that the kernels give.
+const PANEL: usize = 64;
 
 /// 64 bytes that start where a cache line starts.
 #[derive(Debug, Clone, Copy)]
@@ -33,19 +25,17 @@ pub(super) type I32Line = Line<i32, 16>;
 #[derive(Debug, Clone)]
 pub(super) struct Panels<L> {
     lines: Vec<L>,
-    /// Inputs, or groups of inputs.
+    /// Inputs.
     n_rows: usize,
     n_units: usize,
-    /// Units of every panel but the last.
-    panel: usize,
 }
 
 impl<L: Copy> Panels<L> {
-    /// Lays out `n_rows × n_units` lines, each made by `line(row, unit)`, in panels of `panel`.
-    fn new([n_rows, n_units]: [usize; 2], panel: usize, line: impl Fn(usize, usize) -> L) -> Self {
+    /// Lays out `n_rows × n_units` lines, each made by `line(row, unit)`.
+    fn new([n_rows, n_units]: [usize; 2], line: impl Fn(usize, usize) -> L) -> Self {
         let mut lines = Vec::with_capacity(n_rows * n_units);
-        for first in (0..n_units).step_by(panel) {
-            let units = first..(first + panel).min(n_units);
+        for first in (0..n_units).step_by(PANEL) {
+            let units = first..(first + PANEL).min(n_units);
             for row in 0..n_rows {
                 lines.extend(units.clone().map(|unit| line(row, unit)));
             }
@@ -54,18 +44,22 @@ impl<L: Copy> Panels<L> {
             lines,
             n_rows,
             n_units,
-            panel,
         }
     }
 
     /// Each panel: its first unit, its number of units, its lines `[n_rows, n_units_of_panel]`.
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, usize, &[L])> {
-        (0..self.n_units).step_by(self.panel).map(|first| {
-            let width = self.panel.min(self.n_units - first);
+        (0..self.n_units).step_by(PANEL).map(|first| {
+            let width = PANEL.min(self.n_units - first);
             let start = first * self.n_rows;
             let lines = &self.lines[start..start + width * self.n_rows];
             (first, width, lines)
         })
+    }
+
+    /// Inputs.
+    pub(super) fn n_rows(&self) -> usize {
+        self.n_rows
     }
 
     /// Bytes of all lines.
@@ -84,7 +78,7 @@ pub(super) fn f32_lines(
     [n_out, n_in]: [usize; 2],
     weight: impl Fn(usize, usize) -> f32,
 ) -> Panels<F32Line> {
-    Panels::new([n_in, n_out.div_ceil(16)], F32_PANEL, |input, unit| {
+    Panels::new([n_in, n_out.div_ceil(16)], |input, unit| {
         Line(std::array::from_fn(|lane| {
             let output = unit * 16 + lane;
             if output < n_out {
@@ -108,7 +102,7 @@ pub(super) fn bf16_lines(
             0
         }
     };
-    Panels::new([n_in, n_out.div_ceil(32)], BF16_PANEL, |input, unit| {
+    Panels::new([n_in, n_out.div_ceil(32)], |input, unit| {
         Line(std::array::from_fn(|lane| {
             let output = unit * 32 + lane;
             bits(output, input) | bits(output + 16, input) << 16
@@ -116,12 +110,12 @@ pub(super) fn bf16_lines(
     })
 }
 
-/// int8, one input a line: 64 outputs a unit. `weight(output, input)`.
+/// int8: 64 outputs a unit. `weight(output, input)`.
 pub(super) fn int8_lines(
     [n_out, n_in]: [usize; 2],
     weight: impl Fn(usize, usize) -> i8,
 ) -> Panels<Int8Line> {
-    Panels::new([n_in, n_out.div_ceil(64)], INT8_PANEL, |input, unit| {
+    Panels::new([n_in, n_out.div_ceil(64)], |input, unit| {
         Line(std::array::from_fn(|lane| {
             let output = unit * 64 + lane;
             if output < n_out {
@@ -131,25 +125,4 @@ pub(super) fn int8_lines(
             }
         }))
     })
-}
-
-/// int8, [`GROUP`] inputs a line: 16 outputs a unit, the inputs of an output side by side.
-pub(super) fn int8_groups(
-    [n_out, n_in]: [usize; 2],
-    weight: impl Fn(usize, usize) -> i8,
-) -> Panels<Int8Line> {
-    Panels::new(
-        [n_in.div_ceil(GROUP), n_out.div_ceil(16)],
-        GROUP_PANEL,
-        |group, unit| {
-            Line(std::array::from_fn(|byte| {
-                let (output, input) = (unit * 16 + byte / GROUP, group * GROUP + byte % GROUP);
-                if output < n_out && input < n_in {
-                    weight(output, input)
-                } else {
-                    0
-                }
-            }))
-        },
-    )
 }

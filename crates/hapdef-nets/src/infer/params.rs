@@ -15,13 +15,14 @@ pub enum Precision {
     /// at most |w| / 256, an output by at most Σ |w| |x| / 256. Weights that would round
     /// to infinity are cut instead; weights below 1e-38 are off by at most 1e-40.
     Bf16,
-    /// 1 byte a weight and one scale per row, s = max |w| / 127; activations stay f32: an output is
-    /// off by at most Σ |x| s / 2. Rows below 1e-38 are off by at most 1e-44 a weight.
+    /// 1 byte a weight and one scale per row, s = max |w| / 127: an output is off by at most
+    /// Σ |x| s / 2. Rows below 1e-38 are off by at most 1e-44 a weight. Activations stay f32, or
+    /// where the processor adds products of bytes ([`SimdLevel::Avx512Vnni`]) become 2 bytes in every
+    /// layer but the first, with one scale t per vector (its range / 65,535, or its largest magnitude /
+    /// 32,767 where there are negative values), which adds at most Σ |w| t / 2.
     Int8Weights,
-    /// As [`Precision::Int8Weights`], and the activations of every layer but the first in one byte
-    /// too, with one scale t per vector (its range / 255, or its largest magnitude / 127 where there
-    /// are negative values); sums are exact integers. Adds at most Σ |w| t / 2 to an output's
-    /// error. The first layer keeps the f32 of its inputs: they are measured, and may have any
+    /// As [`Precision::Int8Weights`], and the activations of every layer but the first in one byte,
+    /// t = range / 255, or largest magnitude / 127; sums are exact integers. The first layer keeps the f32 of its inputs: they are measured, and may have any
     /// range.
     Int8,
 }

@@ -6,8 +6,9 @@ use crate::mlp::Layer;
 use crate::net::{Net, Scale};
 
 use super::kernels::{Isa, SimdLevel};
-use super::layer::{LayerScratch, PreparedLayer};
+use super::layer::{InputBytes, MOST_BYTE_INPUTS, PreparedLayer, Product};
 use super::params::{InferParams, Precision};
+use super::scratch::LayerScratch;
 
 /// A [`Net`] for inference: raw units in, raw units of the wanted outputs out.
 #[derive(Debug, Clone)]
@@ -51,12 +52,9 @@ impl PreparedNet {
         let layers = steps.iter().enumerate().map(|(i, (layer, activation))| {
             check_finite("weights of a layer", &layer.weights)?;
             check_finite("biases of a layer", &layer.bias)?;
-            let precision = match params.precision {
-                Precision::Int8 if i == 0 => Precision::Int8Weights,
-                other => other,
-            };
+            let product = product(params.precision, level, i, layer);
             let wanted = params.wanted.as_deref().filter(|_| i == last);
-            PreparedLayer::new(layer, precision, *activation, wanted)
+            PreparedLayer::new(layer, product, *activation, wanted)
         });
         Ok(Self {
             layers: layers.collect::<Result<_, NetsError>>()?,
@@ -111,17 +109,34 @@ impl PreparedNet {
         check_inputs(self.n_inputs(), x)?;
         let scratch = &mut scratch.layer;
         scratch.values.clear();
-        scratch.values.extend_from_slice(x);
-        self.input.apply(&mut scratch.values);
-        check_range(0, &scratch.values)?;
+        scratch.values.resize(x.len().div_ceil(16), [0.0; 16]);
+        let values = &mut scratch.values.as_flattened_mut()[..x.len()];
+        values.copy_from_slice(x);
+        self.input.apply(values);
+        check_range(0, values)?;
         let mut weight_bytes = 0;
         for (i, layer) in self.layers.iter().enumerate() {
             weight_bytes += layer.pass(self.isa, scratch);
-            check_range(i + 1, &scratch.values)?;
+            if !scratch.extent.is_finite() {
+                check_range(i + 1, &scratch.values.as_flattened()[..layer.n_out()])?;
+            }
         }
-        out.copy_from_slice(&scratch.values);
+        out.copy_from_slice(&scratch.values.as_flattened()[..out.len()]);
         self.output.invert(out);
         Ok(InferInfo { weight_bytes })
+    }
+}
+
+/// How layer `i` multiplies. The first keeps the f32 of its inputs.
+fn product(precision: Precision, level: SimdLevel, i: usize, layer: &Layer) -> Product {
+    let has_byte_sums = level == SimdLevel::Avx512Vnni;
+    let fits = layer.weights.len() / layer.bias.len() <= MOST_BYTE_INPUTS;
+    match precision {
+        Precision::F32 => Product::F32,
+        Precision::Bf16 => Product::Bf16,
+        Precision::Int8 if i > 0 => Product::Bytes(InputBytes::One),
+        Precision::Int8Weights if i > 0 && has_byte_sums && fits => Product::Bytes(InputBytes::Two),
+        Precision::Int8Weights | Precision::Int8 => Product::Int8,
     }
 }
 

@@ -48,48 +48,53 @@ fn scale(largest: f32, steps: f32) -> f32 {
     }
 }
 
-/// How a vector of activations was turned to bytes: `x = scale · (byte − offset)`.
+/// How a vector of activations was turned to whole numbers of `P` bytes:
+/// `x = scale · (steps − offset · 256^(P − 1))`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ByteScale {
     /// Value of a step.
     pub(super) scale: f32,
-    /// The byte of 0.
+    /// The uppermost byte of 0; its others are 0.
     pub(super) offset: i32,
 }
 
-/// Turns finite activations to bytes, `bytes` as long as `x` or padded with the byte of 0.
-pub(super) fn quantise_activations(x: &[f32], bytes: &mut [u8]) -> ByteScale {
-    let (lowest, largest) = x.iter().fold((0.0f32, 0.0f32), |(low, high), &x| {
-        (low.min(x), high.max(x.abs()))
-    });
-    let (offset, steps) = if lowest < 0.0 {
-        (SIGNED_OFFSET, 127.0)
+/// Turns activations, of which `largest` is the largest magnitude, to whole numbers of `P` bytes, 1 or 2.
+#[inline(always)]
+pub(super) fn quantise<const P: usize>(
+    x: &[f32],
+    largest: f32,
+    is_signed: bool,
+    steps: &mut [u16],
+) -> ByteScale {
+    let n_values = (1 << (8 * P)) as f32;
+    let last = n_values - 1.0;
+    let (offset, most) = if is_signed {
+        (SIGNED_OFFSET, n_values / 2.0 - 1.0)
     } else {
-        (0, 255.0)
+        (0, last)
     };
-    let scale = scale(largest, steps);
-    let shift = offset as f32;
-    bytes.fill(offset as u8);
-    if scale > 0.0 {
-        let inverse = 1.0 / scale;
-        if inverse.is_finite() {
-            for (byte, x) in bytes.iter_mut().zip(x) {
-                *byte = nearest(x * inverse + shift);
-            }
-        } else {
-            for (byte, x) in bytes.iter_mut().zip(x) {
-                *byte = nearest(x / scale + shift);
-            }
-        }
+    let scale = scale(largest, most);
+    let shift = (offset << (8 * (P - 1))) as f32;
+    if scale == 0.0 {
+        steps.fill(shift as u16);
+        return ByteScale { scale, offset };
+    }
+    let inverse = 1.0 / scale;
+    let pairs = steps.iter_mut().zip(x);
+    if inverse.is_finite() {
+        pairs.for_each(|(steps, x)| *steps = nearest(x * inverse + shift, last));
+    } else {
+        pairs.for_each(|(steps, x)| *steps = nearest(x / scale + shift, last));
     }
     ByteScale { scale, offset }
 }
 
-/// The nearest byte. Adding 2²³ leaves the rounded number in the low bits of the mantissa, which a
-/// loop over many numbers does in vectors.
-fn nearest(value: f32) -> u8 {
+/// The nearest whole number from 0 to `last`. Adding 2²³ leaves the rounded number in the low bits of
+/// the mantissa, which a loop over many numbers does in vectors.
+#[inline(always)]
+fn nearest(value: f32, last: f32) -> u16 {
     const ROUND: f32 = 8_388_608.0;
-    (value.clamp(0.0, 255.0) + ROUND).to_bits() as u8
+    (value.clamp(0.0, last) + ROUND).to_bits() as u16
 }
 
 #[cfg(test)]
@@ -99,6 +104,17 @@ mod tests {
 
     fn bf16(value: f32) -> f32 {
         f32::from_bits(u32::from(bf16_bits(value)) << 16)
+    }
+
+    /// `x` in steps of `P` bytes, and back in numbers.
+    fn there_and_back<const P: usize>(x: &[f32]) -> (f64, Vec<f64>) {
+        let largest = x.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let mut steps = vec![7; x.len()];
+        let is_signed = x.iter().any(|x| *x < 0.0);
+        let ByteScale { scale, offset } = quantise::<P>(x, largest, is_signed, &mut steps);
+        let zero = offset << (8 * (P - 1));
+        let value = |steps: &u16| f64::from(scale) * f64::from(i32::from(*steps) - zero);
+        (f64::from(scale), steps.iter().map(value).collect())
     }
 
     proptest! {
@@ -120,14 +136,13 @@ mod tests {
             let x: Vec<f32> = shares.iter().map(|s| {
                 (f64::from(if signed { *s } else { s.abs() }) * unit) as f32
             }).collect();
-            let mut bytes = vec![0; x.len() + 3];
-            let ByteScale { scale, offset } = quantise_activations(&x, &mut bytes);
-            for (x, &byte) in x.iter().zip(&bytes) {
-                let back = f64::from(scale) * f64::from(i32::from(byte) - offset);
-                let error = (back - f64::from(*x)).abs();
-                prop_assert!(error <= 0.5001 * f64::from(scale), "{x:e} {back:e} {scale:e}");
+            for (scale, back) in [there_and_back::<1>(&x), there_and_back::<2>(&x)] {
+                for (x, back) in x.iter().zip(back) {
+                    let error = (back - f64::from(*x)).abs();
+                    // f32 holds 2¹⁶ steps to 1/256 of one.
+                    prop_assert!(error <= 0.51 * scale, "{x:e} {back:e} {scale:e}");
+                }
             }
-            prop_assert!(bytes[x.len()..].iter().all(|&b| i32::from(b) == offset));
             let row = row_scale(&x);
             for x in &x {
                 let error = (f64::from(row) * f64::from(quantised_weight(*x, row)) - f64::from(*x)).abs();
@@ -146,8 +161,7 @@ mod tests {
     #[test]
     fn zeros_have_no_scale() {
         assert_eq!(row_scale(&[0.0, -0.0]), 0.0);
-        let mut bytes = [7; 2];
-        assert_eq!(quantise_activations(&[0.0; 2], &mut bytes).scale, 0.0);
-        assert_eq!(bytes, [0; 2]);
+        assert_eq!(there_and_back::<1>(&[0.0; 2]), (0.0, vec![0.0; 2]));
+        assert_eq!(there_and_back::<2>(&[0.0; 2]), (0.0, vec![0.0; 2]));
     }
 }

@@ -16,6 +16,7 @@ pub(crate) fn with_bound(net: &Net, precision: Precision, x: &[f32]) -> Vec<(f64
         let is_signed = net.mlp().spec().activation == Activation::Tanh;
         let step = match precision {
             Precision::Int8 if l > 0 => largest / if is_signed { 127.0 } else { 255.0 },
+            Precision::Int8Weights if l > 0 => largest / if is_signed { 32767.0 } else { 65535.0 },
             _ => 0.0,
         };
         let rows = layer.weights.chunks(a.len()).zip(&layer.bias);

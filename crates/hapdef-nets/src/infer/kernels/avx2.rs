@@ -1,78 +1,80 @@
 //! 256-bit vectors with fused multiply-add.
 
 use std::arch::x86_64::{
-    __m256, __m256i, _mm_load_si128, _mm_loadl_epi64, _mm256_add_epi32, _mm256_and_si256,
-    _mm256_castsi256_ps, _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps,
-    _mm256_fmadd_ps, _mm256_hadd_epi32, _mm256_load_ps, _mm256_load_si256, _mm256_madd_epi16,
-    _mm256_permute4x64_epi64, _mm256_set1_epi32, _mm256_set1_epi64x, _mm256_set1_ps,
-    _mm256_setzero_si256, _mm256_slli_epi32, _mm256_store_ps, _mm256_store_si256,
+    __m256, __m256i, _MM_HINT_T1, _mm_load_si128, _mm_loadl_epi64, _mm_prefetch, _mm256_add_epi32,
+    _mm256_and_si256, _mm256_castsi256_ps, _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32,
+    _mm256_cvtepi32_ps, _mm256_fmadd_ps, _mm256_load_ps, _mm256_load_si256, _mm256_madd_epi16,
+    _mm256_permute2x128_si256, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32,
+    _mm256_store_ps, _mm256_store_si256, _mm256_unpackhi_epi16, _mm256_unpacklo_epi16,
 };
 
-use crate::activation::Activation;
-
 use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
-use super::{Active, ActiveGroup};
+use super::super::quantise::ByteScale;
+use super::{Active, ActiveBytes, elements};
 
 type Vector = [__m256; 2];
 
 float_kernels!(#[target_feature(enable = "avx2,fma")]);
+elements!(#[target_feature(enable = "avx2,fma")]);
 
 /// Sums of byte products, by way of 16 bits, which hold every product of two.
 #[target_feature(enable = "avx2,fma")]
-pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
+pub(super) fn bytes<const P: usize>(w: &Panels<Int8Line>, x: ActiveBytes<'_>, out: &mut [I32Line]) {
     for (unit, width, lines) in w.iter() {
-        let out = &mut out[unit..unit + width];
-        let mut first = 0;
-        while first < width {
-            if width - first >= 2 {
-                group_units::<2>(lines, width, first, x, out);
-                first += 2;
-            } else {
-                group_units::<1>(lines, width, first, x, out);
-                first += 1;
+        let out = &mut out[4 * P * unit..4 * P * (unit + width)];
+        out.fill(Line([0; 16]));
+        for (rows, words) in x.fours() {
+            for (u, out) in out.chunks_exact_mut(4 * P).enumerate() {
+                let rows = rows.map(|row| &lines[row as usize * width + u]);
+                for quarter in 0..4 {
+                    let weights = pairs(rows.map(|line| wide_quarter(line, quarter)));
+                    for (p, word) in words.into_iter().enumerate().take(P) {
+                        add_sums(products(weights, word), &mut out[4 * p + quarter]);
+                    }
+                }
             }
         }
     }
 }
 
-#[target_feature(enable = "avx2,fma")]
-#[inline]
-fn group_units<const U: usize>(
-    lines: &[Int8Line],
-    width: usize,
-    first: usize,
-    x: &[ActiveGroup],
-    out: &mut [I32Line],
-) {
-    let mut sums = [[_mm256_setzero_si256(); 4]; U];
-    for active in x {
-        let start = active.row as usize * width + first;
-        let row = &lines[start..start + U];
-        let [a, b, c, d] = active.bytes.map(u64::from);
-        let words = _mm256_set1_epi64x((a | b << 16 | c << 32 | d << 48) as i64);
-        for u in 0..U {
-            for quarter in 0..4 {
-                let products = _mm256_madd_epi16(wide_quarter(&row[u], quarter), words);
-                sums[u][quarter] = _mm256_add_epi32(sums[u][quarter], products);
-            }
-        }
-    }
-    for u in 0..U {
-        let [a, b, c, d] = sums[u];
-        let (low, high) = out[first + u].0.split_at_mut(8);
-        store_pairs(a, b, low);
-        store_pairs(c, d, high);
-    }
-}
-
-/// Adds neighbours of `a` and `b`, each with two sums for each of four outputs.
+/// The weights of four inputs for 16 outputs, two inputs side by side: of the first two inputs for the
+/// first four and the third four outputs, for the others; the same of the last two.
 #[target_feature(enable = "avx2")]
 #[inline]
-fn store_pairs(a: __m256i, b: __m256i, out: &mut [i32]) {
-    let sums = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_hadd_epi32(a, b));
-    let out = &mut out[..8];
-    // SAFETY: eight whole numbers, borrowed mutably: half a line, which is aligned to 32.
-    unsafe { _mm256_store_si256(out.as_mut_ptr().cast(), sums) }
+fn pairs([a, b, c, d]: [__m256i; 4]) -> [[__m256i; 2]; 2] {
+    [
+        [_mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b)],
+        [_mm256_unpacklo_epi16(c, d), _mm256_unpackhi_epi16(c, d)],
+    ]
+}
+
+/// The sums of the products with four inputs in bytes, in the order of the outputs.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn products([first, last]: [[__m256i; 2]; 2], word: i32) -> [__m256i; 2] {
+    let [a, b, c, d] = word.to_le_bytes().map(i32::from);
+    let (ab, cd) = (
+        _mm256_set1_epi32(a | b << 16),
+        _mm256_set1_epi32(c | d << 16),
+    );
+    let [low, high] = [0, 1].map(|half| {
+        let first = _mm256_madd_epi16(first[half], ab);
+        _mm256_add_epi32(first, _mm256_madd_epi16(last[half], cd))
+    });
+    [
+        _mm256_permute2x128_si256::<0x20>(low, high),
+        _mm256_permute2x128_si256::<0x31>(low, high),
+    ]
+}
+
+#[target_feature(enable = "avx2")]
+#[inline]
+fn add_sums(sums: [__m256i; 2], line: &mut I32Line) {
+    for (sums, half) in sums.into_iter().zip(line.0.as_chunks_mut::<8>().0) {
+        let half = half.as_mut_ptr().cast();
+        // SAFETY: half a line is 32 bytes, aligned to 32, and borrowed mutably.
+        unsafe { _mm256_store_si256(half, _mm256_add_epi32(_mm256_load_si256(half), sums)) }
+    }
 }
 
 /// 16 bytes of a line as 16-bit numbers.
@@ -174,4 +176,11 @@ fn store(vector: Vector, line: &mut F32Line) {
 fn halves<T>(line: &[T; 16]) -> [&[T; 8]; 2] {
     let halves = line.as_chunks::<8>().0;
     [&halves[0], &halves[1]]
+}
+
+/// Asks for a line to be fetched to the second cache.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn prefetch<T>(line: &T) {
+    _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(line).cast());
 }

@@ -4,68 +4,103 @@ use std::arch::x86_64::{
     __m512, __m512i, _mm_load_si128, _mm512_and_si512, _mm512_castsi512_ps, _mm512_cvtepi8_epi32,
     _mm512_cvtepi32_ps, _mm512_dpbusd_epi32, _mm512_fmadd_ps, _mm512_load_ps, _mm512_load_si512,
     _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_store_ps,
-    _mm512_store_si512,
+    _mm512_store_si512, _mm512_unpackhi_epi8, _mm512_unpackhi_epi16, _mm512_unpacklo_epi8,
+    _mm512_unpacklo_epi16,
 };
 
-use crate::activation::Activation;
-
 use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
-use super::{Active, ActiveGroup, avx2};
+use super::super::quantise::ByteScale;
+use super::{Active, ActiveBytes, avx2, elements};
 
 type Vector = __m512;
 
 float_kernels!(#[target_feature(enable = "avx512f,avx2,fma")]);
+elements!(#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]);
+
+/// Fours of inputs that are added to the sums of a unit while these are in registers.
+const BLOCK: usize = 4;
 
 /// Sums of byte products without the instruction for them.
 #[target_feature(enable = "avx512f,avx2,fma")]
-pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
-    avx2::groups(w, x, out);
+pub(super) fn bytes<const P: usize>(w: &Panels<Int8Line>, x: ActiveBytes<'_>, out: &mut [I32Line]) {
+    avx2::bytes::<P>(w, x, out);
 }
 
 /// Sums of byte products, four in one instruction.
-#[target_feature(enable = "avx512f,avx512vnni")]
-pub(super) fn groups_vnni(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
+pub(super) fn bytes_vnni<const P: usize>(
+    w: &Panels<Int8Line>,
+    x: ActiveBytes<'_>,
+    out: &mut [I32Line],
+) {
+    let last_row = x.rows.iter().fold(0, |last, row| last.max(*row));
+    assert!((last_row as usize) < w.n_rows(), "rows of weights");
     for (unit, width, lines) in w.iter() {
-        let out = &mut out[unit..unit + width];
-        let mut first = 0;
-        while first < width {
-            let rest = width - first;
-            if rest >= 16 {
-                group_units::<16>(lines, width, first, x, out);
-                first += 16;
-            } else if rest >= 4 {
-                group_units::<4>(lines, width, first, x, out);
-                first += 4;
-            } else {
-                group_units::<1>(lines, width, first, x, out);
-                first += 1;
+        let out = &mut out[4 * P * unit..4 * P * (unit + width)];
+        out.fill(Line([0; 16]));
+        for block in x.blocks(BLOCK) {
+            for (u, sums) in out.chunks_exact_mut(4 * P).enumerate() {
+                // SAFETY: `lines` are n_rows × width lines; every row is below n_rows, u below width.
+                unsafe { add_block::<P>(&lines[u], width, block, sums) }
             }
+        }
+        for sums in out.as_chunks_mut::<4>().0 {
+            in_order(sums);
         }
     }
 }
 
-#[target_feature(enable = "avx512f,avx512vnni")]
+/// Adds a block of inputs to the sums of one unit.
+///
+/// # Safety
+/// `width` lines after `first` there is the next row's, and so on up to the last row of the block.
+#[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 #[inline]
-fn group_units<const U: usize>(
-    lines: &[Int8Line],
+unsafe fn add_block<const P: usize>(
+    first: *const Int8Line,
     width: usize,
-    first: usize,
-    x: &[ActiveGroup],
+    block: ActiveBytes<'_>,
     out: &mut [I32Line],
 ) {
-    let mut sums = [_mm512_setzero_si512(); U];
-    for active in x {
-        let start = active.row as usize * width + first;
-        let row = &lines[start..start + U];
-        let bytes = _mm512_set1_epi32(i32::from_le_bytes(active.bytes));
-        for u in 0..U {
-            sums[u] = _mm512_dpbusd_epi32(sums[u], bytes, int8_line(&row[u]));
+    let mut sums = [[_mm512_setzero_si512(); 4]; P];
+    for (sum, line) in sums.as_flattened_mut().iter_mut().zip(&*out) {
+        *sum = i32_line(line);
+    }
+    for (rows, words) in block.fours() {
+        let [a, b, c, d] = rows.map(|row| {
+            // SAFETY: the caller's promise.
+            int8_line(unsafe { &*first.add(row as usize * width) })
+        });
+        let [low, high] = [_mm512_unpacklo_epi8(a, b), _mm512_unpackhi_epi8(a, b)];
+        let [low_2, high_2] = [_mm512_unpacklo_epi8(c, d), _mm512_unpackhi_epi8(c, d)];
+        let weights = [
+            _mm512_unpacklo_epi16(low, low_2),
+            _mm512_unpackhi_epi16(low, low_2),
+            _mm512_unpacklo_epi16(high, high_2),
+            _mm512_unpackhi_epi16(high, high_2),
+        ];
+        for (sums, word) in sums.iter_mut().zip(words) {
+            let bytes = _mm512_set1_epi32(word);
+            for (sum, weights) in sums.iter_mut().zip(weights) {
+                *sum = _mm512_dpbusd_epi32(*sum, bytes, weights);
+            }
         }
     }
-    for u in 0..U {
-        let line: *mut I32Line = &mut out[first + u];
+    for (line, sum) in out.iter_mut().zip(sums.as_flattened()) {
+        let line: *mut I32Line = line;
         // SAFETY: the line is 64 bytes of whole numbers, aligned to 64, and borrowed mutably.
-        unsafe { _mm512_store_si512(line.cast(), sums[u]) };
+        unsafe { _mm512_store_si512(line.cast(), *sum) };
+    }
+}
+
+/// Puts four lines of sums in the order of the outputs: the unpacking above keeps to lanes of 16 bytes,
+/// so line k has the k-th four sums of every 16.
+fn in_order(sums: &mut [I32Line; 4]) {
+    let found = *sums;
+    for (k, line) in found.iter().enumerate() {
+        for (lane, four) in line.0.as_chunks::<4>().0.iter().enumerate() {
+            sums[lane].0[4 * k..4 * k + 4].copy_from_slice(four);
+        }
     }
 }
 
@@ -125,7 +160,21 @@ fn int8_line(line: &Int8Line) -> __m512i {
 
 #[target_feature(enable = "avx512f")]
 #[inline]
+fn i32_line(line: &I32Line) -> __m512i {
+    // SAFETY: a line is 64 readable bytes, aligned to 64.
+    unsafe { _mm512_load_si512(line.0.as_ptr().cast()) }
+}
+
+#[target_feature(enable = "avx512f")]
+#[inline]
 fn store(vector: Vector, line: &mut F32Line) {
     // SAFETY: a line is 64 bytes, aligned to 64, and borrowed mutably.
     unsafe { _mm512_store_ps(line.0.as_mut_ptr(), vector) }
+}
+
+/// Asks for a line to be fetched to the second cache.
+#[target_feature(enable = "avx512f")]
+#[inline]
+fn prefetch<T>(line: &T) {
+    avx2::prefetch(line);
 }

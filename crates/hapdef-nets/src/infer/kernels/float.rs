@@ -1,11 +1,11 @@
 //! The kernels with f32 sums, written once for every instruction set.
 //!
 //! The sums of a panel stay in the first cache while the rows of the active inputs pass, four at a
-//! time. A row of a panel fills a page, so that what the processor fetches ahead on its own is seldom
-//! of a row that is passed over.
+//! time, the next four being fetched meanwhile. A row of a panel fills a page, so that what the processor
+//! fetches ahead on its own is seldom of a row that is passed over.
 
 /// Kernels over the vector operations of the module that calls it: `Vector` (16 lanes), `splat`,
-/// `fma`, `f32_line`, `bf16_low`, `bf16_high`, `int8_quarter`, `store`.
+/// `fma`, `f32_line`, `bf16_low`, `bf16_high`, `int8_quarter`, `store`, `prefetch`.
 macro_rules! float_kernels {
     ($(#[$feature:meta])*) => {
         float_kernel! {
@@ -21,12 +21,6 @@ macro_rules! float_kernels {
             $(#[$feature])* int8(Int8Line), 4: int8_quarter::<0>, int8_quarter::<1>,
             int8_quarter::<2>, int8_quarter::<3>
         }
-
-        /// `z ← σ(z + bias)`.
-        $(#[$feature])*
-        pub(super) fn activate(activation: Activation, z: &mut [f32], bias: &[f32]) {
-            activation.apply(z, bias);
-        }
     };
 }
 
@@ -40,10 +34,14 @@ macro_rules! float_kernel {
                 let row = |active: &Active| &lines[active.row as usize * width..][..width];
                 out.fill(Line([0.0; 16]));
                 let (fours, rest) = x.as_chunks::<4>();
-                for [a, b, c, d] in fours {
-                    let rows = [row(a), row(b), row(c), row(d)];
+                for (i, [a, b, c, d]) in fours.iter().enumerate() {
+                    let [e, f, g, h] = fours.get(i + 1).unwrap_or(&fours[i]);
+                    let (rows, ahead) = ([row(a), row(b), row(c), row(d)], [row(e), row(f), row(g), row(h)]);
                     let values = [splat(a.value), splat(b.value), splat(c.value), splat(d.value)];
                     for (u, out) in out.as_chunks_mut::<$n>().0.iter_mut().enumerate() {
+                        for k in 0..4 {
+                            prefetch(&ahead[k][u]);
+                        }
                         let mut lines = out.iter_mut();
                         $(if let Some(out) = lines.next() {
                             let mut sum = f32_line(out);

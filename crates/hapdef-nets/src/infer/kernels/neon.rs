@@ -6,19 +6,19 @@ use std::arch::aarch64::{
     vshlq_n_u32, vst1q_f32,
 };
 
-use crate::activation::Activation;
-
 use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
-use super::{Active, ActiveGroup, portable};
+use super::super::quantise::ByteScale;
+use super::{Active, ActiveBytes, elements, portable};
 
 type Vector = [float32x4_t; 4];
 
 float_kernels!(#[target_feature(enable = "neon")]);
+elements!(#[target_feature(enable = "neon")]);
 
 /// Sums of byte products.
 #[target_feature(enable = "neon")]
-pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
-    portable::groups(w, x, out);
+pub(super) fn bytes<const P: usize>(w: &Panels<Int8Line>, x: ActiveBytes<'_>, out: &mut [I32Line]) {
+    portable::bytes::<P>(w, x, out);
 }
 
 #[target_feature(enable = "neon")]
@@ -105,3 +105,7 @@ fn quarters<T>(line: &[T; 16]) -> [&[T; 4]; 4] {
     let quarters = line.as_chunks::<4>().0;
     [&quarters[0], &quarters[1], &quarters[2], &quarters[3]]
 }
+
+/// Leaves fetching ahead to the processor.
+#[inline]
+fn prefetch<T>(_line: &T) {}

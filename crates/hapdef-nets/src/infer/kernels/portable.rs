@@ -1,25 +1,30 @@
 //! Any processor, by what the compiler makes of plain loops.
 
-use crate::activation::Activation;
-
-use super::super::panels::{Bf16Line, F32Line, GROUP, I32Line, Int8Line, Line, Panels};
-use super::{Active, ActiveGroup};
+use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
+use super::super::quantise::ByteScale;
+use super::{Active, ActiveBytes, elements};
 
 type Vector = [f32; 16];
 
 float_kernels!();
+elements!();
 
 /// Sums of byte products.
-pub(super) fn groups(w: &Panels<Int8Line>, x: &[ActiveGroup], out: &mut [I32Line]) {
+pub(super) fn bytes<const P: usize>(w: &Panels<Int8Line>, x: ActiveBytes<'_>, out: &mut [I32Line]) {
     for (unit, width, lines) in w.iter() {
-        let out = &mut out[unit..unit + width];
+        let out = &mut out[4 * P * unit..4 * P * (unit + width)];
         out.fill(Line([0; 16]));
-        for active in x {
-            let row = &lines[active.row as usize * width..][..width];
-            for (line, out) in row.iter().zip(&mut *out) {
-                for (weights, out) in line.0.as_chunks::<GROUP>().0.iter().zip(&mut out.0) {
-                    for (w, x) in weights.iter().zip(active.bytes) {
-                        *out += i32::from(*w) * i32::from(x);
+        for (rows, words) in x.fours() {
+            for (u, out) in out.chunks_exact_mut(4 * P).enumerate() {
+                for (i, row) in rows.iter().enumerate() {
+                    let weights = &lines[*row as usize * width + u].0;
+                    for (sums, words) in out.chunks_exact_mut(4).zip(words) {
+                        let x = i32::from(words.to_le_bytes()[i]);
+                        for (sums, weights) in sums.iter_mut().zip(weights.as_chunks::<16>().0) {
+                            for (sum, w) in sums.0.iter_mut().zip(weights) {
+                                *sum += i32::from(*w) * x;
+                            }
+                        }
                     }
                 }
             }
@@ -61,3 +66,7 @@ fn int8_quarter<const Q: usize>(line: &Int8Line) -> Vector {
 fn store(vector: Vector, line: &mut F32Line) {
     line.0 = vector;
 }
+
+/// Leaves fetching ahead to the processor.
+#[inline]
+fn prefetch<T>(_line: &T) {}
