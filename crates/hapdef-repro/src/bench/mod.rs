@@ -26,7 +26,7 @@ pub(crate) use frontier::{FrontierArgs, run as run_frontier};
 /// Arguments of `bench-nets`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct BenchNetsArgs {
-    /// The scene whose nets are reduced; those of the quick profile, trained if they are not there.
+    /// The scene whose nets are reduced; trained if they are not there.
     #[arg(long, default_value = "fixtures/shin/scene.json")]
     pub(crate) scene: PathBuf,
     /// Folder for everything that is written.
@@ -44,6 +44,9 @@ pub(crate) struct BenchNetsArgs {
     /// Random weights only: no scene, no reduced nets.
     #[arg(long)]
     pub(crate) skip_trained: bool,
+    /// The scene's nets as a full run trains them, instead of a quick one.
+    #[arg(long, conflicts_with = "skip_trained")]
+    pub(crate) full: bool,
 }
 
 /// Prints a METRIC line for each figure and adds it to `metrics.json`.
@@ -61,10 +64,14 @@ pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
     Ok(log.append_to(&args.out.join("metrics.json"))?)
 }
 
-/// Every variant of the scene's nets, those of the quick profile.
+/// Every variant of the scene's nets.
 fn reduced(args: &BenchNetsArgs) -> Result<Vec<measure::Point>> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (profile, progress) = (Profile::quick(), Progress::on_stderr());
+    let profile = match args.full {
+        true => Profile::full(),
+        false => Profile::quick(),
+    };
+    let progress = Progress::on_stderr();
     let run = Run::new(&args.scene, profile, &args.out, threads, progress)?;
     Ok(measure::measure(&run, args.rounds.min(20), None)?.points)
 }

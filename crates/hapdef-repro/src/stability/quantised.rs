@@ -231,6 +231,8 @@ fn with_bound(net: &Net, precision: Precision, x: &[f32]) -> Vec<(f64, f64)> {
         let step = match (precision, spec.activation) {
             (Precision::Int8, Activation::Tanh) if l > 0 => largest / 127.0,
             (Precision::Int8, Activation::Relu) if l > 0 => largest / 255.0,
+            (Precision::Int8Weights, Activation::Tanh) if l > 0 => largest / 32_767.0,
+            (Precision::Int8Weights, Activation::Relu) if l > 0 => largest / 65_535.0,
             _ => 0.0,
         };
         let rows = layer.weights.chunks_exact(a.len()).zip(&layer.bias);
