@@ -1,3 +1,5 @@
+//! Every level against sums in 64 bits, and against the others.
+
 use super::*;
 use crate::activation::Activation;
 use crate::infer::panels::{Line, int8_lines};
