@@ -22,8 +22,8 @@ pub enum Precision {
     /// 32,767 where there are negative values), which adds at most Σ |w| t / 2.
     Int8Weights,
     /// As [`Precision::Int8Weights`], and the activations of every layer but the first in one byte,
-    /// t = range / 255, or largest magnitude / 127; sums are exact integers. The first layer keeps the f32 of its inputs: they are measured, and may have any
-    /// range.
+    /// t = range / 255, or largest magnitude / 127; sums are exact integers. The first layer keeps the
+    /// f32 of its inputs: they are measured, and may have any range.
     Int8,
 }
 

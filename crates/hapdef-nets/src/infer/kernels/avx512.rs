@@ -40,8 +40,9 @@ pub(super) fn bytes_vnni<const P: usize>(
         out.fill(Line([0; 16]));
         for block in x.blocks(BLOCK) {
             for (u, sums) in out.chunks_exact_mut(4 * P).enumerate() {
+                let unit = lines[u..].as_ptr();
                 // SAFETY: `lines` are n_rows × width lines; every row is below n_rows, u below width.
-                unsafe { add_block::<P>(&lines[u], width, block, sums) }
+                unsafe { add_block::<P>(unit, width, block, sums) }
             }
         }
         for sums in out.as_chunks_mut::<4>().0 {

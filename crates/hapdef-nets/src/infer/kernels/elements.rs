@@ -2,7 +2,6 @@
 //! compiled for every instruction set, the same bits by each.
 
 use crate::activation::Activation;
-
 use crate::infer::panels::{F32Line, I32Line};
 use crate::infer::quantise::{ByteScale, quantise};
 
