@@ -1,16 +1,20 @@
 //! Nets that only the report needs, each trained in a stage of its own and resumable.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use anyhow::Result;
-use hapdef::stages::fit_scales;
+use hapdef::stages::{fit_scales, mode_rows};
 use hapdef::{HapdefError, OutputScale, Profile, Run, Schedule, Stage};
-use hapdef_nets::train::{BatchSource, Progress, resume, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, TrainParams, load};
+use hapdef_nets::train::{BatchSource, OutputModes, Progress, resume, train};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision, load, save};
 use serde_json::{Value, json};
 
 const CHECKPOINT_FILE: &str = "net.json";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+
+/// Folder of the net of coordinates while it is trained.
+const COORDINATES: &str = "coordinates";
 
 /// Samples of a step.
 const BATCH: usize = 100;
@@ -18,13 +22,39 @@ const BATCH: usize = 100;
 /// Steps between checkpoints.
 const CHECKPOINT_EVERY: u64 = 250;
 
-/// A short training: how many steps, from which learning rate.
+/// A short training: how many steps, from which learning rate, how precise.
 #[derive(Clone, Copy, serde::Serialize)]
 pub(crate) struct Brief {
     /// Steps.
     pub(crate) steps: usize,
     /// Learning rate at the first step; it falls to a hundredth along a cosine.
     pub(crate) learning_rate: f64,
+    /// Precision of the matrix products.
+    pub(crate) precision: TrainPrecision,
+}
+
+/// What a net's outputs are while it is trained.
+#[derive(Clone, Copy, serde::Serialize)]
+pub(crate) struct Outputs {
+    /// By what the centred outputs are divided.
+    pub(crate) scale: OutputScale,
+    /// Into how many modes they go, to be unfolded after; 0: none, or as many as there are outputs.
+    pub(crate) modes: usize,
+}
+
+impl Outputs {
+    /// All of them, divided by this.
+    pub(crate) fn scaled_by(scale: OutputScale) -> Self {
+        Self { scale, modes: 0 }
+    }
+
+    /// As the profile trains F_R.
+    pub(crate) fn reconstruction(profile: &Profile) -> Self {
+        Self {
+            scale: profile.output_scale,
+            modes: profile.output_modes,
+        }
+    }
 }
 
 impl Brief {
@@ -33,6 +63,7 @@ impl Brief {
         Self {
             steps: (profile.reconstruction.steps / 2).clamp(1, 1500),
             learning_rate: profile.reconstruction.learning_rate,
+            precision: profile.reconstruction.precision,
         }
     }
 
@@ -41,6 +72,7 @@ impl Brief {
         Self {
             steps: schedule.steps,
             learning_rate: schedule.learning_rate,
+            precision: schedule.precision,
         }
     }
 
@@ -49,6 +81,7 @@ impl Brief {
         Self {
             steps: (profile.transfer.steps / 2).clamp(1, 2500),
             learning_rate: profile.transfer.learning_rate,
+            precision: profile.transfer.precision,
         }
     }
 }
@@ -63,24 +96,30 @@ pub(crate) fn fit<S: BatchSource>(
     spec: impl FnOnce(usize, usize) -> MlpSpec,
     open: impl FnOnce() -> Result<S>,
 ) -> Result<(Net, Stage)> {
-    fit_scaled(run, name, of, (brief, OutputScale::Each), spec, open)
+    let outputs = Outputs::scaled_by(OutputScale::Each);
+    fit_outputs(run, name, of, (brief, outputs), spec, open)
 }
 
-/// The same with a choice of the outputs' scale, which `of` should say.
-pub(crate) fn fit_scaled<S: BatchSource>(
+/// The same with a choice of what the outputs are in training.
+pub(crate) fn fit_outputs<S: BatchSource>(
     run: &Run,
     name: &str,
     of: &Value,
-    (brief, scale): (Brief, OutputScale),
+    (brief, outputs): (Brief, Outputs),
     spec: impl FnOnce(usize, usize) -> MlpSpec,
     open: impl FnOnce() -> Result<S>,
 ) -> Result<(Net, Stage)> {
     let seed = run.scene.seed;
-    let inputs = json!({ "version": VERSION, "net": name, "of": of, "brief": brief, "seed": seed });
+    let inputs = json!({
+        "version": VERSION, "net": name, "of": of, "brief": brief, "outputs": outputs, "seed": seed,
+    });
     let stage = run.cache.stage("brief-net", &inputs, |dir| {
         run.say(&format!("training {name} briefly: {} steps", brief.steps));
         let fitted = open()
-            .and_then(|samples| steps(run, dir, (brief, scale), spec, samples))
+            .and_then(|mut samples| {
+                let fitting = Fitting { run, dir, brief };
+                fitting.run(outputs, spec, &mut samples)
+            })
             .map_err(|error| match error.downcast::<HapdefError>() {
                 Ok(error) => error,
                 Err(error) => HapdefError::Stale {
@@ -93,44 +132,73 @@ pub(crate) fn fit_scaled<S: BatchSource>(
     Ok((load(&stage.dir.join(CHECKPOINT_FILE))?.0, stage))
 }
 
-/// From the start or from the checkpoint to the last step; the loss of the last batch.
-fn steps(
-    run: &Run,
-    dir: &std::path::Path,
-    (brief, scale): (Brief, OutputScale),
-    spec: impl FnOnce(usize, usize) -> MlpSpec,
-    mut samples: impl BatchSource,
-) -> Result<Option<f64>> {
-    let params = TrainParams {
-        steps: brief.steps as u64,
-        batch: BATCH,
-        learning_rate: brief.learning_rate,
-        final_learning_rate: Some(brief.learning_rate * 1e-2),
-        checkpoint_every: CHECKPOINT_EVERY,
-        ..TrainParams::paper(run.scene.seed)
-    };
-    let checkpoint = dir.join(CHECKPOINT_FILE);
-    let mut watch = |_: &Progress| match run.stopping() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
-    let info = if checkpoint.exists() {
-        resume(&checkpoint, &mut samples, None, &params, &mut watch)?.1
-    } else {
-        let [input, output] = fit_scales(&mut samples, scale)?;
-        let spec = spec(samples.n_inputs(), samples.n_outputs());
-        let mut net = Net::new(Mlp::random(&spec, run.scene.seed)?, input, output)?;
-        train(
-            &mut net,
-            &mut samples,
-            None,
-            &params,
-            Some(&checkpoint),
-            &mut watch,
-        )?
-    };
-    if info.stopped_early {
-        run.check_stop("a brief training")?;
+/// The training of one net.
+struct Fitting<'a> {
+    run: &'a Run,
+    dir: &'a Path,
+    brief: Brief,
+}
+
+impl Fitting<'_> {
+    /// From the start or from the checkpoint to the last step; the loss of the last batch.
+    fn run(
+        &self,
+        outputs: Outputs,
+        spec: impl FnOnce(usize, usize) -> MlpSpec,
+        samples: &mut dyn BatchSource,
+    ) -> Result<Option<f64>> {
+        let [input, output] = fit_scales(samples, outputs.scale)?;
+        let (rank, net_file) = (outputs.modes, self.dir.join(CHECKPOINT_FILE));
+        if rank == 0 || rank >= samples.n_outputs() {
+            return Ok(self.steps(&net_file, [input, output], spec, samples)?.0);
+        }
+        let rows = mode_rows(samples);
+        let modes = OutputModes::of_samples(samples, &rows, &output, rank)?;
+        let scales = [input, Scale::identity(rank)];
+        let folder = self.dir.join(COORDINATES);
+        std::fs::create_dir_all(&folder)?;
+        let checkpoint = folder.join(CHECKPOINT_FILE);
+        let mut coordinates = modes.source(samples);
+        let (loss, net) = self.steps(&checkpoint, scales, spec, &mut coordinates)?;
+        let record = load(&checkpoint)?.1;
+        save(&net_file, &modes.unfold(&net)?, &record, None)?;
+        std::fs::remove_dir_all(&folder)?;
+        Ok(loss)
     }
-    Ok(info.train_loss)
+
+    fn steps(
+        &self,
+        checkpoint: &Path,
+        [input, output]: [Scale; 2],
+        spec: impl FnOnce(usize, usize) -> MlpSpec,
+        samples: &mut dyn BatchSource,
+    ) -> Result<(Option<f64>, Net)> {
+        let (run, brief) = (self.run, self.brief);
+        let params = TrainParams {
+            steps: brief.steps as u64,
+            batch: BATCH,
+            learning_rate: brief.learning_rate,
+            final_learning_rate: Some(brief.learning_rate * 1e-2),
+            precision: brief.precision,
+            checkpoint_every: CHECKPOINT_EVERY,
+            ..TrainParams::paper(run.scene.seed)
+        };
+        let mut watch = |_: &Progress| match run.stopping() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let (net, info) = if checkpoint.exists() {
+            resume(checkpoint, samples, None, &params, &mut watch)?
+        } else {
+            let spec = spec(samples.n_inputs(), samples.n_outputs());
+            let mut net = Net::new(Mlp::random(&spec, run.scene.seed)?, input, output)?;
+            let path = Some(checkpoint);
+            let info = train(&mut net, samples, None, &params, path, &mut watch)?;
+            (net, info)
+        };
+        if info.stopped_early {
+            run.check_stop("a brief training")?;
+        }
+        Ok((info.train_loss, net))
+    }
 }

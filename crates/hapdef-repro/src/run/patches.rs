@@ -1,7 +1,7 @@
 //! Figure 5A: map error against the number of virtual gauges around each gauge.
 //!
-//! For each size F_R is trained briefly on the simulated sets, and F_T is linear regression, k
-//! nearest neighbours or a net, on single presses. A compliance table with the largest patches
+//! For each size F_R is trained briefly on the simulated sets, in the profile's modes of the map, and
+//! F_T is linear regression, k nearest neighbours or a net, on single presses. A compliance table with the largest patches
 //! serves every size, as the smaller are the beginnings of the larger.
 
 mod source;
@@ -25,10 +25,10 @@ use serde_json::json;
 use self::source::{Patches, SuperposedSource};
 use self::transfer::Transfer;
 use super::chain::forward;
-use super::fit::{Brief, fit};
+use super::fit::{Brief, Outputs, fit, fit_outputs};
 use super::presses::Presses;
 
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Virtual gauges around each gauge, full and quick profile.
 const SIZES: [usize; 11] = [1, 2, 4, 8, 12, 16, 24, 32, 40, 50, 60];
@@ -73,6 +73,7 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
         ];
         let inputs = json!({
             "version": VERSION, "limb": stages[0].key, "size": size, "briefs": briefs,
+            "outputs": Outputs::reconstruction(&run.profile),
             "keys": super::keys_of(run, done), "doubles": doubles(done)?.key,
         });
         let stage = run.cache.stage("patch-size", &inputs, |_| {
@@ -163,11 +164,15 @@ impl<'a> AtSize<'a> {
         let data = self.done.data.as_ref().context("no datasets")?;
         let keys: Vec<&str> = data.simulated.iter().map(|s| s.key.as_str()).collect();
         let of = json!({ "limb": self.key, "size": size, "sets": keys });
-        let (map_net, _) = fit(
+        let profile = &self.run.profile;
+        let (map_net, _) = fit_outputs(
             self.run,
             &format!("F_R for {size} virtual gauges"),
             &of,
-            Brief::reconstruction(&self.run.profile),
+            (
+                Brief::reconstruction(profile),
+                Outputs::reconstruction(profile),
+            ),
             MlpSpec::reconstruction,
             || {
                 Ok(SuperposedSource::new(

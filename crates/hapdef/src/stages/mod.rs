@@ -15,7 +15,7 @@ pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
 pub use mesh_check::mesh_check;
-pub use nets::{NetKind, fit_scales};
+pub use nets::{NetKind, fit_scales, mode_rows};
 pub use rig::{check_rig_mesh, real_limb, rig};
 pub(crate) use rig::{rig_mesh_key, rig_solid};
 pub use simulate::{compliance, compliance_table};

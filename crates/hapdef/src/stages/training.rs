@@ -9,7 +9,7 @@ use hapdef_nets::train::{
 use hapdef_nets::{Mlp, Net, Scale, TrainParams, load, save};
 
 use super::drawn::DrawnSamples;
-use super::nets::{NetKind, fit_scales};
+use super::nets::{NetKind, fit_scales, mode_rows};
 use super::train::CHECKPOINT_FILE;
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
@@ -17,9 +17,6 @@ use crate::run::Run;
 
 /// Folder of the net of coordinates while it is trained.
 const COORDINATES: &str = "coordinates";
-
-/// Samples that the modes of the outputs are found with.
-const MODE_SAMPLES: usize = 4096;
 
 /// The training of one net.
 pub(super) struct Training<'a> {
@@ -140,15 +137,6 @@ fn either<'a>(
         Some(first) => first,
         None => second,
     }
-}
-
-/// Samples spread over all there are, or the first of an endless source.
-fn mode_rows(samples: &dyn BatchSource) -> Vec<usize> {
-    if samples.is_endless() {
-        return (0..MODE_SAMPLES).collect();
-    }
-    let n = samples.n_samples();
-    (0..n).step_by(n.div_ceil(MODE_SAMPLES)).collect()
 }
 
 /// What a progress bar says.

@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 
 use super::super::chain::maps;
-use super::super::fit::{Brief, fit, fit_scaled};
+use super::super::fit::{Brief, Outputs, fit, fit_outputs};
 use super::super::patches::training_contacts;
 use super::super::presses::Presses;
 use super::super::samples::{SampleSet, blocks};
@@ -96,10 +96,10 @@ impl Trainer<'_> {
         for target in Target::ALL {
             let modes = self.modes(target)?;
             let name = format!("F_R to modes, {}", target.name());
-            let scaled = (brief, OutputScale::One);
+            let scaled = (brief, Outputs::scaled_by(OutputScale::One));
             let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
             let open = || self.map_samples(Inputs::Magnitudes, Some((target, &modes)));
-            let net = keep(fit_scaled(self.run, &name, &of, scaled, spec, open)?);
+            let net = keep(fit_outputs(self.run, &name, &of, scaled, spec, open)?);
             by_modes.push((target, net, modes));
         }
         let vectors = by_modes
@@ -109,8 +109,8 @@ impl Trainer<'_> {
         let open = || self.map_samples(Inputs::Vectors, Some((Target::Vector, modes)));
         let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
         let name = "F_R to modes, from vectors";
-        let scaled = (brief, OutputScale::One);
-        let from_vectors = keep(fit_scaled(self.run, name, &of, scaled, spec, open)?);
+        let scaled = (brief, Outputs::scaled_by(OutputScale::One));
+        let from_vectors = keep(fit_outputs(self.run, name, &of, scaled, spec, open)?);
         let to_vectors =
             keep(self.transfer("F_T to vectors", |all| self.truth.virtual_vectors(all))?);
         let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
