@@ -136,10 +136,19 @@ fn dots<const M: usize>(rows: [&[f32]; M], shared: &[f32]) -> [f32; M] {
         }
     }
     let mut result = [0.0; M];
+    add_lanes(&sums, &mut result);
     for m in 0..M {
         let rest = rows[m].1.iter().zip(shared_rest).map(|(r, s)| r * s);
-        let [a, b, c, d, e, f, g, h] = sums[m];
-        result[m] = rest.fold(((a + b) + (c + d)) + ((e + f) + (g + h)), |sum, p| sum + p);
+        result[m] = rest.fold(result[m], |sum, p| sum + p);
     }
     result
+}
+
+/// The sum of each one's lanes. On its own, since a compiler that sees it beside the loop over blocks
+/// keeps the sums of equal lanes together, and shuffles every block of a row to suit.
+#[inline(never)]
+fn add_lanes(sums: &[[f32; LANES]], totals: &mut [f32]) {
+    for (total, [a, b, c, d, e, f, g, h]) in totals.iter_mut().zip(sums) {
+        *total = ((a + b) + (c + d)) + ((e + f) + (g + h));
+    }
 }
