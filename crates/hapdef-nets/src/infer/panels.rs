@@ -58,6 +58,7 @@ impl<L: Copy> Panels<L> {
     }
 
     /// Inputs.
+    #[cfg(target_arch = "x86_64")]
     pub(super) fn n_rows(&self) -> usize {
         self.n_rows
     }

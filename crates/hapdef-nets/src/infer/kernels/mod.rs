@@ -81,6 +81,7 @@ impl<'a> ActiveBytes<'a> {
     }
 
     /// The same in blocks of `n_fours` fours.
+    #[cfg(target_arch = "x86_64")]
     fn blocks(self, n_fours: usize) -> impl Iterator<Item = Self> {
         let [low, high] = self.bytes.map(|bytes| bytes.chunks(4 * n_fours));
         let rows = self.rows.chunks(4 * n_fours);
