@@ -47,7 +47,7 @@ fn expected_time(is_quick: bool) -> &'static str {
     if is_quick {
         "minutes; what is made already is taken as it is"
     } else {
-        "hours, each stage with its bar; Ctrl-C ends it, and the same command goes on from there"
+        "an hour or two, each stage with its bar; Ctrl-C ends it, and the same command goes on from there"
     }
 }
 

@@ -28,32 +28,17 @@ fn scene(folder: &Path) -> PathBuf {
     path
 }
 
-/// Runs the whole pipeline with few samples and steps; returns the bytes of what it left, without
+/// Runs the whole pipeline with few samples and steps, F_R in modes; returns the bytes of what it left, without
 /// the records that hold times.
 fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     let out = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_hapdef-repro"))
         .arg("repro")
         .arg(scene)
-        .args([
-            "--profile",
-            "quick",
-            "--singles",
-            "100",
-            "--multis",
-            "50",
-            "--steps",
-            "3",
-        ])
-        .args([
-            "--other-steps",
-            "20",
-            "--threads",
-            threads,
-            "--seed",
-            "7",
-            "--out",
-        ])
+        .args(["--profile", "quick", "--singles", "100", "--multis", "50"])
+        .args(["--steps", "3", "--other-steps", "20", "--seed", "7"])
+        .args(["--output-modes", "16", "--output-scale", "one"])
+        .args(["--threads", threads, "--out"])
         .arg(out.path())
         .env("RAYON_NUM_THREADS", threads)
         .output()
@@ -74,6 +59,12 @@ fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
     assert!(
         report["tables"].as_array().unwrap().len() >= 8,
         "too few tables in the report"
+    );
+    let mut metrics = report["metrics"].as_array().unwrap().iter();
+    let wall = metrics.find(|m| m["name"] == "repro.wall_s").unwrap();
+    assert!(
+        wall["value"].as_f64().is_some(),
+        "the cache was empty: {wall}"
     );
     for part in ["tables", "claims"] {
         found.insert(part.into(), report[part].to_string().into_bytes());

@@ -50,10 +50,16 @@ pub fn results_markdown(report: &Value) -> String {
         let (name, reason) = (shown(&stage["name"]), shown(&stage["reason"]));
         text.push_str(&format!("- {name}: {reason}\n"));
     }
-    text.push_str("\n## Times\n\n| stage | seconds |\n|---|---|\n");
-    for stage in items(&report["stages"]) {
-        let seconds = stage["elapsed_s"].as_f64().unwrap_or(f64::NAN);
-        text.push_str(&row(&[shown(&stage["name"]), seconds_text(seconds)]));
+    let stages = items(&report["stages"]);
+    let elapsed_s = |stage: &Value| stage["elapsed_s"].as_f64().unwrap_or(f64::NAN);
+    let minutes = stages.iter().map(elapsed_s).sum::<f64>() / 60.0;
+    text.push_str(&format!(
+        "\n## Times\n\nOf the runs that made the stages; {minutes:.1} minutes together.\n\n\
+         | stage | seconds |\n|---|---|\n"
+    ));
+    for stage in stages {
+        let seconds = seconds_text(elapsed_s(stage));
+        text.push_str(&row(&[shown(&stage["name"]), seconds]));
     }
     text
 }
@@ -142,6 +148,7 @@ mod tests {
             "- commit: c\n",
             "| mean \\|error\\| | **holds** | all 3; closest",
             "| LR | I | 2.2 (2.2) |",
+            "0.2 minutes together",
             "| compliance | 12.3 |",
         ] {
             assert!(page.contains(part), "{part} is missing in\n{page}");

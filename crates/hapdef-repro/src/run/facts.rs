@@ -1,5 +1,6 @@
 //! What a run rests on, for the report's head and tail.
 
+use std::collections::HashSet;
 use std::time::{Duration, SystemTime};
 
 use hapdef::convergence::Convergence;
@@ -137,13 +138,15 @@ fn training(profile: &Profile) -> String {
     )
 }
 
-/// Time of every stage, from the run that made it. What the demo's first program made is no find in the
-/// cache for its second.
+/// Time of every stage, from the run that made it, once where two parts need it. What the demo's first
+/// program made is no find in the cache for its second.
 pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
     let stages = done.stages().into_iter().chain(more);
     let began = demo_began();
     let is_old = |stage: &Stage| stage.made_at() < began || began.is_none();
+    let mut seen = HashSet::new();
     stages
+        .filter(|stage| seen.insert(&stage.dir))
         .map(|stage| {
             let record = &stage.record;
             let inputs = &record.inputs;
