@@ -4,17 +4,14 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use anyhow::Result;
-use hapdef::stages::{fit_scales, mode_rows};
+use hapdef::stages::{fit_scales, train_in_modes};
 use hapdef::{HapdefError, OutputScale, Profile, Run, Schedule, Stage};
-use hapdef_nets::train::{BatchSource, OutputModes, Progress, resume, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision, load, save};
+use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision, load};
 use serde_json::{Value, json};
 
 const CHECKPOINT_FILE: &str = "net.json";
 const VERSION: u32 = 2;
-
-/// Folder of the net of coordinates while it is trained.
-const COORDINATES: &str = "coordinates";
 
 /// Samples of a step.
 const BATCH: usize = 100;
@@ -150,20 +147,19 @@ impl Fitting<'_> {
         let [input, output] = fit_scales(samples, outputs.scale)?;
         let (rank, net_file) = (outputs.modes, self.dir.join(CHECKPOINT_FILE));
         if rank == 0 || rank >= samples.n_outputs() {
-            return Ok(self.steps(&net_file, [input, output], spec, samples)?.0);
+            return Ok(self
+                .steps(&net_file, [input, output], spec, samples)?
+                .0
+                .train_loss);
         }
-        let rows = mode_rows(samples);
-        let modes = OutputModes::of_samples(samples, &rows, &output, rank)?;
-        let scales = [input, Scale::identity(rank)];
-        let folder = self.dir.join(COORDINATES);
-        std::fs::create_dir_all(&folder)?;
-        let checkpoint = folder.join(CHECKPOINT_FILE);
-        let mut coordinates = modes.source(samples);
-        let (loss, net) = self.steps(&checkpoint, scales, spec, &mut coordinates)?;
-        let record = load(&checkpoint)?.1;
-        save(&net_file, &modes.unfold(&net)?, &record, None)?;
-        std::fs::remove_dir_all(&folder)?;
-        Ok(loss)
+        let (info, _) = train_in_modes(
+            self.dir,
+            rank,
+            [input, output],
+            samples,
+            |checkpoint, scales, _, samples| self.steps(checkpoint, scales, spec, samples),
+        )?;
+        Ok(info.train_loss)
     }
 
     fn steps(
@@ -172,7 +168,7 @@ impl Fitting<'_> {
         [input, output]: [Scale; 2],
         spec: impl FnOnce(usize, usize) -> MlpSpec,
         samples: &mut dyn BatchSource,
-    ) -> Result<(Option<f64>, Net)> {
+    ) -> Result<(TrainInfo, Net)> {
         let (run, brief) = (self.run, self.brief);
         let params = TrainParams {
             steps: brief.steps as u64,
@@ -199,6 +195,6 @@ impl Fitting<'_> {
         if info.stopped_early {
             run.check_stop("a brief training")?;
         }
-        Ok((info.train_loss, net))
+        Ok((info, net))
     }
 }

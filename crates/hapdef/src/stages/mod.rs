@@ -3,6 +3,7 @@
 mod dataset;
 mod drawn;
 mod eval;
+mod in_modes;
 mod mesh_check;
 mod nets;
 mod rig;
@@ -14,8 +15,9 @@ mod training;
 pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
 pub use drawn::DrawnSamples;
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
+pub use in_modes::train_in_modes;
 pub use mesh_check::mesh_check;
-pub use nets::{NetKind, fit_scales, mode_rows};
+pub use nets::{NetKind, fit_scales};
 pub use rig::{check_rig_mesh, real_limb, rig};
 pub(crate) use rig::{rig_mesh_key, rig_solid};
 pub use simulate::{compliance, compliance_table};

@@ -33,9 +33,6 @@ pub enum NetKind {
 /// Rows that are read together while a scale is fitted.
 const BLOCK: usize = 512;
 
-/// Samples that the modes of the outputs are found with.
-const MODE_SAMPLES: usize = 4096;
-
 /// Most samples a validation looks at, spread over the sets.
 const MAX_VALIDATION: usize = 1000;
 
@@ -125,16 +122,6 @@ pub fn fit_scales(
         y.std.fill((squares / n_out as f64).sqrt() as f32);
     }
     Ok([Scale::new(x.mean, x.std)?, Scale::new(y.mean, y.std)?])
-}
-
-/// Samples that the modes of the outputs are found with: spread over all there are, or the first of
-/// an endless source.
-pub fn mode_rows(samples: &dyn BatchSource) -> Vec<usize> {
-    if samples.is_endless() {
-        return (0..MODE_SAMPLES).collect();
-    }
-    let n = samples.n_samples();
-    (0..n).step_by(n.div_ceil(MODE_SAMPLES)).collect()
 }
 
 fn source_error(error: SourceError) -> HapdefError {

@@ -3,20 +3,16 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use hapdef_nets::train::{
-    BatchSource, OutputModes, Progress, TrainInfo, resume, train as train_net,
-};
-use hapdef_nets::{Mlp, Net, Scale, TrainParams, load, save};
+use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
+use hapdef_nets::{Mlp, Net, Scale, TrainParams};
 
 use super::drawn::DrawnSamples;
-use super::nets::{NetKind, fit_scales, mode_rows};
+use super::in_modes::train_in_modes;
+use super::nets::{NetKind, fit_scales};
 use super::train::CHECKPOINT_FILE;
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
 use crate::run::Run;
-
-/// Folder of the net of coordinates while it is trained.
-const COORDINATES: &str = "coordinates";
 
 /// The training of one net.
 pub(super) struct Training<'a> {
@@ -56,33 +52,23 @@ impl Training<'_> {
     fn run_in_modes(
         &self,
         rank: usize,
-        [input, output]: [Scale; 2],
+        scales: [Scale; 2],
         samples: &mut dyn BatchSource,
         validation: &mut dyn BatchSource,
     ) -> Result<(TrainInfo, Net), HapdefError> {
-        let rows = mode_rows(samples);
-        let modes = OutputModes::of_samples(samples, &rows, &output, rank)?;
-        self.run.say(&format!(
-            "{rank} modes of the outputs leave out {:.3} % of their squares",
-            modes.left_out() * 100.0
-        ));
-        let folder = self.dir.join(COORDINATES);
-        let file_error = |source| HapdefError::File {
-            path: folder.clone(),
-            source,
-        };
-        std::fs::create_dir_all(&folder).map_err(file_error)?;
-        let checkpoint = folder.join(CHECKPOINT_FILE);
-        let scales = [input, Scale::identity(rank)];
-        let (mut samples, mut validation) = (modes.source(samples), modes.source(validation));
-        let (info, net) = self.fit(&checkpoint, scales, &mut samples, &mut validation)?;
-        let net = modes.unfold(&net)?;
-        if !info.stopped_early {
-            let record = load(&checkpoint)?.1;
-            save(&self.dir.join(CHECKPOINT_FILE), &net, &record, None)?;
-            std::fs::remove_dir_all(&folder).map_err(file_error)?;
-        }
-        Ok((info, net))
+        train_in_modes(
+            self.dir,
+            rank,
+            scales,
+            samples,
+            |checkpoint, scales, modes, samples| {
+                self.run.say(&format!(
+                    "{rank} modes of the outputs leave out {:.3} % of their squares",
+                    modes.left_out() * 100.0
+                ));
+                self.fit(checkpoint, scales, samples, &mut modes.source(validation))
+            },
+        )
     }
 
     fn fit(

@@ -1,0 +1,62 @@
+//! Training in the modes of the outputs, and the way back to all of them.
+
+use std::path::Path;
+
+use hapdef_nets::train::{BatchSource, OutputModes, TrainInfo};
+use hapdef_nets::{Net, Scale, load, save};
+
+use super::train::CHECKPOINT_FILE;
+use crate::error::HapdefError;
+
+/// Folder of the net of coordinates while it is trained.
+const COORDINATES: &str = "coordinates";
+
+/// Samples that the modes are found with.
+const MODE_SAMPLES: usize = 4096;
+
+/// Trains a net of `rank` coordinates of the outputs by `fit` and unfolds it into `dir`. `fit` gets the
+/// net's checkpoint, its scales, the modes, for a validation, and the samples with their outputs in modes.
+///
+/// # Errors
+/// A rank that the samples do not have, files that can't be written, and what `fit` fails with.
+pub fn train_in_modes<E: From<HapdefError>>(
+    dir: &Path,
+    rank: usize,
+    [input, output]: [Scale; 2],
+    samples: &mut dyn BatchSource,
+    fit: impl FnOnce(
+        &Path,
+        [Scale; 2],
+        &OutputModes,
+        &mut dyn BatchSource,
+    ) -> Result<(TrainInfo, Net), E>,
+) -> Result<(TrainInfo, Net), E> {
+    let rows = mode_rows(samples);
+    let modes =
+        OutputModes::of_samples(samples, &rows, &output, rank).map_err(HapdefError::from)?;
+    let folder = dir.join(COORDINATES);
+    let file_error = |source| HapdefError::File {
+        path: folder.clone(),
+        source,
+    };
+    std::fs::create_dir_all(&folder).map_err(file_error)?;
+    let checkpoint = folder.join(CHECKPOINT_FILE);
+    let scales = [input, Scale::identity(rank)];
+    let (info, net) = fit(&checkpoint, scales, &modes, &mut modes.source(samples))?;
+    let net = modes.unfold(&net).map_err(HapdefError::from)?;
+    if !info.stopped_early {
+        let record = load(&checkpoint).map_err(HapdefError::from)?.1;
+        save(&dir.join(CHECKPOINT_FILE), &net, &record, None).map_err(HapdefError::from)?;
+        std::fs::remove_dir_all(&folder).map_err(file_error)?;
+    }
+    Ok((info, net))
+}
+
+/// Samples spread over all there are, or the first of an endless source.
+fn mode_rows(samples: &dyn BatchSource) -> Vec<usize> {
+    if samples.is_endless() {
+        return (0..MODE_SAMPLES).collect();
+    }
+    let n = samples.n_samples();
+    (0..n).step_by(n.div_ceil(MODE_SAMPLES)).collect()
+}
