@@ -66,7 +66,18 @@ pub enum NetsError {
         /// The backend asked for.
         backend: TrainBackend,
     },
-    /// Candle failed: no such device, no memory.
+    /// A GPU that does not start.
+    #[cfg(feature = "candle")]
+    #[error(
+        "GPU {ordinal} does not start: {source}; `nvidia-smi -L` lists those there are, and training on slices needs none"
+    )]
+    NoGpu {
+        /// Which GPU was asked for, from 0.
+        ordinal: usize,
+        /// What CUDA said.
+        source: candle_core::Error,
+    },
+    /// Candle failed: no memory, for one.
     #[cfg(feature = "candle")]
     #[error("candle: {0}")]
     Candle(#[from] candle_core::Error),

@@ -171,7 +171,12 @@ impl Learnt {
 fn device(backend: TrainBackend) -> Result<Device, NetsError> {
     match backend {
         TrainBackend::Slices | TrainBackend::Candle => Ok(Device::Cpu),
-        TrainBackend::Cuda { ordinal } => Ok(Device::new_cuda(ordinal)?),
+        TrainBackend::Cuda { .. } if !cfg!(feature = "cuda") => {
+            Err(NetsError::NoBackend { backend })
+        }
+        TrainBackend::Cuda { ordinal } => {
+            Device::new_cuda(ordinal).map_err(|source| NetsError::NoGpu { ordinal, source })
+        }
     }
 }
 
