@@ -75,7 +75,7 @@ pub enum NetsError {
         /// Which GPU was asked for, from 0.
         ordinal: usize,
         /// What CUDA said.
-        source: candle_core::Error,
+        source: Box<candle_core::Error>,
     },
     /// Candle failed: no memory, for one.
     #[cfg(feature = "candle")]

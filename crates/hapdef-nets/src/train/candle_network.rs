@@ -175,7 +175,10 @@ fn device(backend: TrainBackend) -> Result<Device, NetsError> {
             Err(NetsError::NoBackend { backend })
         }
         TrainBackend::Cuda { ordinal } => {
-            Device::new_cuda(ordinal).map_err(|source| NetsError::NoGpu { ordinal, source })
+            Device::new_cuda(ordinal).map_err(|error| NetsError::NoGpu {
+                ordinal,
+                source: Box::new(error),
+            })
         }
     }
 }
