@@ -28,6 +28,18 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Runs a command to its end and fails, with all that it said, when it fails.
+pub(crate) fn run_quietly(command: &mut Command) -> Result<()> {
+    let output = command
+        .output()
+        .with_context(|| format!("starting {}", shown(command)))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        bail!("{} ended with {}:\n{said}", shown(command), output.status);
+    }
+    Ok(())
+}
+
 /// Runs a command to its end; what it writes goes to [`results`] if nothing else is said.
 pub(crate) fn status(command: &mut Command) -> Result<ExitStatus> {
     let is_cargo = Path::new(command.get_program()).file_stem() == Some("cargo".as_ref());
