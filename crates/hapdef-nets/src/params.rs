@@ -34,6 +34,22 @@ pub enum TrainBackend {
     },
 }
 
+impl TrainBackend {
+    /// Fails with [`NetsError::NoBackend`] where this build lacks it; whether a GPU starts is seen when
+    /// a training does.
+    pub fn check(self) -> Result<(), NetsError> {
+        let is_built = match self {
+            Self::Slices => true,
+            Self::Candle => cfg!(feature = "candle"),
+            Self::Cuda { .. } => cfg!(feature = "cuda"),
+        };
+        if is_built {
+            return Ok(());
+        }
+        Err(NetsError::NoBackend { backend: self })
+    }
+}
+
 /// What a training minimises, of the differences between a net's outputs and the standardised ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -157,14 +157,18 @@ fn loss(text: &str) -> Result<Loss, String> {
 }
 
 fn backend(text: &str) -> Result<TrainBackend, String> {
-    let ordinal = |number: &str| number.parse().map(|ordinal| TrainBackend::Cuda { ordinal });
-    match text.split_once(':') {
-        None if text == "slices" => Ok(TrainBackend::Slices),
-        None if text == "candle" => Ok(TrainBackend::Candle),
-        None if text == "cuda" => Ok(TrainBackend::Cuda { ordinal: 0 }),
-        Some(("cuda", number)) => ordinal(number).map_err(|e| format!("cuda:{number}: {e}")),
-        _ => Err("expected slices, candle, cuda or cuda:N".into()),
-    }
+    let backend = match text.split_once(':') {
+        None if text == "slices" => TrainBackend::Slices,
+        None if text == "candle" => TrainBackend::Candle,
+        None if text == "cuda" => TrainBackend::Cuda { ordinal: 0 },
+        Some(("cuda", number)) => {
+            let ordinal = number.parse().map_err(|e| format!("cuda:{number}: {e}"))?;
+            TrainBackend::Cuda { ordinal }
+        }
+        _ => return Err("expected slices, candle, cuda or cuda:N".into()),
+    };
+    backend.check().map_err(|error| error.to_string())?;
+    Ok(backend)
 }
 
 fn default_threads() -> usize {

@@ -159,6 +159,16 @@ fn a_calibration_that_is_not_there_or_of_another_limb() {
     refused_by("check", folder.path(), &expected);
 }
 
+#[cfg(not(feature = "cuda"))]
+#[test]
+fn a_backend_that_is_not_built_in() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| ());
+    let words = ["train", "scene.json", "--backend", "cuda:1"];
+    let expected = ["--backend", "ordinal: 1", "feature"];
+    refused_words(&words, folder.path(), &expected);
+}
+
 #[test]
 fn a_deck_in_metres_called_millimetres() {
     refused(

@@ -169,11 +169,9 @@ impl Learnt {
 }
 
 fn device(backend: TrainBackend) -> Result<Device, NetsError> {
+    backend.check()?;
     match backend {
         TrainBackend::Slices | TrainBackend::Candle => Ok(Device::Cpu),
-        TrainBackend::Cuda { .. } if !cfg!(feature = "cuda") => {
-            Err(NetsError::NoBackend { backend })
-        }
         TrainBackend::Cuda { ordinal } => {
             Device::new_cuda(ordinal).map_err(|error| NetsError::NoGpu {
                 ordinal,
