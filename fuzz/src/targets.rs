@@ -133,11 +133,8 @@ fn scene(bytes: &[u8], folder: &Path) {
 
 fn gltf(bytes: &[u8], folder: &Path) {
     let path = written(bytes, folder, "surface.glb");
-    let params = GltfParams {
-        max_vertices: 100_000,
-        max_triangles: 100_000,
-        ..GltfParams::default()
-    };
+    let params =
+        GltfParams { max_vertices: 100_000, max_triangles: 100_000, ..GltfParams::default() };
     let _ = read_gltf(&path, &params);
 }
 
@@ -181,12 +178,7 @@ fn save_net(path: &Path) {
 
 /// A net of nine numbers.
 fn small_net() -> Net {
-    let spec = MlpSpec {
-        inputs: 2,
-        hidden: vec![2],
-        outputs: 1,
-        activation: Activation::Relu,
-    };
+    let spec = MlpSpec { inputs: 2, hidden: vec![2], outputs: 1, activation: Activation::Relu };
     let mlp = Mlp::random(&spec, 1).expect("widths above 0");
     Net::new(mlp, Scale::identity(2), Scale::identity(1)).expect("scales that fit")
 }

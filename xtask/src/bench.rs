@@ -74,18 +74,12 @@ fn fe(args: &BenchArgs) -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-verify")?);
     command.arg("bench").arg("--deck").arg(deck);
     command.arg("--metrics").arg(metrics);
-    command
-        .args(["--seed", &args.seed.to_string()])
-        .args(&args.rest);
+    command.args(["--seed", &args.seed.to_string()]).args(&args.rest);
     finish(&mut command)
 }
 
 fn default_deck() -> PathBuf {
     let shared = std::env::var_os("HAPDEF_SHARED").map_or(root().join("../shared"), PathBuf::from);
     let authors = shared.join("inputs/hapdef-shin/02_skin_ds.dat.gz");
-    if authors.exists() {
-        authors
-    } else {
-        root().join("fixtures/shin/shin.inp.gz")
-    }
+    if authors.exists() { authors } else { root().join("fixtures/shin/shin.inp.gz") }
 }

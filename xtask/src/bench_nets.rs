@@ -12,10 +12,7 @@ use crate::tool::{release_binary, root};
 pub(crate) fn run(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<()> {
     let bundled = root().join("fixtures/shin/scene.json");
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    command
-        .arg("bench-nets")
-        .arg("--scene")
-        .arg(scene.unwrap_or(&bundled));
+    command.arg("bench-nets").arg("--scene").arg(scene.unwrap_or(&bundled));
     command.args(["--seed", &seed.to_string()]).args(rest);
     finish(&mut command)
 }

@@ -10,11 +10,8 @@ use crate::pipeline::DEMO_LIVE;
 use crate::tool::{cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.
-const PLACES: [&str; 3] = [
-    "/usr/bin/chromium",
-    "/usr/bin/chromium-browser",
-    "/usr/bin/google-chrome",
-];
+const PLACES: [&str; 3] =
+    ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 /// How to get one by hand.
 const ADVICE: &str = "as root: apt-get update && apt-get install -y --no-install-recommends chromium; or \
@@ -61,10 +58,7 @@ pub(crate) fn found() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("HAPDEF_CHROMIUM") {
         return Some(PathBuf::from(path));
     }
-    PLACES
-        .map(PathBuf::from)
-        .into_iter()
-        .find(|path| path.exists())
+    PLACES.map(PathBuf::from).into_iter().find(|path| path.exists())
 }
 
 /// Why this command may not install one.
@@ -83,10 +77,8 @@ fn why_not_installed() -> Option<&'static str> {
 }
 
 fn install() -> Result<()> {
-    let words: [&[&str]; 2] = [
-        &["update"],
-        &["install", "-y", "--no-install-recommends", "chromium"],
-    ];
+    let words: [&[&str]; 2] =
+        [&["update"], &["install", "-y", "--no-install-recommends", "chromium"]];
     for words in words {
         let mut command = Command::new("apt-get");
         command.args(words).stdout(Stdio::null());
@@ -144,9 +136,7 @@ impl Served {
         command.args(["--sim", "--view", "--view-port", "0"]);
         command.arg("--out").arg(results());
         command.stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command
-            .spawn()
-            .with_context(|| format!("starting {}", shown(&command)))?;
+        let mut child = command.spawn().with_context(|| format!("starting {}", shown(&command)))?;
         let url = child.stderr.take().and_then(page_address);
         let url = url.with_context(|| format!("{} gave no address", shown(&command)))?;
         Ok(Self { child, url })

@@ -24,9 +24,7 @@ const NOT_ALONE: [&str; 2] = ["xtask", "hapdef-py"];
 /// Runs every check; stops at the first that fails.
 fn run_all() -> Result<Vec<(String, f64)>> {
     let mut times = Vec::new();
-    step(&mut times, "format", || {
-        run(&mut cargo(&["fmt", "--all", "--check"]))
-    })?;
+    step(&mut times, "format", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
     step(&mut times, "tidy", tidy::run)?;
     step(&mut times, "weight", weight::check_table)?;
     step(&mut times, "clippy", || {
@@ -103,14 +101,9 @@ fn step(
 /// Names of the crates that are checked alone.
 fn crates() -> Result<Vec<String>> {
     let metadata = metadata()?;
-    let packages = metadata["packages"]
-        .as_array()
-        .context("cargo metadata: packages")?;
+    let packages = metadata["packages"].as_array().context("cargo metadata: packages")?;
     let names = packages.iter().filter_map(|p| p["name"].as_str());
-    Ok(names
-        .filter(|name| !NOT_ALONE.contains(name))
-        .map(str::to_owned)
-        .collect())
+    Ok(names.filter(|name| !NOT_ALONE.contains(name)).map(str::to_owned).collect())
 }
 
 /// A quick run of the main job; its figures must show every cell of both tables, none NaN, and none
@@ -125,11 +118,9 @@ fn quick_demo() -> Result<()> {
     if !output.status.success() {
         bail!("{} ended with {}", shown(&command), output.status);
     }
-    for (name, expected) in [
-        ("demo.table1_cells", 60.0),
-        ("demo.table2_cells", 8.0),
-        ("demo.nan_cells", 0.0),
-    ] {
+    for (name, expected) in
+        [("demo.table1_cells", 60.0), ("demo.table2_cells", 8.0), ("demo.nan_cells", 0.0)]
+    {
         let value = metric(&text, name)?;
         if value.total_cmp(&expected).is_ne() {
             bail!("{name}: expected {expected}, the demo printed {value}");
@@ -147,9 +138,7 @@ fn metric(text: &str, name: &str) -> Result<f64> {
         .find_map(|rest| rest.strip_prefix(name)?.strip_prefix(':'))
         .with_context(|| format!("the demo printed no METRIC line {name}"))?;
     let value = line.split(':').next().unwrap_or_default();
-    value
-        .parse()
-        .with_context(|| format!("METRIC {name}: {value:?} is no number"))
+    value.parse().with_context(|| format!("METRIC {name}: {value:?} is no number"))
 }
 
 #[cfg(test)]

@@ -29,10 +29,7 @@ pub(crate) struct CompareArgs {
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let profile = if args.quick { "quick" } else { "full" };
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    command
-        .arg("compare")
-        .arg(scene_or_placed(args.scene.as_deref()))
-        .args(["--profile", profile]);
+    command.arg("compare").arg(scene_or_placed(args.scene.as_deref())).args(["--profile", profile]);
     if let Some(seed) = args.seed {
         command.args(["--test-seed", &seed.to_string()]);
     }

@@ -17,22 +17,10 @@ const LEFT_OUT: [(&str, &str); 2] = [
 
 /// Commands that take long as they are shown, and what is run in their place.
 const SMALLER: [(&str, &str); 12] = [
-    (
-        "cargo xtask bench nets",
-        "cargo xtask bench nets -- --skip-trained --rounds 2",
-    ),
-    (
-        "cargo xtask frontier nets --quick",
-        "cargo xtask frontier nets --quick -- --rounds 1",
-    ),
-    (
-        "cargo bench --bench infer",
-        "cargo bench --bench infer -- --test",
-    ),
-    (
-        "cargo xtask bench view",
-        "cargo xtask bench view -- --seconds 2",
-    ),
+    ("cargo xtask bench nets", "cargo xtask bench nets -- --skip-trained --rounds 2"),
+    ("cargo xtask frontier nets --quick", "cargo xtask frontier nets --quick -- --rounds 1"),
+    ("cargo bench --bench infer", "cargo bench --bench infer -- --test"),
+    ("cargo xtask bench view", "cargo xtask bench view -- --seconds 2"),
     (
         "cargo xtask compare",
         "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300",
@@ -41,45 +29,25 @@ const SMALLER: [(&str, &str); 12] = [
         "cargo xtask frontier inverse",
         "cargo xtask frontier inverse -- --without-paper --frames 10 --presses 300",
     ),
-    (
-        "cargo xtask bench inverse",
-        "cargo xtask bench inverse -- --scripts 2 --pairs 10",
-    ),
+    ("cargo xtask bench inverse", "cargo xtask bench inverse -- --scripts 2 --pairs 10"),
     (
         "cargo xtask search --quick --method lr --trials 20",
         "cargo xtask search --quick --method lr --trials 2",
     ),
-    (
-        "cargo xtask search compare --quick",
-        "cargo xtask search compare --quick",
-    ),
-    (
-        "cargo xtask tactile",
-        "cargo xtask tactile -- --steps 100 --svr-presses 200",
-    ),
+    ("cargo xtask search compare --quick", "cargo xtask search compare --quick"),
+    ("cargo xtask tactile", "cargo xtask tactile -- --steps 100 --svr-presses 200"),
     (
         "cargo hapdef calibrate fixtures/shin/placed.json target/live-presses.csv \
          target/live-calibration.json --live virtual --presses 24",
         "rm -f target/few-presses.csv target/few-calibration.json && cargo hapdef calibrate fixtures/shin/placed.json \
          target/few-presses.csv target/few-calibration.json --live virtual --presses 12",
     ),
-    (
-        "cargo xtask pictures",
-        "cargo xtask pictures report shin-rigidity --into target/pictures",
-    ),
+    ("cargo xtask pictures", "cargo xtask pictures report shin-rigidity --into target/pictures"),
 ];
 
 /// Words that begin a command.
-const PROGRAMS: [&str; 8] = [
-    "cargo ",
-    "hapdef ",
-    "python ",
-    "python3 ",
-    "pip ",
-    "maturin ",
-    "target/",
-    "import hapdef",
-];
+const PROGRAMS: [&str; 8] =
+    ["cargo ", "hapdef ", "python ", "python3 ", "pip ", "maturin ", "target/", "import hapdef"];
 
 /// Arguments of `docs`.
 #[derive(clap::Args)]
@@ -172,9 +140,7 @@ impl<'a> Block<'a> {
     fn commands(&self) -> Vec<&'a str> {
         let lines = self.trimmed();
         match self.fence {
-            "sh" => lines
-                .filter(|line| !line.is_empty() && !line.starts_with('#'))
-                .collect(),
+            "sh" => lines.filter(|line| !line.is_empty() && !line.starts_with('#')).collect(),
             _ => lines.filter_map(smaller).collect(),
         }
     }
@@ -197,8 +163,7 @@ fn smaller(line: &str) -> Option<&'static str> {
 }
 
 fn is_shown(text: &str, command: &str) -> bool {
-    text.lines()
-        .any(|line| without_remark(line.trim()) == command)
+    text.lines().any(|line| without_remark(line.trim()) == command)
 }
 
 fn without_remark(line: &str) -> &str {
@@ -208,9 +173,7 @@ fn without_remark(line: &str) -> &str {
 /// Commands in blocks that are neither run, ```sh, nor say why not, ```sh (a device).
 pub(crate) fn unexplained(text: &str) -> Vec<&str> {
     let blocks = blocks(text);
-    let silent = blocks
-        .iter()
-        .filter(|block| block.fence != "sh" && block.reason().is_none());
+    let silent = blocks.iter().filter(|block| block.fence != "sh" && block.reason().is_none());
     let is_command = |line: &&str| PROGRAMS.iter().any(|program| line.starts_with(program));
     silent.flat_map(Block::trimmed).filter(is_command).collect()
 }
@@ -243,10 +206,7 @@ mod tests {
         let [small] = commands(text)[..] else {
             panic!("{:?}", commands(text));
         };
-        assert!(
-            small.starts_with("cargo xtask tactile -- --steps"),
-            "{small}"
-        );
+        assert!(small.starts_with("cargo xtask tactile -- --steps"), "{small}");
     }
 
     #[test]

@@ -41,10 +41,7 @@ pub(crate) fn check() -> Result<()> {
     println!("{line}");
     let value = line[FIGURE.len()..].split(':').next().unwrap_or_default();
     let first_s: f64 = value.parse().with_context(|| line.clone())?;
-    ensure!(
-        first_s <= MOST_S,
-        "the first picture took {first_s} s, expected {MOST_S} s at most"
-    );
+    ensure!(first_s <= MOST_S, "the first picture took {first_s} s, expected {MOST_S} s at most");
     Ok(())
 }
 

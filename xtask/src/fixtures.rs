@@ -36,12 +36,6 @@ fn calibrate(presses: &Path) -> Result<()> {
         command.current_dir(root());
         Ok(command)
     };
-    run(hapdef()?
-        .args(["probe", PRESSED])
-        .arg(presses)
-        .args(["--presses", N_PRESSES]))?;
-    run(hapdef()?
-        .args(["calibrate", PRESSED])
-        .arg(presses)
-        .arg(CALIBRATION))
+    run(hapdef()?.args(["probe", PRESSED]).arg(presses).args(["--presses", N_PRESSES]))?;
+    run(hapdef()?.args(["calibrate", PRESSED]).arg(presses).arg(CALIBRATION))
 }

@@ -2,11 +2,7 @@
 //!
 //! Links no crate of the workspace: it starts their binaries.
 
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command line program prints"
-)]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod bench;
 mod bench_nets;
@@ -57,10 +53,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Task {
     /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
-    #[command(
-        after_help = "Examples:\n  cargo xtask demo --quick\n  cargo xtask demo --live\n  \
-        cargo xtask demo --live --scene fixtures/shin/placed.json -- --seconds 60"
-    )]
+    #[command(after_help = "Examples:\n  cargo xtask demo --quick\n  cargo xtask demo --live\n  \
+        cargo xtask demo --live --scene fixtures/shin/placed.json -- --seconds 60")]
     Demo(DemoArgs),
     /// The paper's tables and figures in full, with verdicts on its claims.
     #[command(
@@ -80,16 +74,12 @@ enum Task {
     #[command(after_help = "Example:\n  cargo xtask ci")]
     Ci,
     /// Is the elasticity solver right: the verification table, or one deck.
-    #[command(
-        after_help = "Examples:\n  cargo xtask verify\n  cargo xtask verify -- --only \
-        solid.le10\n  cargo xtask verify --deck fixtures/shin/shin.inp.gz"
-    )]
+    #[command(after_help = "Examples:\n  cargo xtask verify\n  cargo xtask verify -- --only \
+        solid.le10\n  cargo xtask verify --deck fixtures/shin/shin.inp.gz")]
     Verify(verify::VerifyArgs),
     /// Times against other programs, as ratios in one run.
-    #[command(
-        after_help = "Examples:\n  cargo xtask bench fe\n  cargo xtask bench nets -- \
-        --skip-trained --rounds 2\n  cargo xtask bench live --seconds 10"
-    )]
+    #[command(after_help = "Examples:\n  cargo xtask bench fe\n  cargo xtask bench nets -- \
+        --skip-trained --rounds 2\n  cargo xtask bench live --seconds 10")]
     Bench(bench::BenchArgs),
     /// Contacts by superposition against the paper's pipeline, on the same frames of the same rig.
     #[command(
@@ -109,10 +99,8 @@ enum Task {
     #[command(after_help = "Example:\n  cargo xtask place -- --gauges 12 --noise-ue 1")]
     Place(design::DesignArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
-    #[command(
-        after_help = "Examples:\n  cargo xtask stability\n  cargo xtask stability inverse \
-        --seed 1\n  cargo xtask stability scenes --minutes 10 --seed 1"
-    )]
+    #[command(after_help = "Examples:\n  cargo xtask stability\n  cargo xtask stability inverse \
+        --seed 1\n  cargo xtask stability scenes --minutes 10 --seed 1")]
     Stability(stability::StabilityArgs),
     /// Settings of a net or a baseline by Bayesian optimisation.
     #[command(

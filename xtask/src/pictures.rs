@@ -161,11 +161,7 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     }
     let live = LIVE.iter().map(|(name, ..)| *name);
     let known: Vec<&str> = SHOTS.iter().map(|shot| shot.name).chain(live).collect();
-    if let Some(other) = args
-        .names
-        .iter()
-        .find(|name| !known.contains(&name.as_str()))
-    {
+    if let Some(other) = args.names.iter().find(|name| !known.contains(&name.as_str())) {
         bail!("{other}: expected one of {}", known.join(", "));
     }
     let folder = args.into.clone();
@@ -190,12 +186,7 @@ pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {
     let served = Served::start(None)?;
     for (name, size, colours) in live {
         let file = image(&folder, name);
-        take(
-            &camera,
-            &served.url,
-            &file,
-            &[size, colours, "0", LIVE_SCRIPT],
-        )?;
+        take(&camera, &served.url, &file, &[size, colours, "0", LIVE_SCRIPT])?;
     }
     Ok(())
 }
@@ -204,10 +195,9 @@ impl Part {
     /// The window's size, and what the page does before its picture is taken.
     fn shown(&self) -> (&'static str, String) {
         match self {
-            Self::From(selector, size) => (
-                size,
-                format!("document.querySelector(\"{selector}\").scrollIntoView(); scrollY"),
-            ),
+            Self::From(selector, size) => {
+                (size, format!("document.querySelector(\"{selector}\").scrollIntoView(); scrollY"))
+            }
             Self::Whole(size) => (size, "0".to_owned()),
         }
     }
@@ -215,9 +205,7 @@ impl Part {
 
 fn take(camera: &Path, url: &str, file: &Path, words: &[&str]) -> Result<()> {
     run(Command::new(camera).arg(url).arg(file).args(words))?;
-    let bytes = std::fs::metadata(file)
-        .with_context(|| file.display().to_string())?
-        .len();
+    let bytes = std::fs::metadata(file).with_context(|| file.display().to_string())?.len();
     println!("{} kB  {}", bytes.div_ceil(1000), file.display());
     Ok(())
 }

@@ -87,18 +87,13 @@ fn report(args: &PipelineArgs) -> Result<()> {
     let hapdef = release_binary("hapdef")?;
     let repro = release_binary("hapdef-repro")?;
     let start = Instant::now();
-    let began_unix_s = SystemTime::now()
-        .duration_since(SystemTime::UNIX_EPOCH)?
-        .as_secs_f64();
+    let began_unix_s = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?.as_secs_f64();
     for (program, verb) in [(&hapdef, "eval"), (&repro, "report")] {
         let mut command = Command::new(program);
         command.env("HAPDEF_DEMO_BEGAN_UNIX_S", began_unix_s.to_string());
         finish(command.arg(verb).args(common(args)))?;
     }
-    eprintln!(
-        "demo: {:.0} s after the build",
-        start.elapsed().as_secs_f64()
-    );
+    eprintln!("demo: {:.0} s after the build", start.elapsed().as_secs_f64());
     Ok(())
 }
 
@@ -123,11 +118,7 @@ pub(crate) fn common(args: &PipelineArgs) -> Vec<String> {
     let bundled = root().join("fixtures/shin/scene.json");
     let scene = args.scene.clone().unwrap_or(bundled);
     let profile = if args.quick { "quick" } else { "full" };
-    let mut words = vec![
-        scene.display().to_string(),
-        "--profile".to_owned(),
-        profile.to_owned(),
-    ];
+    let mut words = vec![scene.display().to_string(), "--profile".to_owned(), profile.to_owned()];
     if let Some(seed) = args.seed {
         words.extend(["--seed".to_owned(), seed.to_string()]);
     }

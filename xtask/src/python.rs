@@ -52,21 +52,12 @@ pub(crate) fn check() -> Result<()> {
         run(&mut command)
     };
     let folder = root().join(CRATE);
-    ours(
-        &folder,
-        &["-W", "error", "-m", "unittest", "discover", "-s", "tests"],
-    )?;
-    ours(
-        &folder,
-        &["-m", "mypy.stubtest", "hapdef", "--ignore-missing-stub"],
-    )?;
+    ours(&folder, &["-W", "error", "-m", "unittest", "discover", "-s", "tests"])?;
+    ours(&folder, &["-m", "mypy.stubtest", "hapdef", "--ignore-missing-stub"])?;
     for snippet in snippets()? {
         ours(root(), &["-W", "error", "-c", &snippet])?;
     }
-    ours(
-        &folder,
-        &["tests/run_notebook.py", "notebook/first_touch.ipynb"],
-    )?;
+    ours(&folder, &["tests/run_notebook.py", "notebook/first_touch.ipynb"])?;
     ours(&folder, &["examples/scale_out.py", "--check"])
 }
 
@@ -84,10 +75,7 @@ fn snippets() -> Result<Vec<String>> {
 
 /// The version is old enough, and environments can be made.
 pub(crate) fn usable(python: &str) -> Result<(), String> {
-    let advice = format!(
-        "expected Python {}.{} or newer with venv and pip",
-        OLDEST.0, OLDEST.1
-    );
+    let advice = format!("expected Python {}.{} or newer with venv and pip", OLDEST.0, OLDEST.1);
     let output = Command::new(python).args(["-c", PROBE]).output();
     let output = output.map_err(|error| format!("{advice}; {python}: {error}"))?;
     if !output.status.success() {
@@ -128,11 +116,7 @@ fn build(tools: &Path, folder: &Path) -> Result<PathBuf> {
     let paths = entries.map(|entry| Ok(entry?.path()));
     match paths.collect::<Result<Vec<_>>>()?.as_slice() {
         [wheel] => Ok(wheel.clone()),
-        others => bail!(
-            "expected one wheel in {}, found {}",
-            wheels.display(),
-            others.len()
-        ),
+        others => bail!("expected one wheel in {}, found {}", wheels.display(), others.len()),
     }
 }
 
@@ -148,13 +132,7 @@ pub(crate) fn environment(python: &str, folder: &Path, is_clean: bool) -> Result
 
 pub(crate) fn install(python: &Path, packages: &[&str]) -> Result<()> {
     let mut command = Command::new(python);
-    command.args([
-        "-m",
-        "pip",
-        "--quiet",
-        "--disable-pip-version-check",
-        "install",
-    ]);
+    command.args(["-m", "pip", "--quiet", "--disable-pip-version-check", "install"]);
     run(command.args(packages))
 }
 
@@ -173,9 +151,6 @@ mod tests {
     #[test]
     fn a_python_that_is_not_there_is_a_reason() {
         let reason = usable("no-such-python").unwrap_err();
-        assert!(
-            reason.contains("3.9") && reason.contains("no-such-python"),
-            "{reason}"
-        );
+        assert!(reason.contains("3.9") && reason.contains("no-such-python"), "{reason}");
     }
 }

@@ -29,10 +29,7 @@ pub(crate) fn repro(args: &ReproArgs) -> Result<()> {
     let is_quick = args.pipeline.quick && !args.full;
     eprintln!("building (the first time takes some minutes) …");
     let program = release_binary("hapdef-repro")?;
-    eprintln!(
-        "the paper's tables and figures: {}",
-        expected_time(is_quick)
-    );
+    eprintln!("the paper's tables and figures: {}", expected_time(is_quick));
     let mut command = Command::new(program);
     command.arg("repro").args(common(&args.pipeline));
     if args.write {
@@ -84,18 +81,13 @@ fn scene_name(scene: &Path) -> Result<String> {
     let scene_json: serde_json::Value =
         serde_json::from_str(&text).with_context(|| scene.display().to_string())?;
     let name = scene_json["name"].as_str();
-    Ok(name
-        .with_context(|| format!("{}: no name", scene.display()))?
-        .to_owned())
+    Ok(name.with_context(|| format!("{}: no name", scene.display()))?.to_owned())
 }
 
 /// Compares the report of a quick run of the bundled limb with the golden values.
 pub(crate) fn check_golden(report: &Path) -> Result<()> {
     let program = release_binary("hapdef-repro")?;
-    run(Command::new(program)
-        .arg("golden")
-        .arg(report)
-        .arg(root().join(GOLDEN)))
+    run(Command::new(program).arg("golden").arg(report).arg(root().join(GOLDEN)))
 }
 
 /// Fails where docs/results.md is not about what the code makes now, by the report of a quick run of the

@@ -22,10 +22,8 @@ pub(crate) struct SearchArgs {
 #[derive(clap::Subcommand)]
 enum Action {
     /// Joins the trials of several shards.
-    #[command(
-        after_help = "Example:\n  cargo xtask search merge a/trials-1-of-2.jsonl \
-        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl"
-    )]
+    #[command(after_help = "Example:\n  cargo xtask search merge a/trials-1-of-2.jsonl \
+        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl")]
     Merge {
         /// Files of trials.
         #[arg(required = true)]
@@ -88,11 +86,7 @@ pub(crate) fn run(args: &SearchArgs) -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-repro")?);
     match &args.action {
         Some(Action::Merge { files, into }) => {
-            command
-                .arg("search-merge")
-                .args(files)
-                .arg("--into")
-                .arg(into);
+            command.arg("search-merge").args(files).arg("--into").arg(into);
         }
         Some(Action::Compare(scene)) => {
             command.arg("search-compare");

@@ -47,12 +47,7 @@ fn stalled_client() -> Command {
 
 /// The short form, as CI runs it.
 pub(crate) fn short() -> Result<()> {
-    let args = SoakArgs {
-        short: true,
-        seed: 1,
-        scene: None,
-        rest: Vec::new(),
-    };
+    let args = SoakArgs { short: true, seed: 1, scene: None, rest: Vec::new() };
     run_tool(&mut command(&args)?)
 }
 

@@ -17,11 +17,7 @@ type Arrows = BTreeMap<String, BTreeSet<String>>;
 pub(crate) fn run() -> Result<()> {
     let mut faults = Vec::new();
     let architecture = read("ARCHITECTURE.md")?;
-    layer_faults(
-        &drawn_arrows(&architecture)?,
-        &manifest_arrows()?,
-        &mut faults,
-    );
+    layer_faults(&drawn_arrows(&architecture)?, &manifest_arrows()?, &mut faults);
     let files = tracked_files()?;
     let is_there = |path: &str| is_in_crates(&files, path);
     name_faults(&architecture, is_there, &mut faults);
@@ -43,54 +39,32 @@ pub(crate) fn run() -> Result<()> {
     if faults.is_empty() {
         return Ok(());
     }
-    bail!(
-        "tidy found {} faults:\n  {}",
-        faults.len(),
-        faults.join("\n  ")
-    )
+    bail!("tidy found {} faults:\n  {}", faults.len(), faults.join("\n  "))
 }
 
 /// Arrows of the `layers` block: `crate -> crate, crate` a line.
 fn drawn_arrows(architecture: &str) -> Result<Arrows> {
-    let (_, rest) = architecture
-        .split_once("```layers\n")
-        .context("no layers block")?;
-    let (block, _) = rest
-        .split_once("```")
-        .context("the layers block does not end")?;
+    let (_, rest) = architecture.split_once("```layers\n").context("no layers block")?;
+    let (block, _) = rest.split_once("```").context("the layers block does not end")?;
     let arrow = |line: &str| {
-        let (from, to) = line
-            .split_once("->")
-            .with_context(|| format!("no arrow in {line:?}"))?;
+        let (from, to) = line.split_once("->").with_context(|| format!("no arrow in {line:?}"))?;
         let to = to.split(',').map(|name| name.trim().to_owned());
-        Ok((
-            from.trim().to_owned(),
-            to.filter(|name| !name.is_empty()).collect(),
-        ))
+        Ok((from.trim().to_owned(), to.filter(|name| !name.is_empty()).collect()))
     };
-    block
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .map(arrow)
-        .collect()
+    block.lines().filter(|line| !line.trim().is_empty()).map(arrow).collect()
 }
 
 /// Arrows of the manifests, development dependencies left out.
 fn manifest_arrows() -> Result<Arrows> {
     let metadata = metadata()?;
-    let packages = metadata["packages"]
-        .as_array()
-        .context("cargo metadata: packages")?;
+    let packages = metadata["packages"].as_array().context("cargo metadata: packages")?;
     let name_of = |package: &serde_json::Value| package["name"].as_str().map(str::to_owned);
     let own: BTreeSet<String> = packages.iter().filter_map(name_of).collect();
     let mut arrows = Arrows::new();
     for package in packages {
         let from = name_of(package).context("a package without a name")?;
         let dependencies = package["dependencies"].as_array().context("dependencies")?;
-        let to = dependencies
-            .iter()
-            .filter(|d| d["kind"].is_null())
-            .filter_map(name_of);
+        let to = dependencies.iter().filter(|d| d["kind"].is_null()).filter_map(name_of);
         arrows.insert(from, to.filter(|name| own.contains(name)).collect());
     }
     Ok(arrows)
@@ -101,18 +75,12 @@ fn layer_faults(drawn: &Arrows, manifest: &Arrows, faults: &mut Vec<String>) {
     let crates: BTreeSet<&String> = drawn.keys().chain(manifest.keys()).collect();
     for from in crates {
         if drawn.contains_key(from) != manifest.contains_key(from) {
-            faults.push(format!(
-                "{from}: only in one of ARCHITECTURE.md's layers and Cargo.toml"
-            ));
+            faults.push(format!("{from}: only in one of ARCHITECTURE.md's layers and Cargo.toml"));
         }
         let in_drawing = drawn.get(from).unwrap_or(&nothing);
         let in_manifest = manifest.get(from).unwrap_or(&nothing);
         for to in in_drawing.symmetric_difference(in_manifest) {
-            let place = if in_drawing.contains(to) {
-                "ARCHITECTURE.md"
-            } else {
-                "Cargo.toml"
-            };
+            let place = if in_drawing.contains(to) { "ARCHITECTURE.md" } else { "Cargo.toml" };
             faults.push(format!("{from} -> {to}: only in {place}"));
         }
     }
@@ -152,19 +120,14 @@ fn source_faults(file: &str, text: &str, faults: &mut Vec<String>) {
     }
     let documented = text.trim_start().starts_with("//!") || text.starts_with("// ");
     if !documented {
-        faults.push(format!(
-            "{file}: does not open with a line saying what it is"
-        ));
+        faults.push(format!("{file}: does not open with a line saying what it is"));
     }
 }
 
 /// Links to files that are not there; those to other sites and within the page are passed over.
 fn link_faults(file: &str, text: &str, is_there: impl Fn(&str) -> bool, faults: &mut Vec<String>) {
     for (i, line) in text.lines().enumerate() {
-        let links = line
-            .split("](")
-            .skip(1)
-            .filter_map(|rest| rest.split(')').next());
+        let links = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
         let paths = links.filter_map(|link| link.split('#').next());
         for path in paths.filter(|path| !path.is_empty() && !path.contains("://")) {
             if !is_there(path) {
@@ -195,24 +158,15 @@ fn snippet_faults(
     let blocks = blocks(text).into_iter();
     for block in blocks.filter(|block| block.fence.starts_with("rust")) {
         let Some(compiled) = block.reason().and_then(&source) else {
-            faults.push(format!(
-                "{file}: {}: names no file that is there",
-                block.fence
-            ));
+            faults.push(format!("{file}: {}: names no file that is there", block.fence));
             continue;
         };
         let wanted: Vec<&str> = block.lines.iter().map(|line| line.trim()).collect();
         let shown = compiled.lines().map(shown_line);
         let shown: Vec<&str> = shown.filter(|line| !line.starts_with("# ")).collect();
-        if !shown
-            .windows(wanted.len().max(1))
-            .any(|lines| lines == wanted)
-        {
+        if !shown.windows(wanted.len().max(1)).any(|lines| lines == wanted) {
             let first = wanted.first().unwrap_or(&"");
-            faults.push(format!(
-                "{file}: {}: other lines than `{first}` and on",
-                block.fence
-            ));
+            faults.push(format!("{file}: {}: other lines than `{first}` and on", block.fence));
         }
     }
 }
@@ -220,9 +174,7 @@ fn snippet_faults(
 /// A line of code, or of an example in a documentation comment.
 fn shown_line(line: &str) -> &str {
     let line = line.trim();
-    let comment = line
-        .strip_prefix("//!")
-        .or_else(|| line.strip_prefix("///"));
+    let comment = line.strip_prefix("//!").or_else(|| line.strip_prefix("///"));
     comment.map_or(line, str::trim)
 }
 
@@ -231,9 +183,7 @@ fn order_faults(order: &str, files: &[String], faults: &mut Vec<String>) {
     let pages = files.iter().filter_map(|file| file.strip_prefix("docs/"));
     let pages = pages.filter(|page| page.ends_with(".md") && *page != "README.md");
     for page in pages.filter(|page| !order.contains(&format!("]({page})"))) {
-        faults.push(format!(
-            "docs/README.md: the page {page} has no place in it"
-        ));
+        faults.push(format!("docs/README.md: the page {page} has no place in it"));
     }
 }
 
@@ -279,11 +229,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_not_there_is_named() {
-        let files = [
-            "crates/a/src/skin.rs",
-            "crates/a/src/deck/inp.rs",
-            "docs/gone.rs",
-        ];
+        let files = ["crates/a/src/skin.rs", "crates/a/src/deck/inp.rs", "docs/gone.rs"];
         let files = files.map(str::to_owned);
         let is_there = |path: &str| is_in_crates(&files, path);
         let text = "`a/src/skin.rs`, `skin.rs`, `deck/`, `src/deck`, `a eval`, `deck`";
@@ -329,11 +275,7 @@ mod tests {
     #[test]
     fn long_files_and_leftovers_are_named() {
         let mut faults = Vec::new();
-        let text = format!(
-            "//! Doc.\nfn f() {{ {}!() }}\n{}",
-            "todo",
-            "\n".repeat(MAX_LINES)
-        );
+        let text = format!("//! Doc.\nfn f() {{ {}!() }}\n{}", "todo", "\n".repeat(MAX_LINES));
         source_faults("a.rs", &text, &mut faults);
         assert_eq!(faults.len(), 2, "{faults:?}");
     }

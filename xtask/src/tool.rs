@@ -7,9 +7,7 @@ use anyhow::{Context, Result, bail};
 
 /// Root of the workspace.
 pub(crate) fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .unwrap_or(Path::new("."))
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
 /// `cargo` with arguments, in the workspace root.
@@ -30,9 +28,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
 
 /// Runs a command to its end and fails, with all that it said, when it fails.
 pub(crate) fn run_quietly(command: &mut Command) -> Result<()> {
-    let output = command
-        .output()
-        .with_context(|| format!("starting {}", shown(command)))?;
+    let output = command.output().with_context(|| format!("starting {}", shown(command)))?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
         bail!("{} ended with {}:\n{said}", shown(command), output.status);
@@ -43,14 +39,8 @@ pub(crate) fn run_quietly(command: &mut Command) -> Result<()> {
 /// Runs a command to its end; what it writes goes to [`results`] if nothing else is said.
 pub(crate) fn status(command: &mut Command) -> Result<ExitStatus> {
     let is_cargo = Path::new(command.get_program()).file_stem() == Some("cargo".as_ref());
-    let command = if is_cargo {
-        command
-    } else {
-        into_results(command)
-    };
-    command
-        .status()
-        .with_context(|| format!("starting {}", shown(command)))
+    let command = if is_cargo { command } else { into_results(command) };
+    command.status().with_context(|| format!("starting {}", shown(command)))
 }
 
 /// Builds a program and returns its path. No package is named: that would build the crates below it
@@ -87,9 +77,7 @@ pub(crate) fn into_results(command: &mut Command) -> &mut Command {
 /// Cargo's target folder.
 pub(crate) fn target_dir() -> Result<PathBuf> {
     let metadata = metadata()?;
-    let dir = metadata["target_directory"]
-        .as_str()
-        .context("cargo metadata: target_directory")?;
+    let dir = metadata["target_directory"].as_str().context("cargo metadata: target_directory")?;
     Ok(PathBuf::from(dir))
 }
 
@@ -104,8 +92,5 @@ pub(crate) fn metadata() -> Result<serde_json::Value> {
 /// The command line as a person would type it.
 pub(crate) fn shown(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
-    words
-        .map(|word| word.to_string_lossy())
-        .collect::<Vec<_>>()
-        .join(" ")
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }

@@ -62,18 +62,14 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<()> {
         }
     }
     command.arg("--metrics").arg(results().join("metrics.json"));
-    command
-        .args(["--seed", &args.seed.to_string()])
-        .args(&args.rest);
+    command.args(["--seed", &args.seed.to_string()]).args(&args.rest);
     finish(&mut command)
 }
 
 /// The table, compared with docs/verification.md.
 pub(crate) fn check() -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-verify")?);
-    command
-        .args(["verify", "--check"])
-        .arg(root().join("docs/verification.md"));
+    command.args(["verify", "--check"]).arg(root().join("docs/verification.md"));
     command.arg("--metrics").arg(results().join("metrics.json"));
     crate::tool::run(&mut command)
 }
@@ -86,7 +82,5 @@ pub(crate) fn deck_of(scene: &PathBuf) -> Result<PathBuf> {
     let name = json["geometry"]["solid_deck"]
         .as_str()
         .with_context(|| format!("{}: no geometry.solid_deck", scene.display()))?;
-    Ok(scene
-        .parent()
-        .map_or_else(|| name.into(), |folder| folder.join(name)))
+    Ok(scene.parent().map_or_else(|| name.into(), |folder| folder.join(name)))
 }

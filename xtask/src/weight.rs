@@ -58,10 +58,7 @@ struct Row {
 /// `cargo xtask weight`.
 pub(crate) fn run(args: &WeightArgs) -> Result<()> {
     if let Some(scene) = &args.scene {
-        eprintln!(
-            "{} is not used: what is compiled knows no limb",
-            scene.display()
-        );
+        eprintln!("{} is not used: what is compiled knows no limb", scene.display());
     }
     let mut rows = counted()?;
     check_robot(&rows)?;
@@ -101,11 +98,7 @@ pub(crate) fn check_table() -> Result<()> {
 fn counted() -> Result<Vec<Row>> {
     let row = |layers: &'static Layers| {
         let n_crates = layers.crates()?.len();
-        Ok(Row {
-            layers,
-            n_crates,
-            built: None,
-        })
+        Ok(Row { layers, n_crates, built: None })
     };
     LAYERS.iter().map(row).collect()
 }
@@ -128,10 +121,8 @@ fn report(rows: &[Row], seed: u64) {
             }
         }
     }
-    let figures: Vec<(&str, f64, &str)> = figures
-        .iter()
-        .map(|(name, value, unit)| (name.as_str(), *value, *unit))
-        .collect();
+    let figures: Vec<(&str, f64, &str)> =
+        figures.iter().map(|(name, value, unit)| (name.as_str(), *value, *unit)).collect();
     metrics::report(&figures, seed, Some(&results().join("metrics.json")));
 }
 
@@ -191,11 +182,7 @@ mod tests {
     #[test]
     fn a_robots_build_that_is_too_heavy_fails() {
         let rows = |n_crates| {
-            let row = |layers| Row {
-                layers,
-                n_crates,
-                built: None,
-            };
+            let row = |layers| Row { layers, n_crates, built: None };
             LAYERS.iter().map(row).collect::<Vec<_>>()
         };
         assert!(check_robot(&rows(MAX_ROBOT_CRATES - 1)).is_ok());
@@ -205,9 +192,6 @@ mod tests {
         for row in &mut serial_only {
             row.n_crates += MAX_ROBOT_CRATES * usize::from(!row.layers.is_limited);
         }
-        assert!(
-            check_robot(&serial_only).is_ok(),
-            "serial ports come on top"
-        );
+        assert!(check_robot(&serial_only).is_ok(), "serial ports come on top");
     }
 }

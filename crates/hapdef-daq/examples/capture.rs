@@ -49,11 +49,7 @@ pub fn capture() -> Result<(u64, u64, f64), DaqError> {
         }
     }
     let stats = acquisition.stop().source;
-    Ok((
-        stats.n_frames,
-        stats.losses.n_lost,
-        sum / stats.n_frames as f64,
-    ))
+    Ok((stats.n_frames, stats.losses.n_lost, sum / stats.n_frames as f64))
 }
 
 /// A second of a device at 1 kHz, of which three packets are lost on the cable.

@@ -91,11 +91,7 @@ struct Ending {
 
 impl Default for AcquireParams {
     fn default() -> Self {
-        Self {
-            n_receivers: 1,
-            ring_len: 8192,
-            realtime_priority: None,
-        }
+        Self { n_receivers: 1, ring_len: 8192, realtime_priority: None }
     }
 }
 
@@ -120,10 +116,7 @@ pub fn acquire(
         .name("hapdef-reader".to_owned())
         .spawn(move || {
             let unparkers = outlets.iter().map(|outlet| outlet.unparker.clone());
-            let ending = Ending {
-                unparkers: unparkers.collect(),
-                shared: theirs,
-            };
+            let ending = Ending { unparkers: unparkers.collect(), shared: theirs };
             read(source, params, outlets, &ending.shared);
         })
         .map_err(|source| DaqError::Thread { source })?;
@@ -232,12 +225,7 @@ fn pair(ring_len: usize, shared: &Arc<Shared>) -> (Outlet, Receiver) {
         n_lost_before: 0,
         dropped: Arc::clone(&dropped),
     };
-    let receiver = Receiver {
-        ring: consumer,
-        parker,
-        shared: Arc::clone(shared),
-        dropped,
-    };
+    let receiver = Receiver { ring: consumer, parker, shared: Arc::clone(shared), dropped };
     (outlet, receiver)
 }
 
@@ -247,9 +235,7 @@ fn read(
     mut outlets: Vec<Outlet>,
     shared: &Shared,
 ) {
-    let fault = params
-        .realtime_priority
-        .and_then(|p| crate::realtime::enter(p).err());
+    let fault = params.realtime_priority.and_then(|p| crate::realtime::enter(p).err());
     let realtime_fault: Option<Arc<str>> = fault.map(Into::into);
     let publish = |source: &dyn FrameSource| {
         shared.stats.store(Arc::new(AcquireStats {
@@ -341,10 +327,7 @@ impl Outlet {
             return self.wait(message);
         };
         let (n_dropped, n_lost) = (frame.n_dropped_before, frame.n_lost_before);
-        self.n_dropped_before = self
-            .n_dropped_before
-            .saturating_add(n_dropped)
-            .saturating_add(1);
+        self.n_dropped_before = self.n_dropped_before.saturating_add(n_dropped).saturating_add(1);
         self.n_lost_before = self.n_lost_before.saturating_add(n_lost);
         self.dropped.n_frames.fetch_add(1, Ordering::Relaxed);
     }

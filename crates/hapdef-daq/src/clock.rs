@@ -83,11 +83,7 @@ impl ClockMap {
 
     /// The device started anew: its time begins again, the host's goes on.
     pub fn restart(&mut self) {
-        *self = Self {
-            last_ns: self.last_ns,
-            n_jumps: self.n_jumps,
-            ..Self::default()
-        };
+        *self = Self { last_ns: self.last_ns, n_jumps: self.n_jumps, ..Self::default() };
     }
 
     /// How much faster the device's clock runs than the host's, parts per million, as far as it is
@@ -177,11 +173,7 @@ impl ClockMap {
             self.minima.iter().map(|p| f(p[0] - mx, p[1] - my)).sum()
         };
         let sxx = sum(&|x, _| x * x);
-        let slope = if sxx > 0.0 {
-            sum(&|x, y| x * y) / sxx
-        } else {
-            0.0
-        };
+        let slope = if sxx > 0.0 { sum(&|x, y| x * y) / sxx } else { 0.0 };
         self.line = [my - slope * mx, slope];
     }
 

@@ -44,9 +44,7 @@ impl<T> Fanout<T> {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            latest: Arc::new(Slot {
-                value: ArcSwapOption::empty(),
-            }),
+            latest: Arc::new(Slot { value: ArcSwapOption::empty() }),
             queues: Vec::new(),
             n_published: 0,
         }
@@ -55,9 +53,7 @@ impl<T> Fanout<T> {
     /// A viewer of the latest value.
     #[must_use]
     pub fn latest(&self) -> Latest<T> {
-        Latest {
-            slot: Arc::clone(&self.latest),
-        }
+        Latest { slot: Arc::clone(&self.latest) }
     }
 
     /// A viewer of all values, of which `len` may wait; the newest is dropped and counted when it is
@@ -65,14 +61,8 @@ impl<T> Fanout<T> {
     pub fn bounded(&mut self, len: usize) -> Bounded<T> {
         let (sender, receiver) = sync_channel(len);
         let n_dropped = Arc::new(AtomicU64::new(0));
-        self.queues.push(Queue {
-            sender,
-            n_dropped: Arc::clone(&n_dropped),
-        });
-        Bounded {
-            receiver,
-            n_dropped,
-        }
+        self.queues.push(Queue { sender, n_dropped: Arc::clone(&n_dropped) });
+        Bounded { receiver, n_dropped }
     }
 
     /// Hands a value to everyone.

@@ -52,12 +52,7 @@ impl Injector {
     /// An injector of one kind of damage.
     #[must_use]
     pub fn new(fault: Fault, seed: u64) -> Self {
-        let mut injector = Self {
-            fault,
-            rng: ChaCha8Rng::seed_from_u64(seed),
-            wait: 0,
-            run: 0,
-        };
+        let mut injector = Self { fault, rng: ChaCha8Rng::seed_from_u64(seed), wait: 0, run: 0 };
         injector.wait = injector.draw_wait();
         injector
     }
@@ -146,10 +141,7 @@ mod tests {
     #[test]
     fn holes_have_their_length() {
         let mut out = Vec::new();
-        let fault = Fault::Holes {
-            rate: 1e-5,
-            len: 4096,
-        };
+        let fault = Fault::Holes { rate: 1e-5, len: 4096 };
         let mut injector = Injector::new(fault, 1);
         let hits = (0..1000).filter(|_| injector.pass(&[7; 1000], &mut out));
         let n_hit = hits.count();

@@ -80,11 +80,7 @@ impl Frame {
     /// the frame says that there are any.
     #[must_use]
     pub fn saturated(&self, last: &Status) -> u64 {
-        if self.flags.contains(FrameFlags::SATURATED) {
-            last.saturated
-        } else {
-            0
-        }
+        if self.flags.contains(FrameFlags::SATURATED) { last.saturated } else { 0 }
     }
 
     /// The samples as 32 bits each: integers, or the bits of each f32.
@@ -97,11 +93,7 @@ impl Frame {
     pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         let is_float = self.format == SampleFormat::F32;
         self.bits().iter().map(move |&bits| {
-            if is_float {
-                f64::from(f32::from_bits(bits.cast_unsigned()))
-            } else {
-                f64::from(bits)
-            }
+            if is_float { f64::from(f32::from_bits(bits.cast_unsigned())) } else { f64::from(bits) }
         })
     }
 
@@ -135,15 +127,7 @@ impl PartialEq for Frame {
     fn eq(&self, other: &Self) -> bool {
         let key = |f: &Self| {
             let counts = (f.n_lost_before, f.n_dropped_before);
-            (
-                f.seq,
-                f.scan,
-                f.flags,
-                f.format,
-                counts,
-                f.t_device_us,
-                f.t_host_ns,
-            )
+            (f.seq, f.scan, f.flags, f.format, counts, f.t_device_us, f.t_host_ns)
         };
         key(self) == key(other) && self.bits() == other.bits()
     }

@@ -15,12 +15,7 @@ const GOLDEN_DATA: &str = "070110a50a0201010440420f010101010101020103ffff020104f
 fn run(input: &[u8]) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let core = object("cc", &["-std=c99", "-x", "c"], "hdp1.c", folder.path())?;
-    let main = object(
-        "cc",
-        &["-std=c99", "-x", "c"],
-        "host/golden.c",
-        folder.path(),
-    )?;
+    let main = object("cc", &["-std=c99", "-x", "c"], "host/golden.c", folder.path())?;
     let program = link("cc", &[core, main], folder.path())?;
     Some(String::from_utf8(output(&program, input)).unwrap())
 }
@@ -31,16 +26,8 @@ fn object(compiler: &str, language: &[&str], file: &str, folder: &Path) -> Optio
     let to = folder.join(file.replace('/', "_")).with_extension("o");
     let mut command = Process::new(compiler);
     command.args(["-c", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-O2"]);
-    command
-        .arg("-I")
-        .arg(&firmware)
-        .arg("-I")
-        .arg(firmware.join("host/due"));
-    command
-        .args(language)
-        .arg(firmware.join(file))
-        .arg("-o")
-        .arg(&to);
+    command.arg("-I").arg(&firmware).arg("-I").arg(firmware.join("host/due"));
+    command.args(language).arg(firmware.join(file)).arg("-o").arg(&to);
     compile(command).map(|()| to)
 }
 
@@ -63,11 +50,8 @@ fn compile(mut command: Process) -> Option<()> {
 }
 
 fn output(program: &Path, input: &[u8]) -> Vec<u8> {
-    let mut child = Process::new(program)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child =
+        Process::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(input).unwrap();
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
@@ -75,10 +59,7 @@ fn output(program: &Path, input: &[u8]) -> Vec<u8> {
 }
 
 fn bytes_of(hex: &str) -> Vec<u8> {
-    let pairs = hex
-        .as_bytes()
-        .chunks(2)
-        .map(|p| std::str::from_utf8(p).unwrap());
+    let pairs = hex.as_bytes().chunks(2).map(|p| std::str::from_utf8(p).unwrap());
     pairs.map(|p| u8::from_str_radix(p, 16).unwrap()).collect()
 }
 
@@ -94,9 +75,7 @@ fn packets_are_the_decoders() {
     let mut encoder = Encoder::new();
     let commands = [
         Command::GetHello,
-        Command::Ping {
-            host_ns: 0x0102_0304_0506_0708,
-        },
+        Command::Ping { host_ns: 0x0102_0304_0506_0708 },
         Command::Start,
         Command::Stop,
     ];
@@ -110,12 +89,7 @@ fn packets_are_the_decoders() {
     let Some(text) = run(&input) else { return };
 
     assert_eq!(shown(&text, "data").collect::<Vec<_>>(), [GOLDEN_DATA]);
-    let expected = [
-        "10 0",
-        "11 72623859790382856",
-        "12 72623859790382856",
-        "13 72623859790382856",
-    ];
+    let expected = ["10 0", "11 72623859790382856", "12 72623859790382856", "13 72623859790382856"];
     let got: Vec<_> = shown(&text, "command").collect();
     assert_eq!((&got[..4], got.len()), (&expected[..], 5));
     assert_eq!(shown(&text, "bad").collect::<Vec<_>>(), ["5"]);
@@ -135,10 +109,7 @@ fn packets_are_the_decoders() {
     assert_eq!(decoder.hello(), Some(&hello));
     assert!(said[1].contains("n_sent: 1, n_tx_dropped: 2") && said[1].contains("-612"));
     assert_eq!(said.len(), 2 + 12, "{said:?}");
-    assert!(
-        said.iter().all(|line| !line.contains("Rejected")),
-        "{said:?}"
-    );
+    assert!(said.iter().all(|line| !line.contains("Rejected")), "{said:?}");
     assert_eq!(shown(&text, "toolong").collect::<Vec<_>>(), ["0"]);
 }
 
@@ -241,11 +212,7 @@ fn the_sketch_never_blocks_and_counts_what_it_drops() {
     let hello = decoder.hello().unwrap();
     assert_eq!((hello.channels.len(), hello.boot_id), (10, 77));
     assert!(hello.uid.iter().copied().eq(1..=16), "{:?}", hello.uid);
-    assert!(
-        (hello.channels[0].scale - 0.976).abs() < 0.01,
-        "{}",
-        hello.channels[0].scale
-    );
+    assert!((hello.channels[0].scale - 0.976).abs() < 0.01, "{}", hello.channels[0].scale);
     assert_eq!(pongs, [host_ns]);
     let losses = decoder.losses();
     // 16 KiB hold 380 ms of packets: the rest of the second is dropped and counted, and the 200 ms in which
@@ -259,8 +226,7 @@ fn the_sketch_never_blocks_and_counts_what_it_drops() {
     assert_eq!(u64::from(last.n_tx_dropped), n_before + losses.n_lost);
     assert_eq!(last.n_adc_overruns, 0);
     // A scan every millisecond, over the wrap of micros().
-    let worst = times
-        .windows(2)
-        .map(|w| (w[1].1 - w[0].1).abs_diff(1000 * u64::from(w[1].0 - w[0].0)));
+    let worst =
+        times.windows(2).map(|w| (w[1].1 - w[0].1).abs_diff(1000 * u64::from(w[1].0 - w[0].0)));
     assert!(worst.max().unwrap() <= 70);
 }

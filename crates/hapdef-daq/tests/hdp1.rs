@@ -34,9 +34,7 @@ fn said(decoder: &mut Decoder, bytes: &[u8]) -> Vec<String> {
                 let bits: Vec<i32> = data.bits(0).collect();
                 format!("{} lost {} {bits:?}", data.header.seq, data.n_lost_before)
             }
-            Event::Hello {
-                is_new, restarted, ..
-            } => format!("hello {is_new} {restarted}"),
+            Event::Hello { is_new, restarted, .. } => format!("hello {is_new} {restarted}"),
             Event::Rejected(reason) => reason.to_string(),
             Event::Log(text) => String::from_utf8_lossy(text).into_owned(),
             other => format!("{other:?}"),
@@ -66,15 +64,7 @@ fn golden_data_is_made_and_read() {
     let mut stream = hello_bytes(&mut encoder, &hello);
     encoder.set_seq(258);
     let mut data = Vec::new();
-    encoder
-        .data(
-            &hello,
-            1_000_000,
-            FrameFlags::default(),
-            &GOLDEN_SAMPLES,
-            &mut data,
-        )
-        .unwrap();
+    encoder.data(&hello, 1_000_000, FrameFlags::default(), &GOLDEN_SAMPLES, &mut data).unwrap();
     assert_eq!(data, bytes_of(GOLDEN_DATA));
     stream.extend(bytes_of(GOLDEN_DATA));
     let mut seen = None;
@@ -114,11 +104,7 @@ fn small_packets_come_back() {
         saturated: 1 << 63 | 1,
         worst_loop_us: 640,
     };
-    let pong = Pong {
-        host_ns: u64::MAX,
-        t_rx_us: 7,
-        t_us: 8,
-    };
+    let pong = Pong { host_ns: u64::MAX, t_rx_us: 7, t_us: 8 };
     let mut out = Vec::new();
     encoder.status(status, 9, &mut out);
     encoder.pong(pong, &mut out);
@@ -142,14 +128,9 @@ fn gaps_repeats_and_late_packets_are_counted() {
     let hello = Hello::plain(2, SampleFormat::I16, 1000);
     let (mut encoder, mut decoder) = (Encoder::new(), Decoder::new());
     said(&mut decoder, &hello_bytes(&mut encoder, &hello));
-    let packets: Vec<_> = (0..10)
-        .map(|i| data_bytes(&mut encoder, &hello, &[i, -i]))
-        .collect();
+    let packets: Vec<_> = (0..10).map(|i| data_bytes(&mut encoder, &hello, &[i, -i])).collect();
     let order = [0, 1, 4, 4, 2, 5, 9];
-    let lines: Vec<_> = order
-        .iter()
-        .flat_map(|&i| said(&mut decoder, &packets[i]))
-        .collect();
+    let lines: Vec<_> = order.iter().flat_map(|&i| said(&mut decoder, &packets[i])).collect();
     assert_eq!(
         lines,
         [
@@ -188,10 +169,7 @@ fn a_restart_numbers_from_zero() {
     said(&mut decoder, &data_bytes(&mut encoder, &hello, &[1]));
     hello.boot_id += 1;
     let mut encoder = Encoder::new();
-    assert_eq!(
-        said(&mut decoder, &hello_bytes(&mut encoder, &hello)),
-        ["hello true true"]
-    );
+    assert_eq!(said(&mut decoder, &hello_bytes(&mut encoder, &hello)), ["hello true true"]);
     encoder.set_seq(2);
     let bytes = data_bytes(&mut encoder, &hello, &[5]);
     assert_eq!(said(&mut decoder, &bytes), ["2 lost 2 [5]"]);
@@ -207,14 +185,9 @@ fn a_restart_without_its_hello_is_seen_by_the_flag() {
     said(&mut decoder, &data_bytes(&mut encoder, &hello, &[1]));
     encoder.set_seq(0);
     let mut out = Vec::new();
-    encoder
-        .data(&hello, 0, FrameFlags::FIRST_AFTER_BOOT, &[1], &mut out)
-        .unwrap();
+    encoder.data(&hello, 0, FrameFlags::FIRST_AFTER_BOOT, &[1], &mut out).unwrap();
     assert_eq!(said(&mut decoder, &out), ["Restarted", "0 lost 0 [1]"]);
-    let next_boot = Hello {
-        boot_id: 2,
-        ..hello.clone()
-    };
+    let next_boot = Hello { boot_id: 2, ..hello.clone() };
     let bytes = hello_bytes(&mut encoder, &next_boot);
     assert_eq!(said(&mut decoder, &bytes), ["hello true false"]);
     assert_eq!(decoder.losses().n_restarts, 1);
@@ -238,16 +211,9 @@ fn what_is_refused_says_what_to_do() {
     };
     encoder.packet(header, &[0; 20], &mut other).unwrap();
     let line = said(&mut decoder, &other).join("");
-    assert!(
-        line.contains("version 2") && line.contains("version 1"),
-        "{line}"
-    );
+    assert!(line.contains("version 2") && line.contains("version 1"), "{line}");
     assert!(line.contains("flash"), "{line}");
-    let unknown = Header {
-        kind: 0x77,
-        major: 1,
-        ..header
-    };
+    let unknown = Header { kind: 0x77, major: 1, ..header };
     other.clear();
     encoder.packet(unknown, &[1, 2, 3], &mut other).unwrap();
     assert!(said(&mut decoder, &other)[0].contains("unknown type 77"));
@@ -256,10 +222,7 @@ fn what_is_refused_says_what_to_do() {
     assert!(said(&mut decoder, &bad)[0].contains("damaged"));
     assert!(said(&mut decoder, &[vec![1; 5000], vec![0]].concat())[0].contains("baud"));
     let rejected = decoder.rejected();
-    assert_eq!(
-        (rejected.n_schema, rejected.n_version, rejected.n_unknown),
-        (1, 1, 1)
-    );
+    assert_eq!((rejected.n_schema, rejected.n_version, rejected.n_unknown), (1, 1, 1));
     assert_eq!(rejected.n_damaged, 2);
 }
 
@@ -278,9 +241,7 @@ fn a_later_minor_version_is_read() {
     };
     let plain = hello_bytes(&mut Encoder::new(), &hello);
     let mut body = vec![0; plain.len()];
-    let n = cobs::decode(&plain[..plain.len() - 1], &mut body)
-        .unwrap()
-        .frame_size();
+    let n = cobs::decode(&plain[..plain.len() - 1], &mut body).unwrap().frame_size();
     let mut longer = body[16..n - 4].to_vec();
     longer.extend([9, 9, 9]);
     let mut out = Vec::new();
@@ -302,10 +263,7 @@ fn bad_descriptions_and_samples_are_refused() {
         assert!(Encoder::new().hello(&hello, 0, &mut out).is_err(), "{n}");
     }
     let mut nan = golden_hello();
-    nan.channels[3] = Channel {
-        scale: f32::NAN,
-        ..nan.channels[3]
-    };
+    nan.channels[3] = Channel { scale: f32::NAN, ..nan.channels[3] };
     assert!(Encoder::new().hello(&nan, 0, &mut out).is_err());
     let flags = FrameFlags::default();
     for samples in [vec![0; 9], vec![40_000; 10]] {
@@ -351,10 +309,7 @@ fn data_of_another_schema_or_number_of_channels_is_refused() {
     let lines = said(&mut decoder, &stream);
     assert_eq!(lines.len(), 4, "{lines:?}");
     assert!(lines[0].starts_with("0 lost 0"), "{lines:?}");
-    assert!(
-        lines[1].contains("a5") && lines[1].contains("a6"),
-        "{lines:?}"
-    );
+    assert!(lines[1].contains("a5") && lines[1].contains("a6"), "{lines:?}");
     assert!(lines[2].contains("channels or the length"), "{lines:?}");
     assert!(lines[3].starts_with("3 lost 2"), "{lines:?}");
 }
@@ -370,14 +325,5 @@ fn rejections_carry_their_numbers() {
             reasons.push(reason);
         }
     });
-    assert!(
-        matches!(
-            reasons[..],
-            [Rejected::Crc {
-                found: 0xc76d_1d6b,
-                ..
-            }]
-        ),
-        "{reasons:x?}"
-    );
+    assert!(matches!(reasons[..], [Rejected::Crc { found: 0xc76d_1d6b, .. }]), "{reasons:x?}");
 }

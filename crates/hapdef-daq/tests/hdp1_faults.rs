@@ -17,11 +17,7 @@ struct Outcome {
 }
 
 fn n_packets() -> u32 {
-    if std::env::var_os("HAPDEF_SOAK").is_some() {
-        400_000
-    } else {
-        30_000
-    }
+    if std::env::var_os("HAPDEF_SOAK").is_some() { 400_000 } else { 30_000 }
 }
 
 /// Samples that anyone can compute from the packet's number.
@@ -48,11 +44,7 @@ fn send(fault: Fault, n_channels: usize, seed: u64) -> Outcome {
         wire.clear();
         let values: Vec<i32> = samples(seq, n_channels).collect();
         let flags = FrameFlags::default();
-        assert!(
-            encoder
-                .data(&hello, u64::from(seq) * 1000, flags, &values, &mut packet)
-                .is_ok()
-        );
+        assert!(encoder.data(&hello, u64::from(seq) * 1000, flags, &values, &mut packet).is_ok());
         let hit = !clean && injector.pass(&packet, &mut wire);
         if clean {
             wire.extend(&packet);
@@ -60,11 +52,7 @@ fn send(fault: Fault, n_channels: usize, seed: u64) -> Outcome {
         outcome.n_hit += u64::from(hit);
         let before = outcome.n_received;
         decoder.push(&wire, &mut |event| count(&event, n_channels, &mut outcome));
-        waiting = if outcome.n_received > before || hit {
-            0
-        } else {
-            waiting + 1
-        };
+        waiting = if outcome.n_received > before || hit { 0 } else { waiting + 1 };
         outcome.worst_relock = outcome.worst_relock.max(waiting);
     }
     assert_eq!(decoder.losses().n_lost, outcome.n_lost);
@@ -88,15 +76,8 @@ fn check(fault: Fault) {
         let outcome = send(fault, n_channels, seed);
         let sent = u64::from(n_packets());
         assert_eq!(outcome.n_wrong, 0, "{fault:?}: {outcome:?}");
-        assert_eq!(
-            sent - outcome.n_received,
-            outcome.n_lost,
-            "{fault:?}: {outcome:?}"
-        );
-        assert!(
-            outcome.n_lost * 100 <= outcome.n_hit * 103,
-            "{fault:?}: {outcome:?}"
-        );
+        assert_eq!(sent - outcome.n_received, outcome.n_lost, "{fault:?}: {outcome:?}");
+        assert!(outcome.n_lost * 100 <= outcome.n_hit * 103, "{fault:?}: {outcome:?}");
         assert!(outcome.worst_relock <= 2, "{fault:?}: {outcome:?}");
         assert!(outcome.n_hit > 0, "{fault:?}: {outcome:?}");
     }
@@ -121,18 +102,12 @@ fn duplicated_bytes() {
 
 #[test]
 fn bursts() {
-    check(Fault::Bursts {
-        rate: 1e-4,
-        len: 16,
-    });
+    check(Fault::Bursts { rate: 1e-4, len: 16 });
 }
 
 #[test]
 fn holes() {
-    check(Fault::Holes {
-        rate: 2e-6,
-        len: 4096,
-    });
+    check(Fault::Holes { rate: 2e-6, len: 4096 });
 }
 
 #[test]
@@ -145,10 +120,7 @@ fn garbage_is_no_frames() {
     let mut n_data = 0;
     for seed in 0..96 {
         bytes.clear();
-        let fault = Fault::Bursts {
-            rate: 0.5,
-            len: 1 << 20,
-        };
+        let fault = Fault::Bursts { rate: 0.5, len: 1 << 20 };
         Injector::new(fault, seed).pass(&vec![0x55; 1 << 20], &mut bytes);
         decoder.push(&bytes, &mut |event| {
             n_data += u32::from(matches!(event, Event::Data(_)));

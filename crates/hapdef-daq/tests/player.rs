@@ -24,10 +24,7 @@ fn recorded(path: &Path, n: u32) {
     let messages: Vec<Message> = std::iter::once(hello).chain((0..n).map(frame)).collect();
     let source = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
     let (acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
-    let params = RecordParams {
-        min_free_bytes: 1 << 20,
-        ..RecordParams::default()
-    };
+    let params = RecordParams { min_free_bytes: 1 << 20, ..RecordParams::default() };
     let recorder = record(receivers.remove(0), path, params).unwrap();
     while !acquisition.has_ended() {
         std::thread::sleep(Duration::from_millis(1));

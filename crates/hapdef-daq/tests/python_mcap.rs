@@ -30,16 +30,8 @@ fn python_reads_what_was_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("press.mcap");
     recorded(&path, 1000);
-    let output = Command::new(&python)
-        .args(["-c", SCRIPT])
-        .arg(&path)
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let output = Command::new(&python).args(["-c", SCRIPT]).arg(&path).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     let mut lines = text.lines();
     let channels = lines.next().unwrap();

@@ -19,14 +19,9 @@ const SCHED_FIFO: u32 = 1;
 fn real_time_is_given_or_the_refusal_says_what_to_do() {
     let (link, device) = memory_link();
     let source = StreamSource::new(link, StreamParams::default());
-    let params = AcquireParams {
-        realtime_priority: Some(10),
-        ..AcquireParams::default()
-    };
+    let params = AcquireParams { realtime_priority: Some(10), ..AcquireParams::default() };
     let (acquisition, mut receivers) = acquire(source, params).unwrap();
-    wait_for(&mut receivers[0], SECOND, |m| {
-        matches!(m, Message::Link(_)).then_some(())
-    });
+    wait_for(&mut receivers[0], SECOND, |m| matches!(m, Message::Link(_)).then_some(()));
     let has_fifo = threads_policies().contains(&SCHED_FIFO);
     device.end();
     match acquisition.stop().realtime_fault.as_deref() {

@@ -15,10 +15,7 @@ fn frame(seq: u32, n_lost_before: u32) -> Message {
 }
 
 fn params(ring_len: usize) -> AcquireParams {
-    AcquireParams {
-        ring_len,
-        ..AcquireParams::default()
-    }
+    AcquireParams { ring_len, ..AcquireParams::default() }
 }
 
 /// Everything that comes until the end, slowly at first.
@@ -70,9 +67,7 @@ impl FrameSource for Pausing {
 fn what_was_lost_before_a_dropped_frame_is_told_by_the_next() {
     // Every third packet is lost on the link; the ring has room for 10.
     let source = Pausing {
-        messages: (0..100)
-            .map(|i| frame(3 * i / 2, u32::from(i % 2 == 0)))
-            .collect(),
+        messages: (0..100).map(|i| frame(3 * i / 2, u32::from(i % 2 == 0))).collect(),
         last: Some(frame(1000, 7)),
     };
     let (acquisition, mut receivers) = acquire(source, params(10)).unwrap();

@@ -85,18 +85,8 @@ fn text_has_every_frame() {
     }
     let table = String::from_utf8(table).unwrap();
     let mut rows = table.lines();
-    assert!(
-        rows.next()
-            .unwrap()
-            .ends_with("dropped_before,G0,G1,G2,G3,G4,G5,G6,G7,G8,G9")
-    );
-    let seventh: Vec<_> = rows
-        .nth(7)
-        .unwrap()
-        .split(',')
-        .skip(7)
-        .map(str::to_owned)
-        .collect();
+    assert!(rows.next().unwrap().ends_with("dropped_before,G0,G1,G2,G3,G4,G5,G6,G7,G8,G9"));
+    let seventh: Vec<_> = rows.nth(7).unwrap().split(',').skip(7).map(str::to_owned).collect();
     let expected: Vec<_> = support::samples(7, 10).map(|v| v.to_string()).collect();
     assert_eq!(seventh, expected);
 }
@@ -130,10 +120,7 @@ fn damage_costs_the_damaged_chunk_only() {
         }
         std::fs::write(&damaged_path, &bytes).unwrap();
         let got = frames(&damaged_path);
-        assert!(
-            got.iter().all(|(_, frame)| is_right(frame)),
-            "round {round}"
-        );
+        assert!(got.iter().all(|(_, frame)| is_right(frame)), "round {round}");
         assert!(got.is_sorted_by(|a, b| a.1.seq < b.1.seq), "round {round}");
         n_untouched += usize::from(got.len() == 2000);
         let is_hit = |chunk: &Chunk| chunk.at.start < end && at < chunk.at.end;
@@ -162,10 +149,7 @@ fn chunks(whole: &[u8]) -> Vec<Chunk> {
         let messages = summary.stream_chunk(whole, chunk).unwrap();
         let gauges = messages.filter(|m| m.as_ref().unwrap().channel.topic == "/gauges");
         let end = first + u32::try_from(gauges.count()).unwrap();
-        Chunk {
-            at: start..start + length,
-            seqs: std::mem::replace(&mut first, end)..end,
-        }
+        Chunk { at: start..start + length, seqs: std::mem::replace(&mut first, end)..end }
     };
     summary.chunk_indexes.iter().map(of_index).collect()
 }
@@ -190,13 +174,7 @@ fn recovery_says_what_is_lost() {
     assert_eq!(info.exit_code(), 1);
     std::fs::write(&path, vec![7; 100_000]).unwrap();
     let nothing = recover(&path, &to).unwrap_err();
-    assert!(matches!(
-        nothing,
-        DaqError::NothingToRecover {
-            n_bytes: 100_000,
-            ..
-        }
-    ));
+    assert!(matches!(nothing, DaqError::NothingToRecover { n_bytes: 100_000, .. }));
 }
 
 #[test]
@@ -204,25 +182,13 @@ fn bad_beginnings_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let receiver = || {
         let nothing = ReplaySource::new("nothing", std::iter::empty(), 1.0);
-        acquire(nothing, AcquireParams::default())
-            .unwrap()
-            .1
-            .remove(0)
+        acquire(nothing, AcquireParams::default()).unwrap().1.remove(0)
     };
     let path = folder.path().join("x.mcap");
-    let bad = RecordParams {
-        calibration: Some(b"[1]".to_vec()),
-        ..params()
-    };
+    let bad = RecordParams { calibration: Some(b"[1]".to_vec()), ..params() };
     let refused = record(receiver(), &path, bad).map(|_| ()).unwrap_err();
-    assert!(
-        matches!(refused, DaqError::BadCalibration { .. }),
-        "{refused}"
-    );
-    let full = RecordParams {
-        min_free_bytes: u64::MAX,
-        ..params()
-    };
+    assert!(matches!(refused, DaqError::BadCalibration { .. }), "{refused}");
+    let full = RecordParams { min_free_bytes: u64::MAX, ..params() };
     let refused = record(receiver(), &path, full).map(|_| ()).unwrap_err();
     assert!(matches!(refused, DaqError::DiskFull { .. }), "{refused}");
     let nowhere = record(receiver(), &folder.path().join("no/x.mcap"), params());
@@ -236,10 +202,7 @@ fn gaps_and_restarts_are_in_the_recording() {
     let path = folder.path().join("press.mcap");
     let (link, device) = memory_link();
     let source = StreamSource::new(link, StreamParams::default());
-    let acquire_params = AcquireParams {
-        n_receivers: 2,
-        ..AcquireParams::default()
-    };
+    let acquire_params = AcquireParams { n_receivers: 2, ..AcquireParams::default() };
     let (acquisition, mut receivers) = acquire(source, acquire_params).unwrap();
     let recorder = record(receivers.remove(1), &path, params()).unwrap();
     let mut sim = Device::new(10, SampleFormat::I16);

@@ -54,10 +54,7 @@ fn a_recovery_never_writes_to_what_it_reads() {
     std::fs::write(&under_way, "another's").unwrap();
     for to in [&partial, &linked, &folder.path().join("x.mcap")] {
         let refused = recover(&partial, to).unwrap_err();
-        assert!(
-            matches!(refused, DaqError::AlreadyThere { .. }),
-            "{refused}"
-        );
+        assert!(matches!(refused, DaqError::AlreadyThere { .. }), "{refused}");
     }
     // One that is being recovered already may be the file to read, too.
     assert!(recover(&under_way, &folder.path().join("x.mcap")).is_err());
@@ -75,10 +72,7 @@ fn recording_again_does_not_wipe_what_a_killed_one_left() {
     let words = refused.to_string();
     assert!(words.contains("press.partial.mcap") && words.contains("hapdef recover"));
     assert_eq!(std::fs::read(&partial).unwrap(), before);
-    let forced = RecordParams {
-        overwrites: true,
-        ..params()
-    };
+    let forced = RecordParams { overwrites: true, ..params() };
     let recorder = record(nothing(), &path, forced).unwrap();
     assert_eq!(recorder.finish().unwrap().n_frames, 0);
     assert!(!partial.exists() && frames(&path).is_empty());

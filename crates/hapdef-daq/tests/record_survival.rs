@@ -22,15 +22,9 @@ fn a_device_that_is_full_is_told_at_once() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("x.partial.mcap")).unwrap();
     let nothing = ReplaySource::new("nothing", std::iter::empty(), 1.0);
-    let receiver = acquire(nothing, AcquireParams::default())
-        .unwrap()
-        .1
-        .remove(0);
+    let receiver = acquire(nothing, AcquireParams::default()).unwrap().1.remove(0);
     let start = Instant::now();
-    let onto_it = RecordParams {
-        overwrites: true,
-        ..params()
-    };
+    let onto_it = RecordParams { overwrites: true, ..params() };
     let refused = record(receiver, &folder.path().join("x.mcap"), onto_it).map(|_| ());
     assert!(refused.unwrap_err().to_string().contains("No space left"));
     assert!(start.elapsed() < Duration::from_secs(1));
@@ -45,12 +39,7 @@ fn start(path: &Path) -> (MemoryDevice, Device, Acquisition, Recorder) {
     while !device.is_open() {
         std::thread::sleep(Duration::from_millis(1));
     }
-    (
-        device,
-        Device::new(10, SampleFormat::I16),
-        acquisition,
-        recorder,
-    )
+    (device, Device::new(10, SampleFormat::I16), acquisition, recorder)
 }
 
 /// What the child processes of the tests below do; without the variable it is no test at all.
@@ -79,10 +68,7 @@ fn child() {
         }
     }
     let stats = acquisition.stop();
-    println!(
-        "acquired {} lost {}",
-        stats.source.n_frames, stats.source.losses.n_lost
-    );
+    println!("acquired {} lost {}", stats.source.n_frames, stats.source.losses.n_lost);
     println!("finished {:?}", recorder.finish().map(|info| info.n_frames));
 }
 
@@ -92,9 +78,7 @@ fn child_command(path: &Path, limit_blocks: Option<u32>) -> Command {
     let limit = limit_blocks.map_or(String::new(), |n| format!("trap '' XFSZ; ulimit -f {n};"));
     command
         .arg("-c")
-        .arg(format!(
-            "{limit} exec \"$0\" --exact child --nocapture --test-threads 1"
-        ))
+        .arg(format!("{limit} exec \"$0\" --exact child --nocapture --test-threads 1"))
         .arg(std::env::current_exe().unwrap())
         .env("HAPDEF_CHILD_RECORDS", path)
         .stdout(Stdio::piped())
@@ -113,10 +97,7 @@ fn kill_once(folder: &Path, run_ms: u64) -> f64 {
     let mut child = child_command(&path, None).spawn().unwrap();
     let partial = folder.join("killed.partial.mcap");
     while frames_if_there(&partial).is_empty() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "the child has ended by itself"
-        );
+        assert!(child.try_wait().unwrap().is_none(), "the child has ended by itself");
         std::thread::sleep(Duration::from_millis(5));
     }
     std::thread::sleep(Duration::from_millis(run_ms));
@@ -132,29 +113,18 @@ fn kill_once(folder: &Path, run_ms: u64) -> f64 {
 }
 
 fn frames_if_there(path: &Path) -> Vec<(u64, Frame)> {
-    if path.exists() {
-        frames(path)
-    } else {
-        Vec::new()
-    }
+    if path.exists() { frames(path) } else { Vec::new() }
 }
 
 #[test]
 fn kill_9_loses_nothing_older_than_150_ms() {
     let folder = tempfile::tempdir().unwrap();
-    let n_kills = if std::env::var_os("HAPDEF_SOAK").is_some() {
-        200
-    } else {
-        5
-    };
+    let n_kills = if std::env::var_os("HAPDEF_SOAK").is_some() { 200 } else { 5 };
     let mut worst_ms = 0.0f64;
     for i in 0..n_kills {
         let age_ms = kill_once(folder.path(), 100 + 37 * i % 400);
         worst_ms = worst_ms.max(age_ms);
-        assert!(
-            age_ms <= 150.0,
-            "kill {i}: the newest frame was {age_ms} ms old"
-        );
+        assert!(age_ms <= 150.0, "kill {i}: the newest frame was {age_ms} ms old");
     }
     println!("worst of {n_kills}: {worst_ms:.1} ms");
 }
@@ -179,11 +149,7 @@ fn a_full_disk_is_told_and_the_file_can_be_read() {
     check_frames(&got, got.len());
     assert!(!got.is_empty());
     // Everything but the last second before the fault was told.
-    assert!(
-        got.len() as u32 + 1000 >= fault_ms,
-        "{} {fault_ms}",
-        got.len()
-    );
+    assert!(got.len() as u32 + 1000 >= fault_ms, "{} {fault_ms}", got.len());
     let bytes = std::fs::read(&partial).unwrap();
     let read = mcap::MessageStream::new(&bytes).unwrap();
     assert!(read.filter(Result::is_ok).count() >= got.len());

@@ -46,11 +46,7 @@ fn unplug_and_replug() {
     let pulled = Instant::now();
     drop(master);
     wait_for(receiver, SECOND, |m| {
-        matches!(
-            m,
-            Message::Link(LinkState::Away(LinkFault::Disconnected { .. }))
-        )
-        .then_some(())
+        matches!(m, Message::Link(LinkState::Away(LinkFault::Disconnected { .. }))).then_some(())
     });
     let noticed = pulled.elapsed();
     println!("disconnected after {noticed:?}");
@@ -96,20 +92,14 @@ fn thread_cpu() -> Duration {
     let stat = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
     let (_, after_name) = stat.rsplit_once(')').unwrap();
     let fields: Vec<&str> = after_name.split_whitespace().collect();
-    let hundredths: u64 = fields[11..13]
-        .iter()
-        .map(|n| n.parse::<u64>().unwrap())
-        .sum();
+    let hundredths: u64 = fields[11..13].iter().map(|n| n.parse::<u64>().unwrap()).sum();
     Duration::from_millis(10 * hundredths)
 }
 
 #[test]
 fn ports_that_cannot_be_opened_say_why() {
     let open = |path: &str| SerialLink::new(path, SerialParams::default()).open();
-    assert!(matches!(
-        open("/dev/ttyNONE7"),
-        Err(LinkFault::NotFound { .. })
-    ));
+    assert!(matches!(open("/dev/ttyNONE7"), Err(LinkFault::NotFound { .. })));
     let (_master, path) = pty();
     let mut first = SerialLink::new(&path, SerialParams::default());
     first.open().unwrap();

@@ -55,15 +55,9 @@ fn frames(messages: &[Message]) -> Vec<Frame> {
 fn a_devices_frames_arrive_scaled_and_timed() {
     let (link, device) = memory_link();
     let clock = Arc::new(FakeClock::default());
-    let params = StreamParams {
-        clock: clock.clone(),
-        ..StreamParams::default()
-    };
+    let params = StreamParams { clock: clock.clone(), ..StreamParams::default() };
     let mut source = StreamSource::new(link, params);
-    assert!(matches!(
-        poll(&mut source)[..],
-        [Message::Link(LinkState::Open)]
-    ));
+    assert!(matches!(poll(&mut source)[..], [Message::Link(LinkState::Open)]));
     assert!(device.receive().len() > 40, "GET_HELLO and START");
     let mut sim = Device::new(3, SampleFormat::I24);
     sim.hello.channels[1].scale = 0.5;
@@ -72,12 +66,8 @@ fn a_devices_frames_arrive_scaled_and_timed() {
     let (mut got, mut bytes) = (Vec::new(), Vec::new());
     for i in 0..5000u64 {
         // An hour back and forth on the wall does nothing to mapped times.
-        clock
-            .wall_step_ns
-            .store(3_600_000_000_000 * (i as i64 % 3 - 1), Ordering::Relaxed);
-        clock
-            .now_ns
-            .store(1_000_000 * i + 300_000, Ordering::Relaxed);
+        clock.wall_step_ns.store(3_600_000_000_000 * (i as i64 % 3 - 1), Ordering::Relaxed);
+        clock.now_ns.store(1_000_000 * i + 300_000, Ordering::Relaxed);
         bytes.clear();
         sim.tick(&mut bytes);
         device.send(&bytes);
@@ -97,10 +87,7 @@ fn a_devices_frames_arrive_scaled_and_timed() {
     let end = source.poll(Duration::ZERO, &mut |_| {});
     assert_eq!(end, SourceStatus::Open);
     device.end();
-    assert_eq!(
-        source.poll(Duration::ZERO, &mut |_| {}),
-        SourceStatus::Ended
-    );
+    assert_eq!(source.poll(Duration::ZERO, &mut |_| {}), SourceStatus::Ended);
 }
 
 #[test]
@@ -115,16 +102,10 @@ fn what_is_missed_while_unplugged_is_counted() {
     wait_for(receiver, SECOND, open);
     (0..10).for_each(|_| sim.tick(&mut bytes));
     device.send(&bytes);
-    wait_for(receiver, SECOND, |m| {
-        matches!(m, Message::Frame(f) if f.seq == 9).then_some(())
-    });
+    wait_for(receiver, SECOND, |m| matches!(m, Message::Frame(f) if f.seq == 9).then_some(()));
     device.unplug();
     wait_for(receiver, SECOND, |m| {
-        matches!(
-            m,
-            Message::Link(LinkState::Away(LinkFault::Disconnected { .. }))
-        )
-        .then_some(())
+        matches!(m, Message::Link(LinkState::Away(LinkFault::Disconnected { .. }))).then_some(())
     });
     bytes.clear();
     (0..7).for_each(|_| sim.tick(&mut bytes));
@@ -168,18 +149,12 @@ fn a_reset_is_told_and_time_goes_on() {
 #[test]
 fn a_slow_receiver_loses_and_the_fast_one_does_not() {
     let (link, device) = memory_link();
-    let params = AcquireParams {
-        n_receivers: 2,
-        ring_len: 100,
-        realtime_priority: None,
-    };
+    let params = AcquireParams { n_receivers: 2, ring_len: 100, realtime_priority: None };
     let source = StreamSource::new(link, StreamParams::default());
     let (acquisition, mut receivers) = acquire(source, params).unwrap();
     let mut sim = Device::new(2, SampleFormat::I16);
     let mut n_fast = 0;
-    wait_for(&mut receivers[0], SECOND, |m| {
-        matches!(m, Message::Link(_)).then_some(())
-    });
+    wait_for(&mut receivers[0], SECOND, |m| matches!(m, Message::Link(_)).then_some(()));
     for _ in 0..500 {
         let mut bytes = Vec::new();
         sim.tick(&mut bytes);
@@ -205,10 +180,7 @@ fn a_slow_receiver_loses_and_the_fast_one_does_not() {
     assert_eq!(n_slow + u64::from(last.n_dropped_before), 501);
     assert_eq!(slow.n_dropped(), u64::from(last.n_dropped_before));
     device.end();
-    assert!(
-        slow.recv(SECOND)
-            .is_none_or(|m| matches!(m, Message::Link(_)))
-    );
+    assert!(slow.recv(SECOND).is_none_or(|m| matches!(m, Message::Link(_))));
     drop(acquisition);
 }
 
@@ -225,10 +197,7 @@ fn garbage_and_silence_say_what_to_try() {
     ];
     for (bytes, protocol) in cases {
         let (link, device) = memory_link();
-        let params = StreamParams {
-            protocol,
-            clock: clock.clone(),
-        };
+        let params = StreamParams { protocol, clock: clock.clone() };
         let mut source = StreamSource::new(link, params);
         poll(&mut source);
         let mut said = None;
@@ -245,10 +214,7 @@ fn garbage_and_silence_say_what_to_try() {
         assert!(ms < 3000);
         words.push(text);
     }
-    for (text, word) in words
-        .iter()
-        .zip(["no bytes", "baud", "as CSV", "channels", "baud"])
-    {
+    for (text, word) in words.iter().zip(["no bytes", "baud", "as CSV", "channels", "baud"]) {
         assert!(text.contains(word), "{word}: {text}");
     }
 }
@@ -257,10 +223,7 @@ fn garbage_and_silence_say_what_to_try() {
 fn the_sketchs_lines_become_frames() {
     let (link, device) = memory_link();
     let clock = Arc::new(FakeClock::default());
-    let params = StreamParams {
-        protocol: Protocol::Csv { n_channels: 10 },
-        clock: clock.clone(),
-    };
+    let params = StreamParams { protocol: Protocol::Csv { n_channels: 10 }, clock: clock.clone() };
     let mut source = StreamSource::new(link, params);
     poll(&mut source);
     let mut got = Vec::new();
@@ -289,11 +252,7 @@ fn the_sketchs_lines_become_frames() {
     let lost: Vec<_> = after.iter().map(|f| (f.seq, f.n_lost_before)).collect();
     assert_eq!(lost, [(451, 2), (452, 0)]);
     assert_eq!(source.stats().losses.n_lost, 2);
-    assert!(
-        (source.stats().rate_hz - 280.9).abs() < 1.0,
-        "{}",
-        source.stats().rate_hz
-    );
+    assert!((source.stats().rate_hz - 280.9).abs() < 1.0, "{}", source.stats().rate_hz);
 }
 
 #[test]
@@ -350,10 +309,7 @@ fn a_replay_keeps_its_pace() {
 fn another_version_is_named_with_the_remedy() {
     let (link, device) = memory_link();
     let clock = Arc::new(FakeClock::default());
-    let params = StreamParams {
-        clock: clock.clone(),
-        ..StreamParams::default()
-    };
+    let params = StreamParams { clock: clock.clone(), ..StreamParams::default() };
     let mut source = StreamSource::new(link, params);
     poll(&mut source);
     let header = Header {

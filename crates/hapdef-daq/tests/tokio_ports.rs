@@ -31,11 +31,7 @@ async fn until<L: AsyncLink, T>(
 ) -> T {
     let start = Instant::now();
     loop {
-        assert!(
-            start.elapsed() < SECOND,
-            "{}: it has not come",
-            source.name()
-        );
+        assert!(start.elapsed() < SECOND, "{}: it has not come", source.name());
         let Ok(message) = timeout(Duration::from_millis(1), source.next()).await else {
             continue;
         };
@@ -97,11 +93,8 @@ async fn one_thread_reads_two_boards_and_counts_what_each_lost() {
     until(&mut left, open).await;
     until(&mut right, open).await;
     let reading = async { tokio::join!(read(&mut left), read(&mut right)) };
-    let (lost_left, lost_right, _) = tokio::join!(
-        play(&ours.0, 7),
-        play(&theirs.0, 11),
-        timeout(10 * SECOND, reading)
-    );
+    let (lost_left, lost_right, _) =
+        tokio::join!(play(&ours.0, 7), play(&theirs.0, 11), timeout(10 * SECOND, reading));
     for (source, n_lost) in [(&left, lost_left), (&right, lost_right)] {
         let losses = source.stats().losses;
         assert_eq!(losses.n_lost, u64::from(n_lost), "{losses:?}");

@@ -48,10 +48,8 @@ impl Manifest {
     pub fn write(&self, dataset: &Path) -> Result<(), DataError> {
         let path = manifest_path(dataset);
         let partial = path.with_extension("json.partial");
-        let mut json = serde_json::to_vec_pretty(self).map_err(|source| DataError::Manifest {
-            path: path.clone(),
-            source,
-        })?;
+        let mut json = serde_json::to_vec_pretty(self)
+            .map_err(|source| DataError::Manifest { path: path.clone(), source })?;
         json.push(b'\n');
         fs::write(&partial, json).map_err(DataError::io("write", &partial))?;
         fs::rename(&partial, &path).map_err(DataError::io("rename", &path))
@@ -62,10 +60,7 @@ impl Manifest {
     pub fn read(dataset: &Path) -> Result<Self, DataError> {
         let path = manifest_path(dataset);
         let json = fs::read(&path).map_err(DataError::io("read", &path))?;
-        let invalid = |source| DataError::Manifest {
-            path: path.clone(),
-            source,
-        };
+        let invalid = |source| DataError::Manifest { path: path.clone(), source };
         let version: VersionOnly = serde_json::from_slice(&json).map_err(invalid)?;
         if version.format_version != MANIFEST_FORMAT_VERSION {
             return Err(DataError::FormatVersion {
@@ -102,9 +97,7 @@ impl Manifest {
             if held != (spec.kind, spec.width) {
                 let (kind, width) = held;
                 let name = &spec.name;
-                return Err(mismatch(format!(
-                    "\"{name}\" is {kind} of width {width} in the file"
-                )));
+                return Err(mismatch(format!("\"{name}\" is {kind} of width {width} in the file")));
             }
         }
         Ok(())

@@ -43,29 +43,16 @@ impl DatasetReader {
         let expected = data_start + metadata.data_len() as u64;
         let got = file.metadata().map_err(DataError::io("read", path))?.len();
         if got != expected {
-            return Err(DataError::FileLength {
-                path: path.to_path_buf(),
-                expected,
-                got,
-            });
+            return Err(DataError::FileLength { path: path.to_path_buf(), expected, got });
         }
         let infos = metadata.tensors();
         let names = metadata.offset_keys();
-        let n = names
-            .first()
-            .and_then(|name| infos[name].shape.first().copied())
-            .unwrap_or(0);
+        let n = names.first().and_then(|name| infos[name].shape.first().copied()).unwrap_or(0);
         let tensors = names
             .iter()
             .map(|name| stored_tensor(path, name, infos[name], n, data_start))
             .collect::<Result<_, _>>()?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            file,
-            n,
-            tensors,
-            bytes: Vec::new(),
-        })
+        Ok(Self { path: path.to_path_buf(), file, n, tensors, bytes: Vec::new() })
     }
 
     /// Number of samples.
@@ -132,14 +119,11 @@ impl DatasetReader {
     }
 
     fn find(&self, tensor: &str) -> Result<usize, DataError> {
-        self.tensors
-            .iter()
-            .position(|t| t.name == tensor)
-            .ok_or_else(|| DataError::NoSuchTensor {
-                path: self.path.clone(),
-                tensor: tensor.to_owned(),
-                available: self.tensor_names().map(str::to_owned).collect(),
-            })
+        self.tensors.iter().position(|t| t.name == tensor).ok_or_else(|| DataError::NoSuchTensor {
+            path: self.path.clone(),
+            tensor: tensor.to_owned(),
+            available: self.tensor_names().map(str::to_owned).collect(),
+        })
     }
 
     fn find_kind(&self, tensor: &str, asked: ElementKind) -> Result<usize, DataError> {
@@ -211,10 +195,7 @@ impl DatasetReader {
 }
 
 fn read_header(path: &Path, file: &mut File) -> Result<(Metadata, u64), DataError> {
-    let bad = |detail: String| DataError::Header {
-        path: path.to_path_buf(),
-        detail,
-    };
+    let bad = |detail: String| DataError::Header { path: path.to_path_buf(), detail };
     let mut length = [0; 8];
     file.read_exact(&mut length)
         .map_err(|e| bad(format!("the first eight bytes are missing ({e})")))?;

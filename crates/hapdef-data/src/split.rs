@@ -54,16 +54,11 @@ mod tests {
             assert_eq!(split.train.end, split.validation.start);
             assert_eq!(split.validation.end, split.test.start);
             assert_eq!((split.test.end, split.n()), (n, n));
-            for (block, share) in [
-                (&split.train, 0.6),
-                (&split.validation, 0.2),
-                (&split.test, 0.2),
-            ] {
+            for (block, share) in
+                [(&split.train, 0.6), (&split.validation, 0.2), (&split.test, 0.2)]
+            {
                 assert!(!block.is_empty());
-                assert!(
-                    (block.len() as f64 - share * n as f64).abs() < 2.0,
-                    "{n}: {split:?}"
-                );
+                assert!((block.len() as f64 - share * n as f64).abs() < 2.0, "{n}: {split:?}");
             }
         }
     }
@@ -78,9 +73,6 @@ mod tests {
 
     #[test]
     fn too_few_are_refused() {
-        assert!(matches!(
-            Split::of(4),
-            Err(DataError::TooFewSamples { n: 4 })
-        ));
+        assert!(matches!(Split::of(4), Err(DataError::TooFewSamples { n: 4 })));
     }
 }

@@ -39,11 +39,7 @@ pub struct StandardiserInfo {
 impl StandardiserFit {
     /// Starts with no rows of `width` columns.
     pub fn new(width: usize) -> Self {
-        Self {
-            n_rows: 0,
-            mean: vec![0.0; width],
-            sum_of_squares: vec![0.0; width],
-        }
+        Self { n_rows: 0, mean: vec![0.0; width], sum_of_squares: vec![0.0; width] }
     }
 
     /// Takes in rows, `[m, width]`, row-major, any m.
@@ -75,10 +71,7 @@ impl StandardiserFit {
     pub fn finish(self) -> Result<(Standardiser, StandardiserInfo), DataError> {
         let width = self.mean.len();
         if self.n_rows == 0 || width == 0 {
-            return Err(DataError::StandardiserEmpty {
-                width,
-                n_rows: self.n_rows,
-            });
+            return Err(DataError::StandardiserEmpty { width, n_rows: self.n_rows });
         }
         let mut constant_columns = vec![];
         let mut std = Vec::with_capacity(width);
@@ -92,10 +85,7 @@ impl StandardiserFit {
             }
         }
         let mean = self.mean.iter().map(|&m| m as f32).collect();
-        let info = StandardiserInfo {
-            n_rows: self.n_rows,
-            constant_columns,
-        };
+        let info = StandardiserInfo { n_rows: self.n_rows, constant_columns };
         Ok((Standardiser { mean, std }, info))
     }
 }
@@ -109,12 +99,7 @@ impl Standardiser {
     /// Standardises rows in place: `rows` is `[m, width]` in raw units, row-major; constant
     /// columns become 0. Fails on a slice that is not whole rows.
     pub fn apply(&self, rows: &mut [f32]) -> Result<(), DataError> {
-        self.each_value(
-            rows,
-            |x, mean, std| {
-                if std > 0.0 { (x - mean) / std } else { 0.0 }
-            },
-        )
+        self.each_value(rows, |x, mean, std| if std > 0.0 { (x - mean) / std } else { 0.0 })
     }
 
     /// Brings standardised rows back to raw units, in place; constant columns become their means.

@@ -47,22 +47,12 @@ pub(crate) const ELEMENT_BYTES: usize = 4;
 impl TensorSpec {
     /// An `f32` tensor.
     pub fn f32(name: &str, width: usize, unit: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            kind: ElementKind::F32,
-            width,
-            unit: unit.to_owned(),
-        }
+        Self { name: name.to_owned(), kind: ElementKind::F32, width, unit: unit.to_owned() }
     }
 
     /// An `i32` tensor, for indices; its unit is `"1"`.
     pub fn i32(name: &str, width: usize) -> Self {
-        Self {
-            name: name.to_owned(),
-            kind: ElementKind::I32,
-            width,
-            unit: "1".to_owned(),
-        }
+        Self { name: name.to_owned(), kind: ElementKind::I32, width, unit: "1".to_owned() }
     }
 }
 

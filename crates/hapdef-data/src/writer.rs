@@ -55,8 +55,7 @@ impl DatasetWriter {
         let partial_path = partial_path(path);
         let mut file =
             File::create(&partial_path).map_err(DataError::io("create", &partial_path))?;
-        file.write_all(&header)
-            .map_err(DataError::io("write", &partial_path))?;
+        file.write_all(&header).map_err(DataError::io("write", &partial_path))?;
         Ok(Self {
             path: path.to_path_buf(),
             partial_path,
@@ -101,9 +100,7 @@ impl DatasetWriter {
                 n: self.n,
             });
         }
-        self.file
-            .sync_all()
-            .map_err(DataError::io("flush", &self.partial_path))?;
+        self.file.sync_all().map_err(DataError::io("flush", &self.partial_path))?;
         fs::rename(&self.partial_path, &self.path).map_err(DataError::io("rename", &self.path))?;
         self.is_finished = true;
         let data_bytes: u64 = self.tensors.iter().map(|t| t.n_bytes(self.n)).sum();
@@ -115,26 +112,20 @@ impl DatasetWriter {
     }
 
     fn find(&self, tensor: &str) -> Result<usize, DataError> {
-        self.tensors
-            .iter()
-            .position(|t| t.spec.name == tensor)
-            .ok_or_else(|| DataError::NoSuchTensor {
+        self.tensors.iter().position(|t| t.spec.name == tensor).ok_or_else(|| {
+            DataError::NoSuchTensor {
                 path: self.path.clone(),
                 tensor: tensor.to_owned(),
                 available: self.tensors.iter().map(|t| t.spec.name.clone()).collect(),
-            })
+            }
+        })
     }
 
     fn check_block<T: Element>(&self, idx: usize, rows: &[T]) -> Result<(), DataError> {
         let OpenTensor { spec, written, .. } = &self.tensors[idx];
         let (path, tensor) = (self.path.clone(), spec.name.clone());
         if T::KIND != spec.kind {
-            return Err(DataError::ElementKind {
-                path,
-                tensor,
-                held: spec.kind,
-                asked: T::KIND,
-            });
+            return Err(DataError::ElementKind { path, tensor, held: spec.kind, asked: T::KIND });
         }
         let n_rows = rows.len() / spec.width;
         if !rows.len().is_multiple_of(spec.width) {
@@ -225,17 +216,10 @@ fn lay_out(
             data_offsets: (offset, end),
         };
         infos.push((spec.name.clone(), info));
-        opened.push(OpenTensor {
-            spec: spec.clone(),
-            offset: offset as u64,
-            written: 0,
-        });
+        opened.push(OpenTensor { spec: spec.clone(), offset: offset as u64, written: 0 });
         offset = end;
     }
-    let bad_header = |detail: String| DataError::Header {
-        path: path.to_path_buf(),
-        detail,
-    };
+    let bad_header = |detail: String| DataError::Header { path: path.to_path_buf(), detail };
     let metadata = Metadata::new(None, infos).map_err(|e| bad_header(e.to_string()))?;
     let mut json = serde_json::to_vec(&metadata).map_err(|e| bad_header(e.to_string()))?;
     json.resize(json.len().next_multiple_of(8), b' ');

@@ -117,11 +117,7 @@ fn the_name_appears_only_when_the_dataset_is_complete() {
         matches!(&error, DataError::MissingRows { tensor, written: 0, n: 7, .. } if tensor == "contact_nodes"),
         "{error}"
     );
-    assert_eq!(
-        fs::read_dir(folder.path()).unwrap().count(),
-        0,
-        "nothing is left behind"
-    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
 }
 
 #[test]
@@ -129,49 +125,17 @@ fn bad_blocks_are_refused_and_leave_the_dataset_whole() {
     let (_folder, path) = folder_and_path();
     let mut writer = DatasetWriter::create(&path, 2, &specs(3)).unwrap();
     writer.append("readings", &[1.0f32; 3]).unwrap();
-    let error = writer
-        .append("readings", &[1.0, f32::NAN, 1.0])
-        .unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::NotFinite {
-                row: 1,
-                column: 1,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    let error = writer.append("readings", &[1.0, f32::NAN, 1.0]).unwrap_err();
+    assert!(matches!(error, DataError::NotFinite { row: 1, column: 1, .. }), "{error}");
     let error = writer.append("readings", &[1.0f32; 4]).unwrap_err();
     assert!(
-        matches!(
-            error,
-            DataError::SliceLength {
-                width: 3,
-                expected: 3,
-                got: 4,
-                ..
-            }
-        ),
+        matches!(error, DataError::SliceLength { width: 3, expected: 3, got: 4, .. }),
         "{error}"
     );
     let error = writer.append("readings", &[1.0f32; 6]).unwrap_err();
-    assert!(
-        matches!(error, DataError::RowOutOfRange { row: 2, n: 2, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, DataError::RowOutOfRange { row: 2, n: 2, .. }), "{error}");
     let error = writer.append("contact_nodes", &[1.0f32; 2]).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::ElementKind {
-                held: ElementKind::I32,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, DataError::ElementKind { held: ElementKind::I32, .. }), "{error}");
     let error = writer.append("map", &[1.0f32; 2]).unwrap_err();
     assert!(matches!(error, DataError::NoSuchTensor { .. }), "{error}");
     writer.append("readings", &[2.0f32; 3]).unwrap();
@@ -179,10 +143,7 @@ fn bad_blocks_are_refused_and_leave_the_dataset_whole() {
     writer.append("forces", &[0.0f32; 2]).unwrap();
     writer.finish().unwrap();
     let mut read = [0.0f32; 6];
-    DatasetReader::open(&path)
-        .unwrap()
-        .read_rows("readings", 0..2, &mut read)
-        .unwrap();
+    DatasetReader::open(&path).unwrap().read_rows("readings", 0..2, &mut read).unwrap();
     assert_eq!(read, [1.0, 1.0, 1.0, 2.0, 2.0, 2.0]);
 }
 
@@ -195,10 +156,7 @@ fn names_and_widths_are_checked() {
         Err(DataError::TensorNamedTwice { .. })
     ));
     let empty = [TensorSpec::f32("x", 0, "m")];
-    assert!(matches!(
-        DatasetWriter::create(&path, 2, &empty),
-        Err(DataError::Shape { .. })
-    ));
+    assert!(matches!(DatasetWriter::create(&path, 2, &empty), Err(DataError::Shape { .. })));
 }
 
 #[test]
@@ -208,29 +166,12 @@ fn reading_past_the_end_or_into_a_wrong_slice_is_refused() {
     let mut reader = DatasetReader::open(&path).unwrap();
     let mut row = [0.0f32; 3];
     let error = reader.read_rows("readings", 7..8, &mut row).unwrap_err();
-    assert!(
-        matches!(error, DataError::RowOutOfRange { row: 7, n: 7, .. }),
-        "{error}"
-    );
-    let error = reader
-        .read_rows_at("readings", &[usize::MAX], &mut row)
-        .unwrap_err();
+    assert!(matches!(error, DataError::RowOutOfRange { row: 7, n: 7, .. }), "{error}");
+    let error = reader.read_rows_at("readings", &[usize::MAX], &mut row).unwrap_err();
     assert!(matches!(error, DataError::RowOutOfRange { .. }), "{error}");
     let error = reader.read_rows("readings", 0..2, &mut row).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::SliceLength {
-                expected: 6,
-                got: 3,
-                ..
-            }
-        ),
-        "{error}"
-    );
-    let error = reader
-        .read_rows("readings", 0..1, &mut [0i32; 3])
-        .unwrap_err();
+    assert!(matches!(error, DataError::SliceLength { expected: 6, got: 3, .. }), "{error}");
+    let error = reader.read_rows("readings", 0..1, &mut [0i32; 3]).unwrap_err();
     assert!(matches!(error, DataError::ElementKind { .. }), "{error}");
 }
 
@@ -243,36 +184,24 @@ fn every_way_of_cutting_a_file_is_told() {
         fs::write(&path, &whole[..length]).unwrap();
         let error = DatasetReader::open(&path).unwrap_err();
         assert!(
-            matches!(
-                error,
-                DataError::Header { .. } | DataError::FileLength { .. }
-            ),
+            matches!(error, DataError::Header { .. } | DataError::FileLength { .. }),
             "{length}: {error}"
         );
     }
     fs::write(&path, [&whole[..], &[0]].concat()).unwrap();
-    assert!(matches!(
-        DatasetReader::open(&path),
-        Err(DataError::FileLength { .. })
-    ));
+    assert!(matches!(DatasetReader::open(&path), Err(DataError::FileLength { .. })));
 }
 
 #[test]
 fn foreign_bytes_and_foreign_shapes_are_told() {
     let (_folder, path) = folder_and_path();
     fs::write(&path, b"NUMPY is another format altogether").unwrap();
-    assert!(matches!(
-        DatasetReader::open(&path),
-        Err(DataError::Header { .. })
-    ));
+    assert!(matches!(DatasetReader::open(&path), Err(DataError::Header { .. })));
     let bytes = [0; 24];
     for shape in [vec![6], vec![1, 2, 3]] {
         let view = safetensors::tensor::TensorView::new(Dtype::F32, shape, &bytes).unwrap();
         fs::write(&path, safetensors::serialize([("x", view)], None).unwrap()).unwrap();
-        assert!(matches!(
-            DatasetReader::open(&path),
-            Err(DataError::Shape { .. })
-        ));
+        assert!(matches!(DatasetReader::open(&path), Err(DataError::Shape { .. })));
     }
 }
 
@@ -288,17 +217,7 @@ fn a_nan_that_crept_into_the_file_is_told_with_its_place() {
     let mut reader = DatasetReader::open(&path).unwrap();
     let mut rows = [0.0f32; 9];
     let error = reader.read_rows("readings", 1..4, &mut rows).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::NotFinite {
-                row: 2,
-                column: 1,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, DataError::NotFinite { row: 2, column: 1, .. }), "{error}");
 }
 
 #[test]
@@ -319,17 +238,7 @@ fn a_large_tensor_is_read_in_pieces_and_a_nan_in_a_later_one_has_its_place() {
     fs::write(&path, bytes).unwrap();
     let mut reader = DatasetReader::open(&path).unwrap();
     let error = reader.read_rows("x", 1..n, &mut read).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::NotFinite {
-                row: 33_333,
-                column: 5,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, DataError::NotFinite { row: 33_333, column: 5, .. }), "{error}");
 }
 
 fn manifest(tensors: Vec<TensorSpec>, n: usize) -> Manifest {
@@ -356,15 +265,8 @@ fn the_manifest_comes_back_and_fits_its_dataset() {
     assert_eq!(read, written);
     let reader = DatasetReader::open(&path).unwrap();
     read.check(&reader).unwrap();
-    for wrong in [
-        manifest(specs(3), 8),
-        manifest(specs(4), 7),
-        manifest(vec![], 7),
-    ] {
-        assert!(matches!(
-            wrong.check(&reader),
-            Err(DataError::ManifestMismatch { .. })
-        ));
+    for wrong in [manifest(specs(3), 8), manifest(specs(4), 7), manifest(vec![], 7)] {
+        assert!(matches!(wrong.check(&reader), Err(DataError::ManifestMismatch { .. })));
     }
 }
 
@@ -374,18 +276,11 @@ fn unknown_fields_and_versions_of_a_manifest_are_refused() {
     manifest(specs(3), 7).write(&path).unwrap();
     let json = fs::read_to_string(manifest_path(&path)).unwrap();
     fs::write(manifest_path(&path), json.replace("\"seed\"", "\"sead\"")).unwrap();
-    assert!(matches!(
-        Manifest::read(&path),
-        Err(DataError::Manifest { .. })
-    ));
+    assert!(matches!(Manifest::read(&path), Err(DataError::Manifest { .. })));
     let newer = json.replace("\"format_version\": 1", "\"format_version\": 2");
     fs::write(manifest_path(&path), newer).unwrap();
     assert!(matches!(
         Manifest::read(&path),
-        Err(DataError::FormatVersion {
-            found: 2,
-            known: 1,
-            ..
-        })
+        Err(DataError::FormatVersion { found: 2, known: 1, .. })
     ));
 }

@@ -74,14 +74,9 @@ fn constant_columns_are_reported_and_have_no_say() {
 
 #[test]
 fn a_large_offset_costs_no_digits() {
-    let rows: Vec<f32> = (0..1000)
-        .map(|i| 4096.0 + (i % 2) as f32 * 0.001_953_125)
-        .collect();
+    let rows: Vec<f32> = (0..1000).map(|i| 4096.0 + (i % 2) as f32 * 0.001_953_125).collect();
     let (standardiser, _) = fit(1, &rows);
-    assert!(
-        (standardiser.std[0] / 0.000_976_562_5 - 1.0).abs() < 1e-6,
-        "{standardiser:?}"
-    );
+    assert!((standardiser.std[0] / 0.000_976_562_5 - 1.0).abs() < 1e-6, "{standardiser:?}");
 }
 
 #[test]
@@ -89,30 +84,11 @@ fn bad_input_is_refused_with_its_place() {
     let mut fit = StandardiserFit::new(2);
     fit.push(&[1.0, 2.0]).unwrap();
     let error = fit.push(&[1.0, 2.0, 3.0, f32::INFINITY]).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            DataError::StandardiserInput {
-                row: 2,
-                column: 1,
-                ..
-            }
-        ),
-        "{error}"
-    );
-    assert!(matches!(
-        fit.push(&[1.0; 3]),
-        Err(DataError::StandardiserWidth { width: 2, got: 3 })
-    ));
-    assert!(matches!(
-        StandardiserFit::new(2).finish(),
-        Err(DataError::StandardiserEmpty { .. })
-    ));
+    assert!(matches!(error, DataError::StandardiserInput { row: 2, column: 1, .. }), "{error}");
+    assert!(matches!(fit.push(&[1.0; 3]), Err(DataError::StandardiserWidth { width: 2, got: 3 })));
+    assert!(matches!(StandardiserFit::new(2).finish(), Err(DataError::StandardiserEmpty { .. })));
     let (standardiser, _) = fit.finish().unwrap();
     assert!(standardiser.apply(&mut [0.0; 3]).is_err());
     let json = serde_json::to_string(&standardiser).unwrap();
-    assert_eq!(
-        serde_json::from_str::<Standardiser>(&json).unwrap(),
-        standardiser
-    );
+    assert_eq!(serde_json::from_str::<Standardiser>(&json).unwrap(), standardiser);
 }

@@ -13,16 +13,9 @@ use world::World;
 fn frames(c: &mut Criterion) {
     let world = World::new(10, 800, 7);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for (name, k) in [
-        ("untouched", 0),
-        ("cold single", 1),
-        ("cold pair", 2),
-        ("cold triple", 3),
-    ] {
-        let params = EstimatorParams {
-            known_count: (k > 0).then_some(k),
-            ..EstimatorParams::default()
-        };
+    for (name, k) in [("untouched", 0), ("cold single", 1), ("cold pair", 2), ("cold triple", 3)] {
+        let params =
+            EstimatorParams { known_count: (k > 0).then_some(k), ..EstimatorParams::default() };
         let estimator = world.estimator(NoiseParams::uniform(10, 1.0), params);
         let points = world.draw_points(k, 0.015, &mut rng);
         let contacts: Vec<_> = points.iter().map(|p| (*p, 15.0)).collect();

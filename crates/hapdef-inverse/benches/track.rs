@@ -18,10 +18,7 @@ fn held(c: &mut Criterion) {
     for relative in [0.0, 0.014] {
         for k in 0..=4 {
             let noise = NoiseParams {
-                model_error: ModelError {
-                    relative,
-                    ..ModelError::default()
-                },
+                model_error: ModelError { relative, ..ModelError::default() },
                 ..NoiseParams::uniform(10, 1.0)
             };
             let estimator = world.estimator(noise, EstimatorParams::default());

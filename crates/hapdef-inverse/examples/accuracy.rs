@@ -48,10 +48,7 @@ fn row(k: usize, n_frames: usize, noise_ue: f64, n_gauges: usize) -> String {
     let cpu_before = cpu_us();
     for _ in 0..n_frames {
         let points = world.draw_points(k, 0.012, &mut rng);
-        let contacts: Vec<_> = points
-            .iter()
-            .map(|p| (*p, rng.random_range(5.0..34.0)))
-            .collect();
+        let contacts: Vec<_> = points.iter().map(|p| (*p, rng.random_range(5.0..34.0))).collect();
         let mut y = world.readings(&contacts);
         world::add_noise(&mut y, noise_ue, &mut rng);
         // the least of three runs, since other programs share the machine

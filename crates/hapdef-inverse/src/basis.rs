@@ -17,22 +17,8 @@ pub(crate) fn quadratic(b: &[f64; 3]) -> [f64; 6] {
 pub(crate) fn quadratic_gradient(b: &[f64; 3]) -> [[f64; 6]; 2] {
     let corner = 1.0 - 4.0 * b[0];
     [
-        [
-            corner,
-            4.0 * b[1] - 1.0,
-            0.0,
-            4.0 * (b[0] - b[1]),
-            4.0 * b[2],
-            -4.0 * b[2],
-        ],
-        [
-            corner,
-            0.0,
-            4.0 * b[2] - 1.0,
-            -4.0 * b[1],
-            4.0 * b[1],
-            4.0 * (b[0] - b[2]),
-        ],
+        [corner, 4.0 * b[1] - 1.0, 0.0, 4.0 * (b[0] - b[1]), 4.0 * b[2], -4.0 * b[2]],
+        [corner, 0.0, 4.0 * b[2] - 1.0, -4.0 * b[1], 4.0 * b[1], 4.0 * (b[0] - b[2])],
     ]
 }
 
@@ -97,10 +83,7 @@ pub(crate) fn cubic_gradient(b: &[f64; 3]) -> [[f64; N_CUBIC]; 2] {
         3.0 * u * u,
         6.0 * u * v,
     ];
-    [
-        std::array::from_fn(|i| by_v[i] - by_u[i]),
-        std::array::from_fn(|i| by_w[i] - by_u[i]),
-    ]
+    [std::array::from_fn(|i| by_v[i] - by_u[i]), std::array::from_fn(|i| by_w[i] - by_u[i])]
 }
 
 /// Barycentric coordinates of the six nodes of a face.

@@ -13,12 +13,8 @@ pub(crate) fn upper_tail(x: f64, n_dof: usize) -> f64 {
     }
     let (a, x) = (0.5 * n_dof as f64, 0.5 * x);
     let scale = (a * x.ln() - x - ln_gamma_half(n_dof)).exp();
-    if x < a + 1.0 {
-        1.0 - scale * lower_series(a, x)
-    } else {
-        scale * upper_fraction(a, x)
-    }
-    .clamp(0.0, 1.0)
+    if x < a + 1.0 { 1.0 - scale * lower_series(a, x) } else { scale * upper_fraction(a, x) }
+        .clamp(0.0, 1.0)
 }
 
 /// The χ² that noise exceeds with probability `p`, by bisection; infinite without degrees of freedom.
@@ -79,11 +75,8 @@ fn upper_fraction(a: f64, x: f64) -> f64 {
 
 /// ln Γ(n/2), by the recurrence from Γ(½) = √π and Γ(1) = 1.
 fn ln_gamma_half(n: usize) -> f64 {
-    let (start, mut ln) = if n.is_multiple_of(2) {
-        (1.0, 0.0)
-    } else {
-        (0.5, 0.5 * std::f64::consts::PI.ln())
-    };
+    let (start, mut ln) =
+        if n.is_multiple_of(2) { (1.0, 0.0) } else { (0.5, 0.5 * std::f64::consts::PI.ln()) };
     let mut z = start;
     while z < 0.5 * n as f64 - 0.25 {
         ln += f64::ln(z);

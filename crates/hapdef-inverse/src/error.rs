@@ -191,11 +191,7 @@ pub enum InverseError {
 /// The first number that is not finite, as an error.
 pub(crate) fn check_finite(what: &'static str, values: &[f64]) -> Result<(), InverseError> {
     match values.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(InverseError::NotFinite {
-            what,
-            index,
-            found: values[index],
-        }),
+        Some(index) => Err(InverseError::NotFinite { what, index, found: values[index] }),
         None => Ok(()),
     }
 }
@@ -209,11 +205,7 @@ pub(crate) fn check_length(
     if expected == found {
         return Ok(());
     }
-    Err(InverseError::Length {
-        what,
-        expected,
-        found,
-    })
+    Err(InverseError::Length { what, expected, found })
 }
 
 /// Refuses a parameter that is not finite and above 0.
@@ -221,11 +213,7 @@ pub(crate) fn check_positive(what: &'static str, found: f64) -> Result<(), Inver
     if found.is_finite() && found > 0.0 {
         return Ok(());
     }
-    Err(InverseError::Parameter {
-        what,
-        found,
-        expected: "finite and above 0",
-    })
+    Err(InverseError::Parameter { what, found, expected: "finite and above 0" })
 }
 
 /// Refuses a parameter that is not finite or below 0.
@@ -233,9 +221,5 @@ pub(crate) fn check_not_negative(what: &'static str, found: f64) -> Result<(), I
     if found.is_finite() && found >= 0.0 {
         return Ok(());
     }
-    Err(InverseError::Parameter {
-        what,
-        found,
-        expected: "finite and not below 0",
-    })
+    Err(InverseError::Parameter { what, found, expected: "finite and not below 0" })
 }

@@ -75,9 +75,8 @@ impl Interpolant {
     fn cubic(skin: &Skin) -> Self {
         let n_nodes = skin.n_nodes();
         let near = Neighbourhood::new(skin);
-        let gradients: Vec<_> = (0..n_nodes)
-            .map(|node| gradient_weights(skin, &near, node as u32))
-            .collect();
+        let gradients: Vec<_> =
+            (0..n_nodes).map(|node| gradient_weights(skin, &near, node as u32)).collect();
         let mut edges = Vec::new();
         let mut place = std::collections::BTreeMap::new();
         let mut rows_of_face = Vec::with_capacity(skin.n_faces());
@@ -122,11 +121,8 @@ impl Interpolant {
             let at = (first_edge + i) * width;
             for c in 0..width {
                 let own = nodal[edge.node as usize * width + c];
-                let slope: f64 = edge
-                    .slope
-                    .iter()
-                    .map(|&(node, w)| w * nodal[node as usize * width + c])
-                    .sum();
+                let slope: f64 =
+                    edge.slope.iter().map(|&(node, w)| w * nodal[node as usize * width + c]).sum();
                 rows[at + c] = own + slope / 3.0;
             }
         }
@@ -163,10 +159,7 @@ impl Interpolant {
         let slope = frame
             .parent_by_step
             .map(|[a, b]| std::array::from_fn(|i| a * by_parent[0][i] + b * by_parent[1][i]));
-        Weights {
-            value: self.value_weights(bary),
-            slope,
-        }
+        Weights { value: self.value_weights(bary), slope }
     }
 
     /// Σ weightᵢ rowᵢ over the control values of `point`'s face, into `out` `[width]`; `rows` is
@@ -198,9 +191,7 @@ impl Interpolant {
         column: usize,
     ) -> f64 {
         let ids = self.rows_at(point);
-        (0..self.n_basis)
-            .map(|i| weights[i] * rows[ids[i] as usize * width + column])
-            .sum()
+        (0..self.n_basis).map(|i| weights[i] * rows[ids[i] as usize * width + column]).sum()
     }
 
     #[inline]
@@ -222,11 +213,6 @@ fn widened(six: &[f64; 6]) -> [f64; N_CUBIC] {
 /// The slope along the edge from its gradient weights at `from`.
 fn edge_row(skin: &Skin, from: u32, to: u32, gradient: &[(u32, Vector3<f64>)]) -> EdgeRow {
     let along = skin.nodes()[to as usize] - skin.nodes()[from as usize];
-    let slope = gradient
-        .iter()
-        .map(|(node, weight)| (*node, weight.dot(&along)));
-    EdgeRow {
-        node: from,
-        slope: slope.collect(),
-    }
+    let slope = gradient.iter().map(|(node, weight)| (*node, weight.dot(&along)));
+    EdgeRow { node: from, slope: slope.collect() }
 }

@@ -41,13 +41,7 @@ pub struct LimitParams {
 
 impl Default for LimitParams {
     fn default() -> Self {
-        Self {
-            force_n: 10.0,
-            min_gap_m: 0.012,
-            n_draws: 400,
-            seed: 1,
-            usable_sd_m: 0.005,
-        }
+        Self { force_n: 10.0, min_gap_m: 0.012, n_draws: 400, seed: 1, usable_sd_m: 0.005 }
     }
 }
 
@@ -209,9 +203,7 @@ fn inverted(a: &[f64], n: usize) -> Option<(Vec<f64>, f64)> {
     if !scale.iter().all(|s| s.is_normal()) {
         return None;
     }
-    let mut l: Vec<f64> = (0..n * n)
-        .map(|k| a[k] / (scale[k / n] * scale[k % n]))
-        .collect();
+    let mut l: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
     if !cholesky(&mut l, n, LEAST_PIVOT) {
         return None;
     }

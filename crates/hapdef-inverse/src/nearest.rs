@@ -35,22 +35,14 @@ impl Skin {
             expected: 1,
             found: 0,
         })?;
-        let point = if self.is_quadratic() {
-            self.drop_foot(point, target)
-        } else {
-            point
-        };
+        let point = if self.is_quadratic() { self.drop_foot(point, target) } else { point };
         Ok((point, (self.position(&point) - target).norm()))
     }
 
     fn nearest_on_face(&self, face: u32, target: &Point3<f64>) -> (SkinPoint, f64) {
         let nodes = self.face(face);
         let at = |i: usize| self.nodes()[nodes[i] as usize];
-        let parts: &[[usize; 3]] = if self.is_quadratic() {
-            &PARTS
-        } else {
-            &[[0, 1, 2]]
-        };
+        let parts: &[[usize; 3]] = if self.is_quadratic() { &PARTS } else { &[[0, 1, 2]] };
         let mut best = (SkinPoint::trusted(face, NODES[0]), f64::INFINITY);
         for part in parts {
             let inner = nearest_on_triangle(&part.map(at), target);

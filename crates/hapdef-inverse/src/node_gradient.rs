@@ -38,10 +38,8 @@ impl Neighbourhood {
     fn around(&self, node: u32) -> Vec<u32> {
         let mut found = BTreeSet::from([node]);
         for _ in 0..MAX_RINGS {
-            let next: Vec<u32> = found
-                .iter()
-                .flat_map(|&n| self.ring[n as usize].iter().copied())
-                .collect();
+            let next: Vec<u32> =
+                found.iter().flat_map(|&n| self.ring[n as usize].iter().copied()).collect();
             found.extend(next);
             if found.len() > N_WANTED {
                 break;
@@ -75,22 +73,14 @@ pub(crate) fn gradient_weights(
         .or_else(|| fit(&offsets, 2))
         .unwrap_or_else(|| vec![[0.0; 2]; offsets.len()]);
     let vector = |w: [f64; 2]| axes[0] * w[0] + axes[1] * w[1];
-    let mut weights: Vec<_> = around
-        .iter()
-        .zip(solved)
-        .map(|(&n, w)| (n, vector(w)))
-        .collect();
+    let mut weights: Vec<_> = around.iter().zip(solved).map(|(&n, w)| (n, vector(w))).collect();
     let sum: Vector3<f64> = weights.iter().map(|(_, w)| *w).sum();
     weights.push((node, -sum));
     weights
 }
 
 pub(crate) fn tangent_axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let helper = if normal.x.abs() < 0.6 {
-        Vector3::x()
-    } else {
-        Vector3::y()
-    };
+    let helper = if normal.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
     let first = normal.cross(&helper);
     let first = first / first.norm().max(f64::MIN_POSITIVE);
     [first, normal.cross(&first)]
@@ -102,11 +92,7 @@ fn fit(offsets: &[[f64; 2]], n_terms: usize) -> Option<Vec<[f64; 2]>> {
     if offsets.len() < n_terms {
         return None;
     }
-    let size = offsets
-        .iter()
-        .map(|[x, y]| x.hypot(*y))
-        .fold(0.0, f64::max)
-        .max(f64::MIN_POSITIVE);
+    let size = offsets.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let terms = |[x, y]: [f64; 2]| {
         let (x, y) = (x / size, y / size);
         [x, y, x * x, x * y, y * y]
@@ -125,10 +111,7 @@ fn fit(offsets: &[[f64; 2]], n_terms: usize) -> Option<Vec<[f64; 2]>> {
         return None;
     }
     let solved = offsets.iter().map(|&offset| {
-        let mut x: Vec<f64> = terms(offset)[..n_terms]
-            .iter()
-            .map(|t| t * weight(offset))
-            .collect();
+        let mut x: Vec<f64> = terms(offset)[..n_terms].iter().map(|t| t * weight(offset)).collect();
         solve_lower(&normal, n_terms, &mut x);
         solve_upper(&normal, n_terms, &mut x);
         [x[0] / size, x[1] / size]

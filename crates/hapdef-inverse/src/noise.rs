@@ -94,9 +94,7 @@ impl NoiseParams {
 impl ModelError {
     pub(crate) fn is_none(&self) -> bool {
         let is_zero = |v: f64| v == 0.0;
-        [self.relative, self.friction_rms, self.tip_ring_m]
-            .into_iter()
-            .all(is_zero)
+        [self.relative, self.friction_rms, self.tip_ring_m].into_iter().all(is_zero)
             && self.per_site.is_empty()
     }
 }

@@ -68,10 +68,7 @@ impl TipMeans {
                 }
             }
         }
-        let mut means = Self {
-            starts: vec![0],
-            shares: Vec::new(),
-        };
+        let mut means = Self { starts: vec![0], shares: Vec::new() };
         for (node, shares) in under.into_iter().enumerate() {
             means.push(node as u32, shares);
         }
@@ -117,16 +114,10 @@ impl TipMeans {
 /// A ball around a face: a quadratic map stays within the hull of its Bézier points, which reach
 /// at most as far beyond the mid-side nodes as these beyond the edges' middles.
 fn ball(skin: &Skin, face: usize) -> (Point3<f64>, f64) {
-    let nodes: Vec<Vector3<f64>> = skin
-        .face_nodes(face)
-        .iter()
-        .map(|&n| skin.nodes()[n as usize].coords)
-        .collect();
+    let nodes: Vec<Vector3<f64>> =
+        skin.face_nodes(face).iter().map(|&n| skin.nodes()[n as usize].coords).collect();
     let middle: Vector3<f64> = nodes[..3].iter().sum::<Vector3<f64>>() / 3.0;
-    let reach = nodes
-        .iter()
-        .map(|p| (p - middle).norm())
-        .fold(0.0, f64::max);
+    let reach = nodes.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
     (Point3::from(middle), 1.5 * reach)
 }
 
@@ -156,19 +147,10 @@ impl<'a> Pressed<'a> {
             .iter()
             .enumerate()
             .filter(|(_, centre)| is_near(centre))
-            .map(|(node, &centre)| Tip {
-                node,
-                centre,
-                shares: [0.0; 6],
-            })
+            .map(|(node, &centre)| Tip { node, centre, shares: [0.0; 6] })
             .collect();
-        let mut pressed = Self {
-            skin,
-            face: face as u32,
-            radius_m,
-            near: (0..tips.len()).collect(),
-            tips,
-        };
+        let mut pressed =
+            Self { skin, face: face as u32, radius_m, near: (0..tips.len()).collect(), tips };
         pressed.integrate(&[NODES[0], NODES[1], NODES[2]], 0, 0..pressed.tips.len());
         pressed
     }

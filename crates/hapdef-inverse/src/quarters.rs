@@ -31,12 +31,8 @@ const POINTS: [[u8; 3]; 15] = [
 ];
 
 /// The six points of each part, in the order of a face's nodes.
-const PARTS: [[usize; 6]; N_PARTS] = [
-    [0, 3, 5, 6, 12, 11],
-    [1, 4, 3, 8, 13, 7],
-    [2, 5, 4, 10, 14, 9],
-    [3, 4, 5, 13, 14, 12],
-];
+const PARTS: [[usize; 6]; N_PARTS] =
+    [[0, 3, 5, 6, 12, 11], [1, 4, 3, 8, 13, 7], [2, 5, 4, 10, 14, 9], [3, 4, 5, 13, 14, 12]];
 
 /// The points at which a map on the quarters of a skin's faces has its values, the skin's nodes first.
 pub(crate) struct Quarters {
@@ -68,19 +64,14 @@ impl Quarters {
                     6..12 => {
                         let (edge, end) = ((i - 6) / 2, (i - 6) % 2);
                         let ends = (nodes[3 + edge], nodes[(edge + end) % 3]);
-                        *on_edges
-                            .entry(ends)
-                            .or_insert_with(|| added(&mut points, at(i)))
+                        *on_edges.entry(ends).or_insert_with(|| added(&mut points, at(i)))
                     }
                     _ => added(&mut points, at(i)),
                 };
             }
             rows_of_part.extend(PARTS.map(|part| part.map(|i| rows[i])));
         }
-        Self {
-            points,
-            rows_of_part,
-        }
+        Self { points, rows_of_part }
     }
 }
 
@@ -128,12 +119,8 @@ fn unit(size: f64, at: usize) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    const INSIDE: [[f64; 3]; 4] = [
-        [0.62, 0.21, 0.17],
-        [0.11, 0.71, 0.18],
-        [0.24, 0.13, 0.63],
-        [0.31, 0.42, 0.27],
-    ];
+    const INSIDE: [[f64; 3]; 4] =
+        [[0.62, 0.21, 0.17], [0.11, 0.71, 0.18], [0.24, 0.13, 0.63], [0.31, 0.42, 0.27]];
 
     #[test]
     fn a_parts_coordinates_lead_to_the_point() {
@@ -174,11 +161,7 @@ mod tests {
                 let (up, down) = (moved(h), moved(-h));
                 for i in 0..6 {
                     let expected = (up[i] - down[i]) / (2.0 * h);
-                    assert!(
-                        (slopes[i] - expected).abs() < 1e-8,
-                        "{} {expected}",
-                        slopes[i]
-                    );
+                    assert!((slopes[i] - expected).abs() < 1e-8, "{} {expected}", slopes[i]);
                 }
             }
         }

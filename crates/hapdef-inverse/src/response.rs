@@ -61,11 +61,7 @@ impl ResponseMap {
         tips: &TipMeans,
     ) -> Result<Self, InverseError> {
         check_length("the tips", skin.n_nodes(), tips.n_nodes())?;
-        check_length(
-            "the adjoint fields",
-            skin.n_nodes() * n_gauges,
-            adjoint.len(),
-        )?;
+        check_length("the adjoint fields", skin.n_nodes() * n_gauges, adjoint.len())?;
         check_gauges(n_gauges)?;
         let width = padded(n_gauges);
         let vector = tips.of(&as_rows(adjoint, n_gauges)?, 3 * width);
@@ -129,10 +125,7 @@ impl ResponseMap {
             return self.skin.nodes().to_vec();
         }
         let points = self.skin.quarter_points();
-        points
-            .iter()
-            .map(|point| self.skin.position(point))
-            .collect()
+        points.iter().map(|point| self.skin.position(point)).collect()
     }
 
     /// Outward normals there.
@@ -171,10 +164,7 @@ impl ResponseMap {
             to.iter_mut().zip(more).for_each(|(to, more)| *to += more);
         };
         add(&mut map.normal, self.interpolant.control(&normal, width));
-        add(
-            &mut map.vector,
-            self.interpolant.control(&vector, 3 * width),
-        );
+        add(&mut map.vector, self.interpolant.control(&vector, 3 * width));
         map
     }
 
@@ -238,9 +228,7 @@ impl ResponseMap {
     /// If `point` is of another, larger skin.
     #[must_use]
     pub fn normal_gradient(&self, point: &SkinPoint) -> [Vec<f64>; 2] {
-        let weights = self
-            .interpolant
-            .weights(&point.bary(), &self.skin.frame(point));
+        let weights = self.interpolant.weights(&point.bary(), &self.skin.frame(point));
         weights.slope.map(|slope| {
             let mut row = self.combined(&self.normal, padded(self.n_gauges), point, &slope);
             row.truncate(self.n_gauges);
@@ -255,9 +243,7 @@ impl ResponseMap {
     #[must_use]
     pub fn vector_gradient(&self, point: &SkinPoint) -> [Vec<Vector3<f64>>; 2] {
         let width = padded(self.n_gauges);
-        let weights = self
-            .interpolant
-            .weights(&point.bary(), &self.skin.frame(point));
+        let weights = self.interpolant.weights(&point.bary(), &self.skin.frame(point));
         weights
             .slope
             .map(|slope| self.as_vectors(&self.combined(&self.vector, 3 * width, point, &slope)))
@@ -288,8 +274,7 @@ impl ResponseMap {
     pub(crate) fn normal_of(&self, point: &SkinPoint, gauge: usize) -> f64 {
         let weights = self.interpolant.value_weights(&point.bary());
         let width = padded(self.n_gauges);
-        self.interpolant
-            .combine_one(&self.normal, width, point, &weights, gauge)
+        self.interpolant.combine_one(&self.normal, width, point, &weights, gauge)
     }
 
     pub(crate) fn interpolant(&self) -> &Interpolant {

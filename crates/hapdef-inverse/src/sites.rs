@@ -43,10 +43,8 @@ impl ScanSites {
             });
         };
         let places: Vec<_> = pool.iter().map(|p| skin.position(p)).collect();
-        let mut far: Vec<f64> = places
-            .iter()
-            .map(|x| (x - skin.position(first)).norm_squared())
-            .collect();
+        let mut far: Vec<f64> =
+            places.iter().map(|x| (x - skin.position(first)).norm_squared()).collect();
         let mut chosen = vec![0];
         while chosen.len() < n_sites.min(pool.len()) {
             let (next, &gap) = far
@@ -64,22 +62,10 @@ impl ScanSites {
         }
         let points: Vec<_> = chosen.iter().map(|&i| pool[i]).collect();
         let positions: Vec<_> = chosen.iter().map(|&i| places[i]).collect();
-        let near = (0..points.len())
-            .map(|site| nearest_sites(&positions, site))
-            .collect();
-        let site_of_node = skin
-            .nodes()
-            .iter()
-            .map(|x| nearest_site(&positions, x))
-            .collect();
+        let near = (0..points.len()).map(|site| nearest_sites(&positions, site)).collect();
+        let site_of_node = skin.nodes().iter().map(|x| nearest_site(&positions, x)).collect();
         let spacing_m = far.iter().fold(0.0, |a: f64, &b| a.max(b)).sqrt();
-        Ok(Self {
-            points,
-            positions,
-            near,
-            site_of_node,
-            spacing_m,
-        })
+        Ok(Self { points, positions, near, site_of_node, spacing_m })
     }
 
     /// Number of sites.
@@ -161,9 +147,7 @@ fn inner_points(n: u32) -> Vec<[f64; 3]> {
 
 fn nearest_site(positions: &[Point3<f64>], x: &Point3<f64>) -> u32 {
     let distance = |site: &usize| (positions[*site] - x).norm_squared();
-    (0..positions.len())
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0) as u32
+    (0..positions.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32
 }
 
 fn nearest_sites(positions: &[Point3<f64>], site: usize) -> [u32; N_NEAR] {

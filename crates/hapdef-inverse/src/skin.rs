@@ -29,9 +29,7 @@ pub struct SkinParams {
 impl Default for SkinParams {
     /// 45°: a coarse mesh of a round limb turns by up to 30° at an edge, a rim or rib by 90°.
     fn default() -> Self {
-        Self {
-            max_fold_rad: std::f64::consts::FRAC_PI_4,
-        }
+        Self { max_fold_rad: std::f64::consts::FRAC_PI_4 }
     }
 }
 
@@ -68,10 +66,9 @@ impl Skin {
         params: &SkinParams,
     ) -> Result<Self, InverseError> {
         let (faces, is_quadratic) = match faces {
-            SkinFaces::Linear(list) => (
-                list.iter().map(|&[a, b, c]| [a, b, c, a, b, c]).collect(),
-                false,
-            ),
+            SkinFaces::Linear(list) => {
+                (list.iter().map(|&[a, b, c]| [a, b, c, a, b, c]).collect(), false)
+            }
             SkinFaces::Quadratic(list) => (list.to_vec(), true),
         };
         let n_faces = faces.len();
@@ -185,11 +182,7 @@ impl Skin {
             });
         }
         if self.faces.is_empty() {
-            return Err(InverseError::Length {
-                what: "the skin's faces",
-                expected: 1,
-                found: 0,
-            });
+            return Err(InverseError::Length { what: "the skin's faces", expected: 1, found: 0 });
         }
         for node in &self.nodes {
             check_finite("the skin's node positions", node.coords.as_slice())?;
@@ -198,11 +191,7 @@ impl Skin {
         for (face, nodes) in self.faces.iter().enumerate() {
             if let Some(&node) = nodes.iter().find(|&&node| node as usize >= n_nodes) {
                 let node = node as usize;
-                return Err(InverseError::NodeOutOfRange {
-                    face,
-                    node,
-                    n_nodes,
-                });
+                return Err(InverseError::NodeOutOfRange { face, node, n_nodes });
             }
             let at = |i: usize| self.nodes[nodes[i] as usize];
             let flat = (at(1) - at(0)).cross(&(at(2) - at(0)));
@@ -349,20 +338,10 @@ mod tests {
     #[test]
     fn bad_faces_are_named() {
         let (first, second) = (0, 1);
-        refused(
-            &[[0, 1, 2], [0, 3, 2]],
-            &InverseError::BadEdge { first, second },
-        );
+        refused(&[[0, 1, 2], [0, 3, 2]], &InverseError::BadEdge { first, second });
         refused(&[[0, 1, 1]], &InverseError::BadFace { face: 0 });
         refused(&[[0, 1, 2]], &InverseError::NoNormal { node: 3 });
         let (face, node, n_nodes) = (0, 9, 4);
-        refused(
-            &[[0, 1, 9]],
-            &InverseError::NodeOutOfRange {
-                face,
-                node,
-                n_nodes,
-            },
-        );
+        refused(&[[0, 1, 9]], &InverseError::NodeOutOfRange { face, node, n_nodes });
     }
 }

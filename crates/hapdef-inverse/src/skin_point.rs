@@ -43,11 +43,7 @@ impl SkinPoint {
     /// # Errors
     /// [`InverseError::FaceOutOfRange`], [`InverseError::PointOffSkin`].
     pub fn drawn(skin: &Skin, face: usize, [a, b]: [f64; 2]) -> Result<Self, InverseError> {
-        let [a, b] = if a + b > 1.0 {
-            [1.0 - a, 1.0 - b]
-        } else {
-            [a, b]
-        };
+        let [a, b] = if a + b > 1.0 { [1.0 - a, 1.0 - b] } else { [a, b] };
         Self::new(skin, face, [1.0 - a - b, a, b])
     }
 
@@ -106,10 +102,7 @@ impl Frame {
         Self {
             by_parent,
             tangents: [along, across / height],
-            parent_by_step: [
-                [1.0 / length, 0.0],
-                [-shear / (length * height), 1.0 / height],
-            ],
+            parent_by_step: [[1.0 / length, 0.0], [-shear / (length * height), 1.0 / height]],
         }
     }
 
@@ -166,9 +159,8 @@ impl Skin {
     pub fn normal(&self, point: &SkinPoint) -> Vector3<f64> {
         let weights = self.value_weights(&point.bary);
         let nodes = self.face(point.face);
-        let sum: Vector3<f64> = (0..self.n_face_nodes())
-            .map(|i| self.normals()[nodes[i] as usize] * weights[i])
-            .sum();
+        let sum: Vector3<f64> =
+            (0..self.n_face_nodes()).map(|i| self.normals()[nodes[i] as usize] * weights[i]).sum();
         let face_normal = || self.area_vector(point.face, &point.bary);
         sum.try_normalize(1e-9)
             .or_else(|| face_normal().try_normalize(0.0))

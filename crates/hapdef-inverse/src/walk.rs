@@ -101,17 +101,8 @@ impl Skin {
                 break;
             }
         }
-        let Walker {
-            point,
-            walked_m,
-            end,
-            ..
-        } = walker;
-        let walk = Walk {
-            point,
-            walked_m,
-            end,
-        };
+        let Walker { point, walked_m, end, .. } = walker;
+        let walk = Walk { point, walked_m, end };
         (walk, n_met)
     }
 }
@@ -184,10 +175,7 @@ impl Walker<'_> {
             Side::Across { face: next, .. } if self.skin.is_forbidden(next as usize) => {
                 WalkEnd::Forbidden
             }
-            Side::Across {
-                face: next,
-                edge: its_edge,
-            } => {
+            Side::Across { face: next, edge: its_edge } => {
                 self.unfold(edge, next, its_edge as usize);
                 return true;
             }

@@ -19,10 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 #[test]
 fn gains_are_recovered() {
     let world = world();
-    let limb = Limb {
-        gains: vec![1.03, 0.97, 1.0, 1.05, 0.99, 0.96],
-        warp: 0.0,
-    };
+    let limb = Limb { gains: vec![1.03, 0.97, 1.0, 1.05, 0.99, 0.96], warp: 0.0 };
     let fitted = fit(&world, &limb.presses(&world, 150, 1.0, 1), &params()).unwrap();
     for (found, gain) in fitted.info.gains.iter().zip(&limb.gains) {
         assert!((1.0 + found - gain).abs() < 0.01, "{found} {gain}");
@@ -36,10 +33,7 @@ fn gains_are_recovered() {
 #[test]
 fn a_gain_beyond_its_prior_is_flagged() {
     let world = world();
-    let limb = Limb {
-        gains: vec![1.0, 1.0, 1.3, 1.0, 1.0, 1.0],
-        warp: 0.0,
-    };
+    let limb = Limb { gains: vec![1.0, 1.0, 1.3, 1.0, 1.0, 1.0], warp: 0.0 };
     let fitted = fit(&world, &limb.presses(&world, 150, 1.0, 1), &params()).unwrap();
     let flagged: Vec<_> = fitted.info.beyond_prior.iter().map(|b| b.gauge).collect();
     assert_eq!(flagged, [Some(2)], "{:?}", fitted.info.gains);
@@ -61,17 +55,9 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
     let mut presses = Limb::plain().presses(&world, 150, 0.1, 2);
     for press in &mut presses {
         let h = mode.normal(&press.point);
-        press
-            .readings
-            .iter_mut()
-            .zip(h)
-            .for_each(|(y, h)| *y += 0.4 * press.force_n * h);
+        press.readings.iter_mut().zip(h).for_each(|(y, h)| *y += 0.4 * press.force_n * h);
     }
-    let modes = [ModeMap {
-        map: &mode,
-        scope: ModeScope::Shared,
-        prior_sd: 1.0,
-    }];
+    let modes = [ModeMap { map: &mode, scope: ModeScope::Shared, prior_sd: 1.0 }];
     let params = CalibrationParams::new(vec![0.1; N_GAUGES]);
     for map in [&world.map, &in_quarters] {
         let fitted = Calibrated::fit(map, &world.sites, &modes, &presses, &params).unwrap();
@@ -89,10 +75,7 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
 #[test]
 fn the_residual_is_learned_and_its_error_falls_with_the_presses() {
     let world = world();
-    let limb = Limb {
-        warp: 0.1,
-        ..Limb::plain()
-    };
+    let limb = Limb { warp: 0.1, ..Limb::plain() };
     let errors: Vec<f64> = [50, 150, 450]
         .map(|n| {
             let fitted = fit(&world, &limb.presses(&world, n, 0.2, 3), &params()).unwrap();
@@ -109,10 +92,7 @@ fn the_residual_is_learned_and_its_error_falls_with_the_presses() {
 #[test]
 fn the_told_error_is_that_of_other_presses() {
     let world = world();
-    let limb = Limb {
-        warp: 0.1,
-        ..Limb::plain()
-    };
+    let limb = Limb { warp: 0.1, ..Limb::plain() };
     let fitted = fit(&world, &limb.presses(&world, 300, 1.0, 4), &params()).unwrap();
     let (mut squares, mut n) = (0.0, 0);
     for (site, point) in world.sites.points().iter().enumerate() {
@@ -125,10 +105,7 @@ fn the_told_error_is_that_of_other_presses() {
         }
     }
     let mean = squares / f64::from(n);
-    assert!(
-        (0.4..2.5).contains(&mean),
-        "mean square of standardised errors {mean}"
-    );
+    assert!((0.4..2.5).contains(&mean), "mean square of standardised errors {mean}");
     let told = fitted.info.relative_error;
     let found = limb.error(&world, &fitted.map);
     assert!(found < 1.3 * told, "told {told}, found {found}");
@@ -137,16 +114,11 @@ fn the_told_error_is_that_of_other_presses() {
 #[test]
 fn bad_presses_are_named_and_do_no_harm() {
     let world = world();
-    let limb = Limb {
-        warp: 0.05,
-        ..Limb::plain()
-    };
+    let limb = Limb { warp: 0.05, ..Limb::plain() };
     let mut presses = limb.presses(&world, 300, 1.0, 6);
     let bad = [10, 77, 150, 222, 299];
-    let good: Vec<Press> = (0..presses.len())
-        .filter(|i| !bad.contains(i))
-        .map(|i| presses[i].clone())
-        .collect();
+    let good: Vec<Press> =
+        (0..presses.len()).filter(|i| !bad.contains(i)).map(|i| presses[i].clone()).collect();
     let without = limb.error(&world, &fit(&world, &good, &params()).unwrap().map);
     for (k, &i) in bad.iter().enumerate() {
         match k % 3 {
@@ -159,24 +131,15 @@ fn bad_presses_are_named_and_do_no_harm() {
     let named: Vec<usize> = fitted.info.rejected.iter().map(|r| r.press).collect();
     assert!(bad.iter().all(|i| named.contains(i)), "{named:?}");
     assert!(named.len() <= bad.len() + 3, "{named:?}");
-    assert!(matches!(
-        fitted.info.rejected[0].reason,
-        RejectReason::Outlier { .. }
-    ));
+    assert!(matches!(fitted.info.rejected[0].reason, RejectReason::Outlier { .. }));
     let error = limb.error(&world, &fitted.map);
-    assert!(
-        error < 1.1 * without,
-        "{error}, without them {without}, {named:?}"
-    );
+    assert!(error < 1.1 * without, "{error}, without them {without}, {named:?}");
 }
 
 #[test]
 fn errors_of_the_press_position_are_allowed_for() {
     let world = world();
-    let limb = Limb {
-        warp: 0.05,
-        ..Limb::plain()
-    };
+    let limb = Limb { warp: 0.05, ..Limb::plain() };
     let mut presses = limb.presses(&world, 250, 0.2, 7);
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let skin = world.map.skin();
@@ -187,10 +150,8 @@ fn errors_of_the_press_position_are_allowed_for() {
         let readings = press.readings.clone();
         *press = Press::at_position(skin, &x, 0.01, press.force_n, readings).unwrap();
     }
-    let told = CalibrationParams {
-        position_sd_m: 1e-3,
-        ..CalibrationParams::new(vec![0.2; N_GAUGES])
-    };
+    let told =
+        CalibrationParams { position_sd_m: 1e-3, ..CalibrationParams::new(vec![0.2; N_GAUGES]) };
     let untold = CalibrationParams::new(vec![0.2; N_GAUGES]);
     let with = limb.error(&world, &fit(&world, &presses, &told).unwrap().map);
     let without = limb.error(&world, &fit(&world, &presses, &untold).unwrap().map);
@@ -203,37 +164,18 @@ fn unusable_presses_are_refused() {
     let world = world();
     let presses = Limb::plain().presses(&world, 40, 1.0, 9);
     let found = fit(&world, &presses[..5], &params()).map(|_| ());
-    assert_eq!(
-        found,
-        Err(InverseError::TooFewPresses {
-            found: 5,
-            needed: 12
-        })
-    );
+    assert_eq!(found, Err(InverseError::TooFewPresses { found: 5, needed: 12 }));
     let mut changed = presses.clone();
     changed[7].readings[2] = f64::NAN;
     let found = fit(&world, &changed, &params()).map(|_| ());
     assert!(
-        matches!(
-            found,
-            Err(InverseError::PressReading {
-                press: 7,
-                gauge: 2,
-                ..
-            })
-        ),
+        matches!(found, Err(InverseError::PressReading { press: 7, gauge: 2, .. })),
         "{found:?}"
     );
     changed = presses.clone();
     changed[3].force_n = 0.0;
     let found = fit(&world, &changed, &params()).map(|_| ());
-    assert_eq!(
-        found,
-        Err(InverseError::PressForce {
-            press: 3,
-            found: 0.0
-        })
-    );
+    assert_eq!(found, Err(InverseError::PressForce { press: 3, found: 0.0 }));
     for (factor, gauge) in [(-1.0, 3), (1e6, 0), (0.0, 5)] {
         changed = presses.clone();
         changed.iter_mut().for_each(|p| p.readings[gauge] *= factor);
@@ -245,16 +187,10 @@ fn unusable_presses_are_refused() {
     }
     let spot = vec![presses[0].clone(); 40];
     let found = fit(&world, &spot, &params()).map(|_| ());
-    assert!(
-        matches!(found, Err(InverseError::PressesInOneSpot { .. })),
-        "{found:?}"
-    );
+    assert!(matches!(found, Err(InverseError::PressesInOneSpot { .. })), "{found:?}");
     let away = Point3::new(1.0, 0.0, 0.0);
     let found = Press::at_position(world.map.skin(), &away, 0.01, 1.0, vec![0.0; N_GAUGES]);
-    assert!(
-        matches!(found, Err(InverseError::PressOffSkin { .. })),
-        "{found:?}"
-    );
+    assert!(matches!(found, Err(InverseError::PressOffSkin { .. })), "{found:?}");
 }
 
 #[test]
@@ -262,10 +198,7 @@ fn one_and_two_threads_give_the_same_bits() {
     let world = world();
     let presses = Limb::plain().presses(&world, 100, 1.0, 10);
     let on = |n_threads| {
-        let params = CalibrationParams {
-            n_threads,
-            ..params()
-        };
+        let params = CalibrationParams { n_threads, ..params() };
         let fitted = fit(&world, &presses, &params).unwrap();
         (fitted.info, fitted.model_error)
     };

@@ -23,12 +23,7 @@ impl Rig {
         let mut params = ConditionerParams::new(vec![1.0; N], PERIOD_S);
         change(&mut params);
         let conditioner = Conditioner::new(params).unwrap();
-        Self {
-            out: conditioner.output(),
-            conditioner,
-            rng: ChaCha8Rng::seed_from_u64(3),
-            t_s: 0.0,
-        }
+        Self { out: conditioner.output(), conditioner, rng: ChaCha8Rng::seed_from_u64(3), t_s: 0.0 }
     }
 
     /// Frames for `seconds`; the last one's output stays.
@@ -50,9 +45,7 @@ impl Rig {
     }
 
     fn step(&mut self, raw: &[f64], temperature_k: Option<f64>) {
-        self.conditioner
-            .step_into(raw, temperature_k, &mut self.out)
-            .unwrap();
+        self.conditioner.step_into(raw, temperature_k, &mut self.out).unwrap();
         self.t_s += PERIOD_S;
     }
 
@@ -67,9 +60,7 @@ impl Rig {
         let mut sums = vec![0.0; N];
         for _ in 0..n {
             self.run(PERIOD_S, &temperature_k, &signal);
-            sums.iter_mut()
-                .zip(&self.out.readings)
-                .for_each(|(s, r)| *s += r / n as f64);
+            sums.iter_mut().zip(&self.out.readings).for_each(|(s, r)| *s += r / n as f64);
         }
         sums
     }
@@ -110,11 +101,7 @@ fn drift_before_a_contact_is_taken_off() {
     let mean = rig.mean(0.5, |_| None, held);
     for (gauge, found) in mean.iter().enumerate() {
         // a ramp of 0.225 per second, and a filter that lags it by half a second
-        assert!(
-            (found - contact(gauge)).abs() < 0.8,
-            "{gauge}: {found}, {}",
-            contact(gauge)
-        );
+        assert!((found - contact(gauge)).abs() < 0.8, "{gauge}: {found}, {}", contact(gauge));
     }
 }
 
@@ -204,9 +191,8 @@ fn repeating(change: impl Fn(&mut ConditionerParams)) -> Rig {
     let mut rig = Rig::new(change);
     rig.run(1.0, |_| None, |g, _| offset(g));
     for i in 0..300 {
-        let mut raw: Vec<f64> = (0..N)
-            .map(|g| offset(g) + contact(g) + f64::from(i % 7) * 0.3)
-            .collect();
+        let mut raw: Vec<f64> =
+            (0..N).map(|g| offset(g) + contact(g) + f64::from(i % 7) * 0.3).collect();
         raw[6] = offset(6);
         rig.step(&raw, None);
     }

@@ -20,9 +20,8 @@ fn candidates() -> Candidates {
         let (s, c) = g.angle.sin_cos();
         Point3::new(world::RADIUS_M * c, g.height_m, world::RADIUS_M * s)
     };
-    let responses = (0..120)
-        .flat_map(|c| values.iter().map(move |(g, [u, v])| [g[c], u[c], v[c]]))
-        .collect();
+    let responses =
+        (0..120).flat_map(|c| values.iter().map(move |(g, [u, v])| [g[c], u[c], v[c]])).collect();
     Candidates {
         positions_m: world.gauges.iter().map(place).collect(),
         sites_m: world.sites.positions().to_vec(),
@@ -34,10 +33,7 @@ fn candidates() -> Candidates {
 #[test]
 fn constraints_hold_and_greedy_beats_chance() {
     let candidates = candidates();
-    let params = PlacementParams {
-        mounted: vec![1],
-        ..PlacementParams::new(8, 5.0)
-    };
+    let params = PlacementParams { mounted: vec![1], ..PlacementParams::new(8, 5.0) };
     let greedy = place_greedy(&candidates, &params).unwrap();
     let better = exchange(&candidates, &greedy, &params).unwrap();
     let qr = place_pca_qr(&candidates, &params).unwrap();
@@ -59,10 +55,7 @@ fn constraints_hold_and_greedy_beats_chance() {
     let score = |layout: &[usize]| placement_score(&candidates, layout, &params).unwrap();
     let mut chance: Vec<f64> = (0..15)
         .map(|seed| {
-            let drawn = PlacementParams {
-                seed,
-                ..params.clone()
-            };
+            let drawn = PlacementParams { seed, ..params.clone() };
             score(&place_random(&candidates, &drawn).unwrap()).single_mean_m
         })
         .collect();
@@ -83,15 +76,9 @@ fn constraints_hold_and_greedy_beats_chance() {
 
 #[test]
 fn too_wide_a_spacing_is_refused() {
-    let params = PlacementParams {
-        min_spacing_m: 0.2,
-        ..PlacementParams::new(3, 5.0)
-    };
+    let params = PlacementParams { min_spacing_m: 0.2, ..PlacementParams::new(3, 5.0) };
     let error = place_greedy(&candidates(), &params).unwrap_err();
-    assert!(
-        matches!(error, InverseError::Length { found: 1, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, InverseError::Length { found: 1, .. }), "{error}");
 }
 
 /// The bound falls with the number of gauges, and with it grows what the layout carries.
@@ -105,15 +92,9 @@ fn more_gauges_carry_more_contacts() {
         let sds = bounds.iter().flatten().map(|b| b.position_sd_m);
         let mean = sds.sum::<f64>() / bounds.len() as f64;
         let carried = carried_contacts(&estimator, &LimitParams::default()).unwrap();
-        assert_eq!(
-            carried.len(),
-            (n_gauges / 3).min(hapdef_inverse::MAX_CONTACTS)
-        );
+        assert_eq!(carried.len(), (n_gauges / 3).min(hapdef_inverse::MAX_CONTACTS));
         let n_carried = carried.iter().filter(|c| c.is_carried).count();
-        assert!(
-            mean < last.0 && n_carried >= last.1,
-            "{n_gauges}: {mean} {n_carried}"
-        );
+        assert!(mean < last.0 && n_carried >= last.1, "{n_gauges}: {mean} {n_carried}");
         last = (mean, n_carried);
     }
     assert!(last.1 >= 3, "{}", last.1);

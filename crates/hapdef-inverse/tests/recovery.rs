@@ -15,10 +15,7 @@ use world::World;
 const SD: f64 = 1.0;
 
 fn given(count: usize) -> EstimatorParams {
-    EstimatorParams {
-        known_count: Some(count),
-        ..EstimatorParams::default()
-    }
+    EstimatorParams { known_count: Some(count), ..EstimatorParams::default() }
 }
 
 fn draw(world: &World, k: usize, rng: &mut ChaCha8Rng) -> Vec<(SkinPoint, f64)> {
@@ -31,11 +28,8 @@ fn draw(world: &World, k: usize, rng: &mut ChaCha8Rng) -> Vec<(SkinPoint, f64)> 
 fn without_noise_one_and_two_contacts_are_exact() {
     for (seed, k) in [(1, 1), (2, 1), (3, 1), (4, 2), (5, 2), (6, 2)] {
         let world = World::new(10, 800, seed);
-        let params = EstimatorParams {
-            chi2_tolerance: 0.0,
-            max_steps: 200,
-            ..EstimatorParams::default()
-        };
+        let params =
+            EstimatorParams { chi2_tolerance: 0.0, max_steps: 200, ..EstimatorParams::default() };
         let estimator = world.estimator(NoiseParams::uniform(10, SD), params);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for frame in 0..20 {
@@ -73,9 +67,7 @@ fn what_one_contact_is_worth_if_it_is_two_is_what_two_are() {
     let estimator = world.estimator(NoiseParams::uniform(10, SD), params);
     let skin = world.map.skin();
     for point in world.draw_points(6, 0.01, &mut ChaCha8Rng::seed_from_u64(8)) {
-        let one = estimator
-            .estimate(&world.readings(&[(point, 20.0)]))
-            .unwrap();
+        let one = estimator.estimate(&world.readings(&[(point, 20.0)])).unwrap();
         let [if_two] = one.if_two[..] else {
             panic!("{} contacts", one.contacts.len());
         };
@@ -90,19 +82,14 @@ fn what_one_contact_is_worth_if_it_is_two_is_what_two_are() {
             });
             let mut two = ContactEstimate::default();
             let (points, y) = (ends.map(|(point, _)| point), world.readings(&ends));
-            estimator
-                .refine_into(&y, &points, &mut estimator.scratch(), &mut two)
-                .unwrap();
+            estimator.refine_into(&y, &points, &mut estimator.scratch(), &mut two).unwrap();
             let joint = |p: usize, q: usize| two.joint_covariance[6 * p + q];
             let force_sd_n = (joint(2, 2) + 2.0 * joint(2, 5) + joint(5, 5)).sqrt();
             let place_sd_m = |p: usize| (joint(p, p) + joint(p + 1, p + 1)).sqrt();
             largest[0] = largest[0].max(force_sd_n);
             largest[1] = largest[1].max(place_sd_m(0).max(place_sd_m(3)));
         }
-        let off = [
-            if_two.force_sd_n / largest[0] - 1.0,
-            if_two.position_sd_m / largest[1] - 1.0,
-        ];
+        let off = [if_two.force_sd_n / largest[0] - 1.0, if_two.position_sd_m / largest[1] - 1.0];
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
         assert!(if_two.force_sd_n > one.contacts[0].covariance[(2, 2)].sqrt());
     }
@@ -111,17 +98,12 @@ fn what_one_contact_is_worth_if_it_is_two_is_what_two_are() {
 #[test]
 fn where_no_further_contact_may_touch_none_is_weighed() {
     let world = World::new(10, 800, 3);
-    let alone = EstimatorParams {
-        max_contacts: 1,
-        ..EstimatorParams::default()
-    };
+    let alone = EstimatorParams { max_contacts: 1, ..EstimatorParams::default() };
     let estimator = world.estimator(NoiseParams::uniform(10, SD), alone);
     let [point] = world.draw_points(1, 0.01, &mut ChaCha8Rng::seed_from_u64(8))[..] else {
         panic!("one point was asked for");
     };
-    let one = estimator
-        .estimate(&world.readings(&[(point, 20.0)]))
-        .unwrap();
+    let one = estimator.estimate(&world.readings(&[(point, 20.0)])).unwrap();
     assert_eq!((one.contacts.len(), one.if_two.len()), (1, 0));
 }
 
@@ -182,23 +164,13 @@ fn regions_hold_what_they_say_and_errors_meet_the_bound() {
         let linear = || results.iter().filter(|r| r.2 < LINEAR_M * LINEAR_M);
         let n_inside = linear().filter(|r| r.0 <= chi2_95).count();
         let coverage = n_inside as f64 / linear().count() as f64;
-        assert!(
-            results.len() * 5 > n_frames * 4,
-            "{} identified",
-            results.len()
-        );
-        assert!(
-            (0.92..0.98).contains(&coverage),
-            "{k} contacts: 95 % regions hold {coverage:.3}"
-        );
+        assert!(results.len() * 5 > n_frames * 4, "{} identified", results.len());
+        assert!((0.92..0.98).contains(&coverage), "{k} contacts: 95 % regions hold {coverage:.3}");
         let mut ratios: Vec<f64> = results.iter().map(|r| (r.1 / r.2).sqrt()).collect();
         ratios.sort_by(f64::total_cmp);
         // the median of error over bound: 1.18/√2 for a round region, 0.67 for a needle
         let median = ratios[ratios.len() / 2];
-        assert!(
-            (0.6..1.05).contains(&median),
-            "{k} contacts: median error over bound {median:.3}"
-        );
+        assert!((0.6..1.05).contains(&median), "{k} contacts: median error over bound {median:.3}");
     }
 }
 
@@ -232,13 +204,9 @@ fn the_same_frame_gives_the_same_answer() {
     for _ in 0..3 {
         let mut other = world.readings(&draw(&world, 3, &mut rng));
         world::add_noise(&mut other, SD, &mut rng);
-        estimator
-            .estimate_into(&other, &mut scratch, &mut again)
-            .unwrap();
+        estimator.estimate_into(&other, &mut scratch, &mut again).unwrap();
     }
-    estimator
-        .estimate_into(&y, &mut scratch, &mut again)
-        .unwrap();
+    estimator.estimate_into(&y, &mut scratch, &mut again).unwrap();
     assert_eq!(first, again);
 }
 
@@ -246,10 +214,7 @@ fn the_same_frame_gives_the_same_answer() {
 #[test]
 fn shear_is_found_from_a_start_nearby() {
     let world = World::new(12, 400, 9);
-    let params = EstimatorParams {
-        chi2_tolerance: 0.0,
-        ..EstimatorParams::default()
-    };
+    let params = EstimatorParams { chi2_tolerance: 0.0, ..EstimatorParams::default() };
     let estimator = world.estimator(NoiseParams::uniform(12, SD), params);
     let skin = world.map.skin();
     let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -294,19 +259,10 @@ fn shear_is_found_from_a_start_nearby() {
 #[test]
 fn a_contact_that_the_maps_error_may_hide_is_looked_for() {
     let world = World::new(16, 800, 5);
-    let model_error = ModelError {
-        relative: 0.04,
-        ..ModelError::default()
-    };
-    let noise = NoiseParams {
-        model_error,
-        ..NoiseParams::uniform(16, SD)
-    };
+    let model_error = ModelError { relative: 0.04, ..ModelError::default() };
+    let noise = NoiseParams { model_error, ..NoiseParams::uniform(16, SD) };
     let n_right = |settle_p: f64| {
-        let params = EstimatorParams {
-            settle_p,
-            ..EstimatorParams::default()
-        };
+        let params = EstimatorParams { settle_p, ..EstimatorParams::default() };
         let estimator = world.estimator(noise.clone(), params);
         let mut rng = ChaCha8Rng::seed_from_u64(77);
         let is_right = |_: &usize| {
@@ -327,8 +283,5 @@ fn a_contact_that_the_maps_error_may_hide_is_looked_for() {
     };
     let defaults = EstimatorParams::default();
     let [settled, accepted] = [defaults.settle_p, defaults.accept_p].map(n_right);
-    assert!(
-        settled > accepted,
-        "{settled} of 60, not more than {accepted}"
-    );
+    assert!(settled > accepted, "{settled} of 60, not more than {accepted}");
 }

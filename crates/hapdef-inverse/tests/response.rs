@@ -31,10 +31,7 @@ fn six_node_faces_converge_with_third_order_and_three_node_faces_with_second_or_
     for (is_quadratic, coarse, least) in [(true, 20, 2.5), (false, 40, 1.8)] {
         let (a, b) = (worst(is_quadratic, coarse), worst(is_quadratic, 2 * coarse));
         let order = (a / b).log2();
-        assert!(
-            order > least,
-            "quadratic {is_quadratic}: {a:.4} then {b:.4}, order {order:.2}"
-        );
+        assert!(order > least, "quadratic {is_quadratic}: {a:.4} then {b:.4}, order {order:.2}");
     }
 }
 
@@ -60,10 +57,7 @@ fn cubics_are_exact_for_quadratics_on_a_plane() {
         }
     }
     let field = |x: f64, y: f64| 1.0 + 30.0 * x - 20.0 * y + 900.0 * x * y + 400.0 * x * x;
-    let adjoint: Vec<_> = nodes
-        .iter()
-        .map(|p| Vector3::new(0.0, 0.0, -field(p.x, p.y)))
-        .collect();
+    let adjoint: Vec<_> = nodes.iter().map(|p| Vector3::new(0.0, 0.0, -field(p.x, p.y))).collect();
     let faces = hapdef_inverse::SkinFaces::Linear(&faces);
     let skin = Skin::new(nodes, faces, None, &Default::default()).unwrap();
     let map = ResponseMap::from_nodal(skin, 1, &adjoint, &ResponseParams::default()).unwrap();
@@ -88,10 +82,7 @@ fn quarters_have_an_eighth_of_the_error() {
     for _ in 0..2000 {
         let point = world::draw_point(skin, &mut rng);
         let x = skin.position(&point);
-        let gauges = world
-            .gauges
-            .iter()
-            .map(|gauge| -gauge.response(&x).dot(&skin.normal(&point)));
+        let gauges = world.gauges.iter().map(|gauge| -gauge.response(&x).dot(&skin.normal(&point)));
         for (gauge, truth) in gauges.enumerate() {
             coarse_2 += (world.map.normal(&point)[gauge] - truth).powi(2);
             fine_2 += (fine.normal(&point)[gauge] - truth).powi(2);
@@ -167,15 +158,9 @@ fn a_tip_averages_over_its_pressure() {
     let skin = world.map.skin().clone();
     let radius_m = 0.004;
     let field = |y: f64| 3.0 + 1e4 * (y - 0.05).powi(2);
-    let adjoint: Vec<_> = skin
-        .nodes()
-        .iter()
-        .zip(skin.normals())
-        .map(|(x, n)| -n * field(x.y))
-        .collect();
-    let params = ResponseParams {
-        tip_radius_m: radius_m,
-    };
+    let adjoint: Vec<_> =
+        skin.nodes().iter().zip(skin.normals()).map(|(x, n)| -n * field(x.y)).collect();
+    let params = ResponseParams { tip_radius_m: radius_m };
     let nodes = skin.node_points();
     let map = ResponseMap::from_nodal(skin, 1, &adjoint, &params).unwrap();
     let mut n_checked = 0;
@@ -199,9 +184,7 @@ fn nodal_values_make_the_same_map() {
     for is_quadratic in [true, false] {
         let world = World::on(barrel(28, 22, is_quadratic), 10, 20, 3);
         let skin = world.map.skin().clone();
-        let tip = ResponseParams {
-            tip_radius_m: 0.004,
-        };
+        let tip = ResponseParams { tip_radius_m: 0.004 };
         let map = ResponseMap::from_nodal(skin.clone(), 10, &world.map.nodal(), &tip).unwrap();
         let again = ResponseMap::from_nodal(skin, 10, &map.nodal(), &ResponseParams::default());
         let again = again.unwrap();
@@ -245,10 +228,7 @@ fn tips_average_constants_to_themselves_and_fit_one_skin() {
         let tips = TipMeans::new(&skin, tip_radius_m).unwrap();
         let map = ResponseMap::under_tips(skin.clone(), 1, &constant, &tips).unwrap();
         for mean in map.nodal() {
-            assert!(
-                (mean - constant[0]).norm() < 1e-13,
-                "{tip_radius_m}: {mean}"
-            );
+            assert!((mean - constant[0]).norm() < 1e-13, "{tip_radius_m}: {mean}");
         }
     }
     let other = World::on(barrel(20, 22, true), 1, 20, 3).map.skin().clone();

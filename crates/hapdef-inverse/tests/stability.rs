@@ -30,10 +30,7 @@ fn check_numbers(e: &ContactEstimate) {
     assert!(e.residual.iter().all(|v| v.is_finite()));
     assert!(e.chi2.is_finite() && e.chi2 >= 0.0 && (0.0..=1.0).contains(&e.p_value));
     assert!(e.runner_ups.iter().all(|r| r.delta_evidence.is_finite()));
-    let if_two = e
-        .if_two
-        .iter()
-        .flat_map(|t| [t.force_sd_n, t.position_sd_m]);
+    let if_two = e.if_two.iter().flat_map(|t| [t.force_sd_n, t.position_sd_m]);
     assert!(if_two.into_iter().all(|sd| sd.is_finite() && sd >= 0.0));
 }
 
@@ -60,18 +57,14 @@ fn two_contacts_merge() {
     let mut merged_n = 0.0;
     for gap_mm in [20.0, 10.0, 5.0, 2.0, 1.0, 0.1, 1e-3, 1e-6, 0.0] {
         let step = t * (gap_mm * 1e-3);
-        let other = skin
-            .walk(&start, &step, hapdef_inverse::AtWall::Slide)
-            .point;
+        let other = skin.walk(&start, &step, hapdef_inverse::AtWall::Slide).point;
         let y = world.readings(&[(start, 10.0), (other, 12.0)]);
         let found = estimator.estimate(&y).unwrap();
         check_numbers(&found);
         merged_n = found.contacts.iter().map(|c| c.force_n).sum();
         let warm = &mut ContactEstimate::default();
         let points = [start, other];
-        estimator
-            .refine_into(&y, &points, &mut estimator.scratch(), warm)
-            .unwrap();
+        estimator.refine_into(&y, &points, &mut estimator.scratch(), warm).unwrap();
         check_numbers(warm);
     }
     assert!((merged_n - 22.0).abs() < 0.1, "{merged_n} N of 22");
@@ -93,9 +86,7 @@ fn forces_over_eight_decades() {
     let point = world.draw_points(1, 0.0, &mut ChaCha8Rng::seed_from_u64(8))[0];
     for exponent in -3..=5 {
         let force_n = 10.0_f64.powi(exponent);
-        let found = estimator
-            .estimate(&world.readings(&[(point, force_n)]))
-            .unwrap();
+        let found = estimator.estimate(&world.readings(&[(point, force_n)])).unwrap();
         check_numbers(&found);
         if force_n >= 10.0 {
             let n: f64 = found.contacts.iter().map(|c| c.force_n).sum();
@@ -135,16 +126,9 @@ fn readings_that_are_not_finite_are_refused_by_gauge() {
         let mut y = vec![1.0; 10];
         y[7] = found;
         let error = estimator.estimate(&y).unwrap_err();
-        assert!(
-            matches!(error, InverseError::Reading { gauge: 7, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, InverseError::Reading { gauge: 7, .. }), "{error}");
     }
-    let expected = InverseError::Length {
-        what: "the readings",
-        expected: 10,
-        found: 3,
-    };
+    let expected = InverseError::Length { what: "the readings", expected: 10, found: 3 };
     assert_eq!(estimator.estimate(&[0.0; 3]).unwrap_err(), expected);
 }
 
@@ -170,9 +154,7 @@ fn dead_gauges_are_not_looked_at_and_covariances_grow() {
         let found = masked.estimate(&y).unwrap();
         check_numbers(&found);
         let warm = &mut ContactEstimate::default();
-        masked
-            .refine_into(&y, &[point], &mut masked.scratch(), warm)
-            .unwrap();
+        masked.refine_into(&y, &[point], &mut masked.scratch(), warm).unwrap();
         let area = |e: &ContactEstimate| e.contacts[0].covariance.determinant();
         assert!(area(warm) > area(&full), "{n_dead} dead");
     }
@@ -188,11 +170,7 @@ fn changed(
     let adjoint: Vec<_> = skin
         .nodes()
         .iter()
-        .flat_map(|x| {
-            (0..n)
-                .map(|g| change(g, world.gauges[g].response(x)))
-                .collect::<Vec<_>>()
-        })
+        .flat_map(|x| (0..n).map(|g| change(g, world.gauges[g].response(x))).collect::<Vec<_>>())
         .collect();
     let map = ResponseMap::from_nodal(skin, n, &adjoint, &ResponseParams::default()).unwrap();
     let sites = ScanSites::farthest(map.skin(), 300).unwrap();
@@ -220,23 +198,12 @@ fn check_layout(world: &World, estimator: &ContactEstimator) {
 #[test]
 fn strange_layouts() {
     let world = World::new(10, 300, 5);
-    check_layout(
-        &world,
-        &changed(&world, |g, v| if g == 4 { v * 0.0 } else { v }),
-    );
-    check_layout(
-        &world,
-        &changed(&world, |g, v| v * 10.0_f64.powi(g as i32 - 5)),
-    );
-    let twins = World {
-        gauges: (0..10).map(|g| world.gauges[g / 2].clone()).collect(),
-        ..world.clone()
-    };
+    check_layout(&world, &changed(&world, |g, v| if g == 4 { v * 0.0 } else { v }));
+    check_layout(&world, &changed(&world, |g, v| v * 10.0_f64.powi(g as i32 - 5)));
+    let twins =
+        World { gauges: (0..10).map(|g| world.gauges[g / 2].clone()).collect(), ..world.clone() };
     check_layout(&twins, &changed(&twins, |_, v| v));
-    let same = World {
-        gauges: vec![world.gauges[0].clone(); 10],
-        ..world.clone()
-    };
+    let same = World { gauges: vec![world.gauges[0].clone(); 10], ..world.clone() };
     check_layout(&same, &changed(&same, |_, v| v));
     let blind = changed(&world, |_, v| v * 0.0);
     check_layout(&world, &blind);
@@ -252,10 +219,8 @@ fn only_gauges_that_tell_something_count() {
     assert_eq!(changed(&world, |_, v| v).most_contacts(), 3);
     let half = changed(&world, |g, v| if g < 6 { v } else { v * 1e-9 });
     assert_eq!(half.most_contacts(), 2);
-    let twins = World {
-        gauges: (0..10).map(|g| world.gauges[g / 2].clone()).collect(),
-        ..world.clone()
-    };
+    let twins =
+        World { gauges: (0..10).map(|g| world.gauges[g / 2].clone()).collect(), ..world.clone() };
     assert_eq!(changed(&twins, |_, v| v).most_contacts(), 1);
     let blind = changed(&world, |_, v| v * 0.0);
     let verdict = blind.estimate(&[30.0; 10]).unwrap().verdict;
@@ -285,10 +250,7 @@ fn answers_under_more_noise_than_told_are_not_sure() {
 #[test]
 fn one_gauge_ten_times_identifies_nothing() {
     let world = World::new(10, 300, 5);
-    let same = World {
-        gauges: vec![world.gauges[0].clone(); 10],
-        ..world
-    };
+    let same = World { gauges: vec![world.gauges[0].clone(); 10], ..world };
     let estimator = changed(&same, |_, v| v);
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     for point in same.draw_points(10, 0.0, &mut rng) {
@@ -334,16 +296,9 @@ fn an_error_of_the_map_widens_the_regions() {
     let point = world.draw_points(1, 0.0, &mut ChaCha8Rng::seed_from_u64(8))[0];
     let y = world.readings(&[(point, 20.0)]);
     let area = |relative: f64, friction_rms: f64, tip_ring_m: f64| {
-        let model_error = ModelError {
-            relative,
-            friction_rms,
-            tip_ring_m,
-            ..ModelError::default()
-        };
-        let noise = NoiseParams {
-            model_error,
-            ..NoiseParams::uniform(10, 1.0)
-        };
+        let model_error =
+            ModelError { relative, friction_rms, tip_ring_m, ..ModelError::default() };
+        let noise = NoiseParams { model_error, ..NoiseParams::uniform(10, 1.0) };
         let estimator = world.estimator(noise, EstimatorParams::default());
         let found = estimator.estimate(&y).unwrap();
         check_numbers(&found);

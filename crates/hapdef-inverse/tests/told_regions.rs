@@ -1,8 +1,5 @@
 //! The regions that a calibration tells, against presses that it has not seen.
-#![expect(
-    clippy::unwrap_used,
-    reason = "an estimator that can't be made fails the test"
-)]
+#![expect(clippy::unwrap_used, reason = "an estimator that can't be made fails the test")]
 
 mod limb;
 mod world;
@@ -17,16 +14,10 @@ use world::World;
 
 fn estimator(world: &World, fitted: &Calibrated, place_factor: f64) -> ContactEstimator {
     let noise = NoiseParams {
-        model_error: ModelError {
-            place_factor,
-            ..fitted.model_error.clone()
-        },
+        model_error: ModelError { place_factor, ..fitted.model_error.clone() },
         ..NoiseParams::uniform(N_GAUGES, 1.0)
     };
-    let params = EstimatorParams {
-        max_contacts: 1,
-        ..EstimatorParams::default()
-    };
+    let params = EstimatorParams { max_contacts: 1, ..EstimatorParams::default() };
     let (map, sites) = (Arc::new(fitted.map.clone()), world.sites.clone());
     ContactEstimator::new(map, sites, noise, params).unwrap()
 }
@@ -35,10 +26,7 @@ fn estimator(world: &World, fitted: &Calibrated, place_factor: f64) -> ContactEs
 #[test]
 fn told_regions_hold_presses_that_were_not_seen() {
     let world = limb::world();
-    let limb = Limb {
-        warp: 0.15,
-        ..Limb::plain()
-    };
+    let limb = Limb { warp: 0.15, ..Limb::plain() };
     let fitted = fit(&world, &limb.presses(&world, 300, 1.0, 3), &params()).unwrap();
     let factor = fitted.model_error.place_factor;
     let estimator = estimator(&world, &fitted, factor);
@@ -53,10 +41,7 @@ fn told_regions_hold_presses_that_were_not_seen() {
     }
     let share = inside as f64 / f64::from(all);
     println!("{share} of {all} with a factor of {factor}");
-    assert!(
-        all > 500 && (0.92..=0.98).contains(&share),
-        "{share} of {all}"
-    );
+    assert!(all > 500 && (0.92..=0.98).contains(&share), "{share} of {all}");
 }
 
 #[test]

@@ -59,10 +59,7 @@ fn following_contacts_allocates_nothing() {
     for (seed, relative) in [(1, 0.0), (2, 0.014), (3, 0.014)] {
         let world = World::new(10, 400, seed);
         let noise = NoiseParams {
-            model_error: ModelError {
-                relative,
-                ..ModelError::default()
-            },
+            model_error: ModelError { relative, ..ModelError::default() },
             ..NoiseParams::uniform(10, 1.0)
         };
         let estimator = world.estimator(noise, EstimatorParams::default());

@@ -37,10 +37,7 @@ fn two_bumps() -> Result<(usize, Vec<Candidate>), KMaxError> {
     let graph = KMaxGraph::new(&points, KMaxParams::spanning_radius(&points, 0.010)?)?;
     let mut peaks = Vec::new();
     graph.peaks(&field, 0.0, &mut peaks)?;
-    let candidates = peaks.iter().map(|peak| Candidate {
-        node: peak.node,
-        score: peak.value,
-    });
+    let candidates = peaks.iter().map(|peak| Candidate { node: peak.node, score: peak.value });
     let top = select_top(&candidates.collect::<Vec<_>>(), TOPS.len());
     Ok((peaks.len(), top))
 }

@@ -66,10 +66,7 @@ impl Adjacency {
     pub(crate) fn with_capacity(n_rows: usize, n_per_row: usize) -> Self {
         let mut starts = Vec::with_capacity(n_rows + 1);
         starts.push(0);
-        Self {
-            starts,
-            targets: Vec::with_capacity(n_rows * n_per_row),
-        }
+        Self { starts, targets: Vec::with_capacity(n_rows * n_per_row) }
     }
 
     pub(crate) fn push_row(&mut self, row: impl Iterator<Item = u32>) {

@@ -26,10 +26,7 @@ impl KMaxGraph {
     pub fn peaks(&self, field: &[f32], floor: f32, out: &mut Vec<Peak>) -> Result<(), KMaxError> {
         out.clear();
         if field.len() != self.n_nodes() {
-            return Err(KMaxError::FieldLength {
-                expected: self.n_nodes(),
-                got: field.len(),
-            });
+            return Err(KMaxError::FieldLength { expected: self.n_nodes(), got: field.len() });
         }
         for (node, &value) in field.iter().enumerate() {
             if value.is_finite() && value > floor && self.is_peak(field, node) {
@@ -50,8 +47,7 @@ impl KMaxGraph {
     }
 
     fn has_larger_neighbour(&self, field: &[f32], node: usize) -> bool {
-        self.neighbours(node)
-            .any(|j| field[j].is_finite() && field[j] > field[node])
+        self.neighbours(node).any(|j| field[j].is_finite() && field[j] > field[node])
     }
 
     /// Whether `node` has the lowest index of its plateau and the plateau has no larger neighbour.

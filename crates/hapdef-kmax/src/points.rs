@@ -30,16 +30,10 @@ impl KMaxParams {
         let tree = build_tree(points);
         let mut counts: Vec<usize> = points
             .iter()
-            .map(|p| {
-                tree.locate_within_distance(*p, radius_m * radius_m)
-                    .count()
-                    .saturating_sub(1)
-            })
+            .map(|p| tree.locate_within_distance(*p, radius_m * radius_m).count().saturating_sub(1))
             .collect();
         counts.sort_unstable();
-        Ok(Self {
-            k_neighbours: counts[counts.len() / 2].max(1),
-        })
+        Ok(Self { k_neighbours: counts[counts.len() / 2].max(1) })
     }
 }
 
@@ -71,26 +65,16 @@ impl KMaxGraph {
 
 fn build_tree(points: &[[f64; 3]]) -> RTree<GeomWithData<[f64; 3], u32>> {
     let entries = points.iter().enumerate();
-    RTree::bulk_load(
-        entries
-            .map(|(i, p)| GeomWithData::new(*p, i as u32))
-            .collect(),
-    )
+    RTree::bulk_load(entries.map(|(i, p)| GeomWithData::new(*p, i as u32)).collect())
 }
 
 fn check_points(points: &[[f64; 3]], k_neighbours: usize) -> Result<(), KMaxError> {
     let n_points = points.len();
     if k_neighbours == 0 || k_neighbours >= n_points || u32::try_from(n_points).is_err() {
-        return Err(KMaxError::NeighbourCount {
-            k_neighbours,
-            n_points,
-        });
+        return Err(KMaxError::NeighbourCount { k_neighbours, n_points });
     }
     match points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        Some(index) => Err(KMaxError::PointNotFinite {
-            index,
-            point: points[index],
-        }),
+        Some(index) => Err(KMaxError::PointNotFinite { index, point: points[index] }),
         None => Ok(()),
     }
 }

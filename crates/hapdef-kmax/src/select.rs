@@ -16,10 +16,7 @@ pub struct Candidate {
 impl From<Peak> for Candidate {
     /// Scores a peak by the value of the field there.
     fn from(peak: Peak) -> Self {
-        Self {
-            node: peak.node,
-            score: peak.value,
-        }
+        Self { node: peak.node, score: peak.value }
     }
 }
 
@@ -49,10 +46,7 @@ pub fn select_top_with_spread(
         return Err(KMaxError::Tolerance { tolerance });
     }
     if let Some(stray) = candidates.iter().find(|c| c.node >= points.len()) {
-        return Err(KMaxError::NodeOutOfRange {
-            node: stray.node,
-            n_points: points.len(),
-        });
+        return Err(KMaxError::NodeOutOfRange { node: stray.node, n_points: points.len() });
     }
     let mut sorted = sorted_by_score(candidates);
     if t >= 1 && sorted.len() > t {
@@ -67,11 +61,8 @@ pub fn select_top_with_spread(
 }
 
 fn sorted_by_score(candidates: &[Candidate]) -> Vec<Candidate> {
-    let mut sorted: Vec<Candidate> = candidates
-        .iter()
-        .filter(|c| c.score.is_finite())
-        .copied()
-        .collect();
+    let mut sorted: Vec<Candidate> =
+        candidates.iter().filter(|c| c.score.is_finite()).copied().collect();
     sorted.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.node.cmp(&b.node)));
     sorted
 }
@@ -91,21 +82,12 @@ fn reach(points: &[[f64; 3]], kept: &[Candidate], candidate: Candidate) -> f64 {
 mod tests {
     use super::*;
 
-    const POINTS: [[f64; 3]; 4] = [
-        [0.0; 3],
-        [0.01, 0.0, 0.0],
-        [0.05, 0.0, 0.0],
-        [0.09, 0.0, 0.0],
-    ];
+    const POINTS: [[f64; 3]; 4] = [[0.0; 3], [0.01, 0.0, 0.0], [0.05, 0.0, 0.0], [0.09, 0.0, 0.0]];
 
     #[track_caller]
     fn check(scores: [f32; 4], t: usize, tolerance: f32, expected: &[usize]) {
-        let candidates: Vec<_> = (0..4)
-            .map(|node| Candidate {
-                node,
-                score: scores[node],
-            })
-            .collect();
+        let candidates: Vec<_> =
+            (0..4).map(|node| Candidate { node, score: scores[node] }).collect();
         let chosen = select_top_with_spread(&POINTS, &candidates, t, tolerance).unwrap();
         let nodes: Vec<_> = chosen.iter().map(|c| c.node).collect();
         assert_eq!(nodes, expected);
@@ -148,16 +130,10 @@ mod tests {
 
     #[test]
     fn a_stray_node_is_refused() {
-        let stray = [Candidate {
-            node: 4,
-            score: 1.0,
-        }];
+        let stray = [Candidate { node: 4, score: 1.0 }];
         assert_eq!(
             select_top_with_spread(&POINTS, &stray, 1, 0.1),
-            Err(KMaxError::NodeOutOfRange {
-                node: 4,
-                n_points: 4
-            })
+            Err(KMaxError::NodeOutOfRange { node: 4, n_points: 4 })
         );
     }
 }

@@ -21,9 +21,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// A square sheet of n × n points, 1 mm apart.
 fn sheet(n: usize) -> Vec<[f64; 3]> {
-    (0..n * n)
-        .map(|i| [(i % n) as f64 * 1e-3, (i / n) as f64 * 1e-3, 0.0])
-        .collect()
+    (0..n * n).map(|i| [(i % n) as f64 * 1e-3, (i / n) as f64 * 1e-3, 0.0]).collect()
 }
 
 fn cloud() -> impl Strategy<Value = Vec<[f64; 3]>> {
@@ -145,10 +143,8 @@ fn two_bumps_farther_apart_than_the_neighbourhood_give_two_peaks() {
     let points = sheet(30);
     let (a, b) = ([6e-3, 6e-3, 0.0], [22e-3, 20e-3, 0.0]);
     let bump = |p, c, width: f64| (-(distance(p, c) / width).powi(2)).exp();
-    let field: Vec<f32> = points
-        .iter()
-        .map(|p| (bump(*p, a, 4e-3) + 0.5 * bump(*p, b, 4e-3)) as f32)
-        .collect();
+    let field: Vec<f32> =
+        points.iter().map(|p| (bump(*p, a, 4e-3) + 0.5 * bump(*p, b, 4e-3)) as f32).collect();
     let found = peaks(&graph(&points, 24), &field, 1e-3);
     let nodes: Vec<_> = found.iter().map(|p| p.node).collect();
     assert_eq!(nodes, [6 * 30 + 6, 20 * 30 + 22]);
@@ -168,13 +164,7 @@ fn a_missing_value_neither_leads_nor_blocks() {
     let graph = graph(&sheet(5), 8);
     let mut field = [0.1; 25];
     (field[12], field[13]) = (1.0, f32::NAN);
-    assert_eq!(
-        peaks(&graph, &field, 0.2),
-        [Peak {
-            node: 12,
-            value: 1.0
-        }]
-    );
+    assert_eq!(peaks(&graph, &field, 0.2), [Peak { node: 12, value: 1.0 }]);
 }
 
 #[test]
@@ -193,14 +183,8 @@ fn neighbours_at_the_same_distance_come_together() {
 #[test]
 fn bad_arguments_are_refused_with_their_numbers() {
     let points = sheet(2);
-    let count = KMaxError::NeighbourCount {
-        k_neighbours: 4,
-        n_points: 4,
-    };
-    assert_eq!(
-        KMaxGraph::new(&points, KMaxParams { k_neighbours: 4 }).unwrap_err(),
-        count
-    );
+    let count = KMaxError::NeighbourCount { k_neighbours: 4, n_points: 4 };
+    assert_eq!(KMaxGraph::new(&points, KMaxParams { k_neighbours: 4 }).unwrap_err(), count);
     assert!(KMaxGraph::new(&[], KMaxParams { k_neighbours: 1 }).is_err());
     assert!(KMaxParams::spanning_radius(&points, f64::NAN).is_err());
     let mut broken = points.clone();
@@ -210,13 +194,7 @@ fn bad_arguments_are_refused_with_their_numbers() {
         Err(KMaxError::PointNotFinite { index: 3, .. })
     ));
     let got = graph(&points, 2).peaks(&[0.0; 3], 0.0, &mut vec![]);
-    assert_eq!(
-        got,
-        Err(KMaxError::FieldLength {
-            expected: 4,
-            got: 3
-        })
-    );
+    assert_eq!(got, Err(KMaxError::FieldLength { expected: 4, got: 3 }));
 }
 
 /// A graph of the neighbours that another one lists finds what that one finds.
@@ -231,9 +209,6 @@ fn a_graph_comes_back_from_its_neighbours() {
     assert!(!found.is_empty());
     assert_eq!(peaks(&again, &field, 0.0), found);
     let stray = KMaxGraph::from_neighbours([vec![1], vec![2]]).unwrap_err();
-    let expected = KMaxError::NeighbourOutOfRange {
-        neighbour: 2,
-        n_nodes: 2,
-    };
+    let expected = KMaxError::NeighbourOutOfRange { neighbour: 2, n_nodes: 2 };
     assert_eq!(stray, expected);
 }

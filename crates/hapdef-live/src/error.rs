@@ -175,11 +175,7 @@ pub(crate) fn check_not_negative(what: &'static str, found: f64) -> Result<(), L
     if found.is_finite() && found >= 0.0 {
         return Ok(());
     }
-    Err(LiveError::Parameter {
-        what,
-        found,
-        expected: "finite and not below 0",
-    })
+    Err(LiveError::Parameter { what, found, expected: "finite and not below 0" })
 }
 
 /// Refuses a parameter that is not finite or not above 0.
@@ -187,9 +183,5 @@ pub(crate) fn check_positive(what: &'static str, found: f64) -> Result<(), LiveE
     if found.is_finite() && found > 0.0 {
         return Ok(());
     }
-    Err(LiveError::Parameter {
-        what,
-        found,
-        expected: "finite and above 0",
-    })
+    Err(LiveError::Parameter { what, found, expected: "finite and above 0" })
 }

@@ -28,11 +28,7 @@ pub struct Latency {
 
 impl Histogram {
     pub(crate) fn new() -> Self {
-        Self {
-            counts: vec![0; (N_OCTAVES + 1) * PER_OCTAVE as usize],
-            n: 0,
-            max_ns: 0,
-        }
+        Self { counts: vec![0; (N_OCTAVES + 1) * PER_OCTAVE as usize], n: 0, max_ns: 0 }
     }
 
     pub(crate) fn add(&mut self, ns: u64) {

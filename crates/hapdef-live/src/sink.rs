@@ -125,27 +125,14 @@ impl Wants {
         health: false,
     };
     /// Readings as they come.
-    pub const RAW: Self = Self {
-        raw: true,
-        ..Self::NOTHING
-    };
+    pub const RAW: Self = Self { raw: true, ..Self::NOTHING };
     /// Readings less what drifts.
-    pub const TARED: Self = Self {
-        tared: true,
-        ..Self::RAW
-    };
+    pub const TARED: Self = Self { tared: true, ..Self::RAW };
     /// Contacts without their covariance.
-    pub const CONTACTS: Self = Self {
-        contacts: true,
-        ..Self::TARED
-    };
+    pub const CONTACTS: Self = Self { contacts: true, ..Self::TARED };
     /// Everything.
-    pub const ALL: Self = Self {
-        uncertainty: true,
-        alternatives: true,
-        health: true,
-        ..Self::CONTACTS
-    };
+    pub const ALL: Self =
+        Self { uncertainty: true, alternatives: true, health: true, ..Self::CONTACTS };
 
     /// What either needs.
     #[must_use]
@@ -179,22 +166,14 @@ impl Wants {
     }
 
     pub(crate) fn of_touch(self) -> TouchWanted {
-        TouchWanted {
-            uncertainty: self.uncertainty,
-            alternatives: self.alternatives,
-        }
+        TouchWanted { uncertainty: self.uncertainty, alternatives: self.alternatives }
     }
 }
 
 impl<F: FnMut(&LiveFrame) + Send> FnSink<F> {
     /// A sink that calls `take` with the latest frame whenever it is ready for one.
     pub fn new(name: &str, wants: Wants, take: F) -> Self {
-        Self {
-            name: name.to_owned(),
-            wants,
-            delivery: Delivery::Latest,
-            take,
-        }
+        Self { name: name.to_owned(), wants, delivery: Delivery::Latest, take }
     }
 
     /// The same with another delivery.

@@ -79,10 +79,7 @@ fn no_frame_allocates() {
     let readings = pressed(&world, 3000, 3);
     let source = ReplaySource::new("memory", messages(&readings).into_iter(), 0.0);
     let seen = Arc::new(Mutex::new(Vec::with_capacity(4096)));
-    let watch = Watch {
-        n_health: 0,
-        seen: Arc::clone(&seen),
-    };
+    let watch = Watch { n_health: 0, seen: Arc::clone(&seen) };
     let slow = FnSink::new("people", Wants::ALL, |_| ());
     let queued = FnSink::new("program", Wants::ALL, |_| ());
     let live = Live::builder(source)

@@ -29,9 +29,7 @@ fn a_bundle_comes_back_as_it_was() {
     });
     written.scene_json = "{\"name\": \"barrel\"}".to_owned();
     written.calibration_json = Some("{\"n_presses\": 300}".to_owned());
-    written
-        .nets
-        .insert("a.safetensors".to_owned(), vec![1, 2, 3]);
+    written.nets.insert("a.safetensors".to_owned(), vec![1, 2, 3]);
     written.info.settings.map_error = 0.1 + 1e-17;
     let bytes = written.to_bytes().unwrap();
     assert_eq!(bytes, written.to_bytes().unwrap());
@@ -52,9 +50,7 @@ fn its_estimates_are_those_of_the_map_it_was_made_of() {
     let world = World::new(N_GAUGES, 400, 5);
     let bytes = bundle(&world).to_bytes().unwrap();
     let read = Bundle::from_bytes(&bytes, "test").unwrap();
-    let direct = settings()
-        .estimator(Arc::clone(&world.map), Vec::new())
-        .unwrap();
+    let direct = settings().estimator(Arc::clone(&world.map), Vec::new()).unwrap();
     let (mut direct, mut bundled) = (Superposition::new(direct), read.superposition().unwrap());
     let (mut expected, mut found) = (Touch::default(), Touch::default());
     let mut n_contacts = 0;
@@ -72,19 +68,14 @@ fn site_errors_come_along() {
     let world = small();
     let mut written = bundle(&world);
     written.info.settings.n_sites = 10;
-    written.site_error = (0..10 * 16)
-        .map(|i| f64::from(u8::from(i % 5 == 0)))
-        .collect();
+    written.site_error = (0..10 * 16).map(|i| f64::from(u8::from(i % 5 == 0))).collect();
     let read = Bundle::from_bytes(&written.to_bytes().unwrap(), "test").unwrap();
     assert_eq!(read.site_error, written.site_error);
     let mut readings = vec![0.0; 4];
     let mut rng = rand::SeedableRng::seed_from_u64(1);
     add_noise(&mut readings, 30.0, &mut rng);
     let (a, b) = (read.contact_estimator(), written.contact_estimator());
-    assert_eq!(
-        a.unwrap().estimate(&readings).unwrap(),
-        b.unwrap().estimate(&readings).unwrap()
-    );
+    assert_eq!(a.unwrap().estimate(&readings).unwrap(), b.unwrap().estimate(&readings).unwrap());
 }
 
 fn is_refused(bytes: &[u8]) -> bool {
@@ -129,31 +120,15 @@ fn another_version_names_both_and_the_remedy() {
     let changed = [head, text.as_bytes(), &rest[len..]].concat();
     let error = Bundle::from_bytes(&changed, "a.hapdef").unwrap_err();
     let words = error.to_string();
-    assert!(
-        matches!(
-            error,
-            LiveError::BundleVersion {
-                found: 3,
-                expected: 2,
-                ..
-            }
-        ),
-        "{words}"
-    );
-    assert!(
-        words.contains("a.hapdef") && words.contains("make it anew"),
-        "{words}"
-    );
+    assert!(matches!(error, LiveError::BundleVersion { found: 3, expected: 2, .. }), "{words}");
+    assert!(words.contains("a.hapdef") && words.contains("make it anew"), "{words}");
 }
 
 #[test]
 fn files_that_are_none_say_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     let missing = Bundle::read(&folder.path().join("no.hapdef")).unwrap_err();
-    assert!(
-        missing.to_string().contains("hapdef bundle SCENE"),
-        "{missing}"
-    );
+    assert!(missing.to_string().contains("hapdef bundle SCENE"), "{missing}");
     let path = folder.path().join("scene.json");
     std::fs::write(&path, "{\"name\": \"shin\"}").unwrap();
     let other = Bundle::read(&path).unwrap_err();

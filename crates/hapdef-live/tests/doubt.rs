@@ -55,9 +55,7 @@ fn found(world: &World, noise_ue: f64) -> (Vec<Touch>, Health) {
 fn noise_that_is_larger_than_told_is_measured_and_reckoned_with() {
     let world = World::new(N_GAUGES, 400, 5);
     let force_sd_n = |touches: &[Touch]| {
-        let [contact] = &touches[799].contacts[..] else {
-            panic!("{:?}", touches[799])
-        };
+        let [contact] = &touches[799].contacts[..] else { panic!("{:?}", touches[799]) };
         contact.uncertainty.unwrap().force_sd_n()
     };
     let (touches, health) = found(&world, 1.0);

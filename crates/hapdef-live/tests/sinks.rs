@@ -77,10 +77,7 @@ fn a_stream_ends_up_in_text_json_and_table() {
         .unwrap();
     live.wait().unwrap();
     let lines = text.text();
-    assert!(
-        lines.contains("taring, touch nothing") && lines.contains("tared"),
-        "{lines}"
-    );
+    assert!(lines.contains("taring, touch nothing") && lines.contains("tared"), "{lines}");
     let (mut n_frames, mut last, mut n_health) = (0, Value::Null, 0);
     for line in json.text().lines() {
         let value: Value = serde_json::from_str(line).unwrap();
@@ -94,10 +91,7 @@ fn a_stream_ends_up_in_text_json_and_table() {
     }
     assert!(n_frames == 700 && n_health >= 1, "{n_frames} {n_health}");
     let contact = &last["contacts"][0];
-    assert!(
-        (contact["force_n"].as_f64().unwrap() - 20.0).abs() < 1.0,
-        "{last}"
-    );
+    assert!((contact["force_n"].as_f64().unwrap() - 20.0).abs() < 1.0, "{last}");
     assert!(contact["position_sd_m"].as_f64().unwrap() > 0.0);
     assert_eq!(last["tared_ue"].as_array().unwrap().len(), N_GAUGES);
     let table = csv.text();
@@ -115,17 +109,11 @@ fn the_refreshed_line_is_wiped_before_another_is_said() {
     let out = Shared::default();
     let mut sink = TextSink::refreshed(out.clone());
     sink.frame(&frame()).unwrap();
-    assert!(
-        out.text()
-            .contains("\r     1.500 s #4 12.50 N at (10.0, 20.0, 30.0) mm")
-    );
+    assert!(out.text().contains("\r     1.500 s #4 12.50 N at (10.0, 20.0, 30.0) mm"));
     let n = out.text().len();
     sink.event(&hapdef_live::LiveEvent::Tared).unwrap();
     let said = out.text().split_off(n);
-    assert!(
-        said.starts_with("\r  ") && said.ends_with("\rtared\n"),
-        "{said:?}"
-    );
+    assert!(said.starts_with("\r  ") && said.ends_with("\rtared\n"), "{said:?}");
 }
 
 /// Reads lines until one says that lines were left out and one more; every number is there or
@@ -158,10 +146,7 @@ fn clients_are_served_each_at_its_own_pace() {
     let n_frames = 40_000;
     let reader = std::thread::spawn(move || {
         let lines = BufReader::new(fast).lines();
-        lines
-            .take(n_frames)
-            .map(|line| line.unwrap().len())
-            .sum::<usize>()
+        lines.take(n_frames).map(|line| line.unwrap().len()).sum::<usize>()
     });
     let mut frame = frame();
     let start = Instant::now();
@@ -190,9 +175,6 @@ fn a_socket_is_gone_when_its_server_is() {
     assert!(path.exists());
     drop(unix);
     assert!(!path.exists());
-    let refused = JsonServer::bind("udp:9")
-        .map(|_| ())
-        .unwrap_err()
-        .to_string();
+    let refused = JsonServer::bind("udp:9").map(|_| ()).unwrap_err().to_string();
     assert!(refused.contains("tcp:HOST:PORT"), "{refused}");
 }

@@ -42,12 +42,7 @@ impl TouchEstimator for Nothing {
 fn rss_mib() -> f64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    let kib: f64 = line
-        .unwrap()
-        .trim()
-        .trim_end_matches(" kB")
-        .parse()
-        .unwrap();
+    let kib: f64 = line.unwrap().trim().trim_end_matches(" kB").parse().unwrap();
     kib / 1024.0
 }
 

@@ -25,9 +25,7 @@ fn play(device: &MemoryDevice, readings: &[Vec<f64>]) {
     for (i, y) in readings.iter().enumerate() {
         let flags = FrameFlags::default();
         let t_us = 1000 * i as u64;
-        encoder
-            .data(&hello, t_us, flags, &quantised(y).0, &mut bytes)
-            .unwrap();
+        encoder.data(&hello, t_us, flags, &quantised(y).0, &mut bytes).unwrap();
         if i % 20 == 19 {
             device.send(&bytes);
             bytes.clear();
@@ -52,11 +50,7 @@ fn over_the_wire(
     });
     let live = Live::builder(StreamSource::new(link, StreamParams::default()))
         .bundle(&bundle(world))
-        .params(LiveParams {
-            tare_s: 0.0,
-            is_lossless: true,
-            ..LiveParams::default()
-        })
+        .params(LiveParams { tare_s: 0.0, is_lossless: true, ..LiveParams::default() })
         .estimator(estimator)
         .sink(sink.with_delivery(Delivery::Queue(64)))
         .start()
@@ -65,10 +59,7 @@ fn over_the_wire(
     let health = live.wait().unwrap();
     assert_eq!(device.n_dropped(), 0);
     let n = readings.len() as u64;
-    assert_eq!(
-        (health.n_frames, health.n_lost, health.n_dropped),
-        (n, 0, 0)
-    );
+    assert_eq!((health.n_frames, health.n_lost, health.n_dropped), (n, 0, 0));
     assert_eq!(health.source.losses.n_delivered, n);
     taken(&found)
 }
@@ -85,9 +76,7 @@ fn contacts_of_frames_are_those_of_their_readings() {
     let (mut expected, mut exact) = (Touch::default(), Touch::default());
     let (mut n_contacts, mut worst_m) = (0, 0.0_f64);
     for (readings, found) in readings.iter().zip(&found) {
-        direct
-            .estimate(&quantised(readings).1, &mut expected)
-            .unwrap();
+        direct.estimate(&quantised(readings).1, &mut expected).unwrap();
         assert_eq!(*found, expected);
         direct.estimate(readings, &mut exact).unwrap();
         if exact.contacts.len() == 1 && found.contacts.len() == 1 {
@@ -96,14 +85,8 @@ fn contacts_of_frames_are_those_of_their_readings() {
             worst_m = worst_m.max(miss.norm());
         }
     }
-    println!(
-        "{n_contacts} contacts, {:.2} µm apart at most",
-        worst_m * 1e6
-    );
-    assert!(
-        n_contacts >= 50 && worst_m < 1e-5,
-        "{n_contacts} contacts, {worst_m} m"
-    );
+    println!("{n_contacts} contacts, {:.2} µm apart at most", worst_m * 1e6);
+    assert!(n_contacts >= 50 && worst_m < 1e-5, "{n_contacts} contacts, {worst_m} m");
 }
 
 #[test]
@@ -115,9 +98,7 @@ fn followed_contacts_are_those_of_their_readings_too() {
     let mut direct = make();
     let mut expected = Touch::default();
     for (i, (readings, found)) in readings.iter().zip(&found).enumerate() {
-        direct
-            .estimate(&quantised(readings).1, &mut expected)
-            .unwrap();
+        direct.estimate(&quantised(readings).1, &mut expected).unwrap();
         assert_eq!(*found, expected, "frame {i}");
     }
     assert_eq!(expected.contacts.len(), 1);

@@ -10,11 +10,7 @@
 //! With `--gauges` it also writes ten places for gauges on the inner wall: JSON, metres, each with
 //! the direction the gauge measures in.
 
-#![allow(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command reports to its user"
-)]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command reports to its user")]
 
 use std::error::Error;
 use std::fs;
@@ -49,11 +45,7 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let folder = PathBuf::from(
-        arguments
-            .first()
-            .ok_or("name the folder, such as fixtures/shin")?,
-    );
+    let folder = PathBuf::from(arguments.first().ok_or("name the folder, such as fixtures/shin")?);
     let limb = shin(&ShinParams::default())?;
     match arguments.get(1).map(String::as_str) {
         None => write(&limb, &folder)?,
@@ -80,15 +72,8 @@ fn run() -> Result<(), Box<dyn Error>> {
 fn write(limb: &Shin, folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     write_inp(&folder.join(DECK), &limb.deck)?;
-    write_glb(
-        &folder.join(SKIN),
-        &limb.skin.surface(&limb.deck.mesh)?,
-        None,
-    )?;
-    write_inp(
-        &folder.join(RIG_DECK),
-        &shin(&ShinParams::meshed_anew())?.deck,
-    )?;
+    write_glb(&folder.join(SKIN), &limb.skin.surface(&limb.deck.mesh)?, None)?;
+    write_inp(&folder.join(RIG_DECK), &shin(&ShinParams::meshed_anew())?.deck)?;
     Ok(())
 }
 
@@ -127,18 +112,10 @@ fn contents(path: &Path) -> std::io::Result<Vec<u8>> {
 /// Every third gauge measures along the limb, the others around it.
 fn write_gauges(limb: &Shin, path: &Path) -> Result<(), Box<dyn Error>> {
     let mesh = &limb.deck.mesh;
-    let inside = wall(
-        mesh,
-        &mesh.boundary(),
-        &limb.skin,
-        1.5 * ShinParams::default().wall_m,
-    )?;
+    let inside = wall(mesh, &mesh.boundary(), &limb.skin, 1.5 * ShinParams::default().wall_m)?;
     let clear = clear_nodes(mesh, &inside.inner_faces, CLEARANCE_M);
     let mut gauges = Vec::new();
-    for (i, node) in farthest_nodes(mesh, &clear, N_GAUGES)
-        .into_iter()
-        .enumerate()
-    {
+    for (i, node) in farthest_nodes(mesh, &clear, N_GAUGES).into_iter().enumerate() {
         let position = mesh.position(node);
         let patch = gauge_patch(mesh, &inside.inner_faces, &position, 24, 1e-4)?;
         let axis = gauge_axis(&patch.normal, i % 3 == 2).ok_or("a wall across the limb's axis")?;
@@ -149,9 +126,7 @@ fn write_gauges(limb: &Shin, path: &Path) -> Result<(), Box<dyn Error>> {
         }));
     }
     let text = serde_json::to_string_pretty(&gauges)? + "\n";
-    atomic_write(path, |file| {
-        std::io::Write::write_all(file, text.as_bytes())
-    })?;
+    atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
     Ok(())
 }
 

@@ -24,11 +24,7 @@ const N_ALONG: u32 = 12;
 fn main() -> Result<(), MeshError> {
     let (quality, wall) = tube_wall()?;
     println!("{quality}");
-    println!(
-        "wall: {} tetrahedra, {:.3} cm³",
-        wall.mesh.elements().len(),
-        wall.volume_m3 * 1e6
-    );
+    println!("wall: {} tetrahedra, {:.3} cm³", wall.mesh.elements().len(), wall.volume_m3 * 1e6);
     Ok(())
 }
 

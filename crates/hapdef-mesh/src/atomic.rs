@@ -29,10 +29,7 @@ fn write_then_rename<F>(partial: &Path, path: &Path, fill: F) -> io::Result<()>
 where
     F: FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 {
-    let file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(partial)?;
+    let file = OpenOptions::new().write(true).create_new(true).open(partial)?;
     let mut writer = BufWriter::new(file);
     fill(&mut writer)?;
     writer.flush()?;
@@ -45,10 +42,7 @@ where
 fn partial_name(path: &Path) -> io::Result<PathBuf> {
     static COUNTER: AtomicU32 = AtomicU32::new(0);
     let name = path.file_name().ok_or_else(|| {
-        io::Error::new(
-            io::ErrorKind::InvalidInput,
-            "the path does not end in a file name",
-        )
+        io::Error::new(io::ErrorKind::InvalidInput, "the path does not end in a file name")
     })?;
     let number = COUNTER.fetch_add(1, Ordering::Relaxed);
     let mut partial = std::ffi::OsString::from(".");
@@ -63,9 +57,8 @@ mod tests {
 
     fn names_in(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        let mut names: Vec<_> = entries
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
+        let mut names: Vec<_> =
+            entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
     }

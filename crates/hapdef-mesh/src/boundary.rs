@@ -30,12 +30,8 @@ impl BoundarySurface {
 /// The faces of a ten-node tetrahedron in local node numbers: corners counterclockwise from
 /// outside, then the mid-side nodes 0–1, 1–2, 2–0 of the face. The order of the faces is that of
 /// P1 to P4 on C3D10 (CalculiX 2.20 manual, *DLOAD).
-pub const TET10_FACES: [[usize; 6]; 4] = [
-    [0, 2, 1, 6, 5, 4],
-    [0, 1, 3, 4, 8, 7],
-    [1, 2, 3, 5, 9, 8],
-    [2, 0, 3, 6, 7, 9],
-];
+pub const TET10_FACES: [[usize; 6]; 4] =
+    [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9]];
 
 /// Which of `faces` can be reached from face `start` over shared edges, through faces for which
 /// `agrees` holds, `[n_faces]`.
@@ -102,14 +98,8 @@ pub(crate) fn boundary(elements: &[[FeNodeId; 10]]) -> BoundarySurface {
 
 pub(crate) fn check_faces(elements: &[[FeNodeId; 10]]) -> Result<(), SolidFault> {
     let keys = sorted_face_keys(elements);
-    match keys
-        .chunk_by(|a, b| a.0 == b.0)
-        .find(|group| group.len() > 2)
-    {
-        Some(group) => Err(SolidFault::FaceShared {
-            corners: group[0].0,
-            found: group.len(),
-        }),
+    match keys.chunk_by(|a, b| a.0 == b.0).find(|group| group.len() > 2) {
+        Some(group) => Err(SolidFault::FaceShared { corners: group[0].0, found: group.len() }),
         None => Ok(()),
     }
 }

@@ -34,9 +34,7 @@ impl ClosestPoint {
                 direction: normal.unwrap_or_else(Vector3::zeros),
             }
         };
-        Self {
-            tree: RTree::bulk_load((0..mesh.triangles().len()).map(entry).collect()),
-        }
+        Self { tree: RTree::bulk_load((0..mesh.triangles().len()).map(entry).collect()) }
     }
 
     pub(crate) fn of_edges(edges: impl Iterator<Item = [Point3<f64>; 2]>) -> Self {
@@ -44,9 +42,7 @@ impl ClosestPoint {
             corners: [a, b, b],
             direction: (b - a).try_normalize(0.0).unwrap_or_else(Vector3::zeros),
         };
-        Self {
-            tree: RTree::bulk_load(edges.map(entry).collect()),
-        }
+        Self { tree: RTree::bulk_load(edges.map(entry).collect()) }
     }
 
     /// The nearest point; `None` only where there is nothing.
@@ -64,10 +60,7 @@ impl ClosestPoint {
         agrees: impl Fn(&Vector3<f64>) -> bool,
     ) -> Option<Closest> {
         let mut candidates = self.tree.nearest_neighbor_iter(query.coords.into());
-        let found = candidates
-            .by_ref()
-            .take(MAX_CANDIDATES)
-            .find(|entry| agrees(&entry.direction));
+        let found = candidates.by_ref().take(MAX_CANDIDATES).find(|entry| agrees(&entry.direction));
         match found {
             Some(entry) => Some(entry.closest(query)),
             None => self.nearest(query),
@@ -99,10 +92,7 @@ impl PointDistance for Entry {
 impl Entry {
     fn closest(&self, query: &Point3<f64>) -> Closest {
         let point = closest_on_triangle(&self.corners, query);
-        Closest {
-            point,
-            distance_m: (point - query).norm(),
-        }
+        Closest { point, distance_m: (point - query).norm() }
     }
 }
 
@@ -132,9 +122,5 @@ fn closest_on_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>) -> Point3<
 fn closest_on_edge(a: &Point3<f64>, b: &Point3<f64>, p: &Point3<f64>) -> Point3<f64> {
     let ab = b - a;
     let length_2 = ab.norm_squared();
-    if length_2 > 0.0 {
-        a + ab * ((p - a).dot(&ab) / length_2).clamp(0.0, 1.0)
-    } else {
-        *a
-    }
+    if length_2 > 0.0 { a + ab * ((p - a).dot(&ab) / length_2).clamp(0.0, 1.0) } else { *a }
 }

@@ -62,11 +62,7 @@ pub fn viridis(t: f64) -> [u8; 3] {
 pub fn linear_from_srgb(colour: [u8; 3]) -> [f64; 3] {
     colour.map(|byte| {
         let c = f64::from(byte) / 255.0;
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
     })
 }
 
@@ -86,10 +82,7 @@ mod tests {
         ] {
             let found = viridis(f64::from(entry) / 255.0);
             for i in 0..3 {
-                assert!(
-                    found[i].abs_diff(expected[i]) <= 2,
-                    "{entry}: {found:?} {expected:?}"
-                );
+                assert!(found[i].abs_diff(expected[i]) <= 2, "{entry}: {found:?} {expected:?}");
             }
         }
     }
@@ -105,11 +98,7 @@ mod tests {
         for step in 0..=20 {
             let t = f64::from(step) / 20.0;
             let even = low + t * (high - low);
-            assert!(
-                (lightness(t) - even).abs() < 2.0,
-                "t {t}: {} {even}",
-                lightness(t)
-            );
+            assert!((lightness(t) - even).abs() < 2.0, "t {t}: {} {even}", lightness(t));
         }
     }
 

@@ -32,10 +32,9 @@ impl fmt::Debug for FaceCurve<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Flat => f.write_str("Flat"),
-            Self::PointNormal { feature_angle_rad } => f
-                .debug_struct("PointNormal")
-                .field("feature_angle_rad", feature_angle_rad)
-                .finish(),
+            Self::PointNormal { feature_angle_rad } => {
+                f.debug_struct("PointNormal").field("feature_angle_rad", feature_angle_rad).finish()
+            }
             Self::Onto(_) => f.write_str("Onto(..)"),
         }
     }

@@ -100,17 +100,12 @@ pub fn read_deck(path: &Path) -> Result<SolidDeck, MeshError> {
 /// [`MeshError::Io`] if the file can't be read; [`MeshError::Deck`] naming the line, what was
 /// expected and what was found.
 pub fn read_deck_with(path: &Path, params: &DeckParams) -> Result<SolidDeck, MeshError> {
-    let at_path = |fault| MeshError::Deck {
-        path: path.to_owned(),
-        fault,
-    };
+    let at_path = |fault| MeshError::Deck { path: path.to_owned(), fault };
     let kind = source::kind(path).map_err(at_path)?;
     let text = source::read(path, params)?;
     let builder = match kind {
         source::DeckKind::Inp => inp::read(&text),
         source::DeckKind::Ansys => ansys::read(&text),
     };
-    builder
-        .and_then(builder::DeckBuilder::finish)
-        .map_err(at_path)
+    builder.and_then(builder::DeckBuilder::finish).map_err(at_path)
 }

@@ -64,12 +64,7 @@ pub fn extrude(
     if params.n_layers == 0 {
         let (name, wanted) = ("n_layers", "at least 1");
         let found = 0.0;
-        return Err(SurfaceFault::Parameter {
-            name,
-            found,
-            wanted,
-        }
-        .into());
+        return Err(SurfaceFault::Parameter { name, found, wanted }.into());
     }
     check_manifold(skin)?;
     check_thickness(skin.vertices().len(), thickness_m)?;
@@ -139,11 +134,7 @@ impl<'a> Columns<'a> {
         let middles = EdgeMiddles::of(skin, &params.curve);
         let steps = steps(skin, &skin.vertex_normals())?;
         let way = |v: usize| {
-            let step = if middles.is_sharp[v] {
-                steps[v]
-            } else {
-                middles.normals[v]
-            };
+            let step = if middles.is_sharp[v] { steps[v] } else { middles.normals[v] };
             -step * thickness_m[v]
         };
         Ok(Self {
@@ -198,16 +189,12 @@ impl<'a> Columns<'a> {
     fn nodes_and_elements(&self, tets: &[[Corner; 4]]) -> (Vec<Point3<f64>>, Vec<[FeNodeId; 10]>) {
         let n_levels = self.n_layers + 1;
         let n_corners = self.ways.len() * n_levels;
-        let mut edges: Vec<[Corner; 2]> = tets
-            .iter()
-            .flat_map(|tet| TET10_EDGES.map(|[a, b]| sorted(tet[a], tet[b])))
-            .collect();
+        let mut edges: Vec<[Corner; 2]> =
+            tets.iter().flat_map(|tet| TET10_EDGES.map(|[a, b]| sorted(tet[a], tet[b]))).collect();
         edges.sort_unstable();
         edges.dedup();
         let corners = (0..n_corners).map(|i| self.corner(((i / n_levels) as u32, i % n_levels)));
-        let nodes = corners
-            .chain(edges.iter().map(|edge| self.middle(*edge)))
-            .collect();
+        let nodes = corners.chain(edges.iter().map(|edge| self.middle(*edge))).collect();
         let element = |tet: &[Corner; 4]| {
             std::array::from_fn(|i| match i {
                 0..4 => FeNodeId::from_index(tet[i].0 as usize * n_levels + tet[i].1),
@@ -245,11 +232,7 @@ fn check_folds(
             let triangle = element / (3 * params.n_layers);
             let corners = skin.triangles()[triangle].map(|v| v as usize);
             let thicker = |a: usize, b: usize| {
-                if thickness_m[b] > thickness_m[a] {
-                    b
-                } else {
-                    a
-                }
+                if thickness_m[b] > thickness_m[a] { b } else { a }
             };
             let node = thicker(thicker(corners[0], corners[1]), corners[2]);
             return Err(SurfaceFault::ExtrusionFolds {

@@ -6,14 +6,7 @@ use crate::{FeNodeId, MeshError, TET10_EDGES, Tet10Mesh};
 
 /// The orders in which a cell's axes can be walked from its lowest to its highest corner; the last
 /// three turn the other way.
-const WALKS: [[usize; 3]; 6] = [
-    [0, 1, 2],
-    [1, 2, 0],
-    [2, 0, 1],
-    [0, 2, 1],
-    [2, 1, 0],
-    [1, 0, 2],
-];
+const WALKS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
 /// The nodes of the six tetrahedra around the diagonal of `cell` (Kuhn, IBM Journal of Research
 /// and Development 4(5), 1960), in half cells: the cell's lowest corner is node 2 · `cell`.
@@ -74,11 +67,7 @@ fn grid(
     let id =
         |[i, j, k]: [usize; 3]| FeNodeId::from_index(i % n_first + n_first * (j + n_second * k));
     let position = |node: usize| {
-        let at = [
-            node % n_first,
-            node / n_first % n_second,
-            node / (n_first * n_second),
-        ];
+        let at = [node % n_first, node / n_first % n_second, node / (n_first * n_second)];
         map(std::array::from_fn(|d| at[d] as f64 / (2 * n[d]) as f64).into())
     };
     let cells = (0..n.iter().product::<usize>())

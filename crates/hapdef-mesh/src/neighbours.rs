@@ -22,9 +22,7 @@ impl PointIndex {
             .filter(|(_, p)| is_finite(p))
             .map(|(i, p)| GeomWithData::new(p.coords.into(), i))
             .collect();
-        Self {
-            tree: RTree::bulk_load(entries),
-        }
+        Self { tree: RTree::bulk_load(entries) }
     }
 
     /// The nearest point and its distance, m; of points equally near the one with the smallest
@@ -102,11 +100,8 @@ mod tests {
     }
 
     fn by_brute_force(points: &[Point3<f64>], query: &Point3<f64>) -> Vec<(f64, usize)> {
-        let mut all: Vec<_> = points
-            .iter()
-            .enumerate()
-            .map(|(i, p)| ((p - query).norm_squared(), i))
-            .collect();
+        let mut all: Vec<_> =
+            points.iter().enumerate().map(|(i, p)| ((p - query).norm_squared(), i)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         all
     }

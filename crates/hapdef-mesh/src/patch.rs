@@ -46,18 +46,13 @@ pub fn gauge_patch(
             max_distance_m,
         });
     };
-    let normals: Vec<Option<Vector3<f64>>> = wall_faces
-        .iter()
-        .map(|face| centroid_normal(mesh, face))
-        .collect();
+    let normals: Vec<Option<Vector3<f64>>> =
+        wall_faces.iter().map(|face| centroid_normal(mesh, face)).collect();
     let normal = normals[start].unwrap_or_else(Vector3::zeros);
     let agrees =
         |face: usize| normals[face].is_some_and(|other| other.dot(&normal) > MIN_NORMAL_AGREEMENT);
     let reached = connected_faces(wall_faces, start, agrees);
-    let on_wall = wall_faces
-        .iter()
-        .zip(reached)
-        .filter(|(_, reached)| *reached);
+    let on_wall = wall_faces.iter().zip(reached).filter(|(_, reached)| *reached);
     let wall: Vec<Tri6Face> = on_wall.map(|(face, _)| *face).collect();
     let nodes = nearest_nodes(mesh, &wall, centre, n);
     if nodes.len() < n {
@@ -67,11 +62,7 @@ pub fn gauge_patch(
             found: nodes.len(),
         });
     }
-    Ok(GaugePatch {
-        nodes,
-        distance_to_wall_m,
-        normal,
-    })
+    Ok(GaugePatch { nodes, distance_to_wall_m, normal })
 }
 
 /// The face nearest to `point` and its distance; ties go to the first.
@@ -113,11 +104,7 @@ fn distance_to_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>) -> f64 {
 fn distance_to_segment(a: &Point3<f64>, b: &Point3<f64>, p: &Point3<f64>) -> f64 {
     let ab = b - a;
     let length_2 = ab.norm_squared();
-    let t = if length_2 > 0.0 {
-        ((p - a).dot(&ab) / length_2).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let t = if length_2 > 0.0 { ((p - a).dot(&ab) / length_2).clamp(0.0, 1.0) } else { 0.0 };
     (p - (a + ab * t)).norm()
 }
 

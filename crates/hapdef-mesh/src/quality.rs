@@ -84,12 +84,8 @@ impl QualityReport {
             unit_guess: UnitGuess::of_length(bounding_box.longest_m()),
         };
         if report.is_closed() {
-            report.genus = genus(
-                n_used_vertices,
-                edges.n_edges,
-                report.n_triangles,
-                report.n_bodies,
-            );
+            report.genus =
+                genus(n_used_vertices, edges.n_edges, report.n_triangles, report.n_bodies);
         }
         report
     }
@@ -117,22 +113,13 @@ impl fmt::Display for QualityReport {
             some => format!("{}, at {}", number(some), places(some)),
         };
         let lines = [
-            (
-                "triangles",
-                format!("{} on {} vertices", self.n_triangles, self.n_vertices),
-            ),
+            ("triangles", format!("{} on {} vertices", self.n_triangles, self.n_vertices)),
             ("bodies", self.n_bodies.to_string()),
-            (
-                "size",
-                format!("{:.1} × {:.1} × {:.1} mm", size.x, size.y, size.z),
-            ),
+            ("size", format!("{:.1} × {:.1} × {:.1} mm", size.x, size.y, size.z)),
             ("unit", self.unit_guess.to_string()),
             ("area", format!("{:.2} cm²", self.area_m2 * 1e4)),
             ("volume", volume),
-            (
-                "through holes",
-                self.genus.map_or("unknown".to_owned(), |g| g.to_string()),
-            ),
+            ("through holes", self.genus.map_or("unknown".to_owned(), |g| g.to_string())),
             ("open edges", self.n_open_edges.to_string()),
             ("non-manifold edges", self.n_non_manifold_edges.to_string()),
             ("misoriented edges", self.n_misoriented_edges.to_string()),
@@ -165,28 +152,19 @@ fn count_shapes(mesh: &SurfaceMesh) -> (usize, usize) {
 /// Whether a triangle without a repeated corner has no area to speak of.
 pub(crate) fn is_flat(mesh: &SurfaceMesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle);
-    let longest = [b - a, c - b, a - c]
-        .map(|e| e.norm())
-        .into_iter()
-        .fold(0.0, f64::max);
+    let longest = [b - a, c - b, a - c].map(|e| e.norm()).into_iter().fold(0.0, f64::max);
     let height = 2.0 * mesh.area_normal_m2(triangle).norm() / longest;
     // A triangle of one point has a height of 0/0.
     height.is_nan() || height <= DEGENERATE_HEIGHT * longest
 }
 
 fn smallest_angle_deg(mesh: &SurfaceMesh, triangle: usize) -> f64 {
-    corner_angles_rad(&mesh.corners(triangle))
-        .into_iter()
-        .fold(f64::MAX, f64::min)
-        .to_degrees()
+    corner_angles_rad(&mesh.corners(triangle)).into_iter().fold(f64::MAX, f64::min).to_degrees()
 }
 
 fn count_used_vertices(mesh: &SurfaceMesh) -> usize {
     let mut is_used = vec![false; mesh.vertices().len()];
-    mesh.triangles()
-        .iter()
-        .flatten()
-        .for_each(|&v| is_used[v as usize] = true);
+    mesh.triangles().iter().flatten().for_each(|&v| is_used[v as usize] = true);
     is_used.iter().filter(|used| **used).count()
 }
 
@@ -194,11 +172,7 @@ fn count_used_vertices(mesh: &SurfaceMesh) -> usize {
 fn genus(n_vertices: usize, n_edges: usize, n_triangles: usize, n_bodies: usize) -> Option<usize> {
     let [v, e, f, b] = [n_vertices, n_edges, n_triangles, n_bodies].map(|n| n as i64);
     let twice = 2 * b - (v - e + f);
-    if twice % 2 == 0 {
-        usize::try_from(twice / 2).ok()
-    } else {
-        None
-    }
+    if twice % 2 == 0 { usize::try_from(twice / 2).ok() } else { None }
 }
 
 #[cfg(test)]
@@ -217,10 +191,7 @@ mod tests {
         let report = QualityReport::of(&cuboid(0.1, 0.2, 0.3));
         assert!(report.is_closed());
         assert_eq!((report.n_bodies, report.genus), (1, Some(0)));
-        assert_eq!(
-            (report.n_degenerate_triangles, report.n_sliver_triangles),
-            (0, 0)
-        );
+        assert_eq!((report.n_degenerate_triangles, report.n_sliver_triangles), (0, 0));
         assert!((report.signed_volume_m3 - 0.006).abs() < 1e-15);
         assert!((report.area_m2 - 0.22).abs() < 1e-15);
     }
@@ -241,10 +212,7 @@ mod tests {
         let [a, b, c] = triangles[0];
         triangles.push([c, a, b]);
         let report = with_triangles(&mesh, triangles);
-        assert_eq!(
-            (report.n_doubled_triangles, report.n_non_manifold_edges),
-            (1, 3)
-        );
+        assert_eq!((report.n_doubled_triangles, report.n_non_manifold_edges), (1, 3));
     }
 
     #[test]
@@ -268,10 +236,7 @@ mod tests {
         ];
         let triangles = vec![[0, 1, 2], [0, 1, 3], [0, 1, 1], [0, 1, 4]];
         let report = QualityReport::of(&SurfaceMesh::new(vertices, triangles).unwrap());
-        assert_eq!(
-            (report.n_sliver_triangles, report.n_degenerate_triangles),
-            (1, 2)
-        );
+        assert_eq!((report.n_sliver_triangles, report.n_degenerate_triangles), (1, 2));
     }
 
     /// A frame: a square with a square hole, drawn as a closed solid of genus 1.
@@ -279,14 +244,9 @@ mod tests {
     fn a_ring_has_one_through_hole_and_two_rings_have_two() {
         let ring = ring(12, 6);
         let report = QualityReport::of(&ring);
-        assert_eq!(
-            (report.n_bodies, report.genus, report.is_closed()),
-            (1, Some(1), true)
-        );
+        assert_eq!((report.n_bodies, report.genus, report.is_closed()), (1, Some(1), true));
         let n = ring.vertices().len() as u32;
-        let far = ring
-            .transformed(&Matrix4::new_translation(&Vector3::x()))
-            .unwrap();
+        let far = ring.transformed(&Matrix4::new_translation(&Vector3::x())).unwrap();
         let vertices = [ring.vertices(), far.vertices()].concat();
         let shifted = far.triangles().iter().map(|t| t.map(|v| v + n));
         let triangles = ring.triangles().iter().copied().chain(shifted).collect();
@@ -324,10 +284,7 @@ mod tests {
     fn a_sphere_reads_well() {
         let report = QualityReport::of(&sphere(3).scaled(0.1).unwrap());
         let text = report.to_string();
-        assert!(
-            text.contains("size                200.0 × 200.0 × 200.0 mm"),
-            "{text}"
-        );
+        assert!(text.contains("size                200.0 × 200.0 × 200.0 mm"), "{text}");
         assert!(text.contains("open edges          0\n"), "{text}");
     }
 }

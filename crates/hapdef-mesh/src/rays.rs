@@ -30,28 +30,19 @@ impl FaceRays {
             .enumerate()
             .flat_map(|(face, tri6)| {
                 let p = face_positions(mesh, tri6);
-                [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|corners| Triangle {
-                    face,
-                    corners: corners.map(|i| p[i]),
-                })
+                [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
+                    .map(|corners| Triangle { face, corners: corners.map(|i| p[i]) })
             })
             .collect();
-        Self {
-            tree: RTree::bulk_load(triangles),
-        }
+        Self { tree: RTree::bulk_load(triangles) }
     }
 
     /// The triangles of a surface, each a face of its own.
     pub(crate) fn of_surface(mesh: &SurfaceMesh) -> Self {
         let triangles = (0..mesh.triangles().len())
-            .map(|face| Triangle {
-                face,
-                corners: mesh.corners(face),
-            })
+            .map(|face| Triangle { face, corners: mesh.corners(face) })
             .collect();
-        Self {
-            tree: RTree::bulk_load(triangles),
-        }
+        Self { tree: RTree::bulk_load(triangles) }
     }
 
     /// Whether the ray meets no face other than `skip` at a distance above 0.
@@ -94,19 +85,13 @@ impl FaceRays {
         direction: &Vector3<f64>,
         skip: usize,
     ) -> impl Iterator<Item = Hit> {
-        let ray = Ray {
-            origin: *origin,
-            direction: *direction,
-        };
+        let ray = Ray { origin: *origin, direction: *direction };
         self.tree
             .locate_with_selection_function(ray)
             .filter(move |triangle| triangle.face != skip)
             .filter_map(move |triangle| {
                 let distance_m = triangle.distance(&ray)?;
-                Some(Hit {
-                    face: triangle.face,
-                    distance_m,
-                })
+                Some(Hit { face: triangle.face, distance_m })
             })
     }
 }
@@ -168,10 +153,7 @@ impl SelectionFunction<Triangle> for Ray {
                 }
                 continue;
             }
-            let (a, b) = (
-                (low[k] - origin) / direction,
-                (high[k] - origin) / direction,
-            );
+            let (a, b) = ((low[k] - origin) / direction, (high[k] - origin) / direction);
             from = from.max(a.min(b));
             to = to.min(a.max(b));
         }
@@ -183,15 +165,8 @@ impl SelectionFunction<Triangle> for Ray {
 /// `n` unit vectors spread evenly over the cone of half angle `half_angle_rad` about `axis`
 /// (Fibonacci lattice on the spherical cap); the same for the same input.
 pub(crate) fn cone(axis: &Vector3<f64>, half_angle_rad: f64, n: usize) -> Vec<Vector3<f64>> {
-    let helper = if axis.x.abs() < 0.6 {
-        Vector3::x()
-    } else {
-        Vector3::y()
-    };
-    let e1 = axis
-        .cross(&helper)
-        .try_normalize(0.0)
-        .unwrap_or_else(Vector3::zeros);
+    let helper = if axis.x.abs() < 0.6 { Vector3::x() } else { Vector3::y() };
+    let e1 = axis.cross(&helper).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
     let e2 = axis.cross(&e1);
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     (0..n)

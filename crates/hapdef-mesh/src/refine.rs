@@ -12,18 +12,9 @@ const CORNER_CHILDREN: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 
 /// other. Around diagonal (p, q) runs the ring of the other four; each child is p, q and two
 /// neighbours in the ring, ordered for positive volume.
 const INNER_CHILDREN: [([usize; 2], [[usize; 4]; 4]); 3] = [
-    (
-        [4, 9],
-        [[4, 9, 5, 6], [4, 9, 8, 5], [4, 9, 7, 8], [4, 9, 6, 7]],
-    ),
-    (
-        [5, 7],
-        [[5, 7, 4, 8], [5, 7, 6, 4], [5, 7, 9, 6], [5, 7, 8, 9]],
-    ),
-    (
-        [6, 8],
-        [[6, 8, 5, 9], [6, 8, 4, 5], [6, 8, 7, 4], [6, 8, 9, 7]],
-    ),
+    ([4, 9], [[4, 9, 5, 6], [4, 9, 8, 5], [4, 9, 7, 8], [4, 9, 6, 7]]),
+    ([5, 7], [[5, 7, 4, 8], [5, 7, 6, 4], [5, 7, 9, 6], [5, 7, 8, 9]]),
+    ([6, 8], [[6, 8, 5, 9], [6, 8, 4, 5], [6, 8, 7, 4], [6, 8, 9, 7]]),
 ];
 
 /// Parent coordinates of the ten nodes.

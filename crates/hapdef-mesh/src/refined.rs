@@ -41,11 +41,7 @@ pub fn refine_unfolded(mesh: &Tet10Mesh) -> Result<RefinedSolid, MeshError> {
             .collect();
         if folded.is_empty() {
             let n_straightened = straightened.iter().filter(|s| **s).count();
-            return Ok(RefinedSolid {
-                mesh: refined,
-                n_straightened,
-                n_old_nodes: nodes.len(),
-            });
+            return Ok(RefinedSolid { mesh: refined, n_straightened, n_old_nodes: nodes.len() });
         }
         for element in folded {
             straightened[element] = true;
@@ -128,12 +124,7 @@ mod tests {
 
     /// One tetrahedron; `shift` moves the middle of edge 0–1 along it towards corner 0.
     fn bent(shift: f64) -> Tet10Mesh {
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut nodes: Vec<Point3<f64>> = corners.map(Point3::from).to_vec();
         for [a, b] in TET10_EDGES {
             nodes.push(nalgebra::center(&nodes[a], &nodes[b]));

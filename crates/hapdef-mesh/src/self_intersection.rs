@@ -59,11 +59,7 @@ pub fn self_intersections(mesh: &SurfaceMesh) -> Vec<Crossing> {
         crossings.extend(partners.iter().filter_map(|&other| {
             let triangles = [one.triangle as usize, other];
             let Overlap { place, length_m } = overlap(triangles.map(|t| mesh.corners(t)))?;
-            (length_m >= least_m).then_some(Crossing {
-                triangles,
-                place,
-                length_m,
-            })
+            (length_m >= least_m).then_some(Crossing { triangles, place, length_m })
         }));
     }
     crossings.truncate(MOST_CROSSINGS);
@@ -80,11 +76,7 @@ pub(crate) fn check_uncrossed(
     if crossings.is_empty() {
         return Ok(());
     }
-    Err(SurfaceFault::Crosses {
-        what,
-        crossings,
-        advice,
-    })
+    Err(SurfaceFault::Crosses { what, crossings, advice })
 }
 
 /// How many pairs there are, in words.
@@ -102,11 +94,7 @@ pub(crate) fn places(crossings: &[Crossing]) -> String {
         format!("({x:.2}, {y:.2}, {z:.2})")
     };
     let told: Vec<String> = crossings.iter().take(N_TOLD).map(place).collect();
-    let more = if crossings.len() > N_TOLD {
-        " … mm"
-    } else {
-        " mm"
-    };
+    let more = if crossings.len() > N_TOLD { " … mm" } else { " mm" };
     told.join(", ") + more
 }
 
@@ -126,10 +114,7 @@ struct Boxed {
 impl Boxed {
     fn new(mesh: &SurfaceMesh, triangle: usize) -> Self {
         let corners = mesh.corners(triangle).map(|p| p.coords.into());
-        Self {
-            triangle: triangle as u32,
-            envelope: AABB::from_points(corners.iter()),
-        }
+        Self { triangle: triangle as u32, envelope: AABB::from_points(corners.iter()) }
     }
 }
 

@@ -54,11 +54,7 @@ impl ShinParams {
     /// solved on.
     #[must_use]
     pub fn meshed_anew() -> Self {
-        Self {
-            panel_cells: (8, 8),
-            other_diagonals: true,
-            ..Self::default()
-        }
+        Self { panel_cells: (8, 8), other_diagonals: true, ..Self::default() }
     }
 }
 
@@ -169,10 +165,7 @@ impl ShinParams {
         if around_m < 2.0 * self.rib_width_m || self.outline.height_m < 2.0 * ribs_m {
             return refuse("ribs and rings must leave room for the panels");
         }
-        if self
-            .holes
-            .iter()
-            .any(|hole| hole.sector >= self.n_sectors || hole.band >= self.n_bands)
+        if self.holes.iter().any(|hole| hole.sector >= self.n_sectors || hole.band >= self.n_bands)
         {
             return refuse("every hole must name a sector and a band that exist");
         }

@@ -11,17 +11,12 @@ use crate::{FeNodeId, PointIndex, Tet10Mesh, Tri6Face};
 /// of the wall. Distances are straight lines to the nodes on those edges.
 #[must_use]
 pub fn clear_nodes(mesh: &Tet10Mesh, wall_faces: &[Tri6Face], clearance_m: f64) -> Vec<FeNodeId> {
-    let rim: Vec<Point3<f64>> = edge_nodes(wall_faces)
-        .into_iter()
-        .map(|node| mesh.position(node))
-        .collect();
+    let rim: Vec<Point3<f64>> =
+        edge_nodes(wall_faces).into_iter().map(|node| mesh.position(node)).collect();
     let rim = PointIndex::new(&rim);
     nodes_of(wall_faces)
         .into_iter()
-        .filter(|node| {
-            rim.nearest(&mesh.position(*node))
-                .is_none_or(|(_, d)| d >= clearance_m)
-        })
+        .filter(|node| rim.nearest(&mesh.position(*node)).is_none_or(|(_, d)| d >= clearance_m))
         .collect()
 }
 
@@ -30,16 +25,11 @@ pub fn clear_nodes(mesh: &Tet10Mesh, wall_faces: &[Tri6Face], clearance_m: f64) 
 /// (Gonzalez, Theoretical Computer Science 38, 1985).
 #[must_use]
 pub fn farthest_nodes(mesh: &Tet10Mesh, candidates: &[FeNodeId], n: usize) -> Vec<FeNodeId> {
-    let mean = candidates
-        .iter()
-        .fold(nalgebra::Vector3::zeros(), |sum, node| {
-            sum + mesh.position(*node).coords / candidates.len() as f64
-        });
+    let mean = candidates.iter().fold(nalgebra::Vector3::zeros(), |sum, node| {
+        sum + mesh.position(*node).coords / candidates.len() as f64
+    });
     let distance_from = |from: &Point3<f64>| -> Vec<f64> {
-        candidates
-            .iter()
-            .map(|node| (mesh.position(*node) - from).norm())
-            .collect()
+        candidates.iter().map(|node| (mesh.position(*node) - from).norm()).collect()
     };
     let mut chosen = Vec::with_capacity(n);
     let mut nearest = distance_from(&Point3::from(mean));
@@ -68,12 +58,9 @@ fn edge_nodes(faces: &[Tri6Face]) -> Vec<FeNodeId> {
         .map(|[a, b, mid]| (mid, [a, b]))
         .collect();
     edges.sort_unstable_by_key(|edge| edge.0);
-    let single = edges
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|group| group.len() == 1);
-    let mut nodes: Vec<FeNodeId> = single
-        .flat_map(|group| [group[0].0, group[0].1[0], group[0].1[1]])
-        .collect();
+    let single = edges.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() == 1);
+    let mut nodes: Vec<FeNodeId> =
+        single.flat_map(|group| [group[0].0, group[0].1[0], group[0].1[1]]).collect();
     nodes.sort_unstable();
     nodes.dedup();
     nodes

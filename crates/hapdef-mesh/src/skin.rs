@@ -42,9 +42,7 @@ impl SkinRegion {
     /// area vectors cancel.
     pub fn new(mesh: &Tet10Mesh, faces: Vec<Tri6Face>) -> Result<Self, MeshError> {
         if faces.is_empty() {
-            return Err(MeshError::EmptySkin {
-                size_m: size_m(mesh),
-            });
+            return Err(MeshError::EmptySkin { size_m: size_m(mesh) });
         }
         let nodes = nodes_of(&faces);
         let mut sums = vec![Vector3::zeros(); nodes.len()];
@@ -60,15 +58,10 @@ impl SkinRegion {
             .iter()
             .zip(sums)
             .map(|(&node, sum)| {
-                sum.try_normalize(0.0)
-                    .ok_or(MeshError::SkinNormal { node: node.0 })
+                sum.try_normalize(0.0).ok_or(MeshError::SkinNormal { node: node.0 })
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self {
-            faces,
-            nodes,
-            normals,
-        })
+        Ok(Self { faces, nodes, normals })
     }
 
     /// The region as a triangle surface: vertex `i` is surface node `i`, and each six-node face
@@ -93,10 +86,7 @@ impl SkinRegion {
     /// The region's area, m².
     #[must_use]
     pub fn area_m2(&self, mesh: &Tet10Mesh) -> f64 {
-        self.faces
-            .iter()
-            .map(|face| tri6::area(&face_positions(mesh, face)))
-            .sum()
+        self.faces.iter().map(|face| tri6::area(&face_positions(mesh, face))).sum()
     }
 }
 
@@ -143,14 +133,10 @@ fn checked_axis(params: &RadialRegionParams) -> Result<Vector3<f64>, MeshError> 
         return Err(refuse("axis_point and min_radius_m must be finite"));
     }
     if !(-1.0..1.0).contains(&params.min_normal_dot_radial) {
-        return Err(refuse(
-            "min_normal_dot_radial must be at least -1 and below 1",
-        ));
+        return Err(refuse("min_normal_dot_radial must be at least -1 and below 1"));
     }
     if low.is_nan() || high.is_nan() || low >= high {
-        return Err(refuse(
-            "axial_range_m must rise from its first to its second value",
-        ));
+        return Err(refuse("axial_range_m must rise from its first to its second value"));
     }
     params
         .axis_dir

@@ -35,9 +35,7 @@ impl Tet10Mesh {
     ) -> Result<Self, SolidFault> {
         check_nodes(&nodes)?;
         if elements.is_empty() {
-            return Err(SolidFault::NoElements {
-                n_nodes: nodes.len(),
-            });
+            return Err(SolidFault::NoElements { n_nodes: nodes.len() });
         }
         check_connectivity(nodes.len(), &elements)?;
         check_corner_volumes(&nodes, &elements)?;
@@ -94,15 +92,10 @@ impl Tet10Mesh {
 
 fn check_nodes(nodes: &[Point3<f64>]) -> Result<(), SolidFault> {
     if u32::try_from(nodes.len()).is_err() {
-        return Err(SolidFault::TooManyNodes {
-            n_nodes: nodes.len(),
-        });
+        return Err(SolidFault::TooManyNodes { n_nodes: nodes.len() });
     }
     match nodes.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
-        Some(node) => Err(SolidFault::NodeNotFinite {
-            node,
-            position: nodes[node].coords.into(),
-        }),
+        Some(node) => Err(SolidFault::NodeNotFinite { node, position: nodes[node].coords.into() }),
         None => Ok(()),
     }
 }
@@ -112,17 +105,10 @@ fn check_connectivity(n_nodes: usize, elements: &[[FeNodeId; 10]]) -> Result<(),
     for (element, nodes) in elements.iter().enumerate() {
         for (i, node) in nodes.iter().enumerate() {
             if node.index() >= n_nodes {
-                return Err(SolidFault::NodeOutOfRange {
-                    element,
-                    node: node.0,
-                    n_nodes,
-                });
+                return Err(SolidFault::NodeOutOfRange { element, node: node.0, n_nodes });
             }
             if nodes[..i].contains(node) {
-                return Err(SolidFault::NodeTwice {
-                    element,
-                    node: node.0,
-                });
+                return Err(SolidFault::NodeTwice { element, node: node.0 });
             }
             used[node.index()] = true;
         }
@@ -158,14 +144,8 @@ fn check_edges(elements: &[[FeNodeId; 10]]) -> Result<(), SolidFault> {
         })
         .collect();
     edges.sort_unstable();
-    match edges
-        .windows(2)
-        .find(|w| w[0].0 == w[1].0 && w[0].1 != w[1].1)
-    {
-        Some(w) => Err(SolidFault::EdgeMidsDiffer {
-            ends: w[0].0,
-            mids: [w[0].1, w[1].1],
-        }),
+    match edges.windows(2).find(|w| w[0].0 == w[1].0 && w[0].1 != w[1].1) {
+        Some(w) => Err(SolidFault::EdgeMidsDiffer { ends: w[0].0, mids: [w[0].1, w[1].1] }),
         None => Ok(()),
     }
 }

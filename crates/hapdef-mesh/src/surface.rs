@@ -62,17 +62,10 @@ impl SurfaceMesh {
         check_finite(&vertices)?;
         for (triangle, corners) in triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= n_vertices) {
-                return Err(MeshError::VertexOutOfRange {
-                    triangle,
-                    vertex,
-                    n_vertices,
-                });
+                return Err(MeshError::VertexOutOfRange { triangle, vertex, n_vertices });
             }
         }
-        Ok(Self {
-            vertices,
-            triangles,
-        })
+        Ok(Self { vertices, triangles })
     }
 
     /// Vertex positions `[n_vertices]`, m.
@@ -123,17 +116,13 @@ impl SurfaceMesh {
                 sums[vertex as usize] += angle * normal;
             }
         }
-        sums.iter()
-            .map(|sum| sum.try_normalize(1e-12).unwrap_or_else(Vector3::zeros))
-            .collect()
+        sums.iter().map(|sum| sum.try_normalize(1e-12).unwrap_or_else(Vector3::zeros)).collect()
     }
 
     /// The sum of all triangle areas, m².
     #[must_use]
     pub fn area_m2(&self) -> f64 {
-        (0..self.triangles.len())
-            .map(|t| self.area_normal_m2(t).norm())
-            .sum()
+        (0..self.triangles.len()).map(|t| self.area_normal_m2(t).norm()).sum()
     }
 
     /// The enclosed volume by the divergence theorem, V = ⅓ ∮ x·n dA, m³: positive when the
@@ -150,16 +139,10 @@ impl SurfaceMesh {
     #[must_use]
     pub fn bounding_box(&self) -> BoundingBox {
         let first = self.vertices[0];
-        self.vertices.iter().fold(
-            BoundingBox {
-                min: first,
-                max: first,
-            },
-            |b, v| BoundingBox {
-                min: b.min.inf(v),
-                max: b.max.sup(v),
-            },
-        )
+        self.vertices.iter().fold(BoundingBox { min: first, max: first }, |b, v| BoundingBox {
+            min: b.min.inf(v),
+            max: b.max.sup(v),
+        })
     }
 
     /// The surface under an affine map (last row 0 0 0 1); triangles are turned over where the map
@@ -168,11 +151,7 @@ impl SurfaceMesh {
     /// # Errors
     /// A coordinate that is no longer finite.
     pub fn transformed(&self, world_from_local: &Matrix4<f64>) -> Result<Self, MeshError> {
-        let vertices = self
-            .vertices
-            .iter()
-            .map(|v| affine(world_from_local, v))
-            .collect();
+        let vertices = self.vertices.iter().map(|v| affine(world_from_local, v)).collect();
         let mut triangles = self.triangles.clone();
         if linear_part(world_from_local).determinant() < 0.0 {
             triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -210,10 +189,7 @@ pub(crate) fn affine(map: &Matrix4<f64>, point: &Point3<f64>) -> Point3<f64> {
 }
 
 fn check_finite(vertices: &[Point3<f64>]) -> Result<(), MeshError> {
-    match vertices
-        .iter()
-        .position(|v| !v.coords.iter().all(|x| x.is_finite()))
-    {
+    match vertices.iter().position(|v| !v.coords.iter().all(|x| x.is_finite())) {
         None => Ok(()),
         Some(vertex) => {
             let position = vertices[vertex].coords.into();
@@ -236,18 +212,9 @@ pub(crate) mod tests {
             let pick = |bit: u32, length: f64| if i >> bit & 1 == 1 { length } else { 0.0 };
             Point3::new(pick(0, a), pick(1, b), pick(2, c))
         };
-        let quads: [[u32; 4]; 6] = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles = quads
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect();
+        let quads: [[u32; 4]; 6] =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         SurfaceMesh::new((0..8).map(corner).collect(), triangles).unwrap()
     }
 
@@ -256,16 +223,9 @@ pub(crate) mod tests {
         let mut corners: Vec<[Vector3<f64>; 3]> = Vec::new();
         for (x, y, z) in (0..8).map(|i| (i & 1, i >> 1 & 1, i >> 2)) {
             let sign = |bit: i32| f64::from(1 - 2 * bit);
-            let (a, b, c) = (
-                Vector3::x() * sign(x),
-                Vector3::y() * sign(y),
-                Vector3::z() * sign(z),
-            );
-            corners.push(if (x + y + z) % 2 == 0 {
-                [a, b, c]
-            } else {
-                [a, c, b]
-            });
+            let (a, b, c) =
+                (Vector3::x() * sign(x), Vector3::y() * sign(y), Vector3::z() * sign(z));
+            corners.push(if (x + y + z) % 2 == 0 { [a, b, c] } else { [a, c, b] });
         }
         for _ in 0..n {
             let middle = |a: Vector3<f64>, b: Vector3<f64>| (a + b).try_normalize(0.0).unwrap();
@@ -278,14 +238,8 @@ pub(crate) mod tests {
                 .collect();
         }
         let vertices: Vec<_> = corners.iter().flatten().map(|v| Point3::from(*v)).collect();
-        let triangles = (0..corners.len() as u32)
-            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
-            .collect();
-        SurfaceMesh::new(vertices, triangles)
-            .unwrap()
-            .weld(1e-9)
-            .unwrap()
-            .0
+        let triangles = (0..corners.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        SurfaceMesh::new(vertices, triangles).unwrap().weld(1e-9).unwrap().0
     }
 
     fn rigid(axis: Vector3<f64>, angle: f64, shift: Vector3<f64>) -> Matrix4<f64> {
@@ -356,11 +310,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_vertex_without_triangles_has_no_normal() {
-        let vertices = vec![
-            Point3::origin(),
-            Point3::new(1.0, 0.0, 0.0),
-            Point3::new(0.0, 1.0, 0.0),
-        ];
+        let vertices =
+            vec![Point3::origin(), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 1.0, 0.0)];
         let vertices = [vertices, vec![Point3::new(9.0, 9.0, 9.0)]].concat();
         let mesh = SurfaceMesh::new(vertices, vec![[0, 1, 2]]).unwrap();
         assert_eq!(mesh.vertex_normals()[0], Vector3::z());
@@ -371,19 +322,13 @@ pub(crate) mod tests {
     fn bad_surfaces_are_refused() {
         let one = vec![Point3::origin(); 3];
         let refused = |vertices: Vec<_>, triangles| {
-            SurfaceMesh::new(vertices, triangles)
-                .unwrap_err()
-                .to_string()
+            SurfaceMesh::new(vertices, triangles).unwrap_err().to_string()
         };
         assert_eq!(
             refused(one.clone(), vec![[0, 1, 2], [0, 1, 3]]),
             "triangle 1 uses vertex 3, but the surface has 3 vertices (0-based)"
         );
-        let nan = vec![
-            Point3::origin(),
-            Point3::new(0.0, f64::NAN, 0.0),
-            Point3::origin(),
-        ];
+        let nan = vec![Point3::origin(), Point3::new(0.0, f64::NAN, 0.0), Point3::origin()];
         assert!(refused(nan, vec![[0, 1, 2]]).contains("vertex 1"));
         assert!(refused(one, vec![]).contains("no triangle"));
     }

@@ -14,12 +14,7 @@ fn volume_coordinates(r: [f64; 3]) -> [f64; 4] {
 }
 
 /// ∂Lᵢ/∂(ξ, η, ζ).
-const DL: [[f64; 3]; 4] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-];
+const DL: [[f64; 3]; 4] = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Nᵢ at parent coordinates `r` = (ξ, η, ζ): Lᵢ(2Lᵢ − 1) at corners, 4LᵢLⱼ at mid-side nodes.
 #[must_use]
@@ -49,26 +44,14 @@ pub fn shape_gradient(r: [f64; 3]) -> [[f64; 3]; 10] {
 /// The point x(r) = Σ Nᵢ xᵢ, m.
 #[must_use]
 pub fn position(nodes: &[Point3<f64>; 10], r: [f64; 3]) -> Point3<f64> {
-    Point3::from(
-        nodes
-            .iter()
-            .zip(shape(r))
-            .map(|(p, n)| p.coords * n)
-            .sum::<Vector3<f64>>(),
-    )
+    Point3::from(nodes.iter().zip(shape(r)).map(|(p, n)| p.coords * n).sum::<Vector3<f64>>())
 }
 
 /// J = ∂x/∂(ξ, η, ζ), m: column k holds ∂x/∂rₖ.
 #[must_use]
 pub fn jacobian(nodes: &[Point3<f64>; 10], r: [f64; 3]) -> Matrix3<f64> {
     let d = shape_gradient(r);
-    let column = |k: usize| {
-        nodes
-            .iter()
-            .zip(d)
-            .map(|(p, d)| p.coords * d[k])
-            .sum::<Vector3<f64>>()
-    };
+    let column = |k: usize| nodes.iter().zip(d).map(|(p, d)| p.coords * d[k]).sum::<Vector3<f64>>();
     Matrix3::from_columns(&[column(0), column(1), column(2)])
 }
 
@@ -120,12 +103,8 @@ pub fn volume(nodes: &[Point3<f64>; 10]) -> f64 {
 mod tests {
     use super::*;
 
-    const NODES: [[f64; 3]; 4] = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ];
+    const NODES: [[f64; 3]; 4] =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
     fn parent_nodes() -> [Point3<f64>; 10] {
         std::array::from_fn(|i| match i {
@@ -141,10 +120,7 @@ mod tests {
     fn shape_functions_are_one_at_their_node() {
         for (i, node) in parent_nodes().iter().enumerate() {
             for (j, n) in shape(node.coords.into()).into_iter().enumerate() {
-                assert!(
-                    (n - f64::from(u8::from(i == j))).abs() < 1e-15,
-                    "N{j} at node {i} is {n}"
-                );
+                assert!((n - f64::from(u8::from(i == j))).abs() < 1e-15, "N{j} at node {i} is {n}");
             }
         }
     }
@@ -154,11 +130,8 @@ mod tests {
         let (r, h) = ([0.17, 0.29, 0.31], 1e-5);
         let gradient = shape_gradient(r);
         for k in 0..3 {
-            let moved = |by: f64| {
-                shape(std::array::from_fn(|i| {
-                    r[i] + if i == k { by } else { 0.0 }
-                }))
-            };
+            let moved =
+                |by: f64| shape(std::array::from_fn(|i| r[i] + if i == k { by } else { 0.0 }));
             let (up, down) = (moved(h), moved(-h));
             for i in 0..10 {
                 assert!((gradient[i][k] - (up[i] - down[i]) / (2.0 * h)).abs() < 1e-9);
@@ -173,11 +146,7 @@ mod tests {
         let c = 0.3;
         let nodes = parent_nodes().map(|p| Point3::new(p.x + c * p.x * (1.0 - p.x), p.y, p.z));
         let exact = 1.0 / 6.0 + c * (1.0 / 6.0 - 2.0 / 24.0);
-        assert!(
-            (volume(&nodes) - exact).abs() < 1e-15,
-            "{} {exact}",
-            volume(&nodes)
-        );
+        assert!((volume(&nodes) - exact).abs() < 1e-15, "{} {exact}", volume(&nodes));
         let r = [0.2, 0.3, 0.1];
         assert!((jacobian(&nodes, r).determinant() - (1.0 + c * 0.6)).abs() < 1e-14);
         let at_gauss = 1.0 + c * (1.0 - 2.0 * B4);

@@ -13,12 +13,7 @@ pub(crate) struct Edges {
 
 impl Edges {
     pub fn of(triangles: &[[u32; 3]]) -> Self {
-        let mut counts = Self {
-            n_edges: 0,
-            n_open: 0,
-            n_non_manifold: 0,
-            n_misoriented: 0,
-        };
+        let mut counts = Self { n_edges: 0, n_open: 0, n_non_manifold: 0, n_misoriented: 0 };
         for uses in sorted_half_edges(triangles).chunk_by(|a, b| a.ends() == b.ends()) {
             counts.n_edges += 1;
             match uses {
@@ -88,12 +83,7 @@ pub(crate) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
         for i in 0..3 {
             let (from, to) = (corners[i], corners[(i + 1) % 3]);
             let (low, high) = (from.min(to), from.max(to));
-            half_edges.push(HalfEdge {
-                low,
-                high,
-                triangle,
-                is_forward: from < to,
-            });
+            half_edges.push(HalfEdge { low, high, triangle, is_forward: from < to });
         }
     }
     half_edges.sort_unstable();

@@ -38,13 +38,7 @@ pub fn shape_gradient(xi: f64, eta: f64) -> [[f64; 2]; 6] {
 #[must_use]
 pub fn position(nodes: &[Point3<f64>; 6], xi: f64, eta: f64) -> Point3<f64> {
     let n = shape(xi, eta);
-    Point3::from(
-        nodes
-            .iter()
-            .zip(n)
-            .map(|(p, n)| p.coords * n)
-            .sum::<Vector3<f64>>(),
-    )
+    Point3::from(nodes.iter().zip(n).map(|(p, n)| p.coords * n).sum::<Vector3<f64>>())
 }
 
 /// (∂x/∂ξ, ∂x/∂η), m per unit parent coordinate: two tangents of the face.
@@ -83,60 +77,23 @@ const WB7: f64 = 0.062_969_590_272_413_58;
 /// Meth. Eng. 21, 1985, table II, p = 5). A constant traction on a curved face is integrated
 /// exactly: the integrand Nᵢ · area_vector has degree 4.
 pub const QUADRATURE: [QuadraturePoint; 7] = [
-    QuadraturePoint {
-        xi: 1.0 / 3.0,
-        eta: 1.0 / 3.0,
-        weight: 9.0 / 80.0,
-    },
-    QuadraturePoint {
-        xi: A7,
-        eta: A7,
-        weight: WA7,
-    },
-    QuadraturePoint {
-        xi: 1.0 - 2.0 * A7,
-        eta: A7,
-        weight: WA7,
-    },
-    QuadraturePoint {
-        xi: A7,
-        eta: 1.0 - 2.0 * A7,
-        weight: WA7,
-    },
-    QuadraturePoint {
-        xi: B7,
-        eta: B7,
-        weight: WB7,
-    },
-    QuadraturePoint {
-        xi: 1.0 - 2.0 * B7,
-        eta: B7,
-        weight: WB7,
-    },
-    QuadraturePoint {
-        xi: B7,
-        eta: 1.0 - 2.0 * B7,
-        weight: WB7,
-    },
+    QuadraturePoint { xi: 1.0 / 3.0, eta: 1.0 / 3.0, weight: 9.0 / 80.0 },
+    QuadraturePoint { xi: A7, eta: A7, weight: WA7 },
+    QuadraturePoint { xi: 1.0 - 2.0 * A7, eta: A7, weight: WA7 },
+    QuadraturePoint { xi: A7, eta: 1.0 - 2.0 * A7, weight: WA7 },
+    QuadraturePoint { xi: B7, eta: B7, weight: WB7 },
+    QuadraturePoint { xi: 1.0 - 2.0 * B7, eta: B7, weight: WB7 },
+    QuadraturePoint { xi: B7, eta: 1.0 - 2.0 * B7, weight: WB7 },
 ];
 
 /// Parent coordinates of the six nodes.
-pub const NODE_COORDINATES: [[f64; 2]; 6] = [
-    [0.0, 0.0],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [0.5, 0.0],
-    [0.5, 0.5],
-    [0.0, 0.5],
-];
+pub const NODE_COORDINATES: [[f64; 2]; 6] =
+    [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
 
 /// The face's area, m² ([`QUADRATURE`]; exact on flat faces with straight edges).
 #[must_use]
 pub fn area(nodes: &[Point3<f64>; 6]) -> f64 {
-    QUADRATURE
-        .iter()
-        .map(|q| q.weight * area_vector(nodes, q.xi, q.eta).norm())
-        .sum()
+    QUADRATURE.iter().map(|q| q.weight * area_vector(nodes, q.xi, q.eta).norm()).sum()
 }
 
 #[cfg(test)]
@@ -147,10 +104,7 @@ mod tests {
     fn shape_functions_are_one_at_their_node() {
         for (i, [xi, eta]) in NODE_COORDINATES.into_iter().enumerate() {
             for (j, n) in shape(xi, eta).into_iter().enumerate() {
-                assert!(
-                    (n - f64::from(u8::from(i == j))).abs() < 1e-15,
-                    "N{j} at node {i} is {n}"
-                );
+                assert!((n - f64::from(u8::from(i == j))).abs() < 1e-15, "N{j} at node {i} is {n}");
             }
         }
     }
@@ -173,10 +127,7 @@ mod tests {
     fn the_rule_is_exact_to_degree_five_and_not_six() {
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
         let error = |a: i32, b: i32| {
-            let sum: f64 = QUADRATURE
-                .iter()
-                .map(|q| q.weight * q.xi.powi(a) * q.eta.powi(b))
-                .sum();
+            let sum: f64 = QUADRATURE.iter().map(|q| q.weight * q.xi.powi(a) * q.eta.powi(b)).sum();
             (sum - factorial(a) * factorial(b) / factorial(a + b + 2)).abs()
         };
         for a in 0..=5 {
@@ -189,20 +140,10 @@ mod tests {
 
     #[test]
     fn a_flat_face_has_its_area_and_normal() {
-        let corners = [
-            Point3::new(1.0, 0.0, 0.0),
-            Point3::new(1.0, 3.0, 0.0),
-            Point3::new(1.0, 0.0, 2.0),
-        ];
+        let corners =
+            [Point3::new(1.0, 0.0, 0.0), Point3::new(1.0, 3.0, 0.0), Point3::new(1.0, 0.0, 2.0)];
         let mid = |a: usize, b: usize| nalgebra::center(&corners[a], &corners[b]);
-        let face = [
-            corners[0],
-            corners[1],
-            corners[2],
-            mid(0, 1),
-            mid(1, 2),
-            mid(2, 0),
-        ];
+        let face = [corners[0], corners[1], corners[2], mid(0, 1), mid(1, 2), mid(2, 0)];
         assert!((area(&face) - 3.0).abs() < 1e-14);
         assert!((area_vector(&face, 0.2, 0.3) - Vector3::new(6.0, 0.0, 0.0)).norm() < 1e-14);
         assert!((position(&face, 0.5, 0.25) - Point3::new(1.0, 1.5, 0.5)).norm() < 1e-14);

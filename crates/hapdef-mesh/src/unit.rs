@@ -69,10 +69,7 @@ impl UnitGuess {
     #[must_use]
     pub fn of_length(longest: f64) -> Self {
         let fits = |unit: &LengthUnit| LIMB_LENGTH_M.contains(&(longest * unit.metres()));
-        Self {
-            longest,
-            candidates: LengthUnit::ALL.into_iter().filter(fits).collect(),
-        }
+        Self { longest, candidates: LengthUnit::ALL.into_iter().filter(fits).collect() }
     }
 
     /// The only unit that fits, or nothing when none or several do.
@@ -93,11 +90,7 @@ impl fmt::Display for UnitGuess {
         }
         for (i, unit) in self.candidates.iter().enumerate() {
             let separator = if i == 0 { "" } else { " or " };
-            write!(
-                f,
-                "{separator}{unit} ({:.3} m)",
-                self.longest * unit.metres()
-            )?;
+            write!(f, "{separator}{unit} ({:.3} m)", self.longest * unit.metres())?;
         }
         f.write_str(" fits a limb; confirm the unit")
     }
@@ -110,11 +103,7 @@ mod tests {
 
     #[track_caller]
     fn check(longest: f64, expected: &[LengthUnit]) {
-        assert_eq!(
-            UnitGuess::of_length(longest).candidates,
-            expected,
-            "{longest}"
-        );
+        assert_eq!(UnitGuess::of_length(longest).candidates, expected, "{longest}");
     }
 
     #[test]

@@ -81,31 +81,20 @@ fn check_name<'a>(name: &str, mut earlier: impl Iterator<Item = &'a str>) -> Res
         _ if earlier.any(|other| other == name) => "another field has the same name",
         _ => return Ok(()),
     };
-    Err(MeshError::FieldName {
-        field: name.to_owned(),
-        why,
-    })
+    Err(MeshError::FieldName { field: name.to_owned(), why })
 }
 
 fn check_values(field: &PointField<'_>, expected: usize) -> Result<(), MeshError> {
     let (flat, n_components) = (field.values.flat(), field.values.n_components());
     let found = flat.len() / n_components;
     if found != expected {
-        return Err(MeshError::FieldLength {
-            field: field.name.to_owned(),
-            expected,
-            found,
-        });
+        return Err(MeshError::FieldLength { field: field.name.to_owned(), expected, found });
     }
     match flat.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(at) => {
             let (field, point, value) = (field.name.to_owned(), at / n_components, flat[at]);
-            Err(MeshError::FieldNotFinite {
-                field,
-                point,
-                value,
-            })
+            Err(MeshError::FieldNotFinite { field, point, value })
         }
     }
 }
@@ -122,10 +111,7 @@ fn write_document(
         r#"<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">"#
     )?;
     writeln!(writer, "<UnstructuredGrid>")?;
-    writeln!(
-        writer,
-        r#"<Piece NumberOfPoints="{n_points}" NumberOfCells="{n_cells}">"#
-    )?;
+    writeln!(writer, r#"<Piece NumberOfPoints="{n_points}" NumberOfCells="{n_cells}">"#)?;
     writeln!(writer, "<PointData>")?;
     for field in point_fields {
         let (name, values) = (escaped(field.name), field.values.flat());
@@ -133,11 +119,8 @@ fn write_document(
     }
     writeln!(writer, "</PointData>")?;
     writeln!(writer, "<Points>")?;
-    let coordinates: Vec<f64> = mesh
-        .nodes()
-        .iter()
-        .flat_map(|p| p.coords.iter().copied())
-        .collect();
+    let coordinates: Vec<f64> =
+        mesh.nodes().iter().flat_map(|p| p.coords.iter().copied()).collect();
     write_floats(writer, "Points", 3, &coordinates)?;
     writeln!(writer, "</Points>")?;
     write_cells(writer, mesh)?;
@@ -146,22 +129,12 @@ fn write_document(
 
 fn write_cells(writer: &mut BufWriter<File>, mesh: &Tet10Mesh) -> io::Result<()> {
     let n_cells = mesh.elements().len() as u64;
-    let connectivity = mesh
-        .elements()
-        .iter()
-        .flatten()
-        .flat_map(|n| u64::from(n.0).to_le_bytes());
+    let connectivity = mesh.elements().iter().flatten().flat_map(|n| u64::from(n.0).to_le_bytes());
     let offsets = (1..=n_cells).flat_map(|cell| (10 * cell).to_le_bytes());
     writeln!(writer, "<Cells>")?;
     write_array(writer, "connectivity", "Int64", 1, connectivity.collect())?;
     write_array(writer, "offsets", "Int64", 1, offsets.collect())?;
-    write_array(
-        writer,
-        "types",
-        "UInt8",
-        1,
-        vec![QUADRATIC_TETRA; mesh.elements().len()],
-    )?;
+    write_array(writer, "types", "UInt8", 1, vec![QUADRATIC_TETRA; mesh.elements().len()])?;
     writeln!(writer, "</Cells>")
 }
 
@@ -194,10 +167,7 @@ fn write_array(
 }
 
 fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -208,12 +178,7 @@ mod tests {
     use crate::{FeNodeId, TET10_EDGES};
 
     fn one_tetrahedron() -> Tet10Mesh {
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut nodes: Vec<Point3<f64>> = corners.into_iter().map(Point3::from).collect();
         nodes.extend(TET10_EDGES.map(|[a, b]| nalgebra::center(&nodes[a], &nodes[b])));
         Tet10Mesh::new(nodes, vec![std::array::from_fn(FeNodeId::from_index)]).unwrap()
@@ -226,27 +191,18 @@ mod tests {
         let body = &body[body.find('>').unwrap() + 1..body.find("</DataArray>").unwrap()];
         let bytes = STANDARD.decode(body.trim()).unwrap();
         let (header, data) = bytes.split_at(8);
-        assert_eq!(
-            u64::from_le_bytes(header.try_into().unwrap()),
-            data.len() as u64
-        );
+        assert_eq!(u64::from_le_bytes(header.try_into().unwrap()), data.len() as u64);
         data.to_vec()
     }
 
     fn floats(text: &str, name: &str) -> Vec<f64> {
         let bytes = array(text, name);
-        bytes
-            .chunks(8)
-            .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
-            .collect()
+        bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
     }
 
     fn integers(text: &str, name: &str) -> Vec<u64> {
         let bytes = array(text, name);
-        bytes
-            .chunks(8)
-            .map(|b| u64::from_le_bytes(b.try_into().unwrap()))
-            .collect()
+        bytes.chunks(8).map(|b| u64::from_le_bytes(b.try_into().unwrap())).collect()
     }
 
     #[test]
@@ -255,36 +211,18 @@ mod tests {
         let path = folder.path().join("a.vtu");
         let mesh = one_tetrahedron();
         let scalars: Vec<f64> = (0..10).map(|i| f64::from(i) / 3.0).collect();
-        let vectors: Vec<_> = (0..10)
-            .map(|i| Vector3::new(f64::from(i), -1.5, 1e-300))
-            .collect();
+        let vectors: Vec<_> = (0..10).map(|i| Vector3::new(f64::from(i), -1.5, 1e-300)).collect();
         let fields = [
-            PointField {
-                name: "energy <J> & \"more\"",
-                values: PointValues::Scalars(&scalars),
-            },
-            PointField {
-                name: "displacement_m",
-                values: PointValues::Vectors(&vectors),
-            },
+            PointField { name: "energy <J> & \"more\"", values: PointValues::Scalars(&scalars) },
+            PointField { name: "displacement_m", values: PointValues::Vectors(&vectors) },
         ];
         write_vtu(&path, &mesh, &fields).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        assert!(
-            text.contains(r#"NumberOfPoints="10" NumberOfCells="1""#),
-            "{text}"
-        );
-        assert_eq!(
-            floats(&text, "energy &lt;J&gt; &amp; &quot;more&quot;"),
-            scalars
-        );
+        assert!(text.contains(r#"NumberOfPoints="10" NumberOfCells="1""#), "{text}");
+        assert_eq!(floats(&text, "energy &lt;J&gt; &amp; &quot;more&quot;"), scalars);
         let flat: Vec<f64> = vectors.iter().flat_map(|v| v.iter().copied()).collect();
         assert_eq!(floats(&text, "displacement_m"), flat);
-        let nodes: Vec<f64> = mesh
-            .nodes()
-            .iter()
-            .flat_map(|p| p.coords.iter().copied())
-            .collect();
+        let nodes: Vec<f64> = mesh.nodes().iter().flat_map(|p| p.coords.iter().copied()).collect();
         assert_eq!(floats(&text, "Points"), nodes);
         assert_eq!(integers(&text, "connectivity"), (0..10).collect::<Vec<_>>());
         assert_eq!(integers(&text, "offsets"), [10]);
@@ -295,36 +233,25 @@ mod tests {
     fn check_refused(fields: &[PointField<'_>], expected: &str) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vtu");
-        let error = write_vtu(&path, &one_tetrahedron(), fields)
-            .unwrap_err()
-            .to_string();
+        let error = write_vtu(&path, &one_tetrahedron(), fields).unwrap_err().to_string();
         assert_eq!(error, expected);
         assert!(!path.exists());
     }
 
     #[test]
     fn bad_fields_are_refused() {
-        let field = |name, values| PointField {
-            name,
-            values: PointValues::Scalars(values),
-        };
+        let field = |name, values| PointField { name, values: PointValues::Scalars(values) };
         check_refused(
             &[field("u", &[1.0; 9])],
             "field `u` has 9 values, but the mesh has 10 points",
         );
         let mut values = [0.0; 10];
         values[7] = f64::NAN;
-        check_refused(
-            &[field("u", &values)],
-            "field `u` has NaN at point 7, which is not finite",
-        );
+        check_refused(&[field("u", &values)], "field `u` has NaN at point 7, which is not finite");
         check_refused(
             &[field("u", &[0.0; 10]), field("u", &[0.0; 10])],
             "field name `u` is not usable here: another field has the same name",
         );
-        check_refused(
-            &[field("", &[0.0; 10])],
-            "field name `` is not usable here: it is empty",
-        );
+        check_refused(&[field("", &[0.0; 10])], "field name `` is not usable here: it is empty");
     }
 }

@@ -59,13 +59,8 @@ pub fn outer_skin(
             .count();
         free as f64 > params.min_free_fraction * params.n_rays as f64
     };
-    let faces = boundary
-        .faces
-        .iter()
-        .enumerate()
-        .filter(sees_outside)
-        .map(|(_, face)| *face)
-        .collect();
+    let faces =
+        boundary.faces.iter().enumerate().filter(sees_outside).map(|(_, face)| *face).collect();
     SkinRegion::new(mesh, faces)
 }
 
@@ -99,40 +94,24 @@ pub fn wall(
         return Err(MeshError::WallThickness { max_thickness_m });
     }
     let rays = FaceRays::new(mesh, &boundary.faces);
-    let places: BTreeMap<&Tri6Face, usize> = boundary
-        .faces
-        .iter()
-        .enumerate()
-        .map(|(i, face)| (face, i))
-        .collect();
+    let places: BTreeMap<&Tri6Face, usize> =
+        boundary.faces.iter().enumerate().map(|(i, face)| (face, i)).collect();
     let mut is_skin = vec![false; boundary.faces.len()];
     let mut skin_thickness_m = Vec::with_capacity(skin.faces.len());
     for face in &skin.faces {
-        let place = *places.get(face).ok_or(MeshError::OpenWall {
-            element: face.element,
-        })?;
+        let place = *places.get(face).ok_or(MeshError::OpenWall { element: face.element })?;
         is_skin[place] = true;
         let hit = inward_hit(mesh, &rays, face, place);
-        let (_, distance_m) = hit.ok_or(MeshError::OpenWall {
-            element: face.element,
-        })?;
+        let (_, distance_m) = hit.ok_or(MeshError::OpenWall { element: face.element })?;
         skin_thickness_m.push(distance_m);
     }
     let faces_skin = |(i, face): &(usize, &Tri6Face)| {
         let hit = inward_hit(mesh, &rays, face, *i);
         !is_skin[*i] && hit.is_some_and(|(hit, far)| is_skin[hit] && far <= max_thickness_m)
     };
-    let inner_faces = boundary
-        .faces
-        .iter()
-        .enumerate()
-        .filter(faces_skin)
-        .map(|(_, face)| *face)
-        .collect();
-    Ok(Wall {
-        inner_faces,
-        skin_thickness_m,
-    })
+    let inner_faces =
+        boundary.faces.iter().enumerate().filter(faces_skin).map(|(_, face)| *face).collect();
+    Ok(Wall { inner_faces, skin_thickness_m })
 }
 
 impl Wall {

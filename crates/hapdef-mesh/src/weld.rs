@@ -74,11 +74,7 @@ struct KeptVertices {
 
 impl KeptVertices {
     fn new(tolerance_m: f64) -> Self {
-        Self {
-            tolerance_m,
-            positions: Vec::new(),
-            cells: HashMap::new(),
-        }
+        Self { tolerance_m, positions: Vec::new(), cells: HashMap::new() }
     }
 
     /// The kept vertex that `position` joins, which may be itself.
@@ -88,19 +84,12 @@ impl KeptVertices {
         }
         let index = self.positions.len() as u32;
         self.positions.push(*position);
-        self.cells
-            .entry(self.cell(position, [0.0; 3]))
-            .or_default()
-            .push(index);
+        self.cells.entry(self.cell(position, [0.0; 3])).or_default().push(index);
         index
     }
 
     fn first_near(&self, position: &Point3<f64>) -> Option<u32> {
-        let steps: &[f64] = if self.tolerance_m == 0.0 {
-            &[0.0]
-        } else {
-            &[-1.0, 0.0, 1.0]
-        };
+        let steps: &[f64] = if self.tolerance_m == 0.0 { &[0.0] } else { &[-1.0, 0.0, 1.0] };
         let near = |&&kept: &&u32| {
             nalgebra::distance(&self.positions[kept as usize], position) <= self.tolerance_m
         };
@@ -122,11 +111,7 @@ impl KeptVertices {
     fn cell(&self, position: &Point3<f64>, steps: [f64; 3]) -> [u64; 3] {
         std::array::from_fn(|i| {
             let x = position[i];
-            let number = if self.tolerance_m == 0.0 {
-                x
-            } else {
-                (x / self.tolerance_m).floor()
-            };
+            let number = if self.tolerance_m == 0.0 { x } else { (x / self.tolerance_m).floor() };
             (number + steps[i] + 0.0).to_bits()
         })
     }
@@ -141,12 +126,9 @@ mod tests {
 
     /// The same triangles with three vertices of their own each.
     fn unshared(mesh: &SurfaceMesh) -> SurfaceMesh {
-        let vertices = (0..mesh.triangles().len())
-            .flat_map(|t| mesh.corners(t))
-            .collect();
-        let triangles = (0..mesh.triangles().len() as u32)
-            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
-            .collect();
+        let vertices = (0..mesh.triangles().len()).flat_map(|t| mesh.corners(t)).collect();
+        let triangles =
+            (0..mesh.triangles().len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         SurfaceMesh::new(vertices, triangles).unwrap()
     }
 
@@ -155,10 +137,7 @@ mod tests {
         let mesh = cuboid(0.1, 0.2, 0.3);
         let (welded, info) = unshared(&mesh).weld(0.0).unwrap();
         assert_eq!((welded.vertices().len(), welded.triangles().len()), (8, 12));
-        assert_eq!(
-            (info.n_merged_vertices, info.n_collapsed_triangles),
-            (28, 0)
-        );
+        assert_eq!((info.n_merged_vertices, info.n_collapsed_triangles), (28, 0));
         assert_eq!(info.old_triangle, (0..12).collect::<Vec<_>>());
         assert_eq!(welded.signed_volume_m3(), mesh.signed_volume_m3());
     }
@@ -166,12 +145,8 @@ mod tests {
     #[test]
     fn minus_zero_is_zero() {
         let p = Point3::new;
-        let vertices = vec![
-            p(0.0, 0.0, 0.0),
-            p(1.0, 0.0, 0.0),
-            p(0.0, 1.0, 0.0),
-            p(-0.0, -0.0, 0.0),
-        ];
+        let vertices =
+            vec![p(0.0, 0.0, 0.0), p(1.0, 0.0, 0.0), p(0.0, 1.0, 0.0), p(-0.0, -0.0, 0.0)];
         let mesh = SurfaceMesh::new(vertices, vec![[0, 1, 2], [3, 1, 2]]).unwrap();
         assert_eq!(mesh.weld(0.0).unwrap().1.n_merged_vertices, 1);
     }
@@ -179,12 +154,8 @@ mod tests {
     #[test]
     fn dropped_triangles_are_counted_by_cause() {
         let p = Point3::new;
-        let vertices = vec![
-            p(0.0, 0.0, 0.0),
-            p(1.0, 0.0, 0.0),
-            p(0.0, 1.0, 0.0),
-            p(1e-6, 0.0, 0.0),
-        ];
+        let vertices =
+            vec![p(0.0, 0.0, 0.0), p(1.0, 0.0, 0.0), p(0.0, 1.0, 0.0), p(1e-6, 0.0, 0.0)];
         let triangles = vec![[0, 1, 2], [0, 3, 2], [1, 1, 2]];
         let mesh = SurfaceMesh::new(vertices, triangles).unwrap();
         let (welded, info) = mesh.weld(1e-5).unwrap();
@@ -201,10 +172,7 @@ mod tests {
             assert!(matches!(error, MeshError::WeldTolerance { .. }), "{error}");
         }
         let error = cuboid(1.0, 1.0, 1.0).weld(10.0).unwrap_err();
-        assert!(
-            matches!(error, MeshError::NoTriangles { n_vertices: 1 }),
-            "{error}"
-        );
+        assert!(matches!(error, MeshError::NoTriangles { n_vertices: 1 }), "{error}");
     }
 
     proptest! {

@@ -42,23 +42,14 @@ fn the_skin_deck_is_read_whole() {
     let Some(deck) = deck("02_skin_ds.dat.gz") else {
         return;
     };
-    assert_eq!(
-        (deck.mesh.nodes().len(), deck.mesh.elements().len()),
-        (22_284, 10_729)
-    );
+    assert_eq!((deck.mesh.nodes().len(), deck.mesh.elements().len()), (22_284, 10_729));
     assert_eq!(deck.fixed_nodes.len(), 208);
     assert_eq!(deck.node_sets["_FIXEDSU"], deck.fixed_nodes);
     let material = deck.material.unwrap();
-    assert_eq!(
-        (material.youngs_modulus_pa, material.poissons_ratio),
-        (1.7e9, 0.394)
-    );
+    assert_eq!((material.youngs_modulus_pa, material.poissons_ratio), (1.7e9, 0.394));
     assert_eq!(material.density_kg_m3, Some(930.0));
     let loaded = FeNodeId::from_index(deck.node_labels.binary_search(&2984).unwrap());
-    assert_eq!(
-        deck.nodal_forces,
-        [(loaded, Vector3::new(10.0, 0.0, -15.0))]
-    );
+    assert_eq!(deck.nodal_forces, [(loaded, Vector3::new(10.0, 0.0, -15.0))]);
     assert!(deck.face_tractions.is_empty() && deck.unused_node_labels.is_empty());
 
     let volume_m3: f64 = (0..deck.mesh.elements().len())
@@ -85,15 +76,11 @@ fn the_weight_deck_carries_360_newtons() {
     for load in &deck.face_tractions {
         let nodes = load.nodes.map(|node| deck.mesh.position(node));
         assert!(nodes.iter().all(|p| (p.y - 0.1609).abs() < 1e-9));
-        let normal = tri6::area_vector(&nodes, 0.3, 0.3)
-            .try_normalize(0.0)
-            .unwrap();
+        let normal = tri6::area_vector(&nodes, 0.3, 0.3).try_normalize(0.0).unwrap();
         assert!(normal.y > 0.999_999);
     }
     assert!(
-        deck.fixed_nodes
-            .iter()
-            .all(|node| (deck.mesh.position(*node).y - 0.0385).abs() < 1e-9)
+        deck.fixed_nodes.iter().all(|node| (deck.mesh.position(*node).y - 0.0385).abs() < 1e-9)
     );
 }
 
@@ -117,10 +104,7 @@ fn the_wall_is_about_a_millimetre() {
     let (mesh, boundary) = (&deck.mesh, deck.mesh.boundary());
     let inside = wall(mesh, &boundary, &skin(mesh), 3e-3).unwrap();
     let quartiles = [0.25, 0.5, 0.75].map(|q| 1e3 * inside.thickness_quantile_m(q).unwrap());
-    println!(
-        "{} inner faces, thickness quartiles {quartiles:?} mm",
-        inside.inner_faces.len()
-    );
+    println!("{} inner faces, thickness quartiles {quartiles:?} mm", inside.inner_faces.len());
     for (found, pinned) in quartiles.into_iter().zip([0.818, 0.956, 1.300]) {
         assert!((found - pinned).abs() < 1e-3, "{quartiles:?}");
     }
@@ -144,12 +128,7 @@ fn gauge_sites_are_on_the_wall() {
         serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let vectors = |key: &str| -> Vec<Vector3<f64>> {
         let numbers = |v: &serde_json::Value| [0, 1, 2].map(|i| v[i].as_f64().unwrap());
-        sites[key]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|v| numbers(v).into())
-            .collect()
+        sites[key].as_array().unwrap().iter().map(|v| numbers(v).into()).collect()
     };
     let (centres_mm, normals) = (vectors("sites_mm"), vectors("normal"));
     assert_eq!(centres_mm.len(), 10);
@@ -157,34 +136,21 @@ fn gauge_sites_are_on_the_wall() {
     for (centre_mm, normal) in centres_mm.iter().zip(&normals) {
         let centre = Point3::from(centre_mm * 1e-3);
         let patch = gauge_patch(mesh, &boundary.faces, &centre, 24, 2e-4).unwrap();
-        assert!(
-            patch.normal.dot(normal) > 0.999,
-            "{} {normal}",
-            patch.normal
-        );
+        assert!(patch.normal.dot(normal) > 0.999, "{} {normal}", patch.normal);
         // where the wall runs out to an edge, a node belongs to both sides
         let is_edge = |node: &&FeNodeId| skin.nodes.binary_search(node).is_ok();
         n_edge += patch.nodes.iter().filter(is_edge).count();
         let on_inner_wall = gauge_patch(mesh, &inside.inner_faces, &centre, 24, 2e-4).unwrap();
         assert_eq!(on_inner_wall, patch);
         // against the inner wall only: 5 mm inwards of one site there is a rib
-        match gauge_patch(
-            mesh,
-            &inside.inner_faces,
-            &(centre + normal * 5e-3),
-            24,
-            2e-4,
-        ) {
+        match gauge_patch(mesh, &inside.inner_faces, &(centre + normal * 5e-3), 24, 2e-4) {
             Err(MeshError::GaugeOffWall { distance_m, .. }) => {
                 assert!((2e-4..=5.2e-3).contains(&distance_m), "{distance_m}");
             }
             other => panic!("{other:?}"),
         }
     }
-    assert!(
-        n_edge <= 5,
-        "{n_edge} of 240 patch nodes are on the outside"
-    );
+    assert!(n_edge <= 5, "{n_edge} of 240 patch nodes are on the outside");
     println!("{n_edge} of 240 patch nodes are also on the outside");
 }
 
@@ -196,14 +162,9 @@ fn refinement_keeps_the_authors_volume() {
         return;
     };
     let fine = deck.mesh.refine();
-    assert_eq!(
-        (fine.nodes().len(), fine.elements().len()),
-        (144_694, 85_832)
-    );
+    assert_eq!((fine.nodes().len(), fine.elements().len()), (144_694, 85_832));
     let volume_m3 = |mesh: &Tet10Mesh| -> f64 {
-        (0..mesh.elements().len())
-            .map(|e| tet10::volume(&mesh.element_positions(e)))
-            .sum()
+        (0..mesh.elements().len()).map(|e| tet10::volume(&mesh.element_positions(e))).sum()
     };
     assert!((volume_m3(&fine) / volume_m3(&deck.mesh) - 1.0).abs() < 1e-12);
     let folded = |mesh: &Tet10Mesh| {

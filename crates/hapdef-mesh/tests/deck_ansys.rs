@@ -106,19 +106,11 @@ fn a_workbench_deck_is_read() {
     assert_eq!(deck.element_labels, [21]);
     let foot: Vec<_> = [0, 1, 2, 4, 5, 6].map(FeNodeId::from_index).to_vec();
     assert_eq!((&deck.node_sets["FOOT"], &deck.fixed_nodes), (&foot, &foot));
-    assert_eq!(
-        deck.nodal_forces,
-        [(FeNodeId(3), Vector3::new(10.0, 0.0, -15.0))]
-    );
+    assert_eq!(deck.nodal_forces, [(FeNodeId(3), Vector3::new(10.0, 0.0, -15.0))]);
     let material = deck.material.unwrap();
-    assert_eq!(
-        (material.youngs_modulus_pa, material.poissons_ratio),
-        (1.7e9, 0.394)
-    );
+    assert_eq!((material.youngs_modulus_pa, material.poissons_ratio), (1.7e9, 0.394));
     // 3 Pa half way through the table, along the local x axis, which is the global y axis
-    let [load] = deck.face_tractions.as_slice() else {
-        panic!("{:?}", deck.face_tractions)
-    };
+    let [load] = deck.face_tractions.as_slice() else { panic!("{:?}", deck.face_tractions) };
     assert!((load.traction_pa - Vector3::new(0.0, 3.0, 0.0)).norm() < 1e-15);
     assert_eq!(load.nodes.map(|node| node.0), [0, 1, 3, 4, 8, 7]);
 }
@@ -131,14 +123,7 @@ fn a_cdb_archive_is_read() {
     let end = DECK.find("et,1,187").unwrap();
     let mut nodes = String::from("nblock,6,solid,        10,        10\n(3i8,6e16.9)\n");
     let corners = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]];
-    let mids = [
-        [1, 0, 0],
-        [1, 1, 0],
-        [0, 1, 0],
-        [0, 0, 1],
-        [1, 0, 1],
-        [0, 1, 1],
-    ];
+    let mids = [[1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]];
     for (i, p) in corners.iter().chain(&mids).enumerate() {
         let [x, y, z] = p.map(|c| format!("{:.9}D+00", f64::from(c) / 2.0));
         nodes += &format!("{:8}{:8}{:8}{x:>16}{y:>16}{z:>16}\n", i + 1, 0, 0);
@@ -192,10 +177,7 @@ fn what_would_change_the_model_is_refused() {
         }
         let found = fault(&text);
         println!("{found}");
-        assert!(
-            matches!(found, DeckFault::Unsupported { .. }),
-            "{to}: {found}"
-        );
+        assert!(matches!(found, DeckFault::Unsupported { .. }), "{to}: {found}");
         assert!(!found.to_string().starts_with("line 0"), "{to}: {found}");
     }
 }
@@ -203,50 +185,25 @@ fn what_would_change_the_model_is_refused() {
 #[test]
 fn faults_name_line_and_cause() {
     let found = fault(&DECK.replace("d,all,all", "d,all,ux"));
-    let expected = DeckFault::PartialSupport {
-        n_nodes: 6,
-        first_node: 1,
-        held: "x".into(),
-    };
+    let expected = DeckFault::PartialSupport { n_nodes: 6, first_node: 1, held: "x".into() };
     assert_eq!(found, expected);
     let found = fault(&DECK.replace("f,4,fx,10", "f,4,fx,%wind%"));
-    assert!(
-        matches!(&found, DeckFault::Undefined { name, .. } if name == "wind"),
-        "{found}"
-    );
+    assert!(matches!(&found, DeckFault::Undefined { name, .. } if name == "wind"), "{found}");
     let found = fault(&DECK.replace("_px(2,1,1) = 6.\n", ""));
     assert!(found.to_string().contains("table _px filled"), "{found}");
     let found = fault(&DECK.replace("f,4,fx", "f,HEAD,fx"));
-    assert!(
-        matches!(&found, DeckFault::Undefined { name, .. } if name == "HEAD"),
-        "{found}"
-    );
+    assert!(matches!(&found, DeckFault::Undefined { name, .. } if name == "HEAD"), "{found}");
     let found = fault(&DECK.replace("eblock,19,solid,,1", "eblock,19,solid,,2"));
-    assert_eq!(
-        found.to_string(),
-        "line 25: expected 2 elements, as the block announces, found 1"
-    );
+    assert_eq!(found.to_string(), "line 25: expected 2 elements, as the block announces, found 1");
     let found = fault(&DECK.replace("(1i9,3e20.9e3)", "(free)"));
-    assert!(
-        matches!(found, DeckFault::Unexpected { line: 8, .. }),
-        "{found}"
-    );
+    assert!(matches!(found, DeckFault::Unexpected { line: 8, .. }), "{found}");
     let found = fault(&DECK.replace(
         "        1        2        4        4        5",
         "        1        2        6        6        5",
     ));
-    assert_eq!(
-        found,
-        DeckFault::NotABoundaryFace {
-            line: 41,
-            corners: [1, 2, 6]
-        }
-    );
+    assert_eq!(found, DeckFault::NotABoundaryFace { line: 41, corners: [1, 2, 6] });
     let found = fault(&DECK.replace("5.000000000E-001\n        6", "5.00000000xE-001\n        6"));
-    assert!(
-        matches!(found, DeckFault::Unexpected { line: 13, .. }),
-        "{found}"
-    );
+    assert!(matches!(found, DeckFault::Unexpected { line: 13, .. }), "{found}");
 }
 
 /// Workbench frames its decks, so that every cut is noticed.

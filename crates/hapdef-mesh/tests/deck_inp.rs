@@ -85,35 +85,23 @@ fn every_keyword_is_read() {
     let deck = read_text(DECK).unwrap();
     assert_eq!(deck.node_labels, [10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
     assert_eq!(
-        (
-            deck.element_labels.as_slice(),
-            deck.unused_node_labels.as_slice()
-        ),
+        (deck.element_labels.as_slice(), deck.unused_node_labels.as_slice()),
         (&[7][..], &[999][..])
     );
-    assert_eq!(
-        deck.mesh.position(FeNodeId(2)),
-        nalgebra::Point3::new(0.0, 1.0, 0.0)
-    );
+    assert_eq!(deck.mesh.position(FeNodeId(2)), nalgebra::Point3::new(0.0, 1.0, 0.0));
     assert_eq!(deck.node_sets["BASE"], ids(&[0, 1, 2, 4, 5, 6]));
     assert_eq!(deck.node_sets["BOTH"], ids(&[0, 1, 2, 3, 4, 5, 6]));
     assert_eq!(deck.node_sets["ALL"].len(), 10);
     assert_eq!(deck.fixed_nodes, deck.node_sets["BASE"]);
     let material = deck.material.unwrap();
-    assert_eq!(
-        (material.youngs_modulus_pa, material.poissons_ratio),
-        (1.7e9, 0.394)
-    );
+    assert_eq!((material.youngs_modulus_pa, material.poissons_ratio), (1.7e9, 0.394));
     assert_eq!(material.density_kg_m3, Some(930.0));
     assert!(deck.face_tractions.is_empty());
 
     // 12 Pa push the slanted face of area √3/2 inwards: −(1, 1, 1) · 12 / 2 in all
     let total: Vector3<f64> = deck.nodal_forces.iter().map(|(_, force)| force).sum();
     let point = Vector3::new(10.0, 0.0, -15.0);
-    assert!(
-        (total - point - Vector3::repeat(-6.0)).norm() < 1e-12,
-        "{total}"
-    );
+    assert!((total - point - Vector3::repeat(-6.0)).norm() < 1e-12, "{total}");
     // on a flat face corners carry nothing and each mid-side node a third
     for (node, force) in &deck.nodal_forces {
         let expected = match node.0 {
@@ -135,9 +123,7 @@ fn pressure_faces_have_calculix_numbers() {
         ("P4", Vector3::new(6.0, 0.0, 0.0)),
     ];
     for (face, expected) in pushes {
-        let text = DECK
-            .replace("40, 1, 10.\n40, 3, -15.\n", "")
-            .replace("P3", face);
+        let text = DECK.replace("40, 1, 10.\n40, 3, -15.\n", "").replace("P3", face);
         let deck = read_text(&text).unwrap();
         let total: Vector3<f64> = deck.nodal_forces.iter().map(|(_, force)| force).sum();
         assert!((total - expected).norm() < 1e-12, "{face}: {total}");
@@ -159,101 +145,45 @@ fn what_would_change_the_model_is_refused() {
         "*MATERIAL, NAME=x\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1.,1.,1.,0.,0.,0.,1.,1.",
     ] {
         let found = fault(&with(extra));
-        assert!(
-            matches!(found, DeckFault::Unsupported { .. }),
-            "{extra}: {found}"
-        );
+        assert!(matches!(found, DeckFault::Unsupported { .. }), "{extra}: {found}");
         assert!(found.to_string().starts_with("line 3"), "{extra}: {found}");
     }
     for (from, to) in [
         ("*STEP\n", "*STEP, NLGEOM\n"),
-        (
-            "*DLOAD\nloaded, P3, 12.",
-            "*DLOAD\nloaded, GRAV, 9.81, 0., -1., 0.",
-        ),
+        ("*DLOAD\nloaded, P3, 12.", "*DLOAD\nloaded, GRAV, 9.81, 0., -1., 0."),
         ("*CLOAD\n", "*CLOAD, FOLLOWER\n"),
         ("*END STEP\n", "*END STEP\n*STEP\n*END STEP\n"),
     ] {
         let found = fault(&DECK.replace(from, to));
-        assert!(
-            matches!(found, DeckFault::Unsupported { .. }),
-            "{to}: {found}"
-        );
+        assert!(matches!(found, DeckFault::Unsupported { .. }), "{to}: {found}");
     }
 }
 
 #[test]
 fn faults_name_line_and_cause() {
     let found = fault(&DECK.replace("base, 3, 3\n", ""));
-    let expected = DeckFault::PartialSupport {
-        n_nodes: 6,
-        first_node: 10,
-        held: "x, y".into(),
-    };
+    let expected = DeckFault::PartialSupport { n_nodes: 6, first_node: 10, held: "x, y".into() };
     assert_eq!(found, expected);
 
     let found = fault(&DECK.replace("20, 1.0, 0.", "20, 1.0x, 0."));
-    assert_eq!(
-        found.to_string(),
-        "line 6: expected a number in field 2, found `1.0x`"
-    );
+    assert_eq!(found.to_string(), "line 6: expected a number in field 2, found `1.0x`");
     let found = fault(&DECK.replace("20, 1.0, 0.", "20, inf, 0."));
-    assert_eq!(
-        found.to_string(),
-        "line 6: expected a finite number, found `inf`"
-    );
+    assert_eq!(found.to_string(), "line 6: expected a finite number, found `inf`");
     let found = fault(&DECK.replace("20, 1.0", "10, 1.0"));
-    assert_eq!(
-        found,
-        DeckFault::Duplicate {
-            line: 6,
-            kind: "node",
-            name: "10".into()
-        }
-    );
+    assert_eq!(found, DeckFault::Duplicate { line: 6, kind: "node", name: "10".into() });
     let found = fault(&DECK.replace("7, 10, 20", "7, 11, 20"));
-    assert_eq!(
-        found,
-        DeckFault::Undefined {
-            line: 18,
-            kind: "node",
-            name: "11".into()
-        }
-    );
+    assert_eq!(found, DeckFault::Undefined { line: 18, kind: "node", name: "11".into() });
     let found = fault(&DECK.replace("Base, 1, 2", "Foot, 1, 2"));
-    assert_eq!(
-        found,
-        DeckFault::Undefined {
-            line: 36,
-            kind: "node set",
-            name: "FOOT".into()
-        }
-    );
+    assert_eq!(found, DeckFault::Undefined { line: 36, kind: "node set", name: "FOOT".into() });
     let found = fault(&DECK.replace("40, 3, -15.", "40, 1, -15."));
     assert!(
-        matches!(
-            found,
-            DeckFault::Duplicate {
-                line: 42,
-                kind: "force on node",
-                ..
-            }
-        ),
+        matches!(found, DeckFault::Duplicate { line: 42, kind: "force on node", .. }),
         "{found}"
     );
     let found = fault(&DECK.replace("40, 1, 10.", "999, 1, 10."));
-    assert_eq!(
-        found,
-        DeckFault::ForceOnUnusedNode {
-            line: 41,
-            node: 999
-        }
-    );
+    assert_eq!(found, DeckFault::ForceOnUnusedNode { line: 41, node: 999 });
     let found = fault(&DECK.replace("7, 10, 20, 30", "7, 10, 30, 20"));
-    assert!(
-        found.to_string().contains("element number 7 in the deck"),
-        "{found}"
-    );
+    assert!(found.to_string().contains("element number 7 in the deck"), "{found}");
     let found = fault(&DECK.replace(
         "*SOLID SECTION",
         "*MATERIAL, NAME=other\n*SOLID SECTION, ELSET=solid, MATERIAL=OTHER\n*SOLID SECTION",
@@ -290,22 +220,14 @@ fn the_decompressed_size_is_bounded() {
     encoder.finish().unwrap();
     assert!(read_deck(&path).is_ok());
     let found = read_deck_with(&path, &DeckParams { max_bytes: 1000 });
-    let Err(MeshError::Deck { fault, .. }) = found else {
-        panic!("{found:?}")
-    };
+    let Err(MeshError::Deck { fault, .. }) = found else { panic!("{found:?}") };
     assert_eq!(fault, DeckFault::TooLong { max_bytes: 1000 });
 
     let whole = fs::read(&path).unwrap();
     fs::write(&path, &whole[..whole.len() - 9]).unwrap();
     assert!(matches!(read_deck(&path), Err(MeshError::Io { .. })));
     let named = read_deck(&folder.path().join("deck.stl"));
-    assert!(matches!(
-        named,
-        Err(MeshError::Deck {
-            fault: DeckFault::FileName { .. },
-            ..
-        })
-    ));
+    assert!(matches!(named, Err(MeshError::Deck { fault: DeckFault::FileName { .. }, .. })));
 }
 
 /// CalculiX's own test beam: C3D10, held in some directions only, which is said and not dropped.
@@ -319,17 +241,10 @@ fn calculix_beam_s_partial_supports_are_refused() {
         return;
     }
     let text = fs::read_to_string(&path).unwrap();
-    let expected = DeckFault::PartialSupport {
-        n_nodes: 8,
-        first_node: 2,
-        held: "z".into(),
-    };
+    let expected = DeckFault::PartialSupport { n_nodes: 8, first_node: 2, held: "z".into() };
     let found = fault(&text);
     println!("{found}");
-    assert!(
-        matches!(found, DeckFault::PartialSupport { .. }),
-        "{found} {expected}"
-    );
+    assert!(matches!(found, DeckFault::PartialSupport { .. }), "{found} {expected}");
     let held = text.replace("1,1,2\n3,1,1\nFIX,3,3", "FIX,1,3");
     let deck = read_text(&held).unwrap();
     assert_eq!(deck.fixed_nodes.len(), 9);

@@ -27,11 +27,7 @@ fn wall(
 }
 
 fn outer(n_layers: usize, curve: FaceCurve<'_>) -> ExtrudeParams<'_> {
-    ExtrudeParams {
-        side: SkinSide::Outer,
-        n_layers,
-        curve,
-    }
+    ExtrudeParams { side: SkinSide::Outer, n_layers, curve }
 }
 
 fn ball_error(n: usize, curve: FaceCurve<'_>) -> f64 {
@@ -48,16 +44,9 @@ fn a_cube_s_wall_has_its_volume() {
         (SkinSide::Inner, 0.12_f64.powi(3) - 0.1_f64.powi(3)),
     ] {
         for n_layers in 1..4 {
-            let params = ExtrudeParams {
-                side,
-                ..outer(n_layers, FaceCurve::Flat)
-            };
+            let params = ExtrudeParams { side, ..outer(n_layers, FaceCurve::Flat) };
             let wall = wall(&skin, WALL_M, &params).unwrap();
-            assert!(
-                (wall.volume_m3 / exact - 1.0).abs() < 1e-12,
-                "{} {exact}",
-                wall.volume_m3
-            );
+            assert!((wall.volume_m3 / exact - 1.0).abs() < 1e-12, "{} {exact}", wall.volume_m3);
             assert_eq!(wall.mesh.elements().len(), 12 * 3 * n_layers);
             assert_eq!(wall.mesh.boundary().faces.len(), 24);
         }
@@ -74,16 +63,8 @@ fn a_sphere_s_wall_converges() {
     assert!((flat - 2.0).abs() < 0.2, "observed order {flat}");
     let error = ball_error(3, FaceCurve::Onto(&onto_sphere));
     assert!(error < 1e-4, "{error:e}");
-    let normals = ball_error(
-        3,
-        FaceCurve::PointNormal {
-            feature_angle_rad: 0.7,
-        },
-    );
-    assert!(
-        normals < 0.05 * ball_error(3, FaceCurve::Flat),
-        "{normals:e}"
-    );
+    let normals = ball_error(3, FaceCurve::PointNormal { feature_angle_rad: 0.7 });
+    assert!(normals < 0.05 * ball_error(3, FaceCurve::Flat), "{normals:e}");
 }
 
 #[test]
@@ -94,10 +75,7 @@ fn corner_nodes_are_where_they_should_be() {
         for level in 0..3 {
             let radius_m = wall.mesh.position(wall.node(vertex, level)).coords.norm();
             let exact = RADIUS_M - 0.5 * WALL_M * level as f64;
-            assert!(
-                (radius_m - exact).abs() < 1e-4 * WALL_M,
-                "{radius_m} {exact}"
-            );
+            assert!((radius_m - exact).abs() < 1e-4 * WALL_M, "{radius_m} {exact}");
         }
     }
     assert!(wall.least_jacobian_m3 > 0.0);
@@ -106,24 +84,12 @@ fn corner_nodes_are_where_they_should_be() {
 /// Point-normal faces leave what is flat between sharp edges flat.
 #[test]
 fn a_cube_stays_a_cube_with_point_normal_faces() {
-    let curve = FaceCurve::PointNormal {
-        feature_angle_rad: 0.7,
-    };
-    let fine = cube(0.1)
-        .refined(&curve)
-        .unwrap()
-        .mesh
-        .refined(&curve)
-        .unwrap()
-        .mesh;
+    let curve = FaceCurve::PointNormal { feature_angle_rad: 0.7 };
+    let fine = cube(0.1).refined(&curve).unwrap().mesh.refined(&curve).unwrap().mesh;
     assert!((fine.signed_volume_m3() / 1e-3 - 1.0).abs() < 1e-13);
     let wall = wall(&fine, WALL_M, &outer(1, curve)).unwrap();
     let exact = 0.1_f64.powi(3) - 0.08_f64.powi(3);
-    assert!(
-        (wall.volume_m3 / exact - 1.0).abs() < 1e-12,
-        "{}",
-        wall.volume_m3
-    );
+    assert!((wall.volume_m3 / exact - 1.0).abs() < 1e-12, "{}", wall.volume_m3);
 }
 
 #[test]
@@ -133,56 +99,26 @@ fn a_wall_thicker_than_its_skin_allows_folds() {
         Err(MeshError::Surface(fault)) => fault,
         other => panic!("{other:?}"),
     };
-    assert!(matches!(
-        fault(0.15, 1),
-        SurfaceFault::ExtrusionFolds {
-            triangle: 0,
-            layer: 0,
-            ..
-        }
-    ));
-    assert!(matches!(
-        fault(0.15, 3),
-        SurfaceFault::ExtrusionFolds { layer: 1 | 2, .. }
-    ));
-    assert!(matches!(
-        fault(0.01, 0),
-        SurfaceFault::Parameter {
-            name: "n_layers",
-            ..
-        }
-    ));
-    assert!(matches!(
-        fault(f64::NAN, 1),
-        SurfaceFault::Thickness { node: 0, .. }
-    ));
+    assert!(matches!(fault(0.15, 1), SurfaceFault::ExtrusionFolds { triangle: 0, layer: 0, .. }));
+    assert!(matches!(fault(0.15, 3), SurfaceFault::ExtrusionFolds { layer: 1 | 2, .. }));
+    assert!(matches!(fault(0.01, 0), SurfaceFault::Parameter { name: "n_layers", .. }));
+    assert!(matches!(fault(f64::NAN, 1), SurfaceFault::Thickness { node: 0, .. }));
     let short = extrude(&skin, &[0.01], &outer(1, FaceCurve::Flat));
-    assert!(matches!(
-        short,
-        Err(MeshError::Surface(SurfaceFault::ThicknessCount { .. }))
-    ));
+    assert!(matches!(short, Err(MeshError::Surface(SurfaceFault::ThicknessCount { .. }))));
 }
 
 #[test]
 fn refined_surfaces_keep_what_they_stand_for() {
     let block = cube(0.1).refined(&FaceCurve::Flat).unwrap();
-    assert_eq!(
-        (block.mesh.triangles().len(), block.halved_edges.len()),
-        (48, 18)
-    );
+    assert_eq!((block.mesh.triangles().len(), block.halved_edges.len()), (48, 18));
     assert!((block.mesh.signed_volume_m3() / 1e-3 - 1.0).abs() < 1e-14);
     let ball = sphere(RADIUS_M, 2);
     let off = |curve: FaceCurve<'_>| {
         let fine = ball.refined(&curve).unwrap().mesh;
-        let radii = fine
-            .vertices()
-            .iter()
-            .map(|p| (p.coords.norm() / RADIUS_M - 1.0).abs());
+        let radii = fine.vertices().iter().map(|p| (p.coords.norm() / RADIUS_M - 1.0).abs());
         radii.fold(0.0, f64::max)
     };
-    let normals = off(FaceCurve::PointNormal {
-        feature_angle_rad: 0.7,
-    });
+    let normals = off(FaceCurve::PointNormal { feature_angle_rad: 0.7 });
     assert!(off(FaceCurve::Onto(&onto_sphere)) < 1e-14);
     assert!(normals < 0.1 * off(FaceCurve::Flat), "{normals}");
     let thickness: Vec<f64> = ball.vertices().iter().map(|p| 0.005 + 0.01 * p.x).collect();

@@ -26,10 +26,7 @@ fn byte_limits_count_file_and_buffers() {
     std::fs::write(folder.path().join("a.gltf"), &text).unwrap();
     std::fs::write(folder.path().join("a.bin"), tetrahedron().1).unwrap();
     let read = |max_bytes| {
-        let params = GltfParams {
-            max_bytes,
-            ..GltfParams::default()
-        };
+        let params = GltfParams { max_bytes, ..GltfParams::default() };
         read_gltf(&folder.path().join("a.gltf"), &params)
     };
     let needed = text.len() as u64 + 72;
@@ -106,14 +103,8 @@ fn links_out_of_the_folder_are_refused() {
     link("other/secret.bin", "file_link.bin");
     link("other", "folder_link");
     link("in/own.bin", "inner_link.bin");
-    assert_eq!(
-        kind(&fault(read_beside(folder, "file_link.bin"))),
-        "BufferUri"
-    );
-    assert_eq!(
-        kind(&fault(read_beside(folder, "folder_link/secret.bin"))),
-        "BufferUri"
-    );
+    assert_eq!(kind(&fault(read_beside(folder, "file_link.bin"))), "BufferUri");
+    assert_eq!(kind(&fault(read_beside(folder, "folder_link/secret.bin"))), "BufferUri");
     assert!(read_beside(folder, "inner_link.bin").is_ok());
 }
 
@@ -121,10 +112,7 @@ fn links_out_of_the_folder_are_refused() {
 fn files_that_cannot_be_files() {
     let folder = TempDir::new().unwrap();
     let missing = read_gltf(&folder.path().join("none.glb"), &GltfParams::default());
-    assert!(
-        matches!(missing, Err(MeshError::Io { action: "read", .. })),
-        "{missing:?}"
-    );
+    assert!(matches!(missing, Err(MeshError::Io { action: "read", .. })), "{missing:?}");
     assert_eq!(kind(&fault(read_as("a.obj", b"v 0 0 0"))), "FileKind");
     assert_eq!(kind(&fault(read_as("a.gltf", b""))), "Json");
     let deep = "[".repeat(100_000);

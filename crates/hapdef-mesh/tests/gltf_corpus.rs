@@ -14,58 +14,19 @@ use serde_json::{Value, json};
 /// Validator errors that do not touch what a surface is made of, or whose data have only one
 /// reading; files with no other errors may be accepted.
 const HARMLESS_ERRORS: &[(&str, &str)] = &[
-    (
-        "MESH_INVALID_WEIGHTS_COUNT",
-        "morph targets are ignored, and reported as such",
-    ),
-    (
-        "MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT",
-        "morph targets are ignored",
-    ),
-    (
-        "MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR",
-        "morph targets are ignored",
-    ),
-    (
-        "MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT",
-        "morph targets are ignored",
-    ),
-    (
-        "MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH",
-        "skins are ignored",
-    ),
-    (
-        "MESH_PRIMITIVE_INVALID_ATTRIBUTE",
-        "other attributes are not read",
-    ),
-    (
-        "MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY",
-        "texture coordinates are not read",
-    ),
-    (
-        "MESH_PRIMITIVE_TOO_FEW_TEXCOORDS",
-        "texture coordinates are not read",
-    ),
-    (
-        "MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT",
-        "other attributes are not read",
-    ),
-    (
-        "MESH_PRIMITIVE_ACCESSOR_UNALIGNED",
-        "it is the colours that are unaligned, not read",
-    ),
-    (
-        "MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS",
-        "bounds are computed from the positions",
-    ),
-    (
-        "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE",
-        "without a stride, tight is the only reading",
-    ),
-    (
-        "UNRESOLVED_REFERENCE",
-        "where it is a morph target's; others must be refused, see below",
-    ),
+    ("MESH_INVALID_WEIGHTS_COUNT", "morph targets are ignored, and reported as such"),
+    ("MESH_PRIMITIVES_UNEQUAL_TARGETS_COUNT", "morph targets are ignored"),
+    ("MESH_PRIMITIVE_MORPH_TARGET_NO_BASE_ACCESSOR", "morph targets are ignored"),
+    ("MESH_PRIMITIVE_MORPH_TARGET_INVALID_ATTRIBUTE_COUNT", "morph targets are ignored"),
+    ("MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH", "skins are ignored"),
+    ("MESH_PRIMITIVE_INVALID_ATTRIBUTE", "other attributes are not read"),
+    ("MESH_PRIMITIVE_INDEXED_SEMANTIC_CONTINUITY", "texture coordinates are not read"),
+    ("MESH_PRIMITIVE_TOO_FEW_TEXCOORDS", "texture coordinates are not read"),
+    ("MESH_PRIMITIVE_ATTRIBUTES_ACCESSOR_UNSIGNED_INT", "other attributes are not read"),
+    ("MESH_PRIMITIVE_ACCESSOR_UNALIGNED", "it is the colours that are unaligned, not read"),
+    ("MESH_PRIMITIVE_POSITION_ACCESSOR_WITHOUT_BOUNDS", "bounds are computed from the positions"),
+    ("MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE", "without a stride, tight is the only reading"),
+    ("UNRESOLVED_REFERENCE", "where it is a morph target's; others must be refused, see below"),
 ];
 
 /// What each file with an error that concerns a surface must be refused for.
@@ -151,9 +112,7 @@ fn error_codes(report: &Value) -> Vec<String> {
     let messages = report["issues"]["messages"].as_array();
     let is_error = |m: &&Value| m["severity"] == 0;
     let code = |m: &Value| m["code"].as_str().unwrap().to_owned();
-    messages.map_or(Vec::new(), |m| {
-        m.iter().filter(is_error).map(code).collect()
-    })
+    messages.map_or(Vec::new(), |m| m.iter().filter(is_error).map(code).collect())
 }
 
 /// The validator's mesh cases describe accessors without bytes. This supplies them: positions on
@@ -161,12 +120,7 @@ fn error_codes(report: &Value) -> Vec<String> {
 fn with_data(mut json: Value) -> Value {
     let root = json.as_object_mut().unwrap();
     let engine = base64::engine::general_purpose::STANDARD;
-    for buffer in root
-        .get_mut("buffers")
-        .and_then(Value::as_array_mut)
-        .into_iter()
-        .flatten()
-    {
+    for buffer in root.get_mut("buffers").and_then(Value::as_array_mut).into_iter().flatten() {
         if buffer["uri"].is_null() {
             let bytes = vec![0; buffer["byteLength"].as_u64().unwrap() as usize];
             buffer["uri"] = json!(data_uri(&engine.encode(bytes)));
@@ -209,12 +163,8 @@ fn values(accessor: &Value) -> Vec<u8> {
     let each = (0..count).flat_map(|i| (0..components).map(move |c| (i, c)));
     match accessor["componentType"].as_u64().unwrap() {
         5126 => each.flat_map(|(i, c)| number(i, c).to_le_bytes()).collect(),
-        5125 => each
-            .flat_map(|(i, _)| (i as u32 % 3).to_le_bytes())
-            .collect(),
-        5123 => each
-            .flat_map(|(i, _)| (i as u16 % 3).to_le_bytes())
-            .collect(),
+        5125 => each.flat_map(|(i, _)| (i as u32 % 3).to_le_bytes()).collect(),
+        5123 => each.flat_map(|(i, _)| (i as u16 % 3).to_le_bytes()).collect(),
         _ => each.map(|(i, _)| i as u8 % 3).collect(),
     }
 }
@@ -224,11 +174,8 @@ fn every_validator_case_is_listed_once_and_consistently() {
     let Some(folder) = shared("gltf/khronos-validator") else {
         return;
     };
-    let all = [
-        files(&folder.join("glb"), &["glb"]),
-        files(&folder.join("mesh"), &["gltf"]),
-    ]
-    .concat();
+    let all =
+        [files(&folder.join("glb"), &["glb"]), files(&folder.join("mesh"), &["gltf"])].concat();
     assert_eq!(all.len(), 28 + 32);
     for path in &all {
         let file = name(path);
@@ -250,11 +197,7 @@ fn validator_containers_are_refused_for_what_is_wrong_with_them() {
     };
     for path in files(&folder, &["glb"]) {
         let fault = fault(read_gltf(&path, &GltfParams::default()));
-        let expected = REFUSED_FOR
-            .iter()
-            .find(|(f, _)| *f == name(&path))
-            .unwrap()
-            .1;
+        let expected = REFUSED_FOR.iter().find(|(f, _)| *f == name(&path)).unwrap().1;
         assert_eq!(kind(&fault), expected, "{}: {fault}", name(&path));
     }
 }
@@ -290,9 +233,7 @@ fn primitive_modes() {
     assert_eq!(all.len(), 10);
     for path in all {
         let json: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-        let mode = json["meshes"][0]["primitives"][0]["mode"]
-            .as_u64()
-            .unwrap_or(4);
+        let mode = json["meshes"][0]["primitives"][0]["mode"].as_u64().unwrap_or(4);
         let read = read_gltf(&path, &GltfParams::default());
         if mode < 4 {
             let fault = fault(read);
@@ -303,12 +244,7 @@ fn primitive_modes() {
             assert_eq!(mesh.triangles().len(), 2, "{}", path.display());
             assert!((mesh.area_m2() - 1.0).abs() < 1e-12, "{}", path.display());
             let normals = [0, 1].map(|t| mesh.area_normal_m2(t).z);
-            assert_eq!(
-                normals[0],
-                normals[1],
-                "{}: one side is turned over",
-                path.display()
-            );
+            assert_eq!(normals[0], normals[1], "{}: one side is turned over", path.display());
         }
     }
 }
@@ -321,10 +257,7 @@ fn samples() {
     assert_eq!((triangle.triangles().len(), triangle.area_m2()), (1, 0.5));
     // The sparse values lift three vertices of a strip of 2 × 6 squares: the maximum y is 4.
     let sparse = read("SimpleSparseAccessor.gltf").mesh;
-    assert_eq!(
-        (sparse.vertices().len(), sparse.triangles().len()),
-        (14, 12)
-    );
+    assert_eq!((sparse.vertices().len(), sparse.triangles().len()), (14, 12));
     let max = sparse.bounding_box().max;
     assert_eq!([max.x, max.y, max.z], [6.0, 4.0, 0.0]);
 }

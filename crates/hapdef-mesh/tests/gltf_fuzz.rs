@@ -19,12 +19,7 @@ use tempfile::TempDir;
 fn params() -> GltfParams {
     let small = 100_000;
     let (max_vertices, max_triangles) = (small, small);
-    GltfParams {
-        max_bytes: 1 << 20,
-        max_vertices,
-        max_triangles,
-        ..GltfParams::default()
-    }
+    GltfParams { max_bytes: 1 << 20, max_vertices, max_triangles, ..GltfParams::default() }
 }
 
 /// A scene with everything the reader knows: a tree of nodes, three meshes, a strip, sparse
@@ -32,11 +27,7 @@ fn params() -> GltfParams {
 fn rich() -> (Value, Vec<u8>) {
     let (mut json, mut bin) = tetrahedron();
     bin.extend([1_u8, 3, 0, 0]);
-    bin.extend(
-        [3.0_f32, 0.0, 0.0, 0.0, 0.0, 3.0]
-            .iter()
-            .flat_map(|x| x.to_le_bytes()),
-    );
+    bin.extend([3.0_f32, 0.0, 0.0, 0.0, 0.0, 3.0].iter().flat_map(|x| x.to_le_bytes()));
     bin.extend([0_u8, 1, 2, 3]);
     json["buffers"] = json!([
         { "byteLength": bin.len() },
@@ -85,10 +76,7 @@ fn outcome(folder: &Path, bytes: &[u8], case: usize) -> String {
         Ok(surface) => {
             let report = QualityReport::of(&surface.mesh);
             assert!(report.n_triangles > 0);
-            assert_eq!(
-                surface.parts.last().unwrap().triangles.end,
-                report.n_triangles
-            );
+            assert_eq!(surface.parts.last().unwrap().triangles.end, report.n_triangles);
             let _ = surface.mesh.weld(1e-6);
             "read".to_owned()
         }
@@ -135,8 +123,7 @@ fn pointers(value: &Value, prefix: &str, found: &mut Vec<String>) {
             .enumerate()
             .for_each(|(i, item)| pointers(item, &format!("{prefix}/{i}"), found)),
         Value::Object(map) => {
-            map.iter()
-                .for_each(|(key, item)| pointers(item, &format!("{prefix}/{key}"), found));
+            map.iter().for_each(|(key, item)| pointers(item, &format!("{prefix}/{key}"), found));
         }
         _ => {}
     }
@@ -189,9 +176,7 @@ fn run(
     let mut outcomes = BTreeMap::new();
     for case in 0..n_cases {
         let bytes = make(&mut rng);
-        *outcomes
-            .entry(outcome(folder.path(), &bytes, case))
-            .or_insert(0) += 1;
+        *outcomes.entry(outcome(folder.path(), &bytes, case)).or_insert(0) += 1;
     }
     println!("{outcomes:?}");
     outcomes
@@ -209,14 +194,8 @@ fn damaged_bytes_never_panic() {
     let (json, bin) = rich();
     let file = glb(&json, &bin);
     let outcomes = run(20_000, 1, |rng| damaged_bytes(&file, rng));
-    assert!(
-        outcomes.len() > 15,
-        "too few kinds of damage were reached: {outcomes:?}"
-    );
-    assert!(
-        outcomes["read"] > 500,
-        "harmless damage is not told from harmful: {outcomes:?}"
-    );
+    assert!(outcomes.len() > 15, "too few kinds of damage were reached: {outcomes:?}");
+    assert!(outcomes["read"] > 500, "harmless damage is not told from harmful: {outcomes:?}");
 }
 
 #[test]
@@ -229,12 +208,6 @@ fn damaged_json_never_panics() {
         }
         glb(&damaged, &bin)
     });
-    assert!(
-        outcomes.len() > 20,
-        "too few kinds of damage were reached: {outcomes:?}"
-    );
-    assert!(
-        outcomes["read"] > 500,
-        "harmless damage is not told from harmful: {outcomes:?}"
-    );
+    assert!(outcomes.len() > 20, "too few kinds of damage were reached: {outcomes:?}");
+    assert!(outcomes["read"] > 500, "harmless damage is not told from harmful: {outcomes:?}");
 }

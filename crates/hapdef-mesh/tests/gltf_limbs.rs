@@ -39,24 +39,11 @@ fn check(expected: &Closed) {
     assert!(report.is_closed(), "{report}");
     assert_eq!(report.n_vertices, expected.n_vertices);
     assert_eq!(report.n_triangles, expected.n_triangles);
-    assert_eq!(
-        (report.n_bodies, report.genus),
-        (1, Some(expected.genus)),
-        "{report}"
-    );
-    assert!(
-        (report.signed_volume_m3 / expected.volume - 1.0).abs() < 1e-9,
-        "{report}"
-    );
-    assert!(
-        (report.area_m2 / expected.area - 1.0).abs() < 1e-9,
-        "{report}"
-    );
+    assert_eq!((report.n_bodies, report.genus), (1, Some(expected.genus)), "{report}");
+    assert!((report.signed_volume_m3 / expected.volume - 1.0).abs() < 1e-9, "{report}");
+    assert!((report.area_m2 / expected.area - 1.0).abs() < 1e-9, "{report}");
     let percent = 100.0 * report.n_sliver_triangles as f64 / report.n_triangles as f64;
-    assert!(
-        (percent - expected.sliver_percent).abs() < 0.01,
-        "{percent} {report}"
-    );
+    assert!((percent - expected.sliver_percent).abs() < 0.01, "{percent} {report}");
 }
 
 #[test]
@@ -113,9 +100,7 @@ fn kinova_forearm() {
 
 fn report_of(file: &str) -> Option<QualityReport> {
     let path = shared("limbs")?.join(file);
-    Some(QualityReport::of(
-        &read_gltf(&path, &GltfParams::default()).unwrap().mesh,
-    ))
+    Some(QualityReport::of(&read_gltf(&path, &GltfParams::default()).unwrap().mesh))
 }
 
 #[test]
@@ -138,10 +123,7 @@ fn go2_calf_has_degenerate_triangles_and_is_open() {
     };
     assert_eq!((report.n_bodies, report.n_degenerate_triangles), (3, 30));
     assert!(!report.is_closed());
-    assert!(
-        report.n_open_edges > 0 && report.n_non_manifold_edges > 0,
-        "{report}"
-    );
+    assert!(report.n_open_edges > 0 && report.n_non_manifold_edges > 0, "{report}");
 }
 
 #[test]
@@ -149,18 +131,12 @@ fn the_human_leg_has_an_uncertain_unit() {
     let Some(report) = report_of("human_lowerleg_mm.glb") else {
         return;
     };
-    assert_eq!(
-        report.unit_guess.candidates,
-        [LengthUnit::Millimetre, LengthUnit::Centimetre]
-    );
+    assert_eq!(report.unit_guess.candidates, [LengthUnit::Millimetre, LengthUnit::Centimetre]);
     assert_eq!(report.unit_guess.only(), None);
     let Some(folder) = shared("limbs") else {
         return;
     };
-    let params = GltfParams {
-        unit: LengthUnit::Centimetre,
-        ..GltfParams::default()
-    };
+    let params = GltfParams { unit: LengthUnit::Centimetre, ..GltfParams::default() };
     let surface = read_gltf(&folder.join("human_lowerleg_mm.glb"), &params).unwrap();
     assert!((surface.mesh.bounding_box().longest_m() - 0.67).abs() < 1e-6);
 }

@@ -27,10 +27,7 @@ fn refused(nodes: Value) -> String {
 fn check_vertices(mesh: &SurfaceMesh, expected: impl Fn(Point3<f64>) -> Point3<f64>) {
     for (found, local) in mesh.vertices().iter().zip(TETRAHEDRON.0) {
         let expected = expected(Point3::from(local.map(f64::from)));
-        assert!(
-            nalgebra::distance(found, &expected) < 1e-6,
-            "{found} {expected}"
-        );
+        assert!(nalgebra::distance(found, &expected) < 1e-6, "{found} {expected}");
     }
 }
 
@@ -41,9 +38,7 @@ fn translation_rotation_and_scale_apply_in_that_order() {
         "mesh": 0, "translation": [10, 20, 30], "rotation": [0, 0, half, half], "scale": [1, 2, 3],
     }]));
     // A quarter turn about z takes (x, y) to (-y, x).
-    check_vertices(&surface.mesh, |p| {
-        Point3::new(10.0 - 2.0 * p.y, 20.0 + p.x, 30.0 + 3.0 * p.z)
-    });
+    check_vertices(&surface.mesh, |p| Point3::new(10.0 - 2.0 * p.y, 20.0 + p.x, 30.0 + 3.0 * p.z));
     assert!((surface.mesh.signed_volume_m3() - 1.0).abs() < 1e-6);
 }
 
@@ -64,10 +59,7 @@ fn parents_apply_after_children_and_matrices_are_column_major() {
 fn mirrored_nodes_keep_facing_outward() {
     for scale in [[-1, 1, 1], [1, -1, 1], [-1, -1, -1], [-1, -1, 1]] {
         let mesh = placed(json!([{ "mesh": 0, "scale": scale }])).mesh;
-        assert!(
-            (mesh.signed_volume_m3() - 1.0 / 6.0).abs() < 1e-12,
-            "{scale:?}"
-        );
+        assert!((mesh.signed_volume_m3() - 1.0 / 6.0).abs() < 1e-12, "{scale:?}");
     }
     // Two mirrors make none.
     let twice = placed(json!([
@@ -83,14 +75,8 @@ fn scenes_must_be_trees() {
     assert_eq!(refused(cycle), "NodeTwice");
     let two_parents = json!([{ "children": [1, 2] }, { "children": [2] }, { "mesh": 0 }]);
     assert_eq!(refused(two_parents), "NodeTwice");
-    assert_eq!(
-        refused(json!([{ "mesh": 0, "children": [0] }])),
-        "SceneNotRoot"
-    );
-    assert_eq!(
-        refused(json!([{ "mesh": 0 }, { "children": [0] }])),
-        "SceneNotRoot"
-    );
+    assert_eq!(refused(json!([{ "mesh": 0, "children": [0] }])), "SceneNotRoot");
+    assert_eq!(refused(json!([{ "mesh": 0 }, { "children": [0] }])), "SceneNotRoot");
     let (mut json, bin) = tetrahedron();
     json.as_object_mut().unwrap().remove("scene");
     json["nodes"] = json!([{ "children": [1], "mesh": 0 }, { "children": [0] }]);
@@ -117,17 +103,11 @@ fn transforms_that_are_none() {
         json!({ "mesh": 0, "matrix": [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] }),
     ] {
         let found = refused(json!([node]));
-        assert!(
-            found == "NodeTransform" || found == "Json",
-            "{node}: {found}"
-        );
+        assert!(found == "NodeTransform" || found == "Json", "{node}: {found}");
     }
     // Small is not flat.
     assert_eq!(
-        placed(json!([{ "mesh": 0, "scale": [1e-6, 1e-6, 1e-6] }]))
-            .mesh
-            .triangles()
-            .len(),
+        placed(json!([{ "mesh": 0, "scale": [1e-6, 1e-6, 1e-6] }])).mesh.triangles().len(),
         4
     );
 }
@@ -170,13 +150,7 @@ fn strips_and_fans() {
     assert_eq!(fan.triangles(), [[0, 1, 3], [1, 2, 3]]);
     let leftover = with_mode(4, &[0, 1, 2, 3, 0]).unwrap();
     assert_eq!(leftover.mesh.triangles(), [[0, 1, 2]]);
-    assert_eq!(
-        (
-            leftover.info.n_leftover_indices,
-            leftover.info.n_unused_vertices
-        ),
-        (2, 1)
-    );
+    assert_eq!((leftover.info.n_leftover_indices, leftover.info.n_unused_vertices), (2, 1));
     for mode in [4, 5, 6] {
         assert_eq!(kind(&fault(with_mode(mode, &[0, 1]))), "NoTriangles");
     }
@@ -196,17 +170,10 @@ fn points_and_lines_beside_triangles_are_counted() {
     let surface = read_glb(&json, &bin).unwrap();
     let info = &surface.info;
     assert_eq!(
-        (
-            info.n_point_primitives,
-            info.n_line_primitives,
-            info.n_without_position
-        ),
+        (info.n_point_primitives, info.n_line_primitives, info.n_without_position),
         (1, 3, 1)
     );
-    assert_eq!(
-        (surface.parts.len(), surface.mesh.triangles().len()),
-        (1, 4)
-    );
+    assert_eq!((surface.parts.len(), surface.mesh.triangles().len()), (1, 4));
 }
 
 proptest! {

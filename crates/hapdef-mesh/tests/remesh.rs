@@ -31,10 +31,7 @@ fn a_sphere_gets_even_triangles() {
         let (fine, info) = remeshed(&ball, target_edge_m);
         check_same_kind(&ball, &fine);
         assert!(info.on_target_share > 0.98, "{info:?}");
-        assert!(
-            (info.edge_quantiles_m[2] / target_edge_m - 1.0).abs() < 0.1,
-            "{info:?}"
-        );
+        assert!((info.edge_quantiles_m[2] / target_edge_m - 1.0).abs() < 0.1, "{info:?}");
         assert!(info.volume_change().abs() < 0.02, "{info:?}");
         let report = QualityReport::of(&fine);
         assert_eq!(report.n_sliver_triangles, 0, "{report}");
@@ -53,27 +50,17 @@ fn a_cube_keeps_its_edges_corners_and_volume() {
     let (fine, info) = remeshed(&block, 0.01);
     check_same_kind(&block, &fine);
     assert_eq!(info.n_features, [12, 8]);
-    assert!(
-        (fine.signed_volume_m3() / 1e-3 - 1.0).abs() < 1e-12,
-        "{info:?}"
-    );
+    assert!((fine.signed_volume_m3() / 1e-3 - 1.0).abs() < 1e-12, "{info:?}");
     assert!((fine.area_m2() / 0.06 - 1.0).abs() < 1e-12, "{info:?}");
     assert!(info.distance.largest_m() < 1e-12, "{info:?}");
     assert!(info.on_target_share > 0.95, "{info:?}");
     for corner in block.vertices() {
         assert!(fine.vertices().contains(corner), "{corner}");
     }
-    let on_edge = |p: &&Point3<f64>| {
-        p.iter()
-            .filter(|x| **x < 1e-12 || **x > 0.1 - 1e-12)
-            .count()
-            > 1
-    };
+    let on_edge =
+        |p: &&Point3<f64>| p.iter().filter(|x| **x < 1e-12 || **x > 0.1 - 1e-12).count() > 1;
     let n_on_edges = fine.vertices().iter().filter(on_edge).count();
-    assert!(
-        (8 + 12 * 7..=8 + 12 * 11).contains(&n_on_edges),
-        "{n_on_edges}"
-    );
+    assert!((8 + 12 * 7..=8 + 12 * 11).contains(&n_on_edges), "{n_on_edges}");
 }
 
 /// Slivers from end to end of the tube become even triangles; sharp rims stay circles.
@@ -84,11 +71,7 @@ fn a_tube_of_slivers_keeps_its_rims() {
     let (fine, info) = remeshed(&long, 0.004);
     check_same_kind(&long, &fine);
     let report = QualityReport::of(&fine);
-    assert_eq!(
-        (report.n_sliver_triangles, report.genus),
-        (0, Some(1)),
-        "{report}"
-    );
+    assert_eq!((report.n_sliver_triangles, report.genus), (0, Some(1)), "{report}");
     assert!(info.volume_change().abs() < 0.005, "{info:?}");
     assert!((report.bounding_box.size_m().z - 0.12).abs() < 1e-12);
     assert!(info.distance.largest_m() < 2e-4, "{info:?}");
@@ -104,24 +87,13 @@ fn open_edges_stay() {
             p.x.hypot(p.y) > 0.035
         })
     };
-    let triangles = solid
-        .triangles()
-        .iter()
-        .filter(|t| outside(t))
-        .copied()
-        .collect();
+    let triangles = solid.triangles().iter().filter(|t| outside(t)).copied().collect();
     let skin = with_triangles(&solid, triangles).weld(0.0).unwrap().0;
     let (fine, info) = remeshed(&skin, 0.006);
     let defects = SurfaceDefects::of(&fine);
-    assert!(
-        defects.is_manifold() && defects.open_edges.n > 60,
-        "{defects}"
-    );
+    assert!(defects.is_manifold() && defects.open_edges.n > 60, "{defects}");
     assert_eq!(info.volume_m3, None);
-    assert!(
-        (info.area_m2[1] / info.area_m2[0] - 1.0).abs() < 0.01,
-        "{info:?}"
-    );
+    assert!((info.area_m2[1] / info.area_m2[0] - 1.0).abs() < 0.01, "{info:?}");
     assert!(info.on_target_share > 0.97, "{info:?}");
 }
 
@@ -146,26 +118,14 @@ fn what_cannot_be_remeshed_is_refused() {
     let mut doubled = ball.triangles().to_vec();
     doubled.push(doubled[3]);
     let doubled = with_triangles(&ball, doubled);
-    assert!(matches!(
-        fault(&doubled, &RemeshParams::new(0.01)),
-        SurfaceFault::Defects { .. }
-    ));
-    assert!(matches!(
-        fault(&ball, &RemeshParams::new(0.0)),
-        SurfaceFault::Parameter { .. }
-    ));
+    assert!(matches!(fault(&doubled, &RemeshParams::new(0.01)), SurfaceFault::Defects { .. }));
+    assert!(matches!(fault(&ball, &RemeshParams::new(0.0)), SurfaceFault::Parameter { .. }));
     assert!(matches!(
         fault(&ball, &RemeshParams::new(1e-6)),
         SurfaceFault::TooManyTriangles { .. }
     ));
-    let strict = RemeshParams {
-        max_distance_m: 1e-6,
-        ..RemeshParams::new(0.05)
-    };
-    assert!(matches!(
-        fault(&ball, &strict),
-        SurfaceFault::RemeshStrays { .. }
-    ));
+    let strict = RemeshParams { max_distance_m: 1e-6, ..RemeshParams::new(0.05) };
+    assert!(matches!(fault(&ball, &strict), SurfaceFault::RemeshStrays { .. }));
 }
 
 #[test]
@@ -174,10 +134,7 @@ fn the_distance_of_two_spheres() {
     assert!((distance.largest_m() - 0.01).abs() < 1e-4, "{distance:?}");
     let moved = surface_distance(&cube(0.1), &cube(0.2), 0.01);
     assert!((moved.from_first_m - 0.1).abs() < 1e-12, "{moved:?}");
-    assert!(
-        (moved.from_second_m - 0.1 * 3.0_f64.sqrt()).abs() < 1e-12,
-        "{moved:?}"
-    );
+    assert!((moved.from_second_m - 0.1 * 3.0_f64.sqrt()).abs() < 1e-12, "{moved:?}");
 }
 
 /// A sphere with waves on it, and no feature: every vertex of the octahedron and of its refinements

@@ -22,10 +22,7 @@ fn a_bow_tie_ring_is_refused_as_a_solid() {
     let profile = [[0.02, 0.0], [0.06, 0.0], [0.03, 0.06], [0.05, 0.06]];
     let mesh = revolved(&profile, 48);
     let report = QualityReport::of(&mesh);
-    assert!(
-        report.is_closed() && report.crossings.len() >= 48,
-        "{report}"
-    );
+    assert!(report.is_closed() && report.crossings.len() >= 48, "{report}");
     for crossing in &report.crossings {
         let place = crossing.place;
         let radius_m = place.x.hypot(place.y);
@@ -48,39 +45,24 @@ fn a_bow_tie_ring_is_refused_as_a_solid() {
 /// Two plates that lean towards each other, outsides apart.
 fn leaning_plates(gap_m: f64) -> SurfaceMesh {
     let p = |x: f64, z: f64| [0.0, 0.05].map(|y| Point3::new(x, y, z));
-    let rows = [
-        p(0.0, 0.0),
-        p(0.0, 0.04),
-        p(gap_m, 0.0),
-        p(gap_m + 0.005, 0.04),
-    ];
+    let rows = [p(0.0, 0.0), p(0.0, 0.04), p(gap_m, 0.0), p(gap_m + 0.005, 0.04)];
     let triangles = vec![[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6]];
     SurfaceMesh::new(rows.concat(), triangles).unwrap()
 }
 
 #[test]
 fn a_wall_without_room_is_not_extruded() {
-    let params = ExtrudeParams {
-        side: SkinSide::Outer,
-        n_layers: 1,
-        curve: FaceCurve::Flat,
-    };
+    let params = ExtrudeParams { side: SkinSide::Outer, n_layers: 1, curve: FaceCurve::Flat };
     let extruded = |gap_m| extrude(&leaning_plates(gap_m), &[2e-3; 8], &params);
     assert!(extruded(5e-3).is_ok());
     let fault = extruded(1e-3).unwrap_err();
-    let MeshError::Surface(SurfaceFault::Crosses {
-        what, crossings, ..
-    }) = &fault
-    else {
+    let MeshError::Surface(SurfaceFault::Crosses { what, crossings, .. }) = &fault else {
         panic!("{fault}");
     };
     assert_eq!(*what, "the extruded wall");
     assert!(crossings.len() > 3, "{crossings:?}");
     let text = fault.to_string();
-    assert!(
-        text.contains("… mm; there is no room for the wall"),
-        "{text}"
-    );
+    assert!(text.contains("… mm; there is no room for the wall"), "{text}");
 }
 
 #[test]
@@ -105,10 +87,7 @@ fn n_crossings(path: &Path) -> usize {
 
 #[test]
 fn the_bundled_skin_has_none() {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/shin/shin_skin.glb"
-    );
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/shin/shin_skin.glb");
     assert_eq!(n_crossings(Path::new(path)), 0);
 }
 

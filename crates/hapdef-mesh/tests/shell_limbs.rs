@@ -12,10 +12,7 @@ use hapdef_mesh::{
 };
 
 fn limb(file: &str, unit: LengthUnit) -> Option<SurfaceMesh> {
-    let params = GltfParams {
-        unit,
-        ..GltfParams::default()
-    };
+    let params = GltfParams { unit, ..GltfParams::default() };
     Some(read_gltf(&shared("")?.join(file), &params).unwrap().mesh)
 }
 
@@ -53,10 +50,7 @@ fn check_skin(expected: &Skin) {
     assert_eq!((report.n_bodies, report.genus), (1, Some(expected.genus)));
     assert!(info.volume_change().abs() < 0.005, "{info:?}");
     assert!(info.on_target_share > 0.9, "{info:?}");
-    assert!(
-        100 * report.n_sliver_triangles < report.n_triangles,
-        "{report}"
-    );
+    assert!(100 * report.n_sliver_triangles < report.n_triangles, "{report}");
     let shell = ShellSurface::with_constant_thickness(&fine, 0.002, SkinSide::Middle).unwrap();
     assert!((shell.volume_m3() / (0.002 * info.area_m2[0]) - 1.0).abs() < 0.01);
     let inward = ShellSurface::with_constant_thickness(&fine, 0.002, SkinSide::Outer).unwrap();
@@ -101,10 +95,7 @@ fn bolt_lower_leg_is_a_solid_bar() {
     };
     let cause = fault(&bar);
     println!("bolt: {cause}");
-    assert!(
-        matches!(cause, SurfaceFault::NotAShell { share, .. } if share > 0.9),
-        "{cause}"
-    );
+    assert!(matches!(cause, SurfaceFault::NotAShell { share, .. } if share > 0.9), "{cause}");
 }
 
 /// Nothing that a caller may ask for makes it a solid: the holes and the crossing sheets stay.
@@ -125,23 +116,14 @@ fn go2_calf_is_refused_with_its_holes_and_volume() {
         let (cleaned, info) = clean_surface(&calf, &params).unwrap();
         let cause = fault(&cleaned);
         println!("go2: {cause}");
-        println!(
-            "bodies, m3: {:?}; before: {}",
-            info.body_volumes_m3, info.before
-        );
+        println!("bodies, m3: {:?}; before: {}", info.body_volumes_m3, info.before);
         let SurfaceFault::Defects { defects, .. } = cause else {
             panic!("{cause}");
         };
         assert!(defects.open_edges.n > 0 && defects.non_manifold_edges.n > 0);
-        assert!(
-            (defects.volume_m3 * 1e6 - 166.102).abs() < 1e-3,
-            "{defects}"
-        );
+        assert!((defects.volume_m3 * 1e6 - 166.102).abs() < 1e-3, "{defects}");
         let remeshed = remesh(&cleaned, &RemeshParams::new(0.004));
-        assert!(matches!(
-            remeshed,
-            Err(MeshError::Surface(SurfaceFault::Defects { .. }))
-        ));
+        assert!(matches!(remeshed, Err(MeshError::Surface(SurfaceFault::Defects { .. }))));
     }
 }
 
@@ -155,13 +137,7 @@ fn poppy_part_is_refused_with_its_edges_and_volume() {
     let SurfaceFault::Defects { defects, .. } = cause else {
         panic!("{cause}");
     };
-    assert_eq!(
-        (
-            defects.non_manifold_edges.n,
-            defects.non_manifold_vertices.n
-        ),
-        (7, 2)
-    );
+    assert_eq!((defects.non_manifold_edges.n, defects.non_manifold_vertices.n), (7, 2));
     assert_eq!((defects.open_edges.n, defects.doubled_triangles.n), (0, 0));
     assert!((defects.volume_m3 * 1e6 - 38.874).abs() < 1e-3, "{defects}");
 }
@@ -186,10 +162,7 @@ fn human_leg_needs_its_unit() {
 /// wall is far from all of its volume, so it is refused; the picture shows where.
 #[test]
 fn authors_shin_is_more_than_its_wall() {
-    let Some(shin) = limb(
-        "hapdef-shin/hapdef_shin_surface_tri3_m.glb",
-        LengthUnit::Metre,
-    ) else {
+    let Some(shin) = limb("hapdef-shin/hapdef_shin_surface_tri3_m.glb", LengthUnit::Metre) else {
         return;
     };
     let cause = fault(&shin);
@@ -198,10 +171,7 @@ fn authors_shin_is_more_than_its_wall() {
     println!("{:?}", found.info);
     let info = &found.info;
     assert!((info.solid_volume_m3 / 2.6844492151262075e-5 - 1.0).abs() < 1e-9);
-    assert!(
-        info.shell_volume_m3 < 0.75 * info.solid_volume_m3,
-        "{info:?}"
-    );
+    assert!(info.shell_volume_m3 < 0.75 * info.solid_volume_m3, "{info:?}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("thickness.glb");
     let field = VertexField {

@@ -23,14 +23,8 @@ fn fixture(name: &str) -> std::path::PathBuf {
 fn the_limb_has_the_paper_s_size() {
     let limb = limb();
     let mesh = &limb.deck.mesh;
-    assert_eq!(
-        (mesh.nodes().len(), mesh.elements().len()),
-        (20_865, 10_266)
-    );
-    assert_eq!(
-        (limb.skin.nodes.len(), limb.skin.faces.len()),
-        (3_217, 1_490)
-    );
+    assert_eq!((mesh.nodes().len(), mesh.elements().len()), (20_865, 10_266));
+    assert_eq!((limb.skin.nodes.len(), limb.skin.faces.len()), (3_217, 1_490));
     assert_eq!(limb.deck.node_sets["SKIN"], limb.skin.nodes);
     assert_eq!(limb.deck.node_sets["MOUNT"], limb.deck.fixed_nodes);
     assert_eq!(limb.deck.fixed_nodes.len(), 252);
@@ -39,10 +33,7 @@ fn the_limb_has_the_paper_s_size() {
     }
     let extent = |axis: usize| {
         let range = mesh.nodes().iter().map(|p| p[axis]);
-        (
-            range.clone().fold(f64::INFINITY, f64::min),
-            range.fold(f64::NEG_INFINITY, f64::max),
-        )
+        (range.clone().fold(f64::INFINITY, f64::min), range.fold(f64::NEG_INFINITY, f64::max))
     };
     assert_eq!(extent(1), (0.040, 0.162));
     for axis in [0, 2] {
@@ -65,10 +56,7 @@ fn meshed_anew_it_is_the_same_limb() {
     let (limb, anew) = (limb(), shin(&ShinParams::meshed_anew()).unwrap());
     let [one, other] = [&limb, &anew].map(|limb| &limb.deck.mesh);
     let ratio = volume_m3(other) / volume_m3(one);
-    println!(
-        "{} elements, volume {ratio} of the other's",
-        other.elements().len()
-    );
+    println!("{} elements, volume {ratio} of the other's", other.elements().len());
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
     let ratio = anew.skin.area_m2(other) / limb.skin.area_m2(one);
     assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
@@ -93,11 +81,7 @@ fn the_outside_is_one_perforated_piece() {
 fn outside_is_one_perforated_piece(limb: &Shin, most_slivers: usize) {
     let report = QualityReport::of(&limb.skin.surface(&limb.deck.mesh).unwrap());
     assert_eq!(
-        (
-            report.n_bodies,
-            report.n_non_manifold_edges,
-            report.n_misoriented_edges
-        ),
+        (report.n_bodies, report.n_non_manifold_edges, report.n_misoriented_edges),
         (1, 0, 0)
     );
     assert_eq!(report.n_degenerate_triangles, 0);
@@ -127,19 +111,11 @@ fn elements_are_usable_also_when_refined() {
     let mesh = &limb.deck.mesh;
     let scaled = (0..mesh.elements().len()).map(|e| scaled_jacobian(mesh, e));
     let smallest = scaled.fold(f64::INFINITY, f64::min);
-    assert!(
-        smallest > 0.24,
-        "smallest det J over that of the straight element: {smallest}"
-    );
-    let mut dihedral: Vec<f64> = (0..mesh.elements().len())
-        .map(|e| smallest_dihedral_deg(mesh, e))
-        .collect();
+    assert!(smallest > 0.24, "smallest det J over that of the straight element: {smallest}");
+    let mut dihedral: Vec<f64> =
+        (0..mesh.elements().len()).map(|e| smallest_dihedral_deg(mesh, e)).collect();
     dihedral.sort_by(f64::total_cmp);
-    println!(
-        "dihedral angle: smallest {}°, median {}°",
-        dihedral[0],
-        dihedral[dihedral.len() / 2]
-    );
+    println!("dihedral angle: smallest {}°, median {}°", dihedral[0], dihedral[dihedral.len() / 2]);
     assert!(dihedral[0] > 5.0 && dihedral[dihedral.len() / 2] > 13.0);
 
     let fine = mesh.refine();
@@ -157,16 +133,10 @@ fn scaled_jacobian(mesh: &Tet10Mesh, element: usize) -> f64 {
 
 fn smallest_dihedral_deg(mesh: &Tet10Mesh, element: usize) -> f64 {
     let p = mesh.element_positions(element);
-    let normals = TET10_FACES.map(|f| {
-        (p[f[1]] - p[f[0]])
-            .cross(&(p[f[2]] - p[f[0]]))
-            .try_normalize(0.0)
-            .unwrap()
-    });
+    let normals = TET10_FACES
+        .map(|f| (p[f[1]] - p[f[0]]).cross(&(p[f[2]] - p[f[0]])).try_normalize(0.0).unwrap());
     let pairs = (0..4).flat_map(|a| (0..a).map(move |b| (a, b)));
-    pairs
-        .map(|(a, b)| 180.0 - normals[a].angle(&normals[b]).to_degrees())
-        .fold(180.0, f64::min)
+    pairs.map(|(a, b)| 180.0 - normals[a].angle(&normals[b]).to_degrees()).fold(180.0, f64::min)
 }
 
 #[test]
@@ -175,14 +145,8 @@ fn the_wall_is_one_millimetre_and_takes_ten_gauges() {
     let mesh = &limb.deck.mesh;
     let inside = wall(mesh, &mesh.boundary(), &limb.skin, 1.5e-3).unwrap();
     let quartiles = [0.25, 0.5, 0.75].map(|q| 1e3 * inside.thickness_quantile_m(q).unwrap());
-    println!(
-        "thickness quartiles {quartiles:?} mm, {} inner faces",
-        inside.inner_faces.len()
-    );
-    assert!(
-        (quartiles[1] - 1.03).abs() < 0.01 && quartiles[2] > 2.0,
-        "{quartiles:?}"
-    );
+    println!("thickness quartiles {quartiles:?} mm, {} inner faces", inside.inner_faces.len());
+    assert!((quartiles[1] - 1.03).abs() < 0.01 && quartiles[2] > 2.0, "{quartiles:?}");
 
     let clear = clear_nodes(mesh, &inside.inner_faces, 5e-3);
     let chosen = farthest_nodes(mesh, &clear, 10);
@@ -217,68 +181,30 @@ fn the_fixture_is_what_the_generator_makes() {
 #[test]
 fn measures_that_make_no_limb_are_refused() {
     let default = ShinParams::default();
-    let hole = ShinHole {
-        sector: 7,
-        band: 0,
-        centre: (0.5, 0.5),
-        half_axes: (0.2, 0.2),
-    };
+    let hole = ShinHole { sector: 7, band: 0, centre: (0.5, 0.5), half_axes: (0.2, 0.2) };
     let bad = [
+        ShinParams { wall_m: 0.0, ..default.clone() },
+        ShinParams { rib_width_m: f64::NAN, ..default.clone() },
+        ShinParams { rib_depth_m: 0.02, ..default.clone() },
+        ShinParams { n_sectors: 2, ..default.clone() },
+        ShinParams { n_rib_layers: 0, ..default.clone() },
+        ShinParams { unevenness: 0.9, ..default.clone() },
+        ShinParams { rib_width_m: 0.03, ..default.clone() },
+        ShinParams { holes: vec![hole], ..default.clone() },
         ShinParams {
-            wall_m: 0.0,
-            ..default.clone()
-        },
-        ShinParams {
-            rib_width_m: f64::NAN,
-            ..default.clone()
-        },
-        ShinParams {
-            rib_depth_m: 0.02,
-            ..default.clone()
-        },
-        ShinParams {
-            n_sectors: 2,
-            ..default.clone()
-        },
-        ShinParams {
-            n_rib_layers: 0,
-            ..default.clone()
-        },
-        ShinParams {
-            unevenness: 0.9,
-            ..default.clone()
-        },
-        ShinParams {
-            rib_width_m: 0.03,
-            ..default.clone()
-        },
-        ShinParams {
-            holes: vec![hole],
-            ..default.clone()
-        },
-        ShinParams {
-            outline: ShinOutline {
-                end_radius_m: f64::NAN,
-                ..ShinOutline::default()
-            },
+            outline: ShinOutline { end_radius_m: f64::NAN, ..ShinOutline::default() },
             ..default
         },
     ];
     for params in bad {
         let found = shin(&params);
-        assert!(
-            matches!(found, Err(MeshError::ShinParams { .. })),
-            "{params:?}"
-        );
+        assert!(matches!(found, Err(MeshError::ShinParams { .. })), "{params:?}");
     }
 }
 
 #[test]
 fn measures_can_be_changed() {
-    let material = DeckMaterial {
-        youngs_modulus_pa: 3e9,
-        ..ShinParams::default().material
-    };
+    let material = DeckMaterial { youngs_modulus_pa: 3e9, ..ShinParams::default().material };
     let params = ShinParams {
         n_sectors: 5,
         n_bands: 2,
@@ -286,12 +212,7 @@ fn measures_can_be_changed() {
         wall_m: 2e-3,
         n_rib_layers: 1,
         material,
-        holes: vec![ShinHole {
-            sector: 4,
-            band: 1,
-            centre: (0.5, 0.5),
-            half_axes: (0.25, 0.25),
-        }],
+        holes: vec![ShinHole { sector: 4, band: 1, centre: (0.5, 0.5), half_axes: (0.25, 0.25) }],
         ..ShinParams::default()
     };
     let limb = shin(&params).unwrap();

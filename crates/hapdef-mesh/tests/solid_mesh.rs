@@ -24,19 +24,14 @@ fn one_tet() -> (Vec<Point3<f64>>, [FeNodeId; 10]) {
 }
 
 fn total_volume(mesh: &Tet10Mesh) -> f64 {
-    (0..mesh.elements().len())
-        .map(|e| tet10::volume(&mesh.element_positions(e)))
-        .sum()
+    (0..mesh.elements().len()).map(|e| tet10::volume(&mesh.element_positions(e))).sum()
 }
 
 /// ∮ dA over the boundary; exact, since area vectors are quadratic.
 fn closure(mesh: &Tet10Mesh, boundary: &BoundarySurface) -> Vector3<f64> {
     let of_face = |face: &hapdef_mesh::Tri6Face| -> Vector3<f64> {
         let nodes = face_positions(mesh, face);
-        tri6::QUADRATURE
-            .iter()
-            .map(|q| tri6::area_vector(&nodes, q.xi, q.eta) * q.weight)
-            .sum()
+        tri6::QUADRATURE.iter().map(|q| tri6::area_vector(&nodes, q.xi, q.eta) * q.weight).sum()
     };
     boundary.faces.iter().map(of_face).sum()
 }
@@ -52,55 +47,30 @@ fn refused(nodes: Vec<Point3<f64>>, elements: Vec<[FeNodeId; 10]>, expected: &So
 #[test]
 fn broken_meshes_are_refused_with_the_place() {
     let (nodes, ids) = one_tet();
-    refused(
-        nodes.clone(),
-        vec![],
-        &SolidFault::NoElements { n_nodes: 10 },
-    );
+    refused(nodes.clone(), vec![], &SolidFault::NoElements { n_nodes: 10 });
 
     let mut bad = ids;
     bad[9] = FeNodeId(10);
     refused(
         nodes.clone(),
         vec![bad],
-        &SolidFault::NodeOutOfRange {
-            element: 0,
-            node: 10,
-            n_nodes: 10,
-        },
+        &SolidFault::NodeOutOfRange { element: 0, node: 10, n_nodes: 10 },
     );
     bad[9] = FeNodeId(8);
-    refused(
-        nodes.clone(),
-        vec![bad],
-        &SolidFault::NodeTwice {
-            element: 0,
-            node: 8,
-        },
-    );
+    refused(nodes.clone(), vec![bad], &SolidFault::NodeTwice { element: 0, node: 8 });
 
     let mut inside_out = ids;
     inside_out.swap(1, 2);
-    let fault = SolidFault::CornerVolume {
-        element: 0,
-        volume_m3: -1.0 / 6.0,
-    };
+    let fault = SolidFault::CornerVolume { element: 0, volume_m3: -1.0 / 6.0 };
     refused(nodes.clone(), vec![inside_out], &fault);
 
     let mut extra = nodes.clone();
     extra.push(Point3::new(2.0, 0.0, 0.0));
-    refused(
-        extra,
-        vec![ids],
-        &SolidFault::NodeWithoutElement { node: 10 },
-    );
+    refused(extra, vec![ids], &SolidFault::NodeWithoutElement { node: 10 });
 
     let mut infinite = nodes.clone();
     infinite[3].z = f64::INFINITY;
-    let fault = SolidFault::NodeNotFinite {
-        node: 3,
-        position: [0.0, 0.0, f64::INFINITY],
-    };
+    let fault = SolidFault::NodeNotFinite { node: 3, position: [0.0, 0.0, f64::INFINITY] };
     refused(infinite, vec![ids], &fault);
 
     // the same corners with mid-side nodes of their own: a crack along every edge
@@ -110,19 +80,9 @@ fn broken_meshes_are_refused_with_the_place() {
     for (i, id) in twin.iter_mut().enumerate().skip(4) {
         *id = FeNodeId::from_index(i + 6);
     }
-    refused(
-        doubled,
-        vec![ids, twin],
-        &SolidFault::EdgeMidsDiffer {
-            ends: [0, 1],
-            mids: [4, 10],
-        },
-    );
+    refused(doubled, vec![ids, twin], &SolidFault::EdgeMidsDiffer { ends: [0, 1], mids: [4, 10] });
 
-    let fault = SolidFault::FaceShared {
-        corners: [0, 1, 2],
-        found: 3,
-    };
+    let fault = SolidFault::FaceShared { corners: [0, 1, 2], found: 3 };
     refused(nodes, vec![ids; 3], &fault);
 }
 
@@ -137,10 +97,7 @@ fn a_tetrahedron_s_faces_look_outward() {
         let p = face_positions(&mesh, face);
         let third = 1.0 / 3.0;
         let outward = tri6::position(&p, third, third) - inside;
-        assert!(
-            tri6::area_vector(&p, third, third).dot(&outward) > 0.0,
-            "{face:?}"
-        );
+        assert!(tri6::area_vector(&p, third, third).dot(&outward) > 0.0, "{face:?}");
         for (k, [a, b]) in [[0, 1], [1, 2], [2, 0]].into_iter().enumerate() {
             assert_eq!(p[3 + k], nalgebra::center(&p[a], &p[b]), "{face:?}");
         }
@@ -168,10 +125,7 @@ fn refinement_keeps_geometry_and_ids() {
     assert_eq!(fine.nodes()[..mesh.nodes().len()], *mesh.nodes());
     assert_eq!(fine, mesh.refine());
     // conforming: at most two elements a face, one mid-side node an edge, no loose node
-    assert_eq!(
-        Tet10Mesh::new(fine.nodes().to_vec(), fine.elements().to_vec()).unwrap(),
-        fine
-    );
+    assert_eq!(Tet10Mesh::new(fine.nodes().to_vec(), fine.elements().to_vec()).unwrap(), fine);
 
     let (coarse_faces, fine_faces) = (mesh.boundary(), fine.boundary());
     assert_eq!(fine_faces.faces.len(), 4 * coarse_faces.faces.len());

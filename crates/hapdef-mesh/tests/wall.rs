@@ -53,10 +53,7 @@ fn the_radial_region_is_the_outside_of_a_tube() {
     let exact = std::f64::consts::TAU * 0.036 * HEIGHT_M;
     assert!((skin.area_m2(&mesh) / exact - 1.0).abs() < 1e-5);
 
-    let half = RadialRegionParams {
-        axial_range_m: (0.0, 0.5 * HEIGHT_M),
-        ..about_y()
-    };
+    let half = RadialRegionParams { axial_range_m: (0.0, 0.5 * HEIGHT_M), ..about_y() };
     let half = radial_region(&mesh, &mesh.boundary(), &half).unwrap();
     assert_eq!(half.faces.len(), 36 * 10);
 }
@@ -66,10 +63,7 @@ fn the_skin_s_surface_has_a_vertex_per_surface_node() {
     let mesh = limb();
     let skin = skin(&mesh);
     let surface = skin.surface(&mesh).unwrap();
-    assert_eq!(
-        (surface.vertices().len(), surface.triangles().len()),
-        (72 * 21, 4 * 720)
-    );
+    assert_eq!((surface.vertices().len(), surface.triangles().len()), (72 * 21, 4 * 720));
     for (vertex, node) in surface.vertices().iter().zip(&skin.nodes) {
         assert_eq!(*vertex, mesh.position(*node));
     }
@@ -85,38 +79,17 @@ fn limits_of_a_region_are_checked() {
     let mesh = limb();
     let try_with = |params| radial_region(&mesh, &mesh.boundary(), &params);
     let bad = [
-        RadialRegionParams {
-            axis_dir: Vector3::zeros(),
-            ..about_y()
-        },
-        RadialRegionParams {
-            axis_dir: Vector3::repeat(f64::NAN),
-            ..about_y()
-        },
-        RadialRegionParams {
-            min_radius_m: f64::NAN,
-            ..about_y()
-        },
-        RadialRegionParams {
-            min_normal_dot_radial: 1.0,
-            ..about_y()
-        },
-        RadialRegionParams {
-            axial_range_m: (0.1, 0.1),
-            ..about_y()
-        },
+        RadialRegionParams { axis_dir: Vector3::zeros(), ..about_y() },
+        RadialRegionParams { axis_dir: Vector3::repeat(f64::NAN), ..about_y() },
+        RadialRegionParams { min_radius_m: f64::NAN, ..about_y() },
+        RadialRegionParams { min_normal_dot_radial: 1.0, ..about_y() },
+        RadialRegionParams { axial_range_m: (0.1, 0.1), ..about_y() },
     ];
     for params in bad {
         let found = try_with(params.clone());
-        assert!(
-            matches!(found, Err(MeshError::RegionParams { .. })),
-            "{params:?}"
-        );
+        assert!(matches!(found, Err(MeshError::RegionParams { .. })), "{params:?}");
     }
-    let far = RadialRegionParams {
-        min_radius_m: 1.0,
-        ..about_y()
-    };
+    let far = RadialRegionParams { min_radius_m: 1.0, ..about_y() };
     assert!(matches!(try_with(far), Err(MeshError::EmptySkin { .. })));
 }
 
@@ -137,10 +110,7 @@ fn the_outer_skin_is_outside_and_ends() {
         .copied()
         .collect();
     assert_eq!(outer.faces, expected);
-    let none = OuterSkinParams {
-        n_rays: 0,
-        ..OuterSkinParams::default()
-    };
+    let none = OuterSkinParams { n_rays: 0, ..OuterSkinParams::default() };
     let found = outer_skin(&mesh, &boundary, &none);
     assert!(matches!(found, Err(MeshError::RegionParams { .. })));
 }
@@ -154,9 +124,7 @@ fn a_tube_s_wall_is_as_thick_as_it_is() {
     assert_eq!(wall.inner_faces.len(), 2 * 36 * 10);
     for face in &wall.inner_faces {
         assert!(
-            face.nodes
-                .iter()
-                .all(|node| (radius_m(mesh.position(*node)) - 0.035).abs() < 1e-12)
+            face.nodes.iter().all(|node| (radius_m(mesh.position(*node)) - 0.035).abs() < 1e-12)
         );
     }
     // flat pieces of the inner face cut the arc by at most 35 mm · (1 − cos 2.5°) = 33 µm
@@ -210,11 +178,7 @@ fn a_gauge_off_the_wall_is_refused_with_its_distance() {
     let faces = mesh.boundary().faces;
     let try_at = |centre, n| gauge_patch(&mesh, &faces, &centre, n, 1e-3);
     match try_at(Point3::new(0.0, 0.03, 0.030), 24) {
-        Err(MeshError::GaugeOffWall {
-            distance_m,
-            max_distance_m,
-            ..
-        }) => {
+        Err(MeshError::GaugeOffWall { distance_m, max_distance_m, .. }) => {
             assert!((distance_m - 5e-3).abs() < 4e-5, "{distance_m}");
             assert_eq!(max_distance_m, 1e-3);
         }
@@ -225,11 +189,7 @@ fn a_gauge_off_the_wall_is_refused_with_its_distance() {
     let no_wall = gauge_patch(&mesh, &[], &Point3::origin(), 24, f64::INFINITY);
     assert!(matches!(no_wall, Err(MeshError::GaugeOffWall { .. })));
     match try_at(Point3::new(0.0, 0.03, 0.035), 100_000) {
-        Err(MeshError::GaugePatchTooSmall {
-            expected: 100_000,
-            found,
-            ..
-        }) => {
+        Err(MeshError::GaugePatchTooSmall { expected: 100_000, found, .. }) => {
             // the wall within 60° of the gauge, not the whole inside
             assert!((300..1512).contains(&found), "{found}");
         }
@@ -239,19 +199,12 @@ fn a_gauge_off_the_wall_is_refused_with_its_distance() {
 
 #[test]
 fn places_keep_clear_of_the_wall_s_edges_and_spread() {
-    let mesh = kuhn_block([8, 8, 1], |p| {
-        Point3::new(0.08 * p.x, 0.08 * p.y, 1e-3 * p.z)
-    })
-    .unwrap();
+    let mesh = kuhn_block([8, 8, 1], |p| Point3::new(0.08 * p.x, 0.08 * p.y, 1e-3 * p.z)).unwrap();
     let top: Vec<Tri6Face> = mesh
         .boundary()
         .faces
         .into_iter()
-        .filter(|face| {
-            face.nodes
-                .iter()
-                .all(|node| mesh.position(*node).z > 0.9e-3)
-        })
+        .filter(|face| face.nodes.iter().all(|node| mesh.position(*node).z > 0.9e-3))
         .collect();
     let clear = clear_nodes(&mesh, &top, 15e-3 - 1e-9);
     // 5 mm between nodes: 11 × 11 of the 17 × 17 lie at least 15 mm inside

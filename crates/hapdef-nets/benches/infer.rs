@@ -33,10 +33,7 @@ fn nets(c: &mut Criterion) {
         });
         for precision in Precision::ALL {
             for level in SimdLevel::available() {
-                let params = InferParams {
-                    simd: Some(level),
-                    ..InferParams::of(precision)
-                };
+                let params = InferParams { simd: Some(level), ..InferParams::of(precision) };
                 let prepared = PreparedNet::new(&net, &params).expect("an available level");
                 let mut scratch = prepared.scratch();
                 group.bench_function(format!("{} {level:?}", precision.name()), |b| {
@@ -54,14 +51,8 @@ fn reductions(c: &mut Criterion) {
     let x = [0.5; 240];
     for precision in Precision::ALL {
         let whole = InferParams::of(precision);
-        let rank = InferParams {
-            low_rank: vec![low_rank.clone()],
-            ..whole.clone()
-        };
-        let part = InferParams {
-            wanted: Some((0..800).collect()),
-            ..whole
-        };
+        let rank = InferParams { low_rank: vec![low_rank.clone()], ..whole.clone() };
+        let part = InferParams { wanted: Some((0..800).collect()), ..whole };
         for (name, params) in [("rank 64", rank), ("800 outputs", part)] {
             let prepared = PreparedNet::new(&net, &params).expect("outputs that are there");
             let (mut scratch, mut out) = (prepared.scratch(), vec![0.0; prepared.n_outputs()]);

@@ -31,10 +31,7 @@ fn measure(name: &str, spec: &MlpSpec, steps: u64) -> Result<(), Box<dyn Error>>
         Scale::identity(spec.outputs),
     )?;
     // One more than are taken: a training that is stopped need not have learned anything.
-    let params = TrainParams {
-        steps: steps + 1,
-        ..TrainParams::paper(1)
-    };
+    let params = TrainParams { steps: steps + 1, ..TrainParams::paper(1) };
     let mut samples = samples(spec, 1000)?;
     let mut stop = |progress: &Progress| match progress.step < steps {
         true => ControlFlow::Continue(()),

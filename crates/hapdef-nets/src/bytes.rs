@@ -30,19 +30,13 @@ impl Net {
     /// Fails if the file can't be made.
     pub fn to_bytes(&self) -> Result<Vec<u8>, NetsError> {
         let path = Path::new("net");
-        let entry = NetEntry {
-            format_version: NET_FORMAT_VERSION,
-            spec: self.mlp().spec().clone(),
-        };
+        let entry =
+            NetEntry { format_version: NET_FORMAT_VERSION, spec: self.mlp().spec().clone() };
         let json = serde_json::to_string(&entry).map_err(json_of(path))?;
         let (input, output) = (self.input_scale(), self.output_scale());
         let scales = [input.mean(), input.std(), output.mean(), output.std()];
         let named = scale_shapes(self.mlp().spec()).into_iter().zip(scales);
-        let scales = named.map(|((name, shape), values)| NamedTensor {
-            name,
-            shape,
-            values,
-        });
+        let scales = named.map(|((name, shape), values)| NamedTensor { name, shape, values });
         let mut tensors = weight_tensors(self.mlp());
         tensors.extend(scales);
         tensor_bytes(path, &tensors, Some((ENTRY, json)))
@@ -75,10 +69,8 @@ fn scale_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
 }
 
 fn spec_of(path: &Path, bytes: &[u8]) -> Result<MlpSpec, NetsError> {
-    let json = metadata_entry(path, bytes, ENTRY)?.ok_or_else(|| NetsError::NotANet {
-        path: path.to_path_buf(),
-        entry: ENTRY,
-    })?;
+    let json = metadata_entry(path, bytes, ENTRY)?
+        .ok_or_else(|| NetsError::NotANet { path: path.to_path_buf(), entry: ENTRY })?;
     let entry: NetEntry = serde_json::from_str(&json).map_err(json_of(path))?;
     if entry.format_version != NET_FORMAT_VERSION {
         return Err(NetsError::FormatVersion {

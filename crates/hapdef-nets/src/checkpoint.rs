@@ -141,10 +141,7 @@ pub(crate) fn save_all(
     let weights_file = format!("{stem}-{}.safetensors", record.step);
     let moments_file = moments.map(|_| format!("{stem}-{}.moments.safetensors", record.step));
     let best_file = best.map(|_| format!("{stem}-{}.best.safetensors", record.step));
-    write_tensors(
-        &path.with_file_name(&weights_file),
-        &weight_tensors(net.mlp()),
-    )?;
+    write_tensors(&path.with_file_name(&weights_file), &weight_tensors(net.mlp()))?;
     if let (Some(best), Some(name)) = (best, &best_file) {
         write_tensors(&path.with_file_name(name), &weight_tensors(best))?;
     }
@@ -188,31 +185,16 @@ pub fn load_for_resume(path: &Path) -> Result<Resumable, NetsError> {
         None => None,
     };
     let Some(name) = &file.moments_file else {
-        return Err(NetsError::NotResumable {
-            path: path.to_path_buf(),
-        });
+        return Err(NetsError::NotResumable { path: path.to_path_buf() });
     };
     let mut tensors = read_tensors(&sibling(path, name)?, &moment_shapes(&file.spec))?.into_iter();
     let mut moments = vec![];
-    while let (Some(weights_m), Some(weights_v), Some(bias_m), Some(bias_v)) = (
-        tensors.next(),
-        tensors.next(),
-        tensors.next(),
-        tensors.next(),
-    ) {
-        moments.push(Moments {
-            weights_m,
-            weights_v,
-            bias_m,
-            bias_v,
-        });
+    while let (Some(weights_m), Some(weights_v), Some(bias_m), Some(bias_v)) =
+        (tensors.next(), tensors.next(), tensors.next(), tensors.next())
+    {
+        moments.push(Moments { weights_m, weights_v, bias_m, bias_v });
     }
-    Ok(Resumable {
-        net,
-        record: file.record,
-        moments,
-        best,
-    })
+    Ok(Resumable { net, record: file.record, moments, best })
 }
 
 fn parse(path: &Path) -> Result<CheckpointFile, NetsError> {
@@ -240,10 +222,7 @@ fn net_of(mlp: Mlp, file: &CheckpointFile) -> Result<Net, NetsError> {
 
 fn read_mlp(path: &Path, spec: &MlpSpec, name: &str) -> Result<Mlp, NetsError> {
     spec.check()?;
-    mlp_of(
-        spec,
-        read_tensors(&sibling(path, name)?, &weight_shapes(spec))?,
-    )
+    mlp_of(spec, read_tensors(&sibling(path, name)?, &weight_shapes(spec))?)
 }
 
 /// The network of tensors as [`weight_shapes`] has them.
@@ -271,20 +250,14 @@ pub(crate) fn weight_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
 fn moment_shapes(spec: &MlpSpec) -> Vec<(String, Vec<usize>)> {
     let each = weight_shapes(spec).into_iter();
     each.flat_map(|(name, shape)| {
-        [
-            (format!("{name}.m"), shape.clone()),
-            (format!("{name}.v"), shape),
-        ]
+        [(format!("{name}.m"), shape.clone()), (format!("{name}.v"), shape)]
     })
     .collect()
 }
 
 /// The weights and biases, layer by layer.
 pub(crate) fn weight_tensors(mlp: &Mlp) -> Vec<NamedTensor<'_>> {
-    let slices = mlp
-        .layers()
-        .iter()
-        .flat_map(|layer| [&layer.weights[..], &layer.bias[..]]);
+    let slices = mlp.layers().iter().flat_map(|layer| [&layer.weights[..], &layer.bias[..]]);
     named(weight_shapes(mlp.spec()), slices)
 }
 
@@ -293,14 +266,9 @@ fn moment_tensors<'a>(
     moments: &'a [Moments],
 ) -> Result<Vec<NamedTensor<'a>>, NetsError> {
     crate::error::check_length("moments", spec.layer_shapes().len(), moments.len())?;
-    let slices = moments.iter().flat_map(|m| {
-        [
-            &m.weights_m[..],
-            &m.weights_v[..],
-            &m.bias_m[..],
-            &m.bias_v[..],
-        ]
-    });
+    let slices = moments
+        .iter()
+        .flat_map(|m| [&m.weights_m[..], &m.weights_v[..], &m.bias_m[..], &m.bias_v[..]]);
     Ok(named(moment_shapes(spec), slices))
 }
 
@@ -309,27 +277,15 @@ fn named<'a>(
     slices: impl Iterator<Item = &'a [f32]>,
 ) -> Vec<NamedTensor<'a>> {
     let pairs = shapes.into_iter().zip(slices);
-    pairs
-        .map(|((name, shape), values)| NamedTensor {
-            name,
-            shape,
-            values,
-        })
-        .collect()
+    pairs.map(|((name, shape), values)| NamedTensor { name, shape, values }).collect()
 }
 
 /// The path of a file that the checkpoint names; only a plain name in the same folder will do.
 fn sibling(path: &Path, name: &str) -> Result<PathBuf, NetsError> {
-    if Path::new(name)
-        .file_name()
-        .is_some_and(|plain| plain == name)
-    {
+    if Path::new(name).file_name().is_some_and(|plain| plain == name) {
         return Ok(path.with_file_name(name));
     }
-    Err(NetsError::FileName {
-        path: path.to_path_buf(),
-        name: name.to_owned(),
-    })
+    Err(NetsError::FileName { path: path.to_path_buf(), name: name.to_owned() })
 }
 
 fn remove_replaced(path: &Path, replaced: &CheckpointFile, kept: &CheckpointFile) {
@@ -346,8 +302,5 @@ fn remove_replaced(path: &Path, replaced: &CheckpointFile, kept: &CheckpointFile
 
 fn invalid(path: &Path) -> impl Fn(serde_json::Error) -> NetsError {
     let path = path.to_path_buf();
-    move |source| NetsError::Json {
-        path: path.clone(),
-        source,
-    }
+    move |source| NetsError::Json { path: path.clone(), source }
 }

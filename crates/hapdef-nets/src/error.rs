@@ -340,21 +340,15 @@ pub(crate) fn check_length(
     if got == expected {
         return Ok(());
     }
-    Err(NetsError::Length {
-        what,
-        expected,
-        got,
-    })
+    Err(NetsError::Length { what, expected, got })
 }
 
 /// Fails on the first value of rows of `width` that is NaN or infinite.
 pub(crate) fn check_inputs(width: usize, x: &[f32]) -> Result<(), NetsError> {
     match x.iter().position(|v| !v.is_finite()) {
-        Some(at) => Err(NetsError::InputNotFinite {
-            row: at / width,
-            column: at % width,
-            value: x[at],
-        }),
+        Some(at) => {
+            Err(NetsError::InputNotFinite { row: at / width, column: at % width, value: x[at] })
+        }
         None => Ok(()),
     }
 }
@@ -362,11 +356,7 @@ pub(crate) fn check_inputs(width: usize, x: &[f32]) -> Result<(), NetsError> {
 /// Fails on the first value that is NaN or infinite.
 pub(crate) fn check_finite(what: &'static str, values: &[f32]) -> Result<(), NetsError> {
     match values.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(NetsError::NotFinite {
-            what,
-            index,
-            value: values[index],
-        }),
+        Some(index) => Err(NetsError::NotFinite { what, index, value: values[index] }),
         None => Ok(()),
     }
 }

@@ -72,8 +72,7 @@ pub(crate) fn tensors_of(
 ) -> Result<Vec<Vec<f32>>, NetsError> {
     let file = SafeTensors::deserialize(bytes).map_err(unreadable(path))?;
     let each = wanted.iter();
-    each.map(|(name, shape)| read_tensor(path, &file, name, shape))
-        .collect()
+    each.map(|(name, shape)| read_tensor(path, &file, name, shape)).collect()
 }
 
 /// An entry of a safetensors file's metadata, if it is there.
@@ -119,17 +118,10 @@ fn read_tensor(
 
 fn unreadable(path: &Path) -> impl Fn(SafeTensorError) -> NetsError {
     let path = path.to_path_buf();
-    move |source| NetsError::Safetensors {
-        path: path.clone(),
-        source,
-    }
+    move |source| NetsError::Safetensors { path: path.clone(), source }
 }
 
 fn io(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> NetsError {
     let path = path.to_path_buf();
-    move |source| NetsError::Io {
-        action,
-        path,
-        source,
-    }
+    move |source| NetsError::Io { action, path, source }
 }

@@ -106,10 +106,7 @@ fn dots_against<'a>(rows: &[f32], shared: &[f32], mut out: impl Iterator<Item = 
         let (a, b) = group.split_at(2 * width);
         let ((a, b), (c, d)) = (a.split_at(width), b.split_at(width));
         let sums = dots([a, b, c, d], shared);
-        out.by_ref()
-            .zip(sums)
-            .take(TOGETHER)
-            .for_each(|(out, sum)| *out = sum);
+        out.by_ref().zip(sums).take(TOGETHER).for_each(|(out, sum)| *out = sum);
     }
     for row in groups.remainder().chunks_exact(width) {
         let [sum] = dots([row], shared);

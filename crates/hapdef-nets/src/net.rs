@@ -39,10 +39,7 @@ impl Scale {
 
     /// The scale that changes nothing, for `width` columns.
     pub fn identity(width: usize) -> Self {
-        Self {
-            mean: vec![0.0; width],
-            std: vec![1.0; width],
-        }
+        Self { mean: vec![0.0; width], std: vec![1.0; width] }
     }
 
     /// Number of columns.
@@ -63,9 +60,7 @@ impl Scale {
     /// Columns that never varied in training: inputs without a say, outputs that stay.
     pub fn constant_columns(&self) -> impl Iterator<Item = usize> + '_ {
         let columns = self.std.iter().enumerate();
-        columns
-            .filter(|(_, std)| **std <= 0.0)
-            .map(|(column, _)| column)
+        columns.filter(|(_, std)| **std <= 0.0).map(|(column, _)| column)
     }
 
     pub(crate) fn check(&self) -> Result<(), NetsError> {
@@ -73,10 +68,7 @@ impl Scale {
         check_finite("means of a scale", &self.mean)?;
         let is_bad = |s: &f32| !(*s >= 0.0 && s.is_finite());
         match self.std.iter().position(is_bad) {
-            Some(column) => Err(NetsError::Deviation {
-                column,
-                std: self.std[column],
-            }),
+            Some(column) => Err(NetsError::Deviation { column, std: self.std[column] }),
             None => Ok(()),
         }
     }

@@ -184,9 +184,7 @@ mod tests {
         assert_eq!(params.learning_rate_at(0), 1e-4);
         assert!((params.learning_rate_at(500_000) / 0.505e-4 - 1.0).abs() < 1e-4);
         assert!((params.learning_rate_at(999_999) / 1e-6 - 1.0).abs() < 1e-9);
-        let rates: Vec<_> = (0..100)
-            .map(|i| params.learning_rate_at(i * 10_000))
-            .collect();
+        let rates: Vec<_> = (0..100).map(|i| params.learning_rate_at(i * 10_000)).collect();
         assert!(rates.is_sorted_by(|a, b| a > b));
     }
 
@@ -219,10 +217,7 @@ mod tests {
         };
         assert_eq!(refused(|p| p.batch = 0), "batch");
         assert_eq!(refused(|p| p.learning_rate = f64::NAN), "learning_rate");
-        assert_eq!(
-            refused(|p| p.final_learning_rate = Some(0.0)),
-            "final_learning_rate"
-        );
+        assert_eq!(refused(|p| p.final_learning_rate = Some(0.0)), "final_learning_rate");
         assert_eq!(refused(|p| p.l2 = -1.0), "l2");
     }
 }

@@ -13,21 +13,13 @@ pub(crate) struct Rows {
 impl Rows {
     /// Zeros.
     pub(crate) fn new(n: usize, width: usize) -> Self {
-        Self {
-            n,
-            width,
-            values: vec![0.0; n * width],
-        }
+        Self { n, width, values: vec![0.0; n * width] }
     }
 
     /// The values of a row-major matrix.
     pub(crate) fn of(n: usize, width: usize, values: &[f32]) -> Self {
         debug_assert_eq!(values.len(), n * width);
-        Self {
-            n,
-            width,
-            values: values.iter().map(|&v| f64::from(v)).collect(),
-        }
+        Self { n, width, values: values.iter().map(|&v| f64::from(v)).collect() }
     }
 
     /// Orthonormal rows in directions that are always the same and as good as random.
@@ -83,11 +75,7 @@ impl Rows {
                 }
             }
             let length = dot(row, row).sqrt();
-            let inverse = if length > 1e-12 * whole {
-                1.0 / length
-            } else {
-                0.0
-            };
+            let inverse = if length > 1e-12 * whole { 1.0 / length } else { 0.0 };
             row.iter_mut().for_each(|v| *v *= inverse);
         }
     }

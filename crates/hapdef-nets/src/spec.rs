@@ -77,20 +77,12 @@ impl MlpSpec {
         outputs: usize,
         activation: Activation,
     ) -> Self {
-        Self {
-            inputs,
-            hidden: vec![width; n_hidden],
-            outputs,
-            activation,
-        }
+        Self { inputs, hidden: vec![width; n_hidden], outputs, activation }
     }
 
     fn widths(&self) -> Vec<usize> {
         let ends = (std::iter::once(self.inputs), std::iter::once(self.outputs));
-        ends.0
-            .chain(self.hidden.iter().copied())
-            .chain(ends.1)
-            .collect()
+        ends.0.chain(self.hidden.iter().copied()).chain(ends.1).collect()
     }
 }
 
@@ -107,10 +99,7 @@ mod tests {
     #[test]
     fn sizes_of_the_paper_s_networks() {
         let hidden = |width: usize, n: usize| (n - 1) * (width + 1) * width;
-        check(
-            &MlpSpec::transfer(10, 240),
-            11 * 250 + hidden(250, 6) + 251 * 240,
-        );
+        check(&MlpSpec::transfer(10, 240), 11 * 250 + hidden(250, 6) + 251 * 240);
         check(
             &MlpSpec::reconstruction(240, 3211),
             241 * 600 + 601 * 1200 + 1201 * 1800 + 1801 * 3211,

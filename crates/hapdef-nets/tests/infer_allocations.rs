@@ -38,25 +38,16 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn a_pass_allocates_nothing() {
     let spec = MlpSpec::reconstruction(24, 301);
-    let net = Net::new(
-        Mlp::random(&spec, 1).unwrap(),
-        Scale::identity(24),
-        Scale::identity(301),
-    )
-    .unwrap();
+    let net = Net::new(Mlp::random(&spec, 1).unwrap(), Scale::identity(24), Scale::identity(301))
+        .unwrap();
     let (low_rank, _) = LowRank::of_weights(&net, 3, 8).unwrap();
     for precision in Precision::ALL {
         for low_rank in [vec![], vec![low_rank.clone()]] {
-            let params = InferParams {
-                low_rank,
-                ..InferParams::of(precision)
-            };
+            let params = InferParams { low_rank, ..InferParams::of(precision) };
             let prepared = PreparedNet::new(&net, &params).unwrap();
             let (mut scratch, mut out) = (prepared.scratch(), vec![0.0; 301]);
             let before = ALLOCATIONS.get();
-            prepared
-                .forward(&[0.5; 24], &mut scratch, &mut out)
-                .unwrap();
+            prepared.forward(&[0.5; 24], &mut scratch, &mut out).unwrap();
             assert_eq!(ALLOCATIONS.get(), before, "{precision:?}");
         }
     }

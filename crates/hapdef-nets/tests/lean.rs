@@ -14,12 +14,7 @@ use proptest::prelude::*;
 use safetensors::tensor::TensorView;
 
 fn spec(inputs: usize, hidden: &[usize], outputs: usize, activation: Activation) -> MlpSpec {
-    MlpSpec {
-        inputs,
-        hidden: hidden.to_vec(),
-        outputs,
-        activation,
-    }
+    MlpSpec { inputs, hidden: hidden.to_vec(), outputs, activation }
 }
 
 fn net() -> Net {
@@ -30,11 +25,7 @@ fn net() -> Net {
 }
 
 fn record(step: u64) -> TrainRecord {
-    TrainRecord {
-        step,
-        train_loss: Some(0.1),
-        ..TrainRecord::new(TrainParams::paper(3))
-    }
+    TrainRecord { step, train_loss: Some(0.1), ..TrainRecord::new(TrainParams::paper(3)) }
 }
 
 /// The formulas, in f64, one neuron at a time.
@@ -45,12 +36,8 @@ fn by_the_formula(mlp: &Mlp, x: &[f32]) -> Vec<f64> {
         let rows = layer.weights.chunks(a.len()).zip(&layer.bias);
         a = rows
             .map(|(row, &b)| {
-                let z = row
-                    .iter()
-                    .zip(&a)
-                    .map(|(&w, a)| f64::from(w) * a)
-                    .sum::<f64>()
-                    + f64::from(b);
+                let z =
+                    row.iter().zip(&a).map(|(&w, a)| f64::from(w) * a).sum::<f64>() + f64::from(b);
                 match mlp.spec().activation {
                     _ if i == last => z,
                     Activation::Tanh => z.tanh(),
@@ -119,11 +106,7 @@ fn weights_begin_with_the_variance_of_he_and_glorot() {
         (&relu.layers()[1], 2.0 / 700.0),
         (&tanh.layers()[0], 2.0 / 500.0),
     ] {
-        assert!(
-            (variance(layer) / expected - 1.0).abs() < 0.02,
-            "{}",
-            variance(layer)
-        );
+        assert!((variance(layer) / expected - 1.0).abs() < 0.02, "{}", variance(layer));
         assert!(layer.bias.iter().all(|b| *b == 0.0));
     }
 }
@@ -131,71 +114,28 @@ fn weights_begin_with_the_variance_of_he_and_glorot() {
 #[test]
 fn weights_depend_on_the_seed_alone() {
     let spec = MlpSpec::sensitivity();
-    assert_eq!(
-        Mlp::random(&spec, 5).unwrap(),
-        Mlp::random(&spec, 5).unwrap()
-    );
-    assert_ne!(
-        Mlp::random(&spec, 5).unwrap(),
-        Mlp::random(&spec, 6).unwrap()
-    );
+    assert_eq!(Mlp::random(&spec, 5).unwrap(), Mlp::random(&spec, 5).unwrap());
+    assert_ne!(Mlp::random(&spec, 5).unwrap(), Mlp::random(&spec, 6).unwrap());
     let mlp = Mlp::random(&spec, 5).unwrap();
     // Another generator, or another order of drawing, would change every trained net.
-    assert_eq!(
-        mlp.layers()[0].weights[..3],
-        [-0.7139805, -0.7317859, -0.5461127]
-    );
+    assert_eq!(mlp.layers()[0].weights[..3], [-0.7139805, -0.7317859, -0.5461127]);
 }
 
 #[test]
 fn what_a_relu_would_hide_is_refused() {
     let (net, mut scratch, mut out) = (net(), Scratch::default(), [0.0; 2]);
     for bad in [f32::NAN, f32::INFINITY] {
-        let error = net
-            .forward(&[0.0, bad, 0.0], &mut scratch, &mut out)
-            .unwrap_err();
-        assert!(
-            matches!(
-                error,
-                NetsError::InputNotFinite {
-                    row: 0,
-                    column: 1,
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        let error = net.forward(&[0.0, bad, 0.0], &mut scratch, &mut out).unwrap_err();
+        assert!(matches!(error, NetsError::InputNotFinite { row: 0, column: 1, .. }), "{error}");
     }
     let rows = [0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN];
     let error = net.forward_batch(&rows, &mut scratch, &mut [0.0; 4]);
     let words = error.unwrap_err().to_string();
     assert!(words.contains("row 1, column 2 is NaN"), "{words}");
     let error = net.forward(&[0.0; 2], &mut scratch, &mut out).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            NetsError::Length {
-                expected: 3,
-                got: 2,
-                ..
-            }
-        ),
-        "{error}"
-    );
-    let error = net
-        .forward_batch(&[0.0; 6], &mut scratch, &mut out)
-        .unwrap_err();
-    assert!(
-        matches!(
-            error,
-            NetsError::Length {
-                expected: 4,
-                got: 2,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, NetsError::Length { expected: 3, got: 2, .. }), "{error}");
+    let error = net.forward_batch(&[0.0; 6], &mut scratch, &mut out).unwrap_err();
+    assert!(matches!(error, NetsError::Length { expected: 4, got: 2, .. }), "{error}");
 }
 
 #[test]
@@ -245,9 +185,8 @@ fn folder_and_path() -> (tempfile::TempDir, PathBuf) {
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<_> = entries
-        .map(|e| e.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut names: Vec<_> =
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
 }
@@ -260,18 +199,9 @@ fn a_checkpoint_comes_back_bit_for_bit() {
     moments[1].weights_v[3] = 1e-30;
     save(&path, &net, &record(7), Some(&moments)).unwrap();
     assert_eq!(load(&path).unwrap(), (net.clone(), record(7)));
-    let expected = Resumable {
-        net,
-        record: record(7),
-        moments,
-        best: None,
-    };
+    let expected = Resumable { net, record: record(7), moments, best: None };
     assert_eq!(load_for_resume(&path).unwrap(), expected);
-    let expected = [
-        "transfer-7.moments.safetensors",
-        "transfer-7.safetensors",
-        "transfer.json",
-    ];
+    let expected = ["transfer-7.moments.safetensors", "transfer-7.safetensors", "transfer.json"];
     assert_eq!(names(folder.path()), expected);
 }
 
@@ -281,14 +211,8 @@ fn a_new_checkpoint_replaces_the_old_one_whole() {
     let net = net();
     save(&path, &net, &record(7), Some(&Moments::zeros(net.mlp()))).unwrap();
     save(&path, &net, &record(8), None).unwrap();
-    assert_eq!(
-        names(folder.path()),
-        ["transfer-8.safetensors", "transfer.json"]
-    );
-    assert!(matches!(
-        load_for_resume(&path),
-        Err(NetsError::NotResumable { .. })
-    ));
+    assert_eq!(names(folder.path()), ["transfer-8.safetensors", "transfer.json"]);
+    assert!(matches!(load_for_resume(&path), Err(NetsError::NotResumable { .. })));
 }
 
 #[test]
@@ -299,10 +223,7 @@ fn a_cut_off_weights_file_is_told() {
     let whole = fs::read(&weights).unwrap();
     for length in [0, 7, 100, whole.len() - 1] {
         fs::write(&weights, &whole[..length]).unwrap();
-        assert!(
-            matches!(load(&path), Err(NetsError::Safetensors { .. })),
-            "{length}"
-        );
+        assert!(matches!(load(&path), Err(NetsError::Safetensors { .. })), "{length}");
     }
     fs::remove_file(&weights).unwrap();
     assert!(matches!(load(&path), Err(NetsError::Io { .. })));
@@ -333,34 +254,15 @@ fn check_edited(from: &str, to: &str, is_expected: fn(&NetsError) -> bool) {
 
 #[test]
 fn a_checkpoint_of_another_architecture_version_or_folder_is_told() {
-    check_edited("\"outputs\": 2", "\"outputs\": 3", |e| {
-        matches!(e, NetsError::Tensor { .. })
-    });
-    check_edited("\"inputs\": 3", "\"inputs\": 0", |e| {
-        matches!(e, NetsError::Widths { .. })
-    });
-    check_edited("\"tanh\"", "\"tanf\"", |e| {
-        matches!(e, NetsError::Json { .. })
-    });
-    check_edited("\"seed\"", "\"sead\"", |e| {
-        matches!(e, NetsError::Json { .. })
-    });
+    check_edited("\"outputs\": 2", "\"outputs\": 3", |e| matches!(e, NetsError::Tensor { .. }));
+    check_edited("\"inputs\": 3", "\"inputs\": 0", |e| matches!(e, NetsError::Widths { .. }));
+    check_edited("\"tanh\"", "\"tanf\"", |e| matches!(e, NetsError::Json { .. }));
+    check_edited("\"seed\"", "\"sead\"", |e| matches!(e, NetsError::Json { .. }));
     check_edited("\"format_version\": 2", "\"format_version\": 9", |e| {
-        matches!(
-            e,
-            NetsError::FormatVersion {
-                found: 9,
-                known: 2,
-                ..
-            }
-        )
+        matches!(e, NetsError::FormatVersion { found: 9, known: 2, .. })
     });
-    check_edited("transfer-7", "../transfer-7", |e| {
-        matches!(e, NetsError::FileName { .. })
-    });
-    check_edited("0.25", "-0.25", |e| {
-        matches!(e, NetsError::Deviation { column: 1, .. })
-    });
+    check_edited("transfer-7", "../transfer-7", |e| matches!(e, NetsError::FileName { .. }));
+    check_edited("0.25", "-0.25", |e| matches!(e, NetsError::Deviation { column: 1, .. }));
 }
 
 #[test]
@@ -370,10 +272,7 @@ fn a_net_comes_back_from_its_bytes_or_is_refused() {
     assert_eq!(Net::from_bytes(&bytes, "net").unwrap(), net);
     assert_eq!(net.to_bytes().unwrap(), bytes);
     for len in 0..bytes.len() {
-        assert!(
-            Net::from_bytes(&bytes[..len], "net").is_err(),
-            "{len} bytes"
-        );
+        assert!(Net::from_bytes(&bytes[..len], "net").is_err(), "{len} bytes");
     }
     let plain = safetensors::serialize(Vec::<(&str, TensorView<'_>)>::new(), None).unwrap();
     let error = Net::from_bytes(&plain, "some file").unwrap_err();

@@ -12,9 +12,7 @@ const N_OUT: usize = 12;
 
 /// Samples whose outputs are sums of `n_modes` patterns with falling weights.
 fn samples(n: usize, n_modes: usize) -> MemorySource {
-    let x: Vec<f32> = (0..3 * n)
-        .map(|i| (1.618 * (i * i % 9973) as f32).sin())
-        .collect();
+    let x: Vec<f32> = (0..3 * n).map(|i| (1.618 * (i * i % 9973) as f32).sin()).collect();
     let y = x.chunks(3).flat_map(|p| {
         let (a, b, c) = (p[0], p[1], p[2]);
         let parts = [a * b, c, (2.0 * a - b).sin(), b * c, a * a, c * a];
@@ -38,12 +36,8 @@ fn rows(n: usize) -> Vec<usize> {
 }
 
 fn net_of_coordinates(rank: usize) -> Net {
-    let spec = MlpSpec {
-        inputs: 3,
-        hidden: vec![40, 40],
-        outputs: rank,
-        activation: Activation::Relu,
-    };
+    let spec =
+        MlpSpec { inputs: 3, hidden: vec![40, 40], outputs: rank, activation: Activation::Relu };
     let mlp = Mlp::random(&spec, 3).unwrap();
     Net::new(mlp, Scale::identity(3), Scale::identity(rank)).unwrap()
 }
@@ -58,23 +52,17 @@ fn an_unfolded_net_has_the_loss_of_its_coordinates_and_what_they_leave_out() {
         let unfolded = validation_loss(&modes.unfold(&net).unwrap(), &mut all).unwrap();
         let total = validation_loss(&zero_net(net.mlp().spec()), &mut all).unwrap();
         let expected = (in_modes.powi(2) + modes.left_out() * total.powi(2)).sqrt();
-        assert!(
-            (unfolded / expected - 1.0).abs() < 1e-4,
-            "{rank}: {unfolded} {expected}"
-        );
+        assert!((unfolded / expected - 1.0).abs() < 1e-4, "{rank}: {unfolded} {expected}");
     }
 }
 
 /// A net whose standardised output is 0, with the samples' scale.
 fn zero_net(spec: &MlpSpec) -> Net {
-    let spec = MlpSpec {
-        outputs: N_OUT,
-        ..spec.clone()
-    };
-    let layers = spec.layer_shapes().into_iter().map(|(n_in, n_out)| Layer {
-        weights: vec![0.0; n_in * n_out],
-        bias: vec![0.0; n_out],
-    });
+    let spec = MlpSpec { outputs: N_OUT, ..spec.clone() };
+    let layers = spec
+        .layer_shapes()
+        .into_iter()
+        .map(|(n_in, n_out)| Layer { weights: vec![0.0; n_in * n_out], bias: vec![0.0; n_out] });
     let mlp = Mlp::from_layers(&spec, layers.collect()).unwrap();
     Net::new(mlp, Scale::identity(3), output_scale()).unwrap()
 }
@@ -97,12 +85,7 @@ fn a_net_trained_in_coordinates_learns_the_outputs() {
     let modes = OutputModes::of_samples(&mut all, &rows(400), &output_scale(), 4).unwrap();
     let mut net = net_of_coordinates(4);
     let before = validation_loss(&modes.unfold(&net).unwrap(), &mut unseen).unwrap();
-    let params = TrainParams {
-        steps: 2000,
-        learning_rate: 3e-3,
-        l2: 0.0,
-        ..PARAMS
-    };
+    let params = TrainParams { steps: 2000, learning_rate: 3e-3, l2: 0.0, ..PARAMS };
     let mut source = modes.source(&mut all);
     train(&mut net, &mut source, None, &params, None, &mut go_on).unwrap();
     let after = validation_loss(&modes.unfold(&net).unwrap(), &mut unseen).unwrap();
@@ -121,9 +104,6 @@ fn ranks_that_do_not_fit_and_nets_that_scale_are_refused() {
     let net = net_of_coordinates(2);
     let scaled = Scale::new(vec![0.0; 2], vec![2.0; 2]).unwrap();
     let net = Net::new(net.mlp().clone(), Scale::identity(3), scaled).unwrap();
-    assert!(matches!(
-        modes.unfold(&net),
-        Err(NetsError::ScaledCoordinates)
-    ));
+    assert!(matches!(modes.unfold(&net), Err(NetsError::ScaledCoordinates)));
     assert_eq!(modes.source(&mut all).n_outputs(), 2);
 }

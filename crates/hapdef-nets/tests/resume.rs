@@ -31,15 +31,7 @@ fn a_break_and_a_resume_change_no_bit() {
         _ => ControlFlow::Continue(()),
     };
     let mut source = samples(500, 0.0);
-    let info = train(
-        &mut first,
-        &mut source,
-        None,
-        &PARAMS,
-        Some(&path),
-        &mut stop_at_10,
-    )
-    .unwrap();
+    let info = train(&mut first, &mut source, None, &PARAMS, Some(&path), &mut stop_at_10).unwrap();
     assert_eq!((info.step, info.stopped_early), (10, true));
     assert_eq!(load(&path).unwrap().0, first);
 
@@ -56,24 +48,14 @@ fn a_break_and_a_resume_change_no_bit() {
 #[test]
 fn checkpoints_on_the_way_can_be_resumed() {
     let (_folder, path) = checkpoint();
-    let params = TrainParams {
-        checkpoint_every: 7,
-        ..PARAMS
-    };
+    let params = TrainParams { checkpoint_every: 7, ..PARAMS };
     let mut crash_at_16 = |p: &Progress| {
         assert!(p.step < 16, "as if the power failed");
         ControlFlow::Continue(())
     };
     let crashed = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let mut net = net(&[16], Activation::Tanh);
-        train(
-            &mut net,
-            &mut samples(500, 0.0),
-            None,
-            &params,
-            Some(&path),
-            &mut crash_at_16,
-        )
+        train(&mut net, &mut samples(500, 0.0), None, &params, Some(&path), &mut crash_at_16)
     }));
     assert!(crashed.is_err());
     assert_eq!(load(&path).unwrap().1.step, 14);
@@ -109,11 +91,7 @@ fn overfit(params: &TrainParams, stops: &[u64]) -> (Net, TrainInfo) {
     while info.stopped_early {
         (net, info) = resume(&path, &mut few, Some(&mut unseen), params, &mut stop).unwrap();
     }
-    assert_eq!(
-        load(&path).unwrap().0,
-        net,
-        "the checkpoint's net is the kept one"
-    );
+    assert_eq!(load(&path).unwrap().0, net, "the checkpoint's net is the kept one");
     let loss = validation_loss(&net, &mut unseen).unwrap();
     assert_eq!(info.validation_loss, Some(loss));
     (net, info)
@@ -131,10 +109,7 @@ fn the_best_weights_are_kept() {
 
 #[test]
 fn training_ends_when_the_validation_loss_no_longer_falls() {
-    let params = TrainParams {
-        patience: 3,
-        ..OVERFITS
-    };
+    let params = TrainParams { patience: 3, ..OVERFITS };
     let (net, info) = overfit(&params, &[]);
     assert!(info.out_of_patience && !info.stopped_early);
     assert_eq!(info.step, info.kept_step + 3 * 20);
@@ -188,15 +163,7 @@ fn an_endless_source_gives_every_row_once() {
         7 => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     };
-    train(
-        &mut net,
-        &mut source,
-        None,
-        &PARAMS,
-        Some(&path),
-        &mut stop_at_7,
-    )
-    .unwrap();
+    train(&mut net, &mut source, None, &PARAMS, Some(&path), &mut stop_at_7).unwrap();
     resume(&path, &mut source, None, &PARAMS, &mut go_on).unwrap();
     assert!(source.0.into_iter().eq(0..20 * 32));
 }
@@ -206,15 +173,7 @@ fn a_resume_with_other_knobs_is_refused() {
     let (_folder, path) = checkpoint();
     let mut net = net(&[16], Activation::Tanh);
     let mut source = samples(500, 0.0);
-    train(
-        &mut net,
-        &mut source,
-        None,
-        &PARAMS,
-        Some(&path),
-        &mut go_on,
-    )
-    .unwrap();
+    train(&mut net, &mut source, None, &PARAMS, Some(&path), &mut go_on).unwrap();
     let mut name_refused =
         |params: TrainParams| match resume(&path, &mut source, None, &params, &mut go_on) {
             Err(NetsError::ResumeParams { name, .. }) => name,
@@ -225,11 +184,5 @@ fn a_resume_with_other_knobs_is_refused() {
     assert_eq!(name_refused(TrainParams { l2: 0.0, ..PARAMS }), "l2");
     let loss = Loss::MeanOfSamples;
     assert_eq!(name_refused(TrainParams { loss, ..PARAMS }), "loss");
-    assert_eq!(
-        name_refused(TrainParams {
-            steps: 40,
-            ..PARAMS
-        }),
-        "steps"
-    );
+    assert_eq!(name_refused(TrainParams { steps: 40, ..PARAMS }), "steps");
 }

@@ -123,12 +123,7 @@ impl PyCalibration {
             let presses = table.presses(&touchable_skin(limb)?, limb.gauges.len())?;
             Calibration::fit(run, limb, &presses, &table.quality, table.n_sites)
         })?;
-        Ok(Self {
-            setup,
-            limb,
-            calibration: Arc::new(calibration),
-            info,
-        })
+        Ok(Self { setup, limb, calibration: Arc::new(calibration), info })
     }
 }
 

@@ -98,10 +98,7 @@ impl PyContact {
 
     fn __repr__(&self) -> String {
         let [x, y, z] = (self.contact.position_m.coords * 1e3).into();
-        format!(
-            "Contact({:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm)",
-            self.contact.force_n
-        )
+        format!("Contact({:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm)", self.contact.force_n)
     }
 }
 
@@ -114,10 +111,7 @@ impl PyEstimates {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let n_contacts = self.frame.bind(py).len()?;
-        Ok(format!(
-            "Estimates({} frames, {n_contacts} contacts)",
-            self.__len__(py)?
-        ))
+        Ok(format!("Estimates({} frames, {n_contacts} contacts)", self.__len__(py)?))
     }
 }
 
@@ -133,23 +127,17 @@ impl PyEstimates {
     pub(crate) fn new(py: Python<'_>, frames: &[Touch]) -> PyResult<Self> {
         let counts = frames.iter().map(|touch| touch.contacts.len());
         let frame = counts.clone().enumerate();
-        let frame = frame
-            .flat_map(|(i, n)| std::iter::repeat_n(i as i64, n))
-            .collect();
+        let frame = frame.flat_map(|(i, n)| std::iter::repeat_n(i as i64, n)).collect();
         let contacts = || frames.iter().flat_map(|touch| &touch.contacts);
         let positions = contacts().flat_map(|c| <[f64; 3]>::from(c.position_m.coords));
         let positions: Vec<f64> = positions.collect();
         let shape = [positions.len() / 3, 3];
         let of = |value: fn(&TouchContact) -> f64| one(py, contacts().map(value).collect());
         let quality = |value: fn(&hapdef::touch::TouchQuality) -> f64| {
-            let values = frames
-                .iter()
-                .map(|t| t.quality.as_ref().map_or(f64::NAN, value));
+            let values = frames.iter().map(|t| t.quality.as_ref().map_or(f64::NAN, value));
             one(py, values.collect())
         };
-        let identified = frames
-            .iter()
-            .map(|t| t.quality.is_none_or(|q| q.is_identified));
+        let identified = frames.iter().map(|t| t.quality.is_none_or(|q| q.is_identified));
         Ok(Self {
             frame: one(py, frame),
             position_m: two(py, positions, shape)?,

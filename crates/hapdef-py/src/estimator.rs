@@ -43,8 +43,7 @@ impl PyEstimator {
         let frames: Vec<&[f64]> = readings.chunks_exact(self.n_gauges).collect();
         let mut touches = Vec::with_capacity(frames.len());
         while touches.len() < frames.len() {
-            py.detach(|| self.some(&frames, &mut touches))
-                .map_err(raised)?;
+            py.detach(|| self.some(&frames, &mut touches)).map_err(raised)?;
             py.check_signals()?;
         }
         PyEstimates::new(py, &touches)
@@ -72,10 +71,7 @@ impl PyEstimator {
 
     fn locked<T>(&self, work: impl FnOnce(&mut dyn TouchEstimator) -> T) -> T {
         // What a frame leaves behind when it panics is cleared by the next one.
-        let mut estimator = self
-            .estimator
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut estimator = self.estimator.lock().unwrap_or_else(PoisonError::into_inner);
         work(estimator.as_mut())
     }
 

@@ -121,10 +121,7 @@ impl PyLive {
         request: LiveRequest,
     ) -> PyResult<Self> {
         let arg: Option<SourceArg> = source
-            .map(|text| {
-                text.parse()
-                    .map_err(|e| PyValueError::new_err(format!("source: {e}")))
-            })
+            .map(|text| text.parse().map_err(|e| PyValueError::new_err(format!("source: {e}"))))
             .transpose()?;
         let choice = request.choice;
         let (opened, estimator) = setup.work(py, limb, move |run, limb| {
@@ -141,10 +138,7 @@ impl PyLive {
             let _ = sender.send(frame.clone());
         });
         let sites = setup.scene.gauges.sites.iter();
-        let gauge = |name: &str| LiveGauge {
-            name: name.to_owned(),
-            scale: 1.0,
-        };
+        let gauge = |name: &str| LiveGauge { name: name.to_owned(), scale: 1.0 };
         let params = LiveParams {
             noise_ue: Some(setup.scene.estimator.superposition().noise_ue),
             ..opened.params
@@ -156,10 +150,7 @@ impl PyLive {
             .sink(sink.with_delivery(Delivery::Queue(N_WAITING)))
             .start()
             .map_err(raised)?;
-        Ok(Self {
-            running: Mutex::new(Some(Running { frames, live })),
-            source: name,
-        })
+        Ok(Self { running: Mutex::new(Some(Running { frames, live })), source: name })
     }
 
     fn running(&self) -> std::sync::MutexGuard<'_, Option<Running>> {
@@ -178,11 +169,7 @@ impl PyLive {
         let Some(health) = self.with(|running| running.live.health()) else {
             return Ok(());
         };
-        match health
-            .device_fault
-            .as_ref()
-            .filter(|_| health.n_unusable > 0)
-        {
+        match health.device_fault.as_ref().filter(|_| health.n_unusable > 0) {
             Some(fault) => {
                 let text = format!("{}: {fault}", health.source_name);
                 Err(HapdefError::new_err(text))
@@ -217,16 +204,10 @@ fn of_rig(run: &Run, limb: &Limb, request: &LiveRequest) -> Result<Opened, Fault
         ..VirtualRigParams::default()
     };
     let device = virtual_device(&run.scene, real, &params)?;
-    let play = RunParams {
-        duration_s: request.seconds,
-        ..RunParams::default()
-    };
+    let play = RunParams { duration_s: request.seconds, ..RunParams::default() };
     let link = RigLink::new(device, &play, |_| ())?;
     let clock = link.clock();
-    let stream = StreamParams {
-        clock: Arc::clone(&clock),
-        ..StreamParams::default()
-    };
+    let stream = StreamParams { clock: Arc::clone(&clock), ..StreamParams::default() };
     Ok(Opened {
         source: Box::new(StreamSource::new(link, stream)),
         params: LiveParams {

@@ -31,8 +31,7 @@ pub(crate) fn profile_of(name: &str, amounts: Option<&Bound<'_, PyDict>>) -> PyR
 
 /// A JSON value as Python's own dicts, lists and numbers.
 pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
-    py.import("json")?
-        .call_method1("loads", (value.to_string(),))
+    py.import("json")?.call_method1("loads", (value.to_string(),))
 }
 
 fn from_python(dict: &Bound<'_, PyDict>) -> PyResult<Value> {

@@ -59,11 +59,7 @@ impl PyResponse {
         let forces_n = numbers("forces_n", &forces_n, places.len())?;
         let mut readings = Vec::with_capacity(places.len() * self.map.n_gauges());
         for (place, force_n) in places.iter().zip(&forces_n) {
-            let (point, _) = self
-                .map
-                .skin()
-                .nearest(&Point3::from(*place))
-                .map_err(raised)?;
+            let (point, _) = self.map.skin().nearest(&Point3::from(*place)).map_err(raised)?;
             readings.extend(self.map.normal(&point).iter().map(|unit| unit * force_n));
         }
         two(py, readings, [places.len(), self.map.n_gauges()])
@@ -84,11 +80,7 @@ impl PyResponse {
             noise_ue,
             n_sites,
             n_partners,
-            carried: LimitParams {
-                force_n,
-                n_draws: N_DRAWS,
-                ..LimitParams::default()
-            },
+            carried: LimitParams { force_n, n_draws: N_DRAWS, ..LimitParams::default() },
         };
         let map = ResponseMap::clone(&self.map);
         let stop = Arc::new(AtomicBool::new(false));

@@ -157,11 +157,7 @@ impl PyScene {
             )));
         }
         let sites = names.into_iter().zip(places.into_iter().zip(axes));
-        let entry = |(name, (position_m, axis))| GaugeEntry {
-            name,
-            position_m,
-            axis,
-        };
+        let entry = |(name, (position_m, axis))| GaugeEntry { name, position_m, axis };
         let sites = sites.map(entry).collect();
         let mut setup = self.setup.clone();
         setup.scene.gauges.sites = sites;
@@ -227,10 +223,7 @@ impl PyScene {
             n_positions,
             n_axes,
             n_sites,
-            keep_out: balls
-                .iter()
-                .map(|[x, y, z, r]| (Point3::new(*x, *y, *z), *r))
-                .collect(),
+            keep_out: balls.iter().map(|[x, y, z, r]| (Point3::new(*x, *y, *z), *r)).collect(),
             min_spacing_m,
             margin_m,
             noise_ue,
@@ -240,9 +233,8 @@ impl PyScene {
             seed: seed.unwrap_or(self.setup.scene.seed),
             ..LayoutParams::default()
         };
-        let study = self.setup.work(py, &self.limb, move |run, limb| {
-            study_layouts(run, limb, &params)
-        })?;
+        let study =
+            self.setup.work(py, &self.limb, move |run, limb| study_layouts(run, limb, &params))?;
         Ok(study.layouts.into_iter().map(PyLayout::new).collect())
     }
 
@@ -290,11 +282,7 @@ impl PyScene {
             forces_n: numbers("forces_n", &forces_n, n)?,
             positions_m,
             readings_ue,
-            quality: hapdef::touch::PressQuality {
-                noise_ue,
-                position_sd_m,
-                force_sd_n,
-            },
+            quality: hapdef::touch::PressQuality { noise_ue, position_sd_m, force_sd_n },
             off_skin_m,
             n_sites,
         };
@@ -336,12 +324,10 @@ impl PyScene {
     #[pyo3(signature = (kind = None))]
     fn estimator(&self, py: Python<'_>, kind: Option<&str>) -> PyResult<PyEstimator> {
         let choice = kind.map(choice).transpose()?;
-        let estimator = self
-            .setup
-            .work(py, &self.limb, move |run, limb| match choice {
-                Some(choice) => live_estimator(run, limb, choice),
-                None => touch_estimator(run, limb),
-            })?;
+        let estimator = self.setup.work(py, &self.limb, move |run, limb| match choice {
+            Some(choice) => live_estimator(run, limb, choice),
+            None => touch_estimator(run, limb),
+        })?;
         Ok(PyEstimator::new(estimator))
     }
 
@@ -356,12 +342,7 @@ impl PyScene {
         tare_s: f64,
         seed: u64,
     ) -> PyResult<PyLive> {
-        let request = LiveRequest {
-            choice: choice(kind)?,
-            seconds,
-            tare_s,
-            seed,
-        };
+        let request = LiveRequest { choice: choice(kind)?, seconds, tare_s, seed };
         PyLive::start(py, &self.setup, &self.limb, source, request)
     }
 
@@ -379,9 +360,6 @@ impl PyScene {
     fn load(py: Python<'_>, setup: Setup) -> PyResult<Self> {
         let (scene, folder): (&Scene, &Path) = (&setup.scene, &setup.scene_dir);
         let limb = py.detach(|| Limb::load(scene, folder)).map_err(to_python)?;
-        Ok(Self {
-            setup,
-            limb: Arc::new(limb),
-        })
+        Ok(Self { setup, limb: Arc::new(limb) })
     }
 }

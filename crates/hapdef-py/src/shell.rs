@@ -123,10 +123,7 @@ impl PyShell {
 
 impl ShellRequest {
     fn solve(&self) -> Result<ShellLimb, Fault> {
-        let params = GltfParams {
-            unit: self.unit,
-            ..GltfParams::default()
-        };
+        let params = GltfParams { unit: self.unit, ..GltfParams::default() };
         let surface = read_gltf(&self.path, &params)?;
         shell_limb(&surface.mesh, &self.params)
     }

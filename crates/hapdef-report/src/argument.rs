@@ -53,13 +53,5 @@ pub enum ArgumentError {
 /// # Errors
 /// [`ArgumentError::Shape`].
 pub fn check_len(what: &'static str, expected: usize, found: usize) -> Result<(), ArgumentError> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(ArgumentError::Shape {
-            what,
-            expected,
-            found,
-        })
-    }
+    if expected == found { Ok(()) } else { Err(ArgumentError::Shape { what, expected, found }) }
 }

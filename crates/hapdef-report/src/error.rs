@@ -71,19 +71,12 @@ impl ReportError {
     /// [`ReportError::Io`] of what was being done with a file, such as "writing".
     pub fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
         let path = path.to_owned();
-        move |source| Self::Io {
-            action,
-            path: path.clone(),
-            source,
-        }
+        move |source| Self::Io { action, path: path.clone(), source }
     }
 
     /// [`ReportError::Json`] of a file.
     pub fn json(path: &Path) -> impl Fn(serde_json::Error) -> Self + use<> {
         let path = path.to_owned();
-        move |source| Self::Json {
-            path: path.clone(),
-            source,
-        }
+        move |source| Self::Json { path: path.clone(), source }
     }
 }

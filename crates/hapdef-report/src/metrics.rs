@@ -83,11 +83,7 @@ pub struct MetricLog<W> {
 impl<W: Write> MetricLog<W> {
     /// A log that prints to `out`.
     pub fn new(out: W, context: MetricContext) -> Self {
-        Self {
-            out,
-            context,
-            records: Vec::new(),
-        }
+        Self { out, context, records: Vec::new() }
     }
 
     /// Prints and keeps a number; the unit is "1" for a bare number.
@@ -97,21 +93,14 @@ impl<W: Write> MetricLog<W> {
     pub fn value(&mut self, name: &str, value: f64, unit: &str) -> Result<(), ReportError> {
         if !value.is_finite() {
             let index = self.records.len();
-            return Err(ReportError::NotFinite {
-                what: "metric",
-                index,
-                value,
-            });
+            return Err(ReportError::NotFinite { what: "metric", index, value });
         }
         let plain = |c: char| c.is_alphanumeric() || "_/%·²³µ".contains(c);
         if unit.is_empty() || !unit.chars().all(plain) {
             let expected = "a unit is letters, digits, _ / % and · ² ³, and not empty";
-            return Err(ArgumentError::Name {
-                what: "unit",
-                name: unit.to_owned(),
-                expected,
-            }
-            .into());
+            return Err(
+                ArgumentError::Name { what: "unit", name: unit.to_owned(), expected }.into()
+            );
         }
         let unit = unit.to_owned();
         self.push(name, MetricOutcome::Value { value, unit })
@@ -124,19 +113,11 @@ impl<W: Write> MetricLog<W> {
     pub fn skipped(&mut self, name: &str, reason: &str) -> Result<(), ReportError> {
         if reason.trim().is_empty() || reason.chars().any(char::is_control) {
             let expected = "a reason is one line and not empty";
-            return Err(ArgumentError::Name {
-                what: "reason",
-                name: reason.to_owned(),
-                expected,
-            }
-            .into());
+            return Err(
+                ArgumentError::Name { what: "reason", name: reason.to_owned(), expected }.into()
+            );
         }
-        self.push(
-            name,
-            MetricOutcome::Skipped {
-                skipped: reason.to_owned(),
-            },
-        )
+        self.push(name, MetricOutcome::Skipped { skipped: reason.to_owned() })
     }
 
     /// What was kept so far, in order.
@@ -170,23 +151,14 @@ impl<W: Write> MetricLog<W> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "_.".contains(c);
         if name.is_empty() || !name.chars().all(plain) {
             let expected = "a metric's name is letters, digits, _ and ., and not empty";
-            return Err(ArgumentError::Name {
-                what: "metric",
-                name: name.to_owned(),
-                expected,
-            }
-            .into());
+            return Err(
+                ArgumentError::Name { what: "metric", name: name.to_owned(), expected }.into()
+            );
         }
         let context = self.context.clone();
-        let record = MetricRecord {
-            name: name.to_owned(),
-            outcome,
-            context,
-        };
-        writeln!(self.out, "{}", record.line()).map_err(ReportError::io(
-            "printing metrics to",
-            Path::new("standard output"),
-        ))?;
+        let record = MetricRecord { name: name.to_owned(), outcome, context };
+        writeln!(self.out, "{}", record.line())
+            .map_err(ReportError::io("printing metrics to", Path::new("standard output")))?;
         self.records.push(record);
         Ok(())
     }
@@ -214,9 +186,7 @@ fn now() -> String {
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text
-        .lines()
-        .find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     let name = name.map_or("unknown processor", |(_, name)| name.trim());
     format!("{name}, {cores} cores, {}", std::env::consts::OS)
 }
@@ -247,10 +217,8 @@ mod tests {
         let mut out = Vec::new();
         for round in 0..2 {
             let mut log = MetricLog::new(&mut out, context());
-            log.value("demo.wall_s", 12.5 + f64::from(round), "s")
-                .unwrap();
-            log.skipped("fe.factor_vs_cholmod", "no CHOLMOD: not installed")
-                .unwrap();
+            log.value("demo.wall_s", 12.5 + f64::from(round), "s").unwrap();
+            log.skipped("fe.factor_vs_cholmod", "no CHOLMOD: not installed").unwrap();
             log.append_to(&path).unwrap();
         }
         let text = String::from_utf8(out).unwrap();
@@ -265,19 +233,13 @@ mod tests {
             serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         assert_eq!(all.len(), 4);
         assert_eq!(all[2].line(), "METRIC:demo.wall_s:13.5:s");
-        assert_eq!(
-            (all[3].context.clone(), all[3].line().contains("skipped")),
-            (context(), true)
-        );
+        assert_eq!((all[3].context.clone(), all[3].line().contains("skipped")), (context(), true));
     }
 
     #[test]
     fn what_a_reader_could_not_parse_is_refused() {
         let mut log = MetricLog::new(Vec::new(), context());
-        assert!(matches!(
-            log.value("a", f64::NAN, "s"),
-            Err(ReportError::NotFinite { .. })
-        ));
+        assert!(matches!(log.value("a", f64::NAN, "s"), Err(ReportError::NotFinite { .. })));
         assert!(matches!(
             log.value("a:b", 1.0, "s"),
             Err(ReportError::Argument(ArgumentError::Name { .. }))

@@ -22,10 +22,8 @@ impl Origin {
     /// Lines of a page.
     #[must_use]
     pub fn facts(&self) -> Vec<NamedText> {
-        let fact = |name: &str, text: &str| NamedText {
-            name: name.to_owned(),
-            text: text.to_owned(),
-        };
+        let fact =
+            |name: &str, text: &str| NamedText { name: name.to_owned(), text: text.to_owned() };
         let skipped = self.skipped.iter();
         let skipped = skipped.map(|s| fact("left out", &format!("{}: {}", s.name, s.reason)));
         let made = [

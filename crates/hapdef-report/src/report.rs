@@ -114,10 +114,7 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
         None => MetricContext::here(report.seed),
     };
     std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
-    let written = Written {
-        made: &made,
-        report,
-    };
+    let written = Written { made: &made, report };
     let json = serde_json::to_vec_pretty(&written)
         .map_err(ReportError::json(&folder.join("report.json")))?;
     let mut paths = Vec::new();
@@ -147,16 +144,10 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
 /// The report with what made it among its facts.
 fn with_facts_of(made: &MetricContext, report: &Report) -> Report {
     let mut report = report.clone();
-    for (name, text) in [
-        ("commit", &made.commit),
-        ("machine", &made.machine),
-        ("time", &made.time),
-    ] {
+    for (name, text) in [("commit", &made.commit), ("machine", &made.machine), ("time", &made.time)]
+    {
         report.facts.retain(|fact| fact.name != name);
-        report.facts.push(NamedText {
-            name: name.into(),
-            text: text.clone(),
-        });
+        report.facts.push(NamedText { name: name.into(), text: text.clone() });
     }
     report
 }
@@ -176,34 +167,23 @@ const REPORT: &str = "report";
 fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
     for (index, figure) in figures.iter().enumerate() {
         let (ending, expected) = match figure.content {
-            FigureContent::Svg(_) => (
-                ".svg",
-                "letters, digits, _ and -, then .svg; not report.svg",
-            ),
-            FigureContent::Png(_) => (
-                ".png",
-                "letters, digits, _ and -, then .png; not report.png",
-            ),
+            FigureContent::Svg(_) => {
+                (".svg", "letters, digits, _ and -, then .svg; not report.svg")
+            }
+            FigureContent::Png(_) => {
+                (".png", "letters, digits, _ and -, then .png; not report.png")
+            }
         };
         let stem = figure.file.strip_suffix(ending).unwrap_or_default();
         let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
         let refuse = |expected| {
             let (what, name) = ("figure file", figure.file.clone());
-            Err(ArgumentError::Name {
-                what,
-                name,
-                expected,
-            })
+            Err(ArgumentError::Name { what, name, expected })
         };
         if stem.is_empty() || stem == REPORT || !stem.chars().all(plain) {
             return refuse(expected);
         }
-        let name = |figure: &Figure| {
-            figure
-                .file
-                .rsplit_once('.')
-                .map(|(stem, _)| stem.to_owned())
-        };
+        let name = |figure: &Figure| figure.file.rsplit_once('.').map(|(stem, _)| stem.to_owned());
         if figures[..index].iter().any(|f| name(f) == name(figure)) {
             return refuse("each figure needs a file of its own");
         }
@@ -212,10 +192,8 @@ fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
 }
 
 fn page(report: &Report) -> Page {
-    let scene = (!report.scene.is_empty()).then(|| NamedText {
-        name: "scene".into(),
-        text: report.scene.clone(),
-    });
+    let scene = (!report.scene.is_empty())
+        .then(|| NamedText { name: "scene".into(), text: report.scene.clone() });
     let mut blocks = Vec::new();
     for table in &report.tables {
         blocks.push(Block::Heading(table.title.clone()));
@@ -242,11 +220,7 @@ fn page(report: &Report) -> Page {
 /// Seconds, in tenths; short times in tenths of a millisecond.
 #[must_use]
 pub fn seconds_text(seconds: f64) -> String {
-    if seconds < 0.05 {
-        format!("{seconds:.4}")
-    } else {
-        format!("{seconds:.1}")
-    }
+    if seconds < 0.05 { format!("{seconds:.4}") } else { format!("{seconds:.1}") }
 }
 
 /// Stages, skipped stages, metrics and hashes as tables; empty ones are left out.
@@ -255,10 +229,7 @@ fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
         let from = if s.cached { "cache" } else { "run" };
         vec![s.name.clone(), seconds_text(s.elapsed_s), from.to_owned()]
     });
-    let skipped = report
-        .skipped
-        .iter()
-        .map(|s| vec![s.name.clone(), s.reason.clone()]);
+    let skipped = report.skipped.iter().map(|s| vec![s.name.clone(), s.reason.clone()]);
     let metrics = report.metrics.iter().map(|m| {
         let (value, unit) = match &m.outcome {
             MetricOutcome::Value { value, unit } => (value.to_string(), unit.clone()),
@@ -266,31 +237,20 @@ fn record_tables(report: &Report) -> Vec<(&'static str, TextTable)> {
         };
         vec![m.name.clone(), value, unit]
     });
-    let hashes = report
-        .hashes
-        .iter()
-        .map(|h| vec![h.name.clone(), h.text.clone()]);
+    let hashes = report.hashes.iter().map(|h| vec![h.name.clone(), h.text.clone()]);
     let tables = [
         ("Stages", table(&["stage", "seconds", "from"], stages)),
         ("Skipped", table(&["stage", "why"], skipped)),
-        (
-            "Metrics",
-            table(&["name", "value", "unit or reason"], metrics),
-        ),
+        ("Metrics", table(&["name", "value", "unit or reason"], metrics)),
         ("Hashes", table(&["what", "hash"], hashes)),
     ];
-    tables
-        .into_iter()
-        .filter(|(_, table)| !table.rows.is_empty())
-        .collect()
+    tables.into_iter().filter(|(_, table)| !table.rows.is_empty()).collect()
 }
 
 fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> TextTable {
     TextTable {
         header: header.iter().map(|&h| h.to_owned()).collect(),
-        rows: rows
-            .map(|row| row.into_iter().map(TextCell::plain).collect())
-            .collect(),
+        rows: rows.map(|row| row.into_iter().map(TextCell::plain).collect()).collect(),
     }
 }
 

@@ -121,10 +121,7 @@ impl StabilityRefusal {
     pub fn new(variant: &impl Debug, text: String) -> Self {
         let name = format!("{variant:?}");
         let is_letter = |c: &char| c.is_ascii_alphanumeric();
-        Self {
-            kind: name.chars().take_while(is_letter).collect(),
-            text,
-        }
+        Self { kind: name.chars().take_while(is_letter).collect(), text }
     }
 }
 
@@ -211,9 +208,7 @@ impl StabilityDocument {
     /// Every line; rows without the figures that depend on rounding.
     fn comparable(&self, text: &str) -> Vec<String> {
         let strip = |line: &str| {
-            let inner = line
-                .strip_prefix('|')
-                .and_then(|rest| rest.strip_suffix('|'));
+            let inner = line.strip_prefix('|').and_then(|rest| rest.strip_suffix('|'));
             let cells = inner.map(|inner| inner.split('|').map(str::trim).collect::<Vec<_>>());
             match cells.filter(|cells| cells.len() == self.columns.len()) {
                 Some(cells) => {

@@ -16,10 +16,7 @@ impl TextCell {
     /// A cell that does not stand out.
     #[must_use]
     pub fn plain(text: impl Into<String>) -> Self {
-        Self {
-            text: text.into(),
-            strong: false,
-        }
+        Self { text: text.into(), strong: false }
     }
 }
 
@@ -62,11 +59,7 @@ impl TextTable {
             text.push_str("<tr>");
             for cell in row {
                 let inner = escape_html(&cell.text);
-                let td = if is_figure(&cell.text) {
-                    "<td class=\"figure\">"
-                } else {
-                    "<td>"
-                };
+                let td = if is_figure(&cell.text) { "<td class=\"figure\">" } else { "<td>" };
                 text.push_str(&match cell.strong {
                     true => format!("{td}<strong>{inner}</strong></td>"),
                     false => format!("{td}{inner}</td>"),
@@ -83,9 +76,7 @@ impl TextTable {
 fn is_figure(text: &str) -> bool {
     let is_short = text.chars().count() <= MOST_FIGURE;
     is_short
-        && text
-            .trim_start_matches(['-', '−', '<', ' '])
-            .starts_with(|c: char| c.is_ascii_digit())
+        && text.trim_start_matches(['-', '−', '<', ' ']).starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// A number for a table: two or three significant digits, "–" where not measured.
@@ -104,10 +95,7 @@ pub fn cell_text(value: Option<f64>) -> String {
 /// Text for HTML, in elements and in quoted attributes.
 #[must_use]
 pub fn escape_html(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -126,25 +114,13 @@ mod tests {
             header: vec!["a<b".to_owned(), "c|d".to_owned()],
             rows: vec![vec![
                 TextCell::plain("x&y"),
-                TextCell {
-                    text: "1|2".to_owned(),
-                    strong: true,
-                },
+                TextCell { text: "1|2".to_owned(), strong: true },
             ]],
         };
         let markdown = table.to_markdown();
-        assert_eq!(
-            markdown,
-            "| a<b | c\\|d |\n|---|---|\n| x&y | **1\\|2** |\n"
-        );
+        assert_eq!(markdown, "| a<b | c\\|d |\n|---|---|\n| x&y | **1\\|2** |\n");
         let html = table.to_html();
-        assert!(
-            html.contains("<th>a&lt;b</th>") && html.contains("<td>x&amp;y</td>"),
-            "{html}"
-        );
-        assert!(
-            html.contains("<td class=\"figure\"><strong>1|2</strong></td>"),
-            "{html}"
-        );
+        assert!(html.contains("<th>a&lt;b</th>") && html.contains("<td>x&amp;y</td>"), "{html}");
+        assert!(html.contains("<td class=\"figure\"><strong>1|2</strong></td>"), "{html}");
     }
 }

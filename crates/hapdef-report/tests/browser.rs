@@ -17,12 +17,7 @@ const CANVAS: &str = "document.querySelector('canvas.turn')";
 
 /// A wedge of 20 × 100 × 30 mm, other on each side, with a gauge.
 fn page() -> Page {
-    let points_m = vec![
-        [0.0, 0.0, 0.0],
-        [0.02, 0.0, 0.0],
-        [0.0, 0.1, 0.0],
-        [0.0, 0.0, 0.03],
-    ];
+    let points_m = vec![[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.03]];
     let map = |title: &str, values: [f64; 4]| LimbMap {
         title: title.to_owned(),
         unit: "mm".to_owned(),

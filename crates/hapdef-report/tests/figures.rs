@@ -9,31 +9,21 @@ use hapdef_report::{
 #[track_caller]
 fn parse(svg: &str) -> (Vec<String>, impl Fn(&str) -> usize + use<>) {
     let document = roxmltree::Document::parse(svg).expect("well-formed XML");
-    let names: Vec<String> = document
-        .descendants()
-        .map(|n| n.tag_name().name().to_owned())
-        .collect();
+    let names: Vec<String> =
+        document.descendants().map(|n| n.tag_name().name().to_owned()).collect();
     let texts = document
         .descendants()
         .filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "text")))
         .map(|n| n.text().unwrap_or_default().trim().to_owned())
         .collect();
-    assert!(
-        !svg.contains("NaN") && !svg.contains("inf"),
-        "a coordinate is not finite"
-    );
-    (texts, move |name| {
-        names.iter().filter(|n| *n == name).count()
-    })
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "a coordinate is not finite");
+    (texts, move |name| names.iter().filter(|n| *n == name).count())
 }
 
 #[track_caller]
 fn assert_says(texts: &[String], expected: &[&str]) {
     for text in expected {
-        assert!(
-            texts.iter().any(|t| t == text),
-            "{text:?} is not among {texts:?}"
-        );
+        assert!(texts.iter().any(|t| t == text), "{text:?} is not among {texts:?}");
     }
 }
 
@@ -80,10 +70,7 @@ fn lines_break_at_what_cannot_be_drawn() {
         ],
     };
     let (texts, count) = parse(&lines_svg(&chart).unwrap());
-    assert_says(
-        &texts,
-        &["loss & <steps>", "step", "loss", "training", "validation"],
-    );
+    assert_says(&texts, &["loss & <steps>", "step", "loss", "training", "validation"]);
     assert_eq!(count("circle"), 4 + 6);
     chart.log_y = false;
     let (_, count) = parse(&lines_svg(&chart).unwrap());
@@ -132,58 +119,26 @@ fn unrolled_surface_shows_nodes_contacts_and_errors() {
         values: &values,
         range: None,
         markers: &[
-            UnrolledMarker {
-                at: points[2],
-                mark: Mark::True,
-            },
-            UnrolledMarker {
-                at: points[3],
-                mark: Mark::Found,
-            },
+            UnrolledMarker { at: points[2], mark: Mark::True },
+            UnrolledMarker { at: points[3], mark: Mark::Found },
         ],
-        arrows: &[UnrolledArrow {
-            from: points[2],
-            to: points[3],
-            series: 0,
-        }],
+        arrows: &[UnrolledArrow { from: points[2], to: points[3], series: 0 }],
         arrow_names: &[],
     };
     let (texts, count) = parse(&unrolled_svg(&figure).unwrap());
-    assert_says(
-        &texts,
-        &[
-            "map",
-            "angle, degrees",
-            "height, mm",
-            "-180",
-            "90",
-            "µm",
-            "39",
-            "0",
-        ],
-    );
+    assert_says(&texts, &["map", "angle, degrees", "height, mm", "-180", "90", "µm", "39", "0"]);
     assert_eq!(count("circle"), 40 + 1 + 1, "nodes, arrow head, ring");
     let row = unrolled_row_svg(&[figure.clone(), figure.clone()]).unwrap();
     assert_eq!(parse(&row).1("circle"), 2 * 42, "both surfaces are there");
-    let named = Unrolled {
-        value_label: "",
-        arrow_names: &["SVR", "FNN"],
-        ..figure.clone()
-    };
+    let named = Unrolled { value_label: "", arrow_names: &["SVR", "FNN"], ..figure.clone() };
     let (texts, _) = parse(&unrolled_svg(&named).unwrap());
     assert_says(&texts, &["SVR", "FNN"]);
     assert!(!texts.iter().any(|t| t == "39"), "no colour bar");
     let lost = Unrolled {
-        markers: &[UnrolledMarker {
-            at: [f64::NAN, 0.0],
-            mark: Mark::True,
-        }],
+        markers: &[UnrolledMarker { at: [f64::NAN, 0.0], mark: Mark::True }],
         ..figure.clone()
     };
     assert!(unrolled_svg(&lost).is_err());
-    let short = Unrolled {
-        values: &values[1..],
-        ..figure
-    };
+    let short = Unrolled { values: &values[1..], ..figure };
     assert!(unrolled_svg(&short).is_err());
 }

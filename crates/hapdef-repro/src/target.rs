@@ -66,10 +66,7 @@ impl Target {
         };
         let cells = [self.what.to_owned(), self.wanted.text(), measured];
         let mut cells = cells.map(TextCell::plain).to_vec();
-        cells.push(TextCell {
-            text: verdict.into(),
-            strong: verdict == "met",
-        });
+        cells.push(TextCell { text: verdict.into(), strong: verdict == "met" });
         cells
     }
 }
@@ -82,11 +79,7 @@ mod tests {
     fn a_figure_is_met_or_missed_or_was_not_measured() {
         let verdict = |wanted, measured| {
             let what = "x";
-            let target = Target {
-                what,
-                wanted,
-                measured,
-            };
+            let target = Target { what, wanted, measured };
             target.cells()[3].text.clone()
         };
         assert_eq!(verdict(Wanted::AtLeast(5.0), Some(5.0)), "met");

@@ -43,29 +43,15 @@ fn results(scene: &Path, threads: &str) -> BTreeMap<PathBuf, Vec<u8>> {
         .env("RAYON_NUM_THREADS", threads)
         .output()
         .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut found = BTreeMap::new();
-    collect(
-        &out.path().join("cache"),
-        &out.path().join("cache"),
-        &mut found,
-    );
+    collect(&out.path().join("cache"), &out.path().join("cache"), &mut found);
     let report = fs::read(out.path().join("shin/report/report.json")).unwrap();
     let report: Value = serde_json::from_slice(&report).unwrap();
-    assert!(
-        report["tables"].as_array().unwrap().len() >= 8,
-        "too few tables in the report"
-    );
+    assert!(report["tables"].as_array().unwrap().len() >= 8, "too few tables in the report");
     let mut metrics = report["metrics"].as_array().unwrap().iter();
     let wall = metrics.find(|m| m["name"] == "repro.wall_s").unwrap();
-    assert!(
-        wall["value"].as_f64().is_some(),
-        "the cache was empty: {wall}"
-    );
+    assert!(wall["value"].as_f64().is_some(), "the cache was empty: {wall}");
     for part in ["tables", "claims"] {
         found.insert(part.into(), report[part].to_string().into_bytes());
     }
@@ -79,10 +65,7 @@ fn collect(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
         if path.is_dir() {
             collect(root, &path, found);
         } else if path.extension().is_some_and(|e| e == "safetensors") {
-            found.insert(
-                path.strip_prefix(root).unwrap().to_path_buf(),
-                fs::read(&path).unwrap(),
-            );
+            found.insert(path.strip_prefix(root).unwrap().to_path_buf(), fs::read(&path).unwrap());
         }
     }
 }
@@ -94,12 +77,7 @@ fn one_seed_one_result_on_any_number_of_threads() {
     let one = results(&scene, "1");
     let two = results(&scene, "2");
     assert!(one.len() >= 16, "found {:?}", one.keys());
-    assert!(
-        one.keys().eq(two.keys()),
-        "{:?} against {:?}",
-        one.keys(),
-        two.keys()
-    );
+    assert!(one.keys().eq(two.keys()), "{:?} against {:?}", one.keys(), two.keys());
     for (name, bytes) in &one {
         assert!(*bytes == two[name], "{} differs", name.display());
     }

@@ -43,14 +43,8 @@ fn nearest_neighbours_and_linear_regression_reach_the_references_figures() {
     let linear = Learner::Linear(LinearParams::default());
     let expected = [(0.95, 4.22), (0.39, 1.87)];
     for ((run, order), (knn_mm, linear_mm)) in runs().into_iter().flatten().zip(expected) {
-        let found = [
-            mean_mm(&run, &order, &Learner::Knn { k: 6 }),
-            mean_mm(&run, &order, &linear),
-        ];
-        println!(
-            "{}: k-NN {:.4} mm, LR {:.4} mm",
-            run.name, found[0], found[1]
-        );
+        let found = [mean_mm(&run, &order, &Learner::Knn { k: 6 }), mean_mm(&run, &order, &linear)];
+        println!("{}: k-NN {:.4} mm, LR {:.4} mm", run.name, found[0], found[1]);
         for (found, expected) in found.into_iter().zip([knn_mm, linear_mm]) {
             assert!(
                 (found / expected - 1.0).abs() < 0.02,
@@ -78,10 +72,6 @@ fn a_net_beats_nearest_neighbours() {
         let knn_mm = mean_mm(&run, &order, &Learner::Knn { k: 6 });
         let net_mm = mean_mm(&run, &order, &net);
         println!("{}: net {net_mm:.4} mm, k-NN {knn_mm:.4} mm", run.name);
-        assert!(
-            net_mm < knn_mm,
-            "{}: net {net_mm} mm, k-NN {knn_mm} mm",
-            run.name
-        );
+        assert!(net_mm < knn_mm, "{}: net {net_mm} mm, k-NN {knn_mm} mm", run.name);
     }
 }

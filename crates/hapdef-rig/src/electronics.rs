@@ -25,42 +25,14 @@ impl Electronics {
     /// noise, or a converter of no or more than 32 bits.
     pub fn new(params: ElectronicsParams, largest_ue: &[f64]) -> Result<Self, RigError> {
         let check = |ok: bool, name, expected, found| {
-            if ok {
-                Ok(())
-            } else {
-                Err(RigError::Parameter {
-                    name,
-                    expected,
-                    found,
-                })
-            }
+            if ok { Ok(()) } else { Err(RigError::Parameter { name, expected, found }) }
         };
-        check(
-            params.headroom > 0.0,
-            "headroom",
-            "above 0",
-            params.headroom,
-        )?;
-        check(
-            params.noise_ue >= 0.0,
-            "noise_ue",
-            "0 or more",
-            params.noise_ue,
-        )?;
+        check(params.headroom > 0.0, "headroom", "above 0", params.headroom)?;
+        check(params.noise_ue >= 0.0, "noise_ue", "0 or more", params.noise_ue)?;
         let bits = params.adc_bits;
-        check(
-            (1..=32).contains(&bits),
-            "adc_bits",
-            "1 to 32",
-            f64::from(bits),
-        )?;
+        check((1..=32).contains(&bits), "adc_bits", "1 to 32", f64::from(bits))?;
         for &largest in largest_ue {
-            check(
-                largest > 0.0,
-                "largest reading",
-                "above 0: the gauge answers",
-                largest,
-            )?;
+            check(largest > 0.0, "largest reading", "above 0: the gauge answers", largest)?;
         }
         Ok(Self {
             full_scale_ue: largest_ue.iter().map(|l| l * params.headroom).collect(),
@@ -126,12 +98,7 @@ mod tests {
     use super::*;
 
     fn params(noise_ue: f64) -> ElectronicsParams {
-        ElectronicsParams {
-            noise_ue,
-            adc_bits: 12,
-            headroom: 1.5,
-            seed: 9,
-        }
+        ElectronicsParams { noise_ue, adc_bits: 12, headroom: 1.5, seed: 9 }
     }
 
     #[test]
@@ -163,14 +130,8 @@ mod tests {
 
     #[test]
     fn noise_has_the_stated_spread() {
-        let mut electronics = Electronics::new(
-            ElectronicsParams {
-                adc_bits: 24,
-                ..params(5.0)
-            },
-            &[1e4],
-        )
-        .unwrap();
+        let mut electronics =
+            Electronics::new(ElectronicsParams { adc_bits: 24, ..params(5.0) }, &[1e4]).unwrap();
         let n = 20_000;
         let mut sum_of_squares = 0.0;
         for _ in 0..n {

@@ -26,19 +26,13 @@ impl SmoothField {
             let k = Vector3::from_fn(|_, _| normal(&mut rng)) / correlation_length_m;
             (k, rng.random_range(0.0..std::f64::consts::TAU))
         };
-        Self {
-            waves: (0..N_WAVES).map(|_| wave()).collect(),
-        }
+        Self { waves: (0..N_WAVES).map(|_| wave()).collect() }
     }
 
     /// The field's value at `x`, of about unit variance.
     #[must_use]
     pub fn at(&self, x: &Point3<f64>) -> f64 {
-        let sum: f64 = self
-            .waves
-            .iter()
-            .map(|(k, phase)| (k.dot(&x.coords) + phase).cos())
-            .sum();
+        let sum: f64 = self.waves.iter().map(|(k, phase)| (k.dot(&x.coords) + phase).cos()).sum();
         sum * (2.0 / N_WAVES as f64).sqrt()
     }
 
@@ -65,18 +59,12 @@ mod tests {
     use super::*;
 
     fn points() -> Vec<Point3<f64>> {
-        (0..400)
-            .map(|i| Point3::new(f64::from(i) * 1e-3, 0.02, -0.01))
-            .collect()
+        (0..400).map(|i| Point3::new(f64::from(i) * 1e-3, 0.02, -0.01)).collect()
     }
 
     #[test]
     fn the_largest_value_is_the_fraction() {
-        let params = VariationParams {
-            fraction: 0.1,
-            correlation_length_m: 0.03,
-            seed: 3,
-        };
+        let params = VariationParams { fraction: 0.1, correlation_length_m: 0.03, seed: 3 };
         let values = SmoothField::scaled(&params, &points());
         let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         assert!((largest - 0.1).abs() < 1e-15, "largest {largest}");
@@ -84,16 +72,9 @@ mod tests {
 
     #[test]
     fn neighbours_agree_and_distant_points_do_not() {
-        let params = VariationParams {
-            fraction: 1.0,
-            correlation_length_m: 0.03,
-            seed: 4,
-        };
+        let params = VariationParams { fraction: 1.0, correlation_length_m: 0.03, seed: 4 };
         let values = SmoothField::scaled(&params, &points());
-        let step = values
-            .windows(2)
-            .map(|w| (w[1] - w[0]).abs())
-            .fold(0.0, f64::max);
+        let step = values.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
         assert!(step < 0.1, "1 mm apart the field jumps by {step}");
         let low = values.iter().fold(f64::MAX, |m, v| m.min(*v));
         assert!(low < 0.0, "the field has one sign: lowest {low}");

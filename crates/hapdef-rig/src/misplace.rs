@@ -52,11 +52,7 @@ fn misplaced(
     rng: &mut ChaCha8Rng,
 ) -> GaugeSite {
     let direction = rng.random_range(0.0..std::f64::consts::TAU);
-    let turn = if rng.random_bool(0.5) {
-        params.turn_rad
-    } else {
-        -params.turn_rad
-    };
+    let turn = if rng.random_bool(0.5) { params.turn_rad } else { -params.turn_rad };
     let normal = Unit::new_normalize(nominal.normal());
     let shift = Rotation3::from_axis_angle(&normal, direction) * nominal.axis() * params.shift_m;
     GaugeSite {

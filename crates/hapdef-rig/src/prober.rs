@@ -50,10 +50,8 @@ pub struct DoublePressParams {
 pub fn single_presses(n_sites: usize, params: &SinglePressParams) -> Vec<Press> {
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     let (low, high) = params.force_range_n;
-    let mut press = || Press {
-        site: rng.random_range(0..n_sites),
-        force_n: rng.random_range(low..=high),
-    };
+    let mut press =
+        || Press { site: rng.random_range(0..n_sites), force_n: rng.random_range(low..=high) };
     (0..params.n_presses).map(|_| press()).collect()
 }
 
@@ -72,14 +70,8 @@ pub fn double_presses(
         for step in 0..params.n_amplitudes {
             let spread = rng.random_range(-params.held_spread_n..=params.held_spread_n);
             presses.push([
-                Press {
-                    site: held,
-                    force_n: params.held_force_n + spread,
-                },
-                Press {
-                    site: varied,
-                    force_n: amplitude(step, params),
-                },
+                Press { site: held, force_n: params.held_force_n + spread },
+                Press { site: varied, force_n: amplitude(step, params) },
             ]);
         }
     }
@@ -104,22 +96,14 @@ fn draw_pairs(
         if pairs.len() == params.n_pairs || sites.is_empty() {
             break;
         }
-        let pair = [
-            rng.random_range(0..sites.len()),
-            rng.random_range(0..sites.len()),
-        ];
+        let pair = [rng.random_range(0..sites.len()), rng.random_range(0..sites.len())];
         if (min..=max).contains(&(sites[pair[0]] - sites[pair[1]]).norm()) {
             pairs.push(pair);
         }
     }
     if pairs.len() < params.n_pairs {
         let (found, wanted) = (pairs.len(), params.n_pairs);
-        return Err(RigError::TooFewPairs {
-            found,
-            wanted,
-            min_mm: min * 1e3,
-            max_mm: max * 1e3,
-        });
+        return Err(RigError::TooFewPairs { found, wanted, min_mm: min * 1e3, max_mm: max * 1e3 });
     }
     Ok(pairs)
 }
@@ -165,26 +149,12 @@ mod tests {
     #[test]
     fn sites_too_close_together_are_refused() {
         let error = double_presses(&ring()[..2], &doubles()).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                RigError::TooFewPairs {
-                    found: 0,
-                    wanted: 27,
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, RigError::TooFewPairs { found: 0, wanted: 27, .. }), "{error}");
     }
 
     #[test]
     fn singles_cover_sites_and_forces() {
-        let params = SinglePressParams {
-            n_presses: 4000,
-            force_range_n: (0.0, 34.0),
-            seed: 1,
-        };
+        let params = SinglePressParams { n_presses: 4000, force_range_n: (0.0, 34.0), seed: 1 };
         let presses = single_presses(10, &params);
         assert!((0..10).all(|site| presses.iter().any(|p| p.site == site)));
         let mean = presses.iter().map(|p| p.force_n).sum::<f64>() / 4000.0;

@@ -85,12 +85,7 @@ impl RealLimb {
         n_threads: usize,
     ) -> Result<Self, RigError> {
         let start = Instant::now();
-        let FinerLimb {
-            mesh,
-            clamped,
-            skin,
-            n_straightened,
-        } = finer(nominal, params.refinements)?;
+        let FinerLimb { mesh, clamped, skin, n_straightened } = finer(nominal, params.refinements)?;
         let varied = vary_thickness(&mesh, &skin, &params.thickness, params.max_wall_m)?;
         let mesh = varied.mesh;
         let gauges = misplaced_gauges(&mesh, nominal, &params.misplacement)?;
@@ -111,15 +106,10 @@ impl RealLimb {
             elapsed_s: start.elapsed().as_secs_f64(),
         };
         let gains = draw_gains(gauges.len(), &params.gain);
-        let projection = params
-            .max_off_skin_m
-            .map(|max_off_skin_m| -> Result<_, MeshError> {
-                let skin = ClosestPoint::of_surface(&skin.surface(&mesh)?);
-                Ok(Projection {
-                    skin,
-                    max_off_skin_m,
-                })
-            });
+        let projection = params.max_off_skin_m.map(|max_off_skin_m| -> Result<_, MeshError> {
+            let skin = ClosestPoint::of_surface(&skin.surface(&mesh)?);
+            Ok(Projection { skin, max_off_skin_m })
+        });
         Ok(Self {
             projection: projection.transpose()?,
             skin: PressedSkin::new(&mesh, &skin)?,
@@ -169,9 +159,7 @@ impl RealLimb {
     /// As [`RealLimb::response_ue_per_n`].
     pub fn columns_ue_per_n(&self, position: &Point3<f64>) -> Result<Vec<Vector3<f64>>, RigError> {
         let position = self.on_skin(position)?;
-        let load = self
-            .skin
-            .load(&position, self.tip_radius_m, &Vector3::x())?;
+        let load = self.skin.load(&position, self.tip_radius_m, &Vector3::x())?;
         let column = |gauge: usize| {
             let field = self.response.field(GaugeId::from_index(gauge));
             let forces = load.forces_n.iter();
@@ -246,7 +234,5 @@ fn stiffness_scale(mesh: &Tet10Mesh, params: &RigParams) -> Vec<f64> {
 
 fn draw_gains(n_gauges: usize, params: &GainParams) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
-    (0..n_gauges)
-        .map(|_| 1.0 + rng.random_range(-params.fraction..=params.fraction))
-        .collect()
+    (0..n_gauges).map(|_| 1.0 + rng.random_range(-params.fraction..=params.fraction)).collect()
 }

@@ -44,10 +44,7 @@ pub(crate) fn vary_thickness(
         }
     }
     let n_held_nodes = held.iter().filter(|held| **held).count();
-    Ok(Varied {
-        mesh: Tet10Mesh::new(nodes, mesh.elements().to_vec())?,
-        n_held_nodes,
-    })
+    Ok(Varied { mesh: Tet10Mesh::new(nodes, mesh.elements().to_vec())?, n_held_nodes })
 }
 
 fn moved_nodes(
@@ -68,11 +65,7 @@ fn moved_nodes(
         let depth = -offset.dot(&normal);
         let sideways = (offset + depth * normal).norm();
         let weight = fade(depth, max_wall_m) * fade(sideways, max_wall_m);
-        if depth <= 0.0 {
-            *x
-        } else {
-            x - *f * weight * depth * normal
-        }
+        if depth <= 0.0 { *x } else { x - *f * weight * depth * normal }
     });
     moved.collect()
 }

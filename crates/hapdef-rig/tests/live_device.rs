@@ -38,10 +38,7 @@ fn hear(device: RigDevice, seconds: f64, faults: &[&str]) -> Heard {
     let keep = move |frame: &TruthFrame| theirs.lock().unwrap().push(frame.clone());
     let link = RigLink::new(device, &params, keep).unwrap();
     let clock = link.clock();
-    let params = StreamParams {
-        clock,
-        ..StreamParams::default()
-    };
+    let params = StreamParams { clock, ..StreamParams::default() };
     let mut source = StreamSource::new(link, params);
     let (mut frames, mut hellos, mut n_restarts) = (Vec::new(), Vec::<Arc<Hello>>::new(), 0);
     loop {
@@ -60,13 +57,7 @@ fn hear(device: RigDevice, seconds: f64, faults: &[&str]) -> Heard {
     }
     let stats = source.stats();
     let truth = truth.lock().unwrap().clone();
-    Heard {
-        frames,
-        hellos,
-        n_restarts,
-        stats,
-        truth,
-    }
+    Heard { frames, hellos, n_restarts, stats, truth }
 }
 
 fn plain(seed: u64) -> RigDevice {
@@ -84,10 +75,7 @@ fn a_whole_wire_carries_everything() {
     let hello = &heard.hellos[0];
     let mut worst = 0.0_f64;
     for ((_, frame), truth) in heard.frames.iter().zip(&heard.truth) {
-        assert_eq!(
-            (frame.seq, frame.t_device_us),
-            (truth.seq, truth.t_device_us)
-        );
+        assert_eq!((frame.seq, frame.t_device_us), (truth.seq, truth.t_device_us));
         let (mut strain, mut read) = ([0.0; 3], [0.0; 3]);
         for contact in &truth.contacts {
             limb.add_strain_ue(&contact.point, &contact.force_vector_n(), &mut strain);
@@ -99,19 +87,13 @@ fn a_whole_wire_carries_everything() {
     }
     assert!(worst < 6.0, "{worst} µε off, noise is 1 µε");
     let rate_hz = heard.stats.rate_hz;
-    assert!(
-        (rate_hz - 1000.0).abs() < 2.0,
-        "{rate_hz} frames per second"
-    );
+    assert!((rate_hz - 1000.0).abs() < 2.0, "{rate_hz} frames per second");
 }
 
 #[test]
 fn a_damaged_wire_delivers_nothing_wrong_and_every_loss_is_counted() {
-    let sent: BTreeMap<u32, Frame> = hear(plain(2), 30.0, &[])
-        .frames
-        .into_iter()
-        .map(|(_, frame)| (frame.seq, frame))
-        .collect();
+    let sent: BTreeMap<u32, Frame> =
+        hear(plain(2), 30.0, &[]).frames.into_iter().map(|(_, frame)| (frame.seq, frame)).collect();
     let faults: [&[&str]; 6] = [
         &["bitflips=1e-5"],
         &["bitflips=1e-4"],
@@ -127,10 +109,7 @@ fn a_damaged_wire_delivers_nothing_wrong_and_every_loss_is_counted() {
             (right.bits(), right.t_device_us) != (frame.bits(), frame.t_device_us)
         });
         assert_eq!(n_wrong.count(), 0, "{faults:?}");
-        let (first, last) = (
-            heard.frames[0].1.seq,
-            heard.frames[heard.frames.len() - 1].1.seq,
-        );
+        let (first, last) = (heard.frames[0].1.seq, heard.frames[heard.frames.len() - 1].1.seq);
         let n_missing = u64::from(last - first + 1) - heard.frames.len() as u64;
         let told = heard.frames[1..].iter();
         let n_told: u64 = told.map(|(_, f)| u64::from(f.n_lost_before)).sum();
@@ -152,10 +131,7 @@ fn a_reset_has_a_new_boot_id_and_begins_again() {
         assert_eq!(frame.t_device_us, u64::from(frame.seq) * 1000);
     }
     assert_eq!(heard.truth[1250].seq, 0);
-    assert!(
-        (heard.truth[1250].t_s - 1.25).abs() < 1e-12,
-        "the play goes on"
-    );
+    assert!((heard.truth[1250].t_s - 1.25).abs() < 1e-12, "the play goes on");
 }
 
 #[test]
@@ -228,10 +204,7 @@ fn what_finds_no_room_is_dropped_whole_and_counted() {
     let n = out.len();
     device.tick(n - 1, &mut out);
     assert_eq!(out.len(), n);
-    assert_eq!(
-        (device.status().n_sent, device.status().n_tx_dropped),
-        (1, 1)
-    );
+    assert_eq!((device.status().n_sent, device.status().n_tx_dropped), (1, 1));
     device.tick(n + 1, &mut out);
     assert_eq!((device.status().n_sent, device.truth().seq), (2, 2));
 }
@@ -245,9 +218,6 @@ fn what_can_not_be_is_refused() {
     let error = made.err().unwrap().to_string();
     assert!(error.contains("one channel for each gauge"), "{error}");
     let faults = vec!["unplug=1+1".parse().unwrap()];
-    let params = RunParams {
-        faults,
-        ..RunParams::default()
-    };
+    let params = RunParams { faults, ..RunParams::default() };
     assert!(RigLink::new(plain(1), &params, |_| {}).is_err());
 }

@@ -56,9 +56,7 @@ fn noise_has_its_spread_and_no_memory() {
 /// (Welch, IEEE Trans. Audio Electroacoust. 15(2), 1967).
 fn density(values: &[f64], n: usize, f_hz: f64) -> f64 {
     use std::f64::consts::TAU;
-    let window: Vec<f64> = (0..n)
-        .map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos())
-        .collect();
+    let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
     let pieces = values.chunks_exact(n);
     let n_pieces = pieces.len() as f64;
@@ -94,10 +92,7 @@ fn flicker_goes_with_one_over_f() {
         all.push(mean);
     }
     for (octave, mean) in all.iter().enumerate() {
-        assert!(
-            (mean / 4.0 - 1.0).abs() < 0.1,
-            "octave {octave}: {mean} µε²"
-        );
+        assert!((mean / 4.0 - 1.0).abs() < 0.1, "octave {octave}: {mean} µε²");
     }
     let again = readings(&mut chain(params, 1), 0.0, 1000);
     assert_eq!(again, values[..1000]);
@@ -108,12 +103,7 @@ fn flicker_goes_with_one_over_f() {
 #[test]
 fn a_bridge_has_its_step() {
     for (gain, expected) in [(100.0, 4.883), (500.0, 0.977), (1000.0, 0.488)] {
-        let bridge = BridgeParams {
-            gauge_factor: 2.0,
-            excitation_v: 3.3,
-            gain,
-            range_v: 3.3,
-        };
+        let bridge = BridgeParams { gauge_factor: 2.0, excitation_v: 3.3, gain, range_v: 3.3 };
         let mut params = quiet();
         params.converter.adc_bits = 12;
         params.bridge = Some(bridge);
@@ -135,21 +125,14 @@ fn a_bridge_has_its_step() {
 #[test]
 fn a_quarter_bridge_bends() {
     let mut params = quiet();
-    params.bridge = Some(BridgeParams {
-        gauge_factor: 2.0,
-        excitation_v: 3.3,
-        gain: 100.0,
-        range_v: 3.3,
-    });
+    params.bridge =
+        Some(BridgeParams { gauge_factor: 2.0, excitation_v: 3.3, gain: 100.0, range_v: 3.3 });
     let mut chain = chain(params, 1);
     for strain in [5000.0, -5000.0, 200.0] {
         let value = readings(&mut chain, strain, 1)[0];
         let ratio = 2.0 * strain * 1e-6 / (4.0 + 2.0 * 2.0 * strain * 1e-6);
         let expected = ratio * 4.0 / 2.0 * 1e6;
-        assert!(
-            (value - expected).abs() < 1e-4,
-            "{value}, expected {expected}"
-        );
+        assert!((value - expected).abs() < 1e-4, "{value}, expected {expected}");
     }
 }
 
@@ -178,38 +161,26 @@ fn creep_is_exponential() {
         let t_s = i as f64 / RATE_HZ;
         let expected = 1000.0 * (1.0 + share * (1.0 - (-t_s / time_s).exp()));
         let error = loaded[i] - expected;
-        assert!(
-            error.abs() < 1e-6,
-            "{t_s} s: {} µε, expected {expected}",
-            loaded[i]
-        );
+        assert!(error.abs() < 1e-6, "{t_s} s: {} µε, expected {expected}", loaded[i]);
     }
     let left = 1000.0 * share * (1.0 - (-1.001_f64 / time_s).exp());
     let released = readings(&mut chain, 0.0, 401)[400];
     let expected = left * (-0.4_f64 / time_s).exp();
-    assert!(
-        (released - expected).abs() < 1e-6,
-        "{released}, expected {expected}"
-    );
+    assert!((released - expected).abs() < 1e-6, "{released}, expected {expected}");
 }
 
 #[test]
 fn logarithmic_creep_grows_by_decades() {
     let terms = CreepTerm::logarithmic(0.01, 1e-3, 1e5);
     let crept = |t_s: f64| -> f64 {
-        let grown = terms
-            .iter()
-            .map(|t| t.share * (1.0 - (-t_s / t.time_s).exp()));
+        let grown = terms.iter().map(|t| t.share * (1.0 - (-t_s / t.time_s).exp()));
         grown.sum()
     };
     for t_s in [0.1, 1.0, 10.0, 100.0] {
         let decade = crept(10.0 * t_s) - crept(t_s);
         assert!((decade / 0.01 - 1.0).abs() < 0.01, "from {t_s} s: {decade}");
         let third = crept(2.0 * t_s) - crept(t_s);
-        assert!(
-            (third / 0.01 - 2f64.log10()).abs() < 0.01,
-            "{t_s} s: {third}"
-        );
+        assert!((third / 0.01 - 2f64.log10()).abs() < 0.01, "{t_s} s: {third}");
     }
 }
 
@@ -230,10 +201,7 @@ fn temperature_follows_its_profile_and_coefficients() {
         for channel in 0..8 {
             let value = f64::from(codes[channel]) * chain.resolution_ue(channel);
             let expected = coefficients[channel] * warmer_k;
-            assert!(
-                (value - expected).abs() < 1e-5,
-                "{value}, expected {expected}"
-            );
+            assert!((value - expected).abs() < 1e-5, "{value}, expected {expected}");
         }
     }
 }
@@ -255,16 +223,12 @@ fn a_random_walk_grows_with_the_root_of_time() {
     }
     for step in [1, 4] {
         let pairs = (0..40 / step).map(|k| (&at_second[k * step], &at_second[(k + 1) * step]));
-        let steps: Vec<f64> = pairs
-            .flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a))
-            .collect();
+        let steps: Vec<f64> =
+            pairs.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| b - a)).collect();
         let expected = 3.0 * (step as f64).sqrt();
         // 2560 and 640 steps: standard errors 1.4 and 2.8 %.
         let found = sd(&steps);
-        assert!(
-            (found / expected - 1.0).abs() < 0.09,
-            "{found}, expected {expected}"
-        );
+        assert!((found / expected - 1.0).abs() < 0.09, "{found}, expected {expected}");
     }
 }
 
@@ -275,9 +239,8 @@ fn dead_and_swapped_channels() {
     let mut chain = chain(params, 4);
     let mut codes = [0; 4];
     chain.sample(0.0, &[10.0, 20.0, 30.0, 40.0], &mut codes);
-    let values: Vec<i64> = (0..4)
-        .map(|c| (f64::from(codes[c]) * chain.resolution_ue(c)).round() as i64)
-        .collect();
+    let values: Vec<i64> =
+        (0..4).map(|c| (f64::from(codes[c]) * chain.resolution_ue(c)).round() as i64).collect();
     assert_eq!(values, [40, 20, 0, 10]);
 }
 
@@ -285,11 +248,7 @@ fn dead_and_swapped_channels() {
 fn a_seed_gives_the_same_codes_again() {
     let run = |seed| {
         let mut params = quiet();
-        params.converter = ElectronicsParams {
-            noise_ue: 1.0,
-            seed,
-            ..params.converter
-        };
+        params.converter = ElectronicsParams { noise_ue: 1.0, seed, ..params.converter };
         (params.offset_ue, params.walk_ue_per_sqrt_s) = (50.0, 1.0);
         readings(&mut chain(params, 3), 10.0, 100)
     };
@@ -310,13 +269,7 @@ fn values_out_of_range_are_refused() {
     refused(&|p| p.offset_ue = f64::NAN, "offset_ue");
     refused(&|p| p.dead = vec![1], "dead channel");
     refused(&|p| p.swapped = vec![(0, 1)], "swapped");
-    refused(
-        &|p| p.temperature_c = vec![(1.0, 20.0), (1.0, 21.0)],
-        "temperature_c",
-    );
+    refused(&|p| p.temperature_c = vec![(1.0, 20.0), (1.0, 21.0)], "temperature_c");
     let (share, time_s) = (0.1, 0.0);
-    refused(
-        &|p| p.creep = vec![CreepTerm { share, time_s }],
-        "creep.time_s",
-    );
+    refused(&|p| p.creep = vec![CreepTerm { share, time_s }], "creep.time_s");
 }

@@ -63,10 +63,7 @@ fn check(messages: &[Message], at_least: usize) {
     for frame in frames(messages) {
         assert_eq!(frame.bits(), expected[&frame.seq], "frame {}", frame.seq);
         let from = next.unwrap_or(frame.seq);
-        assert_eq!(
-            frame.seq,
-            from + if n > 0 { frame.n_lost_before } else { 0 }
-        );
+        assert_eq!(frame.seq, from + if n > 0 { frame.n_lost_before } else { 0 });
         next = Some(frame.seq + 1);
         n += 1;
     }
@@ -79,10 +76,8 @@ fn a_pseudo_terminal_is_read_unplugged_and_read_again() {
     let link = folder.path().join("limb");
     let port = PtyPort::open(Some(&link)).unwrap();
     assert_eq!(port.name(), link.display().to_string());
-    let params = RunParams {
-        faults: vec!["unplug=0.5+0.3".parse().unwrap()],
-        ..RunParams::default()
-    };
+    let params =
+        RunParams { faults: vec!["unplug=0.5+0.3".parse().unwrap()], ..RunParams::default() };
     let rig = spawn_rig(plain(), port, params, |_| {}).unwrap();
     let serial = SerialLink::new(link.to_str().unwrap(), SerialParams::default());
     let source = StreamSource::new(serial, StreamParams::default());
@@ -91,21 +86,11 @@ fn a_pseudo_terminal_is_read_unplugged_and_read_again() {
     let info = rig.stop();
     drop(acquisition);
     check(&messages, 300);
-    let away = |m: &&Message| {
-        matches!(
-            m,
-            Message::Link(LinkState::Away(LinkFault::Disconnected { .. }))
-        )
-    };
+    let away =
+        |m: &&Message| matches!(m, Message::Link(LinkState::Away(LinkFault::Disconnected { .. })));
     assert_eq!(messages.iter().filter(away).count(), 1);
-    let n_lost: u64 = frames(&messages)
-        .skip(1)
-        .map(|f| u64::from(f.n_lost_before))
-        .sum();
-    assert!(
-        (250..=1000).contains(&n_lost),
-        "{n_lost} lost while unplugged: {info:?}"
-    );
+    let n_lost: u64 = frames(&messages).skip(1).map(|f| u64::from(f.n_lost_before)).sum();
+    assert!((250..=1000).contains(&n_lost), "{n_lost} lost while unplugged: {info:?}");
     assert!(!link.exists(), "the link stays behind");
 }
 
@@ -114,30 +99,18 @@ fn a_host_that_reads_nothing_does_not_hold_the_device_up() {
     let port = PtyPort::open(None).unwrap();
     let mut host = SerialLink::new(&port.name(), SerialParams::default());
     host.open().unwrap();
-    let params = RunParams {
-        is_real_time: false,
-        duration_s: Some(20.0),
-        ..RunParams::default()
-    };
+    let params = RunParams { is_real_time: false, duration_s: Some(20.0), ..RunParams::default() };
     let start = Instant::now();
     let info = run_rig(plain(), port, &params, &AtomicBool::new(false), |_| {});
     assert_eq!(info.n_frames, 20_000);
     assert!((10_000..20_000).contains(&info.n_dropped), "{info:?}");
-    assert!(
-        start.elapsed() < Duration::from_secs(10),
-        "{:?}",
-        start.elapsed()
-    );
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
 #[test]
 fn nobody_there_and_everything_is_dropped() {
     let port = PtyPort::open(None).unwrap();
-    let params = RunParams {
-        is_real_time: false,
-        duration_s: Some(1.0),
-        ..RunParams::default()
-    };
+    let params = RunParams { is_real_time: false, duration_s: Some(1.0), ..RunParams::default() };
     let info = run_rig(plain(), port, &params, &AtomicBool::new(false), |_| {});
     assert_eq!((info.n_frames, info.n_dropped), (1000, 1000));
 }

@@ -14,15 +14,8 @@ use proptest::prelude::*;
 
 fn surface_point() -> impl Strategy<Value = SurfacePoint> {
     (0..120u32, 0.0..1.0f64, 0.0..1.0f64).prop_map(|(face, u, v)| {
-        let (u, v) = if u + v > 1.0 {
-            (1.0 - u, 1.0 - v)
-        } else {
-            (u, v)
-        };
-        SurfacePoint {
-            face,
-            bary: [1.0 - u - v, u, v],
-        }
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        SurfacePoint { face, bary: [1.0 - u - v, u, v] }
     })
 }
 
@@ -97,11 +90,7 @@ fn truth_is_what_was_asked_for() {
     let play = Play::new(&script(), &plate()).unwrap();
     let second = (7, [0.08, 0.05], 5.0);
     check(&play, 0.05, &[]);
-    check(
-        &play,
-        0.125,
-        &[(1, [0.02, 0.02], 5.0 * (1.0 - 0.5f64.sqrt()))],
-    );
+    check(&play, 0.125, &[(1, [0.02, 0.02], 5.0 * (1.0 - 0.5f64.sqrt()))]);
     check(&play, 0.15, &[(1, [0.02, 0.02], 5.0), second]);
     check(&play, 0.25, &[(1, [0.02, 0.02], 10.0), second]);
     check(&play, 0.35, &[(1, [0.03, 0.02], 10.0), second]);
@@ -123,19 +112,12 @@ fn truth_is_what_was_asked_for() {
 fn a_repeated_script_begins_again() {
     let once = Play::new(&script(), &plate()).unwrap();
     let repeat_s = Some(1.5);
-    let again = PressScript {
-        repeat_s,
-        ..script()
-    };
+    let again = PressScript { repeat_s, ..script() };
     let again = Play::new(&again, &plate()).unwrap();
     for i in 0..150 {
         let t_s = f64::from(i) * 0.01 + 0.003;
         assert_eq!(contacts(&once, t_s), contacts(&again, t_s));
-        assert_eq!(
-            contacts(&once, t_s).len(),
-            contacts(&again, t_s + 4.5).len(),
-            "{t_s}"
-        );
+        assert_eq!(contacts(&once, t_s).len(), contacts(&again, t_s + 4.5).len(), "{t_s}");
     }
 }
 
@@ -160,26 +142,10 @@ fn wrong_scripts_are_refused_with_their_path() {
     refused("\"version\": 1", "\"version\": 2", "version:");
     refused("\"version\": 1", "\"version\": 1, \"bpm\": 2", "bpm:");
     refused("\"id\": 7", "\"id\": 1", "contacts[1].id:");
-    refused(
-        "\"at_s\": 0.3",
-        "\"at_s\": 0.15",
-        "contacts[0].events[1].at_s:",
-    );
-    refused(
-        "\"for_s\": 0.2",
-        "\"for_s\": 0.0",
-        "contacts[0].events[1].for_s:",
-    );
-    refused(
-        "\"force_n\": 10.0",
-        "\"force_n\": -1.0",
-        "contacts[0].events[0].force_n:",
-    );
-    refused(
-        "\"kind\": \"leave\"",
-        "\"kind\": \"go\"",
-        "contacts[0].events[3]",
-    );
+    refused("\"at_s\": 0.3", "\"at_s\": 0.15", "contacts[0].events[1].at_s:");
+    refused("\"for_s\": 0.2", "\"for_s\": 0.0", "contacts[0].events[1].for_s:");
+    refused("\"force_n\": 10.0", "\"force_n\": -1.0", "contacts[0].events[0].force_n:");
+    refused("\"kind\": \"leave\"", "\"kind\": \"go\"", "contacts[0].events[3]");
     refused("0.05,", "0.09,", "contacts[1].events[0].position_m:");
     let leave = script().contacts[0].events[3].clone();
     let mut script = script();
@@ -193,10 +159,8 @@ fn wrong_scripts_are_refused_with_their_path() {
 #[test]
 fn random_scripts_keep_to_what_was_asked() {
     let limb = plate();
-    let params = RandomScriptParams {
-        duration_s: 30.0,
-        ..RandomScriptParams::new(3, 0.02, (3.0, 15.0), 5)
-    };
+    let params =
+        RandomScriptParams { duration_s: 30.0, ..RandomScriptParams::new(3, 0.02, (3.0, 15.0), 5) };
     let script = random_script(&limb, &params);
     assert_eq!(script, random_script(&limb, &params));
     let other = RandomScriptParams { seed: 6, ..params };
@@ -229,9 +193,7 @@ fn what_is_pressed_by_hand_is_pressed() {
     let handle = PressHandle::new();
     let other = handle.clone();
     let here = Point3::new(0.03, 0.03, 0.002);
-    std::thread::spawn(move || other.set(vec![Pressed::normal(4, here, 6.0)]))
-        .join()
-        .unwrap();
+    std::thread::spawn(move || other.set(vec![Pressed::normal(4, here, 6.0)])).join().unwrap();
     let contact = handle.pressed()[0].on(&limb).unwrap();
     assert_eq!((contact.id, contact.force_n), (4, 6.0));
     assert!((contact.position_m - Point3::new(0.03, 0.03, 0.0)).norm() < 1e-12);

@@ -25,18 +25,13 @@ pub fn to_cdr<T: Serialize>(value: &T) -> Result<Vec<u8>, RosError> {
 /// # Errors
 /// Bytes that are no little-endian CDR of the type.
 pub fn from_cdr<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, RosError> {
-    let content = bytes
-        .strip_prefix(&CDR_LE)
-        .ok_or_else(|| RosError::Encapsulation {
-            found: bytes.iter().copied().take(CDR_LE.len()).collect(),
-        })?;
+    let content = bytes.strip_prefix(&CDR_LE).ok_or_else(|| RosError::Encapsulation {
+        found: bytes.iter().copied().take(CDR_LE.len()).collect(),
+    })?;
     let (value, _) = cdr_encoding::from_bytes::<T, LittleEndian>(content).map_err(fault::<T>)?;
     Ok(value)
 }
 
 fn fault<T>(error: cdr_encoding::Error) -> RosError {
-    RosError::Cdr {
-        type_name: std::any::type_name::<T>(),
-        message: error.to_string(),
-    }
+    RosError::Cdr { type_name: std::any::type_name::<T>(), message: error.to_string() }
 }

@@ -85,10 +85,7 @@ impl<S: MessageSink> RosEncoder<S> {
     pub fn health(&mut self, parts: &[Health]) -> Result<(), RosError> {
         let stamp_ns = parts.iter().map(|part| part.stamp_ns).max().unwrap_or(0);
         self.put(TopicKind::Diagnostics, stamp_ns, |this| DiagnosticArray {
-            header: Header {
-                frame_id: String::new(),
-                ..this.header(stamp_ns)
-            },
+            header: Header { frame_id: String::new(), ..this.header(stamp_ns) },
             status: parts.iter().map(status).collect(),
         })
     }
@@ -112,10 +109,7 @@ impl<S: MessageSink> RosEncoder<S> {
     }
 
     fn header(&self, stamp_ns: u64) -> Header {
-        Header {
-            stamp: Time::from_ns(stamp_ns),
-            frame_id: self.params.frame_id.clone(),
-        }
+        Header { stamp: Time::from_ns(stamp_ns), frame_id: self.params.frame_id.clone() }
     }
 
     fn list(&self, contacts: &input::Contacts) -> Contacts {
@@ -139,14 +133,8 @@ impl<S: MessageSink> RosEncoder<S> {
             Slot::Free => return Ok(()),
         };
         self.put(TopicKind::Wrench(slot), stamp_ns, |this| WrenchStamped {
-            header: Header {
-                frame_id: this.params.contact_frame(slot),
-                ..this.header(stamp_ns)
-            },
-            wrench: Wrench {
-                force: [0.0, 0.0, -force_n].into(),
-                ..Wrench::default()
-            },
+            header: Header { frame_id: this.params.contact_frame(slot), ..this.header(stamp_ns) },
+            wrench: Wrench { force: [0.0, 0.0, -force_n].into(), ..Wrench::default() },
         })
     }
 
@@ -170,9 +158,7 @@ impl<S: MessageSink> RosEncoder<S> {
                     },
                 })
             });
-            TfMessage {
-                transforms: held.collect(),
-            }
+            TfMessage { transforms: held.collect() }
         })
     }
 
@@ -181,15 +167,8 @@ impl<S: MessageSink> RosEncoder<S> {
         let held = |slot: &Slot<'_>| matches!(slot, Slot::Held(_));
         let drawn = self.drawn.iter().zip(placed);
         // What is gone is taken away at once, also where it went between two drawings.
-        let gone: Vec<Slot<'_>> = drawn
-            .map(|(&was, slot)| {
-                if was && !held(slot) {
-                    Slot::Left
-                } else {
-                    *slot
-                }
-            })
-            .collect();
+        let gone: Vec<Slot<'_>> =
+            drawn.map(|(&was, slot)| if was && !held(slot) { Slot::Left } else { *slot }).collect();
         let has_gone = gone.contains(&Slot::Left);
         let has_any = has_gone || placed.iter().any(held);
         if !has_any || !(is_due || has_gone) {
@@ -226,10 +205,8 @@ fn contact(contact: &input::Contact) -> Contact {
 }
 
 fn status(part: &Health) -> DiagnosticStatus {
-    let values = part.values.iter().map(|(key, value)| KeyValue {
-        key: key.clone(),
-        value: value.clone(),
-    });
+    let values =
+        part.values.iter().map(|(key, value)| KeyValue { key: key.clone(), value: value.clone() });
     DiagnosticStatus {
         level: part.level as u8,
         name: part.name.clone(),

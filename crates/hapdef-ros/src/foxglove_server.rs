@@ -40,11 +40,7 @@ impl FoxgloveServer {
             let channel = ChannelBuilder::new(topic.name)
                 .context(&context)
                 .message_encoding(topic.message_encoding)
-                .schema(Schema::new(
-                    topic.schema_name,
-                    topic.schema_encoding,
-                    schema,
-                ))
+                .schema(Schema::new(topic.schema_name, topic.schema_encoding, schema))
                 .build_raw();
             channels.push(channel.map_err(fault)?);
         }
@@ -55,12 +51,7 @@ impl FoxgloveServer {
             .context(&context)
             .start_blocking()
             .map_err(fault)?;
-        Ok(Self {
-            channels,
-            port: handle.port(),
-            handle: Some(handle),
-            _context: context,
-        })
+        Ok(Self { channels, port: handle.port(), handle: Some(handle), _context: context })
     }
 
     /// The port it listens at.

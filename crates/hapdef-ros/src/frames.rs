@@ -15,18 +15,11 @@ pub(crate) struct Axes {
 pub(crate) fn frame_of(normal: [f64; 3], along: Option<[f64; 3]>) -> Axes {
     let z = unit(normal).unwrap_or([0.0, 0.0, 1.0]);
     let across = |v: [f64; 3]| unit(minus(v, scaled(z, dot(v, z))));
-    let least = if z[0].abs() <= z[1].abs().max(z[2].abs()) {
-        [1.0, 0.0, 0.0]
-    } else {
-        [0.0, 1.0, 0.0]
-    };
+    let least =
+        if z[0].abs() <= z[1].abs().max(z[2].abs()) { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let x = along.and_then(across).or_else(|| across(least));
     let x = x.unwrap_or([1.0, 0.0, 0.0]);
-    Axes {
-        x,
-        y: cross(z, x),
-        z,
-    }
+    Axes { x, y: cross(z, x), z }
 }
 
 impl Axes {
@@ -45,30 +38,10 @@ impl Axes {
         let two = squares[largest].sqrt();
         let part = |sum: f64| 0.5 * sum / two;
         let [x, y, z, w] = match largest {
-            0 => [
-                0.5 * two,
-                part(x[1] + y[0]),
-                part(z[0] + x[2]),
-                part(y[2] - z[1]),
-            ],
-            1 => [
-                part(x[1] + y[0]),
-                0.5 * two,
-                part(y[2] + z[1]),
-                part(z[0] - x[2]),
-            ],
-            2 => [
-                part(z[0] + x[2]),
-                part(y[2] + z[1]),
-                0.5 * two,
-                part(x[1] - y[0]),
-            ],
-            _ => [
-                part(y[2] - z[1]),
-                part(z[0] - x[2]),
-                part(x[1] - y[0]),
-                0.5 * two,
-            ],
+            0 => [0.5 * two, part(x[1] + y[0]), part(z[0] + x[2]), part(y[2] - z[1])],
+            1 => [part(x[1] + y[0]), 0.5 * two, part(y[2] + z[1]), part(z[0] - x[2])],
+            2 => [part(z[0] + x[2]), part(y[2] + z[1]), 0.5 * two, part(x[1] - y[0])],
+            _ => [part(y[2] - z[1]), part(z[0] - x[2]), part(x[1] - y[0]), 0.5 * two],
         };
         Quaternion { x, y, z, w }
     }
@@ -91,11 +64,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
@@ -145,12 +114,7 @@ mod tests {
 
     #[test]
     fn half_turns_have_a_rotation_too() {
-        for normal in [
-            [0.0, 0.0, -1.0],
-            [0.0, -1.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0; 3],
-        ] {
+        for normal in [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]] {
             let axes = frame_of(normal, None);
             assert!(far(turned(axes.rotation(), [0.0, 0.0, 1.0]), axes.z) < 1e-12);
         }

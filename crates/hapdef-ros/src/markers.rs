@@ -30,11 +30,7 @@ const ELLIPSE_COLOR: Color = color(0.12, 0.47, 0.71, 0.5);
 pub(crate) fn markers(params: &RosParams, header: &Header, placed: &[Slot<'_>]) -> MarkerArray {
     let mut markers = Vec::new();
     for (slot, held) in placed.iter().enumerate() {
-        let drawing = Drawing {
-            params,
-            header,
-            id: i32::try_from(slot).unwrap_or(i32::MAX),
-        };
+        let drawing = Drawing { params, header, id: i32::try_from(slot).unwrap_or(i32::MAX) };
         match held {
             Slot::Held(contact) => drawing.contact(contact, &mut markers),
             Slot::Left => {
@@ -84,10 +80,7 @@ impl Drawing<'_> {
         let diameter = |variance: f64| (2.0 * ELLIPSE_SD * variance.max(0.0).sqrt()).max(THIN_M);
         let scale = [diameter(variances[0]), diameter(variances[1]), THIN_M];
         Marker {
-            pose: Pose {
-                orientation: axes.rotation(),
-                ..at(contact.position_m)
-            },
+            pose: Pose { orientation: axes.rotation(), ..at(contact.position_m) },
             scale: scale.into(),
             color: ELLIPSE_COLOR,
             ..self.marker("ellipse", CYLINDER)
@@ -95,10 +88,7 @@ impl Drawing<'_> {
     }
 
     fn gone(&self, ns: &str) -> Marker {
-        Marker {
-            action: DELETE,
-            ..self.marker(ns, ARROW)
-        }
+        Marker { action: DELETE, ..self.marker(ns, ARROW) }
     }
 
     fn marker(&self, ns: &str, kind: i32) -> Marker {
@@ -123,10 +113,7 @@ fn principal(a: f64, b: f64, d: f64) -> ([f64; 2], f64) {
 }
 
 fn at(position_m: [f64; 3]) -> Pose {
-    Pose {
-        position: Vector3::from(position_m),
-        ..Pose::default()
-    }
+    Pose { position: Vector3::from(position_m), ..Pose::default() }
 }
 
 const fn color(r: f32, g: f32, b: f32, a: f32) -> Color {

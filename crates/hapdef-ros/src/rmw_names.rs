@@ -54,11 +54,7 @@ pub(crate) fn attachment(number: i64, stamp_ns: u64, gid: &[u8; GID_LEN]) -> Vec
 }
 
 fn token(node: &Node<'_>, entity: usize, kind: &str) -> String {
-    let Node {
-        domain_id,
-        session,
-        name,
-    } = node;
+    let Node { domain_id, session, name } = node;
     // No enclave and the root as namespace are both %.
     format!("@ros2_lv/{domain_id}/{session}/0/{entity}/{kind}/%/%/{name}")
 }
@@ -71,11 +67,8 @@ fn type_name(message: &str) -> (String, &'static str) {
 mod tests {
     use super::*;
 
-    const NODE: Node<'_> = Node {
-        domain_id: 0,
-        session: "8b20917502ee955ac4476e0266340d5c",
-        name: "talker",
-    };
+    const NODE: Node<'_> =
+        Node { domain_id: 0, session: "8b20917502ee955ac4476e0266340d5c", name: "talker" };
 
     /// The tokens of design.md, with a message that has a hash here.
     #[test]
@@ -100,9 +93,6 @@ mod tests {
     fn an_attachment_has_33_bytes() {
         let bytes = attachment(2, 3, &[7; GID_LEN]);
         assert_eq!(bytes.len(), 33);
-        assert_eq!(
-            bytes[..18],
-            [2, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 16, 7]
-        );
+        assert_eq!(bytes[..18], [2, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 16, 7]);
     }
 }

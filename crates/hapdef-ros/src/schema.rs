@@ -146,10 +146,8 @@ mod tests {
     fn a_definition_brings_what_is_in_it_once() {
         let text = definition("geometry_msgs/WrenchStamped").unwrap();
         let parts: Vec<&str> = text.split(SEPARATOR).collect();
-        let heads: Vec<_> = parts[1..]
-            .iter()
-            .map(|part| part.trim_start().lines().next().unwrap())
-            .collect();
+        let heads: Vec<_> =
+            parts[1..].iter().map(|part| part.trim_start().lines().next().unwrap()).collect();
         assert_eq!(
             heads,
             [

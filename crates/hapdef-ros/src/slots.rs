@@ -21,9 +21,7 @@ pub(crate) enum Slot<'a> {
 
 impl Slots {
     pub(crate) fn new(n_slots: usize) -> Self {
-        Self {
-            ids: vec![None; n_slots],
-        }
+        Self { ids: vec![None; n_slots] }
     }
 
     /// Gives each contact whose normal is known its slot; what finds none, the last, goes without.

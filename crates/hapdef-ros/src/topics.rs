@@ -60,11 +60,7 @@ impl RosParams {
     /// The parameter that is out of range.
     pub fn check(&self) -> Result<(), RosError> {
         let wrong = |name, expected, found: &dyn ToString| {
-            Err(RosError::Parameter {
-                name,
-                expected,
-                found: found.to_string(),
-            })
+            Err(RosError::Parameter { name, expected, found: found.to_string() })
         };
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '/';
         if !self.prefix.starts_with('/') || self.prefix.ends_with('/') {

@@ -57,18 +57,9 @@ impl ZenohSink {
         params.check()?;
         let session = zenoh::open(config(zenoh)?).wait().map_err(fault)?;
         let zid = session.zid();
-        let node = Node {
-            domain_id: zenoh.domain_id,
-            session: &zid.to_string(),
-            name: &zenoh.node,
-        };
-        let alive = |token: String| {
-            session
-                .liveliness()
-                .declare_token(token)
-                .wait()
-                .map_err(fault)
-        };
+        let node =
+            Node { domain_id: zenoh.domain_id, session: &zid.to_string(), name: &zenoh.node };
+        let alive = |token: String| session.liveliness().declare_token(token).wait().map_err(fault);
         let mut tokens = vec![alive(node_token(&node))?];
         let mut publishers = Vec::new();
         for topic in TopicKind::all(params) {
@@ -80,17 +71,9 @@ impl ZenohSink {
             // Any identity will do that no other publisher has.
             let mut gid = zid.to_le_bytes();
             gid[0] = gid[0].wrapping_add(entity as u8);
-            publishers.push(OnePublisher {
-                publisher,
-                gid,
-                n_sent: 0,
-            });
+            publishers.push(OnePublisher { publisher, gid, n_sent: 0 });
         }
-        Ok(Self {
-            publishers,
-            _tokens: tokens,
-            session,
-        })
+        Ok(Self { publishers, _tokens: tokens, session })
     }
 
     /// Identity of the zenoh session.
@@ -131,7 +114,5 @@ fn config(params: &ZenohParams) -> Result<zenoh::Config, RosError> {
 }
 
 fn fault(error: zenoh::Error) -> RosError {
-    RosError::Zenoh {
-        message: error.to_string(),
-    }
+    RosError::Zenoh { message: error.to_string() }
 }

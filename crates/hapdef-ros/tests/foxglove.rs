@@ -19,17 +19,11 @@ use support::{Kept, say};
 const PROTOCOL: &str = "foxglove.sdk.v1";
 
 fn connected(port: u16) -> WebSocket<TcpStream> {
-    let mut request = format!("ws://127.0.0.1:{port}/")
-        .into_client_request()
-        .unwrap();
+    let mut request = format!("ws://127.0.0.1:{port}/").into_client_request().unwrap();
     let name = "Sec-WebSocket-Protocol";
-    request
-        .headers_mut()
-        .insert(name, PROTOCOL.parse().unwrap());
+    request.headers_mut().insert(name, PROTOCOL.parse().unwrap());
     let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream
-        .set_read_timeout(Some(Duration::from_secs(10)))
-        .unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
     let (socket, response) = tungstenite::client(request, stream).unwrap();
     assert_eq!(response.headers()[name], PROTOCOL);
     socket
@@ -72,18 +66,12 @@ fn a_client_gets_what_it_subscribes_to() {
         let mut all = channels.as_array().unwrap().iter();
         all.find(|c| c["topic"] == topic).unwrap().clone()
     };
-    assert_eq!(
-        channels.as_array().unwrap().len(),
-        TopicKind::all(&params).count()
-    );
+    assert_eq!(channels.as_array().unwrap().len(), TopicKind::all(&params).count());
     let contacts = channel("/hapdef/contacts");
     assert_eq!(contacts["encoding"], "cdr");
     assert_eq!(contacts["schemaName"], "hapdef_msgs/msg/Contacts");
     assert_eq!(contacts["schemaEncoding"], "ros2msg");
-    assert_eq!(
-        contacts["schema"],
-        definition("hapdef_msgs/Contacts").unwrap()
-    );
+    assert_eq!(contacts["schema"], definition("hapdef_msgs/Contacts").unwrap());
 
     assert!(!server.wants(TopicKind::Contacts));
     let subscription = json!({"id": 77, "channelId": contacts["id"]});
@@ -100,16 +88,10 @@ fn a_client_gets_what_it_subscribes_to() {
     let sinks = Sinks(vec![Box::new(server), Box::new(kept.clone())]);
     let mut encoder = RosEncoder::new(params, sinks).unwrap();
     for i in 0..50 {
-        say(
-            &mut encoder,
-            i,
-            1_700_000_000_000_000_000 + u64::from(i) * 1_000_000,
-        );
+        say(&mut encoder, i, 1_700_000_000_000_000_000 + u64::from(i) * 1_000_000);
     }
     let kept = kept.0.lock().unwrap();
-    let sent = kept
-        .iter()
-        .filter(|(topic, ..)| *topic == TopicKind::Contacts);
+    let sent = kept.iter().filter(|(topic, ..)| *topic == TopicKind::Contacts);
     let mut n_messages = 0;
     for (_, stamp_ns, bytes) in sent {
         let (subscription, time, payload) = next_data(&mut socket);

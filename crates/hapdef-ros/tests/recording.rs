@@ -20,17 +20,13 @@ fn records(path: &std::path::Path) -> Vec<Record> {
 fn further(records: &[Record]) -> Vec<(&str, u64, &[u8])> {
     let is_further = |record: &&Record| matches!(record.content, Content::Further(_));
     let found = records.iter().filter(is_further);
-    found
-        .map(|r| (r.topic(), r.log_time_ns, r.bytes.as_slice()))
-        .collect()
+    found.map(|r| (r.topic(), r.log_time_ns, r.bytes.as_slice())).collect()
 }
 
 fn names_of(kept: &Kept) -> Vec<(String, u64, Vec<u8>)> {
     let params = RosParams::default();
     let kept = kept.0.lock().unwrap();
-    kept.iter()
-        .map(|(topic, time, bytes)| (topic.name(&params), *time, bytes.clone()))
-        .collect()
+    kept.iter().map(|(topic, time, bytes)| (topic.name(&params), *time, bytes.clone())).collect()
 }
 
 #[test]
@@ -45,10 +41,7 @@ fn everything_is_in_one_file_and_comes_back() {
     let written = names_of(&kept);
     assert_eq!(info.n_messages, written.len() as u64);
     let same = found.iter().zip(&written);
-    assert!(
-        same.clone()
-            .all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2 == b.2)
-    );
+    assert!(same.clone().all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2 == b.2));
     assert_eq!(same.len(), written.len());
     let frames = records.iter().filter_map(|record| match record.content {
         Content::Message(Message::Frame(frame)) => Some((frame.seq, record.log_time_ns)),
@@ -75,9 +68,7 @@ fn other_explanations_come_back() {
     recorded(&path, 90);
     let records = records(&path);
     let found = further(&records);
-    let lists = found
-        .iter()
-        .filter(|(name, ..)| *name == "/hapdef/contacts");
+    let lists = found.iter().filter(|(name, ..)| *name == "/hapdef/contacts");
     let mut counts = [0; 3];
     for (_, stamp_ns, bytes) in lists {
         let list: msg::Contacts = from_cdr(bytes).unwrap();
@@ -118,10 +109,7 @@ fn damage_costs_a_chunk_and_recovery_keeps_the_topics() {
     bytes[200] ^= 4;
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    let (bad, good) = (
-        folder.path().join("bad.mcap"),
-        folder.path().join("good.mcap"),
-    );
+    let (bad, good) = (folder.path().join("bad.mcap"), folder.path().join("good.mcap"));
     std::fs::write(&bad, &bytes).unwrap();
     let saved = recover(&bad, &good).unwrap();
     assert_eq!(saved.exit_code(), 1);
@@ -145,11 +133,7 @@ fn markers_come_less_often_and_go_with_their_contact() {
         .collect();
     // 30 a second, and one more for each contact that goes.
     let n_gone = N as usize / 40;
-    assert!(
-        arrays.len() >= 18 && arrays.len() <= 18 + 2 * n_gone,
-        "{}",
-        arrays.len()
-    );
+    assert!(arrays.len() >= 18 && arrays.len() <= 18 + 2 * n_gone, "{}", arrays.len());
     let mut shown = std::collections::BTreeSet::new();
     for marker in arrays.iter().flat_map(|array| &array.markers) {
         let key = (marker.ns.clone(), marker.id);

@@ -61,15 +61,9 @@ fn messages_arrive_under_the_keys_of_rmw_zenoh() {
             .collect();
         std::thread::sleep(Duration::from_millis(50));
     }
-    assert!(
-        tokens.contains(&format!("@ros2_lv/7/{zid}/0/0/NN/%/%/limb")),
-        "{tokens:?}"
-    );
+    assert!(tokens.contains(&format!("@ros2_lv/7/{zid}/0/0/NN/%/%/limb")), "{tokens:?}");
     let publisher = format!("MP/%/%/limb/%hapdef%contacts/{name}/{hash}/::,10:,:,:,,");
-    assert!(
-        tokens.iter().any(|token| token.ends_with(&publisher)),
-        "{tokens:?}"
-    );
+    assert!(tokens.iter().any(|token| token.ends_with(&publisher)), "{tokens:?}");
 
     let kept = Kept::default();
     let sinks = Sinks(vec![Box::new(sink), Box::new(kept.clone())]);
@@ -78,9 +72,7 @@ fn messages_arrive_under_the_keys_of_rmw_zenoh() {
         say(&mut encoder, i, 1_700_000_000_000_000_000 + u64::from(i));
     }
     let kept = kept.0.lock().unwrap();
-    let sent = kept
-        .iter()
-        .filter(|(topic, ..)| *topic == TopicKind::Contacts);
+    let sent = kept.iter().filter(|(topic, ..)| *topic == TopicKind::Contacts);
     let mut n_received = 0i64;
     for (_, stamp_ns, bytes) in sent {
         let sample = subscriber.recv_timeout(Duration::from_secs(10)).unwrap();

@@ -49,11 +49,8 @@ fn solids(c: &mut Criterion) {
 
 fn shells(c: &mut Criterion) {
     let material = IsotropicMaterial::new(1.7e9, 0.394, 930.0).expect("PA2200");
-    let corners = [
-        Point3::new(0.0, 0.0, 0.0),
-        Point3::new(4e-3, 1e-3, 0.0),
-        Point3::new(1e-3, 3e-3, 1e-3),
-    ];
+    let corners =
+        [Point3::new(0.0, 0.0, 0.0), Point3::new(4e-3, 1e-3, 0.0), Point3::new(1e-3, 3e-3, 1e-3)];
     for kind in [ShellKind::Thin, ShellKind::Thick] {
         c.bench_function(&format!("{kind:?} shell element"), |b| {
             b.iter(|| shell_stiffness(kind, &corners, None, &[1e-3; 3], &material));

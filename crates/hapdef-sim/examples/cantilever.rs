@@ -91,11 +91,7 @@ fn strip() -> Result<Extrusion, Box<dyn Error>> {
         }
     }
     let upper = SurfaceMesh::new(vertices, triangles)?;
-    let params = ExtrudeParams {
-        side: SkinSide::Outer,
-        n_layers: 1,
-        curve: FaceCurve::Flat,
-    };
+    let params = ExtrudeParams { side: SkinSide::Outer, n_layers: 1, curve: FaceCurve::Flat };
     let heights_m = vec![HEIGHT_M; upper.vertices().len()];
     Ok(extrude(&upper, &heights_m, &params)?)
 }
@@ -112,10 +108,6 @@ fn it_bends_as_a_beam_does() {
     assert!((bent.tip_m / tip_m - 1.0).abs() < 2e-3, "{}", bent.tip_m);
     // ε = M h / 2 E I half way
     let strain = LENGTH_M / 2.0 * HEIGHT_M / 2.0 / (YOUNGS_MODULUS_PA * inertia_m4);
-    assert!(
-        (bent.reading / strain - 1.0).abs() < 1e-2,
-        "{}",
-        bent.reading
-    );
+    assert!((bent.reading / strain - 1.0).abs() < 1e-2, "{}", bent.reading);
     assert!((bent.reading_adjoint / bent.reading - 1.0).abs() < 1e-9);
 }

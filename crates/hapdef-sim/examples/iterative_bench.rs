@@ -4,10 +4,7 @@
 //! `jump:NX,NY,NZ` (the same with every twentieth element 10⁶ times stiffer), `shell:NX,NY,NZ` (the
 //! same box as a cantilever plate, a tenth as thick in z), or a solid deck. With `both` the direct
 //! factor solves the same loads and the solutions are compared; with `auto` the model chooses.
-#![allow(
-    clippy::print_stdout,
-    reason = "a program that prints what it measures"
-)]
+#![allow(clippy::print_stdout, reason = "a program that prints what it measures")]
 
 #[path = "../tests/common/mod.rs"]
 #[allow(unused_imports, reason = "shared with the tests")]
@@ -62,14 +59,8 @@ fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
     let n: [usize; 3] = n.try_into().map_err(|_| "three numbers of cells")?;
     let thickness = if kind == "shell" { 0.1 } else { 1.0 };
     let unit = 1e-3;
-    let mesh = straight_box(
-        n,
-        [
-            n[0] as f64 * unit,
-            n[1] as f64 * unit,
-            n[2] as f64 * unit * thickness,
-        ],
-    );
+    let mesh =
+        straight_box(n, [n[0] as f64 * unit, n[1] as f64 * unit, n[2] as f64 * unit * thickness]);
     let clamped = nodes_where(&mesh, |p| p.x == 0.0);
     let mut params = ElasticParams::new(common::material(), clamped);
     if kind == "jump" {
@@ -82,12 +73,8 @@ fn problem(case: &str) -> Result<(Tet10Mesh, ElasticParams), Box<dyn Error>> {
 /// Unit forces at nodes spread over the mesh.
 fn loads(mesh: &Tet10Mesh, clamped: &[FeNodeId], n_loads: usize) -> Vec<NodalLoad> {
     let mut is_clamped = vec![false; mesh.nodes().len()];
-    clamped
-        .iter()
-        .for_each(|node| is_clamped[node.index()] = true);
-    let free: Vec<usize> = (0..mesh.nodes().len())
-        .filter(|&n| !is_clamped[n])
-        .collect();
+    clamped.iter().for_each(|node| is_clamped[node.index()] = true);
+    let free: Vec<usize> = (0..mesh.nodes().len()).filter(|&n| !is_clamped[n]).collect();
     (0..n_loads)
         .map(|i| {
             let node = FeNodeId::from_index(free[(i + 1) * (free.len() - 1) / n_loads]);
@@ -122,23 +109,13 @@ fn solve(
         loads.len(),
         params.n_threads
     );
-    println!(
-        "iterations       {} ({} restarts)",
-        solved.n_iterations, solved.n_refinements
-    );
+    println!("iterations       {} ({} restarts)", solved.n_iterations, solved.n_refinements);
     println!("backward error   {:.3e}", solved.worst_backward_error);
-    println!(
-        "energy error     {:.3e} (estimate)",
-        solved.worst_energy_error
-    );
+    println!("energy error     {:.3e} (estimate)", solved.worst_energy_error);
     println!("residual         {:.3e}", solved.worst_relative_residual);
     println!("peak memory      {}", peak_memory()?);
     for load in 0..loads.len() {
-        fields.push(
-            (0..all.len())
-                .map(|n| compliance.displacement(load, n))
-                .collect(),
-        );
+        fields.push((0..all.len()).map(|n| compliance.displacement(load, n)).collect());
     }
     Ok(fields)
 }
@@ -152,9 +129,6 @@ fn miss(a: &Field, b: &Field) -> f64 {
 
 fn peak_memory() -> Result<String, Box<dyn Error>> {
     let status = std::fs::read_to_string("/proc/self/status")?;
-    let line = status
-        .lines()
-        .find(|line| line.starts_with("VmHWM"))
-        .ok_or("no VmHWM")?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM")).ok_or("no VmHWM")?;
     Ok(line.trim_start_matches("VmHWM:").trim().to_owned())
 }

@@ -51,25 +51,20 @@ pub(crate) struct Analysis {
 impl Analysis {
     pub(crate) fn build(pattern: &BlockPattern) -> Result<Self, SimError> {
         let n = pattern.n_rows();
-        let too_large = |reason: &str| SimError::TooLarge {
-            n_equations: 3 * n,
-            reason: reason.to_owned(),
-        };
+        let too_large =
+            |reason: &str| SimError::TooLarge { n_equations: 3 * n, reason: reason.to_owned() };
         i32::try_from(pattern.columns.len())
             .map_err(|_| too_large("more entries than 32-bit indices can name"))?;
         let (col_ptr, row_idx) = upper_columns(pattern);
         let a = SymbolicSparseColMatRef::new_checked(n, n, &col_ptr, None, &row_idx);
-        let scratch = supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n).or(
-            simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, row_idx.len()),
-        );
+        let scratch = supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n)
+            .or(simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, row_idx.len()));
         let mut memory =
             MemBuffer::try_new(scratch).map_err(|_| too_large("no memory for the analysis"))?;
         let stack = MemStack::new(&mut memory);
         let (mut tree, mut counts) = (vec![0_i32; n], vec![0_u32; n]);
         let tree = simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, a, stack);
-        let params = SymbolicSupernodalParams {
-            relax: Some(&RELAX),
-        };
+        let params = SymbolicSupernodalParams { relax: Some(&RELAX) };
         let supernodes =
             supernodal::factorize_supernodal_symbolic_cholesky(a, tree, &counts, stack, params)
                 .map_err(|error| too_large(&format!("{error:?}")))?;
@@ -201,9 +196,7 @@ impl Analysis {
     }
 
     pub(crate) fn parent(&self, s: usize) -> Option<usize> {
-        self.below(s)
-            .first()
-            .map(|&node| self.supernode_of(node as usize))
+        self.below(s).first().map(|&node| self.supernode_of(node as usize))
     }
 }
 

@@ -51,16 +51,11 @@ const CHUNK: usize = 512;
 impl BlockPattern {
     pub(crate) fn build(graph: &NodeGraph) -> Self {
         let n = graph.row_ptr.len() - 1;
-        let mut pattern = Self {
-            row_ptr: vec![0],
-            columns: Vec::with_capacity(graph.neighbours.len() / 2 + n),
-        };
+        let mut pattern =
+            Self { row_ptr: vec![0], columns: Vec::with_capacity(graph.neighbours.len() / 2 + n) };
         for place in 0..n {
             pattern.columns.push(place as u32);
-            let later = graph
-                .of(place)
-                .iter()
-                .filter(|&&other| other as usize > place);
+            let later = graph.of(place).iter().filter(|&&other| other as usize > place);
             pattern.columns.extend(later);
             pattern.row_ptr.push(pattern.columns.len());
         }
@@ -119,9 +114,7 @@ pub(crate) fn assemble(
             let nodes = elements.nodes(element);
             let motions = motions_of(nodes, elements.motions_per_node());
             if !moves_as_one(&motions, unknowns) {
-                matrix
-                    .add(&motions, k, unknowns)
-                    .ok_or(SimError::OtherMesh { element })?;
+                matrix.add(&motions, k, unknowns).ok_or(SimError::OtherMesh { element })?;
             }
         }
     }
@@ -129,11 +122,7 @@ pub(crate) fn assemble(
         matrix.add_spring(spring, unknowns);
     }
     matrix.fill_held(unknowns);
-    Ok(Assembled {
-        matrix,
-        extremes,
-        rigid_force: largest_rigid_force,
-    })
+    Ok(Assembled { matrix, extremes, rigid_force: largest_rigid_force })
 }
 
 /// The motions of an element's nodes.

@@ -23,11 +23,7 @@ pub struct ComplianceParams {
 impl Default for ComplianceParams {
     /// 4 GiB, enough for 3,255 loads on 66,228 equations ten times over.
     fn default() -> Self {
-        Self {
-            solve: SolveParams::default(),
-            residuals: Residuals::Every,
-            max_bytes: 4 << 30,
-        }
+        Self { solve: SolveParams::default(), residuals: Residuals::Every, max_bytes: 4 << 30 }
     }
 }
 
@@ -134,21 +130,13 @@ impl ElasticModel {
         let harvest = |block: &SolvedBlock<'_>| take_wanted(block, wanted, &rows);
         let extent = match params.residuals {
             Residuals::Every => Extent::Full,
-            Residuals::Sampled { n_loads: n_sampled } => Extent::Wanted {
-                nodes: wanted,
-                n_sampled,
-            },
+            Residuals::Sampled { n_loads: n_sampled } => {
+                Extent::Wanted { nodes: wanted, n_sampled }
+            }
         };
         let info = solve_all(self, loads, &params.solve, extent, harvest, |_, ()| {})?;
         drop(rows);
-        Ok((
-            Compliance {
-                n_loads: loads.len(),
-                n_wanted: wanted.len(),
-                data,
-            },
-            info,
-        ))
+        Ok((Compliance { n_loads: loads.len(), n_wanted: wanted.len(), data }, info))
     }
 
     fn check_budget(
@@ -164,12 +152,7 @@ impl ElasticModel {
         if needed_bytes <= allowed_bytes {
             Ok(())
         } else {
-            Err(SimError::OverBudget {
-                n_loads,
-                n_wanted,
-                needed_bytes,
-                allowed_bytes,
-            })
+            Err(SimError::OverBudget { n_loads, n_wanted, needed_bytes, allowed_bytes })
         }
     }
 }

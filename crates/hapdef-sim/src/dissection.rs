@@ -71,11 +71,7 @@ impl Tree {
         let (mut parent, mut counts) = (vec![0; n], vec![0; n]);
         let stack = MemStack::new(&mut memory);
         simplicial::prefactorize_symbolic_cholesky(&mut parent, &mut counts, pattern, stack);
-        Ok(Self {
-            sequence,
-            parent,
-            counts,
-        })
+        Ok(Self { sequence, parent, counts })
     }
 
     fn fill(&self) -> u64 {
@@ -117,10 +113,7 @@ impl Tree {
 const NONE: u32 = u32::MAX;
 
 fn too_large(n: usize, reason: &str) -> SimError {
-    SimError::TooLarge {
-        n_equations: 3 * n,
-        reason: reason.to_owned(),
-    }
+    SimError::TooLarge { n_equations: 3 * n, reason: reason.to_owned() }
 }
 
 /// The graph's upper triangle by columns, eliminated as in `sequence`.
@@ -134,9 +127,7 @@ fn upper_pattern(graph: &NodeGraph, sequence: &[u32]) -> (Vec<u32>, Vec<u32>) {
     for (step, &place) in sequence.iter().enumerate() {
         let others = graph.of(place as usize).iter();
         row_idx.extend(
-            others
-                .map(|&other| step_of[other as usize])
-                .filter(|&other| (other as usize) < step),
+            others.map(|&other| step_of[other as usize]).filter(|&other| (other as usize) < step),
         );
         col_ptr.push(row_idx.len() as u32);
     }
@@ -201,10 +192,7 @@ mod tests {
 
     /// An n × n grid with its diagonals.
     fn grid(n: usize) -> NodeGraph {
-        let mut graph = NodeGraph {
-            row_ptr: vec![0],
-            neighbours: Vec::new(),
-        };
+        let mut graph = NodeGraph { row_ptr: vec![0], neighbours: Vec::new() };
         for i in 0..n * n {
             for j in 0..n * n {
                 let near = (i / n).abs_diff(j / n) <= 1 && (i % n).abs_diff(j % n) <= 1;
@@ -224,11 +212,7 @@ mod tests {
             let (sequence, _) = sequence(&graph).unwrap();
             let mut seen = sequence.clone();
             seen.sort_unstable();
-            assert!(
-                seen.iter()
-                    .enumerate()
-                    .all(|(i, &place)| i == place as usize)
-            );
+            assert!(seen.iter().enumerate().all(|(i, &place)| i == place as usize));
             let tree = Tree::of(&graph, sequence).unwrap();
             let natural: Vec<u32> = (0..(n * n) as u32).collect();
             assert!(tree.fill() <= Tree::of(&graph, natural).unwrap().fill());

@@ -133,26 +133,10 @@ impl ElasticModel {
         element_stiffness_scale: Option<&[f64]>,
     ) -> Result<Self, SimError> {
         let expect = |what, expected, found| {
-            if expected == found {
-                Ok(())
-            } else {
-                Err(SimError::Length {
-                    what,
-                    expected,
-                    found,
-                })
-            }
+            if expected == found { Ok(()) } else { Err(SimError::Length { what, expected, found }) }
         };
-        expect(
-            "the mesh's node list",
-            self.structure.unknowns.n_fe_nodes(),
-            mesh.nodes().len(),
-        )?;
-        expect(
-            "the mesh's element list",
-            self.structure.n_elements,
-            mesh.elements().len(),
-        )?;
+        expect("the mesh's node list", self.structure.unknowns.n_fe_nodes(), mesh.nodes().len())?;
+        expect("the mesh's element list", self.structure.n_elements, mesh.elements().len())?;
         let (structure, pool) = (Arc::clone(&self.structure), Arc::clone(&self.pool));
         let scale = element_stiffness_scale;
         let elements = SolidElements::new(mesh, material, &structure.regions, scale)?;
@@ -168,11 +152,8 @@ impl ElasticModel {
         let started = Instant::now();
         let (pattern, unknowns) = (Arc::clone(&structure.pattern), &structure.unknowns);
         let springs = &structure.springs;
-        let Assembled {
-            matrix: stiffness,
-            extremes,
-            rigid_force,
-        } = pool.install(|| assemble(elements, springs, unknowns, pattern))?;
+        let Assembled { matrix: stiffness, extremes, rigid_force } =
+            pool.install(|| assemble(elements, springs, unknowns, pattern))?;
         let assemble_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let solver = pool.install(|| structure.plan.solver(&stiffness, unknowns))?;
@@ -284,11 +265,7 @@ pub struct Motion {
 
 pub(crate) fn thread_pool(n_threads: usize) -> Result<Arc<ThreadPool>, SimError> {
     if n_threads == 0 {
-        return Err(SimError::Parameter {
-            what: "n_threads",
-            value: 0.0,
-            expected: "at least 1",
-        });
+        return Err(SimError::Parameter { what: "n_threads", value: 0.0, expected: "at least 1" });
     }
     ThreadPoolBuilder::new()
         .num_threads(n_threads)

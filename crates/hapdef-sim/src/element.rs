@@ -23,13 +23,7 @@ pub struct InvertedPoint {
 #[must_use]
 pub fn space_gradients(nodes: &[Point3<f64>; 10], r: [f64; 3]) -> (f64, [Vector3<f64>; 10]) {
     let d = tet10::shape_gradient(r);
-    let column = |k: usize| {
-        nodes
-            .iter()
-            .zip(d)
-            .map(|(p, d)| p.coords * d[k])
-            .sum::<Vector3<f64>>()
-    };
+    let column = |k: usize| nodes.iter().zip(d).map(|(p, d)| p.coords * d[k]).sum::<Vector3<f64>>();
     let (a, b, c) = (column(0), column(1), column(2));
     let cofactors = [b.cross(&c), c.cross(&a), a.cross(&b)];
     let det_j = a.dot(&cofactors[0]);
@@ -47,11 +41,8 @@ pub fn strain(
     r: [f64; 3],
 ) -> Matrix3<f64> {
     let (_, gradients) = space_gradients(nodes, r);
-    let grad_u: Matrix3<f64> = displacement
-        .iter()
-        .zip(gradients)
-        .map(|(u, g)| u * g.transpose())
-        .sum();
+    let grad_u: Matrix3<f64> =
+        displacement.iter().zip(gradients).map(|(u, g)| u * g.transpose()).sum();
     (grad_u + grad_u.transpose()) * 0.5
 }
 
@@ -73,10 +64,7 @@ pub fn stiffness(
     for (r, weight) in tet10::QUADRATURE4 {
         let (det_j, g) = space_gradients(nodes, r);
         if det_j.is_nan() || det_j <= 0.0 {
-            return Err(InvertedPoint {
-                parent: r,
-                det_j_m3: det_j,
-            });
+            return Err(InvertedPoint { parent: r, det_j_m3: det_j });
         }
         add_point(&mut k, &g, lambda * weight * det_j, mu * weight * det_j);
     }

@@ -73,12 +73,7 @@ impl<'a> SolidElements<'a> {
             }
             materials.push(region.material);
         }
-        Ok(Self {
-            mesh,
-            materials,
-            material_of,
-            scale,
-        })
+        Ok(Self { mesh, materials, material_of, scale })
     }
 
     fn material(&self, element: usize) -> &IsotropicMaterial {
@@ -111,11 +106,7 @@ impl Elements for SolidElements<'_> {
     fn stiffness(&self, element: usize, k: &mut [f64]) -> Result<(), SimError> {
         let nodes = self.mesh.element_positions(element);
         let unscaled = stiffness(&nodes, self.material(element)).map_err(|point| {
-            SimError::ElementInverted {
-                element,
-                parent: point.parent,
-                det_j_m3: point.det_j_m3,
-            }
+            SimError::ElementInverted { element, parent: point.parent, det_j_m3: point.det_j_m3 }
         })?;
         let scale = self.scale.map_or(1.0, |s| s[element]);
         for (value, unscaled) in k.iter_mut().zip(unscaled.as_flattened()) {
@@ -135,10 +126,7 @@ fn check_scale(scale: Option<&[f64]>, n_elements: usize) -> Result<(), SimError>
         });
     }
     match scale.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
-        Some(element) => Err(SimError::StiffnessScale {
-            element,
-            value: scale[element],
-        }),
+        Some(element) => Err(SimError::StiffnessScale { element, value: scale[element] }),
         None => Ok(()),
     }
 }

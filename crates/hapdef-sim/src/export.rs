@@ -27,11 +27,8 @@ impl ElasticModel {
                 reason: "more entries than 32-bit indices can name".to_owned(),
             });
         }
-        let mut matrix = StiffnessMatrix {
-            col_ptr: vec![0],
-            row_idx: Vec::new(),
-            values: Vec::new(),
-        };
+        let mut matrix =
+            StiffnessMatrix { col_ptr: vec![0], row_idx: Vec::new(), values: Vec::new() };
         for place in 0..pattern.n_rows() {
             for c in 0..3 {
                 for slot in pattern.row_ptr[place]..pattern.row_ptr[place + 1] {

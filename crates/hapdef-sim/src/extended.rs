@@ -57,10 +57,7 @@ impl Residual<'_> {
                 subtract(&mut sums, &blocks[slot], self.x, column, n_columns);
             }
             let rows = out.rows_mut(3 * node..3 * node + 3);
-            for (row, sums) in rows
-                .chunks_exact_mut(stride)
-                .zip(sums.chunks_exact(n_columns))
-            {
+            for (row, sums) in rows.chunks_exact_mut(stride).zip(sums.chunks_exact(n_columns)) {
                 for (value, sum) in row.iter_mut().zip(sums) {
                     *value = sum.high + sum.low;
                 }

@@ -57,10 +57,7 @@ impl Factor {
             .subtrees
             .par_iter()
             .zip(&mut in_subtrees)
-            .map_init(
-                || worker(false),
-                |worker, (range, values)| worker.subtree(range, values),
-            )
+            .map_init(|| worker(false), |worker, (range, values)| worker.subtree(range, values))
             .collect();
         let mut updates = vec![Update::new(); analysis.n_supernodes()];
         for (range, update) in analysis.subtrees.iter().zip(done) {
@@ -68,15 +65,9 @@ impl Factor {
         }
         let mut crown = worker(true);
         for (&s, values) in analysis.crown.iter().zip(&mut in_crown) {
-            updates[s] = crown
-                .supernode(s, &mut updates, 0, values)
-                .map_err(bad_pivot)?;
+            updates[s] = crown.supernode(s, &mut updates, 0, values).map_err(bad_pivot)?;
         }
-        Ok(Self {
-            analysis,
-            values,
-            scale,
-        })
+        Ok(Self { analysis, values, scale })
     }
 
     /// The Jacobi scaling 1/√Kᵢᵢ of each equation.
@@ -86,10 +77,7 @@ impl Factor {
 }
 
 fn bad_pivot(equation: usize) -> SimError {
-    SimError::NotPositiveDefinite {
-        node: equation / 3,
-        direction: equation % 3,
-    }
+    SimError::NotPositiveDefinite { node: equation / 3, direction: equation % 3 }
 }
 
 /// The values of each subtree, and of each supernode of the crown.

@@ -45,11 +45,7 @@ impl ElasticModel {
             n_fe_nodes: info.n_fe_nodes,
             n_elements: elements.n_elements(),
             n_equations: info.n_equations,
-            solver: if factor_flops > 0.0 {
-                SolverKind::Direct
-            } else {
-                SolverKind::Iterative
-            },
+            solver: if factor_flops > 0.0 { SolverKind::Direct } else { SolverKind::Iterative },
             nnz_l: info.nnz_l,
             factor_flops,
         })

@@ -206,9 +206,8 @@ mod tests {
         let front = run(false);
         let mut worst = 0.0_f64;
         for (i, j) in [(240, 240), (614, 240), (614, 614), (400, 300), (239, 7)] {
-            let product: f64 = (0..width.min(j + 1))
-                .map(|k| front.column(k)[i] * front.column(k)[j])
-                .sum();
+            let product: f64 =
+                (0..width.min(j + 1)).map(|k| front.column(k)[i] * front.column(k)[j]).sum();
             let left = if j < width { 0.0 } else { front.column(j)[i] };
             worst = worst.max((product + left - entry(i, j, size)).abs());
         }

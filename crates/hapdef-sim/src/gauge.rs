@@ -39,11 +39,7 @@ impl Default for GaugeParams {
     /// One sample per square millimetre (8 × 5 on the usual gauge), a tenth lost at most, and 2 mm
     /// to the wall.
     fn default() -> Self {
-        Self {
-            sample_m: 1e-3,
-            max_lost_share: 0.1,
-            max_distance_m: 2e-3,
-        }
+        Self { sample_m: 1e-3, max_lost_share: 0.1, max_distance_m: 2e-3 }
     }
 }
 
@@ -98,10 +94,8 @@ impl GaugeStrain {
         let [along, across] = axes(site, &wall.normal)?;
         let points = footprint(&wall.origin, &along, &across, site, params.sample_m);
         let n_samples = points.len();
-        let hits: Vec<WallPoint> = points
-            .iter()
-            .filter_map(|point| wall.project(point, reach_m))
-            .collect();
+        let hits: Vec<WallPoint> =
+            points.iter().filter_map(|point| wall.project(point, reach_m)).collect();
         let n_lost = n_samples - hits.len();
         check_lost(site, n_lost, n_samples, params)?;
         let weight = 1.0 / hits.len() as f64;
@@ -110,14 +104,7 @@ impl GaugeStrain {
             add_sample(mesh, hit, &along, weight, &mut rows)?;
         }
         let rows = rows.into_iter().collect();
-        Ok(Self {
-            rows,
-            normal: wall.normal,
-            axis: along,
-            n_samples,
-            n_lost,
-            distance_m,
-        })
+        Ok(Self { rows, normal: wall.normal, axis: along, n_samples, n_lost, distance_m })
     }
 
     /// The reading for `displacement` `[n_fe_nodes]`, m: strain, positive in tension.
@@ -126,20 +113,14 @@ impl GaugeStrain {
     /// If `displacement` is shorter than the mesh the gauge was made on.
     #[must_use]
     pub fn strain(&self, displacement: &[Vector3<f64>]) -> f64 {
-        self.rows
-            .iter()
-            .map(|(node, row)| row.dot(&displacement[node.index()]))
-            .sum()
+        self.rows.iter().map(|(node, row)| row.dot(&displacement[node.index()])).sum()
     }
 
     /// The right-hand side of the gauge's adjoint problem: its solution at a node is the reading per
     /// newton there, in each direction (Betti–Maxwell reciprocity).
     #[must_use]
     pub fn as_load(&self) -> NodalLoad {
-        NodalLoad {
-            forces_n: self.rows.clone(),
-            ..NodalLoad::default()
-        }
+        NodalLoad { forces_n: self.rows.clone(), ..NodalLoad::default() }
     }
 
     /// The functional's rows: FE nodes ascending, and strain per metre in each direction, 1/m.
@@ -186,11 +167,7 @@ pub(crate) fn check_site(site: &GaugeSite, params: &GaugeParams) -> Result<(), S
         ("the gauge's sample side (m)", params.sample_m),
     ] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(SimError::Parameter {
-                what,
-                value,
-                expected: "finite and positive",
-            });
+            return Err(SimError::Parameter { what, value, expected: "finite and positive" });
         }
     }
     match site.position.iter().find(|c| !c.is_finite()) {
@@ -240,10 +217,7 @@ pub(crate) fn axes(site: &GaugeSite, normal: &Vector3<f64>) -> Result<[Vector3<f
     let tangent = axis - normal * axis.dot(normal);
     if tangent.norm() < 0.1 {
         let what = "the gauge's axis, which lies along the wall's normal there,";
-        return Err(SimError::Direction {
-            what,
-            value: site.axis.into(),
-        });
+        return Err(SimError::Direction { what, value: site.axis.into() });
     }
     let along = tangent / tangent.norm();
     Ok([along, normal.cross(&along)])
@@ -298,18 +272,12 @@ fn add_sample(
 ) -> Result<(), SimError> {
     let corners = corners_in_element(mesh, &hit.face)?;
     let mut volume = [0.0; 4];
-    for (corner, share) in corners
-        .into_iter()
-        .zip([1.0 - hit.xi - hit.eta, hit.xi, hit.eta])
-    {
+    for (corner, share) in corners.into_iter().zip([1.0 - hit.xi - hit.eta, hit.xi, hit.eta]) {
         volume[corner] = share;
     }
     let parent = [volume[1], volume[2], volume[3]];
     let (_, gradients) = space_gradients(&mesh.element_positions(hit.face.element), parent);
-    let a = unit(
-        "the gauge's axis",
-        &(axis - hit.normal * axis.dot(&hit.normal)),
-    )?;
+    let a = unit("the gauge's axis", &(axis - hit.normal * axis.dot(&hit.normal)))?;
     for (node, gradient) in mesh.elements()[hit.face.element].iter().zip(gradients) {
         *rows.entry(*node).or_insert_with(Vector3::zeros) += a * (weight * gradient.dot(&a));
     }
@@ -323,11 +291,6 @@ fn corners_in_element(mesh: &Tet10Mesh, face: &Tri6Face) -> Result<[usize; 3], S
         corners: [0, 1, 2].map(|i| face.nodes[i].index()),
     };
     let nodes = mesh.elements().get(face.element).ok_or_else(foreign)?;
-    let place = |i: usize| {
-        nodes[..4]
-            .iter()
-            .position(|n| *n == face.nodes[i])
-            .ok_or_else(foreign)
-    };
+    let place = |i: usize| nodes[..4].iter().position(|n| *n == face.nodes[i]).ok_or_else(foreign);
     Ok([place(0)?, place(1)?, place(2)?])
 }

@@ -38,10 +38,7 @@ impl GaugeResponse {
     #[must_use]
     pub fn reading(&self, gauge: GaugeId, load: &NodalLoad) -> f64 {
         let field = self.field(gauge);
-        load.forces_n
-            .iter()
-            .map(|(node, force)| force.dot(&field[node.index()]))
-            .sum()
+        load.forces_n.iter().map(|(node, force)| force.dot(&field[node.index()])).sum()
     }
 }
 
@@ -71,11 +68,7 @@ impl ElasticModel {
             loads,
             &SolveParams::default(),
             Extent::Full,
-            |block| {
-                (0..block.loads.len())
-                    .map(|column| block.field(column))
-                    .collect::<Vec<_>>()
-            },
+            |block| (0..block.loads.len()).map(|column| block.field(column)).collect::<Vec<_>>(),
             |block, solved| {
                 for (&gauge, field) in block.iter().zip(&solved) {
                     fields[gauge * n_fe_nodes..(gauge + 1) * n_fe_nodes].copy_from_slice(field);

@@ -24,19 +24,13 @@ impl NodalLoad {
     /// A single force on one node, N.
     #[must_use]
     pub fn nodal(node: FeNodeId, force_n: Vector3<f64>) -> Self {
-        Self {
-            forces_n: vec![(node, force_n)],
-            ..Self::default()
-        }
+        Self { forces_n: vec![(node, force_n)], ..Self::default() }
     }
 
     /// A single moment on one node, N m; for shells only.
     #[must_use]
     pub fn nodal_moment(node: FeNodeId, moment_nm: Vector3<f64>) -> Self {
-        Self {
-            moments_nm: vec![(node, moment_nm)],
-            ..Self::default()
-        }
+        Self { moments_nm: vec![(node, moment_nm)], ..Self::default() }
     }
 
     /// The load equivalent to constant tractions (force per area, in space directions) on curved
@@ -69,9 +63,7 @@ impl NodalLoad {
         let mut forces = BTreeMap::new();
         for face in faces {
             let positions = positions(mesh, &face.nodes)?;
-            add_face(&mut forces, &face.nodes, &positions, |area| {
-                -area * pressure_pa
-            });
+            add_face(&mut forces, &face.nodes, &positions, |area| -area * pressure_pa);
         }
         Ok(Self::from_map(forces))
     }
@@ -104,10 +96,7 @@ impl NodalLoad {
             let entries = entries.iter();
             entries.map(|(node, f)| (*node, f * factor)).collect()
         };
-        Self {
-            forces_n: scaled(&self.forces_n),
-            moments_nm: scaled(&self.moments_nm),
-        }
+        Self { forces_n: scaled(&self.forces_n), moments_nm: scaled(&self.moments_nm) }
     }
 
     /// This load and `other` together.
@@ -136,11 +125,7 @@ impl NodalLoad {
     ) -> Result<Vector3<f64>, SimError> {
         self.check(mesh.nodes().len(), false)?;
         let arm = |node: &FeNodeId| mesh.nodes()[node.index()] - point;
-        Ok(self
-            .forces_n
-            .iter()
-            .map(|(node, force)| arm(node).cross(force))
-            .sum())
+        Ok(self.forces_n.iter().map(|(node, force)| arm(node).cross(force)).sum())
     }
 
     /// The work Σ f · u of this load on displacements `[n_fe_nodes]`, J (m for a unit load).
@@ -149,18 +134,11 @@ impl NodalLoad {
     /// [`SimError::NodeOutOfRange`]; [`SimError::NoRotations`] if the load has moments.
     pub fn work_j(&self, displacement: &[Vector3<f64>]) -> Result<f64, SimError> {
         self.check(displacement.len(), false)?;
-        Ok(self
-            .forces_n
-            .iter()
-            .map(|(node, force)| force.dot(&displacement[node.index()]))
-            .sum())
+        Ok(self.forces_n.iter().map(|(node, force)| force.dot(&displacement[node.index()])).sum())
     }
 
     pub(crate) fn from_map(forces: BTreeMap<FeNodeId, Vector3<f64>>) -> Self {
-        Self {
-            forces_n: forces.into_iter().collect(),
-            ..Self::default()
-        }
+        Self { forces_n: forces.into_iter().collect(), ..Self::default() }
     }
 
     pub(crate) fn check(&self, n_nodes: usize, has_rotations: bool) -> Result<(), SimError> {
@@ -184,11 +162,7 @@ pub(crate) fn check_node(
     if node.index() < n_nodes {
         Ok(())
     } else {
-        Err(SimError::NodeOutOfRange {
-            what,
-            node: node.index(),
-            n_nodes,
-        })
+        Err(SimError::NodeOutOfRange { what, node: node.index(), n_nodes })
     }
 }
 
@@ -196,10 +170,7 @@ fn check_finite(load: usize, value: &Vector3<f64>) -> Result<(), SimError> {
     if value.iter().all(|v| v.is_finite()) {
         Ok(())
     } else {
-        Err(SimError::LoadNotFinite {
-            load,
-            value: (*value).into(),
-        })
+        Err(SimError::LoadNotFinite { load, value: (*value).into() })
     }
 }
 
@@ -207,13 +178,7 @@ fn positions(mesh: &Tet10Mesh, nodes: &[FeNodeId; 6]) -> Result<[Point3<f64>; 6]
     for &node in nodes {
         check_node("a face", node, mesh.nodes().len())?;
     }
-    Ok(face_positions(
-        mesh,
-        &Tri6Face {
-            nodes: *nodes,
-            element: 0,
-        },
-    ))
+    Ok(face_positions(mesh, &Tri6Face { nodes: *nodes, element: 0 }))
 }
 
 fn add_face(

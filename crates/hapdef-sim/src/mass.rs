@@ -28,10 +28,7 @@ impl MassProperties {
                 first_moment += node.coords * share;
             }
         }
-        Self {
-            mass_kg,
-            centre_m: Point3::from(first_moment / mass_kg),
-        }
+        Self { mass_kg, centre_m: Point3::from(first_moment / mass_kg) }
     }
 }
 

@@ -23,15 +23,7 @@ impl IsotropicMaterial {
     ) -> Result<Self, SimError> {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let check = |ok: bool, property, value, expected| {
-            if ok {
-                Ok(())
-            } else {
-                Err(SimError::Material {
-                    property,
-                    value,
-                    expected,
-                })
-            }
+            if ok { Ok(()) } else { Err(SimError::Material { property, value, expected }) }
         };
         check(
             positive(youngs_modulus_pa),
@@ -45,17 +37,8 @@ impl IsotropicMaterial {
             poissons_ratio,
             "above -1 and below 0.5",
         )?;
-        check(
-            positive(density_kg_m3),
-            "density (kg/m³)",
-            density_kg_m3,
-            "finite and positive",
-        )?;
-        Ok(Self {
-            youngs_modulus_pa,
-            poissons_ratio,
-            density_kg_m3,
-        })
+        check(positive(density_kg_m3), "density (kg/m³)", density_kg_m3, "finite and positive")?;
+        Ok(Self { youngs_modulus_pa, poissons_ratio, density_kg_m3 })
     }
 
     /// Young's modulus E, Pa.

@@ -9,19 +9,16 @@ const FREE_BELOW: f64 = 1e-6;
 pub(crate) fn null_space(gram: DMatrix<f64>) -> DMatrix<f64> {
     let eigen = SymmetricEigen::new(gram);
     let limit = FREE_BELOW * FREE_BELOW * eigen.eigenvalues.amax();
-    let free: Vec<usize> = (0..eigen.eigenvalues.len())
-        .filter(|&i| eigen.eigenvalues[i] <= limit)
-        .collect();
+    let free: Vec<usize> =
+        (0..eigen.eigenvalues.len()).filter(|&i| eigen.eigenvalues[i] <= limit).collect();
     eigen.eigenvectors.select_columns(&free)
 }
 
 /// A basis (translation, rotation) of the span of `modes` `[6, n]` with single rotations and
 /// translations where there are such: reduced row echelon form, rotations first.
 pub(crate) fn readable_basis(modes: &DMatrix<f64>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    let mut rows: Vec<[f64; 6]> = modes
-        .column_iter()
-        .map(|m| [m[3], m[4], m[5], m[0], m[1], m[2]])
-        .collect();
+    let mut rows: Vec<[f64; 6]> =
+        modes.column_iter().map(|m| [m[3], m[4], m[5], m[0], m[1], m[2]]).collect();
     let mut rank = 0;
     for column in 0..6 {
         let Some(pivot) = (rank..rows.len())
@@ -48,11 +45,6 @@ pub(crate) fn readable_basis(modes: &DMatrix<f64>) -> Vec<(Vector3<f64>, Vector3
     rows[..rank]
         .iter()
         .map(|r| r.map(clean))
-        .map(|r| {
-            (
-                Vector3::new(r[3], r[4], r[5]),
-                Vector3::new(r[0], r[1], r[2]),
-            )
-        })
+        .map(|r| (Vector3::new(r[3], r[4], r[5]), Vector3::new(r[0], r[1], r[2])))
         .collect()
 }

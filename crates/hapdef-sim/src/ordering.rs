@@ -16,10 +16,7 @@ impl NodeGraph {
     pub(crate) fn build(n_places: usize, cliques: &Cliques) -> Self {
         let (first, cliques_of) = cliques.at_places(n_places);
         let mut mark = vec![NONE; n_places];
-        let mut graph = Self {
-            row_ptr: Vec::with_capacity(n_places + 1),
-            neighbours: Vec::new(),
-        };
+        let mut graph = Self { row_ptr: Vec::with_capacity(n_places + 1), neighbours: Vec::new() };
         graph.row_ptr.push(0);
         for place in 0..n_places {
             let start = graph.neighbours.len();
@@ -44,16 +41,12 @@ impl NodeGraph {
         for (new, &old) in sequence.iter().enumerate() {
             new_place[old as usize] = new as u32;
         }
-        let mut graph = Self {
-            row_ptr: vec![0],
-            neighbours: Vec::with_capacity(self.neighbours.len()),
-        };
+        let mut graph =
+            Self { row_ptr: vec![0], neighbours: Vec::with_capacity(self.neighbours.len()) };
         for &old in sequence {
             let start = graph.neighbours.len();
             let others = self.of(old as usize).iter();
-            graph
-                .neighbours
-                .extend(others.map(|&other| new_place[other as usize]));
+            graph.neighbours.extend(others.map(|&other| new_place[other as usize]));
             graph.neighbours[start..].sort_unstable();
             graph.row_ptr.push(graph.neighbours.len());
         }

@@ -11,16 +11,12 @@ pub(crate) fn face_connected(elements: &[[FeNodeId; 10]]) -> Vec<usize> {
         .iter()
         .enumerate()
         .flat_map(|(element, n)| {
-            [
-                [n[0], n[1], n[2]],
-                [n[0], n[1], n[3]],
-                [n[1], n[2], n[3]],
-                [n[0], n[2], n[3]],
-            ]
-            .map(|mut face| {
-                face.sort_unstable();
-                (face, element)
-            })
+            [[n[0], n[1], n[2]], [n[0], n[1], n[3]], [n[1], n[2], n[3]], [n[0], n[2], n[3]]].map(
+                |mut face| {
+                    face.sort_unstable();
+                    (face, element)
+                },
+            )
         })
         .collect();
     faces.sort_unstable();
@@ -40,9 +36,7 @@ pub(crate) struct DisjointSets {
 
 impl DisjointSets {
     pub(crate) fn new(n: usize) -> Self {
-        Self {
-            parent: (0..n).collect(),
-        }
+        Self { parent: (0..n).collect() }
     }
 
     pub(crate) fn join(&mut self, a: usize, b: usize) {

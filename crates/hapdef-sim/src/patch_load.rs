@@ -40,22 +40,14 @@ impl PressedSkin {
             check_node("the skin", node, mesh.nodes().len())?;
         }
         if skin.nodes.is_empty() {
-            return Err(SimError::Length {
-                what: "the skin's node list",
-                expected: 1,
-                found: 0,
-            });
+            return Err(SimError::Length { what: "the skin's node list", expected: 1, found: 0 });
         }
         let nodes = skin.nodes.iter().map(|&node| (node, mesh.position(node)));
         let placed = |face: &Tri6Face| (face.nodes, face_positions(mesh, face));
         let faces: Vec<_> = skin.faces.iter().map(placed).collect();
         let boxes = faces.iter().enumerate();
         let boxes = boxes.map(|(i, (_, nodes))| GeomWithData::new(around(nodes), i));
-        Ok(Self {
-            nodes: nodes.collect(),
-            boxes: RTree::bulk_load(boxes.collect()),
-            faces,
-        })
+        Ok(Self { nodes: nodes.collect(), boxes: RTree::bulk_load(boxes.collect()), faces })
     }
 
     /// The unit force of a tip of radius `tip_radius_m` (r) pressing at `centre` along
@@ -89,13 +81,9 @@ impl PressedSkin {
                 nearest_node_m: self.nearest(centre).1,
             });
         }
-        let forces_n = weights
-            .into_iter()
-            .map(|(node, weight)| (node, direction * (weight / total)));
-        Ok(NodalLoad {
-            forces_n: forces_n.collect(),
-            ..NodalLoad::default()
-        })
+        let forces_n =
+            weights.into_iter().map(|(node, weight)| (node, direction * (weight / total)));
+        Ok(NodalLoad { forces_n: forces_n.collect(), ..NodalLoad::default() })
     }
 
     /// The nearest node, the first of equals, and its distance, m.
@@ -121,11 +109,7 @@ impl PressedSkin {
         let mut weights = BTreeMap::new();
         for face in near {
             let (nodes, positions) = &self.faces[face];
-            let tip = Tip {
-                nodes: *positions,
-                centre,
-                radius_m,
-            };
+            let tip = Tip { nodes: *positions, centre, radius_m };
             let mut shares = [0.0; 6];
             tip.integrate(&WHOLE, 0, &mut shares);
             if shares.iter().any(|&share| share != 0.0) {
@@ -158,26 +142,13 @@ pub(crate) fn unit(what: &'static str, direction: &Vector3<f64>) -> Result<Vecto
     direction
         .try_normalize(0.0)
         .filter(|d| d.iter().all(|c| c.is_finite()))
-        .ok_or(SimError::Direction {
-            what,
-            value: (*direction).into(),
-        })
+        .ok_or(SimError::Direction { what, value: (*direction).into() })
 }
 
 pub(crate) fn check_tip(centre: &Point3<f64>, tip_radius_m: f64) -> Result<(), SimError> {
-    let refuse = |what, value, expected| {
-        Err(SimError::Parameter {
-            what,
-            value,
-            expected,
-        })
-    };
+    let refuse = |what, value, expected| Err(SimError::Parameter { what, value, expected });
     if !(tip_radius_m.is_finite() && tip_radius_m >= 0.0) {
-        return refuse(
-            "the tip radius (m)",
-            tip_radius_m,
-            "finite and not negative",
-        );
+        return refuse("the tip radius (m)", tip_radius_m, "finite and not negative");
     }
     match centre.iter().find(|c| !c.is_finite()) {
         Some(&value) => refuse("a coordinate of the tip's centre (m)", value, "finite"),
@@ -270,10 +241,6 @@ fn cross(piece: &[[f64; 2]; 3]) -> f64 {
 
 fn quarters(piece: &[[f64; 2]; 3]) -> [[[f64; 2]; 3]; 4] {
     let [a, b, c] = *piece;
-    let (ab, bc, ca) = (
-        within(piece, 0.5, 0.0),
-        within(piece, 0.5, 0.5),
-        within(piece, 0.0, 0.5),
-    );
+    let (ab, bc, ca) = (within(piece, 0.5, 0.0), within(piece, 0.5, 0.5), within(piece, 0.0, 0.5));
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
 }

@@ -150,9 +150,7 @@ impl Around {
         }
         let centre = mesh.position(node);
         let points = || patch.iter().flat_map(|&element| &samples[element]);
-        let size_m = points()
-            .map(|(p, _)| (p - centre).norm())
-            .fold(0.0, f64::max);
+        let size_m = points().map(|(p, _)| (p - centre).norm()).fold(0.0, f64::max);
         let (mut normal, mut right) = (SMatrix::<f64, 10, 10>::zeros(), Fit::zeros());
         for (p, sigma) in points() {
             let m = monomials(&((p - centre) / size_m));
@@ -160,10 +158,6 @@ impl Around {
             right += m * sigma.transpose();
         }
         let fit = normal.cholesky()?.solve(&right);
-        fit.iter().all(|c| c.is_finite()).then_some(Patch {
-            centre,
-            size_m,
-            fit,
-        })
+        fit.iter().all(|c| c.is_finite()).then_some(Patch { centre, size_m, fit })
     }
 }

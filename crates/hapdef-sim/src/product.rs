@@ -96,12 +96,7 @@ impl WithSimd for Pass<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Pass {
-            residual,
-            norms,
-            mut keep,
-            load: b,
-        } = self;
+        let Pass { residual, norms, mut keep, load: b } = self;
         let n = residual.x.stride() / S::F64_LANES;
         let x = S::as_simd_f64s(residual.x.values()).0;
         let mut entries = residual.entries;
@@ -112,13 +107,7 @@ impl WithSimd for Pass<'_, '_> {
                 entries = &entries[here..];
             }
             let s: [f64; 3] = std::array::from_fn(|c| residual.scale[3 * node + c]);
-            let rows = Rows {
-                residual,
-                x,
-                n,
-                node,
-                s,
-            };
+            let rows = Rows { residual, x, n, node, s };
             let keep = keep.as_deref_mut().map(|keep| {
                 let len = 3 * residual.x.stride();
                 S::as_mut_simd_f64s(&mut keep[node * len..(node + 1) * len]).0
@@ -182,13 +171,7 @@ impl<V: Copy> Rows<'_, '_, V> {
             }
             let moved = load::<S, N>(&self.x[3 * self.node * n..], n, at);
             largest(simd, &mut norms.left_scaled, at, &left, self.s);
-            largest(
-                simd,
-                &mut norms.moved_scaled,
-                at,
-                &moved,
-                self.s.map(f64::recip),
-            );
+            largest(simd, &mut norms.moved_scaled, at, &moved, self.s.map(f64::recip));
             let squares = S::as_mut_simd_f64s(&mut norms.left_squares).0;
             for r in 0..3 {
                 for v in 0..N {
@@ -216,12 +199,7 @@ impl<V: Copy> Rows<'_, '_, V> {
             let (a, column) = (&matrix.blocks[slot], pattern.columns[slot] as usize);
             let x = &self.x[3 * column * n..3 * (column + 1) * n];
             for c in 0..3 {
-                add_row(
-                    simd,
-                    &mut sums,
-                    [a[c], a[3 + c], a[6 + c]],
-                    &x[c * n + at..],
-                );
+                add_row(simd, &mut sums, [a[c], a[3 + c], a[6 + c]], &x[c * n + at..]);
             }
         }
         sums

@@ -35,13 +35,9 @@ mod tests {
     fn check(a: i32, b: i32, c: i32) {
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
         let exact = factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3);
-        let sum: f64 = tet_rule()
-            .map(|(r, w)| w * r[0].powi(a) * r[1].powi(b) * r[2].powi(c))
-            .sum();
-        assert!(
-            (sum - exact).abs() < 1e-13 * exact,
-            "ξ^{a} η^{b} ζ^{c}: {sum} against {exact}"
-        );
+        let sum: f64 =
+            tet_rule().map(|(r, w)| w * r[0].powi(a) * r[1].powi(b) * r[2].powi(c)).sum();
+        assert!((sum - exact).abs() < 1e-13 * exact, "ξ^{a} η^{b} ζ^{c}: {sum} against {exact}");
     }
 
     #[test]

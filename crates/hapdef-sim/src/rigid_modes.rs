@@ -117,10 +117,7 @@ pub(crate) fn check_supports(
     if floating.is_empty() {
         Ok(())
     } else {
-        Err(SimError::FreeRigidModes {
-            n_bodies,
-            bodies: floating,
-        })
+        Err(SimError::FreeRigidModes { n_bodies, bodies: floating })
     }
 }
 
@@ -218,11 +215,7 @@ impl Body {
         members: &[(FeNodeId, usize)],
     ) -> Self {
         let mine = |part: usize| bodies[part] == body;
-        let mut parts: Vec<usize> = part_of_element
-            .iter()
-            .copied()
-            .filter(|&p| mine(p))
-            .collect();
+        let mut parts: Vec<usize> = part_of_element.iter().copied().filter(|&p| mine(p)).collect();
         let n_elements = parts.len();
         parts.extend((n_elements_in_all..bodies.len()).filter(|&insert| mine(insert)));
         parts.sort_unstable();
@@ -232,12 +225,7 @@ impl Body {
             .filter(|(_, part)| mine(*part))
             .map(|&(node, part)| (node, parts.partition_point(|&p| p < part)))
             .collect();
-        Self {
-            first_element: body,
-            n_elements,
-            parts,
-            members,
-        }
+        Self { first_element: body, n_elements, parts, members }
     }
 
     fn floating(&self, limb: &Limb<'_>) -> Option<FloatingBody> {
@@ -253,41 +241,24 @@ impl Body {
         let part = self.most_moving_part(&modes);
         let free = readable_basis(&modes.rows(6 * part, 6).into_owned())
             .into_iter()
-            .map(|m| RigidMotion {
-                centre_m,
-                translation: m.0 * radius_m,
-                rotation: m.1,
-            })
+            .map(|m| RigidMotion { centre_m, translation: m.0 * radius_m, rotation: m.1 })
             .collect();
         let held = |node: &FeNodeId| !limb.conditions.at(*node).is_empty();
         let n_held = self.nodes().filter(held).count();
         let (first_element, n_elements) = (self.first_element, self.n_elements);
-        Some(FloatingBody {
-            first_element,
-            n_elements,
-            centre_m,
-            n_held,
-            free,
-        })
+        Some(FloatingBody { first_element, n_elements, centre_m, n_held, free })
     }
 
     fn nodes(&self) -> impl Iterator<Item = FeNodeId> {
-        self.members
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|group| group[0].0)
+        self.members.chunk_by(|a, b| a.0 == b.0).map(|group| group[0].0)
     }
 
     fn extent(&self, positions: &[Point3<f64>]) -> (Point3<f64>, f64) {
         let n = self.nodes().count() as f64;
-        let sum: Vector3<f64> = self
-            .nodes()
-            .map(|node| positions[node.index()].coords)
-            .sum();
+        let sum: Vector3<f64> = self.nodes().map(|node| positions[node.index()].coords).sum();
         let centre = Point3::from(sum / n);
-        let radius = self
-            .nodes()
-            .map(|node| (positions[node.index()] - centre).norm())
-            .fold(0.0, f64::max);
+        let radius =
+            self.nodes().map(|node| (positions[node.index()] - centre).norm()).fold(0.0, f64::max);
         (centre, radius)
     }
 

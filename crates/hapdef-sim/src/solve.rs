@@ -51,9 +51,7 @@ impl<'a> SolvedBlock<'a> {
 
     /// All displacements of `column` `[n_fe_nodes]`, m.
     pub(crate) fn field(&self, column: usize) -> Vec<Vector3<f64>> {
-        self.nodes()
-            .map(|node| self.displacement(column, node))
-            .collect()
+        self.nodes().map(|node| self.displacement(column, node)).collect()
     }
 
     /// The motion of all nodes in `column`.
@@ -84,10 +82,7 @@ pub(crate) enum Extent<'a> {
     Full,
     /// The rows of `nodes`; all rows and residuals of at least `n_sampled` loads, and of all where
     /// the system asks for refinement.
-    Wanted {
-        nodes: &'a [FeNodeId],
-        n_sampled: usize,
-    },
+    Wanted { nodes: &'a [FeNodeId], n_sampled: usize },
 }
 
 /// Solves all `loads` as far as `extent` asks; `harvest` takes what is wanted of each block, `sink`
@@ -112,11 +107,7 @@ pub(crate) fn solve_all<T: Send>(
         }
     };
     let condition = model.condition();
-    let system = System {
-        model,
-        factor,
-        extended: condition > params.extend_above_condition,
-    };
+    let system = System { model, factor, extended: condition > params.extend_above_condition };
     let sequence = by_place(loads, unknowns);
     let (full, rest) = split(sequence.chunks(block_size(loads.len())).collect(), extent);
     let mut reached = Reached::default();
@@ -222,10 +213,8 @@ pub(crate) fn unknown_forces(
     load: &NodalLoad,
     unknowns: &Unknowns,
 ) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-    let forces = load
-        .forces_n
-        .iter()
-        .flat_map(|(node, force)| unknowns.translation(*node).forces(*force));
+    let forces =
+        load.forces_n.iter().flat_map(|(node, force)| unknowns.translation(*node).forces(*force));
     let moments = load
         .moments_nm
         .iter()

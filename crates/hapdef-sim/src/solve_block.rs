@@ -31,11 +31,7 @@ impl Reached {
         self.reciprocity_error = self.reciprocity_error.max(other.reciprocity_error);
         self.n_read[0] += other.n_read[0];
         self.n_read[1] += other.n_read[1];
-        if other
-            .relative_residual
-            .total_cmp(&self.relative_residual)
-            .is_gt()
-        {
+        if other.relative_residual.total_cmp(&self.relative_residual).is_gt() {
             self.relative_residual = other.relative_residual;
         }
         if other.backward_error.total_cmp(&self.backward_error).is_gt() {
@@ -90,11 +86,7 @@ impl Workspace {
             let error = wanted.reciprocity_error(system.factor.scale(), entries, x, block.len());
             // a value that is not a number is in doubt
             if error <= wanted.doubt_above {
-                return Reached {
-                    reciprocity_error: error,
-                    n_read,
-                    ..Reached::default()
-                };
+                return Reached { reciprocity_error: error, n_read, ..Reached::default() };
             }
         }
         self.solve_full(system, block, params)
@@ -129,11 +121,7 @@ impl Workspace {
                 ..self.worst(system, block, false)
             };
         }
-        Reached {
-            n_residuals: block.len(),
-            n_read,
-            ..worst
-        }
+        Reached { n_residuals: block.len(), n_read, ..worst }
     }
 
     /// The entries' solution, in the rows of the `wanted` supernodes; returns the entries of L
@@ -141,8 +129,7 @@ impl Workspace {
     fn substitute(&mut self, system: &System<'_>, n_columns: usize, wanted: &[bool]) -> [usize; 2] {
         let factor = system.factor;
         let reached = factor.reached(self.entries.iter().map(Entry::place));
-        self.x
-            .reshape(3 * system.model.structure.unknowns.n_places(), n_columns);
+        self.x.reshape(3 * system.model.structure.unknowns.n_places(), n_columns);
         factor.clear(&mut self.x, &reached);
         for entry in &self.entries {
             let place = entry.place();
@@ -180,9 +167,7 @@ impl Workspace {
     fn refine(&mut self, system: &System<'_>, block: &[usize]) {
         self.worst(system, block, true);
         let everywhere = vec![true; system.factor.analysis.n_supernodes()];
-        system
-            .factor
-            .solve_in_place(&mut self.correction, &everywhere, &everywhere);
+        system.factor.solve_in_place(&mut self.correction, &everywhere, &everywhere);
         let correction = self.correction.values();
         for (x, c) in self.x.values_mut().iter_mut().zip(correction) {
             *x += *c;
@@ -220,11 +205,8 @@ impl Reached {
     fn of(norms: &Norms, column: usize, scaled_norm: f64, load: usize) -> Self {
         let size = scaled_norm * norms.moved_scaled[column] + norms.loaded_scaled[column];
         let left = norms.left_squares[column].sqrt();
-        let backward_error = if left.is_nan() {
-            f64::NAN
-        } else {
-            ratio(norms.left_scaled[column], size)
-        };
+        let backward_error =
+            if left.is_nan() { f64::NAN } else { ratio(norms.left_scaled[column], size) };
         Self {
             relative_residual: ratio(left, norms.loaded_squares[column].sqrt()),
             backward_error,

@@ -85,16 +85,10 @@ mod tests {
         ];
         let nodes = (0..10).map(|i| match i {
             0..4 => corners[i],
-            _ => nalgebra::center(
-                &corners[TET10_EDGES[i - 4][0]],
-                &corners[TET10_EDGES[i - 4][1]],
-            ),
+            _ => nalgebra::center(&corners[TET10_EDGES[i - 4][0]], &corners[TET10_EDGES[i - 4][1]]),
         });
-        Tet10Mesh::new(
-            nodes.collect(),
-            vec![std::array::from_fn(FeNodeId::from_index)],
-        )
-        .expect("a valid tetrahedron")
+        Tet10Mesh::new(nodes.collect(), vec![std::array::from_fn(FeNodeId::from_index)])
+            .expect("a valid tetrahedron")
     }
 
     /// A quadratic displacement has linear stress, which the extrapolation meets at every node.

@@ -43,14 +43,7 @@ impl Structure {
         let inserts = &supports.rigid_inserts;
         let natural = Unknowns::natural(positions, per_node, &held, inserts)?;
         let bedded = bedded_directions(&springs);
-        check_supports(
-            elements,
-            &Restraints {
-                held: &held,
-                bedded,
-                inserts,
-            },
-        )?;
+        check_supports(elements, &Restraints { held: &held, bedded, inserts })?;
         let cliques = cliques(elements, &springs, &natural);
         let graph = NodeGraph::build(natural.n_places(), &cliques);
         let (sequence, ordering) = sequence(&graph)?;
@@ -90,11 +83,7 @@ fn cliques(elements: &dyn Elements, springs: &[FaceSpring], unknowns: &Unknowns)
     let mut cliques = Cliques::default();
     for element in 0..elements.n_elements() {
         let motions = motions_of(elements.nodes(element), elements.motions_per_node());
-        cliques.push(
-            motions
-                .iter()
-                .flat_map(|&motion| unknowns.link(motion).places()),
-        );
+        cliques.push(motions.iter().flat_map(|&motion| unknowns.link(motion).places()));
     }
     for spring in springs {
         let links = spring.nodes.iter().map(|&node| unknowns.translation(node));

@@ -100,10 +100,7 @@ impl Foundation {
     pub(crate) fn springs(&self, positions: &[Point3<f64>]) -> Result<Vec<FaceSpring>, SimError> {
         for (what, value) in [
             ("a foundation's normal stiffness (N/m³)", self.normal_n_m3),
-            (
-                "a foundation's tangential stiffness (N/m³)",
-                self.tangential_n_m3,
-            ),
+            ("a foundation's tangential stiffness (N/m³)", self.tangential_n_m3),
         ] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(SimError::Parameter {
@@ -159,14 +156,7 @@ fn six_points(nodes: &[FeNodeId], positions: &[Point3<f64>]) -> Result<[Point3<f
         std::array::from_fn(at)
     } else {
         let middle = |a, b| nalgebra::center(&at(a), &at(b));
-        [
-            at(0),
-            at(1),
-            at(2),
-            middle(0, 1),
-            middle(1, 2),
-            middle(2, 0),
-        ]
+        [at(0), at(1), at(2), middle(0, 1), middle(1, 2), middle(2, 0)]
     })
 }
 
@@ -186,9 +176,7 @@ impl Held {
         has_rotations: bool,
     ) -> Result<Self, SimError> {
         let per_node = 1 + usize::from(has_rotations);
-        let mut held = Self {
-            directions: vec![Vec::new(); per_node * n_nodes],
-        };
+        let mut held = Self { directions: vec![Vec::new(); per_node * n_nodes] };
         for &node in clamped {
             check_node("the list of clamped nodes", node, n_nodes)?;
             for motion in per_node * node.index()..per_node * (node.index() + 1) {
@@ -228,9 +216,7 @@ impl Held {
     /// Adds a direction to those held, by Gram and Schmidt.
     fn hold(&mut self, motion: usize, direction: Vector3<f64>) {
         let basis = &mut self.directions[motion];
-        let new = basis
-            .iter()
-            .fold(direction, |rest, b| rest - b * b.dot(&rest));
+        let new = basis.iter().fold(direction, |rest, b| rest - b * b.dot(&rest));
         if let Some(new) = new.try_normalize(1e-8) {
             basis.push(new);
         }
@@ -256,11 +242,7 @@ pub(crate) fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector
         let sum: Matrix3<f64> = spring.blocks.iter().sum();
         let eigen = SymmetricEigen::new(sum);
         let largest = eigen.eigenvalues.amax();
-        for (value, direction) in eigen
-            .eigenvalues
-            .iter()
-            .zip(eigen.eigenvectors.column_iter())
-        {
+        for (value, direction) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
             if *value > 1e-12 * largest {
                 let direction = direction.into_owned();
                 bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));

@@ -64,10 +64,7 @@ mod tests {
             [[0.0; 3], [1.0, 0.0, 0.1], [0.2, 1.0, 0.0], [0.1, 0.3, 1.0]].map(Point3::from);
         let nodes: [Point3<f64>; 10] = std::array::from_fn(|i| match i {
             0..4 => corners[i],
-            _ => nalgebra::center(
-                &corners[TET10_EDGES[i - 4][0]],
-                &corners[TET10_EDGES[i - 4][1]],
-            ),
+            _ => nalgebra::center(&corners[TET10_EDGES[i - 4][0]], &corners[TET10_EDGES[i - 4][1]]),
         });
         let ids = std::array::from_fn(FeNodeId::from_index);
         let mesh = Tet10Mesh::new(nodes.to_vec(), vec![ids]).expect("valid");
@@ -79,10 +76,7 @@ mod tests {
             for direction in 0..3 {
                 let row = k[3 * node.index() + direction];
                 let ku: f64 = (0..30).map(|j| row[j] * nodes[j / 3][j % 3] * 3e-4).sum();
-                assert!(
-                    (ku - force[direction]).abs() < 1e-9 * 2e9 * 3e-4,
-                    "{node:?}"
-                );
+                assert!((ku - force[direction]).abs() < 1e-9 * 2e9 * 3e-4, "{node:?}");
             }
         }
     }

@@ -48,13 +48,7 @@ impl Factor {
     /// Both are closed towards the root: a row of Lᵀ x = y needs its ancestors, and nothing else.
     pub(crate) fn solve_in_place(&self, x: &mut Columns, reached: &[bool], wanted: &[bool]) {
         let stride = x.stride();
-        Arch::new().dispatch(Solve {
-            factor: self,
-            x: x.values_mut(),
-            stride,
-            reached,
-            wanted,
-        });
+        Arch::new().dispatch(Solve { factor: self, x: x.values_mut(), stride, reached, wanted });
     }
 }
 
@@ -106,13 +100,7 @@ impl<'a> Supernode<'a> {
         let nodes = analysis.nodes(s);
         let width = nodes.len();
         let (top, bottom) = values[analysis.values(s)].split_at(9 * width * (width + 1) / 2);
-        Self {
-            first: nodes.start,
-            width,
-            below: analysis.below(s),
-            top,
-            bottom,
-        }
+        Self { first: nodes.start, width, below: analysis.below(s), top, bottom }
     }
 
     /// The values of the `i`-th node's rows, up to its own columns.
@@ -197,9 +185,7 @@ impl<'a> Supernode<'a> {
 #[inline(always)]
 fn chunks(range: std::ops::Range<usize>) -> impl Iterator<Item = std::ops::Range<usize>> {
     let end = range.end;
-    range
-        .step_by(ROWS)
-        .map(move |start| start..(start + ROWS).min(end))
+    range.step_by(ROWS).map(move |start| start..(start + ROWS).min(end))
 }
 
 /// target −= L known for three rows; `l` is −L as `[column][row]`.

@@ -101,10 +101,7 @@ impl Unknowns {
             Link::Free(place)
         } else {
             let along = directions.iter().map(|d| d * d.transpose());
-            Link::Guided(
-                place,
-                Box::new(Matrix3::identity() - along.sum::<Matrix3<f64>>()),
-            )
+            Link::Guided(place, Box::new(Matrix3::identity() - along.sum::<Matrix3<f64>>()))
         };
     }
 
@@ -120,10 +117,7 @@ impl Unknowns {
         let at = |node: &FeNodeId| positions[node.index()];
         if !spans_a_plane(&nodes.iter().map(at).collect::<Vec<_>>()) {
             let n_nodes = nodes.len();
-            return Err(SimError::InsertTooSmall {
-                insert: index,
-                n_nodes,
-            });
+            return Err(SimError::InsertTooSmall { insert: index, n_nodes });
         }
         let sum: Vector3<f64> = nodes.iter().map(|node| at(node).coords).sum();
         let centre = Point3::from(sum / nodes.len() as f64);
@@ -131,11 +125,7 @@ impl Unknowns {
         let rotation = self.add_owner(nodes[0], true);
         for node in &nodes {
             let motion = self.motions_per_node * node.index();
-            self.links[motion] = Link::Tied {
-                translation,
-                rotation,
-                arm: at(node) - centre,
-            };
+            self.links[motion] = Link::Tied { translation, rotation, arm: at(node) - centre };
             if self.motions_per_node == 2 {
                 self.links[motion + 1] = Link::Free(rotation);
             }
@@ -158,20 +148,13 @@ impl Unknowns {
             match link {
                 Link::Fixed => {}
                 Link::Free(place) | Link::Guided(place, _) => *place = new_place[*place as usize],
-                Link::Tied {
-                    translation,
-                    rotation,
-                    ..
-                } => {
+                Link::Tied { translation, rotation, .. } => {
                     *translation = new_place[*translation as usize];
                     *rotation = new_place[*rotation as usize];
                 }
             }
         }
-        self.owners = sequence
-            .iter()
-            .map(|&old| self.owners[old as usize])
-            .collect();
+        self.owners = sequence.iter().map(|&old| self.owners[old as usize]).collect();
         self
     }
 
@@ -222,11 +205,7 @@ impl Link {
         let (first, second) = match *self {
             Self::Fixed => (None, None),
             Self::Free(place) | Self::Guided(place, _) => (Some(place), None),
-            Self::Tied {
-                translation,
-                rotation,
-                ..
-            } => (Some(translation), Some(rotation)),
+            Self::Tied { translation, rotation, .. } => (Some(translation), Some(rotation)),
         };
         first.into_iter().chain(second).map(|place| place as usize)
     }
@@ -238,11 +217,7 @@ impl Link {
             Self::Fixed => {}
             Self::Free(place) => terms[0] = Some((*place as usize, Matrix3::identity())),
             Self::Guided(place, projector) => terms[0] = Some((*place as usize, **projector)),
-            Self::Tied {
-                translation,
-                rotation,
-                arm,
-            } => {
+            Self::Tied { translation, rotation, arm } => {
                 terms[0] = Some((*translation as usize, Matrix3::identity()));
                 terms[1] = Some((*rotation as usize, -arm.cross_matrix()));
             }
@@ -256,11 +231,9 @@ impl Link {
             Self::Fixed => Vector3::zeros(),
             Self::Free(place) => unknown(*place as usize),
             Self::Guided(place, projector) => **projector * unknown(*place as usize),
-            Self::Tied {
-                translation,
-                rotation,
-                arm,
-            } => unknown(*translation as usize) + unknown(*rotation as usize).cross(arm),
+            Self::Tied { translation, rotation, arm } => {
+                unknown(*translation as usize) + unknown(*rotation as usize).cross(arm)
+            }
         }
     }
 
@@ -271,11 +244,7 @@ impl Link {
             Self::Fixed => {}
             Self::Free(place) => terms[0] = Some((*place as usize, f)),
             Self::Guided(place, projector) => terms[0] = Some((*place as usize, **projector * f)),
-            Self::Tied {
-                translation,
-                rotation,
-                arm,
-            } => {
+            Self::Tied { translation, rotation, arm } => {
                 terms[0] = Some((*translation as usize, f));
                 terms[1] = Some((*rotation as usize, arm.cross(&f)));
             }

@@ -38,41 +38,21 @@ impl Wall {
         centre: &Point3<f64>,
         reach_m: f64,
     ) -> Option<(Self, f64)> {
-        let placed: Vec<_> = faces
-            .iter()
-            .map(|face| (*face, face_positions(mesh, face)))
-            .collect();
+        let placed: Vec<_> = faces.iter().map(|face| (*face, face_positions(mesh, face))).collect();
         let nearest = |i: usize| nearest_on_face(&placed[i].1, centre);
-        let start = (0..placed.len())
-            .map(|i| (i, nearest(i).2))
-            .min_by(|a, b| a.1.total_cmp(&b.1))?
-            .0;
+        let start =
+            (0..placed.len()).map(|i| (i, nearest(i).2)).min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let (xi, eta, distance_m) = nearest(start);
         let origin = tri6::position(&placed[start].1, xi, eta);
         let normal = unit_normal(&placed[start].1, xi, eta)?;
         let agrees = |i: usize| {
             unit_normal(&placed[i].1, 1.0 / 3.0, 1.0 / 3.0)
                 .is_some_and(|other| other.dot(&normal) > MIN_NORMAL_AGREEMENT)
-                && placed[i]
-                    .1
-                    .iter()
-                    .any(|p| (p - origin).norm() <= reach_m + extent(&placed[i].1))
+                && placed[i].1.iter().any(|p| (p - origin).norm() <= reach_m + extent(&placed[i].1))
         };
         let reached = connected_faces(faces, start, agrees);
-        let faces = placed
-            .into_iter()
-            .zip(reached)
-            .filter(|(_, r)| *r)
-            .map(|(f, _)| f)
-            .collect();
-        Some((
-            Self {
-                faces,
-                origin,
-                normal,
-            },
-            distance_m,
-        ))
+        let faces = placed.into_iter().zip(reached).filter(|(_, r)| *r).map(|(f, _)| f).collect();
+        Some((Self { faces, origin, normal }, distance_m))
     }
 
     /// Where the line through `point` along the wall's normal meets the wall, nearest to `point` and
@@ -85,12 +65,7 @@ impl Wall {
                 let (xi, eta) = meet_line(nodes, point, &u, &v)?;
                 let height_m = (tri6::position(nodes, xi, eta) - point).norm();
                 let normal = unit_normal(nodes, xi, eta)?;
-                let hit = WallPoint {
-                    face: *face,
-                    xi,
-                    eta,
-                    normal,
-                };
+                let hit = WallPoint { face: *face, xi, eta, normal };
                 (height_m <= reach_m).then_some((height_m, hit))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -104,20 +79,11 @@ fn unit_normal(nodes: &[Point3<f64>; 6], xi: f64, eta: f64) -> Option<Vector3<f6
 
 /// The largest distance of a node from the first.
 fn extent(nodes: &[Point3<f64>; 6]) -> f64 {
-    nodes
-        .iter()
-        .map(|p| (p - nodes[0]).norm())
-        .fold(0.0, f64::max)
+    nodes.iter().map(|p| (p - nodes[0]).norm()).fold(0.0, f64::max)
 }
 
 fn tangents_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let least = (0..3).fold(0, |a, b| {
-        if normal[b].abs() < normal[a].abs() {
-            b
-        } else {
-            a
-        }
-    });
+    let least = (0..3).fold(0, |a, b| if normal[b].abs() < normal[a].abs() { b } else { a });
     let u = normal.cross(&Vector3::ith(least, 1.0));
     let u = u / u.norm();
     [u, normal.cross(&u)]
@@ -168,9 +134,7 @@ fn nearest_on_face(nodes: &[Point3<f64>; 6], point: &Point3<f64>) -> (f64, f64, 
             (xi, eta, (tri6::position(nodes, xi, eta) - point).norm())
         })
         .into_iter()
-        .fold((0.0, 0.0, f64::INFINITY), |best, next| {
-            if next.2 < best.2 { next } else { best }
-        })
+        .fold((0.0, 0.0, f64::INFINITY), |best, next| if next.2 < best.2 { next } else { best })
 }
 
 /// (s, t) of the nearest point a + s (b − a) + t (c − a) of a triangle
@@ -187,15 +151,11 @@ pub(crate) fn nearest_on_triangle([a, b, c]: &[Point3<f64>; 3], p: &Point3<f64>)
     let along =
         |q: &Point3<f64>, e: Vector3<f64>| ((p - q).dot(&e) / e.norm_squared()).clamp(0.0, 1.0);
     let on_bc = along(b, c - b);
-    [
-        (along(a, ab), 0.0),
-        (0.0, along(a, ac)),
-        (1.0 - on_bc, on_bc),
-    ]
-    .into_iter()
-    .min_by(|x, y| {
-        let distance = |(s, t): &(f64, f64)| (ap - ab * *s - ac * *t).norm_squared();
-        distance(x).total_cmp(&distance(y))
-    })
-    .unwrap_or((0.0, 0.0))
+    [(along(a, ab), 0.0), (0.0, along(a, ac)), (1.0 - on_bc, on_bc)]
+        .into_iter()
+        .min_by(|x, y| {
+            let distance = |(s, t): &(f64, f64)| (ap - ab * *s - ac * *t).norm_squared();
+            distance(x).total_cmp(&distance(y))
+        })
+        .unwrap_or((0.0, 0.0))
 }

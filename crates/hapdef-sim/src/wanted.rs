@@ -77,8 +77,7 @@ impl Wanted {
                 }
             }
         }
-        size.iter_mut()
-            .for_each(|size| *size *= 3.0 * self.weights.len() as f64);
+        size.iter_mut().for_each(|size| *size *= 3.0 * self.weights.len() as f64);
         for entry in entries {
             let column = entry.column as usize;
             for (c, force) in entry.force.iter().enumerate() {
@@ -89,13 +88,7 @@ impl Wanted {
         }
         let errors = apart.iter().zip(&size);
         errors
-            .map(|(apart, size)| {
-                if *apart == 0.0 {
-                    0.0
-                } else {
-                    apart.abs() / size
-                }
-            })
+            .map(|(apart, size)| if *apart == 0.0 { 0.0 } else { apart.abs() / size })
             .max_by(f64::total_cmp)
             .unwrap_or(0.0)
     }
@@ -121,11 +114,7 @@ fn sign(i: usize) -> f64 {
     let mut bits = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    if (bits ^ (bits >> 31)) & 1 == 0 {
-        1.0
-    } else {
-        -1.0
-    }
+    if (bits ^ (bits >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
 }
 
 #[cfg(test)]
@@ -173,11 +162,7 @@ mod tests {
         let Solver::Direct(factor) = &model.solver else {
             panic!("a small model is factored");
         };
-        test(&System {
-            model: &model,
-            factor,
-            extended: false,
-        });
+        test(&System { model: &model, factor, extended: false });
     }
 
     const ALL: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
@@ -185,17 +170,12 @@ mod tests {
     fn loads() -> Vec<NodalLoad> {
         let node = |i: usize| FeNodeId::from_index(40 * i + 9);
         let force = |i: usize| Vector3::new(1.0, -0.3 * i as f64, 2.0);
-        (0..9)
-            .map(|i| NodalLoad::nodal(node(i), force(i)))
-            .collect()
+        (0..9).map(|i| NodalLoad::nodal(node(i), force(i))).collect()
     }
 
     /// Rows half way to the root.
     fn wanted(system: &System<'_>) -> Wanted {
-        let middle = system
-            .factor
-            .analysis
-            .nodes(system.factor.analysis.n_supernodes() / 2);
+        let middle = system.factor.analysis.nodes(system.factor.analysis.n_supernodes() / 2);
         let owners = &system.model.structure.unknowns.owners()[middle];
         let nodes: Vec<FeNodeId> = owners.iter().map(|owner| owner.node).collect();
         Wanted::new(system, &nodes, 1e-9, &SolveParams::default()).unwrap()
@@ -232,10 +212,7 @@ mod tests {
                     }
                 }
             }
-            assert!(
-                n_same > 0 && n_left > n,
-                "{n_same} rows solved, {n_left} left"
-            );
+            assert!(n_same > 0 && n_left > n, "{n_same} rows solved, {n_left} left");
         });
     }
 

@@ -33,11 +33,7 @@ impl Series {
             let z = levels[low] + (at - low as f64) * (levels[low + 1] - levels[low]);
             Point3::new(2.0 * p.x, p.y, z / height)
         });
-        Self {
-            mesh,
-            factors,
-            pull_pa: 1e6,
-        }
+        Self { mesh, factors, pull_pa: 1e6 }
     }
 
     fn model(&self, n_threads: usize) -> ElasticModel {
@@ -58,10 +54,7 @@ impl Series {
 
     fn load(&self) -> NodalLoad {
         let end = faces_where(&self.mesh, |p| p.x == 2.0);
-        let pull = |nodes| FaceTraction {
-            nodes,
-            traction_pa: Vector3::x() * self.pull_pa,
-        };
+        let pull = |nodes| FaceTraction { nodes, traction_pa: Vector3::x() * self.pull_pa };
         let tractions: Vec<_> = end.iter().map(|face| pull(face.nodes)).collect();
         NodalLoad::traction(&self.mesh, &tractions).unwrap()
     }
@@ -74,16 +67,9 @@ impl Series {
 
     /// The largest error of a displacement over the largest displacement, and the solve's info.
     fn error(&self, solve: SolveParams) -> Result<(f64, SolveInfo), SimError> {
-        let all: Vec<_> = (0..self.mesh.nodes().len())
-            .map(FeNodeId::from_index)
-            .collect();
-        let params = ComplianceParams {
-            solve,
-            ..ComplianceParams::default()
-        };
-        let (found, info) = self
-            .try_model(1)?
-            .compliance(&[self.load()], &all, &params)?;
+        let all: Vec<_> = (0..self.mesh.nodes().len()).map(FeNodeId::from_index).collect();
+        let params = ComplianceParams { solve, ..ComplianceParams::default() };
+        let (found, info) = self.try_model(1)?.compliance(&[self.load()], &all, &params)?;
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
         for (p, u) in self.mesh.nodes().iter().zip(found.row(0).chunks_exact(3)) {
             let exact = self.exact(p);
@@ -97,8 +83,7 @@ impl Series {
 fn scales(mesh: &Tet10Mesh, factors: [f64; 2]) -> Vec<f64> {
     let centre = |nodes: &[FeNodeId; 10]| nodes[..4].iter().map(|&n| mesh.position(n).x).sum();
     let sums = mesh.elements().iter().map(centre);
-    sums.map(|sum: f64| factors[usize::from(sum > 4.0)])
-        .collect()
+    sums.map(|sum: f64| factors[usize::from(sum > 4.0)]).collect()
 }
 
 /// λmax / λmin of the Jacobi-scaled stiffness by a dense eigenvalue solver.
@@ -132,25 +117,16 @@ fn check_condition(what: &str, model: &ElasticModel) {
 #[test]
 fn the_condition_number_is_that_of_dense_eigenvalues() {
     for factors in [[1.0, 1.0], [1e6, 1.0], [1.0, 1e3], [1.0, 1e6]] {
-        check_condition(
-            &format!("factors {factors:?}"),
-            &Series::new(1.0, factors).model(1),
-        );
+        check_condition(&format!("factors {factors:?}"), &Series::new(1.0, factors).model(1));
     }
     for layer in [0.1, 0.01, 1e-3] {
-        check_condition(
-            &format!("layer {layer}"),
-            &Series::new(layer, [1.0; 2]).model(1),
-        );
+        check_condition(&format!("layer {layer}"), &Series::new(layer, [1.0; 2]).model(1));
     }
     let mesh = straight_box([3, 3, 3], [1.0; 3]);
     for nu in [0.3, 0.49, 0.4999, 0.499_999] {
         let material = IsotropicMaterial::new(E_PA, nu, 1.0).unwrap();
         let params = ElasticParams::new(material, nodes_where(&mesh, |p| p.x == 0.0));
-        check_condition(
-            &format!("ν {nu}"),
-            &ElasticModel::build(&mesh, &params).unwrap(),
-        );
+        check_condition(&format!("ν {nu}"), &ElasticModel::build(&mesh, &params).unwrap());
     }
     let plate = straight_box([6, 6, 1], [1.0, 1.0, 1e-3]);
     let params = common::params(nodes_where(&plate, |p| p.x == 0.0));
@@ -168,10 +144,7 @@ fn plain() -> SolveParams {
 }
 
 fn extended() -> SolveParams {
-    SolveParams {
-        extend_above_condition: 0.0,
-        ..plain()
-    }
+    SolveParams { extend_above_condition: 0.0, ..plain() }
 }
 
 proptest! {
@@ -211,24 +184,13 @@ fn beyond_the_limit_is_an_error_on_any_number_of_threads() {
     let solve = |n_threads| series.model(n_threads).solve(&series.load());
     let (one, two) = (solve(1).unwrap_err(), solve(2).unwrap_err());
     assert_eq!(format!("{one:?}"), format!("{two:?}"));
-    let SimError::IllConditioned {
-        condition,
-        bound,
-        limit,
-        ..
-    } = one
-    else {
+    let SimError::IllConditioned { condition, bound, limit, .. } = one else {
         panic!("{one}");
     };
     assert!(condition > 1e12 && bound > limit, "{condition:e} {bound:e}");
     // the same jump the other way round is harmless
-    let (error, info) = Series::new(1.0, [1e13, 1.0])
-        .error(SolveParams::default())
-        .unwrap();
-    assert!(
-        error <= info.forward_error_bound() && error < 1e-12,
-        "{error:e}"
-    );
+    let (error, info) = Series::new(1.0, [1e13, 1.0]).error(SolveParams::default()).unwrap();
+    assert!(error <= info.forward_error_bound() && error < 1e-12, "{error:e}");
 }
 
 #[test]

@@ -44,13 +44,8 @@ fn bump(p: &Point3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let c = p.coords.map(|c| (PI * c).cos() * PI);
     let phi = s.x * s.y * s.z;
     let grad = Vector3::new(c.x * s.y * s.z, s.x * c.y * s.z, s.x * s.y * c.z);
-    let hessian = Matrix3::from_fn(|i, j| {
-        if i == j {
-            -PI * PI * phi
-        } else {
-            c[i] * c[j] * s[3 - i - j]
-        }
-    });
+    let hessian =
+        Matrix3::from_fn(|i, j| if i == j { -PI * PI * phi } else { c[i] * c[j] * s[3 - i - j] });
     (phi, grad, hessian)
 }
 
@@ -92,10 +87,7 @@ fn manufactured_solution_converges_with_order_three_and_two() {
     let (l2, energy) = ((coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2());
     println!("observed order {l2:.3} in L², {energy:.3} in energy; errors {coarse:?} {fine:?}");
     assert!((2.7..3.4).contains(&l2), "observed order {l2} in L²");
-    assert!(
-        (1.8..2.3).contains(&energy),
-        "observed order {energy} in energy"
-    );
+    assert!((1.8..2.3).contains(&energy), "observed order {energy} in energy");
 }
 
 /// A hollow sphere, inner radius 1, outer 2, of `n` cells across: concentric cubes blown up.
@@ -145,10 +137,7 @@ fn sphere_error(n: usize, nu: f64) -> f64 {
     let exact = |r: f64| slope * (r - a.powi(3) / (r * r));
     let outer = faces_where(&mesh, |p| (p.coords.norm() - b).abs() < 1e-9);
     let clamped = nodes_where(&mesh, |p| (p.coords.norm() - a).abs() < 1e-9);
-    let params = ElasticParams {
-        material,
-        ..params(clamped)
-    };
+    let params = ElasticParams { material, ..params(clamped) };
     let model = ElasticModel::build(&mesh, &params).expect("clamped inside");
     let load = NodalLoad::pressure(&mesh, &outer, p).expect("valid faces");
     let (u, _) = model.solve(&load).expect("solved");
@@ -175,10 +164,7 @@ fn bending_matches_a_timoshenko_beam() {
     let tip = |nu: f64, n: usize| {
         let mesh = straight_box([5 * n, n, n], [0.1, 0.01, 0.01]);
         let clamped = nodes_where(&mesh, |p| p.x == 0.0);
-        let params = ElasticParams {
-            material: material_of(nu),
-            ..params(clamped)
-        };
+        let params = ElasticParams { material: material_of(nu), ..params(clamped) };
         let model = ElasticModel::build(&mesh, &params).expect("clamped");
         let end = faces_where(&mesh, |p| (p.x - 0.1).abs() < 1e-12);
         let pull = |f: &hapdef_mesh::Tri6Face| FaceTraction {
@@ -198,10 +184,7 @@ fn bending_matches_a_timoshenko_beam() {
             + l / (5.0 / 6.0 * E_PA / (2.0 + 2.0 * nu) * h * h)
     };
     for (nu, n, within) in [(0.0, 2, 2e-3), (0.3, 4, 1.5e-2)] {
-        println!(
-            "ν {nu}, {n} cells: {:.4} of the beam's deflection",
-            tip(nu, n) / exact(nu)
-        );
+        println!("ν {nu}, {n} cells: {:.4} of the beam's deflection", tip(nu, n) / exact(nu));
         close(tip(nu, n), exact(nu), within);
     }
 }

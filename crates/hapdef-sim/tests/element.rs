@@ -9,12 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Point3, Rotation3, SymmetricEigen, Vec
 use proptest::prelude::*;
 
 fn curved_element() -> [Point3<f64>; 10] {
-    let corners = [
-        [0.0, 0.0, 0.0],
-        [1.1, 0.1, -0.1],
-        [0.2, 0.9, 0.1],
-        [0.1, 0.2, 1.2],
-    ];
+    let corners = [[0.0, 0.0, 0.0], [1.1, 0.1, -0.1], [0.2, 0.9, 0.1], [0.1, 0.2, 1.2]];
     let bulge = [
         [0.04, -0.05, 0.02],
         [0.03, 0.05, -0.04],
@@ -49,35 +44,19 @@ fn nodal(nodes: &[Point3<f64>; 10], field: impl Fn(&Point3<f64>) -> Vector3<f64>
 fn stiffness_is_symmetric_with_six_zero_energy_modes() {
     let k = stiffness_of(&curved_element());
     assert_eq!(k, k.transpose());
-    let mut values: Vec<f64> = SymmetricEigen::new(k.clone())
-        .eigenvalues
-        .iter()
-        .copied()
-        .collect();
+    let mut values: Vec<f64> = SymmetricEigen::new(k.clone()).eigenvalues.iter().copied().collect();
     values.sort_by(f64::total_cmp);
     let largest = values[29];
     // four Gauss points give 24 strains: 24 modes carry energy, six don't
-    assert!(
-        values[5].abs() < 1e-12 * largest,
-        "sixth eigenvalue {:e}",
-        values[5]
-    );
-    assert!(
-        values[6] > 1e-5 * largest,
-        "seventh eigenvalue {:e} of {largest:e}",
-        values[6]
-    );
+    assert!(values[5].abs() < 1e-12 * largest, "sixth eigenvalue {:e}", values[5]);
+    assert!(values[6] > 1e-5 * largest, "seventh eigenvalue {:e} of {largest:e}", values[6]);
     for axis in 0..3 {
         let e = Vector3::ith(axis, 1.0);
-        for mode in [
-            nodal(&curved_element(), |_| e),
-            nodal(&curved_element(), |p| e.cross(&p.coords)),
-        ] {
+        for mode in
+            [nodal(&curved_element(), |_| e), nodal(&curved_element(), |p| e.cross(&p.coords))]
+        {
             let force = (&k * &mode).amax();
-            assert!(
-                force < 1e-12 * largest,
-                "a rigid motion along {axis} gives {force:e}"
-            );
+            assert!(force < 1e-12 * largest, "a rigid motion along {axis} gives {force:e}");
         }
     }
 }
@@ -103,13 +82,13 @@ fn stiffness_turns_with_the_element() {
     let rotation = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let nodes = curved_element();
     let turned = nodes.map(|p| rotation * p + Vector3::new(5.0, -3.0, 2.0));
-    let q = DMatrix::from_fn(30, 30, |i, j| {
-        if i / 3 == j / 3 {
-            rotation[(i % 3, j % 3)]
-        } else {
-            0.0
-        }
-    });
+    let q = DMatrix::from_fn(
+        30,
+        30,
+        |i, j| {
+            if i / 3 == j / 3 { rotation[(i % 3, j % 3)] } else { 0.0 }
+        },
+    );
     let expected = &q * stiffness_of(&nodes) * q.transpose();
     let found = stiffness_of(&turned);
     assert!((&found - &expected).amax() < 1e-12 * expected.amax());

@@ -12,12 +12,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use proptest::prelude::*;
 
 fn site(position: Point3<f64>, axis: Vector3<f64>) -> GaugeSite {
-    GaugeSite {
-        position,
-        axis,
-        length_m: 8e-3,
-        width_m: 5e-3,
-    }
+    GaugeSite { position, axis, length_m: 8e-3, width_m: 5e-3 }
 }
 
 fn gauge(mesh: &Tet10Mesh, site: &GaugeSite) -> Result<GaugeStrain, SimError> {
@@ -25,10 +20,7 @@ fn gauge(mesh: &Tet10Mesh, site: &GaugeSite) -> Result<GaugeStrain, SimError> {
 }
 
 fn linear(mesh: &Tet10Mesh, grad: &Matrix3<f64>) -> Vec<Vector3<f64>> {
-    mesh.nodes()
-        .iter()
-        .map(|p| grad * p.coords + Vector3::new(0.1, 0.2, 0.3))
-        .collect()
+    mesh.nodes().iter().map(|p| grad * p.coords + Vector3::new(0.1, 0.2, 0.3)).collect()
 }
 
 proptest! {
@@ -89,10 +81,7 @@ fn bending_strain_matches_beam_theory_on_both_sides() {
     let end = common::nodes_where(&mesh, |p| p.x == 0.1);
     let share = 1.0 / end.len() as f64;
     let load = NodalLoad {
-        forces_n: end
-            .iter()
-            .map(|&n| (n, Vector3::new(0.0, 0.0, -share)))
-            .collect(),
+        forces_n: end.iter().map(|&n| (n, Vector3::new(0.0, 0.0, -share))).collect(),
         ..NodalLoad::default()
     };
     let (u, _) = model.solve(&load).expect("solved");
@@ -113,10 +102,8 @@ fn adjoint_readings_equal_forward_readings() {
         site(Point3::new(0.06, 0.01, 0.0), Vector3::x()),
         site(Point3::new(0.08, 0.02, 0.005), Vector3::new(1.0, 0.0, 1.0)),
     ];
-    let gauges: Vec<GaugeStrain> = sites
-        .iter()
-        .map(|s| gauge(&mesh, s).expect("on the beam"))
-        .collect();
+    let gauges: Vec<GaugeStrain> =
+        sites.iter().map(|s| gauge(&mesh, s).expect("on the beam")).collect();
     let (response, info) = model.gauge_response(&gauges).expect("solved");
     assert_eq!((response.n_gauges(), info.n_loads), (3, 3));
     for i in (0..mesh.nodes().len()).step_by(37) {
@@ -124,10 +111,8 @@ fn adjoint_readings_equal_forward_readings() {
         let load = NodalLoad::nodal(node, Vector3::new(1.0, -2.0, 0.5));
         let (u, _) = model.solve(&load).expect("solved");
         for (g, gauge) in gauges.iter().enumerate() {
-            let (forward, adjoint) = (
-                gauge.strain(&u),
-                response.reading(GaugeId::from_index(g), &load),
-            );
+            let (forward, adjoint) =
+                (gauge.strain(&u), response.reading(GaugeId::from_index(g), &load));
             assert!(
                 (forward - adjoint).abs() <= 1e-9 * forward.abs() + 1e-18,
                 "{forward:e} {adjoint:e}"
@@ -147,32 +132,19 @@ fn gauges_off_their_wall_are_refused() {
     );
     // the axis runs across the rim: two of eight columns hang over
     let error = refuse(&site(Point3::new(0.038, 0.01, 0.005), Vector3::x()));
-    assert!(
-        matches!(
-            error,
-            SimError::GaugeOverhang {
-                n_lost: 10,
-                n_samples: 40,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, SimError::GaugeOverhang { n_lost: 10, n_samples: 40, .. }), "{error}");
     let error = refuse(&site(Point3::new(0.02, 0.01, 0.005), Vector3::z()));
     assert!(matches!(error, SimError::Direction { .. }), "{error}");
-    let error = refuse(&GaugeSite {
-        length_m: 0.0,
-        ..site(Point3::new(0.02, 0.01, 0.005), Vector3::x())
-    });
+    let error =
+        refuse(&GaugeSite { length_m: 0.0, ..site(Point3::new(0.02, 0.01, 0.005), Vector3::x()) });
     assert!(matches!(error, SimError::Parameter { .. }), "{error}");
 }
 
 #[test]
 fn the_ten_sites_on_the_authors_limb() {
-    let (Some(deck), Some(sites)) = (
-        shared("hapdef-shin/02_skin_ds.dat.gz"),
-        shared("hapdef-shin/gauge-sites.json"),
-    ) else {
+    let (Some(deck), Some(sites)) =
+        (shared("hapdef-shin/02_skin_ds.dat.gz"), shared("hapdef-shin/gauge-sites.json"))
+    else {
         return;
     };
     let deck = read_deck(&deck).expect("readable");
@@ -182,16 +154,10 @@ fn the_ten_sites_on_the_authors_limb() {
         |key: &str, i: usize| Vector3::from_fn(|c, _| json[key][i][c].as_f64().expect("a number"));
     let boundary = deck.mesh.boundary();
     // the sites were chosen without regard to the lattice: some hang over its holes
-    let lenient = GaugeParams {
-        max_lost_share: 0.5,
-        ..GaugeParams::default()
-    };
+    let lenient = GaugeParams { max_lost_share: 0.5, ..GaugeParams::default() };
     let mut gauges = Vec::new();
     for i in 0..10 {
-        let site = site(
-            Point3::from(vector("sites_mm", i) * 1e-3),
-            vector("axis", i),
-        );
+        let site = site(Point3::from(vector("sites_mm", i) * 1e-3), vector("axis", i));
         let gauge = GaugeStrain::with_params(&deck.mesh, &boundary.faces, &site, &lenient)
             .expect("on the inner wall");
         let agreement = gauge.normal().dot(&vector("normal", i));
@@ -206,17 +172,11 @@ fn the_ten_sites_on_the_authors_limb() {
     }
     let material = IsotropicMaterial::new(1.7e9, 0.394, 930.0).expect("valid");
     let clamped = deck.fixed_nodes.clone();
-    let params = ElasticParams {
-        n_threads: 2,
-        ..ElasticParams::new(material, clamped)
-    };
+    let params = ElasticParams { n_threads: 2, ..ElasticParams::new(material, clamped) };
     let model = ElasticModel::build(&deck.mesh, &params).expect("supported");
     let (response, info) = model.gauge_response(&gauges).expect("solved");
     println!("{info:?}");
-    let load = NodalLoad {
-        forces_n: deck.nodal_forces.clone(),
-        ..NodalLoad::default()
-    };
+    let load = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
     let (u, _) = model.solve(&load).expect("solved");
     for (g, gauge) in gauges.iter().enumerate() {
         let adjoint = response.reading(GaugeId::from_index(g), &load);

@@ -15,26 +15,17 @@ use nalgebra::Vector3;
 /// Several levels even on small meshes.
 fn small_levels() -> IterativeParams {
     IterativeParams {
-        multigrid: MultigridParams {
-            dense_below: 200,
-            ..MultigridParams::default()
-        },
+        multigrid: MultigridParams { dense_below: 200, ..MultigridParams::default() },
         ..IterativeParams::default()
     }
 }
 
 fn iterative(params: ElasticParams) -> ElasticParams {
-    ElasticParams {
-        solver: SolverChoice::Iterative(small_levels()),
-        ..params
-    }
+    ElasticParams { solver: SolverChoice::Iterative(small_levels()), ..params }
 }
 
 fn direct(params: ElasticParams) -> ElasticParams {
-    ElasticParams {
-        solver: SolverChoice::Direct,
-        ..params
-    }
+    ElasticParams { solver: SolverChoice::Direct, ..params }
 }
 
 fn held(mesh: &Tet10Mesh) -> ElasticParams {
@@ -59,9 +50,8 @@ fn fields(
 ) -> (Vec<Vec<f64>>, SolveInfo) {
     let model = ElasticModel::build(mesh, params).expect("supported");
     let all: Vec<FeNodeId> = (0..mesh.nodes().len()).map(FeNodeId::from_index).collect();
-    let (compliance, info) = model
-        .compliance(loads, &all, &ComplianceParams::default())
-        .expect("solved");
+    let (compliance, info) =
+        model.compliance(loads, &all, &ComplianceParams::default()).expect("solved");
     println!("{} equations: {info:?}", model.info().n_equations);
     let rows = (0..loads.len()).map(|load| compliance.row(load).to_vec());
     (rows.collect(), info)
@@ -78,10 +68,7 @@ fn agrees(mesh: &Tet10Mesh, params: ElasticParams, relative: f64) {
     let loads = loads(mesh, 3);
     let (found, info) = fields(mesh, &iterative(params.clone()), &loads);
     let (expected, _) = fields(mesh, &direct(params), &loads);
-    assert!(
-        info.n_iterations > 0 && info.worst_backward_error <= 1e-14,
-        "{info:?}"
-    );
+    assert!(info.n_iterations > 0 && info.worst_backward_error <= 1e-14, "{info:?}");
     for (found, expected) in found.iter().zip(&expected) {
         let miss = miss(found, expected);
         println!("misses by {miss:e}");
@@ -105,10 +92,7 @@ fn a_plate_moves_as_the_direct_path_says() {
 fn nearly_incompressible_moves_as_the_direct_path_says() {
     let mesh = straight_box([6, 6, 6], [1.0; 3]);
     let material = IsotropicMaterial::new(2e9, 0.49, 1000.0).expect("valid");
-    let params = ElasticParams {
-        material,
-        ..held(&mesh)
-    };
+    let params = ElasticParams { material, ..held(&mesh) };
     agrees(&mesh, params, 1e-8);
 }
 
@@ -144,9 +128,7 @@ fn iterations_hardly_grow_with_the_mesh() {
         .into_iter()
         .map(|n| {
             let mesh = straight_box([n; 3], [1.0; 3]);
-            fields(&mesh, &iterative(held(&mesh)), &loads(&mesh, 1))
-                .1
-                .n_iterations
+            fields(&mesh, &iterative(held(&mesh)), &loads(&mesh, 1)).1.n_iterations
         })
         .collect();
     println!("{iterations:?}");
@@ -170,10 +152,7 @@ fn many_right_hand_sides_equal_one_at_a_time() {
 fn results_are_the_same_bit_for_bit_on_two_threads() {
     let mesh = straight_box([12, 10, 9], [0.3, 0.2, 0.1]);
     let on = |n_threads| {
-        let params = ElasticParams {
-            n_threads,
-            ..iterative(held(&mesh))
-        };
+        let params = ElasticParams { n_threads, ..iterative(held(&mesh)) };
         fields(&mesh, &params, &loads(&mesh, 3)).0
     };
     let one = on(1);
@@ -185,10 +164,7 @@ fn results_are_the_same_bit_for_bit_on_two_threads() {
 fn a_load_on_the_support_and_no_load_move_nothing() {
     let mesh = straight_box([6, 3, 3], [2.0, 1.0, 1.0]);
     let support = nodes_where(&mesh, |p| p.x == 0.0)[0];
-    let none = [
-        NodalLoad::nodal(support, Vector3::x()),
-        NodalLoad::default(),
-    ];
+    let none = [NodalLoad::nodal(support, Vector3::x()), NodalLoad::default()];
     let (found, info) = fields(&mesh, &iterative(held(&mesh)), &none);
     assert!(found.iter().flatten().all(|u| *u == 0.0));
     assert_eq!(info.n_iterations, 0);
@@ -197,23 +173,11 @@ fn a_load_on_the_support_and_no_load_move_nothing() {
 #[test]
 fn too_few_iterations_are_an_error_with_what_was_reached() {
     let mesh = straight_box([6, 6, 6], [1.0; 3]);
-    let short = IterativeParams {
-        max_iterations: 4,
-        ..small_levels()
-    };
-    let params = ElasticParams {
-        solver: SolverChoice::Iterative(short),
-        ..held(&mesh)
-    };
+    let short = IterativeParams { max_iterations: 4, ..small_levels() };
+    let params = ElasticParams { solver: SolverChoice::Iterative(short), ..held(&mesh) };
     let model = ElasticModel::build(&mesh, &params).expect("supported");
     let error = model.solve(&loads(&mesh, 1)[0]).expect_err("not converged");
-    let SimError::NotConverged {
-        n_iterations,
-        backward_error,
-        energy_error,
-        ..
-    } = error
-    else {
+    let SimError::NotConverged { n_iterations, backward_error, energy_error, .. } = error else {
         panic!("{error}");
     };
     assert_eq!(n_iterations, 4);
@@ -235,12 +199,8 @@ fn a_free_body_is_named() {
 fn the_choice_follows_the_estimated_fill() {
     let mesh = straight_box([6, 5, 4], [1.0; 3]);
     let with = |memory_budget_bytes| {
-        let params = ElasticParams {
-            solver: SolverChoice::Auto {
-                memory_budget_bytes,
-            },
-            ..held(&mesh)
-        };
+        let params =
+            ElasticParams { solver: SolverChoice::Auto { memory_budget_bytes }, ..held(&mesh) };
         ElasticModel::build(&mesh, &params).expect("supported")
     };
     let (large, small) = (with(1 << 30), with(1 << 20));
@@ -251,12 +211,7 @@ fn the_choice_follows_the_estimated_fill() {
         panic!("an estimate was asked for");
     };
     assert_eq!(nnz_l, large.info().nnz_l);
-    assert!(
-        small
-            .solver_info()
-            .to_string()
-            .contains("conjugate gradients")
-    );
+    assert!(small.solver_info().to_string().contains("conjugate gradients"));
 }
 
 /// Estimates the error of a stopped iteration against the direct solution, in energy.
@@ -267,34 +222,19 @@ fn the_energy_estimate_is_near_the_error() {
     let reference = ElasticModel::build(&mesh, &direct(held(&mesh))).expect("supported");
     let (expected, _) = reference.solve(load).expect("solved");
     let whole = reference.strain_energy_j(&expected).expect("full field");
-    let loose = IterativeParams {
-        energy_error_below: 1e-4,
-        ..small_levels()
-    };
+    let loose = IterativeParams { energy_error_below: 1e-4, ..small_levels() };
     let params = ElasticParams {
-        solver: SolverChoice::Iterative(IterativeParams {
-            energy_error_fail_above: 1.0,
-            ..loose
-        }),
+        solver: SolverChoice::Iterative(IterativeParams { energy_error_fail_above: 1.0, ..loose }),
         ..held(&mesh)
     };
     let model = ElasticModel::build(&mesh, &params).expect("supported");
-    let stop_early = SolveParams {
-        refine_above: 1.0,
-        fail_above: 1.0,
-        ..SolveParams::default()
-    };
+    let stop_early = SolveParams { refine_above: 1.0, fail_above: 1.0, ..SolveParams::default() };
     let all: Vec<FeNodeId> = (0..mesh.nodes().len()).map(FeNodeId::from_index).collect();
-    let compliance = ComplianceParams {
-        solve: stop_early,
-        ..ComplianceParams::default()
-    };
-    let (found, info) = model
-        .compliance(std::slice::from_ref(load), &all, &compliance)
-        .expect("solved");
-    let error: Vec<Vector3<f64>> = (0..all.len())
-        .map(|n| found.displacement(0, n) - expected[n])
-        .collect();
+    let compliance = ComplianceParams { solve: stop_early, ..ComplianceParams::default() };
+    let (found, info) =
+        model.compliance(std::slice::from_ref(load), &all, &compliance).expect("solved");
+    let error: Vec<Vector3<f64>> =
+        (0..all.len()).map(|n| found.displacement(0, n) - expected[n]).collect();
     let error = (reference.strain_energy_j(&error).expect("full field") / whole).sqrt();
     println!("estimated {:e}, found {error:e}", info.worst_energy_error);
     assert!(error > 1e-7, "stopped early");
@@ -315,10 +255,7 @@ fn the_authors_limb_moves_as_the_direct_path_says() {
         n_threads: 2,
         ..params(deck.fixed_nodes.clone())
     };
-    let load = NodalLoad {
-        forces_n: deck.nodal_forces.clone(),
-        ..NodalLoad::default()
-    };
+    let load = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
     let load = std::slice::from_ref(&load);
     let (found, info) = fields(&deck.mesh, &iterative(params.clone()), load);
     let (expected, _) = fields(&deck.mesh, &direct(params), load);

@@ -27,14 +27,8 @@ fn pressure_on_a_closed_curved_surface_has_no_resultant() {
     let mesh = curved_box();
     let load = NodalLoad::pressure(&mesh, &mesh.boundary().faces, 1e5).expect("own faces");
     let size: f64 = load.forces_n.iter().map(|(_, f)| f.norm()).sum();
-    let moment = load
-        .moment_nm(&mesh, &Point3::new(3.0, 1.0, -2.0))
-        .expect("own nodes");
-    assert!(
-        load.total_n().norm() < 1e-13 * size,
-        "total {}",
-        load.total_n()
-    );
+    let moment = load.moment_nm(&mesh, &Point3::new(3.0, 1.0, -2.0)).expect("own nodes");
+    assert!(load.total_n().norm() < 1e-13 * size, "total {}", load.total_n());
     assert!(moment.norm() < 1e-12 * size, "moment {moment}");
 }
 
@@ -43,17 +37,10 @@ fn traction_totals_traction_times_area() {
     let mesh = curved_box();
     let faces = mesh.boundary().faces;
     let traction_pa = Vector3::new(1.0, -2.0, 0.5);
-    let tractions: Vec<_> = faces
-        .iter()
-        .map(|f| FaceTraction {
-            nodes: f.nodes,
-            traction_pa,
-        })
-        .collect();
-    let area: f64 = faces
-        .iter()
-        .map(|f| tri6::area(&f.nodes.map(|n| mesh.nodes()[n.index()])))
-        .sum();
+    let tractions: Vec<_> =
+        faces.iter().map(|f| FaceTraction { nodes: f.nodes, traction_pa }).collect();
+    let area: f64 =
+        faces.iter().map(|f| tri6::area(&f.nodes.map(|n| mesh.nodes()[n.index()]))).sum();
     let load = NodalLoad::traction(&mesh, &tractions).expect("own faces");
     assert!((load.total_n() - traction_pa * area).norm() < 1e-12 * area);
 }
@@ -64,9 +51,7 @@ fn uniform_pressure_on_a_flat_face_acts_at_its_centre() {
     let faces = faces_where(&mesh, |p| (p.z - 1.0).abs() < 1e-12);
     let load = NodalLoad::pressure(&mesh, &faces, 7.0).expect("own faces");
     assert!((load.total_n() - Vector3::new(0.0, 0.0, -14.0)).norm() < 1e-12);
-    let moment = load
-        .moment_nm(&mesh, &Point3::new(1.0, 0.5, 1.0))
-        .expect("own nodes");
+    let moment = load.moment_nm(&mesh, &Point3::new(1.0, 0.5, 1.0)).expect("own nodes");
     assert!(moment.norm() < 1e-12, "moment {moment}");
 }
 
@@ -78,24 +63,15 @@ fn gravity_totals_weight_at_the_centre_of_mass() {
     let load = NodalLoad::body_force(&mesh, |_| g * 800.0);
     assert!((load.total_n() - g * mass.mass_kg).norm() < 1e-12 * load.total_n().norm());
     let moment = load.moment_nm(&mesh, &mass.centre_m).expect("own nodes");
-    assert!(
-        moment.norm() < 1e-12 * load.total_n().norm(),
-        "moment {moment}"
-    );
+    assert!(moment.norm() < 1e-12 * load.total_n().norm(), "moment {moment}");
 }
 
 #[test]
 fn patch_of_radius_zero_is_the_nearest_node() {
     let mesh = straight_box([4, 4, 1], [1.0; 3]);
     let centre = Point3::new(0.26, 0.49, 1.02);
-    let load = NodalLoad::patch(
-        &mesh,
-        &top(&mesh),
-        &centre,
-        0.0,
-        &Vector3::new(0.0, 0.0, -2.0),
-    )
-    .expect("a valid tip");
+    let load = NodalLoad::patch(&mesh, &top(&mesh), &centre, 0.0, &Vector3::new(0.0, 0.0, -2.0))
+        .expect("a valid tip");
     assert_eq!(load.forces_n.len(), 1);
     let (node, force) = load.forces_n[0];
     assert!((mesh.position(node) - Point3::new(0.25, 0.5, 1.0)).norm() < 1e-12);
@@ -117,14 +93,8 @@ fn tips_off_the_skin_and_unusable_tips_are_refused() {
         "{error}"
     );
     assert!(matches!(patch(1.0, -1.0, down), SimError::Parameter { .. }));
-    assert!(matches!(
-        patch(f64::NAN, 0.1, down),
-        SimError::Parameter { .. }
-    ));
-    assert!(matches!(
-        patch(1.0, 0.1, Vector3::zeros()),
-        SimError::Direction { .. }
-    ));
+    assert!(matches!(patch(f64::NAN, 0.1, down), SimError::Parameter { .. }));
+    assert!(matches!(patch(1.0, 0.1, Vector3::zeros()), SimError::Direction { .. }));
 }
 
 #[test]
@@ -140,11 +110,7 @@ fn patches_on_the_authors_limb_total_one_newton() {
         let inward = -skin.normals[i];
         for radius_m in [1e-4, 2e-3, 5e-3] {
             let load = NodalLoad::patch(&mesh, &skin, &centre, radius_m, &inward).expect("on skin");
-            assert!(
-                (load.total_n() - inward).norm() < 1e-13,
-                "total {}",
-                load.total_n()
-            );
+            assert!((load.total_n() - inward).norm() < 1e-13, "total {}", load.total_n());
         }
     }
 }
@@ -183,10 +149,6 @@ fn patch_spreads_evenly_over_directions_on_a_face_it_covers_alone() {
     assert_eq!(load.forces_n.len(), 6);
     let weights: f64 = load.forces_n.iter().map(|(_, f)| f.z).sum();
     close(weights, 1.0, 1e-14);
-    let x: f64 = load
-        .forces_n
-        .iter()
-        .map(|(n, f)| mesh.position(*n).x * f.z)
-        .sum();
+    let x: f64 = load.forces_n.iter().map(|(n, f)| mesh.position(*n).x * f.z).sum();
     close(x, 0.6, 1e-6);
 }

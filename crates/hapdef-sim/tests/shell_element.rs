@@ -38,11 +38,7 @@ fn stiffness_of(
 }
 
 fn eigenvalues(k: &DMatrix<f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = SymmetricEigen::new(k.clone())
-        .eigenvalues
-        .iter()
-        .copied()
-        .collect();
+    let mut values: Vec<f64> = SymmetricEigen::new(k.clone()).eigenvalues.iter().copied().collect();
     values.sort_by(f64::total_cmp);
     values
 }
@@ -70,20 +66,11 @@ fn six_modes_cost_no_energy() {
     let nodes = corners();
     for kind in KINDS {
         for lean in [0.0, 0.4] {
-            let k = stiffness_of(
-                kind,
-                &nodes,
-                Some(&leaning(&nodes, lean)),
-                &[0.05, 0.06, 0.04],
-            );
+            let k = stiffness_of(kind, &nodes, Some(&leaning(&nodes, lean)), &[0.05, 0.06, 0.04]);
             let values = eigenvalues(&k);
             let largest = values[17];
             assert!(values[0] > -1e-12 * largest, "{kind:?}: {:e}", values[0]);
-            assert!(
-                values[5] < 1e-12 * largest,
-                "{kind:?}: sixth {:e}",
-                values[5]
-            );
+            assert!(values[5] < 1e-12 * largest, "{kind:?}: sixth {:e}", values[5]);
             assert!(
                 values[6] > 1e-8 * largest,
                 "{kind:?}, lean {lean}: seventh {:e} of {largest:e}",
@@ -91,10 +78,7 @@ fn six_modes_cost_no_energy() {
             );
             for mode in rigid(&nodes) {
                 let force = (&k * mode).amax();
-                assert!(
-                    force < 1e-12 * largest,
-                    "{kind:?}: force {force:e} of {largest:e}"
-                );
+                assert!(force < 1e-12 * largest, "{kind:?}: force {force:e} of {largest:e}");
             }
         }
     }
@@ -106,26 +90,18 @@ fn stiffness_turns_with_the_element() {
     let nodes = corners();
     let directors = leaning(&nodes, 0.3);
     let turned = nodes.map(|p| rotation * p + Vector3::new(5.0, -3.0, 2.0));
-    let q = DMatrix::from_fn(18, 18, |i, j| {
-        if i / 3 == j / 3 {
-            rotation[(i % 3, j % 3)]
-        } else {
-            0.0
-        }
-    });
+    let q = DMatrix::from_fn(
+        18,
+        18,
+        |i, j| {
+            if i / 3 == j / 3 { rotation[(i % 3, j % 3)] } else { 0.0 }
+        },
+    );
     for kind in KINDS {
         let k = stiffness_of(kind, &nodes, Some(&directors), &[0.05; 3]);
-        let found = stiffness_of(
-            kind,
-            &turned,
-            Some(&directors.map(|d| rotation * d)),
-            &[0.05; 3],
-        );
+        let found = stiffness_of(kind, &turned, Some(&directors.map(|d| rotation * d)), &[0.05; 3]);
         let expected = &q * k * q.transpose();
-        assert!(
-            (&found - &expected).amax() < 1e-12 * expected.amax(),
-            "{kind:?}"
-        );
+        assert!((&found - &expected).amax() < 1e-12 * expected.amax(), "{kind:?}");
     }
 }
 
@@ -174,14 +150,7 @@ fn strain_of_a_constant_field_is_that_field() {
         let slope = -(c * p.coords);
         let u = g * p.coords;
         let w = -0.5 * p.coords.dot(&(c * p.coords));
-        let dofs = [
-            u.x,
-            u.y,
-            w,
-            slope.y,
-            -slope.x,
-            0.5 * (g[(1, 0)] - g[(0, 1)]),
-        ];
+        let dofs = [u.x, u.y, w, slope.y, -slope.x, 0.5 * (g[(1, 0)] - g[(0, 1)])];
         values[6 * i..6 * i + 6].copy_from_slice(&dofs);
     }
     for (at, z) in [([0.2, 0.3, 0.5], 0.004), ([1.0, 0.0, 0.0], -0.01)] {
@@ -189,24 +158,13 @@ fn strain_of_a_constant_field_is_that_field() {
             .expect("valid");
         let expected = (g + g.transpose()) * 0.5 + c * z;
         let found = s.tensor(&values, z);
-        assert!(
-            (found - expected).amax() < 1e-15,
-            "{found} against {expected}"
-        );
+        assert!((found - expected).amax() < 1e-15, "{found} against {expected}");
         let axis = Vector3::new(0.6, 0.8, 0.0);
-        let along: f64 = s
-            .along(&axis, z)
-            .iter()
-            .zip(values)
-            .map(|(a, v)| a * v)
-            .sum();
+        let along: f64 = s.along(&axis, z).iter().zip(values).map(|(a, v)| a * v).sum();
         assert!((along - axis.dot(&(expected * axis))).abs() < 1e-15);
         let r = s.resultants(&values, 0.02, &material());
         let d = 2.0e9 * 0.02_f64.powi(3) / 12.0 / (1.0 - 0.09);
-        assert!(
-            (r.moment_n[0] - d * (0.5 - 0.3 * 0.3)).abs() < 1e-9 * d,
-            "{r:?}"
-        );
+        assert!((r.moment_n[0] - d * (0.5 - 0.3 * 0.3)).abs() < 1e-9 * d, "{r:?}");
     }
 }
 
@@ -227,35 +185,17 @@ fn loads_sum_to_pressure_times_area() {
 #[test]
 fn unusable_elements_are_refused_with_their_numbers() {
     let k = |nodes: &[Point3<f64>; 3], directors: Option<&[Vector3<f64>; 3]>, t: f64| {
-        shell_stiffness(
-            ShellKind::Thin,
-            nodes,
-            directors,
-            &[0.01, t, 0.01],
-            &material(),
-        )
+        shell_stiffness(ShellKind::Thin, nodes, directors, &[0.01, t, 0.01], &material())
     };
     let line = [[0.0; 3], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]].map(Point3::from);
-    assert!(matches!(
-        k(&line, None, 0.01),
-        Err(ShellElementProblem::Flat { .. })
-    ));
+    assert!(matches!(k(&line, None, 0.01), Err(ShellElementProblem::Flat { .. })));
     let nodes = corners();
     let mut directors = leaning(&nodes, 0.0);
     directors[2] = -directors[2];
     let found = k(&nodes, Some(&directors), 0.01);
-    assert!(
-        matches!(found, Err(ShellElementProblem::Director { corner: 2, .. })),
-        "{found:?}"
-    );
+    assert!(matches!(found, Err(ShellElementProblem::Director { corner: 2, .. })), "{found:?}");
     let found = k(&nodes, None, -0.01).expect_err("a negative thickness");
-    assert_eq!(
-        found,
-        ShellElementProblem::Thickness {
-            corner: 1,
-            thickness_m: -0.01
-        }
-    );
+    assert_eq!(found, ShellElementProblem::Thickness { corner: 1, thickness_m: -0.01 });
 }
 
 proptest! {

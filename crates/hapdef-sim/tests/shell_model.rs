@@ -22,10 +22,7 @@ fn strip(n: usize, thickness_m: f64, map: impl Fn(f64, f64) -> Point3<f64>) -> S
     let mut nodes = Vec::new();
     for j in 0..=n {
         for i in 0..=nu {
-            nodes.push(map(
-                0.2 * i as f64 / nu as f64,
-                0.02 * (j as f64 / n as f64 - 0.5),
-            ));
+            nodes.push(map(0.2 * i as f64 / nu as f64, 0.02 * (j as f64 / n as f64 - 0.5)));
         }
     }
     let mut triangles = Vec::new();
@@ -45,28 +42,19 @@ fn flat(x: f64, y: f64) -> Point3<f64> {
 
 fn where_(mesh: &ShellMesh, take: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
     let nodes = mesh.nodes().iter().enumerate();
-    nodes
-        .filter(|(_, p)| take(p))
-        .map(|(i, _)| node(i))
-        .collect()
+    nodes.filter(|(_, p)| take(p)).map(|(i, _)| node(i)).collect()
 }
 
 fn cantilever(mesh: &ShellMesh, kind: ShellKind) -> ElasticModel {
     let clamped = where_(mesh, |p| p.x < 1e-12);
-    let params = ShellParams {
-        kind,
-        ..ShellParams::new(material(), clamped)
-    };
+    let params = ShellParams { kind, ..ShellParams::new(material(), clamped) };
     ElasticModel::build_shell(mesh, &params).expect("held")
 }
 
 fn tip_force(mesh: &ShellMesh, force_n: Vector3<f64>) -> NodalLoad {
     let end = where_(mesh, |p| p.x > 0.2 - 1e-9);
     let share = force_n / end.len() as f64;
-    NodalLoad {
-        forces_n: end.into_iter().map(|n| (n, share)).collect(),
-        ..NodalLoad::default()
-    }
+    NodalLoad { forces_n: end.into_iter().map(|n| (n, share)).collect(), ..NodalLoad::default() }
 }
 
 fn site(x: f64) -> GaugeSite {
@@ -104,37 +92,20 @@ fn a_gauge_reads_beam_bending_at_its_distance_from_the_mid_surface() {
 /// The adjoint field times a load is the reading of its solution, also on a curved strip.
 #[test]
 fn adjoint_readings_are_direct_readings() {
-    let mesh = strip(4, 0.001, |x, y| {
-        Point3::new(x, y, 0.03 * (10.0 * x).sin() + 2.0 * y * y)
-    });
+    let mesh = strip(4, 0.001, |x, y| Point3::new(x, y, 0.03 * (10.0 * x).sin() + 2.0 * y * y));
     let model = cantilever(&mesh, ShellKind::default());
-    let params = GaugeParams {
-        max_distance_m: 0.1,
-        ..GaugeParams::default()
-    };
+    let params = GaugeParams { max_distance_m: 0.1, ..GaugeParams::default() };
     let gauge = |x: f64| {
-        ShellGaugeStrain::new(
-            &mesh,
-            ShellKind::default(),
-            &material(),
-            &site(x),
-            5e-4,
-            &params,
-        )
-        .expect("on the wall")
+        ShellGaugeStrain::new(&mesh, ShellKind::default(), &material(), &site(x), 5e-4, &params)
+            .expect("on the wall")
     };
     let gauges = [gauge(0.05), gauge(0.12)];
     let (response, info) = model.shell_gauge_response(&gauges).expect("solved");
     assert!(info.worst_backward_error < 1e-13, "{info:?}");
     // Both loads press beyond both gauges, so that each gauge carries a moment to compare.
-    for (x, direction) in [
-        (0.18_f64, Vector3::z()),
-        (0.15, Vector3::new(0.3, -0.5, 0.8)),
-    ] {
+    for (x, direction) in [(0.18_f64, Vector3::z()), (0.15, Vector3::new(0.3, -0.5, 0.8))] {
         let centre = Point3::new(x, 0.004, 0.03 * (10.0 * x).sin());
-        let load = mesh
-            .patch_load(&centre, 0.006, &direction)
-            .expect("on the skin");
+        let load = mesh.patch_load(&centre, 0.006, &direction).expect("on the skin");
         assert!((load.total_n() - direction / direction.norm()).amax() < 1e-14);
         let (motion, _) = model.solve_motion(&load).expect("solved");
         for (i, gauge) in gauges.iter().enumerate() {
@@ -152,34 +123,17 @@ fn adjoint_readings_are_direct_readings() {
 #[test]
 fn rigid_motions_read_nothing() {
     let mesh = strip(4, 0.001, |x, y| Point3::new(x, y, 2.0 * y * y + x * x));
-    let params = GaugeParams {
-        max_distance_m: 0.1,
-        ..GaugeParams::default()
-    };
-    let gauge = ShellGaugeStrain::new(
-        &mesh,
-        ShellKind::Thick,
-        &material(),
-        &site(0.1),
-        5e-4,
-        &params,
-    )
-    .expect("on the wall");
+    let params = GaugeParams { max_distance_m: 0.1, ..GaugeParams::default() };
+    let gauge =
+        ShellGaugeStrain::new(&mesh, ShellKind::Thick, &material(), &site(0.1), 5e-4, &params)
+            .expect("on the wall");
     let (shift, turn) = (Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.4, 0.5, -0.6));
     let motion = hapdef_sim::Motion {
-        displacement: mesh
-            .nodes()
-            .iter()
-            .map(|p| shift + turn.cross(&p.coords))
-            .collect(),
+        displacement: mesh.nodes().iter().map(|p| shift + turn.cross(&p.coords)).collect(),
         rotation: vec![turn; mesh.nodes().len()],
     };
     let size: f64 = gauge.rows().iter().map(|(_, a, _)| a.amax()).sum();
-    assert!(
-        gauge.strain(&motion).abs() < 1e-12 * size,
-        "{:e}",
-        gauge.strain(&motion)
-    );
+    assert!(gauge.strain(&motion).abs() < 1e-12 * size, "{:e}", gauge.strain(&motion));
 }
 
 /// A box girder (closed, with right-angled folds) bends as a beam of its second moment.
@@ -215,17 +169,10 @@ fn folds_carry_a_box_girder() {
     let thickness = vec![t; nodes.len()];
     let mesh = ShellMesh::new(nodes, triangles, thickness).expect("valid");
     let square = mesh.directors().iter().flatten();
-    assert!(
-        square
-            .clone()
-            .all(|d| d.iter().any(|c| (c.abs() - 1.0).abs() < 1e-12))
-    );
+    assert!(square.clone().all(|d| d.iter().any(|c| (c.abs() - 1.0).abs() < 1e-12)));
     let clamped = where_(&mesh, |p| p.x < 1e-12);
     for kind in [ShellKind::Thin, ShellKind::Thick] {
-        let params = ShellParams {
-            kind,
-            ..ShellParams::new(material(), clamped.clone())
-        };
+        let params = ShellParams { kind, ..ShellParams::new(material(), clamped.clone()) };
         let model = ElasticModel::build_shell(&mesh, &params).expect("held");
         let webs: Vec<FeNodeId> = where_(&mesh, |p| p.x > length - 1e-9 && p.y.abs() > 0.0099);
         let share = Vector3::z() / webs.len() as f64;
@@ -256,32 +203,16 @@ fn free_and_broken_shells_are_refused() {
         "{found}"
     );
     let nodes = vec![Point3::origin(); 4];
-    let found = ShellMesh::new(
-        nodes.clone(),
-        vec![[node(0), node(1), node(2)]],
-        vec![1.0; 4],
-    );
-    assert!(
-        matches!(found, Err(SimError::UnusedNode { node: 3 })),
-        "{found:?}"
-    );
-    let found = ShellMesh::new(
-        nodes[..3].to_vec(),
-        vec![[node(0), node(1), node(2)]],
-        vec![1.0; 3],
-    );
-    assert!(
-        matches!(found, Err(SimError::ShellElement { element: 0, .. })),
-        "{found:?}"
-    );
+    let found = ShellMesh::new(nodes.clone(), vec![[node(0), node(1), node(2)]], vec![1.0; 4]);
+    assert!(matches!(found, Err(SimError::UnusedNode { node: 3 })), "{found:?}");
+    let found =
+        ShellMesh::new(nodes[..3].to_vec(), vec![[node(0), node(1), node(2)]], vec![1.0; 3]);
+    assert!(matches!(found, Err(SimError::ShellElement { element: 0, .. })), "{found:?}");
     let found = ElasticModel::build_shell(
         &strip(1, -0.001, flat),
         &ShellParams::new(material(), vec![node(0)]),
     );
-    assert!(
-        matches!(found, Err(SimError::ShellElement { .. })),
-        "{found:?}"
-    );
+    assert!(matches!(found, Err(SimError::ShellElement { .. })), "{found:?}");
 }
 
 /// One clamped node holds a shell: it holds the rotation too.
@@ -290,10 +221,7 @@ fn one_clamped_node_holds_a_shell_on_any_number_of_threads() {
     let mesh = strip(2, 0.001, flat);
     let load = tip_force(&mesh, Vector3::new(0.1, 0.2, 0.3));
     let solve = |n_threads| {
-        let params = ShellParams {
-            n_threads,
-            ..ShellParams::new(material(), vec![node(0)])
-        };
+        let params = ShellParams { n_threads, ..ShellParams::new(material(), vec![node(0)]) };
         let model = ElasticModel::build_shell(&mesh, &params).expect("held");
         model.solve_motion(&load).expect("solved").0
     };

@@ -41,10 +41,8 @@ fn no_clamped_node_leaves_six_motions() {
     assert_eq!((n_bodies, bodies.len()), (1, 1));
     assert_eq!(bodies[0].free.len(), 6);
     let text = bodies[0].to_string();
-    for part in [
-        "translation along (1.000, 0.000, 0.000)",
-        "rotation about (0.000, 0.000, 1.000)",
-    ] {
+    for part in ["translation along (1.000, 0.000, 0.000)", "rotation about (0.000, 0.000, 1.000)"]
+    {
         assert!(text.contains(part), "{text}");
     }
 }
@@ -58,9 +56,7 @@ fn one_clamped_node_leaves_three_rotations_about_it() {
     assert_eq!(bodies[0].n_held, 1);
     for motion in &bodies[0].free {
         let at = motion.translation
-            + motion
-                .rotation
-                .cross(&(Point3::new(1.0, 1.0, 0.0) - motion.centre_m));
+            + motion.rotation.cross(&(Point3::new(1.0, 1.0, 0.0) - motion.centre_m));
         assert!(at.norm() < 1e-9, "the clamped node moves by {at}");
     }
 }
@@ -73,18 +69,13 @@ fn clamped_nodes_on_a_line_leave_the_rotation_about_it() {
     let (_, bodies) = refused(&mesh, edge);
     assert_eq!(bodies[0].free.len(), 1);
     let text = bodies[0].to_string();
-    assert!(
-        text.contains("rotation about (0.000, 1.000, 0.000) through (0.0000,"),
-        "{text}"
-    );
+    assert!(text.contains("rotation about (0.000, 1.000, 0.000) through (0.0000,"), "{text}");
 }
 
 #[test]
 fn three_clamped_nodes_off_a_line_hold_a_body() {
     let mesh = straight_box([1; 3], [1.0; 3]);
-    let corners = nodes_where(&mesh, |p| {
-        p.z == 0.0 && p.x != 0.5 && p.y != 0.5 && p.x + p.y < 1.5
-    });
+    let corners = nodes_where(&mesh, |p| p.z == 0.0 && p.x != 0.5 && p.y != 0.5 && p.x + p.y < 1.5);
     assert_eq!(corners.len(), 3);
     ElasticModel::build(&mesh, &params(corners)).expect("held");
 }
@@ -108,10 +99,7 @@ fn a_hinge_is_found_and_a_clamped_far_side_holds_it() {
     let (n_bodies, bodies) = refused(&mesh, base.clone());
     assert_eq!((n_bodies, bodies.len()), (1, 1));
     let text = bodies[0].to_string();
-    assert!(
-        text.contains("rotation about (0.000, 1.000, 0.000) through (1.0000,"),
-        "{text}"
-    );
+    assert!(text.contains("rotation about (0.000, 1.000, 0.000) through (1.0000,"), "{text}");
     let far = nodes_where(&mesh, |p| p.x == 0.0 || p.x == 2.0);
     ElasticModel::build(&mesh, &params(far)).expect("held on both sides");
 }
@@ -121,20 +109,7 @@ fn clamping_everything_or_nodes_that_are_not_there_is_refused() {
     let mesh = straight_box([1; 3], [1.0; 3]);
     let all = nodes_where(&mesh, |_| true);
     let error = ElasticModel::build(&mesh, &params(all)).expect_err("refused");
-    assert!(
-        matches!(error, SimError::AllClamped { n_nodes: 27 }),
-        "{error}"
-    );
+    assert!(matches!(error, SimError::AllClamped { n_nodes: 27 }), "{error}");
     let error = ElasticModel::build(&mesh, &params(vec![FeNodeId(27)])).expect_err("refused");
-    assert!(
-        matches!(
-            error,
-            SimError::NodeOutOfRange {
-                node: 27,
-                n_nodes: 27,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, SimError::NodeOutOfRange { node: 27, n_nodes: 27, .. }), "{error}");
 }

@@ -57,10 +57,7 @@ fn a_block_on_a_bed_sinks_by_pressure_over_stiffness() {
 fn a_bed_without_shear_leaves_the_block_sliding() {
     let mesh = straight_box([2, 1, 1], SIZE_M);
     let params = ElasticParams {
-        supports: Supports {
-            foundations: vec![bed_below(&mesh, 1e8, 0.0)],
-            ..Supports::default()
-        },
+        supports: Supports { foundations: vec![bed_below(&mesh, 1e8, 0.0)], ..Supports::default() },
         ..params(vec![])
     };
     match ElasticModel::build(&mesh, &params).unwrap_err() {
@@ -80,10 +77,7 @@ fn bars_in_series_add_their_compliances() {
     let half_m = SIZE_M[0] / 2.0;
     let elements = (0..mesh.elements().len()).filter(|&e| middle(e) > half_m);
     let params = ElasticParams {
-        regions: vec![MaterialRegion {
-            elements: elements.collect(),
-            material: stiff,
-        }],
+        regions: vec![MaterialRegion { elements: elements.collect(), material: stiff }],
         ..ElasticParams::new(without_poisson(), nodes_where(&mesh, |p| p.x == 0.0))
     };
     let model = ElasticModel::build(&mesh, &params).unwrap();
@@ -115,10 +109,7 @@ fn half_a_limb_behind_a_skew_mirror_moves_as_the_whole() {
     let half_model = ElasticModel::build(
         &half,
         &ElasticParams {
-            supports: Supports {
-                symmetry: vec![mirror],
-                ..Supports::default()
-            },
+            supports: Supports { symmetry: vec![mirror], ..Supports::default() },
             ..params(clamped(&half))
         },
     )
@@ -137,10 +128,7 @@ fn half_a_limb_behind_a_skew_mirror_moves_as_the_whole() {
     };
     // the two meshes cut their cells differently, so they agree to discretisation, not rounding
     let (half_tip, whole_tip) = (tip(&half, &u_half), tip(&whole, &u_whole));
-    assert!(
-        (half_tip - whole_tip).norm() < 5e-3 * whole_tip.norm(),
-        "{half_tip} {whole_tip}"
-    );
+    assert!((half_tip - whole_tip).norm() < 5e-3 * whole_tip.norm(), "{half_tip} {whole_tip}");
     let across = turn * Vector3::y();
     assert!(half_tip.dot(&across).abs() < 1e-12 * half_tip.norm());
     assert!(whole_tip.dot(&across).abs() < 1e-2 * whole_tip.norm());
@@ -155,10 +143,7 @@ fn three_mirrors_hold_a_block_and_leave_uniform_strain() {
         normal: Vector3::ith(axis, 1.0),
     };
     let params = ElasticParams {
-        supports: Supports {
-            symmetry: (0..3).map(plane).collect(),
-            ..Supports::default()
-        },
+        supports: Supports { symmetry: (0..3).map(plane).collect(), ..Supports::default() },
         ..ElasticParams::new(material_of(nu), vec![])
     };
     let model = ElasticModel::build(&mesh, &params).unwrap();
@@ -182,9 +167,7 @@ fn insert_nodes(mesh: &Tet10Mesh) -> Vec<FeNodeId> {
 fn with_insert(mesh: &Tet10Mesh) -> ElasticParams {
     ElasticParams {
         supports: Supports {
-            rigid_inserts: vec![RigidInsert {
-                nodes: insert_nodes(mesh),
-            }],
+            rigid_inserts: vec![RigidInsert { nodes: insert_nodes(mesh) }],
             ..Supports::default()
         },
         ..params(nodes_where(mesh, |p| p.x == 0.0))
@@ -223,10 +206,7 @@ fn an_insert_keeps_its_shape_and_is_the_limit_of_a_stiff_material() {
     let (at_1e3, at_1e5) = (difference(1e3), difference(1e5));
     assert!(at_1e5 < 1e-4, "{at_1e5:e}");
     let ratio = at_1e3 / at_1e5;
-    assert!(
-        (80.0..120.0).contains(&ratio),
-        "not first order in 1/E: {ratio}"
-    );
+    assert!((80.0..120.0).contains(&ratio), "not first order in 1/E: {ratio}");
 }
 
 #[test]
@@ -259,11 +239,7 @@ fn single_holds_add_up_to_a_statically_determinate_support() {
         let at = Point3::new(x * SIZE_M[0], y * SIZE_M[1], z * SIZE_M[2]);
         nodes_where(&mesh, |p| (p - at).norm() < 1e-12)
     };
-    let hold = |nodes, direction| Hold {
-        nodes,
-        motion: HeldMotion::Translation,
-        direction,
-    };
+    let hold = |nodes, direction| Hold { nodes, motion: HeldMotion::Translation, direction };
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     let corner = node(0.0, 0.0, 0.0);
     let mut holds = vec![
@@ -275,10 +251,7 @@ fn single_holds_add_up_to_a_statically_determinate_support() {
         hold(node(0.0, 1.0, 0.0), z),
     ];
     let with = |holds: &[Hold]| ElasticParams {
-        supports: Supports {
-            holds: holds.to_vec(),
-            ..Supports::default()
-        },
+        supports: Supports { holds: holds.to_vec(), ..Supports::default() },
         ..ElasticParams::new(without_poisson(), vec![])
     };
     let model = ElasticModel::build(&mesh, &with(&holds)).unwrap();
@@ -317,34 +290,16 @@ fn unusable_ties_are_refused_with_their_numbers() {
         let again = p.supports.rigid_inserts[0].clone();
         p.supports.rigid_inserts.push(again);
     });
-    assert!(
-        matches!(
-            shared,
-            SimError::InsertsShareNode {
-                inserts: [0, 1],
-                ..
-            }
-        ),
-        "{shared}"
-    );
+    assert!(matches!(shared, SimError::InsertsShareNode { inserts: [0, 1], .. }), "{shared}");
     let line = nodes_where(&mesh, |p| p.x == SIZE_M[0] && p.y == 0.0);
     let small = refused(&|p| p.supports.rigid_inserts[0].nodes.clone_from(&line));
     assert!(matches!(small, SimError::InsertTooSmall { n_nodes, .. } if n_nodes == line.len()));
     let region = refused(&|p| {
-        p.regions = vec![MaterialRegion {
-            elements: vec![9_999],
-            material: p.material,
-        }];
+        p.regions = vec![MaterialRegion { elements: vec![9_999], material: p.material }];
     });
-    assert!(
-        matches!(region, SimError::ElementOutOfRange { element: 9_999, .. }),
-        "{region}"
-    );
+    assert!(matches!(region, SimError::ElementOutOfRange { element: 9_999, .. }), "{region}");
     let bed = refused(&|p| p.supports.foundations = vec![bed_below(&mesh, -1.0, 0.0)]);
-    assert!(
-        matches!(bed, SimError::Parameter { value: -1.0, .. }),
-        "{bed}"
-    );
+    assert!(matches!(bed, SimError::Parameter { value: -1.0, .. }), "{bed}");
     let moment = ElasticModel::build(&mesh, &with_insert(&mesh))
         .unwrap()
         .solve(&NodalLoad::nodal_moment(first, Vector3::x()))

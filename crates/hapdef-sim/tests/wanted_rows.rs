@@ -15,10 +15,7 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
 fn limits(residuals: Residuals) -> ComplianceParams {
-    ComplianceParams {
-        residuals,
-        ..ComplianceParams::default()
-    }
+    ComplianceParams { residuals, ..ComplianceParams::default() }
 }
 
 fn solved(
@@ -34,9 +31,7 @@ fn solved(
 fn unit_loads(nodes: &[FeNodeId]) -> Vec<NodalLoad> {
     let force = |i: usize| Vector3::new(1.0, (i as f64).sin(), (2.0 * i as f64).cos());
     let nodes = nodes.iter().enumerate();
-    nodes
-        .map(|(i, &node)| NodalLoad::nodal(node, force(i)))
-        .collect()
+    nodes.map(|(i, &node)| NodalLoad::nodal(node, force(i))).collect()
 }
 
 /// The whole solution and its wanted rows agree bit for bit, on one and two threads.
@@ -50,31 +45,19 @@ fn check_same(
     let mut infos = Vec::new();
     let mut all = Vec::new();
     for n_threads in [1, 2] {
-        let params = ElasticParams {
-            n_threads,
-            ..params.clone()
-        };
+        let params = ElasticParams { n_threads, ..params.clone() };
         let model = ElasticModel::build(mesh, &params).expect("a model");
         let (every, full) = solved(&model, loads, wanted, Residuals::Every);
         let (part, info) = solved(&model, loads, wanted, Residuals::Sampled { n_loads: 1 });
         assert_eq!(full.n_residuals, loads.len());
-        assert_eq!(
-            (full.worst_reciprocity_error, full.backward_factor_share),
-            (0.0, 1.0)
-        );
+        assert_eq!((full.worst_reciprocity_error, full.backward_factor_share), (0.0, 1.0));
         assert!(every == part, "{n_threads} threads: {info:?}");
         all.push(part);
         infos.push(info);
     }
     assert!(all[0] == all[1], "two threads differ from one");
-    assert_eq!(
-        infos[0].backward_factor_share,
-        infos[1].backward_factor_share
-    );
-    assert_eq!(
-        infos[0].worst_reciprocity_error,
-        infos[1].worst_reciprocity_error
-    );
+    assert_eq!(infos[0].backward_factor_share, infos[1].backward_factor_share);
+    assert_eq!(infos[0].worst_reciprocity_error, infos[1].worst_reciprocity_error);
     infos[0]
 }
 
@@ -158,26 +141,15 @@ fn what_asks_for_refinement_is_solved_in_full() {
     let (loads, sampled) = (unit_loads(&free), Residuals::Sampled { n_loads: 70 });
     let (_, info) = solved(&model, &loads, &free[..3], sampled);
     assert_eq!(info.n_residuals, 128, "two blocks of {}", loads.len());
-    let all = Residuals::Sampled {
-        n_loads: loads.len(),
-    };
+    let all = Residuals::Sampled { n_loads: loads.len() };
     let (_, info) = solved(&model, &loads, &free[..3], all);
     assert_eq!(info.n_residuals, loads.len());
     let refining = [
-        SolveParams {
-            extend_above_condition: 1.0,
-            ..SolveParams::default()
-        },
-        SolveParams {
-            refine_above: 0.0,
-            ..SolveParams::default()
-        },
+        SolveParams { extend_above_condition: 1.0, ..SolveParams::default() },
+        SolveParams { refine_above: 0.0, ..SolveParams::default() },
     ];
     for solve in refining {
-        let limits = ComplianceParams {
-            solve,
-            ..limits(sampled)
-        };
+        let limits = ComplianceParams { solve, ..limits(sampled) };
         let solved = model.compliance(&loads, &free[..3], &limits);
         let (_, info) = solved.expect("solved");
         assert_eq!(info.n_residuals, loads.len(), "{solve:?}");

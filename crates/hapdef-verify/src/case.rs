@@ -86,19 +86,13 @@ impl Target {
     /// A relative error on the finest mesh, and no order.
     #[must_use]
     pub fn within(rel_err: f64) -> Self {
-        Self {
-            rel_err,
-            order: None,
-        }
+        Self { rel_err, order: None }
     }
 
     /// The same with an observed order of at least `order`.
     #[must_use]
     pub fn and_order(self, order: f64) -> Self {
-        Self {
-            order: Some(order),
-            ..self
-        }
+        Self { order: Some(order), ..self }
     }
 }
 

@@ -5,8 +5,5 @@ use crate::{Case, shell, solid};
 /// Every case, in the order of the table.
 #[must_use]
 pub fn all_cases() -> Vec<Case> {
-    [solid::cases(), shell::cases()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [solid::cases(), shell::cases()].into_iter().flatten().collect()
 }

@@ -62,19 +62,13 @@ fn compare(
 ) {
     if fresh.len() != written.len() {
         let (n, m) = (fresh.len(), written.len());
-        faults.push(format!(
-            "{}: {n} lines are expected, the file has {m}",
-            case.id
-        ));
+        faults.push(format!("{}: {n} lines are expected, the file has {m}", case.id));
         return;
     }
     for (fresh, written) in fresh.iter().zip(written) {
         let row = fresh.starts_with('|');
         if !(fresh == written || row && same_row(fresh, written)) {
-            faults.push(format!(
-                "{}: expected {fresh:?}, the file has {written:?}",
-                case.id
-            ));
+            faults.push(format!("{}: expected {fresh:?}, the file has {written:?}", case.id));
         }
     }
 }
@@ -82,11 +76,7 @@ fn compare(
 /// Rows agree where mesh and sizes are the same and values to the digits that hold everywhere.
 /// Error and order follow from the values.
 fn same_row(a: &str, b: &str) -> bool {
-    let cells = |row: &str| {
-        row.split('|')
-            .map(|c| c.trim().to_owned())
-            .collect::<Vec<_>>()
-    };
+    let cells = |row: &str| row.split('|').map(|c| c.trim().to_owned()).collect::<Vec<_>>();
     let (a, b) = (cells(a), cells(b));
     let ([_, mesh, nodes, equations, value, ..], [_, mesh_b, nodes_b, equations_b, value_b, ..]) =
         (a.as_slice(), b.as_slice())
@@ -98,11 +88,7 @@ fn same_row(a: &str, b: &str) -> bool {
 
 fn same_value(a: &str, b: &str) -> bool {
     let number = |word: &str| {
-        if word == "round-off" {
-            Some(0.0)
-        } else {
-            word.parse().ok()
-        }
+        if word == "round-off" { Some(0.0) } else { word.parse().ok() }
     };
     let (Some(a), Some(b)): (Option<f64>, Option<f64>) = (number(a), number(b)) else {
         return a == b;
@@ -133,15 +119,7 @@ mod tests {
         check(row, "| 4 cells | 10 | 20 | 92.486 | 0.24 % | 1.4 |", true);
         check(row, "| 4 cells | 10 | 20 | 92.585 | 0.12 % | 1.5 |", false);
         check(row, "| 4 cells | 10 | 21 | 92.485 | 0.23 % | 1.5 |", false);
-        check(
-            "| m | 1 | 1 | round-off | | |",
-            "| m | 1 | 1 | 3.1e-8 | | |",
-            true,
-        );
-        check(
-            "| m | 1 | 1 | round-off | | |",
-            "| m | 1 | 1 | 3.1e-3 | | |",
-            false,
-        );
+        check("| m | 1 | 1 | round-off | | |", "| m | 1 | 1 | 3.1e-8 | | |", true);
+        check("| m | 1 | 1 | round-off | | |", "| m | 1 | 1 | 3.1e-3 | | |", false);
     }
 }

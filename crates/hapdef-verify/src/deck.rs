@@ -157,10 +157,7 @@ impl KnownFigures {
 
 /// Point forces and tractions of the deck.
 pub(crate) fn own_load(deck: &SolidDeck) -> Result<NodalLoad, VerifyError> {
-    let forces = NodalLoad {
-        forces_n: deck.nodal_forces.clone(),
-        ..NodalLoad::default()
-    };
+    let forces = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
     Ok(forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?))
 }
 
@@ -175,11 +172,7 @@ pub(crate) fn largest(displacement: &[Vector3<f64>]) -> f64 {
 /// # Errors
 /// [`VerifyError::Io`].
 pub fn read_displacements(path: &Path) -> Result<Vec<(u32, Vector3<f64>)>, VerifyError> {
-    let io = |cause| VerifyError::Io {
-        action: "reading",
-        path: path.to_owned(),
-        cause,
-    };
+    let io = |cause| VerifyError::Io { action: "reading", path: path.to_owned(), cause };
     let bytes = std::fs::read(path).map_err(io)?;
     let mut text = String::new();
     if bytes.starts_with(&[0x1f, 0x8b]) {
@@ -198,10 +191,7 @@ fn displacement_rows(text: &str) -> Vec<(u32, Vector3<f64>)> {
             return None;
         };
         let number = |word: &str| word.parse::<f64>().ok();
-        Some((
-            label.parse().ok()?,
-            Vector3::new(number(x)?, number(y)?, number(z)?),
-        ))
+        Some((label.parse().ok()?, Vector3::new(number(x)?, number(y)?, number(z)?)))
     };
     // a later block, such as forces, starts with a heading after rows have been read
     let mut rows: Vec<(u32, Vector3<f64>)> = Vec::new();

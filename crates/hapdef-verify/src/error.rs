@@ -49,8 +49,6 @@ pub enum VerifyError {
 impl VerifyError {
     /// The case can't be run here, for `reason`.
     pub fn not_run(reason: impl Into<String>) -> Self {
-        Self::NotRun {
-            reason: reason.into(),
-        }
+        Self::NotRun { reason: reason.into() }
     }
 }

@@ -1,9 +1,5 @@
 //! `hapdef-verify`: the verification table, and a deck against its known figures.
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "a command line program prints"
-)]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod cli;
 

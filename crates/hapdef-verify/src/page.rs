@@ -67,27 +67,20 @@ pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Repo
 /// Cases that were not run, and why.
 fn not_run(report: &Report) -> Vec<SkippedStage> {
     let skipped = report.cases.iter().filter_map(|case| match &case.verdict {
-        Verdict::NotRun(reason) => Some(SkippedStage {
-            name: case.id.to_string(),
-            reason: reason.clone(),
-        }),
+        Verdict::NotRun(reason) => {
+            Some(SkippedStage { name: case.id.to_string(), reason: reason.clone() })
+        }
         _ => None,
     });
     skipped.collect()
 }
 
 fn hash(name: &str, text: &str) -> NamedText {
-    NamedText {
-        name: name.into(),
-        text: blake3::hash(text.as_bytes()).to_hex().to_string(),
-    }
+    NamedText { name: name.into(), text: blake3::hash(text.as_bytes()).to_hex().to_string() }
 }
 
 fn facts(counts: &[(&str, usize)]) -> Vec<NamedText> {
-    let fact = |(name, n): &(&str, usize)| NamedText {
-        name: (*name).into(),
-        text: n.to_string(),
-    };
+    let fact = |(name, n): &(&str, usize)| NamedText { name: (*name).into(), text: n.to_string() };
     counts.iter().map(fact).collect()
 }
 
@@ -118,9 +111,7 @@ fn cases_table(report: &Report) -> TextTable {
                 case.element.into(),
                 case.unit.into(),
                 against(case.reference),
-                finest.map_or("–".into(), |row| {
-                    value(case.reference, row.measured.value)
-                }),
+                finest.map_or("–".into(), |row| value(case.reference, row.measured.value)),
                 finest.map_or("–".into(), error),
                 target(case),
                 case.verdict.word().into(),
@@ -136,17 +127,8 @@ fn cases_table(report: &Report) -> TextTable {
 }
 
 fn stability_table(rows: &[StabilityRow]) -> TextTable {
-    let header = [
-        "case",
-        "extreme",
-        "path",
-        "equations",
-        "error",
-        "bound",
-        "condition",
-        "said",
-        "verdict",
-    ];
+    let header =
+        ["case", "extreme", "path", "equations", "error", "bound", "condition", "said", "verdict"];
     let row = |row: &StabilityRow| {
         let figures = row.outcome.as_ref().ok();
         let short = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.1e}"));
@@ -169,18 +151,12 @@ fn stability_table(rows: &[StabilityRow]) -> TextTable {
             (!row.is_failed()).then_some(8),
         )
     };
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.iter().map(row).collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
 }
 
 /// Cells of a row; the one at `strong` stands out.
 fn cells<const N: usize>(texts: [String; N], strong: Option<usize>) -> Vec<TextCell> {
-    let cell = |(at, text)| TextCell {
-        text,
-        strong: strong == Some(at),
-    };
+    let cell = |(at, text)| TextCell { text, strong: strong == Some(at) };
     texts.into_iter().enumerate().map(cell).collect()
 }
 
@@ -196,10 +172,7 @@ fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
         if points.len() < PLOTTED_MESHES {
             continue;
         }
-        let series = Series {
-            name: format!("{} {}", case.element, case.quantity),
-            points,
-        };
+        let series = Series { name: format!("{} {}", case.element, case.quantity), points };
         match problems.iter_mut().find(|(title, _)| *title == case.title) {
             Some((_, all)) => all.push(series),
             None => problems.push((case.title, vec![series])),

@@ -120,9 +120,7 @@ pub fn run_cases(cases: &[Case], mut after: impl FnMut(&CaseReport)) -> Report {
         after(&report);
         report
     });
-    Report {
-        cases: done.collect(),
-    }
+    Report { cases: done.collect() }
 }
 
 /// Solves and judges one case.
@@ -202,9 +200,7 @@ fn meets(case: &Case, last: &Row, rel_err: f64) -> Result<(), String> {
     // a value that is not a number must not pass
     if !rel_err.is_finite() || rel_err > case.target.rel_err {
         let allowed = case.target.rel_err;
-        return Err(format!(
-            "relative error {rel_err:.2e}, allowed {allowed:.0e}"
-        ));
+        return Err(format!("relative error {rel_err:.2e}, allowed {allowed:.0e}"));
     }
     match (case.target.order, last.order) {
         (Some(least), Some(order)) if order < least => {
@@ -274,17 +270,9 @@ mod tests {
     #[track_caller]
     fn check(reference: Reference, target: Target, values: [f64; 3], pass: bool, order: f64) {
         let report = run_case(&case(reference, target, values));
-        assert_eq!(
-            report.verdict == Verdict::Pass,
-            pass,
-            "{:?}",
-            report.verdict
-        );
+        assert_eq!(report.verdict == Verdict::Pass, pass, "{:?}", report.verdict);
         let found = report.rows[2].order.unwrap_or(f64::NAN);
-        assert!(
-            (found - order).abs() < 1e-9 || (found.is_nan() && order.is_nan()),
-            "{found}"
-        );
+        assert!((found - order).abs() < 1e-9 || (found.is_nan() && order.is_nan()), "{found}");
     }
 
     #[test]
@@ -293,47 +281,18 @@ mod tests {
         let within = Target::within(0.02);
         check(Reference::Exact(1.0), within, quartering, true, 2.0);
         check(Reference::Published(1.0), within, quartering, true, 2.0);
-        check(
-            Reference::Exact(1.0),
-            within.and_order(2.5),
-            quartering,
-            false,
-            2.0,
-        );
-        check(
-            Reference::Exact(1.0),
-            Target::within(0.005),
-            quartering,
-            false,
-            2.0,
-        );
+        check(Reference::Exact(1.0), within.and_order(2.5), quartering, false, 2.0);
+        check(Reference::Exact(1.0), Target::within(0.005), quartering, false, 2.0);
         check(Reference::Zero, within, [0.16, 0.04, 0.01], true, 2.0);
-        check(
-            Reference::Zero,
-            within,
-            [1e-13, 1e-13, 1e-13],
-            true,
-            f64::NAN,
-        );
-        check(
-            Reference::Exact(1.0),
-            within,
-            [1.0, 1.0, f64::NAN],
-            false,
-            f64::NAN,
-        );
+        check(Reference::Zero, within, [1e-13, 1e-13, 1e-13], true, f64::NAN);
+        check(Reference::Exact(1.0), within, [1.0, 1.0, f64::NAN], false, f64::NAN);
     }
 
     #[track_caller]
     fn check_known(value: f64, recorded: f64, word: &str) {
         let mut case = case(Reference::Exact(1.0), Target::within(0.01), [value; 3]);
-        case.known_miss = Some(crate::KnownMiss {
-            rel_err: recorded,
-            why: "why",
-        });
-        let report = Report {
-            cases: vec![run_case(&case)],
-        };
+        case.known_miss = Some(crate::KnownMiss { rel_err: recorded, why: "why" });
+        let report = Report { cases: vec![run_case(&case)] };
         assert_eq!(report.cases[0].verdict.word(), word);
         let failed = usize::from(word == "FAILED");
         assert_eq!((report.n_judged(), report.n_failed()), (1, failed));
@@ -353,13 +312,8 @@ mod tests {
     fn what_can_not_run_is_neither_pass_nor_fail() {
         let mut case = case(Reference::Exact(1.0), Target::within(1.0), [1.0; 3]);
         case.run = Box::new(|_| Err(VerifyError::not_run("element S8R")));
-        let report = Report {
-            cases: vec![run_case(&case)],
-        };
-        assert_eq!(
-            report.cases[0].verdict,
-            Verdict::NotRun("element S8R".to_owned())
-        );
+        let report = Report { cases: vec![run_case(&case)] };
+        assert_eq!(report.cases[0].verdict, Verdict::NotRun("element S8R".to_owned()));
         assert_eq!((report.n_judged(), report.n_failed()), (0, 0));
     }
 }

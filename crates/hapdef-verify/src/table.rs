@@ -26,13 +26,8 @@ the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a r
 /// One line per mesh, with times.
 #[must_use]
 pub fn people_table(report: &CaseReport) -> String {
-    let mut text = format!(
-        "{} {} [{}]: {}\n",
-        report.verdict.word(),
-        report.id,
-        report.element,
-        report.title
-    );
+    let mut text =
+        format!("{} {} [{}]: {}\n", report.verdict.word(), report.id, report.element, report.title);
     for row in &report.rows {
         let _ = writeln!(
             text,
@@ -65,11 +60,7 @@ pub fn markdown(report: &Report) -> String {
         report.n_judged(),
         report.n_known_misses(),
         report.n_failed(),
-        report
-            .cases
-            .iter()
-            .filter(|c| matches!(c.verdict, Verdict::NotRun(_)))
-            .count()
+        report.cases.iter().filter(|c| matches!(c.verdict, Verdict::NotRun(_))).count()
     );
     known_misses(&mut text, report);
     summary(&mut text, report);
@@ -144,12 +135,7 @@ fn details(text: &mut String, case: &CaseReport) {
         case.quantity,
         unit(case.unit)
     );
-    let _ = writeln!(
-        text,
-        "Reference {}: {}.\n",
-        against(case.reference),
-        case.source
-    );
+    let _ = writeln!(text, "Reference {}: {}.\n", against(case.reference), case.source);
     if let Verdict::Fail(reason) = &case.verdict {
         let _ = writeln!(text, "**Misses its target**: {reason}.\n");
     }
@@ -181,11 +167,7 @@ fn details(text: &mut String, case: &CaseReport) {
 }
 
 fn unit(unit: &str) -> String {
-    if unit == "1" {
-        "no unit".to_owned()
-    } else {
-        format!("in {unit}")
-    }
+    if unit == "1" { "no unit".to_owned() } else { format!("in {unit}") }
 }
 
 pub(crate) fn value(reference: Reference, value: f64) -> String {
@@ -208,16 +190,8 @@ pub(crate) fn against(reference: Reference) -> String {
 fn digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-3..1e6).contains(&size) {
-        let before = if size >= 1.0 {
-            size.log10().floor() as usize + 1
-        } else {
-            0
-        };
-        let leading = if size < 1.0 && size > 0.0 {
-            (-size.log10()).floor() as usize
-        } else {
-            0
-        };
+        let before = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 0 };
+        let leading = if size < 1.0 && size > 0.0 { (-size.log10()).floor() as usize } else { 0 };
         format!("{value:.*}", (5 + leading).saturating_sub(before))
     } else {
         format!("{value:.4e}")
@@ -233,17 +207,13 @@ pub(crate) fn error(row: &Row) -> String {
 }
 
 fn order(row: &Row) -> String {
-    row.order
-        .map_or("–".to_owned(), |order| format!("{order:.1}"))
+    row.order.map_or("–".to_owned(), |order| format!("{order:.1}"))
 }
 
 pub(crate) fn target(case: &CaseReport) -> String {
     let error = case.target.rel_err;
-    let percent = if error < 1e-3 {
-        format!("{error:.0e}")
-    } else {
-        format!("{} %", error * 100.0)
-    };
+    let percent =
+        if error < 1e-3 { format!("{error:.0e}") } else { format!("{} %", error * 100.0) };
     match case.target.order {
         Some(order) => format!("{percent}, order ≥ {order}"),
         None => percent,
@@ -257,16 +227,6 @@ mod tests {
     #[test]
     fn five_digits_whatever_the_size() {
         let shown = [-5.38, 0.0321, 92.7, 1.8248e-5, 0.0, 123456.0].map(digits);
-        assert_eq!(
-            shown,
-            [
-                "-5.3800",
-                "0.032100",
-                "92.700",
-                "1.8248e-5",
-                "0.00000",
-                "123456"
-            ]
-        );
+        assert_eq!(shown, ["-5.3800", "0.032100", "92.700", "1.8248e-5", "0.00000", "123456"]);
     }
 }

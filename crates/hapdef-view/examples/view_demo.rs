@@ -27,10 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     params.offers = Offers {
         tare: true,
         record: true,
-        press: Some(PressOffer {
-            default_n: 5.0,
-            max_n: 12.0,
-        }),
+        press: Some(PressOffer { default_n: 5.0, max_n: 12.0 }),
     };
     let picture = synthetic::picture();
     let view = ViewServer::start(params, picture.clone())?;
@@ -41,9 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     while start.elapsed().as_secs_f64() < seconds {
         let t = start.elapsed().as_secs_f64();
         demo.listen(&view, t);
-        let touches = demo
-            .press
-            .map_or_else(|| synthetic::wandering(t), |touch| vec![touch]);
+        let touches = demo.press.map_or_else(|| synthetic::wandering(t), |touch| vec![touch]);
         synthetic::show(&picture, &touches, t, &mut frame);
         demo.dress(&mut frame, t);
         view.push(&frame)?;
@@ -63,17 +58,8 @@ impl Demo {
     fn listen(&mut self, view: &ViewHandle, t: f64) {
         for command in view.commands().try_iter() {
             match command {
-                ViewCommand::Press {
-                    point_m,
-                    normal,
-                    force_n,
-                } => {
-                    self.press = Some(Touch {
-                        id: 2,
-                        point_m,
-                        normal,
-                        force_n,
-                    });
+                ViewCommand::Press { point_m, normal, force_n } => {
+                    self.press = Some(Touch { id: 2, point_m, normal, force_n });
                 }
                 ViewCommand::Release => self.press = None,
                 ViewCommand::Record(on) => self.recording_since = on.then_some(t),
@@ -110,9 +96,7 @@ impl Demo {
             clock_residual_us: 9.3,
             recording: self
                 .recording_since
-                .map_or(Recording::Off, |since| Recording::On {
-                    recorded_s: t - since,
-                }),
+                .map_or(Recording::Off, |since| Recording::On { recorded_s: t - since }),
             ..Health::default()
         };
     }

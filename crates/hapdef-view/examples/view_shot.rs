@@ -32,9 +32,7 @@ fn main() -> Result<(), Fault> {
     let [url, rest @ ..] = args.as_slice() else {
         return Err("expected URL [FILE [WIDTHxHEIGHT [dark|light [SECONDS [SCRIPT]]]]]".into());
     };
-    let (file, rest) = rest
-        .split_first()
-        .map_or((None, rest), |(file, rest)| (Some(file), rest));
+    let (file, rest) = rest.split_first().map_or((None, rest), |(file, rest)| (Some(file), rest));
     let size = rest.first().map_or("1440x900", String::as_str);
     let (width, height) = size.split_once('x').ok_or("expected WIDTHxHEIGHT")?;
     let is_dark = rest.get(1).is_none_or(|scheme| scheme == "dark");
@@ -55,11 +53,7 @@ fn main() -> Result<(), Fault> {
         println!("{}", chrome.eval(script)?);
     }
     std::thread::sleep(Duration::from_secs_f64(seconds));
-    let format = if file.ends_with(".webp") {
-        "webp"
-    } else {
-        "png"
-    };
+    let format = if file.ends_with(".webp") { "webp" } else { "png" };
     std::fs::write(file, chrome.picture(format)?)?;
     Ok(())
 }

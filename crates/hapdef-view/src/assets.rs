@@ -53,21 +53,9 @@ pub(crate) const ASSETS: &[Asset] = &[
     asset!("/js/text.js", "js/text.js", JS),
     asset!("/js/press.js", "js/press.js", JS),
     asset!("/js/controls.js", "js/controls.js", JS),
-    asset!(
-        "/vendor/three/LICENSE",
-        "vendor/three/LICENSE",
-        "text/plain; charset=utf-8"
-    ),
-    asset!(
-        "/vendor/three/three.module.min.js",
-        "vendor/three/three.module.min.js",
-        JS
-    ),
-    asset!(
-        "/vendor/three/OrbitControls.js",
-        "vendor/three/OrbitControls.js",
-        JS
-    ),
+    asset!("/vendor/three/LICENSE", "vendor/three/LICENSE", "text/plain; charset=utf-8"),
+    asset!("/vendor/three/three.module.min.js", "vendor/three/three.module.min.js", JS),
+    asset!("/vendor/three/OrbitControls.js", "vendor/three/OrbitControls.js", JS),
 ];
 
 /// The import by a bare name in the vendored controls, which browsers resolve only by an inline map.
@@ -122,10 +110,7 @@ mod tests {
     fn imports(asset: &Asset) -> Vec<String> {
         let folder = asset.path.rsplit_once('/').unwrap().0;
         let body = asset.body();
-        let statements = body
-            .split("import ")
-            .skip(1)
-            .filter_map(|rest| rest.split_once(';'));
+        let statements = body.split("import ").skip(1).filter_map(|rest| rest.split_once(';'));
         let sources = statements.filter_map(|(statement, _)| statement.split_once(" from "));
         sources
             .map(|(_, source)| source.trim_matches(['\'', '"']))
@@ -153,16 +138,9 @@ mod tests {
 
     #[test]
     fn the_page_asks_nobody_else() {
-        for asset in ASSETS
-            .iter()
-            .filter(|asset| !asset.path.starts_with("/vendor"))
-        {
+        for asset in ASSETS.iter().filter(|asset| !asset.path.starts_with("/vendor")) {
             let own = asset.body().replace("http://www.w3.org/2000/svg", "");
-            assert!(
-                !own.contains("http://") && !own.contains("https://"),
-                "{}",
-                asset.path
-            );
+            assert!(!own.contains("http://") && !own.contains("https://"), "{}", asset.path);
         }
     }
 

@@ -71,8 +71,7 @@ impl ClientStats {
     fn took(&self, drawn: Option<u64>) {
         let n_sent = self.n_sent.load(Ordering::Relaxed);
         let n_taken = self.n_taken.load(Ordering::Relaxed);
-        self.n_taken
-            .store((n_taken + 1).min(n_sent), Ordering::Relaxed);
+        self.n_taken.store((n_taken + 1).min(n_sent), Ordering::Relaxed);
         if let Some(drawn) = drawn {
             self.last_drawn.store(drawn, Ordering::Relaxed);
         }
@@ -86,10 +85,7 @@ pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
         return;
     };
     if feed.token_always && !has_token {
-        let close = CloseFrame {
-            code: CLOSE_TOKEN,
-            reason: "the address needs its token".into(),
-        };
+        let close = CloseFrame { code: CLOSE_TOKEN, reason: "the address needs its token".into() };
         let _ = timeout(HELLO_TIME, socket.send(Message::Close(Some(close)))).await;
         return;
     }
@@ -100,11 +96,7 @@ pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
     feed.enter(&stats);
     let (sink, stream) = socket.split();
     let (answers, answered) = mpsc::channel(MAX_ANSWERS);
-    let page = Page {
-        feed: &feed,
-        stats: &stats,
-        has_token,
-    };
+    let page = Page { feed: &feed, stats: &stats, has_token };
     tokio::select! {
         () = page.read(stream, answers) => {}
         () = page.write(sink, answered) => {}
@@ -179,11 +171,7 @@ impl Page<'_> {
     /// Sends until the page is gone: what it needs at first, answers, notices, the newest frame.
     async fn write(&self, mut sink: Sink, mut answers: mpsc::Receiver<String>) {
         let device = self.feed.device();
-        let mut seen = Seen {
-            frame: 0,
-            notice: self.feed.last_notice(),
-            device: device.seq,
-        };
+        let mut seen = Seen { frame: 0, notice: self.feed.last_notice(), device: device.seq };
         let hello = Hello::new(&self.feed.picture, &self.feed.offers, self.has_token);
         let Ok(hello) = serde_json::to_string(&hello) else {
             return;
@@ -222,8 +210,7 @@ impl Page<'_> {
         let device = self.feed.device();
         if device.seq != seen.device {
             seen.device = device.seq;
-            sink.send(Message::Text(device.value.as_str().into()))
-                .await?;
+            sink.send(Message::Text(device.value.as_str().into())).await?;
         }
         if !self.stats.has_room() {
             return Ok(());

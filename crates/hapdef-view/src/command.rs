@@ -79,11 +79,7 @@ impl PageMessage {
     /// The command in it, `None` where it is none, in words why it is refused.
     pub(crate) fn command(self, offers: &Offers) -> Result<Option<ViewCommand>, String> {
         let offered = |is_offered: bool, what: &str| {
-            if is_offered {
-                Ok(())
-            } else {
-                Err(format!("{what} is not offered here"))
-            }
+            if is_offered { Ok(()) } else { Err(format!("{what} is not offered here")) }
         };
         let command = match self {
             Self::Hello { .. } | Self::Got { .. } => return Ok(None),
@@ -104,11 +100,7 @@ impl PageMessage {
                 ViewCommand::Seek { position_s }
             }
             Self::Seek { position_s } => return Err(format!("no time to go to: {position_s} s")),
-            Self::Press {
-                point_m,
-                normal,
-                force_n,
-            } => press(offers, point_m, normal, force_n)?,
+            Self::Press { point_m, normal, force_n } => press(offers, point_m, normal, force_n)?,
             Self::Release => {
                 offered(offers.press.is_some(), "pressing")?;
                 ViewCommand::Release
@@ -128,22 +120,13 @@ fn press(
         return Err("pressing is not offered here".to_owned());
     };
     if !(force_n > 0.0 && force_n <= offer.max_n) {
-        return Err(format!(
-            "a press of {force_n} N, expected up to {} N",
-            offer.max_n
-        ));
+        return Err(format!("a press of {force_n} N, expected up to {} N", offer.max_n));
     }
     let length = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
     if !point_m.iter().all(|c| c.is_finite()) || (length - 1.0).abs() > 1e-3 || length.is_nan() {
-        return Err(format!(
-            "a press at {point_m:?} with a normal of length {length}, expected 1"
-        ));
+        return Err(format!("a press at {point_m:?} with a normal of length {length}, expected 1"));
     }
-    Ok(ViewCommand::Press {
-        point_m,
-        normal,
-        force_n,
-    })
+    Ok(ViewCommand::Press { point_m, normal, force_n })
 }
 
 #[cfg(test)]
@@ -156,14 +139,7 @@ mod tests {
     }
 
     fn all() -> Offers {
-        Offers {
-            tare: true,
-            record: true,
-            press: Some(PressOffer {
-                default_n: 1.0,
-                max_n: 10.0,
-            }),
-        }
+        Offers { tare: true, record: true, press: Some(PressOffer { default_n: 1.0, max_n: 10.0 }) }
     }
 
     #[track_caller]
@@ -177,22 +153,12 @@ mod tests {
         check(r#"{"cmd":"record","on":true}"#, ViewCommand::Record(true));
         check(r#"{"cmd":"pause","on":false}"#, ViewCommand::Pause(false));
         check(r#"{"cmd":"snapshot"}"#, ViewCommand::Snapshot { t_s: None });
-        check(
-            r#"{"cmd":"snapshot","t_s":-2.5}"#,
-            ViewCommand::Snapshot { t_s: Some(-2.5) },
-        );
-        check(
-            r#"{"cmd":"seek","position_s":2.5}"#,
-            ViewCommand::Seek { position_s: 2.5 },
-        );
+        check(r#"{"cmd":"snapshot","t_s":-2.5}"#, ViewCommand::Snapshot { t_s: Some(-2.5) });
+        check(r#"{"cmd":"seek","position_s":2.5}"#, ViewCommand::Seek { position_s: 2.5 });
         check(r#"{"cmd":"release"}"#, ViewCommand::Release);
         check(
             r#"{"cmd":"press","point_m":[0,0.1,0.2],"normal":[0,0,1],"force_n":4}"#,
-            ViewCommand::Press {
-                point_m: [0.0, 0.1, 0.2],
-                normal: [0.0, 0.0, 1.0],
-                force_n: 4.0,
-            },
+            ViewCommand::Press { point_m: [0.0, 0.1, 0.2], normal: [0.0, 0.0, 1.0], force_n: 4.0 },
         );
         assert_eq!(read(r#"{"cmd":"got"}"#, &all()), Ok(None));
         assert_eq!(read(r#"{"cmd":"got","drawn":7}"#, &all()), Ok(None));

@@ -15,10 +15,7 @@ pub fn semi_axes(tangents: [[f64; 3]; 2], covariance_m2: [[f64; 2]; 2]) -> [[f64
     let sd = |variance: f64| variance.max(0.0).sqrt();
     let (large, small) = (sd(mean + radius), sd(mean - radius));
     let along = |a: f64, b: f64| std::array::from_fn(|k| a * tangents[0][k] + b * tangents[1][k]);
-    [
-        along(large * cos, large * sin),
-        along(-small * sin, small * cos),
-    ]
+    [along(large * cos, large * sin), along(-small * sin, small * cos)]
 }
 
 #[cfg(test)]
@@ -45,10 +42,7 @@ mod tests {
 
     #[test]
     fn larger_axis_comes_first_along_its_tangent() {
-        let [a, b] = semi_axes(
-            [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-            [[1e-6, 0.0], [0.0, 9e-6]],
-        );
+        let [a, b] = semi_axes([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [[1e-6, 0.0], [0.0, 9e-6]]);
         assert!((a[2].abs() - 3e-3).abs() < 1e-15, "{a:?}");
         assert!((b[0].abs() - 1e-3).abs() < 1e-15, "{b:?}");
     }

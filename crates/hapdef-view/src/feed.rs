@@ -72,10 +72,7 @@ impl Feed {
         patience: Duration,
         commands: SyncSender<ViewCommand>,
     ) -> Self {
-        let device = Numbered {
-            seq: 1,
-            value: wire::device(&DeviceState::default()),
-        };
+        let device = Numbered { seq: 1, value: wire::device(&DeviceState::default()) };
         Self {
             surface: wire::surface(&picture).into(),
             picture,
@@ -168,10 +165,7 @@ impl Feed {
     ) -> Result<(), TrySendError<ViewCommand>> {
         let mut pressed = self.pressed();
         self.commands.try_send(press)?;
-        *pressed = Pressed {
-            by: Some(Arc::clone(page)),
-            owes_release: false,
-        };
+        *pressed = Pressed { by: Some(Arc::clone(page)), owes_release: false };
         Ok(())
     }
 
@@ -203,12 +197,8 @@ impl Feed {
     /// A place for a client, `None` when all are taken.
     pub(crate) fn place(self: &Arc<Self>) -> Option<Place> {
         let more = |n: usize| (n < MAX_CLIENTS).then_some(n + 1);
-        self.n_clients
-            .fetch_update(Ordering::AcqRel, Ordering::Acquire, more)
-            .ok()?;
-        Some(Place {
-            feed: Arc::clone(self),
-        })
+        self.n_clients.fetch_update(Ordering::AcqRel, Ordering::Acquire, more).ok()?;
+        Some(Place { feed: Arc::clone(self) })
     }
 }
 

@@ -164,14 +164,9 @@ impl ViewFrame {
 
 impl ContactMark {
     fn check(&self, index: usize) -> Result<(), ViewError> {
-        let named = [
-            ("position", self.position_m),
-            ("normal", self.normal),
-            ("force", self.force_n),
-        ];
-        let fault = named
-            .iter()
-            .find(|(_, vector)| !vector.iter().all(|c| c.is_finite()));
+        let named =
+            [("position", self.position_m), ("normal", self.normal), ("force", self.force_n)];
+        let fault = named.iter().find(|(_, vector)| !vector.iter().all(|c| c.is_finite()));
         match fault {
             None => Ok(()),
             Some(&(what, _)) => Err(ViewError::ContactNumber { index, what }),
@@ -183,11 +178,7 @@ fn same(what: &'static str, expected: usize, found: usize) -> Result<(), ViewErr
     if expected == found {
         return Ok(());
     }
-    Err(ViewError::FrameShape {
-        what,
-        expected,
-        found,
-    })
+    Err(ViewError::FrameShape { what, expected, found })
 }
 
 #[cfg(test)]
@@ -202,38 +193,20 @@ mod tests {
 
     #[test]
     fn shapes_are_compared() {
-        let good = ViewFrame {
-            readings_ue: vec![f64::NAN, 1.0],
-            ..ViewFrame::default()
-        };
+        let good = ViewFrame { readings_ue: vec![f64::NAN, 1.0], ..ViewFrame::default() };
         assert!(good.check(4, 2).is_ok());
+        refused(&ViewFrame::default(), "0 readings, the page was started with 2");
         refused(
-            &ViewFrame::default(),
-            "0 readings, the page was started with 2",
-        );
-        refused(
-            &ViewFrame {
-                displacement: Displacement::Magnitude(vec![0.0; 5]),
-                ..good.clone()
-            },
+            &ViewFrame { displacement: Displacement::Magnitude(vec![0.0; 5]), ..good.clone() },
             "5 displacements, the page was started with 4",
         );
         refused(
-            &ViewFrame {
-                gauge_health: vec![GaugeHealth::Dead],
-                ..good.clone()
-            },
+            &ViewFrame { gauge_health: vec![GaugeHealth::Dead], ..good.clone() },
             "1 states of gauges",
         );
-        let lost = ContactMark {
-            force_n: [0.0, f64::NAN, 0.0],
-            ..ContactMark::default()
-        };
+        let lost = ContactMark { force_n: [0.0, f64::NAN, 0.0], ..ContactMark::default() };
         refused(
-            &ViewFrame {
-                alternatives: vec![(0.5, vec![ContactMark::default(), lost])],
-                ..good
-            },
+            &ViewFrame { alternatives: vec![(0.5, vec![ContactMark::default(), lost])], ..good },
             "contact 1 of a frame has a force",
         );
     }

@@ -28,10 +28,8 @@ impl Guard {
             names.extend(["localhost", "127.0.0.1", "[::1]"].map(str::to_owned));
         }
         let port = address.port();
-        let mut hosts: Vec<String> = names
-            .iter()
-            .map(|name| format!("{}:{port}", name.to_ascii_lowercase()))
-            .collect();
+        let mut hosts: Vec<String> =
+            names.iter().map(|name| format!("{}:{port}", name.to_ascii_lowercase())).collect();
         if port == 80 {
             hosts.extend(names.iter().map(|name| name.to_ascii_lowercase()));
         }
@@ -56,9 +54,7 @@ impl Guard {
     }
 
     fn knows(&self, host: &str) -> bool {
-        self.hosts
-            .iter()
-            .any(|known| known.eq_ignore_ascii_case(host))
+        self.hosts.iter().any(|known| known.eq_ignore_ascii_case(host))
     }
 }
 

@@ -61,9 +61,7 @@ impl ViewParams {
             return Err(ViewError::NoHostNamed { address: self.bind });
         }
         if let Some(found) = self.allowed_hosts.iter().find(|host| !is_host(host)) {
-            return Err(ViewError::BadHost {
-                found: found.clone(),
-            });
+            return Err(ViewError::BadHost { found: found.clone() });
         }
         if self.patience.is_zero() {
             return Err(ViewError::NoPatience);
@@ -74,10 +72,7 @@ impl ViewParams {
                     && press.default_n <= press.max_n
                     && press.max_n.is_finite()) =>
             {
-                Err(ViewError::BadPressOffer {
-                    default_n: press.default_n,
-                    max_n: press.max_n,
-                })
+                Err(ViewError::BadPressOffer { default_n: press.default_n, max_n: press.max_n })
             }
             _ => Ok(()),
         }
@@ -86,9 +81,7 @@ impl ViewParams {
 
 /// A name, an IPv4 address, or an IPv6 address in brackets.
 fn is_host(host: &str) -> bool {
-    let inner = host
-        .strip_prefix('[')
-        .and_then(|rest| rest.strip_suffix(']'));
+    let inner = host.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
     match inner {
         Some(address) => address.parse::<std::net::Ipv6Addr>().is_ok(),
         None => {
@@ -122,10 +115,7 @@ mod tests {
 
     #[test]
     fn every_network_needs_a_name() {
-        assert!(matches!(
-            with_hosts("0.0.0.0:80", &[]),
-            Err(ViewError::NoHostNamed { .. })
-        ));
+        assert!(matches!(with_hosts("0.0.0.0:80", &[]), Err(ViewError::NoHostNamed { .. })));
         assert!(with_hosts("0.0.0.0:80", &["lab-pc.local"]).is_ok());
         assert!(with_hosts("[::]:80", &["[fe80::1]"]).is_ok());
     }
@@ -140,12 +130,7 @@ mod tests {
 
     #[test]
     fn a_press_needs_a_force() {
-        for (default_n, max_n) in [
-            (0.0, 1.0),
-            (2.0, 1.0),
-            (1.0, f64::INFINITY),
-            (f64::NAN, 1.0),
-        ] {
+        for (default_n, max_n) in [(0.0, 1.0), (2.0, 1.0), (1.0, f64::INFINITY), (f64::NAN, 1.0)] {
             let params = ViewParams {
                 offers: Offers {
                     press: Some(PressOffer { default_n, max_n }),

@@ -35,61 +35,28 @@ pub struct GaugeSite {
 impl LimbPicture {
     pub(crate) fn check(&self) -> Result<(), ViewError> {
         let n = self.vertices_m.len();
-        let wrong = |what, expected: String, found| {
-            Err(ViewError::Picture {
-                what,
-                expected,
-                found,
-            })
-        };
+        let wrong =
+            |what, expected: String, found| Err(ViewError::Picture { what, expected, found });
         if n == 0 || self.triangles.is_empty() {
             return wrong("triangles", "a surface".to_owned(), self.triangles.len());
         }
         if self.normals.len() != n {
-            return wrong(
-                "normals",
-                format!("{n}, one for each node"),
-                self.normals.len(),
-            );
+            return wrong("normals", format!("{n}, one for each node"), self.normals.len());
         }
-        let beyond = self
-            .triangles
-            .iter()
-            .flatten()
-            .find(|&&node| node as usize >= n);
+        let beyond = self.triangles.iter().flatten().find(|&&node| node as usize >= n);
         if let Some(&node) = beyond {
-            return wrong(
-                "as a triangle's node",
-                format!("a node below {n}"),
-                node as usize,
-            );
+            return wrong("as a triangle's node", format!("a node below {n}"), node as usize);
         }
         if self.gauges.len() > usize::from(u16::MAX) {
             return wrong("gauges", "65,535 at most".to_owned(), self.gauges.len());
         }
-        finite(
-            "node",
-            self.vertices_m
-                .iter()
-                .map(|v| v.iter().all(|c| c.is_finite())),
-        )?;
-        finite(
-            "normal",
-            self.normals.iter().map(|v| v.iter().all(|c| c.is_finite())),
-        )?;
-        let site = |gauge: &GaugeSite| {
-            gauge
-                .position_m
-                .iter()
-                .chain(&gauge.axis)
-                .all(|c| c.is_finite())
-        };
+        finite("node", self.vertices_m.iter().map(|v| v.iter().all(|c| c.is_finite())))?;
+        finite("normal", self.normals.iter().map(|v| v.iter().all(|c| c.is_finite())))?;
+        let site =
+            |gauge: &GaugeSite| gauge.position_m.iter().chain(&gauge.axis).all(|c| c.is_finite());
         finite("gauge", self.gauges.iter().map(site))?;
         let directions = [self.up, self.view_from].into_iter().flatten();
-        finite(
-            "direction",
-            directions.map(|v| v.iter().all(|c| c.is_finite())),
-        )
+        finite("direction", directions.map(|v| v.iter().all(|c| c.is_finite())))
     }
 }
 
@@ -127,13 +94,7 @@ mod tests {
         refused(|p| p.triangles.clear(), "expected a surface");
         refused(|p| p.normals.truncate(2), "2 normals, expected 3");
         refused(|p| p.triangles[0][1] = 3, "a node below 3");
-        refused(
-            |p| p.vertices_m[2][0] = f32::NAN,
-            "node that is not finite, number 2",
-        );
-        refused(
-            |p| p.up = Some([f64::INFINITY; 3]),
-            "direction that is not finite",
-        );
+        refused(|p| p.vertices_m[2][0] = f32::NAN, "node that is not finite, number 2");
+        refused(|p| p.up = Some([f64::INFINITY; 3]), "direction that is not finite");
     }
 }

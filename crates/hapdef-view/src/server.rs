@@ -64,10 +64,7 @@ impl ViewServer {
         params.check()?;
         picture.check()?;
         let token = params.token.map_or_else(Token::random, Ok)?;
-        let unusable = |source| ViewError::Bind {
-            address: params.bind,
-            source,
-        };
+        let unusable = |source| ViewError::Bind { address: params.bind, source };
         let listener = TcpListener::bind(params.bind).map_err(unusable)?;
         listener.set_nonblocking(true).map_err(unusable)?;
         let address = listener.local_addr().map_err(unusable)?;
@@ -184,10 +181,8 @@ fn spawn(
     stopped: oneshot::Receiver<()>,
 ) -> Result<JoinHandle<()>, ViewError> {
     let failed = |source| ViewError::Thread { source };
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()
-        .map_err(failed)?;
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
     let entered = runtime.enter();
     let listener = tokio::net::TcpListener::from_std(listener).map_err(failed)?;
     drop(entered);
@@ -226,11 +221,7 @@ async fn guarded(State(feed): State<Arc<Feed>>, request: Request, next: Next) ->
     let mut response = if feed.guard.allows(request.headers()) {
         next.run(request).await
     } else {
-        (
-            StatusCode::FORBIDDEN,
-            "this host or origin is not allowed\n",
-        )
-            .into_response()
+        (StatusCode::FORBIDDEN, "this host or origin is not allowed\n").into_response()
     };
     response.headers_mut().extend(guard::headers());
     response

@@ -19,9 +19,8 @@ impl Token {
     /// [`ViewError::NoRandomness`].
     pub fn random() -> Result<Self, ViewError> {
         let mut bytes = [0; 16];
-        getrandom::fill(&mut bytes).map_err(|error| ViewError::NoRandomness {
-            text: error.to_string(),
-        })?;
+        getrandom::fill(&mut bytes)
+            .map_err(|error| ViewError::NoRandomness { text: error.to_string() })?;
         Ok(Self(bytes))
     }
 
@@ -52,9 +51,7 @@ impl FromStr for Token {
     type Err = ViewError;
 
     fn from_str(text: &str) -> Result<Self, ViewError> {
-        let bad = || ViewError::BadToken {
-            found: text.chars().count(),
-        };
+        let bad = || ViewError::BadToken { found: text.chars().count() };
         if text.len() != 32 || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
             return Err(bad());
         }

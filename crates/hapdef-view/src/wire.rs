@@ -64,10 +64,8 @@ impl<'a> Hello<'a> {
                 commands: may_command,
                 tare: offers.tare && may_command,
                 record: offers.record && may_command,
-                press: press.map(|press| HelloPress {
-                    default_n: press.default_n,
-                    max_n: press.max_n,
-                }),
+                press: press
+                    .map(|press| HelloPress { default_n: press.default_n, max_n: press.max_n }),
             },
         }
     }
@@ -75,20 +73,13 @@ impl<'a> Hello<'a> {
 
 impl<'a> HelloGauge<'a> {
     fn new(gauge: &'a crate::picture::GaugeSite) -> Self {
-        Self {
-            name: &gauge.name,
-            position_m: gauge.position_m,
-            axis: gauge.axis,
-        }
+        Self { name: &gauge.name, position_m: gauge.position_m, axis: gauge.axis }
     }
 }
 
 /// Where readings come from.
 pub(crate) fn device(state: &DeviceState) -> String {
-    let DeviceState {
-        is_simulated,
-        fault,
-    } = state;
+    let DeviceState { is_simulated, fault } = state;
     serde_json::json!({"type": "device", "simulated": is_simulated, "fault": fault}).to_string()
 }
 
@@ -168,14 +159,8 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_f32(out, health.latency_p99_us);
     put_f32(out, health.clock_residual_us);
     put_f32(out, recorded_s);
-    put_f32(
-        out,
-        frame.replay.map_or(f64::NAN, |replay| replay.position_s),
-    );
-    put_f32(
-        out,
-        frame.replay.map_or(f64::NAN, |replay| replay.duration_s),
-    );
+    put_f32(out, frame.replay.map_or(f64::NAN, |replay| replay.position_s));
+    put_f32(out, frame.replay.map_or(f64::NAN, |replay| replay.duration_s));
     put_u32(out, health.n_dropped);
 }
 
@@ -200,13 +185,9 @@ fn marks(contacts: &[ContactMark]) -> &[ContactMark] {
 }
 
 fn alternative_marks(frame: &ViewFrame) -> impl Iterator<Item = (u32, f64, &ContactMark)> {
-    let marks = (0..)
-        .zip(&frame.alternatives)
-        .flat_map(|(index, (probability, contacts))| {
-            contacts
-                .iter()
-                .map(move |contact| (index, *probability, contact))
-        });
+    let marks = (0..).zip(&frame.alternatives).flat_map(|(index, (probability, contacts))| {
+        contacts.iter().map(move |contact| (index, *probability, contact))
+    });
     marks.take(usize::from(u16::MAX))
 }
 
@@ -276,20 +257,14 @@ mod tests {
     fn device_is_as_the_docs_say() {
         let told = |is_simulated, fault: Option<&str>| -> serde_json::Value {
             let fault = fault.map(str::to_owned);
-            let text = device(&DeviceState {
-                is_simulated,
-                fault,
-            });
+            let text = device(&DeviceState { is_simulated, fault });
             serde_json::from_str(&text).unwrap()
         };
         assert_eq!(
             told(true, Some("no port")),
             json!({"type": "device", "simulated": true, "fault": "no port"})
         );
-        assert_eq!(
-            told(false, None),
-            json!({"type": "device", "simulated": false, "fault": null})
-        );
+        assert_eq!(told(false, None), json!({"type": "device", "simulated": false, "fault": null}));
     }
 
     #[test]
@@ -305,10 +280,7 @@ mod tests {
                 force_sd_n: 0.125,
             }),
         };
-        let other = ContactMark {
-            uncertainty: None,
-            ..contact.clone()
-        };
+        let other = ContactMark { uncertainty: None, ..contact.clone() };
         let mut shown = ViewFrame {
             t_s: 1.5,
             readings_ue: vec![3.0, -8.0, 0.0, 1.0],
@@ -340,32 +312,19 @@ mod tests {
         assert_eq!(bytes[32..36], [255; 4]);
         assert_eq!(f32_at(&bytes, 28), 997.5);
         assert_eq!(bytes[36..40], [2, 1, 0, 0]);
-        assert_eq!(
-            [40, 44, 48, 52].map(|at| f32_at(&bytes, at)),
-            [182.5, 950.25, 4.25, 2.0]
-        );
+        assert_eq!([40, 44, 48, 52].map(|at| f32_at(&bytes, at)), [182.5, 950.25, 4.25, 2.0]);
         assert!(f32_at(&bytes, 56).is_nan());
         assert_eq!(bytes[64..68], [1, 2, 0, 0]);
         assert_eq!([68, 72].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);
         assert_eq!(bytes[84..88], [0, 1, 2, 3]);
         assert_eq!(bytes[88], 7);
-        assert_eq!(
-            [92, 96, 112, 124].map(|at| f32_at(&bytes, at)),
-            [1.0, 0.5, 1.0, -4.0]
-        );
-        assert_eq!(
-            [132, 136, 156].map(|at| f32_at(&bytes, at)),
-            [0.125, 0.5, 0.25]
-        );
+        assert_eq!([92, 96, 112, 124].map(|at| f32_at(&bytes, at)), [1.0, 0.5, 1.0, -4.0]);
+        assert_eq!([132, 136, 156].map(|at| f32_at(&bytes, at)), [0.125, 0.5, 0.25]);
         assert_eq!(f32_at(&bytes, 160 + 4), 0.25);
         assert!(f32_at(&bytes, 160 + 44).is_nan());
         assert_eq!(f32_at(&bytes, 232 + 20), 3.0);
         assert_eq!(u16_at(&bytes, 22), 0);
-        shown.replay = Some(ReplayPosition {
-            position_s: 4.0,
-            duration_s: 8.0,
-            is_paused: true,
-        });
+        shown.replay = Some(ReplayPosition { position_s: 4.0, duration_s: 8.0, is_paused: true });
         let bytes = frame(&shown, 259);
         assert_eq!(u16_at(&bytes, 22), 1);
         assert_eq!([56, 60].map(|at| f32_at(&bytes, at)), [4.0, 8.0]);

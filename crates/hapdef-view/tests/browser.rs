@@ -4,10 +4,7 @@
 //! them out; by default they are left out where there is no Chromium, but not in CI (`CI=true`).
 //! `HAPDEF_CHROMIUM` names another program.
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
-#![expect(
-    clippy::print_stdout,
-    reason = "says what a page was sent, and why a test is left out"
-)]
+#![expect(clippy::print_stdout, reason = "says what a page was sent, and why a test is left out")]
 
 #[path = "support/chrome.rs"]
 #[allow(dead_code, reason = "others use the rest")]
@@ -69,20 +66,11 @@ impl Feed {
             push_until(&view, &heard, &counted, &ended);
             view
         });
-        Self {
-            url,
-            told,
-            n_pushed,
-            stop,
-            thread: Some(thread),
-        }
+        Self { url, told, n_pushed, stop, thread: Some(thread) }
     }
 
     fn told(&self) -> Vec<ViewCommand> {
-        self.told
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        self.told.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Waits for a command.
@@ -92,11 +80,7 @@ impl Feed {
             if let Some(command) = self.told().into_iter().find(&wanted) {
                 return command;
             }
-            assert!(
-                start.elapsed() < Duration::from_secs(20),
-                "only heard {:?}",
-                self.told()
-            );
+            assert!(start.elapsed() < Duration::from_secs(20), "only heard {:?}", self.told());
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -132,16 +116,9 @@ fn push_until(
     while !stop.load(Ordering::Relaxed) {
         for command in view.commands().try_iter() {
             touches = after(touches, command);
-            told.lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .push(command);
+            told.lock().unwrap_or_else(PoisonError::into_inner).push(command);
         }
-        synthetic::show(
-            &picture,
-            &touches,
-            start.elapsed().as_secs_f64(),
-            &mut frame,
-        );
+        synthetic::show(&picture, &touches, start.elapsed().as_secs_f64(), &mut frame);
         n_pushed.store(view.push(&frame).unwrap(), Ordering::Relaxed);
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -149,16 +126,9 @@ fn push_until(
 
 fn after(touches: Vec<Touch>, command: ViewCommand) -> Vec<Touch> {
     match command {
-        ViewCommand::Press {
-            point_m,
-            normal,
-            force_n,
-        } => vec![Touch {
-            id: 0,
-            point_m,
-            normal,
-            force_n,
-        }],
+        ViewCommand::Press { point_m, normal, force_n } => {
+            vec![Touch { id: 0, point_m, normal, force_n }]
+        }
         ViewCommand::Release => Vec::new(),
         _ => touches,
     }
@@ -172,19 +142,13 @@ fn scene(size: (u32, u32)) -> Option<Scene> {
     let mut chrome = Chrome::start(&program, size, true).unwrap();
     chrome.open(&feed.url).unwrap();
     chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
-    Some(Scene {
-        chrome,
-        feed,
-        _one: one,
-    })
+    Some(Scene { chrome, feed, _one: one })
 }
 
 impl Scene {
     fn numbers(&mut self, expression: &str) -> Vec<f64> {
         let value = self.chrome.eval(expression).unwrap();
-        let array = value
-            .as_array()
-            .unwrap_or_else(|| panic!("{expression} is {value}"));
+        let array = value.as_array().unwrap_or_else(|| panic!("{expression} is {value}"));
         array.iter().map(|x| x.as_f64().unwrap()).collect()
     }
 }
@@ -201,10 +165,7 @@ fn a_click_on_the_limb_presses_it_there() {
     };
     let bare = Pixels::of_stage(&mut scene.chrome).unwrap();
     let node = scene.chrome.eval("hapdefView.facing()").unwrap();
-    assert!(
-        node.as_i64().unwrap() >= 0,
-        "no node in the middle of the view"
-    );
+    assert!(node.as_i64().unwrap() >= 0, "no node in the middle of the view");
     let at = scene.numbers(&format!("hapdefView.project({node})"));
     let (x, y) = (at[0], at[1]);
     let row = LimbRow::of_node(&mut scene.chrome, node.as_u64().unwrap(), 0.0).unwrap();
@@ -212,41 +173,25 @@ fn a_click_on_the_limb_presses_it_there() {
     let known = scene.numbers(&format!("hapdefView.node({node})"));
     scene.chrome.pointer("mouseMoved", (x, y)).unwrap();
     scene.chrome.pointer("mousePressed", (x, y)).unwrap();
-    let ViewCommand::Press {
-        point_m,
-        force_n,
-        normal,
-    } = scene.feed.hears(|c| matches!(c, ViewCommand::Press { .. }))
+    let ViewCommand::Press { point_m, force_n, normal } =
+        scene.feed.hears(|c| matches!(c, ViewCommand::Press { .. }))
     else {
         unreachable!()
     };
-    assert!(
-        distance(&point_m, &known) < 0.005,
-        "{point_m:?} for {known:?}"
-    );
+    assert!(distance(&point_m, &known) < 0.005, "{point_m:?} for {known:?}");
     assert_eq!(force_n, 4.0);
-    let LimbPicture {
-        vertices_m,
-        normals,
-        ..
-    } = synthetic::picture();
+    let LimbPicture { vertices_m, normals, .. } = synthetic::picture();
     let outward = normals[node.as_u64().unwrap() as usize].map(f64::from);
     assert!(
         distance(&normal, &outward) < 0.2,
         "{normal:?} for {outward:?} of {}",
         vertices_m.len()
     );
-    scene
-        .chrome
-        .wait_for("hapdefView.arrows.length === 1")
-        .unwrap();
+    scene.chrome.wait_for("hapdefView.arrows.length === 1").unwrap();
     let arrow = scene.numbers("hapdefView.arrows[0]");
     assert!(distance(&arrow, &known) < 0.005, "{arrow:?} for {known:?}");
     assert_eq!(
-        scene
-            .chrome
-            .eval("document.querySelector('#contacts b').textContent")
-            .unwrap(),
+        scene.chrome.eval("document.querySelector('#contacts b').textContent").unwrap(),
         "4.0 N"
     );
     // The arrow stands towards the viewer: it is looked at from the side.
@@ -254,18 +199,12 @@ fn a_click_on_the_limb_presses_it_there() {
         scene.chrome.key("ArrowLeft", "ArrowLeft").unwrap();
     }
     let drawn = scene.chrome.eval("hapdefView.drawn").unwrap();
-    scene
-        .chrome
-        .wait_for(&format!("hapdefView.drawn > {drawn} + 1"))
-        .unwrap();
+    scene.chrome.wait_for(&format!("hapdefView.drawn > {drawn} + 1")).unwrap();
     let ends = scene.numbers("hapdefView.arrowEnds(0).flat()");
     let with_arrow = Pixels::of_stage(&mut scene.chrome).unwrap();
     scene.chrome.pointer("mouseReleased", (x, y)).unwrap();
     scene.feed.hears(|c| *c == ViewCommand::Release);
-    scene
-        .chrome
-        .wait_for("hapdefView.arrows.length === 0")
-        .unwrap();
+    scene.chrome.wait_for("hapdefView.arrows.length === 0").unwrap();
     let without = Pixels::of_stage(&mut scene.chrome).unwrap();
     has_an_arrow(ends.try_into().unwrap(), &with_arrow, &without);
     buttons_command(&mut scene);
@@ -279,43 +218,26 @@ fn has_an_arrow([x0, y0, x1, y1]: [f64; 4], with_arrow: &Pixels, without: &Pixel
     let tail = [0.05 * x0 + 0.95 * x1, 0.05 * y0 + 0.95 * y1];
     let [with_arrow, without] = [with_arrow, without].map(|p| p.orange_share(middle, tail));
     println!("orange: {with_arrow} of the arrow, {without} without it");
-    assert!(
-        with_arrow > 0.95 && without < 0.05,
-        "{with_arrow} {without}"
-    );
+    assert!(with_arrow > 0.95 && without < 0.05, "{with_arrow} {without}");
 }
 
 fn buttons_command(scene: &mut Scene) {
     let click = |scene: &mut Scene, id: &str| {
-        scene
-            .chrome
-            .eval(&format!("document.getElementById('{id}').click()"))
-            .unwrap()
+        scene.chrome.eval(&format!("document.getElementById('{id}').click()")).unwrap()
     };
     click(scene, "tare");
     scene.feed.hears(|c| *c == ViewCommand::Tare);
     click(scene, "record");
     scene.feed.hears(|c| *c == ViewCommand::Record(true));
     click(scene, "snapshot");
-    scene
-        .feed
-        .hears(|c| matches!(c, ViewCommand::Snapshot { t_s: Some(_) }));
-    let n_tares = |scene: &Scene| {
-        scene
-            .feed
-            .told()
-            .iter()
-            .filter(|c| **c == ViewCommand::Tare)
-            .count()
-    };
+    scene.feed.hears(|c| matches!(c, ViewCommand::Snapshot { t_s: Some(_) }));
+    let n_tares =
+        |scene: &Scene| scene.feed.told().iter().filter(|c| **c == ViewCommand::Tare).count();
     assert_eq!(n_tares(scene), 1);
     scene.chrome.key("t", "KeyT").unwrap();
     let start = Instant::now();
     while n_tares(scene) < 2 {
-        assert!(
-            start.elapsed() < Duration::from_secs(20),
-            "the key T does not tare"
-        );
+        assert!(start.elapsed() < Duration::from_secs(20), "the key T does not tare");
         std::thread::sleep(Duration::from_millis(10));
     }
 }
@@ -328,24 +250,12 @@ fn the_page_comes_back_with_its_server() {
     let (view, _) = scene.feed.end();
     let bind = view.address();
     drop(view);
-    scene
-        .chrome
-        .wait_for("document.getElementById('link').dataset.state === 'away'")
-        .unwrap();
+    scene.chrome.wait_for("document.getElementById('link').dataset.state === 'away'").unwrap();
     scene.feed = Feed::start(ViewParams { bind, ..params() });
-    scene
-        .chrome
-        .wait_for("document.getElementById('link').dataset.state === 'live'")
-        .unwrap();
+    scene.chrome.wait_for("document.getElementById('link').dataset.state === 'live'").unwrap();
     let drawn = scene.chrome.eval("hapdefView.drawn").unwrap();
-    scene
-        .chrome
-        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
-        .unwrap();
-    scene
-        .chrome
-        .eval("document.getElementById('tare').click()")
-        .unwrap();
+    scene.chrome.wait_for(&format!("hapdefView.drawn > {drawn} + 2")).unwrap();
+    scene.chrome.eval("document.getElementById('tare').click()").unwrap();
     scene.feed.hears(|c| *c == ViewCommand::Tare);
 }
 
@@ -362,16 +272,10 @@ fn a_page_that_hangs_skips_frames_and_catches_up() {
     let (view, n_pushed) = scene.feed.end();
     let hanging = view.clients()[0];
     scene.chrome.go_on().unwrap();
-    scene
-        .chrome
-        .wait_for(&format!("hapdefView.seq === {n_pushed}"))
-        .unwrap();
+    scene.chrome.wait_for(&format!("hapdefView.seq === {n_pushed}")).unwrap();
     let client = view.clients()[0];
     println!("{n_before} of {n_pushed} before; {hanging:?}, {client:?}");
     assert!(hanging.n_sent <= n_before + ON_THE_WAY, "{hanging:?}");
-    assert!(
-        hanging.n_skipped + ON_THE_WAY >= N_WHILE_IT_HANGS,
-        "{hanging:?}"
-    );
+    assert!(hanging.n_skipped + ON_THE_WAY >= N_WHILE_IT_HANGS, "{hanging:?}");
     assert_eq!(client.n_sent, client.n_taken);
 }

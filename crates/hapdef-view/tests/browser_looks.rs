@@ -47,12 +47,7 @@ const GAUGE_CURVE: &str = "import('/js/colour.js').then(({ mapColour }) => {
 
 fn touch(force_n: f64) -> Touch {
     let (point_m, normal) = on_limb(-0.6, 0.2);
-    Touch {
-        id: 0,
-        point_m,
-        normal,
-        force_n,
-    }
+    Touch { id: 0, point_m, normal, force_n }
 }
 
 /// One touch, at a time that goes `speed` times as fast as it is pushed.
@@ -114,9 +109,7 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
     let (good, saturated, dead, out) = ("#f3f6fa", "#ffb454", "#ff7b72", "#8a94a3");
     look.is(
         "hapdefView.sites",
-        &json!([
-            good, saturated, good, good, out, good, good, dead, good, good
-        ]),
+        &json!([good, saturated, good, good, out, good, good, dead, good, good]),
     );
     look.is(&text("#contacts li.other span"), &json!("or this, 21 %"));
     look.until("document.querySelectorAll('.label.other:not([hidden])').length === 1");
@@ -125,10 +118,7 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
         &json!([1, 1, 2, 2]),
     );
     look.until("hapdefView.ghosts > 0");
-    look.is(
-        "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
-        &json!("5 mm"),
-    );
+    look.is("[...document.querySelectorAll('#ticks span')].at(-1).textContent", &json!("5 mm"));
     let first_column = "(({ height }, pen) => [...pen.getImageData(0, 0, 1, height).data])(
         document.getElementById('gauge-plot'),
         document.getElementById('gauge-plot').getContext('2d'))";
@@ -150,10 +140,7 @@ fn a_paused_picture_stays_and_the_slider_goes_back() {
     };
     look.until("hapdefView.newest > 12");
     look.do_it("document.getElementById('pause').click()");
-    look.is(
-        "document.getElementById('pause').textContent",
-        &json!("Resume"),
-    );
+    look.is("document.getElementById('pause').textContent", &json!("Resume"));
     let held = look.number("hapdefView.t");
     // The slider goes back 30 s: the frame is beyond that, and gone from what can be gone back to.
     look.until(&format!("hapdefView.newest > {held} + 45"));
@@ -173,10 +160,7 @@ fn a_paused_picture_stays_and_the_slider_goes_back() {
     );
     assert!(then > held, "{then} {held}");
     look.until(&format!("hapdefView.t === {then}"));
-    look.is(
-        "document.getElementById('time').ariaValueText.startsWith('−')",
-        &json!(true),
-    );
+    look.is("document.getElementById('time').ariaValueText.startsWith('−')", &json!(true));
     look.do_it("document.getElementById('time').focus()");
     look.chrome.key(" ", "Space").unwrap();
     look.until("document.getElementById('time-out').textContent === 'live'");
@@ -196,25 +180,15 @@ fn keys_turn_zoom_press_record_and_keep() {
     };
     look.do_it("document.getElementById('limb').focus()");
     let first = at(&mut look);
-    for (key, code) in [
-        ("ArrowLeft", "ArrowLeft"),
-        ("ArrowUp", "ArrowUp"),
-        ("+", "Equal"),
-    ] {
+    for (key, code) in [("ArrowLeft", "ArrowLeft"), ("ArrowUp", "ArrowUp"), ("+", "Equal")] {
         let before = at(&mut look);
         look.chrome.key(key, code).unwrap();
         let now = at(&mut look);
-        assert!(
-            (now.0 - before.0).hypot(now.1 - before.1) > 2.0,
-            "{key}: {before:?} {now:?}"
-        );
+        assert!((now.0 - before.0).hypot(now.1 - before.1) > 2.0, "{key}: {before:?} {now:?}");
     }
     look.chrome.key("f", "KeyF").unwrap();
     let fitted = at(&mut look);
-    assert!(
-        (fitted.0 - first.0).hypot(fitted.1 - first.1) < 1e-6,
-        "{first:?} {fitted:?}"
-    );
+    assert!((fitted.0 - first.0).hypot(fitted.1 - first.1) < 1e-6, "{first:?} {fitted:?}");
     look.chrome.key("r", "KeyR").unwrap();
     look.view.hears(&ViewCommand::Record(true));
     let pressing = "document.getElementById('press').ariaPressed";
@@ -256,14 +230,8 @@ fn without_webgl_the_numbers_go_on() {
         return;
     };
     look.until("document.querySelector('#contacts b')?.textContent === '5.0 N'");
-    look.is(
-        "document.getElementById('link').textContent",
-        &json!("live"),
-    );
-    look.is(
-        "document.getElementById('no-webgl').offsetHeight > 10",
-        &json!(true),
-    );
+    look.is("document.getElementById('link').textContent", &json!("live"));
+    look.is("document.getElementById('no-webgl').offsetHeight > 10", &json!(true));
     look.is("document.getElementById('tools').offsetHeight", &json!(0));
     look.is("document.querySelectorAll('#gauges li').length", &json!(10));
     let drawn = look.number("hapdefView.drawn");
@@ -314,20 +282,12 @@ fn another_limb_on_the_same_port_is_looked_at_anew() {
     let radius_m = look.number("hapdefView.radius");
     let bind = look.view.view.address();
     let mut small = synthetic::picture();
-    small
-        .vertices_m
-        .as_flattened_mut()
-        .iter_mut()
-        .for_each(|c| *c *= 0.5);
+    small.vertices_m.as_flattened_mut().iter_mut().for_each(|c| *c *= 0.5);
     let Look { chrome, view, _one } = look;
     drop(view);
-    let view = Served::start(ViewParams { bind, ..params() }, small, |n| {
-        touched(n, 1.0, 5.0)
-    });
+    let view = Served::start(ViewParams { bind, ..params() }, small, |n| touched(n, 1.0, 5.0));
     let mut look = Look { chrome, view, _one };
-    look.until(&format!(
-        "Math.abs(hapdefView.radius - {radius_m} / 2) < 1e-6"
-    ));
+    look.until(&format!("Math.abs(hapdefView.radius - {radius_m} / 2) < 1e-6"));
     look.until("document.getElementById('ruler').textContent.trim() !== ''");
 }
 
@@ -355,9 +315,6 @@ fn a_drag_presses_on_where_the_pointer_goes() {
     look.chrome.pointer("mouseReleased", to).unwrap();
     look.view.hears(&ViewCommand::Release);
     let after = project(&mut look);
-    assert!(
-        (after[0] - at[0]).hypot(after[1] - at[1]) < 0.5,
-        "the view stays where it is"
-    );
+    assert!((after[0] - at[0]).hypot(after[1] - at[1]) < 0.5, "the view stays where it is");
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }

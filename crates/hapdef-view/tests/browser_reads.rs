@@ -30,12 +30,7 @@ const N_HALF_TURN: usize = 24;
 /// Five newtons, at a rate that changes with every frame.
 fn touched(n: u32) -> ViewFrame {
     let (point_m, normal) = on_limb(-0.6, 0.2);
-    let touch = Touch {
-        id: 0,
-        point_m,
-        normal,
-        force_n: 5.0,
-    };
+    let touch = Touch { id: 0, point_m, normal, force_n: 5.0 };
     let mut frame = ViewFrame::default();
     let t_s = 0.01 * f64::from(n);
     synthetic::show(&synthetic::picture(), &[touch], t_s, &mut frame);
@@ -53,29 +48,19 @@ fn a_device_that_is_away_is_seen_on_a_page_that_is_opened_later_too() {
         return;
     };
     look.is(TAGS, &json!([["live"], false]));
-    let away = DeviceState {
-        is_simulated: true,
-        fault: Some("/dev/limb is unplugged".to_owned()),
-    };
+    let away = DeviceState { is_simulated: true, fault: Some("/dev/limb is unplugged".to_owned()) };
     look.view.view.set_device(&away);
     let tags = json!([["simulated", "device away", "live"], true]);
-    look.until(&format!(
-        "JSON.stringify({TAGS}) === JSON.stringify({tags})"
-    ));
+    look.until(&format!("JSON.stringify({TAGS}) === JSON.stringify({tags})"));
     let url = look.view.view.url().to_owned();
     look.chrome.open("about:blank").unwrap();
     look.chrome.open(&url).unwrap();
     look.until("globalThis.hapdefView?.drawn > 1");
     look.is(TAGS, &tags);
-    look.is(
-        "document.getElementById('device').title",
-        &json!("/dev/limb is unplugged"),
-    );
+    look.is("document.getElementById('device').title", &json!("/dev/limb is unplugged"));
     look.view.view.set_device(&DeviceState::default());
     let tags = json!([["live"], false]);
-    look.until(&format!(
-        "JSON.stringify({TAGS}) === JSON.stringify({tags})"
-    ));
+    look.until(&format!("JSON.stringify({TAGS}) === JSON.stringify({tags})"));
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
 }
 
@@ -249,10 +234,7 @@ fn exaggeration_bends_the_limb_and_a_map_colours_it() {
     look.until(&format!("hapdefView.drawn > {drawn} + 1"));
     let cividis = look.picture_at(0.5, 0.5);
     assert_ne!(viridis, cividis);
-    look.is(
-        "[...document.querySelectorAll('#ticks span')].at(-1).textContent",
-        &json!("100 µm"),
-    );
+    look.is("[...document.querySelectorAll('#ticks span')].at(-1).textContent", &json!("100 µm"));
 }
 
 #[test]
@@ -271,10 +253,7 @@ fn marks_go_with_the_bent_skin() {
     for i in 0..3 {
         look.until(&format!("Math.abs({lengths}[{i}] - 0.009) < 0.0003"));
     }
-    look.is(
-        &format!("{lengths}.slice(3).some((length) => length > 0.001)"),
-        &json!(true),
-    );
+    look.is(&format!("{lengths}.slice(3).some((length) => length > 0.001)"), &json!(true));
     let off = format!(
         "{moved}.map((by, m) => {{
             const gap = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
@@ -342,9 +321,7 @@ fn axes_turn_with_the_view() {
         )
     };
     // From x and a little from the right, z is up and y to the right.
-    let before: Vec<f64> = ["x", "y", "z"]
-        .map(|axis| look.number(&end(axis, "x2")))
-        .into();
+    let before: Vec<f64> = ["x", "y", "z"].map(|axis| look.number(&end(axis, "x2"))).into();
     assert!(before[1] > 15.0 && before[2].abs() < 1e-6, "{before:?}");
     assert!(look.number(&end("z", "y2")) < -20.0);
     look.do_it("document.getElementById('limb').focus()");

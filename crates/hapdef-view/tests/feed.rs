@@ -20,12 +20,7 @@ const SOON: Duration = Duration::from_secs(5);
 
 fn a_frame() -> ViewFrame {
     let mut frame = ViewFrame::default();
-    synthetic::show(
-        &synthetic::picture(),
-        &synthetic::wandering(1.0),
-        1.0,
-        &mut frame,
-    );
+    synthetic::show(&synthetic::picture(), &synthetic::wandering(1.0), 1.0, &mut frame);
     frame
 }
 
@@ -60,10 +55,7 @@ fn a_frame_comes_as_it_was_pushed() {
     let bytes = next_binary(&mut socket);
     let reading = f32::from_le_bytes(bytes[68..72].try_into().unwrap());
     assert_eq!(reading, frame.readings_ue[0] as f32);
-    assert_eq!(
-        bytes.len(),
-        68 + 40 + 12 + 72 * frame.contacts.len() + 12 * 3216
-    );
+    assert_eq!(bytes.len(), 68 + 40 + 12 + 72 * frame.contacts.len() + 12 * 3216);
 }
 
 #[test]
@@ -112,15 +104,9 @@ fn a_press_ends_with_its_page() {
     let view = serve(params());
     let mut socket = connect(view.address().port());
     greet(&mut socket, Some(TOKEN));
-    say(
-        &mut socket,
-        r#"{"cmd":"press","point_m":[0,0,0.1],"normal":[0,1,0],"force_n":2.5}"#,
-    );
+    say(&mut socket, r#"{"cmd":"press","point_m":[0,0,0.1],"normal":[0,1,0],"force_n":2.5}"#);
     let pressed = view.commands().recv_timeout(SOON).unwrap();
-    assert!(
-        matches!(pressed, ViewCommand::Press { force_n: 2.5, .. }),
-        "{pressed:?}"
-    );
+    assert!(matches!(pressed, ViewCommand::Press { force_n: 2.5, .. }), "{pressed:?}");
     drop(socket);
     assert_eq!(view.commands().recv_timeout(SOON), Ok(ViewCommand::Release));
 }
@@ -140,18 +126,12 @@ fn a_press_ends_though_too_many_commands_wait() {
     greet(&mut socket, Some(TOKEN));
     (0..256).for_each(|_| say(&mut socket, PRESS));
     say(&mut socket, r#"{"cmd":"tare"}"#);
-    assert_eq!(
-        next_text(&mut socket)["text"],
-        "too many commands at a time"
-    );
+    assert_eq!(next_text(&mut socket)["text"], "too many commands at a time");
     say(&mut socket, r#"{"cmd":"release"}"#);
     is_heard(&mut socket);
     for n in 0..256 {
         let command = view.commands().recv_timeout(SOON).unwrap();
-        assert!(
-            matches!(command, ViewCommand::Press { .. }),
-            "{n} {command:?}"
-        );
+        assert!(matches!(command, ViewCommand::Press { .. }), "{n} {command:?}");
     }
     assert_eq!(view.commands().recv_timeout(SOON), Ok(ViewCommand::Release));
 }
@@ -223,10 +203,7 @@ fn a_page_is_told_of_the_device_however_late_it_comes() {
     let (_, device) = greet_with_device(&mut early, None);
     assert_eq!(device["simulated"], false);
     assert_eq!(device["fault"], serde_json::Value::Null);
-    let mut state = DeviceState {
-        is_simulated: true,
-        fault: Some("unplugged".to_owned()),
-    };
+    let mut state = DeviceState { is_simulated: true, fault: Some("unplugged".to_owned()) };
     view.set_device(&state);
     let told = next_text(&mut early);
     let (_, late) = greet_with_device(&mut connect(port), None);
@@ -246,14 +223,7 @@ fn a_page_is_told_of_the_device_however_late_it_comes() {
 fn frames_of_another_shape_are_refused() {
     let view = serve(params());
     let refused = view.push(&ViewFrame::default());
-    assert!(matches!(
-        refused,
-        Err(ViewError::FrameShape {
-            expected: 10,
-            found: 0,
-            ..
-        })
-    ));
+    assert!(matches!(refused, Err(ViewError::FrameShape { expected: 10, found: 0, .. })));
 }
 
 #[test]
@@ -266,8 +236,5 @@ fn the_port_is_free_again() {
         hapdef_view::ViewServer::start(ViewParams { bind, ..params() }, synthetic::picture());
     assert!(matches!(taken.err(), Some(ViewError::Bind { .. })));
     drop(view);
-    greet(
-        &mut connect(serve(ViewParams { bind, ..params() }).address().port()),
-        None,
-    );
+    greet(&mut connect(serve(ViewParams { bind, ..params() }).address().port()), None);
 }

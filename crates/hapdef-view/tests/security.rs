@@ -61,17 +61,8 @@ fn pages_of_other_origins_cannot_connect() {
     let view = serve(params());
     let port = view.address().port();
     let own = format!("127.0.0.1:{port}");
-    for origin in [
-        "http://evil.example",
-        "null",
-        "https://127.0.0.1",
-        "http://127.0.0.1:1",
-    ] {
-        assert_eq!(
-            connect_as(port, &own, Some(origin)).err(),
-            Some(403),
-            "{origin}"
-        );
+    for origin in ["http://evil.example", "null", "https://127.0.0.1", "http://127.0.0.1:1"] {
+        assert_eq!(connect_as(port, &own, Some(origin)).err(), Some(403), "{origin}");
     }
     assert_eq!(connect_as(port, "evil.example", None).err(), Some(403));
     assert!(connect_as(port, &own, Some(&format!("http://{own}"))).is_ok());
@@ -84,11 +75,7 @@ fn every_answer_has_the_policy_and_no_cors() {
     let own = format!("Host: 127.0.0.1:{port}");
     let policy = "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; \
          connect-src 'self'; img-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n";
-    for (path, host) in [
-        ("/", own.as_str()),
-        ("/nothing", &own),
-        ("/", "Host: evil.example"),
-    ] {
+    for (path, host) in [("/", own.as_str()), ("/nothing", &own), ("/", "Host: evil.example")] {
         let (_, head, _) = request(port, "GET", path, &[host, "Accept: */*"]);
         let head = head + "\r\n";
         assert!(head.contains(policy), "{path} {host}: {head}");
@@ -126,25 +113,15 @@ fn commands_need_the_token() {
 #[test]
 fn the_token_commands() {
     let view = serve(params());
-    assert!(
-        view.url().ends_with(&format!("/#token={TOKEN}")),
-        "{}",
-        view.url()
-    );
+    assert!(view.url().ends_with(&format!("/#token={TOKEN}")), "{}", view.url());
     let mut socket = connect(view.address().port());
     assert_eq!(greet(&mut socket, Some(TOKEN))["offers"]["commands"], true);
     say(&mut socket, r#"{"cmd":"record","on":true}"#);
     let command = view.commands().recv_timeout(SOON).unwrap();
     assert_eq!(command, ViewCommand::Record(true));
-    say(
-        &mut socket,
-        r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":99}"#,
-    );
+    say(&mut socket, r#"{"cmd":"press","point_m":[0,0,0],"normal":[0,0,1],"force_n":99}"#);
     let refused = next_text(&mut socket);
-    assert!(
-        refused["text"].as_str().unwrap().contains("up to 10 N"),
-        "{refused}"
-    );
+    assert!(refused["text"].as_str().unwrap().contains("up to 10 N"), "{refused}");
 }
 
 #[test]
@@ -155,15 +132,8 @@ fn beyond_loopback_nothing_without_the_token() {
         ..params()
     });
     let port = view.address().port();
-    assert!(
-        view.url().starts_with("http://limb.example:"),
-        "{}",
-        view.url()
-    );
-    assert_eq!(
-        connect_as(port, &format!("127.0.0.1:{port}"), None).err(),
-        Some(403)
-    );
+    assert!(view.url().starts_with("http://limb.example:"), "{}", view.url());
+    assert_eq!(connect_as(port, &format!("127.0.0.1:{port}"), None).err(), Some(403));
     let host = format!("limb.example:{port}");
     let mut without = connect_as(port, &host, None).unwrap();
     say(&mut without, r#"{"cmd":"hello","token":null}"#);
@@ -196,10 +166,7 @@ fn a_ninth_page_waits_for_a_place() {
 
 #[test]
 fn a_page_that_answers_no_ping_gives_its_place_back() {
-    let view = serve(ViewParams {
-        patience: Duration::from_secs(2),
-        ..params()
-    });
+    let view = serve(ViewParams { patience: Duration::from_secs(2), ..params() });
     let port = view.address().port();
     let mut silent = connect(port);
     let mut answering = connect(port);
@@ -245,10 +212,7 @@ fn a_page_that_does_not_greet_is_let_go() {
     let mut silent = connect(view.address().port());
     let mut rude = connect(view.address().port());
     say(&mut rude, r#"{"cmd":"tare"}"#);
-    assert!(matches!(
-        rude.read(),
-        Err(Error::Protocol(_) | Error::Io(_)) | Ok(Message::Close(_))
-    ));
+    assert!(matches!(rude.read(), Err(Error::Protocol(_) | Error::Io(_)) | Ok(Message::Close(_))));
     assert!(matches!(
         silent.read(),
         Err(Error::Protocol(_) | Error::Io(_)) | Ok(Message::Close(_))

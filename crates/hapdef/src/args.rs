@@ -98,13 +98,7 @@ impl SceneArgs {
             .build_global()
             .map_err(HapdefError::Threads)?;
         let progress = Progress::on_stderr();
-        let mut run = Run::new(
-            &self.scene,
-            self.amounts(),
-            &self.out,
-            self.threads,
-            progress,
-        )?;
+        let mut run = Run::new(&self.scene, self.amounts(), &self.out, self.threads, progress)?;
         if let Some(seed) = self.seed {
             run.set_seed(seed)?;
         }
@@ -132,11 +126,7 @@ impl SceneArgs {
         profile.reconstruction.loss = self.loss.unwrap_or(profile.reconstruction.loss);
         profile.output_modes = self.output_modes.unwrap_or(profile.output_modes);
         if let Some(steps) = self.other_steps {
-            for schedule in [
-                &mut profile.transfer,
-                &mut profile.sensitivity,
-                &mut profile.direct,
-            ] {
+            for schedule in [&mut profile.transfer, &mut profile.sensitivity, &mut profile.direct] {
                 schedule.steps = steps;
             }
         }

@@ -48,20 +48,14 @@ impl Cache {
     /// A cache under `root`, which is made when needed.
     #[must_use]
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self {
-            root: root.into(),
-            only_looks: false,
-        }
+        Self { root: root.into(), only_looks: false }
     }
 
     /// The same folder, only looked at: [`Self::stage`] then runs and writes nothing, and a stage
     /// that is not there comes back not cached, with an empty record.
     #[must_use]
     pub fn looking(&self) -> Self {
-        Self {
-            root: self.root.clone(),
-            only_looks: true,
-        }
+        Self { root: self.root.clone(), only_looks: true }
     }
 
     /// Returns the stage if it is there, or lets `run` make it in a folder that gets its final
@@ -84,12 +78,7 @@ impl Cache {
         fs::create_dir_all(&self.root).map_err(HapdefError::file(&self.root))?;
         let _lock = self.lock(stage, &key)?;
         if let Some(record) = read_record(&dir)? {
-            return Ok(Stage {
-                dir,
-                key,
-                cached: true,
-                record,
-            });
+            return Ok(Stage { dir, key, cached: true, record });
         }
         let partial = self.root.join(format!("{stage}-{key}.partial"));
         fs::create_dir_all(&partial).map_err(HapdefError::file(&partial))?;
@@ -99,20 +88,10 @@ impl Cache {
             let _ = fs::remove_dir(&partial);
         })?;
         let elapsed_s = start.elapsed().as_secs_f64();
-        let record = StageRecord {
-            stage: stage.into(),
-            inputs: inputs.clone(),
-            info,
-            elapsed_s,
-        };
+        let record = StageRecord { stage: stage.into(), inputs: inputs.clone(), info, elapsed_s };
         write_json(&partial.join(RECORD_FILE), &record)?;
         fs::rename(&partial, &dir).map_err(HapdefError::file(&dir))?;
-        Ok(Stage {
-            dir,
-            key,
-            cached: false,
-            record,
-        })
+        Ok(Stage { dir, key, cached: false, record })
     }
 
     fn lock(&self, stage: &str, key: &str) -> Result<File, HapdefError> {
@@ -158,12 +137,7 @@ fn look(
         info: serde_json::Value::Null,
         elapsed_s: 0.0,
     });
-    Ok(Stage {
-        dir,
-        key,
-        cached,
-        record,
-    })
+    Ok(Stage { dir, key, cached, record })
 }
 
 /// Hash of a stage's name and inputs, 16 hexadecimal digits.
@@ -180,10 +154,8 @@ fn read_record(dir: &Path) -> Result<Option<StageRecord>, HapdefError> {
         return Ok(None);
     }
     let text = fs::read(&path).map_err(HapdefError::file(&path))?;
-    let record = serde_json::from_slice(&text).map_err(|error| HapdefError::Stale {
-        path,
-        what: error.to_string(),
-    })?;
+    let record = serde_json::from_slice(&text)
+        .map_err(|error| HapdefError::Stale { path, what: error.to_string() })?;
     Ok(Some(record))
 }
 

@@ -31,11 +31,7 @@ impl ComplianceTable {
     #[must_use]
     pub fn new(n_surface: usize, n_wanted: usize, displacement_m_per_n: &[f64]) -> Self {
         let rounded = displacement_m_per_n.iter().map(|v| *v as f32).collect();
-        Self {
-            n_surface,
-            n_wanted,
-            displacement_m_per_n: rounded,
-        }
+        Self { n_surface, n_wanted, displacement_m_per_n: rounded }
     }
 
     /// Number of surface nodes.
@@ -59,9 +55,7 @@ impl ComplianceTable {
     /// Scratch of the right size.
     #[must_use]
     pub fn scratch(&self) -> SuperpositionScratch {
-        SuperpositionScratch {
-            sum: vec![0.0; self.n_wanted * 3],
-        }
+        SuperpositionScratch { sum: vec![0.0; self.n_wanted * 3] }
     }
 
     /// Displacement magnitude of a set of contacts: vectors are superposed first, the magnitude is
@@ -148,18 +142,11 @@ impl ComplianceTable {
         let width = reader.width(TENSOR)?;
         if reader.n() != n_surface || width / 3 < n_surface {
             let what = format!("expected {n_surface} loads, found {} × {width}", reader.n());
-            return Err(HapdefError::Stale {
-                path: path.into(),
-                what,
-            });
+            return Err(HapdefError::Stale { path: path.into(), what });
         }
         let mut rows = vec![0.0_f32; n_surface * width];
         reader.read_rows(TENSOR, 0..n_surface, &mut rows)?;
-        Ok(Self {
-            n_surface,
-            n_wanted: width / 3,
-            displacement_m_per_n: rows,
-        })
+        Ok(Self { n_surface, n_wanted: width / 3, displacement_m_per_n: rows })
     }
 
     fn row(&self, load: usize) -> &[f32] {
@@ -181,17 +168,10 @@ mod tests {
 
     fn superposed(contacts: &[(usize, f64)]) -> Vec<f32> {
         let table = table();
-        let contacts: Vec<_> = contacts
-            .iter()
-            .map(|&(node, force_n)| DrawnContact { node, force_n })
-            .collect();
+        let contacts: Vec<_> =
+            contacts.iter().map(|&(node, force_n)| DrawnContact { node, force_n }).collect();
         let (mut surface, mut virtual_um) = ([0.0; 2], [0.0; 1]);
-        table.superpose(
-            &contacts,
-            &mut table.scratch(),
-            &mut surface,
-            &mut virtual_um,
-        );
+        table.superpose(&contacts, &mut table.scratch(), &mut surface, &mut virtual_um);
         [surface.as_slice(), &virtual_um].concat()
     }
 
@@ -212,10 +192,7 @@ mod tests {
         table().write(&path).unwrap();
         let read = ComplianceTable::read(&path, 2).unwrap();
         assert_eq!(read.displacement_m_per_n, table().displacement_m_per_n);
-        assert_eq!(
-            read.self_compliance_um_per_n(),
-            table().self_compliance_um_per_n()
-        );
+        assert_eq!(read.self_compliance_um_per_n(), table().self_compliance_um_per_n());
         assert!(ComplianceTable::read(&path, 7).is_err());
     }
 }

@@ -47,13 +47,13 @@ impl DrawnSkin {
         let points = limb.surface_points();
         let spacing_m = (limb.skin.area_m2(&limb.mesh) / points.len() as f64).sqrt();
         let reach_m = BESIDE_SPACINGS * spacing_m;
-        Self::on(&surface, &points, reach_m)
-            .map(Some)
-            .map_err(|nearest_m| HapdefError::SkinGltfElsewhere {
+        Self::on(&surface, &points, reach_m).map(Some).map_err(|nearest_m| {
+            HapdefError::SkinGltfElsewhere {
                 path,
                 nearest_mm: nearest_m * 1e3,
                 reach_mm: reach_m * 1e3,
-            })
+            }
+        })
     }
 
     /// `surface` on the nodes of a skin; how far the nearest vertex is where none is within `reach_m`.
@@ -77,13 +77,8 @@ impl DrawnSkin {
         Ok(Self {
             vertices_m: order().map(|i| vertices[i]).collect(),
             normals: order().map(|i| normals[i]).collect(),
-            triangles: triangles
-                .map(|corners| corners.map(|i| place[i as usize]))
-                .collect(),
-            moves_with: beside
-                .iter()
-                .map(|&i| around(&index, nodes, &vertices[i]))
-                .collect(),
+            triangles: triangles.map(|corners| corners.map(|i| place[i as usize])).collect(),
+            moves_with: beside.iter().map(|&i| around(&index, nodes, &vertices[i])).collect(),
         })
     }
 }

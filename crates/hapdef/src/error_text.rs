@@ -7,10 +7,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 2;
 
 /// The exit code of a program that ended with `result`; prints the error, if there is one.
-#[expect(
-    clippy::print_stderr,
-    reason = "standard error is where a program says what is wrong"
-)]
+#[expect(clippy::print_stderr, reason = "standard error is where a program says what is wrong")]
 pub fn exit_code(result: Result<(), Box<dyn Error + Send + Sync>>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -68,22 +68,11 @@ impl Limb {
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
         let path = scene_dir.join(&scene.geometry.solid_deck);
-        let Solid {
-            mesh,
-            boundary,
-            skin,
-            clamped,
-            deck,
-            hash: deck_hash,
-        } = Solid::load(scene, &path, scene.geometry.refinements)?;
+        let Solid { mesh, boundary, skin, clamped, deck, hash: deck_hash } =
+            Solid::load(scene, &path, scene.geometry.refinements)?;
         let directions = load_directions(scene, &mesh, &skin);
         let material = find_material(scene.material.as_ref(), &deck, &path)?;
-        let sites: Vec<_> = scene
-            .gauges
-            .sites
-            .iter()
-            .map(|entry| site(entry, scene))
-            .collect();
+        let sites: Vec<_> = scene.gauges.sites.iter().map(|entry| site(entry, scene)).collect();
         let (gauges, patches) = place_gauges(scene, &sites, &mesh, &boundary)?;
         Ok(Self {
             mesh,
@@ -109,11 +98,7 @@ impl Limb {
     /// Positions of the surface nodes `[n_surface_nodes]`, m.
     #[must_use]
     pub fn surface_points(&self) -> Vec<Point3<f64>> {
-        self.skin
-            .nodes
-            .iter()
-            .map(|n| self.mesh.nodes()[n.index()])
-            .collect()
+        self.skin.nodes.iter().map(|n| self.mesh.nodes()[n.index()]).collect()
     }
 
     /// A unit force of the scene's tip and direction at every surface node, N.
@@ -133,12 +118,7 @@ impl Limb {
     #[must_use]
     pub fn wanted_nodes(&self) -> Vec<FeNodeId> {
         let virtual_gauges = self.patches.iter().flat_map(|patch| patch.nodes.iter());
-        self.skin
-            .nodes
-            .iter()
-            .chain(virtual_gauges)
-            .copied()
-            .collect()
+        self.skin.nodes.iter().chain(virtual_gauges).copied().collect()
     }
 }
 
@@ -161,14 +141,7 @@ impl Solid {
         let boundary = mesh.boundary();
         let region = &scene.contact.region;
         let skin = find_skin(region, &scene.geometry.axis, &mesh, &boundary)?;
-        Ok(Self {
-            mesh,
-            boundary,
-            skin,
-            clamped,
-            deck,
-            hash,
-        })
+        Ok(Self { mesh, boundary, skin, clamped, deck, hash })
     }
 }
 
@@ -193,11 +166,7 @@ fn find_skin(
     boundary: &BoundarySurface,
 ) -> Result<SkinRegion, MeshError> {
     match region {
-        ContactRegion::Radial {
-            min_normal_dot_radial,
-            min_radius_m,
-            axial_range_m,
-        } => {
+        ContactRegion::Radial { min_normal_dot_radial, min_radius_m, axial_range_m } => {
             let params = RadialRegionParams {
                 axis_point: Point3::from(axis.point_m),
                 axis_dir: Vector3::from(axis.direction),
@@ -227,12 +196,7 @@ fn in_metres(deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, HapdefEr
         face.traction_pa *= 1e6;
         face
     });
-    Ok(SolidDeck {
-        mesh,
-        material,
-        face_tractions: face_tractions.collect(),
-        ..deck
-    })
+    Ok(SolidDeck { mesh, material, face_tractions: face_tractions.collect(), ..deck })
 }
 
 fn find_material(
@@ -247,9 +211,7 @@ fn find_material(
     let from_scene = spec.map(|m| (m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3));
     let (e, nu, rho) = from_scene
         .or_else(from_deck)
-        .ok_or_else(|| HapdefError::NoMaterial {
-            deck: path.display().to_string(),
-        })?;
+        .ok_or_else(|| HapdefError::NoMaterial { deck: path.display().to_string() })?;
     Ok(IsotropicMaterial::new(e, nu, rho)?)
 }
 
@@ -266,12 +228,7 @@ fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefEr
         })?,
         Mount::Box { min_m, max_m } => {
             let inside = |x: &Point3<f64>| (0..3).all(|i| (min_m[i]..=max_m[i]).contains(&x[i]));
-            let nodes = deck
-                .mesh
-                .nodes()
-                .iter()
-                .enumerate()
-                .filter(|(_, x)| inside(x));
+            let nodes = deck.mesh.nodes().iter().enumerate().filter(|(_, x)| inside(x));
             nodes.map(|(i, _)| FeNodeId::from_index(i)).collect()
         }
     };
@@ -307,12 +264,7 @@ fn load_directions(scene: &Scene, mesh: &Tet10Mesh, skin: &SkinRegion) -> Vec<Ve
 impl GaugeSpec {
     /// A gauge of the scene's size at `position`, measuring along `axis`.
     pub fn site(&self, position: Point3<f64>, axis: Vector3<f64>) -> GaugeSite {
-        GaugeSite {
-            position,
-            axis,
-            length_m: self.length_m,
-            width_m: self.width_m,
-        }
+        GaugeSite { position, axis, length_m: self.length_m, width_m: self.width_m }
     }
 }
 
@@ -323,11 +275,7 @@ fn site(entry: &GaugeEntry, scene: &Scene) -> GaugeSite {
 
 fn gauge_params(scene: &Scene) -> GaugeParams {
     let max_lost_share = scene.gauges.max_lost_share;
-    GaugeParams {
-        max_lost_share,
-        max_distance_m: MAX_GAUGE_OFFSET_M,
-        ..GaugeParams::default()
-    }
+    GaugeParams { max_lost_share, max_distance_m: MAX_GAUGE_OFFSET_M, ..GaugeParams::default() }
 }
 
 /// The scene's gauges on a mesh, with their patches of virtual gauges.
@@ -343,21 +291,14 @@ pub(crate) fn place_gauges(
     let place = |site: &GaugeSite| -> Result<_, HapdefError> {
         let n = scene.gauges.patch_nodes;
         let patch = gauge_patch(mesh, &boundary.faces, &site.position, n, MAX_GAUGE_OFFSET_M)?;
-        Ok((
-            GaugeStrain::with_params(mesh, &boundary.faces, site, &gauge_params(scene))?,
-            patch,
-        ))
+        Ok((GaugeStrain::with_params(mesh, &boundary.faces, site, &gauge_params(scene))?, patch))
     };
-    let placed = sites
-        .iter()
-        .zip(&scene.gauges.sites)
-        .enumerate()
-        .map(|(index, (site, entry))| {
-            place(site).map_err(|source| HapdefError::Gauge {
-                index,
-                name: entry.name.clone(),
-                source: Box::new(source),
-            })
-        });
+    let placed = sites.iter().zip(&scene.gauges.sites).enumerate().map(|(index, (site, entry))| {
+        place(site).map_err(|source| HapdefError::Gauge {
+            index,
+            name: entry.name.clone(),
+            source: Box::new(source),
+        })
+    });
     Ok(placed.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }

@@ -29,13 +29,7 @@ impl MapErrorSum {
     #[must_use]
     pub fn new(n_surface: usize) -> Self {
         let zeros = vec![0.0; n_surface];
-        Self {
-            n_samples: 0,
-            abs: 0.0,
-            squares: 0.0,
-            sum: zeros.clone(),
-            sum_of_squares: zeros,
-        }
+        Self { n_samples: 0, abs: 0.0, squares: 0.0, sum: zeros.clone(), sum_of_squares: zeros }
     }
 
     /// Takes in true and reconstructed maps, both `[n, n_surface]`, µm.
@@ -59,9 +53,7 @@ impl MapErrorSum {
         let n_samples = self.n_samples as f64;
         let n_values = n_samples * self.sum.len() as f64;
         let per_node = self.sum.iter().zip(&self.sum_of_squares);
-        let variance: f64 = per_node
-            .map(|(sum, squares)| squares - sum * sum / n_samples)
-            .sum();
+        let variance: f64 = per_node.map(|(sum, squares)| squares - sum * sum / n_samples).sum();
         MapError {
             mean_abs_um: self.abs / n_values,
             rms_um: (self.squares / n_values).sqrt(),

@@ -20,13 +20,8 @@ pub enum Until {
 }
 
 /// The parts of a pipeline.
-const PARTS: [&str; 5] = [
-    "the limb's compliance",
-    "the simulated rig",
-    "datasets",
-    "nets",
-    "scores",
-];
+const PARTS: [&str; 5] =
+    ["the limb's compliance", "the simulated rig", "datasets", "nets", "scores"];
 
 /// What the stages of a scene left.
 #[derive(Clone, Debug)]
@@ -87,13 +82,7 @@ impl Pipeline {
         let compliance = compliance(run, limb)?;
         begins(1);
         let rig = rig(run, limb, &compliance)?;
-        let mut done = Self {
-            compliance,
-            rig,
-            data: None,
-            nets: None,
-            eval: None,
-        };
+        let mut done = Self { compliance, rig, data: None, nets: None, eval: None };
         if until < Until::Dataset {
             return Ok(done);
         }
@@ -131,11 +120,7 @@ impl Pipeline {
 
 /// An expected time for people; that of scores is not known before.
 fn left_text(seconds: f64, has_scores: bool) -> String {
-    let more = if has_scores {
-        ", then minutes for the scores"
-    } else {
-        ""
-    };
+    let more = if has_scores { ", then minutes for the scores" } else { "" };
     match seconds {
         s if s < 1.0 => format!("nothing to solve or train any more{more}"),
         s if s < 90.0 => format!("about {s:.0} s left{more}"),
@@ -151,10 +136,7 @@ mod tests {
     #[test]
     fn times_are_told_in_round_units() {
         assert_eq!(left_text(0.2, false), "nothing to solve or train any more");
-        assert_eq!(
-            left_text(41.6, true),
-            "about 42 s left, then minutes for the scores"
-        );
+        assert_eq!(left_text(41.6, true), "about 42 s left, then minutes for the scores");
         assert_eq!(left_text(600.0, false), "about 10 min left");
         assert_eq!(left_text(9000.0, false), "about 2.5 h left");
     }

@@ -16,9 +16,7 @@ impl Progress {
     /// Writes to standard error.
     #[must_use]
     pub fn on_stderr() -> Self {
-        Self {
-            bars: Some(MultiProgress::new()),
-        }
+        Self { bars: Some(MultiProgress::new()) }
     }
 
     /// Shows nothing.

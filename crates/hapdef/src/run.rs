@@ -72,10 +72,7 @@ impl Run {
     /// [`HapdefError::NoDeck`] when the deck can't be read.
     pub fn input_hashes(&self) -> Result<[(&'static str, String); 2], HapdefError> {
         let deck = self.scene_dir.join(&self.scene.geometry.solid_deck);
-        Ok([
-            ("scene", self.scene_hash.clone()),
-            ("deck", deck_hash(&deck)?),
-        ])
+        Ok([("scene", self.scene_hash.clone()), ("deck", deck_hash(&deck)?)])
     }
 
     /// Tells the person what happens now.
@@ -89,9 +86,7 @@ impl Run {
     /// [`HapdefError::Stopped`] then.
     pub fn check_stop(&self, stage: &str) -> Result<(), HapdefError> {
         if self.stopping() {
-            return Err(HapdefError::Stopped {
-                stage: stage.into(),
-            });
+            return Err(HapdefError::Stopped { stage: stage.into() });
         }
         Ok(())
     }

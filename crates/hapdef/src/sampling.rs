@@ -25,10 +25,7 @@ pub struct DrawnContact {
 
 impl DrawnContact {
     /// No force at the first node: what a sample holds before it is drawn.
-    pub const NONE: Self = Self {
-        node: 0,
-        force_n: 0.0,
-    };
+    pub const NONE: Self = Self { node: 0, force_n: 0.0 };
 }
 
 /// Draws `n_samples` samples of `n_contacts` contacts each, at least the scene's spacing apart.
@@ -126,9 +123,7 @@ mod tests {
     }
 
     fn line() -> Vec<Point3<f64>> {
-        (0..50)
-            .map(|i| Point3::new(f64::from(i) * 1e-3, 0.0, 0.0))
-            .collect()
+        (0..50).map(|i| Point3::new(f64::from(i) * 1e-3, 0.0, 0.0)).collect()
     }
 
     #[test]
@@ -173,19 +168,12 @@ mod tests {
         assert_eq!(draw(7, 123), sets[123]);
         assert_ne!(draw(8, 123), sets[123]);
         let fixed = draw_contacts(&points, &contact, 3, 500, 7).unwrap();
-        assert!(
-            fixed
-                .iter()
-                .all(|sample| !sets.iter().any(|s| s[..] == sample[..]))
-        );
+        assert!(fixed.iter().all(|sample| !sets.iter().any(|s| s[..] == sample[..])));
     }
 
     #[test]
     fn a_crowded_skin_is_refused() {
         let error = draw_contacts(&line(), &contact(0.03), 4, 1, 1).unwrap_err();
-        assert!(
-            matches!(error, HapdefError::TooCrowded { n_contacts: 4, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, HapdefError::TooCrowded { n_contacts: 4, .. }), "{error}");
     }
 }

@@ -186,17 +186,10 @@ impl Search<'_> {
         let paired =
             |(t, d): (usize, &Option<usize>)| d.map(|d| measure(self.detected, self.truth, d, t));
         let pairs: Vec<ContactPair> = self.best.iter().enumerate().filter_map(paired).collect();
-        let missed = (0..self.truth.len())
-            .filter(|&t| self.best[t].is_none())
-            .collect();
-        let spurious = (0..self.detected.len())
-            .filter(|d| pairs.iter().all(|p| p.detected != *d))
-            .collect();
-        OneToOne {
-            pairs,
-            missed,
-            spurious,
-        }
+        let missed = (0..self.truth.len()).filter(|&t| self.best[t].is_none()).collect();
+        let spurious =
+            (0..self.detected.len()).filter(|d| pairs.iter().all(|p| p.detected != *d)).collect();
+        OneToOne { pairs, missed, spurious }
     }
 }
 
@@ -210,22 +203,14 @@ fn measure(detected: &[ScoredContact], truth: &[ScoredContact], d: usize, t: usi
 }
 
 fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b) * (a - b))
-        .sum::<f64>()
-        .sqrt()
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 fn check_finite(list: &'static str, contacts: &[ScoredContact]) -> Result<(), ScoringError> {
     let bad = |c: &ScoredContact| !(c.1.is_finite() && c.0.iter().all(|v| v.is_finite()));
     match contacts.iter().position(bad) {
         None => Ok(()),
-        Some(index) => Err(ScoringError::NotFinite {
-            list,
-            index,
-            contact: contacts[index],
-        }),
+        Some(index) => Err(ScoringError::NotFinite { list, index, contact: contacts[index] }),
     }
 }
 
@@ -281,23 +266,10 @@ mod tests {
 
     #[test]
     fn bad_contacts_are_refused() {
-        assert_eq!(
-            score_lenient(&[at(0.0, 1.0)], &[]),
-            Err(ScoringError::NoTruth)
-        );
+        assert_eq!(score_lenient(&[at(0.0, 1.0)], &[]), Err(ScoringError::NoTruth));
         let nan = [at(0.0, 1.0), at(f64::NAN, 1.0)];
         let error = score_one_to_one(&[at(0.0, 1.0)], &nan).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                ScoringError::NotFinite {
-                    list: "true",
-                    index: 1,
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, ScoringError::NotFinite { list: "true", index: 1, .. }), "{error}");
         let error = score_one_to_one(&[at(0.0, 1.0); 9], &[at(0.0, 1.0)]).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -120,9 +120,7 @@ impl FromStr for SourceArg {
     type Err = SourceArgError;
 
     fn from_str(text: &str) -> Result<Self, SourceArgError> {
-        let form = || SourceArgError::Form {
-            found: text.to_owned(),
-        };
+        let form = || SourceArgError::Form { found: text.to_owned() };
         if text.starts_with('/') {
             return format!("serial:{text}").parse();
         }
@@ -156,10 +154,7 @@ impl std::fmt::Display for SourceArg {
                 write!(f, "replay:{}@{speed}", file.display())
             }
             Self::Replay { file, .. } => write!(f, "replay:{}@max", file.display()),
-            Self::Csv {
-                device,
-                n_channels: Some(n),
-            } => write!(f, "csv:{device}@{n}"),
+            Self::Csv { device, n_channels: Some(n) } => write!(f, "csv:{device}@{n}"),
             Self::Csv { device, .. } => write!(f, "csv:{device}"),
         }
     }
@@ -171,10 +166,7 @@ fn serial(device: &str, baud: u32) -> SerialLink {
 }
 
 fn stream(link: impl Link + 'static, protocol: Protocol) -> Box<dyn FrameSource> {
-    let params = StreamParams {
-        protocol,
-        ..StreamParams::default()
-    };
+    let params = StreamParams { protocol, ..StreamParams::default() };
     Box::new(StreamSource::new(link, params))
 }
 
@@ -202,9 +194,7 @@ fn tcp(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
     let port = rest.rsplit_once(':').filter(|(host, _)| !host.is_empty());
     let port = port.and_then(|(_, port)| port.parse::<u16>().ok());
     match port {
-        Some(1..) => Ok(SourceArg::Tcp {
-            address: rest.to_owned(),
-        }),
+        Some(1..) => Ok(SourceArg::Tcp { address: rest.to_owned() }),
         _ => Err(SourceArgError::Number {
             found: text.to_owned(),
             expected: "tcp:HOST:PORT with a port from 1 to 65535",
@@ -214,23 +204,14 @@ fn tcp(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
 
 /// A file's name may have an @ in it: only a number, or `max`, behind the last one is a speed.
 fn replay(text: &str, rest: &str) -> Result<SourceArg, SourceArgError> {
-    let whole = || SourceArg::Replay {
-        file: rest.into(),
-        speed: 1.0,
-    };
+    let whole = || SourceArg::Replay { file: rest.into(), speed: 1.0 };
     let Some((file, speed)) = rest.rsplit_once('@').filter(|(file, _)| !file.is_empty()) else {
         return Ok(whole());
     };
     match parse_speed(speed) {
-        Ok(speed) => Ok(SourceArg::Replay {
-            file: file.into(),
-            speed,
-        }),
+        Ok(speed) => Ok(SourceArg::Replay { file: file.into(), speed }),
         Err(_) if speed.parse::<f64>().is_err() => Ok(whole()),
-        Err(expected) => Err(SourceArgError::Number {
-            found: text.to_owned(),
-            expected,
-        }),
+        Err(expected) => Err(SourceArgError::Number { found: text.to_owned(), expected }),
     }
 }
 
@@ -262,10 +243,7 @@ mod tests {
     #[test]
     fn sources_are_read() {
         check("serial:/dev/ttyACM0", "serial:/dev/ttyACM0@115200");
-        check(
-            "serial:/dev/serial/by-id/usb-A@B@921600",
-            "serial:/dev/serial/by-id/usb-A@B@921600",
-        );
+        check("serial:/dev/serial/by-id/usb-A@B@921600", "serial:/dev/serial/by-id/usb-A@B@921600");
         check("csv:/dev/ttyUSB0", "csv:/dev/ttyUSB0");
         check("/dev/pts/3", "serial:/dev/pts/3@115200");
         check("csv:COM3@4", "csv:COM3@4");

@@ -33,10 +33,7 @@ impl ContactStats {
     pub fn of(pairs: &[ContactPair], n_expected: usize) -> Self {
         let n = pairs.len();
         if n == 0 {
-            return Self {
-                n_expected,
-                ..Self::default()
-            };
+            return Self { n_expected, ..Self::default() };
         }
         let mut distances: Vec<f64> = pairs.iter().map(|p| p.position_error_m).collect();
         distances.sort_unstable_by(f64::total_cmp);

@@ -41,11 +41,7 @@ pub struct VirtualRigParams {
 impl Default for VirtualRigParams {
     /// Untouched, 1 kHz, faultless.
     fn default() -> Self {
-        Self {
-            script: None,
-            rate_hz: 1000.0,
-            faults: Vec::new(),
-        }
+        Self { script: None, rate_hz: 1000.0, faults: Vec::new() }
     }
 }
 
@@ -62,11 +58,8 @@ pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
         let points = limb.surface_points();
         let rows = points.par_iter().map(|point| real.columns_ue_per_n(point));
         let rows: Vec<Vec<Vector3<f64>>> = rows.collect::<Result<_, _>>()?;
-        let numbers: Vec<f32> = rows
-            .iter()
-            .flatten()
-            .flat_map(|column| column.iter().map(|v| *v as f32))
-            .collect();
+        let numbers: Vec<f32> =
+            rows.iter().flatten().flat_map(|column| column.iter().map(|v| *v as f32)).collect();
         let spec = TensorSpec::f32(TENSOR, limb.gauges.len() * 3, "µε/N");
         let mut writer = DatasetWriter::create(&dir.join(FILE), points.len(), &[spec])?;
         writer.append(TENSOR, &numbers)?;
@@ -142,10 +135,7 @@ fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {
         creep: live
             .creep
             .iter()
-            .map(|term| CreepTerm {
-                share: term.share,
-                time_s: term.time_s,
-            })
+            .map(|term| CreepTerm { share: term.share, time_s: term.time_s })
             .collect(),
         ..LiveElectronicsParams::new(converter)
     }

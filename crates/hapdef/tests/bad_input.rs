@@ -13,11 +13,7 @@ fn shin() -> PathBuf {
 }
 
 fn hapdef(words: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hapdef"))
-        .args(words)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_hapdef")).args(words).current_dir(folder).output().unwrap()
 }
 
 /// The bundled scene with its deck beside it, changed by `change`, in a folder of its own.
@@ -59,11 +55,7 @@ fn refused_words(words: &[&str], folder: &Path, expected: &[&str]) -> String {
         assert!(text.contains(words), "{words:?} is not in: {text}");
     }
     let cache = fs::read_dir(folder.join("target/hapdef/cache"));
-    let left: Vec<_> = cache
-        .into_iter()
-        .flatten()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let left: Vec<_> = cache.into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
     let is_lock = |path: &PathBuf| path.extension().is_some_and(|e| e == "lock");
     assert!(left.iter().all(is_lock), "left behind: {left:?}");
     text
@@ -71,18 +63,12 @@ fn refused_words(words: &[&str], folder: &Path, expected: &[&str]) -> String {
 
 #[test]
 fn a_field_that_does_not_exist() {
-    refused(
-        |scene| scene["contact"]["tip"] = json!(1),
-        &["contact", "unknown field `tip`"],
-    );
+    refused(|scene| scene["contact"]["tip"] = json!(1), &["contact", "unknown field `tip`"]);
 }
 
 #[test]
 fn a_field_of_the_wrong_type() {
-    refused(
-        |scene| scene["gauges"]["sites"][3]["axis"] = json!("up"),
-        &["gauges.sites[3].axis"],
-    );
+    refused(|scene| scene["gauges"]["sites"][3]["axis"] = json!("up"), &["gauges.sites[3].axis"]);
 }
 
 #[test]
@@ -130,11 +116,7 @@ fn what_is_no_scene_at_all() {
     ];
     for (name, advice) in cases {
         fs::write(folder.path().join(name), b"glTF\x02\0\0\0\xff").unwrap();
-        refused_words(
-            &["check", name],
-            folder.path(),
-            &[name, "expected JSON text", advice],
-        );
+        refused_words(&["check", name], folder.path(), &[name, "expected JSON text", advice]);
     }
 }
 
@@ -209,14 +191,7 @@ fn a_deck_that_is_not_there() {
     let folder = tempfile::tempdir().unwrap();
     scene_with(folder.path(), |_| {});
     fs::remove_file(folder.path().join("shin.inp.gz")).unwrap();
-    refused_in(
-        folder.path(),
-        &[
-            "geometry.solid_deck",
-            "shin.inp.gz",
-            "relative to the scene",
-        ],
-    );
+    refused_in(folder.path(), &["geometry.solid_deck", "shin.inp.gz", "relative to the scene"]);
 }
 
 #[test]
@@ -265,20 +240,13 @@ fn a_mount_that_lets_the_limb_turn() {
 fn a_gauge_off_the_wall() {
     refused(
         |scene| scene["gauges"]["sites"][2]["position_m"] = json!([0.0, 0.1, 0.0]),
-        &[
-            "gauges.sites[2] (g2)",
-            "from the nearest wall face",
-            "move it onto the wall",
-        ],
+        &["gauges.sites[2] (g2)", "from the nearest wall face", "move it onto the wall"],
     );
 }
 
 #[test]
 fn a_contact_region_without_skin() {
-    refused(
-        |scene| scene["contact"]["region"]["axial_range_m"] = json!([5.0, 6.0]),
-        &["region"],
-    );
+    refused(|scene| scene["contact"]["region"]["axial_range_m"] = json!([5.0, 6.0]), &["region"]);
 }
 
 /// `hapdef check` refuses the rig's own deck, which `prepare` puts or changes at the path it is given.
@@ -296,10 +264,7 @@ fn rig_deck_refused(prepare: impl FnOnce(&Path), expected: &[&str]) {
 #[test]
 fn a_rigs_deck_that_is_not_there() {
     rig_deck_refused(|_| {}, &["relative to the scene"]);
-    rig_deck_refused(
-        |path| fs::create_dir(path).unwrap(),
-        &["relative to the scene"],
-    );
+    rig_deck_refused(|path| fs::create_dir(path).unwrap(), &["relative to the scene"]);
 }
 
 #[test]
@@ -359,17 +324,11 @@ fn khronos_files_are_read_or_refused_with_one_error() {
     );
     let folder = shared.join("inputs/gltf/khronos-validator");
     if !folder.exists() {
-        println!(
-            "skipped: {} is absent (set HAPDEF_SHARED)",
-            folder.display()
-        );
+        println!("skipped: {} is absent (set HAPDEF_SHARED)", folder.display());
         return;
     }
     let mut n_refused = 0;
-    for file in ["glb", "mesh"]
-        .into_iter()
-        .flat_map(|kind| files(&folder.join(kind)))
-    {
+    for file in ["glb", "mesh"].into_iter().flat_map(|kind| files(&folder.join(kind))) {
         let output = hapdef(&["inspect", &file.display().to_string()], &folder);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         match output.status.code() {
@@ -388,9 +347,7 @@ fn khronos_files_are_read_or_refused_with_one_error() {
 
 fn files(folder: &Path) -> Vec<PathBuf> {
     let is_model = |path: &PathBuf| path.extension().is_some_and(|e| e == "glb" || e == "gltf");
-    let entries = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path());
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> = entries.filter(is_model).collect();
     files.sort();
     files

@@ -66,11 +66,7 @@ fn a_bundle_stands_for_its_scene() {
     let (run, limb) = run_of(&placed(), out.path());
     let bundle = through_bytes(&run, &limb);
     let frames = readings(&bundle);
-    same(
-        &frames,
-        bundle.superposition().unwrap(),
-        touch_estimator(&run, &limb).unwrap(),
-    );
+    same(&frames, bundle.superposition().unwrap(), touch_estimator(&run, &limb).unwrap());
     let stream: Vec<Vec<f64>> = frames.iter().flat_map(|f| vec![f.clone(); 150]).collect();
     let place = SearchPlace::Here;
     let followed = live_estimator(&run, &limb, LiveEstimator::Tracking(place)).unwrap();
@@ -84,11 +80,7 @@ fn a_calibrated_scene_takes_its_calibration_along() {
     let plain = through_bytes(&run, &limb);
     let n_sites = 100;
     let error = |i: usize| if i.is_multiple_of(11) { 1e-3 } else { 0.0 };
-    let adjoint = plain
-        .map()
-        .nodal()
-        .into_iter()
-        .map(|v| (v * 1.02).cast().into());
+    let adjoint = plain.map().nodal().into_iter().map(|v| (v * 1.02).cast().into());
     let calibration = Calibration {
         version: 1,
         scene: run.scene.name.clone(),
@@ -110,26 +102,13 @@ fn a_calibrated_scene_takes_its_calibration_along() {
     let text = std::fs::read_to_string(placed()).unwrap();
     let mut scene: serde_json::Value = serde_json::from_str(&text).unwrap();
     scene["estimator"]["calibration"] = path.to_str().unwrap().into();
-    let deck = placed()
-        .with_file_name("shin.inp.gz")
-        .canonicalize()
-        .unwrap();
+    let deck = placed().with_file_name("shin.inp.gz").canonicalize().unwrap();
     scene["geometry"]["solid_deck"] = deck.to_str().unwrap().into();
     let scene_path = out.path().join("scene.json");
     std::fs::write(&scene_path, scene.to_string()).unwrap();
     let (run, limb) = run_of(&scene_path, out.path());
     let bundle = through_bytes(&run, &limb);
-    assert!(
-        bundle
-            .calibration_json
-            .as_ref()
-            .unwrap()
-            .contains("\"n_presses\":40")
-    );
+    assert!(bundle.calibration_json.as_ref().unwrap().contains("\"n_presses\":40"));
     let frames = readings(&bundle);
-    same(
-        &frames,
-        bundle.superposition().unwrap(),
-        touch_estimator(&run, &limb).unwrap(),
-    );
+    same(&frames, bundle.superposition().unwrap(), touch_estimator(&run, &limb).unwrap());
 }

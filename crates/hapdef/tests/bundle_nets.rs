@@ -22,10 +22,7 @@ const SCALE: f32 = 1.0 / 1024.0;
 /// Nets that have hardly learned anything: they find something, and that is enough.
 fn brief() -> Profile {
     let quick = Profile::quick();
-    let few = |schedule: Schedule| Schedule {
-        steps: 20,
-        ..schedule
-    };
+    let few = |schedule: Schedule| Schedule { steps: 20, ..schedule };
     Profile {
         n_single: 200,
         n_multi: 50,
@@ -68,10 +65,11 @@ fn found(bundle: &Bundle, estimator: Box<dyn TouchEstimator>) -> Vec<Touch> {
     let sink = FnSink::new("test", Wants::ALL, move |frame| {
         sender.send(frame.touch.clone()).unwrap();
     });
-    let gauges = bundle.info.gauges.iter().map(|gauge| LiveGauge {
-        name: gauge.name.clone(),
-        scale: gauge.scale,
-    });
+    let gauges = bundle
+        .info
+        .gauges
+        .iter()
+        .map(|gauge| LiveGauge { name: gauge.name.clone(), scale: gauge.scale });
     let source = ReplaySource::new("memory", messages(bundle).into_iter(), 0.0);
     let live = Live::builder(source)
         .params(LiveParams {
@@ -103,10 +101,7 @@ fn a_bundles_nets_are_the_scenes() {
     assert_eq!(bundle.info.estimator, BundleEstimator::Hapdefx);
     let expected = found(&bundle, whole);
     let n_contacts: usize = expected.iter().map(|touch| touch.contacts.len()).sum();
-    assert!(
-        expected.len() == 24 && n_contacts >= 24,
-        "{n_contacts} contacts"
-    );
+    assert!(expected.len() == 24 && n_contacts >= 24, "{n_contacts} contacts");
     let bundled = bundle.estimator(SearchPlace::Here).unwrap();
     assert_eq!(found(&bundle, bundled), expected);
 

@@ -47,10 +47,7 @@ fn it_guides_presses_writes_the_table_and_calibrates_once() {
         value.unwrap_or_else(|| panic!("{key}: {info}"))
     };
     println!("{info}");
-    assert!(
-        error("relative_error") < error("relative_error_before"),
-        "{info}"
-    );
+    assert!(error("relative_error") < error("relative_error_before"), "{info}");
     let kept: Value = serde_json::from_slice(&std::fs::read(&result).unwrap()).unwrap();
     assert_eq!(kept["n_presses"], N_PRESSES);
 

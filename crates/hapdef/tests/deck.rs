@@ -49,9 +49,7 @@ fn the_displacement_is_written_for_paraview() {
     let document = roxmltree::Document::parse(&vtu).unwrap();
     let piece = document.descendants().find(|n| n.has_tag_name("Piece"));
     assert_eq!(piece.unwrap().attribute("NumberOfPoints"), Some("10"));
-    let field = document
-        .descendants()
-        .find(|n| n.attribute("Name") == Some("displacement_m"))
-        .unwrap();
+    let field =
+        document.descendants().find(|n| n.attribute("Name") == Some("displacement_m")).unwrap();
     assert_eq!(field.attribute("NumberOfComponents"), Some("3"));
 }

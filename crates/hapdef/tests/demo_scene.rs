@@ -12,9 +12,7 @@ const STRIDE: usize = 37;
 const FORCE_N: f64 = 15.0;
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/shin")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(name)
 }
 
 /// Single presses all over the rig, the step of its converter left out: with the calibration they are told as

@@ -19,10 +19,7 @@ use serde_json::Value;
 const SCALE: f32 = 1.0 / 64.0;
 
 fn hapdef(words: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hapdef"))
-        .args(words)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_hapdef")).args(words).output().unwrap()
 }
 
 fn placed() -> PathBuf {
@@ -57,10 +54,7 @@ fn record_to(path: &Path, messages: Vec<Message>) {
     // At its own pace, so that it has a chunk every 80 ms.
     let source = ReplaySource::new("test", messages.into_iter(), 1.0);
     let (acquisition, mut receivers) = acquire(source, AcquireParams::default()).unwrap();
-    let params = RecordParams {
-        min_free_bytes: 1 << 20,
-        ..RecordParams::default()
-    };
+    let params = RecordParams { min_free_bytes: 1 << 20, ..RecordParams::default() };
     let recorder = record(receivers.remove(0), path, params).unwrap();
     while !acquisition.has_ended() {
         std::thread::sleep(Duration::from_millis(1));
@@ -81,18 +75,12 @@ fn a_recording_is_played_into_contacts() {
     the_doctor_looks_at_it(&file, &recording);
     let source = format!("replay:{recording}@max");
     let play = |table: &str| {
-        let words = [
-            "live", &file, "--source", &source, "--tare-s", "0.2", "--json",
-        ];
+        let words = ["live", &file, "--source", &source, "--tare-s", "0.2", "--json"];
         let played = hapdef(&[&words[..], &["--csv", table]].concat());
         assert!(played.status.success(), "{played:?}");
         let text = String::from_utf8(played.stdout).unwrap();
-        let lines = text
-            .lines()
-            .map(|line| serde_json::from_str::<Value>(line).unwrap());
-        lines
-            .filter(|line| line.get("seq").is_some())
-            .collect::<Vec<_>>()
+        let lines = text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        lines.filter(|line| line.get("seq").is_some()).collect::<Vec<_>>()
     };
     let frames = play(&table);
     assert_eq!(frames.len(), 800);
@@ -109,26 +97,14 @@ fn a_recording_is_played_into_contacts() {
         * 1e3;
     assert!(miss_mm < 2.0, "{miss_mm} mm");
     assert!((contacts[0]["force_n"].as_f64().unwrap() - 15.0).abs() < 1.0);
-    assert_eq!(
-        std::fs::read_to_string(&table).unwrap().lines().count(),
-        801
-    );
-    refused(
-        &["live", &file, "--source", &source, "--csv", &table],
-        &["--csv", "is there already"],
-    );
+    assert_eq!(std::fs::read_to_string(&table).unwrap().lines().count(), 801);
+    refused(&["live", &file, "--source", &source, "--csv", &table], &["--csv", "is there already"]);
     let reach = ["live", &file, "--source", &source, "--serve"];
-    refused(
-        &[&reach[..], &["tcp:0.0.0.0:0"]].concat(),
-        &["--insecure-bind"],
-    );
+    refused(&[&reach[..], &["tcp:0.0.0.0:0"]].concat(), &["--insecure-bind"]);
     let everywhere = ["live", &file, "--source", &source, "--view"];
     let everywhere = [&everywhere[..], &["--view-bind", "0.0.0.0"]].concat();
     refused(&everywhere, &["--view-bind", "--insecure-bind"]);
-    refused(
-        &[&everywhere[..], &["--insecure-bind"]].concat(),
-        &["--view-bind", "--view-host"],
-    );
+    refused(&[&everywhere[..], &["--insecure-bind"]].concat(), &["--view-bind", "--view-host"]);
     a_full_disk_is_told_while_it_goes_on(&file, &recording, &path("full.mcap"));
     the_calibration_in_use_is_recorded(&bundle, &source, folder.path());
     damage_is_told_and_counted(&file, &recording);
@@ -154,15 +130,8 @@ fn a_full_disk_is_told_while_it_goes_on(file: &str, recording: &str, to: &str) {
     assert!(child.try_wait().unwrap().is_none(), "{after:?}");
     let rest: Vec<String> = lines.map_while(Result::ok).collect();
     assert_eq!(child.wait().unwrap().code(), Some(2), "{rest:?}");
-    assert!(
-        !rest
-            .iter()
-            .any(|line| line.contains("the recording stopped"))
-    );
-    assert!(
-        rest.last().unwrap().contains("full.partial.mcap"),
-        "{rest:?}"
-    );
+    assert!(!rest.iter().any(|line| line.contains("the recording stopped")));
+    assert!(rest.last().unwrap().contains("full.partial.mcap"), "{rest:?}");
 }
 
 fn the_calibration_in_use_is_recorded(bundle: &Bundle, source: &str, folder: &Path) {
@@ -252,16 +221,7 @@ fn what_has_to_be_corrected_is_said() {
     std::fs::write(&damaged, [7; 100]).unwrap();
     let damaged = damaged.to_str().unwrap();
     let port = ["--source", "/dev/null"];
-    refused(
-        &["live", damaged, port[0], port[1]],
-        &["not a whole bundle", "hapdef bundle"],
-    );
-    refused(
-        &["live", "none.hapdef", port[0], port[1]],
-        &["none.hapdef", "check the path"],
-    );
-    refused(
-        &["live", damaged, "--source", "usb:1"],
-        &["tcp:HOST:PORT", "usb:1"],
-    );
+    refused(&["live", damaged, port[0], port[1]], &["not a whole bundle", "hapdef bundle"]);
+    refused(&["live", "none.hapdef", port[0], port[1]], &["none.hapdef", "check the path"]);
+    refused(&["live", damaged, "--source", "usb:1"], &["tcp:HOST:PORT", "usb:1"]);
 }

@@ -69,14 +69,7 @@ fn look_at(scene: impl FnOnce(&Path) -> PathBuf, size: (u32, u32)) -> Option<Loo
     chrome.open(&program.url).unwrap();
     chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
     chrome.eval(LISTEN).unwrap();
-    Some(Look {
-        chrome,
-        program,
-        scene,
-        folder,
-        n_heard: 0,
-        _one: one,
-    })
+    Some(Look { chrome, program, scene, folder, n_heard: 0, _one: one })
 }
 
 fn start(scene: &Path, out: &Path, port: u16) -> Program {
@@ -144,32 +137,17 @@ fn a_click_presses_the_limb_and_is_found_there() {
     look.tares();
     let node = look.node_in_the_middle();
     let below = LimbRow::of_node(&mut look.chrome, node, 40.0).unwrap();
-    Pixels::of_stage(&mut look.chrome)
-        .unwrap()
-        .shows_limb_across(&below);
+    Pixels::of_stage(&mut look.chrome).unwrap().shows_limb_across(&below);
     let at = look.press(node);
     look.is_found_at(node);
     let shown = "document.querySelector('#contacts b').textContent";
     let shown = look.chrome.eval(shown).unwrap();
-    let force_n: f64 = shown
-        .as_str()
-        .unwrap()
-        .trim_end_matches(" N")
-        .parse()
-        .unwrap();
-    let told = look
-        .chrome
-        .eval("document.getElementById('force').value")
-        .unwrap();
+    let force_n: f64 = shown.as_str().unwrap().trim_end_matches(" N").parse().unwrap();
+    let told = look.chrome.eval("document.getElementById('force').value").unwrap();
     let told_n: f64 = told.as_str().unwrap().parse().unwrap();
-    assert!(
-        (force_n - told_n).abs() < 0.25 * told_n,
-        "{force_n} N for {told_n} N"
-    );
+    assert!((force_n - told_n).abs() < 0.25 * told_n, "{force_n} N for {told_n} N");
     look.chrome.pointer("mouseReleased", at).unwrap();
-    look.chrome
-        .wait_for("hapdefView.arrows.length === 0")
-        .unwrap();
+    look.chrome.wait_for("hapdefView.arrows.length === 0").unwrap();
 
     look.click("record");
     look.hears("Recording to ");
@@ -190,10 +168,7 @@ fn n_readings(path: &Path) -> usize {
     let mut recording = Recording::open(path).unwrap();
     let mut n = 0;
     while let Some(record) = recording.next_record().unwrap() {
-        let is_reading = matches!(
-            record.content,
-            Content::Message(hapdef_daq::Message::Frame(_))
-        );
+        let is_reading = matches!(record.content, Content::Message(hapdef_daq::Message::Frame(_)));
         n += usize::from(is_reading);
     }
     n
@@ -218,9 +193,7 @@ fn a_page_that_hangs_and_one_that_never_reads_cost_the_acquisition_nothing() {
     let dropped = f64::from(last.n_dropped - first.n_dropped) / (1000.0 * (last.t_s - first.t_s));
     assert!(dropped <= MOST_DROPPED, "{dropped} of the frames dropped");
     look.chrome.go_on().unwrap();
-    look.chrome
-        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
-        .unwrap();
+    look.chrome.wait_for(&format!("hapdefView.drawn > {drawn} + 2")).unwrap();
 }
 
 #[test]
@@ -235,9 +208,7 @@ fn the_page_comes_back_with_its_program_and_presses_again() {
     let drawn = look.chrome.eval("hapdefView.drawn").unwrap();
     look.program = start(&look.scene, look.folder.path(), port);
     look.program.page().until("frames come", |_| true);
-    look.chrome
-        .wait_for(&format!("hapdefView.drawn > {drawn} + 2"))
-        .unwrap();
+    look.chrome.wait_for(&format!("hapdefView.drawn > {drawn} + 2")).unwrap();
     look.tares();
     let node = look.node_in_the_middle();
     look.press(node);
@@ -270,10 +241,7 @@ fn a_phone_shows_all_of_it() {
     let Some(mut look) = look((390, 844)) else {
         return;
     };
-    let wide = look
-        .chrome
-        .eval("document.documentElement.scrollWidth")
-        .unwrap();
+    let wide = look.chrome.eval("document.documentElement.scrollWidth").unwrap();
     assert_eq!(wide, 390);
     assert_eq!(look.chrome.outside(390).unwrap(), json!([]));
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());

@@ -59,11 +59,7 @@ impl Board {
                 std::thread::sleep(Duration::from_millis(1));
             }
         });
-        Self {
-            address,
-            stop,
-            thread: Some(thread),
-        }
+        Self { address, stop, thread: Some(thread) }
     }
 }
 
@@ -97,9 +93,7 @@ fn speak(
     if n.is_multiple_of(500) {
         encoder.hello(hello, t_us, &mut bytes).unwrap();
     }
-    encoder
-        .data(hello, t_us, FrameFlags::default(), &counts, &mut bytes)
-        .unwrap();
+    encoder.data(hello, t_us, FrameFlags::default(), &counts, &mut bytes).unwrap();
     host.write_all(&bytes).is_ok()
 }
 

@@ -56,9 +56,7 @@ fn a_page_presses_records_keeps_and_plays_again() {
     page.say(&json!({"cmd": "tare"}));
     page.hear("Taring: touch nothing");
     page.hear("Tared");
-    page.until("the clock's residual is told", |frame| {
-        frame.clock_residual_us.is_finite()
-    });
+    page.until("the clock's residual is told", |frame| frame.clock_residual_us.is_finite());
 
     let port = program.port();
     drop((program, page));
@@ -130,11 +128,7 @@ fn record(page: &mut Page, point: [f64; 3]) -> PathBuf {
     assert_eq!(kept["simulated"], true);
     assert_eq!(kept["device_fault"], Value::Null);
     assert_eq!(kept["frame"]["contacts"].as_array().unwrap().len(), 1);
-    let at = [0, 1, 2].map(|i| {
-        kept["frame"]["contacts"][0]["position_m"][i]
-            .as_f64()
-            .unwrap()
-    });
+    let at = [0, 1, 2].map(|i| kept["frame"]["contacts"][0]["position_m"][i].as_f64().unwrap());
     assert!(distance(at, point) < NEAR_M, "{at:?} for {point:?}");
     page.say(&json!({"cmd": "record", "on": false}));
     let said = page.hear(" readings, ");
@@ -205,16 +199,10 @@ fn plays_again(scene: &Path, recording: &Path, point: [f64; 3]) {
     }
     std::thread::sleep(std::time::Duration::from_millis(300));
     let frame = page.until("it stays", |_| true);
-    assert!(
-        (frame.position_s - 2.0).abs() < 2e-3,
-        "{} s",
-        frame.position_s
-    );
+    assert!((frame.position_s - 2.0).abs() < 2e-3, "{} s", frame.position_s);
     page.say(&json!({"cmd": "pause", "on": false}));
     let end_s = frame.duration_s;
-    page.until("it plays to its end", |frame| {
-        frame.position_s > end_s - 1e-3
-    });
+    page.until("it plays to its end", |frame| frame.position_s > end_s - 1e-3);
     page.say(&json!({"cmd": "seek", "position_s": 1.0}));
     page.until("it goes back from there", |frame| frame.position_s < 1.5);
 }

@@ -41,20 +41,12 @@ impl Board {
         let run = Run::new(&scene, Profile::full(), &out(), 2, Progress::silent()).unwrap();
         let limb = Limb::load(&run.scene, &run.scene_dir).unwrap();
         let limb = Arc::new(live_limb(&run, &limb).unwrap());
-        let params = VirtualRigParams {
-            faults: faults.to_vec(),
-            ..VirtualRigParams::default()
-        };
+        let params = VirtualRigParams { faults: faults.to_vec(), ..VirtualRigParams::default() };
         let device = virtual_device(&run.scene, Arc::clone(&limb), &params).unwrap();
         let port = TcpPort::listen("127.0.0.1:0").unwrap();
         let source = format!("tcp:{}", port.name());
         let rig = spawn_rig(device, port, RunParams::default(), |_| {}).unwrap();
-        Self {
-            rig,
-            limb,
-            scene,
-            source,
-        }
+        Self { rig, limb, scene, source }
     }
 
     fn finger(&self) -> PressHandle {
@@ -106,9 +98,8 @@ fn press_check(faults: &[RigFault]) -> (bool, Vec<String>) {
     let finger = board.finger();
     let path = board.scene.to_str().unwrap();
     let words = ["doctor", path, "--source", &board.source, "--press-check"];
-    let (status, found) = converse(
-        &[&words[..], &["--seconds", "0.5", "--json"]].concat(),
-        |line| {
+    let (status, found) =
+        converse(&[&words[..], &["--seconds", "0.5", "--json"]].concat(), |line| {
             let asked = line.strip_prefix("press near gauge ");
             let Some((name, _)) = asked.and_then(|rest| rest.split_once(',')) else {
                 return;
@@ -119,8 +110,7 @@ fn press_check(faults: &[RigFault]) -> (bool, Vec<String>) {
             finger.set(pressed(at.into()));
             std::thread::sleep(WHILE);
             finger.set(Vec::new());
-        },
-    );
+        });
     println!("{found}");
     let checks: Vec<Value> = serde_json::from_str(&found).unwrap();
     let of_presses = checks.iter().filter(|check| {
@@ -173,10 +163,7 @@ fn only_presses_that_were_asked_for_are_kept() {
     assert!(status.success());
     let told: Value = serde_json::from_str(&told).unwrap();
     let error = |key: &str| told[key].as_f64().unwrap();
-    assert!(
-        error("relative_error") < error("relative_error_before"),
-        "{told}"
-    );
+    assert!(error("relative_error") < error("relative_error_before"), "{told}");
 
     let rows = std::fs::read_to_string(table).unwrap();
     assert_eq!(rows.lines().count(), 1 + N_PRESSES);

@@ -52,16 +52,10 @@ fn the_papers_chain_is_planned_in_full_and_nothing_is_made() {
     let plan = plan(&run, &limb, &MACHINE).unwrap();
     let elastic = ["compliance", "rig"].map(|name| plan.step(name).unwrap().predicted_s.unwrap());
     for (part_s, step_s) in parts_s.iter().zip(elastic) {
-        assert!(
-            (part_s / step_s - 1.0).abs() < 0.5,
-            "{parts_s:?} {elastic:?}"
-        );
+        assert!((part_s / step_s - 1.0).abs() < 0.5, "{parts_s:?} {elastic:?}");
     }
     // The pipeline trains more nets than the chain needs.
-    assert!(
-        parts_s.iter().sum::<f64>() > plan.predicted_s(),
-        "{parts_s:?}"
-    );
+    assert!(parts_s.iter().sum::<f64>() > plan.predicted_s(), "{parts_s:?}");
     assert_eq!(
         names(&plan, StepState::Runs),
         [
@@ -121,19 +115,12 @@ fn the_plan_has_the_sizes_of_the_run_and_finds_it_in_the_cache() {
         ("non-zeros of L", "nnz_l"),
         ("wanted nodes", "n_wanted_nodes"),
     ] {
-        assert_eq!(
-            Some(sizes[planned]),
-            stage.record.info[made].as_u64(),
-            "{planned}"
-        );
+        assert_eq!(Some(sizes[planned]), stage.record.info[made].as_u64(), "{planned}");
     }
     let after = plan(&run, &limb, &MACHINE).unwrap();
     assert_eq!(names(&after, StepState::Cached), ["compliance"]);
     let step = after.step("compliance").unwrap();
-    assert_eq!(
-        (step.recorded_s, step.flops),
-        (Some(stage.record.elapsed_s), 0.0)
-    );
+    assert_eq!((step.recorded_s, step.flops), (Some(stage.record.elapsed_s), 0.0));
 }
 
 #[test]
@@ -158,13 +145,7 @@ fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
     let plan = plan(&run, &limb, &MACHINE).unwrap();
     assert_eq!(
         names(&plan, StepState::Runs),
-        [
-            "response",
-            "χ² test",
-            "scan for one contact",
-            "pair search",
-            "a contact followed"
-        ]
+        ["response", "χ² test", "scan for one contact", "pair search", "a contact followed"]
     );
     assert_times(&plan);
     assert_eq!(plan.step("response").unwrap().sizes["right-hand sides"], 10);
@@ -180,10 +161,7 @@ fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
         assert!(skipped.contains(&name), "{name} is not in {skipped:?}");
     }
     touch_estimator(&run, &limb).unwrap();
-    assert!(
-        !folder.path().join("out").exists(),
-        "a stage ran that the plan leaves out"
-    );
+    assert!(!folder.path().join("out").exists(), "a stage ran that the plan leaves out");
 }
 
 /// A calibration of the right form at seven sites.
@@ -224,10 +202,7 @@ fn a_map_that_is_wanted_is_solved_and_one_that_is_not_says_why() {
     assert!(of_map.predicted_s.unwrap() > 0.0 && of_map.flops > 0.0);
     assert_eq!(of_contacts.state, StepState::Skipped);
     assert_eq!((of_contacts.predicted_s, of_contacts.flops), (None, 0.0));
-    assert!(
-        of_contacts.why.contains("outputs is contacts"),
-        "{of_contacts:?}"
-    );
+    assert!(of_contacts.why.contains("outputs is contacts"), "{of_contacts:?}");
 }
 
 #[test]
@@ -240,10 +215,7 @@ fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
         let advised = made.with_shell_advice(&limb, run.scene.rig.max_wall_m, &results);
         let advised = advised.unwrap();
         let step = advised.step("shell model instead").unwrap();
-        assert_eq!(
-            (step.state, step.when),
-            (StepState::Alternative, When::Design)
-        );
+        assert_eq!((step.state, step.when), (StepState::Alternative, When::Design));
         step.why.clone()
     };
     let by_wall = why();
@@ -283,29 +255,16 @@ fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
         scene["estimator"]["calibration"] = json!("calibration.json");
     });
     let missing = plan(&run, &limb, &MACHINE).unwrap_err();
-    assert!(
-        missing.to_string().contains("calibration.json"),
-        "{missing}"
-    );
+    assert!(missing.to_string().contains("calibration.json"), "{missing}");
     let calibration = calibration(&run, &limb);
-    calibration
-        .write(&folder.path().join("calibration.json"))
-        .unwrap();
+    calibration.write(&folder.path().join("calibration.json")).unwrap();
     let plan = plan(&run, &limb, &MACHINE).unwrap();
     assert_eq!(plan.step("scan for one contact").unwrap().sizes["sites"], 7);
     let pairs = plan.step("pair search").unwrap();
     assert_eq!((pairs.state, pairs.flops), (StepState::Skipped, 0.0));
     assert_eq!(pairs.why, "contact.max_contacts is 1");
     let runs = names(&plan, StepState::Runs);
-    assert_eq!(
-        runs,
-        [
-            "calibration",
-            "χ² test",
-            "scan for one contact",
-            "a contact followed"
-        ]
-    );
+    assert_eq!(runs, ["calibration", "χ² test", "scan for one contact", "a contact followed"]);
     assert!(names(&plan, StepState::Skipped).contains(&"response"));
 }
 

@@ -34,27 +34,21 @@ fn made(folder: &Path, n: u32) -> PathBuf {
     let mut hello = Hello::plain(4, SampleFormat::I16, 1000);
     hello.n_scans = 2;
     hello.seal();
-    let frames = (0..2 * n)
-        .filter(|i| !(100..105).contains(&(i / 2)))
-        .map(|i| {
-            let seq = i / 2;
-            let wave = (1000.0 * (f64::from(i) * 0.1).sin()) as i32;
-            let samples = [wave, 5, 32767, (i % 17) as i32 - 8];
-            let mut frame = Frame::new(seq, SampleFormat::I16, samples);
-            frame.scan = (i % 2) as u8;
-            frame.n_lost_before = if i == 210 { 5 } else { 0 };
-            frame.t_device_us = 1_000_000 + u64::from(i) * 1000;
-            frame.t_host_ns = 5_000_000_000 + u64::from(i) * 1_000_000;
-            Message::Frame(frame)
-        });
-    let messages: Vec<Message> = std::iter::once(Message::Hello(Arc::new(hello)))
-        .chain(frames)
-        .collect();
+    let frames = (0..2 * n).filter(|i| !(100..105).contains(&(i / 2))).map(|i| {
+        let seq = i / 2;
+        let wave = (1000.0 * (f64::from(i) * 0.1).sin()) as i32;
+        let samples = [wave, 5, 32767, (i % 17) as i32 - 8];
+        let mut frame = Frame::new(seq, SampleFormat::I16, samples);
+        frame.scan = (i % 2) as u8;
+        frame.n_lost_before = if i == 210 { 5 } else { 0 };
+        frame.t_device_us = 1_000_000 + u64::from(i) * 1000;
+        frame.t_host_ns = 5_000_000_000 + u64::from(i) * 1_000_000;
+        Message::Frame(frame)
+    });
+    let messages: Vec<Message> =
+        std::iter::once(Message::Hello(Arc::new(hello))).chain(frames).collect();
     let source = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
-    let params = AcquireParams {
-        ring_len: 1 << 14,
-        ..AcquireParams::default()
-    };
+    let params = AcquireParams { ring_len: 1 << 14, ..AcquireParams::default() };
     let (_acquisition, mut receivers) = acquire(source, params).unwrap();
     let path = folder.join("made.mcap");
     let recorder = record(receivers.remove(0), &path, RecordParams::default()).unwrap();
@@ -105,11 +99,7 @@ fn check_wire(form: &[&str], ended_by: Signal) {
     let pid = rustix::process::Pid::from_child(&recorded);
     rustix::process::kill_process(pid, ended_by).unwrap();
     let output = recorded.wait_with_output().unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(frames(&again), frames(&original));
     let mut recording = Recording::open(&again).unwrap();
     while recording.next_record().unwrap().is_some() {}
@@ -138,11 +128,7 @@ fn a_replay_is_recorded_to_its_end_with_the_calibration() {
     let mut arguments = vec!["record", "--source", &source, "-o", text(&again)];
     arguments.extend(["--calibration", text(&calibration)]);
     let output = run(&arguments);
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(frames(&again), frames(&original));
     let mut recording = Recording::open(&again).unwrap();
     let mut n_calibrations = 0;
@@ -187,10 +173,7 @@ fn recover_says_by_its_exit_code_what_was_lost() {
 
     std::fs::write(out("none.mcap"), vec![7; 10_000]).unwrap();
     assert_eq!(recover(&out("none.mcap"), "c.mcap").status.code(), Some(3));
-    assert_eq!(
-        recover(&out("nowhere.mcap"), "c.mcap").status.code(),
-        Some(2)
-    );
+    assert_eq!(recover(&out("nowhere.mcap"), "c.mcap").status.code(), Some(2));
     assert_eq!(recover(&whole, "a.mcap").status.code(), Some(2));
 }
 
@@ -213,10 +196,7 @@ fn nothing_is_overwritten_unasked() {
     // What a killed recording left is saved first, by the command that the refusal names.
     let again = ["record", "--source", &source, "-o", text(&saved), "--quiet"];
     refused(&again, "hapdef recover");
-    refused(
-        &["recover", text(&partial), "-o", text(&partial)],
-        "is there already",
-    );
+    refused(&["recover", text(&partial), "-o", text(&partial)], "is there already");
     let recovered = run(&["recover", text(&partial), "-o", text(&saved)]);
     assert_eq!(recovered.status.code(), Some(0), "{recovered:?}");
     assert_eq!(std::fs::read(&partial).unwrap(), before);
@@ -226,19 +206,12 @@ fn nothing_is_overwritten_unasked() {
     let table = path("press.csv");
     for form in ["--csv", "--jsonl"] {
         let export = ["export", text(&partial), form, "-o"];
-        refused(
-            &[&export[..], &[text(&partial)]].concat(),
-            "is there already",
-        );
+        refused(&[&export[..], &[text(&partial)]].concat(), "is there already");
     }
     let export = ["export", text(&whole), "--csv", "-o", text(&table)];
     assert!(run(&export).status.success());
     refused(&export, "press.csv is there already");
-    assert!(
-        run(&["export", text(&whole), "--csv", "-o", "/dev/null"])
-            .status
-            .success()
-    );
+    assert!(run(&["export", text(&whole), "--csv", "-o", "/dev/null"]).status.success());
 
     let forced = run(&[&again[..], &["--force"]].concat());
     assert!(forced.status.success(), "{forced:?}");
@@ -288,10 +261,7 @@ fn doctor_finds_what_is_wrong_with_the_channels() {
         let all = checks.as_array().unwrap().iter();
         let one = all.clone().find(|check| check["check"] == name);
         let one = one.unwrap_or_else(|| panic!("{name}: {checks}"));
-        (
-            one["state"].as_str().unwrap(),
-            one["found"].as_str().unwrap(),
-        )
+        (one["state"].as_str().unwrap(), one["found"].as_str().unwrap())
     };
     assert_eq!(found("channel 1 (G1)"), ("bad", "always 5"));
     assert_eq!(found("channel 2 (G2)").0, "bad");

@@ -25,19 +25,13 @@ fn device() -> RigDevice {
             force_n: 150.0,
             shear_n: [0.0; 3],
         },
-        PressEvent::Leave {
-            at_s: 4.0,
-            for_s: 0.05,
-        },
+        PressEvent::Leave { at_s: 4.0, for_s: 0.05 },
     ];
     let script = PressScript::new(vec![ScriptedContact { id: 1, events }]);
     let limb = plate();
     let play = Play::new(&script, &limb).unwrap();
     let mut params = electronics(1);
-    params.converter = ElectronicsParams {
-        adc_bits: 12,
-        ..params.converter
-    };
+    params.converter = ElectronicsParams { adc_bits: 12, ..params.converter };
     let device = RigDeviceParams::default();
     let largest = limb.largest_ue(30.0);
     let electronics = LiveElectronics::new(params, device.rate_hz, &largest).unwrap();
@@ -46,16 +40,10 @@ fn device() -> RigDevice {
 
 #[test]
 fn gauges_beyond_their_converter_are_told_and_left_out() {
-    let params = RunParams {
-        duration_s: Some(6.0),
-        ..RunParams::default()
-    };
+    let params = RunParams { duration_s: Some(6.0), ..RunParams::default() };
     let link = RigLink::new(device(), &params, |_| {}).unwrap();
     let clock = link.clock();
-    let stream = StreamParams {
-        clock: clock.clone(),
-        ..StreamParams::default()
-    };
+    let stream = StreamParams { clock: clock.clone(), ..StreamParams::default() };
     let (sender, frames) = channel();
     let sink = FnSink::new("test", Wants::TARED, move |frame| {
         let gauges = frame.gauges.iter().zip(&frame.tared_ue);
@@ -63,11 +51,7 @@ fn gauges_beyond_their_converter_are_told_and_left_out() {
         sender.send((frame.t_device_us, gauges)).unwrap();
     });
     let live = Live::builder(StreamSource::new(link, stream))
-        .params(LiveParams {
-            is_lossless: true,
-            clock,
-            ..LiveParams::default()
-        })
+        .params(LiveParams { is_lossless: true, clock, ..LiveParams::default() })
         .sink(sink.with_delivery(Delivery::Queue(64)))
         .start()
         .unwrap();
@@ -76,10 +60,7 @@ fn gauges_beyond_their_converter_are_told_and_left_out() {
     let mut n_pressed = 0;
     for (t_us, gauges) in frames {
         assert_eq!(gauges.len(), N_GAUGES);
-        let n_out = gauges
-            .iter()
-            .filter(|g| g.0 == GaugeHealth::Saturated)
-            .count();
+        let n_out = gauges.iter().filter(|g| g.0 == GaugeHealth::Saturated).count();
         match t_us {
             // The device tells which channels they are each second, at 2 s for the first time.
             2_001_000..4_000_000 => {

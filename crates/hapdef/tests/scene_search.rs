@@ -57,19 +57,13 @@ fn scenes_known_to_be_wrong_are_wrong_still() {
         let pressed = pressed(trial);
         let found = pressed.estimator.estimate(&pressed.readings_ue).unwrap();
         let n_found = found.contacts.len();
-        assert!(
-            n_found < pressed.presses.len() && found.p_value > 0.1,
-            "{found:?}"
-        );
+        assert!(n_found < pressed.presses.len() && found.p_value > 0.1, "{found:?}");
     }
 }
 
 /// A scene without extremes, pressed with 20 N.
 fn usual() -> Trial {
-    let place = |face: f64| Place {
-        face,
-        within: [0.6, 0.4],
-    };
+    let place = |face: f64| Place { face, within: [0.6, 0.4] };
     Trial {
         wall_m: 1e-3,
         n_sectors: 7,
@@ -82,10 +76,7 @@ fn usual() -> Trial {
         map_error: 0.03,
         log10_force_n: 1.3,
         place: place(0.37),
-        second: Some(Second {
-            log10_share: -0.1,
-            place: place(0.81),
-        }),
+        second: Some(Second { log10_share: -0.1, place: place(0.81) }),
         seed: 1,
     }
 }
@@ -94,10 +85,7 @@ fn usual() -> Trial {
 #[test]
 fn the_middle_of_the_search_is_answered() {
     let pair = usual();
-    let single = Trial {
-        second: None,
-        ..usual()
-    };
+    let single = Trial { second: None, ..usual() };
     for trial in [single, pair] {
         assert_eq!(tried(&trial).unwrap(), Honest::Found, "{trial:?}");
     }
@@ -115,10 +103,7 @@ fn nothing_found_is_honest_only_below_the_noise() {
     assert_eq!(nothing.verdict, Verdict::Untouched);
     let end = judged(&pressed(&usual()), &nothing);
     assert!(matches!(end, Err(Wrong::Missed { .. })), "{end:?}");
-    let faint = Trial {
-        log10_force_n: -3.0,
-        ..usual()
-    };
+    let faint = Trial { log10_force_n: -3.0, ..usual() };
     let end = judged(&pressed(&faint), &nothing);
     assert!(matches!(end, Ok(Honest::BelowNoise)), "{end:?}");
 }

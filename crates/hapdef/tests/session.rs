@@ -76,18 +76,14 @@ impl Prober {
     }
 
     fn press(&self, position_m: Point3<f64>, force_n: f64) {
-        self.handle
-            .set(vec![Pressed::normal(1, position_m, force_n)]);
+        self.handle.set(vec![Pressed::normal(1, position_m, force_n)]);
     }
 }
 
 /// Runs the session to its end; its frames are those of the virtual rig.
 fn guide(session: &mut CalibrationSession, link: RigLink, prober: &mut Prober) -> usize {
     let clock = link.clock();
-    let params = StreamParams {
-        clock,
-        ..StreamParams::default()
-    };
+    let params = StreamParams { clock, ..StreamParams::default() };
     let mut source = StreamSource::new(link, params);
     let (mut hello, mut frames, mut n_frames) = (None, Vec::new(), 0);
     let mut asked = None;
@@ -138,24 +134,14 @@ fn map_error(map: &ResponseMap, truth: &LiveLimb) -> f64 {
 /// Share of `points` within 12 mm of a press.
 fn share_near_presses(points: &[Point3<f64>], session: &CalibrationSession) -> f64 {
     let rows = session.rows();
-    let is_near = |x: &&Point3<f64>| {
-        rows.iter()
-            .any(|row| (row.position_m - **x).norm() <= 12e-3)
-    };
+    let is_near = |x: &&Point3<f64>| rows.iter().any(|row| (row.position_m - **x).norm() <= 12e-3);
     points.iter().filter(is_near).count() as f64 / points.len() as f64
 }
 
 #[test]
 fn a_session_asks_holds_and_improves_the_map() {
     let out = tempfile::tempdir().unwrap();
-    let mut run = Run::new(
-        &placed(),
-        Profile::quick(),
-        out.path(),
-        2,
-        Progress::silent(),
-    )
-    .unwrap();
+    let mut run = Run::new(&placed(), Profile::quick(), out.path(), 2, Progress::silent()).unwrap();
     run.scene.rig.electronics.adc_bits = 16;
     // The made-up limb is made from the map of the scene's own mesh.
     run.scene.estimator = EstimatorSpec::Superposition(SuperpositionSpec {
@@ -167,22 +153,16 @@ fn a_session_asks_holds_and_improves_the_map() {
     let truth = Arc::new(other_limb(&limb, &drawn));
     let device = virtual_device(&run.scene, Arc::clone(&truth), &VirtualRigParams::default());
     let device = device.unwrap();
-    let mut prober = Prober {
-        handle: device.press_handle(),
-        n_early: 0,
-        n_told: 0,
-        held: Vec::new(),
-    };
+    let mut prober =
+        Prober { handle: device.press_handle(), n_early: 0, n_told: 0, held: Vec::new() };
     let link = RigLink::new(device, &RunParams::default(), |_| {}).unwrap();
     let quality = PressQuality {
         noise_ue: run.scene.rig.electronics.noise_ue,
         position_sd_m: 0.0,
         force_sd_n: 0.0,
     };
-    let params = SessionParams {
-        n_stiffness: 4,
-        ..SessionParams::new(N_PRESSES, FORCE_N, 1000.0, quality)
-    };
+    let params =
+        SessionParams { n_stiffness: 4, ..SessionParams::new(N_PRESSES, FORCE_N, 1000.0, quality) };
     let mut session = CalibrationSession::new(&run, &limb, params).unwrap();
     let n_frames = guide(&mut session, link, &mut prober);
     assert_eq!(prober.held.len(), N_PRESSES);
@@ -210,10 +190,7 @@ fn a_session_asks_holds_and_improves_the_map() {
         after * 100.0
     );
     // Counted at sites spread evenly there, at the mesh's nodes here.
-    assert!(
-        (progress.coverage - covered).abs() < 0.1,
-        "{covered} of the nodes"
-    );
+    assert!((progress.coverage - covered).abs() < 0.1, "{covered} of the nodes");
     assert!(after < 0.8 * before, "{before} before, {after} after");
     let table = out.path().join("presses.csv");
     write_press_table(&table, &session.rows()).unwrap();

@@ -116,11 +116,7 @@ fn a_tube_is_measured_and_its_shell_is_good() {
     assert!(measured.not_shell_share < 0.1, "{measured:?}");
     let comparison = limb.against_extruded().unwrap();
     println!("{comparison}");
-    assert_eq!(
-        comparison.verdict,
-        ShellVerdict::ShellIsGood,
-        "{comparison}"
-    );
+    assert_eq!(comparison.verdict, ShellVerdict::ShellIsGood, "{comparison}");
     assert_eq!(comparison.n_gauges, 4);
     assert_eq!(comparison.recommendation(), None);
     check_report(&limb, comparison);
@@ -129,14 +125,9 @@ fn a_tube_is_measured_and_its_shell_is_good() {
 /// The page is well-formed and takes nothing from outside; page and JSON have the figures.
 fn check_report(limb: &ShellLimb, comparison: ShellComparison) {
     let folder = tempfile::tempdir().unwrap();
-    let source = ReportSource {
-        file: "a & b.glb".into(),
-        file_hash: "0123".into(),
-        scene: None,
-    };
+    let source = ReportSource { file: "a & b.glb".into(), file_hash: "0123".into(), scene: None };
     let comparisons = [comparison];
-    limb.write_report(folder.path(), &source, &comparisons)
-        .unwrap();
+    limb.write_report(folder.path(), &source, &comparisons).unwrap();
     let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
     let page = read("shell-report.html");
     for outside in ["http:", "https:", "src=", "href=", "url("] {
@@ -159,14 +150,8 @@ fn check_report(limb: &ShellLimb, comparison: ShellComparison) {
     let figures: serde_json::Value = serde_json::from_str(&read("shell-report.json")).unwrap();
     assert_eq!(figures["source"]["file"], "a & b.glb");
     let compared = &figures["comparisons"][0];
-    assert_eq!(
-        compared["shell"]["tip"]["median"],
-        comparison.shell.tip.median
-    );
-    assert_eq!(
-        compared["presses"].as_array().unwrap().len(),
-        comparison.presses.len()
-    );
+    assert_eq!(compared["shell"]["tip"]["median"], comparison.shell.tip.median);
+    assert_eq!(compared["presses"].as_array().unwrap().len(), comparison.presses.len());
     assert_eq!(compared["gauges"].as_array().unwrap().len(), 4);
     assert!(page.contains(&format!(
         "{:.1} % of the compared surface by displacement",
@@ -243,10 +228,7 @@ fn a_tube_bends_as_a_beam() {
         let force = Vector3::new(0.0, nodes[i].x / sum, 0.0);
         (FeNodeId::from_index(i), force)
     };
-    let load = NodalLoad {
-        forces_n: top.iter().map(force).collect(),
-        ..NodalLoad::default()
-    };
+    let load = NodalLoad { forces_n: top.iter().map(force).collect(), ..NodalLoad::default() };
     let (displacement, _) = limb.elastic_model.solve(&load).unwrap();
     let turned_rad = load.work_j(&displacement).unwrap();
     let held_m = limb.clamped.iter().map(|n| nodes[n.index()].y);
@@ -265,11 +247,7 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
     let solid = Limb::load(&scene, path.parent().unwrap()).unwrap();
     let comparison = limb.against_solid("the ribbed limb", &solid).unwrap();
     println!("{comparison}");
-    assert_eq!(
-        comparison.verdict,
-        ShellVerdict::UseTheSolid,
-        "{comparison}"
-    );
+    assert_eq!(comparison.verdict, ShellVerdict::UseTheSolid, "{comparison}");
     assert!(comparison.shell.readings.median > 0.5, "{comparison}");
     let text = comparison.recommendation().unwrap();
     assert!(text.starts_with("use the solid: "), "{text}");
@@ -283,11 +261,8 @@ fn the_ribbed_solid_is_not_its_plain_skin() {
 fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
     let results = tempfile::tempdir().unwrap();
     let readings = format!("{:.1} %", 100.0 * comparison.shell.readings.median);
-    let source = ReportSource {
-        file: "shin_skin.glb".into(),
-        file_hash: String::new(),
-        scene: None,
-    };
+    let source =
+        ReportSource { file: "shin_skin.glb".into(), file_hash: String::new(), scene: None };
     let folder = results.path().join("shin_skin");
     limb.write_report(&folder, &source, &[comparison]).unwrap();
     let plan = Plan {
@@ -298,12 +273,6 @@ fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
     };
     let plan = plan.with_shell_advice(solid, 3e-3, results.path()).unwrap();
     let why = &plan.steps[0].why;
-    assert!(
-        why.starts_with("use the solid, as this scene does: compared"),
-        "{why}"
-    );
-    assert!(
-        why.contains(&readings) && why.contains("shin_skin.glb"),
-        "{why}"
-    );
+    assert!(why.starts_with("use the solid, as this scene does: compared"), "{why}");
+    assert!(why.contains(&readings) && why.contains("shin_skin.glb"), "{why}");
 }

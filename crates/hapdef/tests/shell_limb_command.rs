@@ -26,11 +26,7 @@ fn shared_limb(file: &str) -> Option<PathBuf> {
 }
 
 fn hapdef(words: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hapdef"))
-        .arg("shell")
-        .args(words)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_hapdef")).arg("shell").args(words).output().unwrap()
 }
 
 fn said(bytes: &[u8]) -> String {
@@ -102,10 +98,7 @@ fn inspect_counts_crossing_triangles() {
 fn without_a_unit_the_guess_is_told() {
     let file = fixture("shin_skin.glb");
     let file = file.to_str().unwrap();
-    refused(
-        &[file, "--wall", "1"],
-        &["0.1100 units long: m (0.110 m)", "--unit"],
-    );
+    refused(&[file, "--wall", "1"], &["0.1100 units long: m (0.110 m)", "--unit"]);
     refused(&[file, "--unit", "m"], &["--wall"]);
     refused(&[file, "--unit", "m", "--wall", "0"], &["above 0"]);
 }
@@ -116,19 +109,8 @@ fn an_open_skin_is_no_solid() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let file = fixture("shin_skin.glb");
-    let words = [
-        file.to_str().unwrap(),
-        "--unit",
-        "m",
-        "--wall",
-        "measured",
-        "--out",
-        out,
-    ];
-    let said = refused(
-        &words,
-        &["a closed solid is wanted", "open edges", "252.898 cm3"],
-    );
+    let words = [file.to_str().unwrap(), "--unit", "m", "--wall", "measured", "--out", out];
+    let said = refused(&words, &["a closed solid is wanted", "open edges", "252.898 cm3"]);
     assert!(said.contains("no part of the surface"), "{said}");
 }
 
@@ -137,17 +119,8 @@ fn a_wall_that_does_not_fit_asks_for_the_middle() {
     let file = fixture("shin_skin.glb");
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let words = [
-        file.to_str().unwrap(),
-        "--unit",
-        "m",
-        "--wall",
-        "90",
-        "--edge",
-        "2.75",
-        "--out",
-        out,
-    ];
+    let words =
+        [file.to_str().unwrap(), "--unit", "m", "--wall", "90", "--edge", "2.75", "--out", out];
     refused(&words, &["turns over", "--side middle"]);
 }
 
@@ -202,15 +175,7 @@ fn refused_with_volume(file: &str, cause: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     for wall in ["2", "measured"] {
-        let words = [
-            path.to_str().unwrap(),
-            "--unit",
-            "m",
-            "--wall",
-            wall,
-            "--out",
-            out,
-        ];
+        let words = [path.to_str().unwrap(), "--unit", "m", "--wall", wall, "--out", out];
         refused(&words, cause);
     }
 }
@@ -227,10 +192,6 @@ fn go2_calf_is_refused() {
 fn poppy_part_is_refused() {
     refused_with_volume(
         "poppy_r_shin_part.glb",
-        &[
-            "7 non-manifold edges",
-            "2 non-manifold vertices",
-            "volume 38.874 cm3",
-        ],
+        &["7 non-manifold edges", "2 non-manifold vertices", "volume 38.874 cm3"],
     );
 }

@@ -72,9 +72,8 @@ fn median_difference(limb: &Limb, shell: &ResponseMap, solid: &ResponseMap) -> f
     };
     let points = limb.surface_points();
     let clear = (0..points.len()).filter(|i| is_clear(&points[*i]));
-    let mut off: Vec<f64> = clear
-        .map(|i| norm(&shell, i, Some(&solid)) / norm(&solid, i, None))
-        .collect();
+    let mut off: Vec<f64> =
+        clear.map(|i| norm(&shell, i, Some(&solid)) / norm(&solid, i, None)).collect();
     off.sort_by(f64::total_cmp);
     off[off.len() / 2]
 }
@@ -85,21 +84,16 @@ fn median_difference(limb: &Limb, shell: &ResponseMap, solid: &ResponseMap) -> f
 #[test]
 fn a_plain_wall_reads_as_its_solid() {
     let limb = tube();
-    let params = UncertainParams {
-        tip_radius_m: 2e-3,
-        refinements: 0,
-        n_stiffness: 0,
-        n_threads: 2,
-    };
+    let params =
+        UncertainParams { tip_radius_m: 2e-3, refinements: 0, n_stiffness: 0, n_threads: 2 };
     let solid = UncertainResponse::solve(&limb, &limb.sites, &limb.gauges, &params).unwrap();
     let shell =
         UncertainResponse::solve_shell(&limb, &limb.sites, &limb.gauges, 3e-3, &params).unwrap();
     let off = median_difference(&limb, &shell.map, &solid.map);
     assert!(off < 0.1, "{off}");
     let modes = shell.gauge_modes.iter().zip(&solid.gauge_modes);
-    let off: Vec<f64> = modes
-        .map(|(shell, solid)| median_difference(&limb, shell, solid))
-        .collect();
+    let off: Vec<f64> =
+        modes.map(|(shell, solid)| median_difference(&limb, shell, solid)).collect();
     let [along, across, turn] = [off[0], off[1], off[2]];
     assert!(along < 0.5 && across < 0.2 && turn < 0.1, "{off:?}");
     assert!(shell.stiffness_modes.is_empty());
@@ -110,12 +104,8 @@ fn a_plain_wall_reads_as_its_solid() {
 #[test]
 fn a_gauge_off_the_wall_reads_nothing() {
     let mut limb = tube();
-    let params = UncertainParams {
-        tip_radius_m: 2e-3,
-        refinements: 0,
-        n_stiffness: 0,
-        n_threads: 2,
-    };
+    let params =
+        UncertainParams { tip_radius_m: 2e-3, refinements: 0, n_stiffness: 0, n_threads: 2 };
     let all = UncertainResponse::solve_shell(&limb, &limb.sites, &limb.gauges, 3e-3, &params);
     let all = all.unwrap().map.nodal();
     limb.sites[1].position.coords *= 0.8;

@@ -80,10 +80,7 @@ fn bounds_are_proportional_to_the_noise() {
         noise_ue,
         n_sites: 200,
         n_partners: 2,
-        carried: LimitParams {
-            n_draws: 20,
-            ..LimitParams::default()
-        },
+        carried: LimitParams { n_draws: 20, ..LimitParams::default() },
     };
     let of = |noise_ue| {
         let map = response_map(&limb, 0.002, 2).unwrap();
@@ -116,18 +113,10 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
         let force_n = 5.0 + (i % 25) as f64;
         let read = |(gauge, g): (usize, f64)| g * force_n * gain(gauge);
         let readings = map.normal(&point).into_iter().enumerate().map(read);
-        Press {
-            point,
-            force_n,
-            readings: readings.collect(),
-        }
+        Press { point, force_n, readings: readings.collect() }
     };
     let presses: Vec<Press> = (0..60).map(press).collect();
-    let quality = PressQuality {
-        noise_ue: 1.0,
-        position_sd_m: 0.0,
-        force_sd_n: 0.0,
-    };
+    let quality = PressQuality { noise_ue: 1.0, position_sd_m: 0.0, force_sd_n: 0.0 };
     let (calibration, info) = Calibration::fit(&run, &limb, &presses, &quality, 200).unwrap();
     assert_eq!(info.n_used, 60);
     assert!(calibration.relative_error_before > 0.02);
@@ -153,10 +142,7 @@ fn a_calibration_corrects_the_map_and_survives_its_file() {
     let found = estimator.estimate(&presses[7].readings).unwrap();
     let truth = map.skin().position(&presses[7].point);
     assert!((found.contacts[0].position_m - truth).norm() < 1e-3);
-    let short = Calibration {
-        n_sites: 199,
-        ..read
-    };
+    let short = Calibration { n_sites: 199, ..read };
     short.write(&path).unwrap();
     let error = Calibration::read(&path, &limb).unwrap_err().to_string();
     assert!(error.contains("site_error"), "{error}");

@@ -204,11 +204,7 @@ fn contacts_off_the_wire_are_those_of_the_readings_and_near_the_truth() {
     let (bundle, recording) = off_the_wire(folder.path(), RATE_HZ, FOR_S + 4.0);
     let first = Recorded::read(&recording, true);
     let n = first.raw.len();
-    println!(
-        "{n} readings, {} found, {} true",
-        first.found.len(),
-        first.truth.len()
-    );
+    println!("{n} readings, {} found, {} true", first.found.len(), first.truth.len());
     assert!(n as f64 > 0.7 * RATE_HZ * FOR_S);
     assert!(first.found.keys().eq(first.raw.keys()));
     assert!(first.truth.keys().all(|seq| first.raw.contains_key(seq)));

@@ -28,19 +28,14 @@ impl Built {
 pub(super) fn measure(layers: &Layers) -> Result<Built> {
     let folder = target_dir()?.join(format!("weight-{}", std::process::id()));
     let mut command = cargo(&["build", "--quiet", "--release", "--locked", "--lib"]);
-    command
-        .args(layers.words())
-        .env("CARGO_TARGET_DIR", &folder);
+    command.args(layers.words()).env("CARGO_TARGET_DIR", &folder);
     let start = Instant::now();
     let built = run(&mut command).map(|()| start.elapsed().as_secs_f64());
     let bytes = rlib_bytes(&folder.join("release/deps"));
     if folder.exists() {
         fs::remove_dir_all(&folder).with_context(|| format!("removing {}", folder.display()))?;
     }
-    Ok(Built {
-        seconds: built?,
-        bytes: bytes?,
-    })
+    Ok(Built { seconds: built?, bytes: bytes? })
 }
 
 fn rlib_bytes(folder: &Path) -> Result<u64> {
@@ -69,7 +64,5 @@ pub(super) fn made() -> Result<String> {
         .find_map(|line| line.strip_prefix("model name")?.split_once(": "))
         .map_or(std::env::consts::ARCH, |(_, model)| model);
     let n_cores = std::thread::available_parallelism().context("number of cores")?;
-    Ok(format!(
-        "Built by `cargo xtask weight --build` at {commit}, {n_cores} cores of {model}."
-    ))
+    Ok(format!("Built by `cargo xtask weight --build` at {commit}, {n_cores} cores of {model}."))
 }

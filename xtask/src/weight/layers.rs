@@ -41,12 +41,7 @@ pub(super) const LAYERS: [Layers; 16] = [
 const ROBOT: &str = "hapdef-live";
 
 const fn plain(name: &'static str, package: &'static str) -> Layers {
-    Layers {
-        name,
-        package,
-        feature: None,
-        is_limited: false,
-    }
+    Layers { name, package, feature: None, is_limited: false }
 }
 
 impl Layers {
@@ -63,9 +58,7 @@ impl Layers {
     /// What cargo takes it by.
     pub(super) fn words(&self) -> impl Iterator<Item = &'static str> {
         let feature = self.feature.into_iter().flat_map(|f| ["--features", f]);
-        ["--no-default-features", "--package", self.package]
-            .into_iter()
-            .chain(feature)
+        ["--no-default-features", "--package", self.package].into_iter().chain(feature)
     }
 
     /// `package`, `package/feature`, or `package + another/feature`.

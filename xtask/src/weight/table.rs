@@ -4,10 +4,8 @@ use anyhow::{Context, Result};
 
 use super::Row;
 
-const HEAD: [&str; 2] = [
-    "| build | packages | crates | release build, s | rlibs, MB |",
-    "|---|---|---|---|---|",
-];
+const HEAD: [&str; 2] =
+    ["| build | packages | crates | release build, s | rlibs, MB |", "|---|---|---|---|---|"];
 
 /// In place of seconds and bytes.
 const NOT_BUILT: &str = "–";
@@ -39,11 +37,7 @@ pub(super) fn faults(architecture: &str, rows: &[Row]) -> Result<Vec<String>> {
     let there = written(architecture)?;
     let mut faults = Vec::new();
     for row in rows {
-        let (name, shown, n) = (
-            row.layers.name,
-            row.layers.shown(),
-            row.n_crates.to_string(),
-        );
+        let (name, shown, n) = (row.layers.name, row.layers.shown(), row.n_crates.to_string());
         match there.iter().find(|cells| cells[0] == name) {
             None => faults.push(format!("no row {name}: {shown}, {n} crates")),
             Some(cells) if cells[1] != shown || cells[2] != n => {
@@ -81,10 +75,7 @@ pub(super) fn replaced(architecture: &str, rows: &[Row], made: &str) -> Result<S
     let words: Vec<&str> = section.lines().filter(|line| !is_old(line)).collect();
     let words = words.join("\n");
     let words = words.trim();
-    Ok(format!(
-        "{before}{words}\n\n{}\n\n{made}\n{after}",
-        text(rows)
-    ))
+    Ok(format!("{before}{words}\n\n{}\n\n{made}\n{after}", text(rows)))
 }
 
 /// Cells of the table's rows, its head left out.
@@ -108,11 +99,7 @@ fn parts(architecture: &str) -> Result<(&str, &str, &str)> {
     let start = start.context("ARCHITECTURE.md has no section Weight")?;
     let rest = &architecture[start..];
     let end = start + rest.find("\n## ").unwrap_or(rest.len());
-    Ok((
-        &architecture[..start],
-        &architecture[start..end],
-        &architecture[end..],
-    ))
+    Ok((&architecture[..start], &architecture[start..end], &architecture[end..]))
 }
 
 #[cfg(test)]
@@ -125,10 +112,7 @@ mod tests {
         let row = |layers| Row {
             layers,
             n_crates,
-            built: Some(Built {
-                seconds: 12.3,
-                bytes: 4_560_000,
-            }),
+            built: Some(Built { seconds: 12.3, bytes: 4_560_000 }),
         };
         LAYERS[..2].iter().map(row).collect()
     }
@@ -136,24 +120,12 @@ mod tests {
     #[test]
     fn a_table_that_was_written_is_read_again() {
         let page = "# A\n\n## Weight\n\nWords.\n\n| old |\n\n## B\n| kmax |\n";
-        let page = replaced(
-            page,
-            &rows(7),
-            "Built by `cargo xtask weight --build` here.",
-        )
-        .unwrap();
-        assert!(
-            page.contains("| kmax | hapdef-kmax/points | 7 | 12 | 4.6 |"),
-            "{page}"
-        );
+        let page = replaced(page, &rows(7), "Built by `cargo xtask weight --build` here.").unwrap();
+        assert!(page.contains("| kmax | hapdef-kmax/points | 7 | 12 | 4.6 |"), "{page}");
         assert!(page.ends_with("here.\n\n## B\n| kmax |\n"), "{page}");
         assert_eq!(faults(&page, &rows(7)).unwrap(), Vec::<String>::new());
         assert_eq!(megabytes(&page, "kmax").unwrap(), Some(4.6));
-        let again = replaced(
-            &page,
-            &rows(7),
-            "Built by `cargo xtask weight --build` here.",
-        );
+        let again = replaced(&page, &rows(7), "Built by `cargo xtask weight --build` here.");
         assert_eq!(again.unwrap(), page);
     }
 
@@ -161,10 +133,7 @@ mod tests {
     fn what_differs_is_named() {
         let page = format!("\n## Weight\n\n{}\n\n## B\n", text(&rows(7)));
         assert_eq!(faults(&page, &rows(8)).unwrap().len(), 2);
-        assert_eq!(
-            faults(&page, &rows(7)[..1]).unwrap(),
-            ["there is no layer data"]
-        );
+        assert_eq!(faults(&page, &rows(7)[..1]).unwrap(), ["there is no layer data"]);
         let unbuilt = page.replace("12 | 4.6", "– | –");
         assert!(faults(&unbuilt, &rows(7)).unwrap().is_empty());
         assert_eq!(megabytes(&unbuilt, "kmax").unwrap(), None);

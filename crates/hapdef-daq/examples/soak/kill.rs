@@ -34,10 +34,7 @@ pub fn run(n_kills: u32) -> Kill {
         let own = std::env::current_exe().unwrap();
         let mut child = Command::new(own).arg(CHILD).arg(&path).spawn().unwrap();
         while !partial.exists() || survivors(&partial).n_frames == 0 {
-            assert!(
-                child.try_wait().unwrap().is_none(),
-                "the child has ended by itself"
-            );
+            assert!(child.try_wait().unwrap().is_none(), "the child has ended by itself");
             std::thread::sleep(Duration::from_millis(5));
         }
         std::thread::sleep(Duration::from_millis(u64::from(100 + 37 * i % 400)));

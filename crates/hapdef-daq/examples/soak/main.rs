@@ -75,31 +75,16 @@ fn main() -> ExitCode {
     let promises = [
         ("no wrong frame", n_wrong == 0),
         ("every loss counted", n_unaccounted == 0),
-        (
-            "no more lost than was hit",
-            wire.worst_loss_ratio <= MOST_LOSS_RATIO,
-        ),
+        ("no more lost than was hit", wire.worst_loss_ratio <= MOST_LOSS_RATIO),
         ("locked again at once", wire.worst_relock <= MOST_RELOCK),
-        (
-            "nothing old lost by kill -9",
-            kill9.worst_ms <= MOST_LOST_MS,
-        ),
-        (
-            "memory flat with garbage",
-            garbage.rss_growth_mib <= MOST_GROWTH_MIB,
-        ),
-        (
-            "memory flat at 1 kHz",
-            stream.rss_growth_mib <= MOST_GROWTH_MIB,
-        ),
+        ("nothing old lost by kill -9", kill9.worst_ms <= MOST_LOST_MS),
+        ("memory flat with garbage", garbage.rss_growth_mib <= MOST_GROWTH_MIB),
+        ("memory flat at 1 kHz", stream.rss_growth_mib <= MOST_GROWTH_MIB),
     ];
     // These depend on what else the machine does: a short run, which shares it, only tells them.
     let targets = [
         ("nothing lost at 1 kHz", stream.n_lost == 0),
-        (
-            "acquisition below 15 % of a core",
-            stream.reader_cpu_pct < MOST_CPU_PCT,
-        ),
+        ("acquisition below 15 % of a core", stream.reader_cpu_pct < MOST_CPU_PCT),
     ];
     for (what, is_met) in promises.iter().chain(&targets) {
         println!("{what}: {}", if *is_met { "met" } else { "not met" });
@@ -120,9 +105,7 @@ fn plan(words: &[String]) -> Plan {
     let value = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
     let number = |name: &str, short: u64, long: u64| {
         let value = value(name);
-        value.map_or(if is_short { short } else { long }, |v| {
-            v.parse().expect(USAGE)
-        })
+        value.map_or(if is_short { short } else { long }, |v| v.parse().expect(USAGE))
     };
     Plan {
         is_short,

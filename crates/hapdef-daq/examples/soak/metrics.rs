@@ -37,20 +37,13 @@ pub fn report(figures: &[(&str, f64, &str)], seed: u64, path: Option<&Path>) {
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("model name"));
+    let line = text.lines().find_map(|line| line.strip_prefix("model name"));
     let name = line.and_then(|line| line.split_once(':'));
-    format!(
-        "{}, {cores} cores",
-        name.map_or("unknown processor", |(_, n)| n.trim())
-    )
+    format!("{}, {cores} cores", name.map_or("unknown processor", |(_, n)| n.trim()))
 }
 
 fn output(program: &str, words: &[&str]) -> String {
     let output = Command::new(program).args(words).output();
     let text = output.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_owned());
-    text.ok()
-        .filter(|t| !t.is_empty())
-        .unwrap_or_else(|| "unknown".to_owned())
+    text.ok().filter(|t| !t.is_empty()).unwrap_or_else(|| "unknown".to_owned())
 }

@@ -55,11 +55,7 @@ pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("soak.mcap");
     let link = SerialLink::new(&path, SerialParams::default());
-    let params = AcquireParams {
-        n_receivers: 2,
-        realtime_priority,
-        ..AcquireParams::default()
-    };
+    let params = AcquireParams { n_receivers: 2, realtime_priority, ..AcquireParams::default() };
     let source = StreamSource::new(link, StreamParams::default());
     let (acquisition, mut receivers) = acquire(source, params).unwrap();
     let recorder = record(receivers.remove(1), &file, RecordParams::default()).unwrap();
@@ -69,19 +65,14 @@ pub fn run(duration: Duration, realtime_priority: Option<u8>) -> Stream {
     let warm = (duration / 5).max(Duration::from_secs(9)).min(duration);
     let began = Instant::now();
     let mut seen = consume(&mut compute, warm);
-    let (rss, reader, writer) = (
-        rss_mib(),
-        thread_cpu("hapdef-reader"),
-        thread_cpu("hapdef-record"),
-    );
+    let (rss, reader, writer) =
+        (rss_mib(), thread_cpu("hapdef-reader"), thread_cpu("hapdef-record"));
     let start = Instant::now();
     seen.add(&consume(&mut compute, duration - warm));
     let passed = start.elapsed().as_secs_f64();
     let share = |name, before| 100.0 * (thread_cpu(name) - before).as_secs_f64() / passed;
-    let (reader_cpu_pct, recorder_cpu_pct) = (
-        share("hapdef-reader", reader),
-        share("hapdef-record", writer),
-    );
+    let (reader_cpu_pct, recorder_cpu_pct) =
+        (share("hapdef-reader", reader), share("hapdef-record", writer));
     let rss_growth_mib = rss_mib() - rss;
     stop.store(true, Ordering::Release);
     let sent_s = began.elapsed().as_secs_f64();
@@ -155,10 +146,7 @@ fn consume(receiver: &mut Receiver, duration: Duration) -> Seen {
     let mut fanout = Fanout::new();
     let stalled = fanout.bounded(256);
     let deadline = Instant::now() + duration;
-    let mut seen = Seen {
-        latency: vec![0; 2000],
-        ..Seen::default()
-    };
+    let mut seen = Seen { latency: vec![0; 2000], ..Seen::default() };
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {

@@ -40,14 +40,8 @@ const FAULTS: [Fault; 7] = [
     Fault::BitFlips { rate: 1e-4 },
     Fault::DroppedBytes { rate: 1e-4 },
     Fault::DuplicatedBytes { rate: 1e-4 },
-    Fault::Bursts {
-        rate: 1e-4,
-        len: 16,
-    },
-    Fault::Holes {
-        rate: 2e-6,
-        len: 4096,
-    },
+    Fault::Bursts { rate: 1e-4, len: 16 },
+    Fault::Holes { rate: 2e-6, len: 4096 },
 ];
 
 pub fn run(n_frames: u32, seed: u64) -> Wire {
@@ -74,10 +68,7 @@ pub fn garbage(n_mib: u32, seed: u64) -> Garbage {
     let (mut decoder, mut bytes) = (Decoder::new(), Vec::with_capacity(4 * MIB));
     device.say_hello(&mut bytes);
     decoder.push(&bytes, &mut |_| {});
-    let fault = Fault::Bursts {
-        rate: 0.5,
-        len: MIB,
-    };
+    let fault = Fault::Bursts { rate: 0.5, len: MIB };
     let (blank, mut n_wrong, mut warm_mib) = (vec![0x55; MIB], 0, rss_mib());
     for i in 0..n_mib {
         bytes.clear();

@@ -197,9 +197,7 @@ impl State {
         let done = if header.major == MAJOR_VERSION {
             self.typed(header, payload, sink)
         } else {
-            Err(Rejected::Version {
-                found: header.major,
-            })
+            Err(Rejected::Version { found: header.major })
         };
         if let Err(reason) = done {
             self.refuse(reason, sink);
@@ -218,22 +216,16 @@ impl State {
             HELLO => return self.hello(payload, sink),
             STATUS => {
                 let status = Status::from_payload(payload);
-                sink(Event::Status(
-                    status.ok_or_else(short("STATUS is shorter than 40 bytes"))?,
-                ));
+                sink(Event::Status(status.ok_or_else(short("STATUS is shorter than 40 bytes"))?));
             }
             PONG => {
                 let pong = Pong::from_payload(payload, header.t_us);
-                sink(Event::Pong(
-                    pong.ok_or_else(short("PONG is shorter than 16 bytes"))?,
-                ));
+                sink(Event::Pong(pong.ok_or_else(short("PONG is shorter than 16 bytes"))?));
             }
             LOG => sink(Event::Log(payload)),
             kind @ GET_HELLO..=STOP => {
                 let command = Command::from_payload(kind, payload);
-                sink(Event::Command(
-                    command.ok_or_else(short("PING is shorter than 8 bytes"))?,
-                ));
+                sink(Event::Command(command.ok_or_else(short("PING is shorter than 8 bytes"))?));
             }
             kind => return Err(Rejected::UnknownType { kind }),
         }
@@ -252,11 +244,7 @@ impl State {
         self.boot_id = Some(new.boot_id);
         let is_new = self.hello.as_ref() != Some(&new);
         let hello = self.hello.insert(new);
-        sink(Event::Hello {
-            hello,
-            is_new,
-            restarted,
-        });
+        sink(Event::Hello { hello, is_new, restarted });
         Ok(())
     }
 
@@ -288,12 +276,7 @@ impl State {
             return Err(Rejected::Malformed { what });
         }
         let n_lost_before = self.sequence.deliver(&header)?;
-        sink(Event::Data(Data {
-            header,
-            n_lost_before,
-            hello,
-            payload,
-        }));
+        sink(Event::Data(Data { header, n_lost_before, hello, payload }));
         Ok(())
     }
 }

@@ -97,17 +97,12 @@ impl Encoder {
     ) -> Result<(), DaqError> {
         let expected = usize::from(hello.n_scans) * hello.channels.len();
         if samples.len() != expected {
-            return Err(DaqError::SampleCount {
-                expected,
-                found: samples.len(),
-            });
+            return Err(DaqError::SampleCount { expected, found: samples.len() });
         }
         let mut payload = Vec::with_capacity(hello.data_len());
         for &found in samples {
             let format = hello.format;
-            format
-                .put(found, &mut payload)
-                .ok_or(DaqError::SampleRange { found, format })?;
+            format.put(found, &mut payload).ok_or(DaqError::SampleRange { found, format })?;
         }
         let header = Header {
             flags,
@@ -144,11 +139,7 @@ impl Encoder {
             Command::Ping { host_ns } => host_ns.to_le_bytes(),
             _ => [0; 8],
         };
-        let len = if matches!(command, Command::Ping { .. }) {
-            8
-        } else {
-            0
-        };
+        let len = if matches!(command, Command::Ping { .. }) { 8 } else { 0 };
         self.short(self.header(command.kind(), 0), &host_ns[..len], out);
     }
 

@@ -194,11 +194,7 @@ impl Channel {
     pub fn name_text(&self) -> String {
         let used = self.name.iter().take_while(|b| **b != 0);
         let plain = |b: &u8| {
-            if b.is_ascii_graphic() {
-                *b as char
-            } else {
-                '?'
-            }
+            if b.is_ascii_graphic() { *b as char } else { '?' }
         };
         used.map(plain).collect()
     }
@@ -238,10 +234,7 @@ impl Hello {
     /// What stands for a device that sends lines of integers of 12 bits and says nothing of itself.
     #[must_use]
     pub fn of_lines(n_channels: usize) -> Self {
-        Self {
-            uid: *LINES_UID,
-            ..Self::plain(n_channels, SampleFormat::U16, 0)
-        }
+        Self { uid: *LINES_UID, ..Self::plain(n_channels, SampleFormat::U16, 0) }
     }
 
     /// Lowest and highest count that can come; none of real numbers. A converter of fewer bits than the
@@ -328,10 +321,7 @@ impl Hello {
             boot_id: u32_at(payload, 24),
             firmware: u16_at(payload, 28),
             schema_crc: u16_at(payload, 30),
-            channels: payload[FIXED_LEN..len]
-                .chunks_exact(CHANNEL_LEN)
-                .map(channel)
-                .collect(),
+            channels: payload[FIXED_LEN..len].chunks_exact(CHANNEL_LEN).map(channel).collect(),
         };
         hello.check().map(|()| hello)
     }

@@ -119,9 +119,7 @@ impl Command {
     pub(crate) fn from_payload(kind: u8, payload: &[u8]) -> Option<Self> {
         Some(match kind {
             GET_HELLO => Self::GetHello,
-            PING if payload.len() >= 8 => Self::Ping {
-                host_ns: u64_at(payload, 0),
-            },
+            PING if payload.len() >= 8 => Self::Ping { host_ns: u64_at(payload, 0) },
             START => Self::Start,
             STOP => Self::Stop,
             _ => return None,

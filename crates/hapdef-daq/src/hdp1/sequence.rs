@@ -54,10 +54,7 @@ impl Sequence {
     /// True if the packet says that the device started anew since the last one.
     pub(crate) fn is_restart(&self, header: &Header) -> bool {
         let first = header.flags.contains(FrameFlags::FIRST_AFTER_BOOT);
-        first
-            && self
-                .gap(header)
-                .is_err_and(|r| matches!(r, Rejected::Backwards { .. }))
+        first && self.gap(header).is_err_and(|r| matches!(r, Rejected::Backwards { .. }))
     }
 
     fn gap(&self, header: &Header) -> Result<u32, Rejected> {

@@ -31,10 +31,7 @@ pub(super) fn keep_syncing(
             }
             Ok(()) => {}
         }
-        std::thread::sleep(
-            SYNC.saturating_sub(start.elapsed())
-                .max(Duration::from_millis(5)),
-        );
+        std::thread::sleep(SYNC.saturating_sub(start.elapsed()).max(Duration::from_millis(5)));
     }
 }
 
@@ -49,11 +46,7 @@ pub(super) fn check_space(path: &Path, needed_bytes: u64) -> Result<(), DaqError
     if free_bytes >= needed_bytes {
         return Ok(());
     }
-    Err(DaqError::DiskFull {
-        path: path.to_owned(),
-        free_bytes,
-        needed_bytes,
-    })
+    Err(DaqError::DiskFull { path: path.to_owned(), free_bytes, needed_bytes })
 }
 
 #[cfg(test)]
@@ -72,20 +65,13 @@ mod tests {
     impl FrameSource for Endless {
         fn poll(&mut self, _: Duration, sink: &mut dyn FnMut(Message)) -> SourceStatus {
             std::thread::sleep(Duration::from_millis(1));
-            sink(Message::Frame(Frame::new(
-                self.0,
-                SampleFormat::I16,
-                [1, 2],
-            )));
+            sink(Message::Frame(Frame::new(self.0, SampleFormat::I16, [1, 2])));
             self.0 += 1;
             SourceStatus::Open
         }
 
         fn stats(&self) -> SourceStats {
-            SourceStats {
-                n_frames: u64::from(self.0),
-                ..SourceStats::default()
-            }
+            SourceStats { n_frames: u64::from(self.0), ..SourceStats::default() }
         }
 
         fn name(&self) -> String {
@@ -99,10 +85,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.mcap");
         let (acquisition, mut receivers) = acquire(Endless(0), AcquireParams::default()).unwrap();
-        let params = RecordParams {
-            min_free_bytes: 0,
-            ..RecordParams::default()
-        };
+        let params = RecordParams { min_free_bytes: 0, ..RecordParams::default() };
         let fails = Arc::new(AtomicBool::new(false));
         let theirs = Arc::clone(&fails);
         let sync = move |_: &std::fs::File| match theirs.load(Ordering::Acquire) {

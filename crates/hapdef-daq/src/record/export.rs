@@ -54,9 +54,7 @@ pub fn export_csv(recording: &mut Recording, out: &mut impl Write) -> Result<u64
     while let Some(record) = recording.next_record()? {
         match record.content {
             Content::Message(Message::Hello(new)) => {
-                let is_same = hello
-                    .as_ref()
-                    .is_some_and(|old| old.channels == new.channels);
+                let is_same = hello.as_ref().is_some_and(|old| old.channels == new.channels);
                 n_columns = n_columns.filter(|_| is_same);
                 hello = Some(new);
             }
@@ -95,16 +93,10 @@ pub fn export_csv(recording: &mut Recording, out: &mut impl Write) -> Result<u64
 }
 
 fn head(out: &mut impl Write, hello: Option<&Hello>, n: usize) -> std::io::Result<()> {
-    write!(
-        out,
-        "log_time_ns,t_device_us,seq,scan,flags,lost_before,dropped_before"
-    )?;
+    write!(out, "log_time_ns,t_device_us,seq,scan,flags,lost_before,dropped_before")?;
     for i in 0..n {
         let channel = hello.and_then(|h| h.channels.get(i));
-        match channel
-            .map(|c| c.name_text())
-            .filter(|name| !name.is_empty())
-        {
+        match channel.map(|c| c.name_text()).filter(|name| !name.is_empty()) {
             Some(name) => write!(out, ",{}", name.replace([',', '"'], "_"))?,
             None => write!(out, ",ch{i}")?,
         }
@@ -113,9 +105,5 @@ fn head(out: &mut impl Write, hello: Option<&Hello>, n: usize) -> std::io::Resul
 }
 
 fn write_error(source: std::io::Error) -> DaqError {
-    DaqError::File {
-        action: "writing",
-        path: "the export".into(),
-        source,
-    }
+    DaqError::File { action: "writing", path: "the export".into(), source }
 }

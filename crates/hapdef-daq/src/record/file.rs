@@ -60,11 +60,7 @@ impl RecordFile {
                 .add_channel_with_id(topic.id(), schema_id, topic.name(), "json", &nothing)
                 .map_err(other)?;
         }
-        Ok(Self {
-            writer,
-            file,
-            good_len: 0,
-        })
+        Ok(Self { writer, file, good_len: 0 })
     }
 
     /// Says what a further channel's messages are; saying it again changes nothing.
@@ -73,11 +69,7 @@ impl RecordFile {
             0
         } else {
             self.writer
-                .add_schema(
-                    &topic.schema_name,
-                    &topic.schema_encoding,
-                    topic.schema.as_bytes(),
-                )
+                .add_schema(&topic.schema_name, &topic.schema_encoding, topic.schema.as_bytes())
                 .map_err(other)?
         };
         let nothing = BTreeMap::new();
@@ -98,15 +90,9 @@ impl RecordFile {
         log_time: u64,
         message: &[u8],
     ) -> io::Result<()> {
-        let header = MessageHeader {
-            channel_id: channel,
-            sequence,
-            log_time,
-            publish_time: log_time,
-        };
-        self.writer
-            .write_to_known_channel(&header, message)
-            .map_err(other)
+        let header =
+            MessageHeader { channel_id: channel, sequence, log_time, publish_time: log_time };
+        self.writer.write_to_known_channel(&header, message).map_err(other)
     }
 
     /// Hands everything to the operating system: from here on a killed process loses none of it.
@@ -163,15 +149,8 @@ const ENDING: [u8; 50] = {
 pub(crate) fn new_file(path: &Path, remedy: &'static str) -> Result<File, DaqError> {
     let new = OpenOptions::new().write(true).create_new(true).open(path);
     new.map_err(|source| match source.kind() {
-        io::ErrorKind::AlreadyExists => DaqError::AlreadyThere {
-            path: path.to_owned(),
-            remedy,
-        },
-        _ => DaqError::File {
-            action: "writing",
-            path: path.to_owned(),
-            source,
-        },
+        io::ErrorKind::AlreadyExists => DaqError::AlreadyThere { path: path.to_owned(), remedy },
+        _ => DaqError::File { action: "writing", path: path.to_owned(), source },
     })
 }
 

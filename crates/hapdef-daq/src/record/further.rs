@@ -56,11 +56,7 @@ impl TopicWriter {
     /// the disk was too slow for too long, the recording has ended, or it is longer than
     /// [`MAX_MESSAGE_LEN`]; it counts as dropped then.
     pub fn put(&self, topic: usize, log_time_ns: u64, message: Vec<u8>) -> bool {
-        let put = Put {
-            channel: channel_of(topic),
-            log_time_ns,
-            message,
-        };
+        let put = Put { channel: channel_of(topic), log_time_ns, message };
         let is_taken = put.message.len() <= MAX_MESSAGE_LEN && self.sender.try_send(put).is_ok();
         if !is_taken {
             self.n_dropped.fetch_add(1, Ordering::Relaxed);
@@ -80,15 +76,8 @@ impl TopicWriter {
 pub(crate) fn queue(wall_offset_ns: u64) -> (TopicWriter, Puts) {
     let (sender, receiver) = sync_channel(QUEUE_LEN);
     let n_dropped = Arc::new(AtomicU64::new(0));
-    let writer = TopicWriter {
-        sender,
-        n_dropped: Arc::clone(&n_dropped),
-        wall_offset_ns,
-    };
-    let puts = Puts {
-        receiver,
-        n_dropped,
-    };
+    let writer = TopicWriter { sender, n_dropped: Arc::clone(&n_dropped), wall_offset_ns };
+    let puts = Puts { receiver, n_dropped };
     (writer, puts)
 }
 
@@ -100,9 +89,7 @@ pub(crate) fn channel_of(topic: usize) -> u16 {
 /// Whether these topics make the file a bag of ROS 2. Its readers refuse schemas of any other kind,
 /// so the readings' own topics go without one then.
 pub(crate) fn is_ros2<'a>(topics: impl IntoIterator<Item = &'a TopicDef>) -> bool {
-    topics
-        .into_iter()
-        .any(|topic| topic.schema_encoding == "ros2msg")
+    topics.into_iter().any(|topic| topic.schema_encoding == "ros2msg")
 }
 
 /// The topics as JSON: a second copy of the definitions, in another chunk than the first.
@@ -225,15 +212,10 @@ mod tests {
             schema.extend(text.bytes());
         }
         definitions.take_schema(&schema);
-        let mut channel = vec![
-            16, 0, 7, 0, 2, 0, 0, 0, b'/', b'x', 3, 0, 0, 0, b'c', b'd', b'r',
-        ];
+        let mut channel = vec![16, 0, 7, 0, 2, 0, 0, 0, b'/', b'x', 3, 0, 0, 0, b'c', b'd', b'r'];
         definitions.take_channel(&channel);
         let topic = definitions.topic(16).unwrap();
-        assert_eq!(
-            (topic.name.as_str(), topic.message_encoding.as_str()),
-            ("/x", "cdr")
-        );
+        assert_eq!((topic.name.as_str(), topic.message_encoding.as_str()), ("/x", "cdr"));
         assert_eq!(topic.schema, "float64 x\n");
         assert!(definitions.is_ros2());
         channel[0] = 17;

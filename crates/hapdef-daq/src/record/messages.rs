@@ -17,12 +17,7 @@ pub(crate) struct Messages {
 
 impl Messages {
     pub(crate) fn new(recording: Recording) -> Self {
-        Self {
-            recording,
-            last_seq: None,
-            last_ns: 0,
-            is_over: false,
-        }
+        Self { recording, last_seq: None, last_ns: 0, is_over: false }
     }
 
     fn next_message(&mut self) -> Result<Option<(u64, Message)>, DaqError> {

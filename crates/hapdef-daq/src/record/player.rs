@@ -61,9 +61,7 @@ impl Player {
     /// A file that can't be read, or has no frame.
     pub fn open(path: &Path, speed: f64) -> Result<Self, DaqError> {
         let span = Recording::open(path)?.span_ns()?;
-        let span_ns = span.ok_or_else(|| DaqError::NoFrames {
-            path: path.to_owned(),
-        })?;
+        let span_ns = span.ok_or_else(|| DaqError::NoFrames { path: path.to_owned() })?;
         Ok(Self {
             path: path.to_owned(),
             speed,
@@ -84,9 +82,7 @@ impl Player {
     /// What stops it and sends it elsewhere.
     #[must_use]
     pub fn control(&self) -> PlayerControl {
-        PlayerControl {
-            shared: Arc::clone(&self.shared),
-        }
+        PlayerControl { shared: Arc::clone(&self.shared) }
     }
 
     fn next_message(&mut self) -> Option<Timed> {

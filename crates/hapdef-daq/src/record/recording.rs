@@ -166,11 +166,7 @@ impl Recording {
 
     fn next_chunk(&mut self) -> Result<bool, DaqError> {
         let more = self.scanner.next_chunk(&mut self.chunk);
-        more.map_err(|source| DaqError::File {
-            action: "reading",
-            path: self.path.clone(),
-            source,
-        })
+        more.map_err(|source| DaqError::File { action: "reading", path: self.path.clone(), source })
     }
 
     fn take_records(&mut self) {
@@ -212,12 +208,7 @@ fn record(content: &[u8], definitions: &mut Definitions) -> Option<Record> {
         Some(topic) => own_content(topic, json, definitions),
         None => Content::Further(Arc::clone(definitions.topic(channel)?)),
     };
-    Some(Record {
-        log_time_ns,
-        content,
-        bytes: json.to_vec(),
-        channel,
-    })
+    Some(Record { log_time_ns, content, bytes: json.to_vec(), channel })
 }
 
 fn own_content(topic: Topic, json: &[u8], definitions: &mut Definitions) -> Content {

@@ -67,11 +67,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 }
 
 fn writing(path: &Path) -> impl Fn(io::Error) -> DaqError {
-    |source| DaqError::File {
-        action: "writing",
-        path: path.to_owned(),
-        source,
-    }
+    |source| DaqError::File { action: "writing", path: path.to_owned(), source }
 }
 
 /// Copies the whole records to a file that was made for them.
@@ -147,9 +143,7 @@ impl RecoverInfo {
 impl std::fmt::Display for RecoverInfo {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { damage, .. } = self;
-        let seconds = self
-            .span_ns
-            .map_or(0.0, |[a, b]| b.saturating_sub(a) as f64 * 1e-9);
+        let seconds = self.span_ns.map_or(0.0, |[a, b]| b.saturating_sub(a) as f64 * 1e-9);
         let ending = if damage.is_finished { "has" } else { "lacks" };
         write!(
             f,

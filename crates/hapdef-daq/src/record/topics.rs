@@ -125,11 +125,8 @@ pub(crate) fn read_frame(json: &[u8]) -> Option<Frame> {
     let (format, _) = FORMATS.iter().find(|(_, n)| *n == name)?;
     let number = |key: &str| value[key].as_u64();
     let small = |key: &str| u32::try_from(number(key)?).ok();
-    let samples: Option<Vec<i32>> = value["values"]
-        .as_array()?
-        .iter()
-        .map(|v| bits(*format, v))
-        .collect();
+    let samples: Option<Vec<i32>> =
+        value["values"].as_array()?.iter().map(|v| bits(*format, v)).collect();
     let samples = samples.filter(|s| s.len() <= crate::hdp1::MAX_CHANNELS)?;
     let mut frame = Frame::new(small("seq")?, *format, samples);
     frame.scan = u8::try_from(number("scan")?).ok()?;
@@ -209,9 +206,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 
 fn unhex(text: &str) -> Option<Vec<u8>> {
     let pairs = text.as_bytes().chunks(2);
-    pairs
-        .map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok())
-        .collect()
+    pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect()
 }
 
 #[cfg(test)]

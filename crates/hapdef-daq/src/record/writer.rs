@@ -83,11 +83,7 @@ pub(super) fn record_by(
     sync: impl Fn(&File) -> io::Result<()> + Send + 'static,
 ) -> Result<Recorder, DaqError> {
     let partial = partial_path(path);
-    let file_error = |source| DaqError::File {
-        action: "writing",
-        path: partial.clone(),
-        source,
-    };
+    let file_error = |source| DaqError::File { action: "writing", path: partial.clone(), source };
     check_calibration(params.calibration.as_deref())?;
     let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
     check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
@@ -150,12 +146,7 @@ impl Recorder {
             n_messages: count(&self.shared.n_messages),
             n_messages_dropped: count(&self.shared.n_messages_dropped),
             worst_flush: Duration::from_micros(count(&self.shared.worst_flush_us)),
-            fault: self
-                .shared
-                .fault
-                .load()
-                .as_deref()
-                .map(|s| s.as_str().into()),
+            fault: self.shared.fault.load().as_deref().map(|s| s.as_str().into()),
         }
     }
 
@@ -249,18 +240,12 @@ impl Writing {
             let is_last = shared.stop.load(Ordering::Acquire);
             let has_ended = self.receiver.has_ended();
             let wait = FLUSH.saturating_sub(flushed.elapsed());
-            let mut next = self
-                .receiver
-                .recv(if is_last { Duration::ZERO } else { wait });
+            let mut next = self.receiver.recv(if is_last { Duration::ZERO } else { wait });
             let is_drained = next.is_none();
             while let Some(message) = next {
                 self.message(&message)?;
                 let is_due = flushed.elapsed() >= FLUSH;
-                next = if is_due {
-                    None
-                } else {
-                    self.receiver.try_recv()
-                };
+                next = if is_due { None } else { self.receiver.try_recv() };
             }
             // A source that has ended leaves whoever computes from its frames time to catch up.
             let is_idle = is_drained && has_ended && !is_last && self.has_topics;
@@ -295,11 +280,7 @@ impl Writing {
             return done;
         }
         match device_json(message) {
-            Some(json) => self.put(
-                Topic::Device,
-                self.clock.now_ns(),
-                json.to_string().as_bytes(),
-            ),
+            Some(json) => self.put(Topic::Device, self.clock.now_ns(), json.to_string().as_bytes()),
             None => Ok(()),
         }
     }
@@ -333,17 +314,11 @@ impl Writing {
         let us = u64::try_from(flush.as_micros()).unwrap_or(u64::MAX);
         shared.n_frames.store(self.n_frames, Ordering::Relaxed);
         shared.n_bytes.store(self.file.len(), Ordering::Relaxed);
-        shared
-            .n_dropped
-            .store(self.receiver.n_dropped(), Ordering::Relaxed);
-        shared
-            .n_events_dropped
-            .store(self.receiver.n_events_dropped(), Ordering::Relaxed);
+        shared.n_dropped.store(self.receiver.n_dropped(), Ordering::Relaxed);
+        shared.n_events_dropped.store(self.receiver.n_events_dropped(), Ordering::Relaxed);
         shared.n_messages.store(self.n_messages, Ordering::Relaxed);
         let n_dropped = self.puts.n_dropped.load(Ordering::Relaxed);
-        shared
-            .n_messages_dropped
-            .store(n_dropped, Ordering::Relaxed);
+        shared.n_messages_dropped.store(n_dropped, Ordering::Relaxed);
         shared.worst_flush_us.fetch_max(us, Ordering::Relaxed);
     }
 }
@@ -351,11 +326,7 @@ impl Writing {
 fn check_calibration(json: Option<&[u8]>) -> Result<(), DaqError> {
     let Some(json) = json else { return Ok(()) };
     let parsed = serde_json::from_slice::<serde_json::Map<String, serde_json::Value>>(json);
-    parsed
-        .map(|_| ())
-        .map_err(|error| DaqError::BadCalibration {
-            message: error.to_string(),
-        })
+    parsed.map(|_| ()).map_err(|error| DaqError::BadCalibration { message: error.to_string() })
 }
 
 fn thread<T: Send + 'static>(

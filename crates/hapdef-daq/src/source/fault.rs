@@ -101,10 +101,7 @@ impl LinkFault {
     pub(crate) fn of_connecting(name: String, error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::ConnectionRefused => Self::Refused { name },
-            _ => Self::Unreachable {
-                name,
-                message: error.to_string(),
-            },
+            _ => Self::Unreachable { name, message: error.to_string() },
         }
     }
 
@@ -113,10 +110,9 @@ impl LinkFault {
         use io::ErrorKind as K;
         let name = name.to_owned();
         match error.kind() {
-            K::InvalidInput | K::InvalidData | K::Unsupported | K::OutOfMemory => Self::Io {
-                name,
-                message: error.to_string(),
-            },
+            K::InvalidInput | K::InvalidData | K::Unsupported | K::OutOfMemory => {
+                Self::Io { name, message: error.to_string() }
+            }
             _ => Self::Disconnected { name },
         }
     }
@@ -134,13 +130,10 @@ impl std::fmt::Display for LinkState {
             Self::NotUnderstood { n_bytes, remedy } => {
                 write!(f, "{n_bytes} bytes came, none of them a packet: {remedy}")
             }
-            Self::Damaged { n_chunks: 0, .. } => write!(
-                f,
-                "not one readable chunk in the file: is it a recording of hapdef?"
-            ),
-            Self::Damaged {
-                n_damaged, n_bytes, ..
-            } => write!(
+            Self::Damaged { n_chunks: 0, .. } => {
+                write!(f, "not one readable chunk in the file: is it a recording of hapdef?")
+            }
+            Self::Damaged { n_damaged, n_bytes, .. } => write!(
                 f,
                 "{n_damaged} damaged stretches of the recording, {n_bytes} bytes, were left out: \
                  hapdef recover says what is lost"

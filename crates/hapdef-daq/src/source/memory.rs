@@ -41,9 +41,7 @@ struct State {
 #[must_use]
 pub fn memory_link() -> (MemoryLink, MemoryDevice) {
     let wire = Arc::new(Wire::default());
-    let device = MemoryDevice {
-        wire: Arc::clone(&wire),
-    };
+    let device = MemoryDevice { wire: Arc::clone(&wire) };
     device.replug();
     (MemoryLink { wire }, device)
 }
@@ -54,11 +52,7 @@ impl MemoryDevice {
     pub fn send(&self, bytes: &[u8]) {
         self.wire.with(|state| {
             let room = CAPACITY - state.to_host.len();
-            let n = if state.is_open {
-                bytes.len().min(room)
-            } else {
-                0
-            };
+            let n = if state.is_open { bytes.len().min(room) } else { 0 };
             state.to_host.extend(&bytes[..n]);
             state.n_dropped += (bytes.len() - n) as u64;
         });
@@ -120,15 +114,8 @@ impl Link for MemoryLink {
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Result<usize, LinkFault> {
         let waiting = |s: &mut State| s.to_host.is_empty() && s.is_open && !s.has_ended;
-        let state = self
-            .wire
-            .state
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let waited = self
-            .wire
-            .changed
-            .wait_timeout_while(state, timeout, waiting);
+        let state = self.wire.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.wire.changed.wait_timeout_while(state, timeout, waiting);
         let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         let name = "memory".to_owned();
         if !state.is_open {

@@ -33,10 +33,7 @@ fn ports_in(dev: &Path) -> Vec<PortInfo> {
     for device in entries(dev).filter(is_usb) {
         let device = std::fs::canonicalize(&device).unwrap_or(device);
         if !ports.iter().any(|port| port.device == device) {
-            ports.push(PortInfo {
-                stable: device.clone(),
-                device,
-            });
+            ports.push(PortInfo { stable: device.clone(), device });
         }
     }
     ports.sort_by(|a, b| a.stable.cmp(&b.stable));
@@ -97,10 +94,7 @@ mod tests {
         }
         std::os::unix::fs::symlink("../../ttyACM0", by_id.join("usb-Arduino_Due")).unwrap();
         let ports = ports_in(dev.path());
-        let names: Vec<_> = ports
-            .iter()
-            .map(|p| p.stable.file_name().unwrap())
-            .collect();
+        let names: Vec<_> = ports.iter().map(|p| p.stable.file_name().unwrap()).collect();
         assert_eq!(names, ["usb-Arduino_Due", "ttyUSB3"]);
         assert_eq!(ports[0].device.file_name().unwrap(), "ttyACM0");
     }

@@ -105,11 +105,7 @@ impl State {
         self.n_good += u64::from(!matches!(event, Event::Rejected(_)));
         match event {
             Event::Data(data) => self.frames(&data, now_ns, sink),
-            Event::Hello {
-                hello,
-                is_new,
-                restarted,
-            } => {
+            Event::Hello { hello, is_new, restarted } => {
                 if restarted {
                     self.restarted(sink);
                 }

@@ -31,10 +31,7 @@ pub struct SerialLink {
 
 impl Default for SerialParams {
     fn default() -> Self {
-        Self {
-            baud: 115_200,
-            low_latency: true,
-        }
+        Self { baud: 115_200, low_latency: true }
     }
 }
 
@@ -42,12 +39,7 @@ impl SerialLink {
     /// A link to a port, not opened yet.
     #[must_use]
     pub fn new(path: &str, params: SerialParams) -> Self {
-        Self {
-            path: path.to_owned(),
-            params,
-            port: None,
-            has_low_latency: false,
-        }
+        Self { path: path.to_owned(), params, port: None, has_low_latency: false }
     }
 
     /// True if the driver has agreed to low latency.
@@ -59,9 +51,7 @@ impl SerialLink {
 
 /// How every port is opened.
 pub(crate) fn builder(path: &str, params: &SerialParams) -> SerialPortBuilder {
-    serialport::new(path, params.baud)
-        .dtr_on_open(true)
-        .exclusive(true)
+    serialport::new(path, params.baud).dtr_on_open(true).exclusive(true)
 }
 
 /// Why a port can't be opened.
@@ -70,17 +60,13 @@ pub(crate) fn refused(path: &str, error: &serialport::Error) -> LinkFault {
     let name = path.to_owned();
     match error.kind() {
         _ if !std::fs::exists(&name).unwrap_or(true) => LinkFault::NotFound { name },
-        K::Io(ErrorKind::PermissionDenied) => LinkFault::PermissionDenied {
-            remedy: permission_remedy(&name),
-            name,
-        },
+        K::Io(ErrorKind::PermissionDenied) => {
+            LinkFault::PermissionDenied { remedy: permission_remedy(&name), name }
+        }
         K::NoDevice | K::Io(ErrorKind::ResourceBusy | ErrorKind::WouldBlock) => {
             LinkFault::Busy { name }
         }
-        _ => LinkFault::Io {
-            name,
-            message: error.to_string(),
-        },
+        _ => LinkFault::Io { name, message: error.to_string() },
     }
 }
 
@@ -101,8 +87,7 @@ impl Link for SerialLink {
         let Some(port) = &mut self.port else {
             return Err(gone(ErrorKind::NotConnected));
         };
-        port.set_timeout(timeout)
-            .map_err(|_| gone(ErrorKind::NotConnected))?;
+        port.set_timeout(timeout).map_err(|_| gone(ErrorKind::NotConnected))?;
         match port.read(buffer) {
             // A hung-up port reads as empty for ever.
             Ok(0) => Err(gone(ErrorKind::UnexpectedEof)),

@@ -64,11 +64,7 @@ impl Session {
     }
 
     pub(crate) fn stats(&self) -> SourceStats {
-        SourceStats {
-            n_bytes: self.n_bytes,
-            n_opened: self.n_opened,
-            ..self.reader.stats()
-        }
+        SourceStats { n_bytes: self.n_bytes, n_opened: self.n_opened, ..self.reader.stats() }
     }
 
     fn said(&self, commands: &[Command]) -> Vec<u8> {

@@ -43,10 +43,7 @@ pub struct StreamSource<L> {
 
 impl Default for StreamParams {
     fn default() -> Self {
-        Self {
-            protocol: Protocol::Hdp1,
-            clock: Arc::new(SystemClock),
-        }
+        Self { protocol: Protocol::Hdp1, clock: Arc::new(SystemClock) }
     }
 }
 

@@ -24,12 +24,7 @@ impl TcpLink {
     /// A link to `host:port`, not opened yet.
     #[must_use]
     pub fn new(address: &str) -> Self {
-        Self {
-            address: address.to_owned(),
-            stream: None,
-            timeout: None,
-            asked: None,
-        }
+        Self { address: address.to_owned(), stream: None, timeout: None, asked: None }
     }
 
     fn connect(&mut self) -> std::io::Result<TcpStream> {
@@ -65,9 +60,7 @@ impl TcpLink {
                     // A link that is gone does not wait any more.
                     let _ = sender.send(found.map(Iterator::collect));
                 };
-                std::thread::Builder::new()
-                    .name("hapdef-resolve".to_owned())
-                    .spawn(ask)?;
+                std::thread::Builder::new().name("hapdef-resolve".to_owned()).spawn(ask)?;
                 answer
             }
         };
@@ -98,9 +91,7 @@ impl Link for TcpLink {
         };
         let timeout = timeout.max(Duration::from_millis(1));
         if self.timeout != Some(timeout) {
-            stream
-                .set_read_timeout(Some(timeout))
-                .map_err(|e| gone(&e))?;
+            stream.set_read_timeout(Some(timeout)).map_err(|e| gone(&e))?;
             self.timeout = Some(timeout);
         }
         match stream.read(buffer) {

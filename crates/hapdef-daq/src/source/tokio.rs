@@ -90,10 +90,7 @@ impl AsyncSerial {
     /// A port, not opened yet.
     #[must_use]
     pub fn new(path: &str, params: SerialParams) -> Self {
-        Self {
-            path: path.to_owned(),
-            params,
-        }
+        Self { path: path.to_owned(), params }
     }
 }
 
@@ -102,9 +99,7 @@ impl AsyncLink for AsyncSerial {
 
     async fn open(&mut self) -> Result<SerialStream, LinkFault> {
         let refused = |error: serialport::Error| refused(&self.path, &error);
-        let port = builder(&self.path, &self.params)
-            .open_native_async()
-            .map_err(refused)?;
+        let port = builder(&self.path, &self.params).open_native_async().map_err(refused)?;
         // What was sent to whoever had the port before.
         port.clear(ClearBuffer::Input).map_err(refused)?;
         if self.params.low_latency {
@@ -122,9 +117,7 @@ impl AsyncTcp {
     /// A port, not connected to yet.
     #[must_use]
     pub fn new(address: &str) -> Self {
-        Self {
-            address: address.to_owned(),
-        }
+        Self { address: address.to_owned() }
     }
 }
 
@@ -209,9 +202,7 @@ impl<L: AsyncLink> AsyncSource<L> {
         self.due = Instant::now() + SILENT;
         let messages = &mut self.messages;
         let now_ns = self.clock.now_ns();
-        let words = self
-            .session
-            .opened(now_ns, &mut |message| messages.push_back(message));
+        let words = self.session.opened(now_ns, &mut |message| messages.push_back(message));
         Ok(words)
     }
 
@@ -219,8 +210,7 @@ impl<L: AsyncLink> AsyncSource<L> {
         self.due = Instant::now() + SILENT;
         let messages = &mut self.messages;
         let (bytes, now_ns) = (&self.buffer[..n], self.clock.now_ns());
-        self.session
-            .took(bytes, now_ns, &mut |message| messages.push_back(message))
+        self.session.took(bytes, now_ns, &mut |message| messages.push_back(message))
     }
 
     async fn say(&mut self, words: &[u8]) -> Result<(), LinkFault> {
@@ -246,8 +236,7 @@ impl<L: AsyncLink> AsyncSource<L> {
         self.due = Instant::now() + Duration::from_nanos(REOPEN_NS);
         if self.last_fault.as_ref() != Some(&fault) {
             self.last_fault = Some(fault.clone());
-            self.messages
-                .push_back(Message::Link(LinkState::Away(fault)));
+            self.messages.push_back(Message::Link(LinkState::Away(fault)));
         }
     }
 }

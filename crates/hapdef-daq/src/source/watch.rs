@@ -17,10 +17,7 @@ pub(crate) struct Watch {
 
 impl Watch {
     pub(crate) fn from(now_ns: u64) -> Self {
-        Self {
-            since_ns: now_ns,
-            ..Self::default()
-        }
+        Self { since_ns: now_ns, ..Self::default() }
     }
 
     pub(crate) fn look(
@@ -65,9 +62,6 @@ impl Watch {
                                      sketch), or read HDP1"
                 .to_owned(),
         };
-        Some(LinkState::NotUnderstood {
-            n_bytes: self.n_bytes,
-            remedy: remedy.into(),
-        })
+        Some(LinkState::NotUnderstood { n_bytes: self.n_bytes, remedy: remedy.into() })
     }
 }

@@ -51,9 +51,7 @@ impl Device {
         let flags = FrameFlags::from_bits(if first { 8 } else { 0 });
         let samples: Vec<i32> = samples(seq, self.hello.channels.len()).collect();
         let t_us = self.t_us();
-        self.encoder
-            .data(&self.hello, t_us, flags, &samples, out)
-            .unwrap();
+        self.encoder.data(&self.hello, t_us, flags, &samples, out).unwrap();
     }
 
     /// Answers what the host says.
@@ -69,11 +67,7 @@ impl Device {
             match command {
                 Command::GetHello => self.say_hello(out),
                 Command::Ping { host_ns } => {
-                    let pong = Pong {
-                        host_ns,
-                        t_rx_us: t_us,
-                        t_us,
-                    };
+                    let pong = Pong { host_ns, t_rx_us: t_us, t_us };
                     self.encoder.pong(pong, out);
                 }
                 _ => {}

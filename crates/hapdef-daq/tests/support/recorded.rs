@@ -35,10 +35,7 @@ pub fn recorded(path: &Path, n: u32) {
         source.poll(Duration::ZERO, &mut |message| messages.push(message));
     }
     let replay = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
-    let params_of = AcquireParams {
-        ring_len: n as usize + 100,
-        ..AcquireParams::default()
-    };
+    let params_of = AcquireParams { ring_len: n as usize + 100, ..AcquireParams::default() };
     let (_acquisition, mut receivers) = acquire(replay, params_of).unwrap();
     let recorder = record(receivers.remove(0), path, params()).unwrap();
     while recorder.stats().n_frames < u64::from(n) {

@@ -40,22 +40,13 @@ impl Given<'_> {
         cuts: &[usize],
     ) -> Result<Corrected, InverseError> {
         let (basis, samples) = (self.basis, self.problem.samples);
-        let solution = self
-            .problem
-            .solve(rows, kernels, Some(self.at_sites), cuts)?;
+        let solution = self.problem.solve(rows, kernels, Some(self.at_sites), cuts)?;
         let residual = self.nodal_residual(&solution, kernels);
-        let map = basis
-            .map
-            .plus(&basis.terms(&solution.modes.theta), &residual);
+        let map = basis.map.plus(&basis.terms(&solution.modes.theta), &residual);
         let extra = interpolation_errors(&map, samples, &solution);
         let spread = Spread::new(&map, samples, &solution, &extra);
         let per_site = spread.covariances(samples, &solution, self.at_sites);
-        Ok(Corrected {
-            solution,
-            map,
-            spread,
-            per_site,
-        })
+        Ok(Corrected { solution, map, spread, per_site })
     }
 
     /// The process's mean where the map has values `[n_values, n_gauges]`.

@@ -6,13 +6,8 @@ use crate::calibration::residual::log_evidence;
 use crate::calibration::solution::{Problem, by_gauge};
 
 /// Before any press is looked at.
-pub(crate) const FIRST: Kernel = Kernel {
-    length_m: 0.012,
-    size: 0.2,
-    floor: 0.03,
-    steep_length_m: 0.005,
-    steep_size: 0.05,
-};
+pub(crate) const FIRST: Kernel =
+    Kernel { length_m: 0.012, size: 0.2, floor: 0.03, steep_length_m: 0.005, steep_size: 0.05 };
 
 /// Sizes and floors that are tried.
 const SIZES: [f64; 8] = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8];
@@ -59,10 +54,7 @@ fn steps(params: &CalibrationParams) -> [Step<'_>; 5] {
         (&SIZES, |k, size| Kernel { size, ..k }),
         (&FLOORS, |k, floor| Kernel { floor, ..k }),
         (&STEEP_SIZES, |k, steep_size| Kernel { steep_size, ..k }),
-        (&params.steep_lengths_m, |k, steep_length_m| Kernel {
-            steep_length_m,
-            ..k
-        }),
+        (&params.steep_lengths_m, |k, steep_length_m| Kernel { steep_length_m, ..k }),
     ]
 }
 
@@ -84,10 +76,6 @@ fn better(
 ) -> (f64, Kernel) {
     tried.into_iter().fold(best, |best, kernel| {
         let found = evidence(&kernel);
-        if found > best.0 {
-            (found, kernel)
-        } else {
-            best
-        }
+        if found > best.0 { (found, kernel) } else { best }
     })
 }

@@ -30,11 +30,7 @@ pub(crate) struct Trapezoid {
 impl Trapezoid {
     pub(crate) fn zeros(n: usize, n_rows: usize) -> Self {
         let stride = stride_of(n);
-        Self {
-            n,
-            stride,
-            values: vec![0.0; n_rows * stride],
-        }
+        Self { n, stride, values: vec![0.0; n_rows * stride] }
     }
 
     pub(crate) fn row(&self, i: usize) -> &[f64] {
@@ -279,12 +275,7 @@ mod tests {
                 x[r] = (x[r] - sum) / t.row(r)[r];
             }
             t.solve_upper(&mut x);
-            assert!(
-                (x[i] - diagonal[i]).abs() < 1e-12,
-                "{} {}",
-                x[i],
-                diagonal[i]
-            );
+            assert!((x[i] - diagonal[i]).abs() < 1e-12, "{} {}", x[i], diagonal[i]);
         }
     }
 

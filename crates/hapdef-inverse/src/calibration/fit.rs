@@ -88,28 +88,14 @@ impl Calibrated {
             true => place_factor(&given, sites, presses, &rows, &kernels)?,
             false => 1.0,
         };
-        let Corrected {
-            solution,
-            map,
-            spread,
-            per_site,
-        } = given.correct(&rows, &kernels, &cuts)?;
+        let Corrected { solution, map, spread, per_site } =
+            given.correct(&rows, &kernels, &cuts)?;
         not_needed(presses.len(), &samples, &mut rejected);
         let info = info(&basis, &samples, &solution, &spread, &kernels, rejected);
-        let next = next_presses(
-            &problem,
-            &solution,
-            &at_sites,
-            &spread.scales,
-            params.n_next,
-        );
+        let next = next_presses(&problem, &solution, &at_sites, &spread.scales, params.n_next);
         Ok(Self {
             map,
-            model_error: ModelError {
-                per_site,
-                place_factor,
-                ..ModelError::default()
-            },
+            model_error: ModelError { per_site, place_factor, ..ModelError::default() },
             info: CalibrationInfo { next, ..info },
         })
     }
@@ -119,8 +105,7 @@ impl Calibrated {
 fn nodal_values(map: &ResponseMap) -> Vec<f64> {
     let width = crate::dense::padded(map.n_gauges());
     let rows = map.normal_rows().chunks_exact(width).take(map.n_values());
-    rows.flat_map(|row| row[..map.n_gauges()].to_vec())
-        .collect()
+    rows.flat_map(|row| row[..map.n_gauges()].to_vec()).collect()
 }
 
 fn mean_squares(nodal: &[f64], n_gauges: usize) -> Vec<f64> {
@@ -151,40 +136,24 @@ fn info(
 ) -> CalibrationInfo {
     let m = samples.n_gauges();
     let norm = |values: &[f64], i: usize| {
-        values[i * m..(i + 1) * m]
-            .iter()
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt()
+        values[i * m..(i + 1) * m].iter().map(|v| v * v).sum::<f64>().sqrt()
     };
     let held_out = |(place, &i): (usize, &usize)| HeldOutError {
         press: samples.index[i],
-        error: (0..m)
-            .map(|g| spread.left_out[g].error[place].powi(2))
-            .sum::<f64>()
-            .sqrt(),
+        error: (0..m).map(|g| spread.left_out[g].error[place].powi(2)).sum::<f64>().sqrt(),
         response: norm(&samples.response, i),
         mean_square_z: spread.mean_square_z[place],
     };
     let held_out: Vec<_> = solution.rows.iter().enumerate().map(held_out).collect();
     let sum = |f: &dyn Fn(&HeldOutError) -> f64| held_out.iter().map(|h| f(h).powi(2)).sum::<f64>();
     let all = sum(&|h| h.response).max(f64::MIN_POSITIVE);
-    let before: f64 = solution
-        .rows
-        .iter()
-        .map(|&i| norm(&samples.residual, i).powi(2))
-        .sum();
+    let before: f64 = solution.rows.iter().map(|&i| norm(&samples.residual, i).powi(2)).sum();
     CalibrationInfo {
         n_used: solution.rows.len(),
         rejected,
         mode_coefficients: basis.coefficients(&solution.modes.theta),
         beyond_prior: basis.beyond_prior(&solution.modes.theta),
-        gains: solution
-            .modes
-            .theta
-            .iter()
-            .map(|t| basis.gain_sd * t[0])
-            .collect(),
+        gains: solution.modes.theta.iter().map(|t| basis.gain_sd * t[0]).collect(),
         lengths_m: kernels.iter().map(|k| k.length_m).collect(),
         residual_sizes: kernels.iter().map(|k| k.size).collect(),
         variance_scales: spread.scales.clone(),
@@ -212,10 +181,7 @@ fn curve(samples: &Samples, solution: &Solution) -> Vec<CurvePoint> {
                 all += samples.response[solution.rows[cut + place] * m + gauge].powi(2);
             }
         }
-        CurvePoint {
-            n_presses: cut,
-            relative_error: (error / all).sqrt(),
-        }
+        CurvePoint { n_presses: cut, relative_error: (error / all).sqrt() }
     };
     (0..n_cuts).map(point).collect()
 }

@@ -79,17 +79,11 @@ fn estimator(
 ) -> Result<ContactEstimator, InverseError> {
     let gauge_sd = given.params.gauge_sd.clone();
     let noise = NoiseParams {
-        model_error: ModelError {
-            per_site: corrected.per_site,
-            ..ModelError::default()
-        },
+        model_error: ModelError { per_site: corrected.per_site, ..ModelError::default() },
         gauge_sd,
         ..NoiseParams::uniform(given.basis.map.n_gauges(), 1.0)
     };
-    let params = EstimatorParams {
-        max_contacts: 1,
-        ..EstimatorParams::default()
-    };
+    let params = EstimatorParams { max_contacts: 1, ..EstimatorParams::default() };
     let (map, sites) = (Arc::new(corrected.map), Arc::new(sites.clone()));
     ContactEstimator::new(map, sites, noise, params)
 }

@@ -54,11 +54,7 @@ impl Kernel {
     pub(crate) fn covariance(&self, p: Amplitude, q: Amplitude, distance_2: f64) -> f64 {
         let broad = p.broad * q.broad * matern(distance_2, self.length_m);
         let steep = p.steep * q.steep;
-        if steep > 0.0 {
-            broad + steep * matern(distance_2, self.steep_length_m)
-        } else {
-            broad
-        }
+        if steep > 0.0 { broad + steep * matern(distance_2, self.steep_length_m) } else { broad }
     }
 
     /// k of a point with itself.
@@ -116,11 +112,7 @@ struct Moments {
 
 impl Moments {
     fn new(n: usize) -> Self {
-        Self {
-            weight: 0.0,
-            values: vec![0.0; n],
-            squares: vec![0.0; n],
-        }
+        Self { weight: 0.0, values: vec![0.0; n], squares: vec![0.0; n] }
     }
 
     fn add(&mut self, row: &[f64], distance_2: f64, width_m: f64) {

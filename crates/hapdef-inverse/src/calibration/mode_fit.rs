@@ -18,11 +18,7 @@ pub(crate) fn fit_modes(fits: &[GaugeFit], n_own: usize) -> Result<ModeFit, Inve
     let n_columns = fits.first().map_or(0, |fit| fit.rhs.len());
     let n = fits.len() * n_own + n_columns - n_own;
     let place = |gauge: usize, c: usize| {
-        if c < n_own {
-            gauge * n_own + c
-        } else {
-            fits.len() * n_own + c - n_own
-        }
+        if c < n_own { gauge * n_own + c } else { fits.len() * n_own + c - n_own }
     };
     let (mut a, mut theta) = (vec![0.0; n * n], vec![0.0; n]);
     (0..n).for_each(|i| a[i * n + i] = 1.0);
@@ -44,15 +40,10 @@ pub(crate) fn fit_modes(fits: &[GaugeFit], n_own: usize) -> Result<ModeFit, Inve
     inverse(&a, n, &mut covariance);
     let of_gauge = |gauge: usize| -> Vec<f64> {
         let pairs = (0..n_columns * n_columns).map(|i| (i / n_columns, i % n_columns));
-        pairs
-            .map(|(p, q)| covariance[place(gauge, p) * n + place(gauge, q)])
-            .collect()
+        pairs.map(|(p, q)| covariance[place(gauge, p) * n + place(gauge, q)]).collect()
     };
-    let theta_of = |gauge: usize| {
-        (0..n_columns)
-            .map(|c| theta[place(gauge, c)])
-            .collect::<Vec<_>>()
-    };
+    let theta_of =
+        |gauge: usize| (0..n_columns).map(|c| theta[place(gauge, c)]).collect::<Vec<_>>();
     Ok(ModeFit {
         theta: (0..fits.len()).map(theta_of).collect(),
         covariance: (0..fits.len()).map(of_gauge).collect(),
@@ -62,7 +53,5 @@ pub(crate) fn fit_modes(fits: &[GaugeFit], n_own: usize) -> Result<ModeFit, Inve
 /// uᵀ Σ u.
 pub(crate) fn quadratic_form(covariance: &[f64], u: &[f64]) -> f64 {
     let rows = covariance.chunks_exact(u.len().max(1));
-    rows.zip(u)
-        .map(|(row, a)| a * row.iter().zip(u).map(|(c, b)| c * b).sum::<f64>())
-        .sum()
+    rows.zip(u).map(|(row, a)| a * row.iter().zip(u).map(|(c, b)| c * b).sum::<f64>()).sum()
 }

@@ -129,10 +129,7 @@ impl CalibrationInfo {
         let tail = &self.curve[self.curve.len().saturating_sub(3)..];
         let n = tail.len() as f64;
         let logs = |p: &CurvePoint| ((p.n_presses as f64).ln(), p.relative_error.ln());
-        let mean = tail
-            .iter()
-            .map(logs)
-            .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+        let mean = tail.iter().map(logs).fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
         let (mut xx, mut xy) = (0.0, 0.0);
         for point in tail {
             let (x, y) = logs(point);

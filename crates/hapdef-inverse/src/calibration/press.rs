@@ -38,10 +38,6 @@ impl Press {
                 max_distance_m,
             });
         }
-        Ok(Self {
-            point,
-            force_n,
-            readings,
-        })
+        Ok(Self { point, force_n, readings })
     }
 }

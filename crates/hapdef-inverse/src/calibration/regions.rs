@@ -80,9 +80,8 @@ impl LeftOutPress {
 pub(crate) fn region_factor(presses: &[LeftOutPress]) -> f64 {
     let holds = |factor: f64| {
         let distances = presses.iter().filter_map(|press| press.distance_2(factor));
-        let (inside, all) = distances.fold((0, 0), |(inside, all), d| {
-            (inside + usize::from(d <= CHI2_95), all + 1)
-        });
+        let (inside, all) = distances
+            .fold((0, 0), |(inside, all), d| (inside + usize::from(d <= CHI2_95), all + 1));
         f64::from(inside as u32) >= SHARE * f64::from(all)
     };
     let [mut low, mut high] = FACTORS.map(f64::ln);

@@ -73,9 +73,7 @@ fn chi2(
         let mut sorted = z_2.clone();
         sorted.sort_by(f64::total_cmp);
         let scale = (sorted[sorted.len() / 2] / MEDIAN_CHI2).max(1.0);
-        chi2.iter_mut()
-            .zip(z_2)
-            .for_each(|(sum, z_2)| *sum += z_2 / scale);
+        chi2.iter_mut().zip(z_2).for_each(|(sum, z_2)| *sum += z_2 / scale);
     }
     Ok(chi2)
 }
@@ -94,10 +92,7 @@ fn worst(
     beyond.sort_by(|&a, &b| chi2[b].total_cmp(&chi2[a]));
     let mut chosen: Vec<usize> = Vec::new();
     for i in beyond {
-        if chosen
-            .iter()
-            .all(|&j| (at(i) - at(j)).norm() > REACH * longest_m)
-        {
+        if chosen.iter().all(|&j| (at(i) - at(j)).norm() > REACH * longest_m) {
             chosen.push(i);
         }
     }

@@ -124,21 +124,14 @@ pub(crate) fn fit_gauge(
         x
     };
     let m = samples.n_gauges();
-    let y: Vec<f64> = rows
-        .iter()
-        .map(|&i| samples.residual[i * m + gauge])
-        .collect();
+    let y: Vec<f64> = rows.iter().map(|&i| samples.residual[i * m + gauge]).collect();
     let column = |c: usize| -> Vec<f64> {
-        rows.iter()
-            .map(|&i| samples.places.columns_of(i, gauge)[c])
-            .collect()
+        rows.iter().map(|&i| samples.places.columns_of(i, gauge)[c]).collect()
     };
     let cut_errors = |&cut: &usize| CutErrors {
         cut,
         of_y: after_cut(&t, cut, t.n, &y),
-        of_columns: (0..n_columns)
-            .map(|c| after_cut(&t, cut, t.n + 1 + c, &column(c)))
-            .collect(),
+        of_columns: (0..n_columns).map(|c| after_cut(&t, cut, t.n + 1 + c, &column(c))).collect(),
     };
     Some(GaugeFit {
         alpha_y: solved(t.n),
@@ -169,9 +162,7 @@ fn normal_equations(t: &Trapezoid, n_columns: usize) -> (Vec<f64>, Vec<f64>) {
 /// first presses alone.
 fn after_cut(t: &Trapezoid, cut: usize, row: usize, values: &[f64]) -> Vec<f64> {
     let whitened = &t.row(row)[..cut];
-    (cut..t.n)
-        .map(|i| values[i] - dot(&t.row(i)[..cut], whitened))
-        .collect()
+    (cut..t.n).map(|i| values[i] - dot(&t.row(i)[..cut], whitened)).collect()
 }
 
 fn at_sites(
@@ -197,9 +188,7 @@ fn at_sites(
         columns.extend(here.map(|(c, h)| h - told(c)));
     }
     AtSites {
-        variance: (0..n_sites)
-            .map(|s| covariance[s * n_sites + s].max(0.0))
-            .collect(),
+        variance: (0..n_sites).map(|s| covariance[s * n_sites + s].max(0.0)).collect(),
         columns,
         covariance,
     }

@@ -54,21 +54,12 @@ impl<'a> Basis<'a> {
                 }
             }
         }
-        Ok(Self {
-            map,
-            modes,
-            gain_sd: params.gain_sd,
-            mix,
-        })
+        Ok(Self { map, modes, gain_sd: params.gain_sd, mix })
     }
 
     /// Columns with a coefficient for each gauge.
     pub(crate) fn n_own(&self) -> usize {
-        let mixed = if self.mix.is_empty() {
-            0
-        } else {
-            self.map.n_gauges()
-        };
+        let mixed = if self.mix.is_empty() { 0 } else { self.map.n_gauges() };
         1 + mixed + self.modes_of(ModeScope::EachGauge).count()
     }
 
@@ -87,12 +78,9 @@ impl<'a> Basis<'a> {
         let (m, n_columns) = (self.map.n_gauges(), self.n_columns());
         let g = self.map.normal(point);
         let mut columns = Vec::with_capacity(m * n_columns);
-        let in_order = self
-            .modes_of(ModeScope::EachGauge)
-            .chain(self.modes_of(ModeScope::Shared));
-        let values: Vec<(f64, Vec<f64>)> = in_order
-            .map(|(_, mode)| (mode.prior_sd, mode.map.normal(point)))
-            .collect();
+        let in_order = self.modes_of(ModeScope::EachGauge).chain(self.modes_of(ModeScope::Shared));
+        let values: Vec<(f64, Vec<f64>)> =
+            in_order.map(|(_, mode)| (mode.prior_sd, mode.map.normal(point))).collect();
         for i in 0..m {
             columns.push(self.gain_sd * g[i]);
             if !self.mix.is_empty() {
@@ -114,9 +102,7 @@ impl<'a> Basis<'a> {
             }
         }
         let mut terms = vec![(self.map, own)];
-        let in_order = self
-            .modes_of(ModeScope::EachGauge)
-            .chain(self.modes_of(ModeScope::Shared));
+        let in_order = self.modes_of(ModeScope::EachGauge).chain(self.modes_of(ModeScope::Shared));
         let first = self.n_columns() - self.modes.len();
         for (place, (_, mode)) in in_order.enumerate() {
             let mut diagonal = vec![0.0; m * m];
@@ -131,16 +117,10 @@ impl<'a> Basis<'a> {
     /// The coefficients in the modes' units, in the order of the modes.
     pub(crate) fn coefficients(&self, theta: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut coefficients = vec![Vec::new(); self.modes.len()];
-        let in_order = self
-            .modes_of(ModeScope::EachGauge)
-            .chain(self.modes_of(ModeScope::Shared));
+        let in_order = self.modes_of(ModeScope::EachGauge).chain(self.modes_of(ModeScope::Shared));
         let first = self.n_columns() - self.modes.len();
         for (place, (index, mode)) in in_order.enumerate() {
-            let n = if mode.scope == ModeScope::Shared {
-                1
-            } else {
-                theta.len()
-            };
+            let n = if mode.scope == ModeScope::Shared { 1 } else { theta.len() };
             let of_gauge = |row: &Vec<f64>| mode.prior_sd * row[first + place];
             coefficients[index] = theta[..n].iter().map(of_gauge).collect();
         }
@@ -149,9 +129,7 @@ impl<'a> Basis<'a> {
 
     /// Gains and coefficients farther than [`BEYOND_SDS`] from what was expected.
     pub(crate) fn beyond_prior(&self, theta: &[Vec<f64>]) -> Vec<BeyondPrior> {
-        let in_order = self
-            .modes_of(ModeScope::EachGauge)
-            .chain(self.modes_of(ModeScope::Shared));
+        let in_order = self.modes_of(ModeScope::EachGauge).chain(self.modes_of(ModeScope::Shared));
         let first = self.n_columns() - self.modes.len();
         let modes = in_order.enumerate().map(|(place, (index, mode))| {
             let is_shared = mode.scope == ModeScope::Shared;
@@ -263,9 +241,7 @@ impl Samples {
                 let own = (params.gauge_sd[gauge].powi(2) + force_part) / press.force_n.powi(2);
                 samples.response.push(response);
                 samples.residual.push(response - g[gauge]);
-                samples
-                    .noise
-                    .push(own + slope_2 * params.position_sd_m.powi(2));
+                samples.noise.push(own + slope_2 * params.position_sd_m.powi(2));
             }
         }
         samples.check_scales()?;
@@ -292,12 +268,7 @@ impl Samples {
             });
             let ratio = median.map_or(1.0, |(ratio, _)| *ratio);
             if !(least..=most).contains(&ratio) {
-                return Err(InverseError::PressScale {
-                    gauge,
-                    ratio,
-                    least,
-                    most,
-                });
+                return Err(InverseError::PressScale { gauge, ratio, least, most });
             }
         }
         Ok(())
@@ -325,11 +296,7 @@ fn check_presses(map: &ResponseMap, presses: &[Press]) -> Result<(), InverseErro
         }
         if let Some(gauge) = p.readings.iter().position(|r| !r.is_finite()) {
             let found = p.readings[gauge];
-            return Err(InverseError::PressReading {
-                press,
-                gauge,
-                found,
-            });
+            return Err(InverseError::PressReading { press, gauge, found });
         }
         let (face, n_faces) = (p.point.face(), map.skin().n_faces());
         if face >= n_faces {
@@ -342,10 +309,7 @@ fn check_presses(map: &ResponseMap, presses: &[Press]) -> Result<(), InverseErro
 fn check_extent(map: &ResponseMap, positions: &[Point3<f64>]) -> Result<(), InverseError> {
     let (extent_m, skin_extent_m) = (diagonal_m(positions), diagonal_m(map.skin().nodes()));
     if extent_m < LEAST_EXTENT * skin_extent_m {
-        return Err(InverseError::PressesInOneSpot {
-            extent_m,
-            skin_extent_m,
-        });
+        return Err(InverseError::PressesInOneSpot { extent_m, skin_extent_m });
     }
     Ok(())
 }

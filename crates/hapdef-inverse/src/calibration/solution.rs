@@ -43,25 +43,12 @@ impl Problem<'_> {
     ) -> Result<Solution, InverseError> {
         let fits = by_gauge(self.samples.n_gauges(), self.n_threads, |gauge| {
             let mean_square = self.mean_squares[gauge];
-            fit_gauge(
-                self.samples,
-                gauge,
-                rows,
-                &kernels[gauge],
-                sites,
-                mean_square,
-                cuts,
-            )
+            fit_gauge(self.samples, gauge, rows, &kernels[gauge], sites, mean_square, cuts)
         });
         let fits: Option<Vec<_>> = fits.into_iter().collect();
-        let fits = fits.ok_or(InverseError::NotPositiveDefinite {
-            what: "the covariance of the presses",
-        })?;
-        Ok(Solution {
-            rows: rows.to_vec(),
-            modes: fit_modes(&fits, self.n_own)?,
-            fits,
-        })
+        let fits = fits
+            .ok_or(InverseError::NotPositiveDefinite { what: "the covariance of the presses" })?;
+        Ok(Solution { rows: rows.to_vec(), modes: fit_modes(&fits, self.n_own)?, fits })
     }
 }
 

@@ -43,11 +43,8 @@ impl Spread {
             for (i, error) in out.error.iter_mut().enumerate() {
                 *error += extra[i * m + gauge];
             }
-            let noise: Vec<f64> = solution
-                .rows
-                .iter()
-                .map(|&i| samples.noise[i * m + gauge])
-                .collect();
+            let noise: Vec<f64> =
+                solution.rows.iter().map(|&i| samples.noise[i * m + gauge]).collect();
             let scale = unit_scale(out, &noise);
             for i in 0..n {
                 z[i * m + gauge] = out.error[i] / scaled(out.variance[i], noise[i], scale).sqrt();
@@ -190,11 +187,7 @@ fn correlation(z: &[f64], m: usize) -> Vec<f64> {
     for i in 0..m {
         for j in 0..m {
             let size = (sums[i * m + i] * sums[j * m + j]).sqrt();
-            let value = if size > 0.0 {
-                0.9 * sums[i * m + j] / size
-            } else {
-                0.0
-            };
+            let value = if size > 0.0 { 0.9 * sums[i * m + j] / size } else { 0.0 };
             out[i * m + j] = if i == j { 1.0 } else { value };
         }
     }

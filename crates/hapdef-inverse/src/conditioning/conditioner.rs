@@ -160,11 +160,7 @@ impl Conditioner {
         self.find_faults(raw, out);
         let is_new = self.decide(out);
         self.follow(raw, warmer_k, is_new, out);
-        out.phase = if self.touch.is_touched {
-            TouchPhase::Touched
-        } else {
-            TouchPhase::Untouched
-        };
+        out.phase = if self.touch.is_touched { TouchPhase::Touched } else { TouchPhase::Untouched };
         Ok(())
     }
 
@@ -314,11 +310,7 @@ impl Conditioner {
         let at = (self.ring_start + self.ring_len) % lag * width;
         let row = &mut self.ring[at..at + width];
         for gauge in 0..raw.len() {
-            row[gauge] = if out.live[gauge] {
-                raw[gauge]
-            } else {
-                f64::NAN
-            };
+            row[gauge] = if out.live[gauge] { raw[gauge] } else { f64::NAN };
         }
         row[raw.len()] = warmer_k;
         row[raw.len() + 1] = self.released_s;

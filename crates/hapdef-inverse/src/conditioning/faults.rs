@@ -88,10 +88,7 @@ impl Watch {
         if !raw.is_finite() {
             return Some(GaugeHealth::NotFinite);
         }
-        if converter
-            .rail
-            .is_some_and(|(low, high)| raw <= *low || raw >= *high)
-        {
+        if converter.rail.is_some_and(|(low, high)| raw <= *low || raw >= *high) {
             return Some(GaugeHealth::Saturated);
         }
         if raw.total_cmp(&self.last).is_eq() {

@@ -96,11 +96,7 @@ impl ConditionerParams {
         for (what, p) in [("touch_p", self.touch_p), ("release_p", self.release_p)] {
             if !(p > 0.0 && p < 1.0) {
                 let expected = "a probability between 0 and 1";
-                return Err(InverseError::Parameter {
-                    what,
-                    found: p,
-                    expected,
-                });
+                return Err(InverseError::Parameter { what, found: p, expected });
             }
         }
         let n_gauges = self.gauge_sd.len();

@@ -11,10 +11,7 @@ pub(crate) struct Touch {
 
 impl Touch {
     pub(crate) fn new() -> Self {
-        Self {
-            is_touched: false,
-            n_quiet: 0,
-        }
+        Self { is_touched: false, n_quiet: 0 }
     }
 
     /// Decides by χ² of the frame and of its running mean; says whether that changed anything.
@@ -30,11 +27,7 @@ impl Touch {
         if p < params.touch_p {
             self.is_touched = true;
         }
-        self.n_quiet = if p >= params.release_p {
-            self.n_quiet + 1
-        } else {
-            0
-        };
+        self.n_quiet = if p >= params.release_p { self.n_quiet + 1 } else { 0 };
         if self.n_quiet >= params.release_frames {
             self.is_touched = false;
         }

@@ -17,11 +17,7 @@ impl Tracker {
         let mut covariance = [[0.0; N]; N];
         covariance[1][1] = temperature_sd * temperature_sd;
         covariance[2][2] = creep_sd * creep_sd;
-        Self {
-            state: [0.0; N],
-            covariance,
-            noise: sd * sd,
-        }
+        Self { state: [0.0; N], covariance, noise: sd * sd }
     }
 
     /// The baseline is `mean` of `n` frames; what is known of temperature and creep stays.

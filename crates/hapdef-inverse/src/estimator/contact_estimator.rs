@@ -64,10 +64,7 @@ impl ContactEstimator {
     /// [`InverseError`] for a wrong length or a value that is not above 0.
     pub fn with_gauge_sd(&self, gauge_sd: &[f64]) -> Result<Self, InverseError> {
         let (map, sites) = (self.model.map.clone(), self.model.sites.clone());
-        let noise = NoiseParams {
-            gauge_sd: gauge_sd.to_vec(),
-            ..self.noise.clone()
-        };
+        let noise = NoiseParams { gauge_sd: gauge_sd.to_vec(), ..self.noise.clone() };
         let mut live = vec![false; map.n_gauges()];
         self.model.live.iter().for_each(|&gauge| live[gauge] = true);
         Self::with_gauges(map, sites, noise, self.params, &live)
@@ -216,9 +213,7 @@ impl ContactEstimator {
 
     /// Whether no force is beyond what is possible.
     pub(crate) fn is_believed(&self, e: &Explanation) -> bool {
-        e.forces[..e.n]
-            .iter()
-            .all(|&a| a <= self.params.max_force_n)
+        e.forces[..e.n].iter().all(|&a| a <= self.params.max_force_n)
     }
 
     fn untouched(&self, scratch: &mut EstimatorScratch) -> Explanation {

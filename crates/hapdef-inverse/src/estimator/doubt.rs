@@ -29,10 +29,7 @@ mod tests {
     /// doubt costs far less than the residual.
     #[test]
     fn doubt_pays_only_where_the_residual_is_large() {
-        let explained = |chi2: f64| Explanation {
-            chi2,
-            ..Explanation::new(&[])
-        };
+        let explained = |chi2: f64| Explanation { chi2, ..Explanation::new(&[]) };
         assert_eq!(evidence_with_more_noise(&explained(9.0), 10), 9.0);
         let (told, doubted) = (1000.0, evidence_with_more_noise(&explained(1000.0), 10));
         // 10 + 10 ln 100 + 2 ln (1 + (ln 10 / 0.3)²)

@@ -14,9 +14,7 @@ pub(crate) fn non_negative(h: &[f64], c: &[f64], n: usize) -> [f64; MAX_CONTACTS
     let mut x = [0.0; MAX_CONTACTS];
     for _ in 0..4 * n + 4 {
         let trial = solve_free(h, c, n, &mut is_free);
-        let lowest = (0..n)
-            .filter(|&i| is_free[i])
-            .min_by(|&i, &j| trial[i].total_cmp(&trial[j]));
+        let lowest = (0..n).filter(|&i| is_free[i]).min_by(|&i, &j| trial[i].total_cmp(&trial[j]));
         match lowest {
             Some(i) if trial[i] < 0.0 => {
                 is_free[i] = false;

@@ -22,9 +22,7 @@ pub(crate) fn grow(
         let base = scratch.bases[index];
         for j in 0..base.n {
             atom_at(model, &base, j, &mut scratch.atom);
-            scratch
-                .base_company
-                .set_atom(model, j, &scratch.atom, &scratch.unit_z);
+            scratch.base_company.set_atom(model, j, &scratch.atom, &scratch.unit_z);
         }
         let held = others(base.n, None);
         let company = &scratch.base_company;
@@ -78,9 +76,7 @@ fn alternate(model: &Model, e: &mut Explanation, scratch: &mut EstimatorScratch)
         let i = turn % e.n;
         let held = others(e.n, Some(i));
         let held = &held[..e.n - 1];
-        scratch
-            .company
-            .gains(model, &scratch.c, held, &mut scratch.gains);
+        scratch.company.gains(model, &scratch.c, held, &mut scratch.gains);
         n_scanned += model.n_sites();
         let own = scratch.company.own_gain(i, held);
         let best = Model::best_site(&scratch.gains);
@@ -110,9 +106,7 @@ fn others(n: usize, without: Option<usize>) -> [usize; MAX_CONTACTS] {
 fn atom_at(model: &Model, e: &Explanation, i: usize, out: &mut [f64]) {
     let point = &e.points[i];
     let weights = model.interpolant().value_weights(&point.bary());
-    model
-        .interpolant()
-        .combine(model.rows(), point, &weights, out);
+    model.interpolant().combine(model.rows(), point, &weights, out);
     let length = dot(out, out).sqrt();
     if length > 0.0 {
         out.iter_mut().for_each(|v| *v /= length);

@@ -237,10 +237,7 @@ impl Model {
 
     fn whitened_rows(&self, rows: &[f64], full: usize) -> Vec<f64> {
         let mut out = vec![0.0; rows.len() / full * self.width];
-        for (row, out) in rows
-            .chunks_exact(full)
-            .zip(out.chunks_exact_mut(self.width))
-        {
+        for (row, out) in rows.chunks_exact(full).zip(out.chunks_exact_mut(self.width)) {
             for (out, &gauge) in out.iter_mut().zip(&self.live) {
                 *out = row[gauge];
             }
@@ -272,8 +269,7 @@ impl Model {
         for (site, atom) in atoms.chunks_exact_mut(width).enumerate() {
             let point = &self.sites.points()[site];
             let weights = self.interpolant().value_weights(&point.bary());
-            self.interpolant()
-                .combine(&self.rows, point, &weights, atom);
+            self.interpolant().combine(&self.rows, point, &weights, atom);
             lengths[site] = dot(atom, atom).sqrt();
         }
         let longest = lengths.iter().fold(0.0, |a: f64, &b| a.max(b));

@@ -98,9 +98,7 @@ impl Linear {
         let rows = &mut self.rows[3 * i * width..(3 * i + 3) * width];
         let all = [&weights.slope[0], &weights.slope[1], &weights.value];
         for (row, weights) in rows.chunks_exact_mut(width).zip(all) {
-            model
-                .interpolant()
-                .combine(model.rows(), point, weights, row);
+            model.interpolant().combine(model.rows(), point, weights, row);
             if model.base.is_some() {
                 solve_lower(&self.s, model.m, &mut row[..model.m]);
             }

@@ -137,17 +137,12 @@ impl EstimatorParams {
                 expected: "above 0",
             });
         }
-        for (what, found) in [
-            ("count_margin", self.count_margin),
-            ("settle_margin", self.settle_margin),
-        ] {
+        for (what, found) in
+            [("count_margin", self.count_margin), ("settle_margin", self.settle_margin)]
+        {
             if !found.is_finite() {
                 let expected = "a finite number";
-                return Err(InverseError::Parameter {
-                    what,
-                    found,
-                    expected,
-                });
+                return Err(InverseError::Parameter { what, found, expected });
             }
         }
         Ok(())

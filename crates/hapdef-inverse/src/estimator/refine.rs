@@ -57,11 +57,7 @@ impl Refiner<'_> {
 
     /// Refines `e` to the end, and sets its misfit and Occam factor.
     pub(crate) fn settle(&mut self, e: &mut Explanation) {
-        let n_rounds = if self.model.base.is_some() {
-            N_ROUNDS
-        } else {
-            1
-        };
+        let n_rounds = if self.model.base.is_some() { N_ROUNDS } else { 1 };
         for _ in 0..n_rounds {
             let before = e.chi2 + e.log_det_s;
             self.descend(e, self.params.max_steps);
@@ -133,9 +129,7 @@ impl Refiner<'_> {
         if is_held {
             step = solved(&a, &self.linear.b, n);
         }
-        let longest = (0..e.n)
-            .map(|i| step[3 * i].hypot(step[3 * i + 1]))
-            .fold(0.0, f64::max);
+        let longest = (0..e.n).map(|i| step[3 * i].hypot(step[3 * i + 1])).fold(0.0, f64::max);
         if longest > self.params.max_step_m {
             let scale = self.params.max_step_m / longest;
             step.iter_mut().for_each(|s| *s *= scale);
@@ -166,11 +160,7 @@ impl Refiner<'_> {
     fn occam(&self, e: &Explanation) -> f64 {
         let (n, mut l) = (3 * e.n, [0.0; SIZE]);
         let sds: [f64; MAX_UNKNOWNS] = std::array::from_fn(|q| self.prior_sd(q));
-        if self.scaled_information(&sds[..n], &mut l) {
-            log_det(&l, n)
-        } else {
-            f64::MAX
-        }
+        if self.scaled_information(&sds[..n], &mut l) { log_det(&l, n) } else { f64::MAX }
     }
 
     /// (Λ₀ + I)⁻¹ `[3 n, 3 n]` where the normal equations were formed last, m and N; the prior
@@ -219,9 +209,5 @@ pub(crate) fn solved(a: &[f64; SIZE], b: &[f64; MAX_UNKNOWNS], n: usize) -> [f64
     for p in 0..n {
         x[p] *= scale[p];
     }
-    if x[..n].iter().all(|v| v.is_finite()) {
-        x
-    } else {
-        [0.0; MAX_UNKNOWNS]
-    }
+    if x[..n].iter().all(|v| v.is_finite()) { x } else { [0.0; MAX_UNKNOWNS] }
 }

@@ -27,12 +27,8 @@ pub(crate) fn report(
     let model = &estimator.model;
     let mut best = choose(estimator, untouched, &scratch.found);
     sort_by_force(&mut best);
-    let mut refiner = Refiner {
-        model,
-        params: &estimator.params,
-        linear: &mut scratch.linear,
-        n_steps: 0,
-    };
+    let mut refiner =
+        Refiner { model, params: &estimator.params, linear: &mut scratch.linear, n_steps: 0 };
     refiner.linear.set_covariance(model, &mut best);
     refiner.linear.evaluate(model, &mut best);
     refiner.linear.linearise(model, &best);
@@ -40,8 +36,7 @@ pub(crate) fn report(
     let prior_sd_m = refiner.prior_sd(0);
     out.contacts.clear();
     for i in 0..best.n {
-        out.contacts
-            .push(contact(estimator, &best, i, &out.joint_covariance));
+        out.contacts.push(contact(estimator, &best, i, &out.joint_covariance));
     }
     out.if_two.clear();
     if best.n < estimator.most_contacts() {
@@ -82,9 +77,7 @@ fn choose(
     found: &[Explanation],
 ) -> Explanation {
     let params = &estimator.params;
-    let good = found
-        .iter()
-        .filter(|e| estimator.is_good(e, params.accept_p));
+    let good = found.iter().filter(|e| estimator.is_good(e, params.accept_p));
     let enough = good.map(|e| e.n).min().unwrap_or(usize::MAX);
     let cost = |e: &Explanation| {
         let beyond = e.n.saturating_sub(enough) as f64;
@@ -139,9 +132,8 @@ fn set_residual(
     out.residual.clear();
     out.residual.resize(readings.len(), 0.0);
     for &gauge in &model.live {
-        let explained: f64 = (0..best.n)
-            .map(|i| best.forces[i] * model.map.normal_of(&best.points[i], gauge))
-            .sum();
+        let explained: f64 =
+            (0..best.n).map(|i| best.forces[i] * model.map.normal_of(&best.points[i], gauge)).sum();
         out.residual[gauge] = readings[gauge] - explained;
     }
 }
@@ -178,8 +170,7 @@ fn set_runner_ups(
             None => out.runner_ups.push(new),
         }
     }
-    out.runner_ups
-        .sort_unstable_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
+    out.runner_ups.sort_unstable_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
 }
 
 fn verdict(
@@ -189,11 +180,7 @@ fn verdict(
     prior_sd_m: f64,
 ) -> Verdict {
     let open = |c: &Contact| {
-        let (a, b, d) = (
-            c.covariance[(0, 0)],
-            c.covariance[(0, 1)],
-            c.covariance[(1, 1)],
-        );
+        let (a, b, d) = (c.covariance[(0, 0)], c.covariance[(0, 1)], c.covariance[(1, 1)]);
         let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
         largest.sqrt() > OPEN_SHARE * prior_sd_m
     };

@@ -80,9 +80,7 @@ impl Company {
         let (inverse, kept) = self.orthogonal(held);
         let rows = |i: usize| &self.rows[held[kept[i.min(kept.len() - 1)]] * self.n_sites..];
         let b = |i: usize| -> f32 {
-            (0..=i)
-                .map(|j| inverse[i][j] * self.along[held[kept[j]]])
-                .sum::<f64>() as f32
+            (0..=i).map(|j| inverse[i][j] * self.along[held[kept[j]]]).sum::<f64>() as f32
         };
         let t = inverse.map(|row| row.map(|v| v as f32));
         let arch = pulp::Arch::new();
@@ -118,21 +116,14 @@ impl Company {
             along -= of(&|p| self.along[p]) * q;
             left -= q * q;
         }
-        if along > 0.0 && left > f64::from(LEAST_SINE_2) {
-            along * along / left
-        } else {
-            0.0
-        }
+        if along > 0.0 && left > f64::from(LEAST_SINE_2) { along * along / left } else { 0.0 }
     }
 
     /// What the contacts `held` explain together, signs of their forces left free.
     pub(crate) fn explained(&self, held: &[usize]) -> f64 {
         let (inverse, kept) = self.orthogonal(held);
-        let b = |i: usize| -> f64 {
-            (0..=i)
-                .map(|j| inverse[i][j] * self.along[held[kept[j]]])
-                .sum()
-        };
+        let b =
+            |i: usize| -> f64 { (0..=i).map(|j| inverse[i][j] * self.along[held[kept[j]]]).sum() };
         (0..kept.len()).map(|i| b(i) * b(i)).sum()
     }
 
@@ -254,8 +245,7 @@ impl Model {
     pub(crate) fn peaks(&self, gains: &[f32], n: usize, out: &mut Vec<Gain>) {
         let is_peak = |site: usize| {
             let near = self.sites.near(site);
-            near.iter()
-                .all(|&other| gains[other as usize] <= gains[site])
+            near.iter().all(|&other| gains[other as usize] <= gains[site])
         };
         ranked(gains, n, is_peak, out);
     }

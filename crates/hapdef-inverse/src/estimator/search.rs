@@ -103,9 +103,7 @@ impl ContactEstimator {
         scratch.bases.clear();
         let less = scratch.found.iter().filter(|e| e.n + 1 == n);
         scratch.bases.extend(less);
-        scratch
-            .bases
-            .sort_unstable_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+        scratch.bases.sort_unstable_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         scratch.bases.truncate(params.n_bases);
         if n == 3 {
             let free = params.n_bases.saturating_sub(scratch.bases.len());
@@ -122,20 +120,14 @@ impl ContactEstimator {
     fn refine(&self, n: usize, scratch: &mut EstimatorScratch, info: &mut EstimateInfo) {
         let params = &self.params;
         let skin = self.model.skin();
-        let mut refiner = Refiner {
-            model: &self.model,
-            params,
-            linear: &mut scratch.linear,
-            n_steps: 0,
-        };
+        let mut refiner =
+            Refiner { model: &self.model, params, linear: &mut scratch.linear, n_steps: 0 };
         for start in &mut scratch.starts {
             refiner.weigh(start);
             refiner.descend(start, params.n_probe_steps);
         }
         info.n_refined += scratch.starts.len();
-        scratch
-            .starts
-            .sort_unstable_by(|a, b| a.misfit().total_cmp(&b.misfit()));
+        scratch.starts.sort_unstable_by(|a, b| a.misfit().total_cmp(&b.misfit()));
         scratch.kept.clear();
         let best = scratch.starts.first().map_or(0.0, |e| e.chi2);
         let hopeless = |e: &Explanation| e.chi2 > HOPELESS_RATIO * best + HOPELESS_CHI2;
@@ -150,15 +142,9 @@ impl ContactEstimator {
             refiner.settle(kept);
         }
         for _ in 0..params.n_hops {
-            hop(
-                &mut refiner,
-                &mut scratch.kept,
-                self.model.sites.spacing_m(),
-            );
+            hop(&mut refiner, &mut scratch.kept, self.model.sites.spacing_m());
         }
-        scratch
-            .found
-            .extend(scratch.kept.iter().filter(|e| e.n == n));
+        scratch.found.extend(scratch.kept.iter().filter(|e| e.n == n));
         info.n_steps += refiner.n_steps;
     }
 }

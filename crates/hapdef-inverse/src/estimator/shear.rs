@@ -45,18 +45,9 @@ impl ContactEstimator {
         }
         let mut z = vec![0.0; self.model.width];
         self.model.whiten(readings, &mut z)?;
-        let mut problem = Problem {
-            estimator: self,
-            z,
-            l: None,
-            friction,
-        };
+        let mut problem = Problem { estimator: self, z, l: None, friction };
         let mut state = problem.state(points.to_vec());
-        let n_rounds = if self.model.base.is_some() {
-            N_ROUNDS
-        } else {
-            1
-        };
+        let n_rounds = if self.model.base.is_some() { N_ROUNDS } else { 1 };
         for _ in 0..n_rounds {
             problem.set_covariance(&state);
             state = problem.descended(state.points);
@@ -132,14 +123,10 @@ impl Problem<'_> {
         let mut values = Vec::new();
         let mut slopes = Vec::new();
         for point in &points {
-            let weights = model
-                .interpolant()
-                .weights(&point.bary(), &model.skin().frame(point));
+            let weights = model.interpolant().weights(&point.bary(), &model.skin().frame(point));
             let combined = |w| {
                 let mut row = vec![0.0; 3 * width];
-                model
-                    .interpolant()
-                    .combine(model.vector_rows(), point, w, &mut row);
+                model.interpolant().combine(model.vector_rows(), point, w, &mut row);
                 row
             };
             values.push(combined(&weights.value));
@@ -171,13 +158,7 @@ impl Problem<'_> {
             columns.extend_from_slice(&force_columns[3 * i..3 * i + 3]);
         }
         let chi2 = dot(&residual, &residual);
-        State {
-            points,
-            forces,
-            columns,
-            residual,
-            chi2,
-        }
+        State { points, forces, columns, residual, chi2 }
     }
 
     /// The forces within their cones that explain most, by projected gradient with Nesterov's
@@ -186,15 +167,11 @@ impl Problem<'_> {
         let n = columns.len();
         let h = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
         let c = DVector::from_fn(n, |i, _| dot(&columns[i], z));
-        let inward: Vec<_> = points
-            .iter()
-            .map(|p| -self.estimator.model.skin().normal(p))
-            .collect();
+        let inward: Vec<_> =
+            points.iter().map(|p| -self.estimator.model.skin().normal(p)).collect();
         let prior = 1e-9 * h.trace().max(f64::MIN_POSITIVE);
         let damped = &h + DMatrix::identity(n, n) * prior;
-        let mut x = damped
-            .cholesky()
-            .map_or_else(|| DVector::zeros(n), |l| l.solve(&c));
+        let mut x = damped.cholesky().map_or_else(|| DVector::zeros(n), |l| l.solve(&c));
         if self.project(&mut x, &inward) {
             let steepness = h.norm().max(f64::MIN_POSITIVE);
             let (mut ahead, mut momentum) = (x.clone(), 1.0_f64);
@@ -206,9 +183,7 @@ impl Problem<'_> {
                 (x, momentum) = (next, grown);
             }
         }
-        (0..points.len())
-            .map(|i| Vector3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2]))
-            .collect()
+        (0..points.len()).map(|i| Vector3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2])).collect()
     }
 
     /// Puts each force into its cone; whether any was outside.
@@ -238,8 +213,7 @@ impl Problem<'_> {
             a[(i, i)] += damping * a[(i, i)] + floor;
         }
         let b = DVector::from_fn(n, |i, _| dot(&state.columns[i], &state.residual));
-        a.cholesky()
-            .map_or_else(|| DVector::zeros(n), |l| l.solve(&b))
+        a.cholesky().map_or_else(|| DVector::zeros(n), |l| l.solve(&b))
     }
 
     fn walked(&self, state: &State, step: &DVector<f64>) -> Vec<SkinPoint> {
@@ -263,24 +237,15 @@ impl Problem<'_> {
             self.estimator.params.force_scale_n.max(found_n)
         };
         let prior = |q: usize| {
-            if q % N < 2 {
-                skin_sd_m
-            } else {
-                force_sd_n(q / N)
-            }
+            if q % N < 2 { skin_sd_m } else { force_sd_n(q / N) }
         };
         let scaled = self.information(state);
         let scaled = DMatrix::from_fn(n, n, |i, j| {
             f64::from(u8::from(i == j)) + prior(i) * prior(j) * scaled[(i, j)]
         });
-        let covariance = scaled
-            .cholesky()
-            .map_or_else(|| DMatrix::identity(n, n), |l| l.inverse());
+        let covariance = scaled.cholesky().map_or_else(|| DMatrix::identity(n, n), |l| l.inverse());
         let entry = |i: usize, j: usize| prior(i) * prior(j) * covariance[(i, j)];
-        let (skin, told) = (
-            self.estimator.model.skin(),
-            self.estimator.model.place_factor,
-        );
+        let (skin, told) = (self.estimator.model.skin(), self.estimator.model.place_factor);
         let contact = |i: usize| ShearContact {
             point: state.points[i],
             position_m: skin.position(&state.points[i]),

@@ -17,17 +17,12 @@ pub fn exchange(
     chosen: &[usize],
     params: &PlacementParams,
 ) -> Result<Vec<usize>, InverseError> {
-    let checked = PlacementParams {
-        mounted: chosen.to_vec(),
-        ..params.clone()
-    };
+    let checked = PlacementParams { mounted: chosen.to_vec(), ..params.clone() };
     candidates.check(&checked)?;
     let pairs = draw_pairs(candidates, params);
     let tail = |layout: &[usize]| {
-        let mut all: Vec<f64> = pairs
-            .iter()
-            .flat_map(|pair| bounds::<2>(candidates, layout, params, *pair))
-            .collect();
+        let mut all: Vec<f64> =
+            pairs.iter().flat_map(|pair| bounds::<2>(candidates, layout, params, *pair)).collect();
         quantile(&mut all, 0.95)
     };
     let mut layout = chosen.to_vec();

@@ -132,9 +132,5 @@ impl Candidates {
 /// No place is left for as many gauges.
 pub(crate) fn no_place(expected: usize, found: usize) -> InverseError {
     let what = "gauges that find a place (allow more candidates or a smaller spacing)";
-    InverseError::Length {
-        what,
-        expected,
-        found,
-    }
+    InverseError::Length { what, expected, found }
 }

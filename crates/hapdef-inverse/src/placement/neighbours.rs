@@ -49,9 +49,7 @@ fn readings(candidates: &Candidates, c: usize) -> Vec<f32> {
 fn add(candidates: &Candidates, c: usize, gaps: &mut [f32]) {
     let g = readings(candidates, c);
     for (row, own) in gaps.chunks_exact_mut(g.len()).zip(&g) {
-        row.iter_mut()
-            .zip(&g)
-            .for_each(|(gap, other)| *gap += (own - other).powi(2));
+        row.iter_mut().zip(&g).for_each(|(gap, other)| *gap += (own - other).powi(2));
     }
 }
 

@@ -19,10 +19,7 @@ pub fn place_pca_qr(
     params: &PlacementParams,
 ) -> Result<Vec<usize>, InverseError> {
     candidates.check(params)?;
-    let n_modes = params
-        .n_gauges
-        .min(candidates.n())
-        .min(candidates.n_sites());
+    let n_modes = params.n_gauges.min(candidates.n()).min(candidates.n_sites());
     let mut modes = principal_modes(candidates, n_modes);
     let mut chosen = Vec::new();
     for &c in &params.mounted {
@@ -64,9 +61,8 @@ fn principal_modes(candidates: &Candidates, n_modes: usize) -> Vec<Vec<f64>> {
     let (n, n_sites) = (candidates.n(), candidates.n_sites());
     let g = |c: usize, site: usize| candidates.responses[c * n_sites + site][0];
     let mut draws = Draws::new(1);
-    let mut basis: Vec<Vec<f64>> = (0..n_modes)
-        .map(|_| (0..n).map(|_| draws.below(2000) as f64 - 999.5).collect())
-        .collect();
+    let mut basis: Vec<Vec<f64>> =
+        (0..n_modes).map(|_| (0..n).map(|_| draws.below(2000) as f64 - 999.5).collect()).collect();
     for _ in 0..N_ROUNDS {
         for vector in &mut basis {
             let mut at_sites = vec![0.0; n_sites];
@@ -81,9 +77,7 @@ fn principal_modes(candidates: &Candidates, n_modes: usize) -> Vec<Vec<f64>> {
         }
         orthogonalise(&mut basis);
     }
-    (0..n)
-        .map(|c| basis.iter().map(|vector| vector[c]).collect())
-        .collect()
+    (0..n).map(|c| basis.iter().map(|vector| vector[c]).collect()).collect()
 }
 
 /// Gram–Schmidt, modified; vectors in the span of those before become 0.

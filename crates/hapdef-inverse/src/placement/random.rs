@@ -15,9 +15,8 @@ pub fn place_random(
     let mut draws = Draws::new(params.seed);
     let mut chosen = params.mounted.clone();
     while chosen.len() < params.n_gauges {
-        let free: Vec<usize> = (0..candidates.n())
-            .filter(|&c| candidates.fits(c, &chosen, params))
-            .collect();
+        let free: Vec<usize> =
+            (0..candidates.n()).filter(|&c| candidates.fits(c, &chosen, params)).collect();
         if free.is_empty() {
             return Err(no_place(params.n_gauges, chosen.len()));
         }

@@ -28,19 +28,14 @@ pub fn placement_score(
     chosen: &[usize],
     params: &PlacementParams,
 ) -> Result<PlacementScore, InverseError> {
-    let checked = PlacementParams {
-        mounted: chosen.to_vec(),
-        ..params.clone()
-    };
+    let checked = PlacementParams { mounted: chosen.to_vec(), ..params.clone() };
     candidates.check(&checked)?;
     let mut singles: Vec<f64> = (0..candidates.n_sites())
         .flat_map(|site| bounds::<1>(candidates, chosen, params, [site]))
         .collect();
     let pairs = draw_pairs(candidates, params);
-    let mut doubles: Vec<f64> = pairs
-        .iter()
-        .flat_map(|pair| bounds::<2>(candidates, chosen, params, *pair))
-        .collect();
+    let mut doubles: Vec<f64> =
+        pairs.iter().flat_map(|pair| bounds::<2>(candidates, chosen, params, *pair)).collect();
     let mean = singles.iter().sum::<f64>() / singles.len().max(1) as f64;
     Ok(PlacementScore {
         single_mean_m: mean,

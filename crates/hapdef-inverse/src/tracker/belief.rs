@@ -134,13 +134,7 @@ impl Belief {
     }
 
     pub(super) fn forces(&self) -> [f64; MAX_CONTACTS] {
-        std::array::from_fn(|i| {
-            if i < self.n {
-                self.slots[i].force_n
-            } else {
-                0.0
-            }
-        })
+        std::array::from_fn(|i| if i < self.n { self.slots[i].force_n } else { 0.0 })
     }
 
     pub(super) fn set_forces(&mut self, forces: &[f64; MAX_CONTACTS], scale: f64) {
@@ -219,8 +213,7 @@ impl Belief {
         let end = self.n * width;
         self.delta.copy_within((i + 1) * width..end, i * width);
         self.atoms.copy_within((i + 1) * width..end, i * width);
-        self.slopes
-            .copy_within(2 * (i + 1) * width..2 * end, 2 * i * width);
+        self.slopes.copy_within(2 * (i + 1) * width..2 * end, 2 * i * width);
         self.slots.copy_within(i + 1..self.n, i);
         self.tangents.copy_within(i + 1..self.n, i);
         self.n -= 1;

@@ -65,9 +65,8 @@ impl Filter {
             t.fill(0.0);
             for (i, state) in row.chunks_exact(d).enumerate() {
                 let force = forces[i];
-                for (slope, p) in belief.slopes[2 * i * width..]
-                    .chunks_exact(width)
-                    .zip(&state[..2])
+                for (slope, p) in
+                    belief.slopes[2 * i * width..].chunks_exact(width).zip(&state[..2])
                 {
                     add_scaled(t, force * p, slope);
                 }
@@ -189,17 +188,12 @@ impl Filter {
             if slot.is_mobile() {
                 continue;
             }
-            slot.covariance[(2, 2)] = if is_known {
-                forces[i * n + i]
-            } else {
-                f64::MAX
-            };
+            slot.covariance[(2, 2)] = if is_known { forces[i * n + i] } else { f64::MAX };
             for p in 0..2 {
                 let row = &mut self.t[(i * d + p) * width..(i * d + p + 1) * width];
                 solve_lower(&metric.l, metric.m, &mut row[..metric.m]);
-                let cross: f64 = (0..n)
-                    .map(|j| -dot(row, metric.atom(j)) * forces[j * n + i])
-                    .sum();
+                let cross: f64 =
+                    (0..n).map(|j| -dot(row, metric.atom(j)) * forces[j * n + i]).sum();
                 slot.covariance[(p, 2)] = cross;
                 slot.covariance[(2, p)] = cross;
                 for q in 0..2 {
@@ -224,10 +218,7 @@ impl Filter {
                 add_scaled(row, covariance[i * n + j], metric.atom(j));
             }
             solve_upper(&metric.l, m, &mut row[..m]);
-            let variance: f64 = (0..m)
-                .filter(|&g| self.live[g])
-                .map(|g| row[g] * row[g])
-                .sum();
+            let variance: f64 = (0..m).filter(|&g| self.live[g]).map(|g| row[g] * row[g]).sum();
             belief.slots[i].force_noise_n = variance.sqrt();
         }
     }

@@ -26,11 +26,7 @@ impl ContactTracker {
             let slot = &mut best.slots[i];
             let sd = slot.covariance[(2, 2)].sqrt();
             let is_weak = slot.force_n < least_n || (slot.force_n < 3.0 * sd && sd < 1.0);
-            slot.n_weak = if is_weak {
-                slot.n_weak + 1
-            } else {
-                slot.n_weak.saturating_sub(2)
-            };
+            slot.n_weak = if is_weak { slot.n_weak + 1 } else { slot.n_weak.saturating_sub(2) };
             if slot.n_weak >= patience {
                 self.frame.released.push(slot.id);
                 best.remove(i);
@@ -96,9 +92,8 @@ impl ContactTracker {
         }
         frame.contacts.sort_unstable_by_key(|contact| contact.id);
         for (g, &gauge) in model.live.iter().enumerate() {
-            let explained: f64 = (0..best.n)
-                .map(|i| best.slots[i].force_n * best.atoms[i * best.width + g])
-                .sum();
+            let explained: f64 =
+                (0..best.n).map(|i| best.slots[i].force_n * best.atoms[i * best.width + g]).sum();
             let is_read = self.work.filter.live[g];
             let left = readings[gauge] - explained * model.l[g * model.m + g];
             frame.residual[gauge] = if is_read { left } else { 0.0 };

@@ -108,10 +108,7 @@ impl ContactTracker {
         let mut live = vec![false; n_gauges];
         from.live.iter().for_each(|&gauge| live[gauge] = true);
         // whitened by the gauges' noise alone: what the map misses is a state of each contact
-        let noise = NoiseParams {
-            typical_force_n: 1e-9,
-            ..estimator.noise.clone()
-        };
+        let noise = NoiseParams { typical_force_n: 1e-9, ..estimator.noise.clone() };
         let model = Model::new(from.map.clone(), from.sites.clone(), &noise, &live)?;
         let (m, width) = (model.m, model.width);
         let empty = Belief::new(&model);
@@ -174,15 +171,12 @@ impl ContactTracker {
     ) -> Result<&TrackedFrame, InverseError> {
         self.read(readings, live)?;
         self.steps_left = self.params.steps_per_frame;
-        self.frame.info = TrackInfo {
-            is_adopted: std::mem::take(&mut self.is_adopted),
-            ..TrackInfo::default()
-        };
+        self.frame.info =
+            TrackInfo { is_adopted: std::mem::take(&mut self.is_adopted), ..TrackInfo::default() };
         self.frame.released.clear();
         let is_alarm = self.solve();
         self.is_changed = false;
-        self.recent
-            .add(&self.model, readings, &self.z, &self.work.filter.live);
+        self.recent.add(&self.model, readings, &self.z, &self.work.filter.live);
         self.recent.judge(is_alarm);
         match self.mode {
             Mode::Quiet { deaf } => self.hold(is_alarm, deaf),
@@ -254,9 +248,7 @@ impl ContactTracker {
         let n_dof = self.n_live.saturating_sub(best.n);
         if solved.chi2 > self.alarms[n_dof] && best.n > 0 {
             // places and map errors weigh more where forces have grown
-            self.work
-                .filter
-                .weigh(best, &solved.forces, &mut self.metric);
+            self.work.filter.weigh(best, &solved.forces, &mut self.metric);
             solved = self.metric.solve(&self.z);
         }
         best.set_forces(&solved.forces, 1.0);
@@ -280,10 +272,7 @@ impl ContactTracker {
         };
         let end = self.spend(n * n_mobile);
         let scale = self.gathered.frame(&mut self.work.z);
-        let target = Target {
-            z: &self.work.z,
-            scale,
-        };
+        let target = Target { z: &self.work.z, scale };
         let mut workshop = Workshop {
             model: &self.model,
             params: &self.settings,
@@ -302,10 +291,7 @@ impl ContactTracker {
         self.frame.info.n_trials += n_trials;
         if let Whose::Candidate(c) = whose {
             let handicap = self.hypotheses.candidates[c].handicap;
-            self.hypotheses.fits[c] = Fit {
-                evidence: fit.evidence + handicap,
-                ..fit
-            };
+            self.hypotheses.fits[c] = Fit { evidence: fit.evidence + handicap, ..fit };
         }
         fit
     }

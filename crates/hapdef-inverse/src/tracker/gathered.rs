@@ -13,12 +13,7 @@ pub(super) struct Gathered {
 
 impl Gathered {
     pub(super) fn new(width: usize) -> Self {
-        Self {
-            sum: vec![0.0; width],
-            w: 0.0,
-            w_2: 0.0,
-            n_frames: 0,
-        }
+        Self { sum: vec![0.0; width], w: 0.0, w_2: 0.0, n_frames: 0 }
     }
 
     pub(super) fn clear(&mut self) {

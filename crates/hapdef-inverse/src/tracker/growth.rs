@@ -156,9 +156,7 @@ impl ContactTracker {
         let Some(i) = from.clone().position(|slot| slot.id == mobile.id) else {
             return;
         };
-        let n_dof = self
-            .n_live
-            .saturating_sub(self.hypotheses.candidates[0].n + 2);
+        let n_dof = self.n_live.saturating_sub(self.hypotheses.candidates[0].n + 2);
         let p = upper_tail(self.hypotheses.fits[0].chi2, n_dof);
         if n_frames < LEAST_HOP_AGE || p > HOP_P {
             return;
@@ -221,8 +219,7 @@ impl ContactTracker {
         self.hypotheses.begin();
         if let Some(base) = self.hypotheses.add(&self.before) {
             self.scan_beside(base, force_n);
-            self.pair_birth
-                .prepare(&self.hypotheses.candidates[base], &self.work.scan);
+            self.pair_birth.prepare(&self.hypotheses.candidates[base], &self.work.scan);
             let scale = self.gathered.frame(&mut self.work.z);
             self.pair_birth.start(&self.work.z, scale);
         }

@@ -62,9 +62,7 @@ impl Hypotheses {
     /// How much worse the second hypothesis is in −2 ln evidence.
     pub(super) fn lead(&self) -> f64 {
         let others = self.all[1..self.n].iter();
-        others
-            .map(|other| other.total() - self.all[0].total())
-            .fold(f64::INFINITY, f64::min)
+        others.map(|other| other.total() - self.all[0].total()).fold(f64::INFINITY, f64::min)
     }
 
     pub(super) fn drop_contact(&mut self, id: ContactId) {
@@ -95,9 +93,7 @@ impl Hypotheses {
         for j in 0..self.n - 1 {
             let is_near = others[j].total() <= best[0].total() + delta;
             let is_new = !is_same(model, &others[j], &best[0])
-                && !others[..n - 1]
-                    .iter()
-                    .any(|o| is_same(model, o, &others[j]));
+                && !others[..n - 1].iter().any(|o| is_same(model, o, &others[j]));
             if is_near && is_new {
                 others.swap(n - 1, j);
                 n += 1;

@@ -37,9 +37,7 @@ impl ContactTracker {
             }
             return;
         }
-        self.mode = Mode::Quiet {
-            deaf: deaf.saturating_sub(1),
-        };
+        self.mode = Mode::Quiet { deaf: deaf.saturating_sub(1) };
         self.gathered.add(&self.z, 1.0);
         if self.gathered.n_frames < self.params.block_frames {
             return;
@@ -82,8 +80,7 @@ impl ContactTracker {
             }
             let metric = &mut work.metric;
             let model = &self.model;
-            work.filter
-                .update(model, belief, &work.z, scale, prior_sd_m, metric);
+            work.filter.update(model, belief, &work.z, scale, prior_sd_m, metric);
             let size_2: f64 = belief.forces().iter().map(|a| a * a).sum();
             let strain = size_2 / self.settings.force_scale_n.powi(2);
             belief.strain = belief.strain.max(strain);
@@ -142,10 +139,8 @@ impl ContactTracker {
     }
 
     fn adopt_winner(&mut self, winner: usize, n_alive: usize, weakest: Option<(usize, ContactId)>) {
-        let is_birth = self.hypotheses.candidates[winner]
-            .slots()
-            .iter()
-            .any(|slot| slot.phase == Phase::Born);
+        let is_birth =
+            self.hypotheses.candidates[winner].slots().iter().any(|slot| slot.phase == Phase::Born);
         let replaced = weakest.filter(|_| is_birth);
         let before = replaced.map_or(0, |(base, _)| base);
         self.before.copy_from(&self.hypotheses.candidates[before]);
@@ -224,8 +219,7 @@ impl ContactTracker {
         let belief = &self.hypotheses.candidates[base];
         let forces = belief.forces().map(|a| a * scale);
         let work = &mut self.work;
-        work.filter
-            .weigh_beside(belief, &forces, newcomer_n * scale, &mut work.metric);
+        work.filter.weigh_beside(belief, &forces, newcomer_n * scale, &mut work.metric);
         let solved = work.metric.solve(&work.z);
         work.scan.scan(&work.metric, &solved.forces);
     }

@@ -43,10 +43,7 @@ pub(super) struct Fit {
 }
 
 impl Fit {
-    pub(super) const NONE: Self = Self {
-        chi2: f64::INFINITY,
-        evidence: f64::INFINITY,
-    };
+    pub(super) const NONE: Self = Self { chi2: f64::INFINITY, evidence: f64::INFINITY };
 }
 
 /// Buffers of a refinement.
@@ -219,19 +216,11 @@ impl Workshop<'_> {
         }
         let chi2 = dot(&self.locator.r, &self.locator.r);
         let size_2: f64 = forces.iter().map(|a| a * a).sum();
-        Guess {
-            points: *points,
-            forces,
-            chi2,
-            cost: chi2 + self.prior_information(scale) * size_2,
-        }
+        Guess { points: *points, forces, chi2, cost: chi2 + self.prior_information(scale) * size_2 }
     }
 
     fn prior_information(&self, scale: f64) -> f64 {
-        (self.params.force_scale_n * scale)
-            .powi(2)
-            .recip()
-            .min(f64::MAX)
+        (self.params.force_scale_n * scale).powi(2).recip().min(f64::MAX)
     }
 
     fn fill_rows(&mut self, point: &SkinPoint, i: usize) {
@@ -241,9 +230,7 @@ impl Workshop<'_> {
         let rows = &mut self.locator.rows[3 * i * width..3 * (i + 1) * width];
         let all = [&weights.slope[0], &weights.slope[1], &weights.value];
         for (row, weights) in rows.chunks_exact_mut(width).zip(all) {
-            model
-                .interpolant()
-                .combine(model.rows(), point, weights, row);
+            model.interpolant().combine(model.rows(), point, weights, row);
             self.metric.whiten(row);
         }
         self.locator.tangents[i] = frame.tangents;
@@ -306,11 +293,7 @@ impl Workshop<'_> {
             for q in 0..n {
                 let is_fixed = p == q && p % 3 != 2 && !belief.slots[p / 3].is_mobile();
                 let unit = if p == q { 1.0 } else { 0.0 };
-                let information = if is_fixed {
-                    0.0
-                } else {
-                    self.locator.a[p * n + q]
-                };
+                let information = if is_fixed { 0.0 } else { self.locator.a[p * n + q] };
                 l[p * n + q] = unit + prior(p) * prior(q) * information;
             }
         }
@@ -344,9 +327,6 @@ impl Workshop<'_> {
         } else {
             evidence = f64::INFINITY;
         }
-        Fit {
-            chi2: guess.chi2,
-            evidence,
-        }
+        Fit { chi2: guess.chi2, evidence }
     }
 }

@@ -131,11 +131,7 @@ impl Metric {
 
     /// ln det of the atoms' products.
     pub(super) fn log_det_atoms(&self) -> f64 {
-        if self.is_definite {
-            log_det(&self.factor, self.n)
-        } else {
-            0.0
-        }
+        if self.is_definite { log_det(&self.factor, self.n) } else { 0.0 }
     }
 
     /// Orthonormal rows that span the atoms of contacts with `forces` above 0, into `basis`

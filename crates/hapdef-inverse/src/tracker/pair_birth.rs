@@ -119,9 +119,7 @@ impl ContactTracker {
     }
 
     fn refine_pair(&mut self) {
-        let Self {
-            pair_birth, model, ..
-        } = self;
+        let Self { pair_birth, model, .. } = self;
         let pair = pair_birth.job.pairs[pair_birth.next];
         pair_birth.next += 1;
         pair_birth.trial.copy_from(&pair_birth.base);
@@ -130,10 +128,7 @@ impl ContactTracker {
             let slot = Slot::new(ContactId(0), point, self.frame.index);
             pair_birth.trial.push(model, slot);
         }
-        let target = Target {
-            z: &pair_birth.z,
-            scale: pair_birth.scale,
-        };
+        let target = Target { z: &pair_birth.z, scale: pair_birth.scale };
         let mut workshop = Workshop {
             model,
             params: &self.settings,
@@ -178,11 +173,7 @@ impl ContactTracker {
         }
         let stay = self.hypotheses.fits[stay].evidence;
         let n_mobile = self.hypotheses.best().n_mobile();
-        let margin = if n_mobile == 1 {
-            self.params.birth_margin
-        } else {
-            0.0
-        };
+        let margin = if n_mobile == 1 { self.params.birth_margin } else { 0.0 };
         let better = |&c: &usize| c > 0 && self.hypotheses.fits[c].evidence < stay - margin;
         if let Some(winner) = self.hypotheses.winner().filter(better) {
             let delta = self.params.hypothesis_delta;

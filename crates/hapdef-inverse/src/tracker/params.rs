@@ -110,18 +110,12 @@ impl TrackerParams {
         ] {
             check_not_negative(what, found)?;
         }
-        for (what, found) in [
-            ("alarm_p", self.alarm_p),
-            ("pair_p", self.pair_p),
-            ("misfit_p", self.misfit_p),
-        ] {
+        for (what, found) in
+            [("alarm_p", self.alarm_p), ("pair_p", self.pair_p), ("misfit_p", self.misfit_p)]
+        {
             if !(0.0..=1.0).contains(&found) {
                 let expected = "a probability, 0 to 1";
-                return Err(InverseError::Parameter {
-                    what,
-                    found,
-                    expected,
-                });
+                return Err(InverseError::Parameter { what, found, expected });
             }
         }
         Ok(())

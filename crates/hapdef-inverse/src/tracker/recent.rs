@@ -66,11 +66,7 @@ impl Recent {
     }
 
     pub(super) fn judge(&mut self, is_alarm: bool) {
-        self.n_bad = if is_alarm {
-            self.n_bad + 1
-        } else {
-            self.n_bad.saturating_sub(1)
-        };
+        self.n_bad = if is_alarm { self.n_bad + 1 } else { self.n_bad.saturating_sub(1) };
     }
 
     pub(super) fn forgive(&mut self) {

@@ -71,11 +71,7 @@ impl SiteScan {
         for site in 0..self.n_sites {
             let (along, length_2) = (self.along[site], self.lengths_2[site]);
             let is_usable = along > 0.0 && length_2 > least;
-            self.gains[site] = if is_usable {
-                along * along / length_2
-            } else {
-                0.0
-            };
+            self.gains[site] = if is_usable { along * along / length_2 } else { 0.0 };
         }
     }
 
@@ -154,11 +150,7 @@ impl PairJob {
         let least = (BLIND_SHARE * longest).max(f32::MIN_POSITIVE);
         for site in 0..n {
             let length_2 = scan.lengths_2[site];
-            let scale = if length_2 > least {
-                1.0 / length_2.sqrt()
-            } else {
-                0.0
-            };
+            let scale = if length_2 > least { 1.0 / length_2.sqrt() } else { 0.0 };
             self.c[site] = scan.along[site] * scale;
             for g in 0..self.m {
                 self.units[g * n + site] = scan.projected[g * n + site] * scale;
@@ -183,16 +175,10 @@ impl PairJob {
         let end = (self.next_row + n_rows).min(self.n_sites);
         for s in self.next_row..end {
             pulp::Arch::new().dispatch(|| self.row(s));
-            let mut best = SitePair {
-                sites: [s, s],
-                energy: 0.0,
-            };
+            let mut best = SitePair { sites: [s, s], energy: 0.0 };
             for (t, &energy) in self.energies.iter().enumerate().skip(s + 1) {
                 if energy > best.energy {
-                    best = SitePair {
-                        sites: [s, t],
-                        energy,
-                    };
+                    best = SitePair { sites: [s, t], energy };
                 }
             }
             if best.energy > 0.0 {

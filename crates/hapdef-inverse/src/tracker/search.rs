@@ -38,13 +38,7 @@ impl SearchRequest<'_> {
         outcome: &mut SearchOutcome,
     ) -> Result<(), InverseError> {
         outcome.frame = self.frame;
-        search(
-            estimator,
-            self.readings,
-            self.live,
-            scratch,
-            &mut outcome.estimate,
-        )
+        search(estimator, self.readings, self.live, scratch, &mut outcome.estimate)
     }
 }
 
@@ -60,12 +54,9 @@ fn search(
     if is_whole {
         return estimator.estimate_into(readings, scratch, estimate);
     }
-    let both: Vec<bool> = (0..live.len())
-        .map(|gauge| live[gauge] && estimator.model.live.contains(&gauge))
-        .collect();
-    estimator
-        .masked(&both)?
-        .estimate_into(readings, scratch, estimate)
+    let both: Vec<bool> =
+        (0..live.len()).map(|gauge| live[gauge] && estimator.model.live.contains(&gauge)).collect();
+    estimator.masked(&both)?.estimate_into(readings, scratch, estimate)
 }
 
 #[derive(Debug)]
@@ -108,9 +99,7 @@ impl BackgroundSearch {
         let thread = std::thread::Builder::new()
             .name("contact search".to_owned())
             .spawn(work)
-            .map_err(|error| InverseError::NoThread {
-                reason: error.to_string(),
-            })?;
+            .map_err(|error| InverseError::NoThread { reason: error.to_string() })?;
         let idle = Job {
             readings: vec![0.0; n_gauges],
             live: vec![true; n_gauges],
@@ -153,9 +142,9 @@ impl BackgroundSearch {
                 failure.map_or(Ok(true), Err)
             }
             Err(TryRecvError::Empty) => Ok(false),
-            Err(TryRecvError::Disconnected) => Err(InverseError::NoThread {
-                reason: "it ended".to_owned(),
-            }),
+            Err(TryRecvError::Disconnected) => {
+                Err(InverseError::NoThread { reason: "it ended".to_owned() })
+            }
         }
     }
 }

@@ -80,10 +80,7 @@ impl ContactTracker {
         let moved_m = (place - self.anchor_m).norm();
         self.anchor_m = place;
         let is_still = moved_m < STILL_M.max(STILL_SDS * sd_m);
-        self.mode = Mode::Sliding {
-            age,
-            still: if is_still { still + 1 } else { 0 },
-        };
+        self.mode = Mode::Sliding { age, still: if is_still { still + 1 } else { 0 } };
         if is_still && still >= 1 {
             self.come_to_rest();
         }
@@ -108,17 +105,10 @@ impl ContactTracker {
         let x = self.model.skin().position(&slot.point);
         let reach_m = HOP_SPACINGS * self.model.sites.spacing_m();
         let far = |y: &nalgebra::Point3<f64>| (y - x).norm() > reach_m;
-        for (gain, y) in self
-            .work
-            .scan
-            .gains
-            .iter_mut()
-            .zip(self.model.sites.positions())
-        {
+        for (gain, y) in self.work.scan.gains.iter_mut().zip(self.model.sites.positions()) {
             *gain = if far(y) { 0.0 } else { *gain };
         }
-        self.model
-            .largest(&self.work.scan.gains, N_HOPS, &mut self.work.scan.peaks);
+        self.model.largest(&self.work.scan.gains, N_HOPS, &mut self.work.scan.peaks);
         for k in 0..self.work.scan.peaks.len() {
             let Some(c) = self.hypotheses.copy_candidate(base) else {
                 break;

@@ -12,11 +12,7 @@ fn strip(n: u32, fold_rad: f64) -> Skin {
             let x = f64::from(i);
             let beyond = (x - 1.0).max(0.0);
             let (s, c) = fold_rad.sin_cos();
-            nodes.push(Point3::new(
-                x.min(1.0) + beyond * c,
-                f64::from(j),
-                -beyond * s,
-            ));
+            nodes.push(Point3::new(x.min(1.0) + beyond * c, f64::from(j), -beyond * s));
         }
     }
     let mut faces = Vec::new();
@@ -27,13 +23,7 @@ fn strip(n: u32, fold_rad: f64) -> Skin {
             faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    Skin::new(
-        nodes,
-        SkinFaces::Linear(&faces),
-        None,
-        &SkinParams::default(),
-    )
-    .unwrap()
+    Skin::new(nodes, SkinFaces::Linear(&faces), None, &SkinParams::default()).unwrap()
 }
 
 fn start(skin: &Skin) -> SkinPoint {
@@ -68,10 +58,7 @@ fn walls_stop_or_deflect() {
     assert!((skin.position(&stopped.point).y - 2.0).abs() < 1e-12);
     let slid = skin.walk(&start(&skin), &step, AtWall::Slide);
     let (from, to) = (skin.position(&start(&skin)), skin.position(&slid.point));
-    assert!(
-        (to.y - 2.0).abs() < 1e-12 && (to.x - from.x - 1.0).abs() < 1e-12,
-        "{to}"
-    );
+    assert!((to.y - 2.0).abs() < 1e-12 && (to.x - from.x - 1.0).abs() < 1e-12, "{to}");
 }
 
 #[test]
@@ -95,10 +82,7 @@ fn a_walk_into_a_corner_ends_there() {
 fn folds_and_forbidden_faces_are_walls() {
     let step = Vector3::new(1.5, 0.0, 0.0);
     let folded = strip(3, 1.2);
-    assert_eq!(
-        folded.walk(&start(&folded), &step, AtWall::Stop).end,
-        WalkEnd::Fold
-    );
+    assert_eq!(folded.walk(&start(&folded), &step, AtWall::Stop).end, WalkEnd::Fold);
     let barred = strip(3, 0.0).forbid(&[4, 5]).unwrap();
     let walk = barred.walk(&start(&barred), &step, AtWall::Stop);
     assert_eq!(walk.end, WalkEnd::Forbidden);
@@ -171,10 +155,7 @@ fn a_walk_from_a_corner_gets_on_whatever_its_direction() {
     let skin = icosahedron();
     let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for face in 0..20 {
-        for bary in corners
-            .into_iter()
-            .chain([[0.5, 0.5, 0.0], [0.0, 0.4, 0.6]])
-        {
+        for bary in corners.into_iter().chain([[0.5, 0.5, 0.0], [0.0, 0.4, 0.6]]) {
             let from = SkinPoint::new(&skin, face, bary).unwrap();
             let [t1, t2] = skin.tangents(&from);
             let frame = skin.frame(&from);

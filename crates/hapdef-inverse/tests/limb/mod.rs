@@ -18,10 +18,7 @@ pub struct Limb {
 
 impl Limb {
     pub fn plain() -> Self {
-        Self {
-            gains: vec![1.0; N_GAUGES],
-            warp: 0.0,
-        }
+        Self { gains: vec![1.0; N_GAUGES], warp: 0.0 }
     }
 
     pub fn response(&self, world: &World, x: &Point3<f64>) -> Vec<f64> {
@@ -37,17 +34,10 @@ impl Limb {
                 let point = world::draw_point(world.map.skin(), &mut rng);
                 let force_n = rng.random_range(5.0..34.0);
                 let x = world.map.skin().position(&point);
-                let mut readings: Vec<f64> = self
-                    .response(world, &x)
-                    .iter()
-                    .map(|g| force_n * g)
-                    .collect();
+                let mut readings: Vec<f64> =
+                    self.response(world, &x).iter().map(|g| force_n * g).collect();
                 world::add_noise(&mut readings, noise, &mut rng);
-                Press {
-                    point,
-                    force_n,
-                    readings,
-                }
+                Press { point, force_n, readings }
             })
             .collect()
     }
@@ -68,9 +58,7 @@ impl Limb {
 
 pub fn test_points(world: &World) -> Vec<SkinPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(999);
-    (0..300)
-        .map(|_| world::draw_point(world.map.skin(), &mut rng))
-        .collect()
+    (0..300).map(|_| world::draw_point(world.map.skin(), &mut rng)).collect()
 }
 
 pub fn world() -> World {

@@ -25,10 +25,7 @@ fn noise_alone_is_never_a_contact() {
 fn what_is_too_weak_to_be_held_is_not_born() {
     let world = World::new(10, 400, 3);
     let n_ghosts = |release_force_n: f64| {
-        let params = TrackerParams {
-            release_force_n,
-            ..TrackerParams::default()
-        };
+        let params = TrackerParams { release_force_n, ..TrackerParams::default() };
         let mut tracker = tracker(&world, 0.1, params);
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let point = world.draw_points(1, 0.01, &mut rng)[0];
@@ -111,10 +108,7 @@ fn a_pair_that_comes_beside_held_contacts_is_found() {
 #[test]
 fn a_force_beyond_the_largest_is_followed_where_nothing_else_explains_it() {
     let world = World::new(10, 600, 5);
-    let params = EstimatorParams {
-        max_force_n: 20.0,
-        ..EstimatorParams::default()
-    };
+    let params = EstimatorParams { max_force_n: 20.0, ..EstimatorParams::default() };
     let estimator = world.estimator(noise(0.014), params);
     let mut tracker = ContactTracker::new(&estimator, TrackerParams::default()).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -6,10 +6,7 @@ use super::*;
 #[test]
 fn forces_of_held_contacts_follow_at_once() {
     let world = World::new(10, 600, 5);
-    let params = TrackerParams {
-        force_frames: 1,
-        ..TrackerParams::default()
-    };
+    let params = TrackerParams { force_frames: 1, ..TrackerParams::default() };
     let mut tracker = tracker(&world, 0.0, params);
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let points = world.draw_points(2, 0.03, &mut rng);
@@ -49,10 +46,7 @@ fn a_slide_is_followed() {
             // 40 mm/s
             let share = (index as f64 - 500.0).clamp(0.0, 500.0) / 500.0;
             let place = skin.walk(&points[1], &(along * share), AtWall::Slide).point;
-            contacts = vec![
-                (points[0], ramp(index, 20, 12.0)),
-                (place, ramp(index, 250, 20.0)),
-            ];
+            contacts = vec![(points[0], ramp(index, 20, 12.0)), (place, ramp(index, 250, 20.0))];
             contacts.retain(|c| c.1 > 0.0);
             let y = frame(&world, &contacts, SD, &mut rng);
             let found = tracker.step(&y, None).unwrap();
@@ -81,10 +75,7 @@ fn one_place_is_never_surely_two_contacts() {
             let found = tracker.step(&y, None).unwrap();
             let is_sure = found.verdict == Verdict::Identified;
             let n = found.contacts.len();
-            assert!(
-                !is_sure || n == 1,
-                "seed {seed}, frame {index}: {n} contacts"
-            );
+            assert!(!is_sure || n == 1, "seed {seed}, frame {index}: {n} contacts");
         }
     }
 }
@@ -102,11 +93,7 @@ fn gauges_come_and_go() {
         let contacts = [(point, ramp(index, 50, 18.0))];
         let mut y = frame(&world, &contacts, SD, &mut rng);
         live[4] = index < 200;
-        y[7] = if (150..300).contains(&index) {
-            f64::NAN
-        } else {
-            y[7]
-        };
+        y[7] = if (150..300).contains(&index) { f64::NAN } else { y[7] };
         y[4] = if live[4] { y[4] } else { 1e9 };
         let found = tracker.step(&y, Some(&live)).unwrap();
         assert!(found.residual.iter().all(|r| r.is_finite()));
@@ -117,13 +104,7 @@ fn gauges_come_and_go() {
     }
     let before = tracker.last().clone();
     let refused = tracker.step(&[f64::NAN; 10], None).unwrap_err();
-    assert_eq!(
-        refused,
-        InverseError::TooFewGauges {
-            n_live: 0,
-            needed: 3
-        }
-    );
+    assert_eq!(refused, InverseError::TooFewGauges { n_live: 0, needed: 3 });
     assert!(tracker.step(&[0.0; 9], None).is_err());
     assert_eq!(&before, tracker.last());
 }
@@ -149,10 +130,7 @@ fn work_is_bounded_whatever_comes() {
             assert!(steps <= params.steps_per_frame, "frame {index}: {info:?}");
             for c in &found.contacts {
                 let c = &c.contact;
-                assert!(
-                    c.force_n.is_finite() && c.force_n >= 0.0,
-                    "frame {index}: {c:?}"
-                );
+                assert!(c.force_n.is_finite() && c.force_n >= 0.0, "frame {index}: {c:?}");
                 assert!(c.position_m.iter().all(|x| x.is_finite()), "frame {index}");
             }
             assert!(found.contacts.len() <= params.max_contacts);
@@ -193,10 +171,7 @@ fn a_full_search_is_adopted() {
         assert_eq!(tracker.step(&y, None).unwrap().info.is_adopted, is_adopted);
     }
     let found = tracker.last();
-    assert!(
-        is_asked && worst_m(&world, &contacts, found) < 1e-3,
-        "{found:?}"
-    );
+    assert!(is_asked && worst_m(&world, &contacts, found) < 1e-3, "{found:?}");
     assert_eq!(found.verdict, Verdict::Identified);
 }
 
@@ -210,9 +185,8 @@ fn trackers_in_two_threads_agree() {
         let points = world.draw_points(3, 0.02, &mut rng);
         let mut frames = Vec::new();
         for index in 0..700 {
-            let contacts: Vec<_> = (0..3)
-                .map(|i| (points[i], ramp(index, 30 + 180 * i, 14.0)))
-                .collect();
+            let contacts: Vec<_> =
+                (0..3).map(|i| (points[i], ramp(index, 30 + 180 * i, 14.0))).collect();
             let y = frame(&world, &contacts, SD, &mut rng);
             frames.push(tracker.step(&y, None).unwrap().clone());
         }

@@ -1,9 +1,6 @@
 //! Contacts followed from frame to frame: what comes is found, what holds keeps its name, what goes
 //! is let go, and noise alone is nothing.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a tracker that refuses a frame fails the test"
-)]
+#![expect(clippy::unwrap_used, reason = "a tracker that refuses a frame fails the test")]
 
 mod coming;
 mod holding;
@@ -22,10 +19,7 @@ const SD: f64 = 1.0;
 
 fn noise(relative: f64) -> NoiseParams {
     NoiseParams {
-        model_error: ModelError {
-            relative,
-            ..ModelError::default()
-        },
+        model_error: ModelError { relative, ..ModelError::default() },
         ..NoiseParams::uniform(10, SD)
     }
 }
@@ -55,11 +49,7 @@ fn worst_m(world: &World, truth: &[(SkinPoint, f64)], found: &TrackedFrame) -> f
     }
     let skin = world.map.skin();
     let places: Vec<_> = truth.iter().map(|t| skin.position(&t.0)).collect();
-    let found: Vec<_> = found
-        .contacts
-        .iter()
-        .map(|c| c.contact.position_m)
-        .collect();
+    let found: Vec<_> = found.contacts.iter().map(|c| c.contact.position_m).collect();
     let gaps = world::matched(&places, &found).into_iter().enumerate();
     gaps.map(|(i, j)| j.map_or(f64::INFINITY, |j| (places[i] - found[j]).norm()))
         .fold(0.0, f64::max)

@@ -1,10 +1,7 @@
 //! A made-up limb whose response is known everywhere: a barrel with gauges that see ring modes,
 //! bending and a lobe of their own, smooth as elasticity is.
 #![allow(dead_code, reason = "each test uses a part of it")]
-#![expect(
-    clippy::unwrap_used,
-    reason = "a world that can't be made fails the test"
-)]
+#![expect(clippy::unwrap_used, reason = "a world that can't be made fails the test")]
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -54,11 +51,7 @@ impl World {
         let params = ResponseParams::default();
         let map = ResponseMap::from_nodal(skin, n_gauges, &adjoint, &params).unwrap();
         let sites = ScanSites::farthest(map.skin(), n_sites).unwrap();
-        Self {
-            gauges,
-            map: Arc::new(map),
-            sites: Arc::new(sites),
-        }
+        Self { gauges, map: Arc::new(map), sites: Arc::new(sites) }
     }
 
     /// The gauges' formulas on the quarters of the skin's six-node faces.
@@ -158,11 +151,7 @@ impl Gauge {
         let lever = 4.0 * (x.y / LENGTH_M).powi(2) * turn.cos();
         let (u, v) = (2.0 * RADIUS_M * (0.5 * turn).sin(), dy);
         let d_2 = (u * u + v * v) / 0.012_f64.powi(2);
-        let stretch = if self.along {
-            v * v - u * u
-        } else {
-            u * u - v * v
-        };
+        let stretch = if self.along { v * v - u * u } else { u * u - v * v };
         g + lever + 14.0 * (0.6 + stretch / 0.012_f64.powi(2)) * (-0.5 * d_2).exp()
     }
 }
@@ -176,11 +165,7 @@ pub fn barrel(n_around: u32, n_up: u32, is_quadratic: bool) -> Skin {
         for i in 0..wide {
             let angle = TAU * f64::from(i) / f64::from(wide);
             let y = LENGTH_M * f64::from(j) / f64::from(high);
-            nodes.push(Point3::new(
-                RADIUS_M * angle.cos(),
-                y,
-                RADIUS_M * angle.sin(),
-            ));
+            nodes.push(Point3::new(RADIUS_M * angle.cos(), y, RADIUS_M * angle.sin()));
         }
     }
     let at = |i: u32, j: u32| j * wide + i % wide;
@@ -197,16 +182,10 @@ pub fn barrel(n_around: u32, n_up: u32, is_quadratic: bool) -> Skin {
             }
         }
     }
-    let faces = if is_quadratic {
-        SkinFaces::Quadratic(&curved)
-    } else {
-        SkinFaces::Linear(&flat)
-    };
+    let faces = if is_quadratic { SkinFaces::Quadratic(&curved) } else { SkinFaces::Linear(&flat) };
     // the nodes on the rims have the barrel's normals, too
-    let normals: Vec<Vector3<f64>> = nodes
-        .iter()
-        .map(|x| Vector3::new(x.x, 0.0, x.z) / RADIUS_M)
-        .collect();
+    let normals: Vec<Vector3<f64>> =
+        nodes.iter().map(|x| Vector3::new(x.x, 0.0, x.z) / RADIUS_M).collect();
     let nodes = nodes.clone();
     Skin::new(nodes, faces, Some(&normals), &SkinParams::default()).unwrap()
 }

@@ -108,9 +108,7 @@ pub fn play(master: &OwnedFd, hello: &Hello, frames: &[Vec<i32>], stop: &AtomicB
         }
         let (flags, counts) = (FrameFlags::default(), &frames[seq % frames.len()]);
         SENT_NS[seq % SENT_NS.len()].store(SystemClock.now_ns(), Ordering::Relaxed);
-        encoder
-            .data(hello, t_us, flags, counts, &mut packet)
-            .unwrap();
+        encoder.data(hello, t_us, flags, counts, &mut packet).unwrap();
         if queue.len() + packet.len() <= DEVICE_QUEUE {
             queue.extend(&packet);
         }

@@ -91,11 +91,7 @@ fn plan() -> Plan {
     let all_s = number("--seconds", 2 * MOST_ROUNDS * LEAST_TURN_S);
     let n_rounds = (all_s / (2 * LEAST_TURN_S)).clamp(1, MOST_ROUNDS);
     let turn = Duration::from_secs(all_s) / (2 * n_rounds as u32);
-    assert!(
-        turn > WARM,
-        "--seconds: more than {} is needed",
-        2 * WARM.as_secs()
-    );
+    assert!(turn > WARM, "--seconds: more than {} is needed", 2 * WARM.as_secs());
     Plan {
         bundle: words.first().expect(USAGE).into(),
         n_rounds,
@@ -161,10 +157,7 @@ fn live(bundle: &Bundle, path: &str, turn: Duration) -> (Vec<u64>, Health) {
     let link = SerialLink::new(path, SerialParams::default());
     let live = Live::builder(StreamSource::new(link, StreamParams::default()))
         .bundle(bundle)
-        .params(LiveParams {
-            tare_s: 0.2,
-            ..LiveParams::default()
-        })
+        .params(LiveParams { tare_s: 0.2, ..LiveParams::default() })
         .estimator(bundle.tracking(SearchPlace::Background).unwrap())
         .sink(sink.with_delivery(Delivery::Queue(1024)))
         .start()

@@ -63,12 +63,7 @@ impl Header {
         modes: Vec<ModeHeader>,
         hashes: BTreeMap<String, String>,
     ) -> Self {
-        Self {
-            version: BUNDLE_VERSION,
-            info,
-            modes,
-            hashes,
-        }
+        Self { version: BUNDLE_VERSION, info, modes, hashes }
     }
 }
 

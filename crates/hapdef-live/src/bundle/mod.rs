@@ -150,11 +150,7 @@ impl Bundle {
     pub fn mode_maps(&self) -> Vec<ModeMap<'_>> {
         self.modes
             .iter()
-            .map(|mode| ModeMap {
-                map: &mode.map,
-                scope: mode.scope,
-                prior_sd: mode.prior_sd,
-            })
+            .map(|mode| ModeMap { map: &mode.map, scope: mode.scope, prior_sd: mode.prior_sd })
             .collect()
     }
 
@@ -221,9 +217,9 @@ impl Bundle {
             #[cfg(feature = "nets")]
             BundleEstimator::Hapdefx => Ok(Box::new(self.paper_chain()?)),
             #[cfg(not(feature = "nets"))]
-            BundleEstimator::Hapdefx => Err(LiveError::NetsLeftOut {
-                scene: self.info.scene.clone(),
-            }),
+            BundleEstimator::Hapdefx => {
+                Err(LiveError::NetsLeftOut { scene: self.info.scene.clone() })
+            }
         }
     }
 }
@@ -235,9 +231,8 @@ fn rebuilt(
     n_gauges: usize,
     nodal: &[Vector3<f64>],
 ) -> Result<ResponseMap, LiveError> {
-    let forbidden: Vec<usize> = (0..skin.n_faces())
-        .filter(|&face| skin.is_forbidden(face))
-        .collect();
+    let forbidden: Vec<usize> =
+        (0..skin.n_faces()).filter(|&face| skin.is_forbidden(face)).collect();
     let corners = skin_corners(skin);
     let shape = SkinShape {
         nodes: skin.nodes().to_vec(),

@@ -21,10 +21,8 @@ impl Bundle {
     /// # Errors
     /// [`LiveError::BundleFile`], and as [`Bundle::from_bytes`].
     pub fn read(path: &Path) -> Result<Self, LiveError> {
-        let bytes = std::fs::read(path).map_err(|source| LiveError::BundleFile {
-            path: path.to_owned(),
-            source,
-        })?;
+        let bytes = std::fs::read(path)
+            .map_err(|source| LiveError::BundleFile { path: path.to_owned(), source })?;
         Self::from_bytes(&bytes, &path.display().to_string())
     }
 
@@ -44,11 +42,7 @@ impl Bundle {
         for (i, mode) in header.modes.iter().enumerate() {
             modes.push(BundleMode {
                 map: parts.map(&format!("{MODE}{i}"), &skin, n_gauges)?,
-                scope: if mode.is_each_gauge {
-                    ModeScope::EachGauge
-                } else {
-                    ModeScope::Shared
-                },
+                scope: if mode.is_each_gauge { ModeScope::EachGauge } else { ModeScope::Shared },
                 prior_sd: mode.prior_sd,
             });
         }
@@ -86,21 +80,14 @@ struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     fn open(bytes: &'a [u8], file: &'a str) -> Result<Self, LiveError> {
-        let refused = |what: String| LiveError::NotABundle {
-            file: file.to_owned(),
-            what,
-        };
+        let refused = |what: String| LiveError::NotABundle { file: file.to_owned(), what };
         let tensors = SafeTensors::deserialize(bytes).map_err(|e| refused(e.to_string()))?;
         let (_, metadata) =
             SafeTensors::read_metadata(bytes).map_err(|e| refused(e.to_string()))?;
         let entries = metadata.metadata().as_ref();
         let entry = entries.and_then(|entries| entries.get(ENTRY).cloned());
         let entry = entry.ok_or_else(|| refused(format!("it has no entry {ENTRY:?}")))?;
-        Ok(Self {
-            tensors,
-            entry,
-            file,
-        })
+        Ok(Self { tensors, entry, file })
     }
 
     /// The header, its hash and version checked.
@@ -160,9 +147,7 @@ impl<'a> Parts<'a> {
         let forbidden: Vec<usize> = (0..n_faces).filter(|&face| flags[face] != 0).collect();
         let n_nodes = self.part(NODES)?.shape().first().copied().unwrap_or(0);
         let nodes = self.vectors(NODES, &[n_nodes, 3])?;
-        let outward = self
-            .find(OUTWARD)
-            .map(|_| self.vectors(OUTWARD, &[n_nodes, 3]));
+        let outward = self.find(OUTWARD).map(|_| self.vectors(OUTWARD, &[n_nodes, 3]));
         let outward = outward.transpose()?;
         let shape = SkinShape {
             nodes: nodes.into_iter().map(Point3::from).collect(),
@@ -228,16 +213,10 @@ impl<'a> Parts<'a> {
     }
 
     fn refused(&self, what: String) -> LiveError {
-        LiveError::NotABundle {
-            file: self.file.to_owned(),
-            what,
-        }
+        LiveError::NotABundle { file: self.file.to_owned(), what }
     }
 
     fn damaged(&self, part: &str) -> LiveError {
-        LiveError::BundleDamaged {
-            file: self.file.to_owned(),
-            part: part.to_owned(),
-        }
+        LiveError::BundleDamaged { file: self.file.to_owned(), part: part.to_owned() }
     }
 }

@@ -29,30 +29,20 @@ impl Bundle {
     /// [`LiveError::NotABundle`] where the parts don't fit each other.
     pub fn to_bytes(&self) -> Result<Vec<u8>, LiveError> {
         let parts = self.parts();
-        let hashes = parts
-            .iter()
-            .map(|(name, part)| (name.clone(), part.hash()))
-            .collect();
+        let hashes = parts.iter().map(|(name, part)| (name.clone(), part.hash())).collect();
         let mode = |mode: &super::BundleMode| ModeHeader {
             is_each_gauge: matches!(mode.scope, ModeScope::EachGauge),
             prior_sd: mode.prior_sd,
         };
         let modes = self.modes.iter().map(mode).collect();
         let header = Header::new(self.info.clone(), modes, hashes);
-        let refused = |what: String| LiveError::NotABundle {
-            file: self.info.scene.clone(),
-            what,
-        };
+        let refused = |what: String| LiveError::NotABundle { file: self.info.scene.clone(), what };
         let json = serde_json::to_string(&header).map_err(|e| refused(e.to_string()))?;
         let entry = format!("{} {json}", hash(json.as_bytes()));
         let metadata = [(ENTRY.to_owned(), entry)].into_iter().collect();
-        let views: Result<Vec<_>, SafeTensorError> = parts
-            .iter()
-            .map(|(name, part)| Ok((name, part.view()?)))
-            .collect();
-        views
-            .and_then(|views| serialize(views, Some(metadata)))
-            .map_err(|e| refused(e.to_string()))
+        let views: Result<Vec<_>, SafeTensorError> =
+            parts.iter().map(|(name, part)| Ok((name, part.view()?))).collect();
+        views.and_then(|views| serialize(views, Some(metadata))).map_err(|e| refused(e.to_string()))
     }
 
     fn parts(&self) -> BTreeMap<String, Part<'_>> {
@@ -120,19 +110,11 @@ fn skin_parts<'a>(skin: &Skin, outward: Option<&[Vector3<f64>]>) -> BTreeMap<Str
 impl<'a> Part<'a> {
     fn of_f64<'b>(values: impl Iterator<Item = &'b f64>, shape: Vec<usize>) -> Self {
         let bytes: Vec<u8> = values.flat_map(|value| value.to_le_bytes()).collect();
-        Self {
-            dtype: Dtype::F64,
-            shape,
-            bytes: bytes.into(),
-        }
+        Self { dtype: Dtype::F64, shape, bytes: bytes.into() }
     }
 
     fn of_bytes(bytes: &'a [u8]) -> Self {
-        Self {
-            dtype: Dtype::U8,
-            shape: vec![bytes.len()],
-            bytes: bytes.into(),
-        }
+        Self { dtype: Dtype::U8, shape: vec![bytes.len()], bytes: bytes.into() }
     }
 
     fn hash(&self) -> String {

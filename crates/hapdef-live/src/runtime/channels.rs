@@ -18,9 +18,7 @@ pub fn gauge_channels<'a>(
     names: impl IntoIterator<Item = &'a str>,
     n_gauges: Option<usize>,
 ) -> Result<Vec<usize>, LiveError> {
-    let bridges: Vec<usize> = (0..channels.len())
-        .filter(|&i| is_bridge(&channels[i]))
-        .collect();
+    let bridges: Vec<usize> = (0..channels.len()).filter(|&i| is_bridge(&channels[i])).collect();
     let expected = n_gauges.unwrap_or(bridges.len());
     let named = |name: &str| {
         let short: String = name.chars().take(N_LETTERS).collect();
@@ -42,10 +40,7 @@ pub fn gauge_channels<'a>(
 
 fn is_bridge(channel: &Channel) -> bool {
     use ChannelKind as K;
-    matches!(
-        channel.kind,
-        K::QuarterBridge | K::HalfBridge | K::FullBridge
-    )
+    matches!(channel.kind, K::QuarterBridge | K::HalfBridge | K::FullBridge)
 }
 
 #[cfg(test)]
@@ -76,17 +71,8 @@ mod tests {
         let gauges = |n| gauge_channels(&channels, [], n);
         assert_eq!(gauges(None).unwrap(), [0, 2, 3]);
         let (expected, found) = (4, 3);
-        assert!(matches!(
-            gauges(Some(4)),
-            Err(LiveError::Channels {
-                expected: 4,
-                found: 3
-            })
-        ));
+        assert!(matches!(gauges(Some(4)), Err(LiveError::Channels { expected: 4, found: 3 })));
         let text = LiveError::Channels { expected, found }.to_string();
-        assert!(
-            text.contains("expected 4 gauges, the device has 3"),
-            "{text}"
-        );
+        assert!(text.contains("expected 4 gauges, the device has 3"), "{text}");
     }
 }

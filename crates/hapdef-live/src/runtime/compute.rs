@@ -204,11 +204,7 @@ impl Compute {
         }
         self.counts.n_estimated += 1;
         let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
-        let frame = TouchFrame {
-            readings_ue: &to.tared_ue,
-            live,
-            wanted: wants.of_touch(),
-        };
+        let frame = TouchFrame { readings_ue: &to.tared_ue, live, wanted: wants.of_touch() };
         if let Err(error) = estimator.estimate_frame(&frame, &mut to.touch) {
             to.touch.clear();
             self.counts.n_refused += 1;
@@ -220,12 +216,8 @@ impl Compute {
 
     fn hello(&mut self, hello: Arc<Hello>) {
         let setup = &self.setup;
-        let found = Device::new(
-            Arc::clone(&hello),
-            &setup.gauges,
-            setup.n_gauges,
-            setup.params.rate_hz,
-        );
+        let found =
+            Device::new(Arc::clone(&hello), &setup.gauges, setup.n_gauges, setup.params.rate_hz);
         let is_same = match (&found, &self.device) {
             (Ok(found), Some(before)) => found.is_same(before),
             _ => false,
@@ -267,9 +259,7 @@ impl Compute {
     }
 
     fn tell(&mut self, event: &LiveEvent) {
-        self.outlets
-            .iter_mut()
-            .for_each(|outlet| outlet.event(event));
+        self.outlets.iter_mut().for_each(|outlet| outlet.event(event));
     }
 
     fn tell_health(&mut self) {

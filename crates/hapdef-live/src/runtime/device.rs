@@ -48,11 +48,7 @@ impl Device {
             temperature: channels.iter().position(is_temperature),
             scales: (0..places.len()).map(of_gauge).collect(),
             gauges: places,
-            period_s: if is_rate_known {
-                hello.scan_period_us() * 1e-6
-            } else {
-                1.0 / rate_hz
-            },
+            period_s: if is_rate_known { hello.scan_period_us() * 1e-6 } else { 1.0 / rate_hz },
             hello,
             scaled: [0.0; MAX_CHANNELS],
             status: Status::default(),
@@ -100,11 +96,7 @@ impl Device {
     /// Step of each gauge's converter, µε; 0 where it sends real numbers.
     pub(super) fn steps_ue(&self) -> impl Iterator<Item = f64> + '_ {
         let is_counting = self.hello.format != SampleFormat::F32;
-        self.units().map(
-            move |(scale, _)| {
-                if is_counting { scale.abs() } else { 0.0 }
-            },
-        )
+        self.units().map(move |(scale, _)| if is_counting { scale.abs() } else { 0.0 })
     }
 
     /// Lowest and highest reading that each gauge's numbers can have, µε; empty for real numbers.
@@ -137,10 +129,7 @@ mod tests {
     use super::*;
 
     fn gauges(names: &[&str]) -> Vec<LiveGauge> {
-        let gauge = |name: &&str| LiveGauge {
-            name: (*name).to_owned(),
-            scale: 2.0,
-        };
+        let gauge = |name: &&str| LiveGauge { name: (*name).to_owned(), scale: 2.0 };
         names.iter().map(gauge).collect()
     }
 
@@ -163,10 +152,7 @@ mod tests {
     fn saturated_gauges_are_those_of_the_last_status_where_the_frame_says_so() {
         let hello = Arc::new(Hello::plain(12, SampleFormat::I16, 500));
         let mut device = Device::new(hello, &gauges(&["g7", "g0"]), Some(2), 1000.0).unwrap();
-        device.take_status(Status {
-            saturated: 1 << 7 | 1 << 3,
-            ..Status::default()
-        });
+        device.take_status(Status { saturated: 1 << 7 | 1 << 3, ..Status::default() });
         let mut frame = Frame::new(0, SampleFormat::I16, 0..12);
         for (flags, expected) in [(FrameFlags::default(), 0), (FrameFlags::SATURATED, 1)] {
             frame.flags = flags;
@@ -179,9 +165,6 @@ mod tests {
     fn another_number_of_bridges_is_refused_in_words() {
         let hello = Arc::new(Hello::plain(12, SampleFormat::I16, 500));
         let fault = Device::new(hello, &gauges(&["a", "b"]), Some(2), 1000.0).unwrap_err();
-        assert!(
-            fault.contains("expected 2") && fault.contains("12"),
-            "{fault}"
-        );
+        assert!(fault.contains("expected 2") && fault.contains("12"), "{fault}");
     }
 }

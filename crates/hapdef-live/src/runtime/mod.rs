@@ -147,10 +147,8 @@ impl LiveBuilder {
     /// Takes gauges and noise from a bundle. The estimator is chosen apart from it.
     #[must_use]
     pub fn bundle(mut self, bundle: &Bundle) -> Self {
-        let gauge = |gauge: &crate::BundleGauge| LiveGauge {
-            name: gauge.name.clone(),
-            scale: gauge.scale,
-        };
+        let gauge =
+            |gauge: &crate::BundleGauge| LiveGauge { name: gauge.name.clone(), scale: gauge.scale };
         self.gauges = bundle.info.gauges.iter().map(gauge).collect();
         self.noise_ue = bundle.info.settings.noise_ue;
         self
@@ -201,9 +199,7 @@ impl LiveBuilder {
         let shared = Arc::new(Shared::new());
         let params = self.params;
         let source_name = self.source.name();
-        let in_flight = params
-            .is_lossless
-            .then(|| InFlight::new(&shared, params.ring_len));
+        let in_flight = params.is_lossless.then(|| InFlight::new(&shared, params.ring_len));
         let acquire_params = AcquireParams {
             n_receivers: 1 + params.n_receivers,
             ring_len: InFlight::ring_len(params.is_lossless, params.ring_len),
@@ -231,13 +227,7 @@ impl LiveBuilder {
         };
         let compute = Compute::new(setup, acquisition, receiver, outlets, Arc::clone(&shared));
         let compute = spawn("hapdef-compute", move || compute.run())?;
-        Ok(Live {
-            shared,
-            compute: Some(compute),
-            sinks,
-            receivers,
-            is_lossless,
-        })
+        Ok(Live { shared, compute: Some(compute), sinks, receivers, is_lossless })
     }
 
     /// Gauges of a frame, where that is known before the device says so.
@@ -285,9 +275,7 @@ impl Live {
     /// What stops or tares it from another thread.
     #[must_use]
     pub fn control(&self) -> LiveControl {
-        LiveControl {
-            shared: Arc::clone(&self.shared),
-        }
+        LiveControl { shared: Arc::clone(&self.shared) }
     }
 
     /// The further receivers that were asked for, each with everything that the source says; empty
@@ -393,8 +381,5 @@ impl Shared {
 /// A named thread.
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>, LiveError> {
     let builder = std::thread::Builder::new().name(name.to_owned());
-    builder.spawn(work).map_err(|source| LiveError::Thread {
-        name: name.to_owned(),
-        source,
-    })
+    builder.spawn(work).map_err(|source| LiveError::Thread { name: name.to_owned(), source })
 }

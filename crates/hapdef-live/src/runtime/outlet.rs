@@ -57,14 +57,8 @@ enum Path {
 
 /// The other end of a path.
 enum Inlet {
-    Latest {
-        slot: Arc<Mutex<Slot>>,
-        mine: Box<LiveFrame>,
-    },
-    Queue {
-        ring: Consumer<Box<LiveFrame>>,
-        free: Producer<Box<LiveFrame>>,
-    },
+    Latest { slot: Arc<Mutex<Slot>>, mine: Box<LiveFrame> },
+    Queue { ring: Consumer<Box<LiveFrame>>, free: Producer<Box<LiveFrame>> },
 }
 
 struct Slot {
@@ -205,10 +199,7 @@ impl SinkThread {
             std::thread::sleep(Duration::from_millis(1));
         }
         if !self.handle.is_finished() {
-            return SinkHealth {
-                is_stuck: true,
-                ..self.counts.health()
-            };
+            return SinkHealth { is_stuck: true, ..self.counts.health() };
         }
         if self.handle.join().is_err() {
             self.counts.fail(&"it panicked".into());
@@ -250,10 +241,7 @@ impl Counts {
             busy: lock(&self.busy).latency(),
             failure: lock(&self.failure).clone(),
             is_stuck: false,
-            clients: self
-                .clients
-                .as_deref()
-                .map_or(Vec::new(), |c| lock(c).clone()),
+            clients: self.clients.as_deref().map_or(Vec::new(), |c| lock(c).clone()),
         }
     }
 }
@@ -283,21 +271,9 @@ impl Inlet {
 }
 
 fn latest(frame: &dyn Fn() -> Box<LiveFrame>) -> (Path, Inlet) {
-    let slot = Arc::new(Mutex::new(Slot {
-        frame: frame(),
-        is_fresh: false,
-    }));
-    let path = Path::Latest {
-        slot: Arc::clone(&slot),
-        spare: frame(),
-    };
-    (
-        path,
-        Inlet::Latest {
-            slot,
-            mine: frame(),
-        },
-    )
+    let slot = Arc::new(Mutex::new(Slot { frame: frame(), is_fresh: false }));
+    let path = Path::Latest { slot: Arc::clone(&slot), spare: frame() };
+    (path, Inlet::Latest { slot, mine: frame() })
 }
 
 fn queue(len: usize, frame: &dyn Fn() -> Box<LiveFrame>) -> (Path, Inlet) {
@@ -307,15 +283,8 @@ fn queue(len: usize, frame: &dyn Fn() -> Box<LiveFrame>) -> (Path, Inlet) {
         // there are as many boxes as places
         let _ = to_compute.push(frame());
     }
-    let path = Path::Queue {
-        ring: to_sink,
-        free,
-        missed: Missed::default(),
-    };
-    let inlet = Inlet::Queue {
-        ring: from_compute,
-        free: to_compute,
-    };
+    let path = Path::Queue { ring: to_sink, free, missed: Missed::default() };
+    let inlet = Inlet::Queue { ring: from_compute, free: to_compute };
     (path, inlet)
 }
 

@@ -24,10 +24,7 @@ pub(super) struct Stages {
 impl Stages {
     pub(super) fn new() -> Self {
         let empty = || std::array::from_fn(|_| Histogram::new());
-        Self {
-            second: empty(),
-            total: empty(),
-        }
+        Self { second: empty(), total: empty() }
     }
 
     pub(super) fn add(&mut self, stage: Stage, ns: u64) {

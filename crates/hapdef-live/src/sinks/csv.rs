@@ -25,11 +25,7 @@ pub struct CsvSink<W> {
 impl<W: Write + Send> CsvSink<W> {
     /// A sink that writes to `out`.
     pub fn new(out: W) -> Self {
-        Self {
-            out,
-            row: String::with_capacity(1024),
-            has_names: false,
-        }
+        Self { out, row: String::with_capacity(1024), has_names: false }
     }
 }
 

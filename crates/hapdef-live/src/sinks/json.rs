@@ -73,11 +73,7 @@ struct AlternativeLine {
 impl<W: Write + Send> JsonSink<W> {
     /// A sink that writes to `out`.
     pub fn new(out: W) -> Self {
-        Self {
-            out,
-            line: Vec::with_capacity(4096),
-            n_unflushed: 0,
-        }
+        Self { out, line: Vec::with_capacity(4096), n_unflushed: 0 }
     }
 }
 
@@ -87,10 +83,7 @@ impl<W: Write + Send> Sink for JsonSink<W> {
     }
 
     fn wants(&self) -> Wants {
-        Wants {
-            health: true,
-            ..Wants::ALL
-        }
+        Wants { health: true, ..Wants::ALL }
     }
 
     fn delivery(&self) -> Delivery {
@@ -190,10 +183,7 @@ impl<'a> Line<'a> {
         });
         let alternatives = touch.alternatives.iter().map(|other| AlternativeLine {
             delta_evidence: other.delta_evidence,
-            contacts: other
-                .contacts()
-                .map(|(x, force_n)| (x.coords.into(), force_n))
-                .collect(),
+            contacts: other.contacts().map(|(x, force_n)| (x.coords.into(), force_n)).collect(),
         });
         Self {
             seq: frame.seq,

@@ -52,10 +52,7 @@ impl JsonServer {
     /// # Errors
     /// [`LiveError::Listen`].
     pub fn bind(address: &str) -> Result<Self, LiveError> {
-        let refused = |source| LiveError::Listen {
-            address: address.to_owned(),
-            source,
-        };
+        let refused = |source| LiveError::Listen { address: address.to_owned(), source };
         let listener = Listener::bind(address).map_err(refused)?;
         Ok(Self {
             address: listener.address().unwrap_or_else(|| address.to_owned()),
@@ -79,10 +76,7 @@ impl JsonServer {
                     stream,
                     waiting: Vec::with_capacity(MAX_WAITING),
                     n_left_out: 0,
-                    health: ClientHealth {
-                        name,
-                        n_left_out: 0,
-                    },
+                    health: ClientHealth { name, n_left_out: 0 },
                 });
             }
         }

@@ -31,21 +31,12 @@ pub struct TextSink<W> {
 impl<W: Write + Send> TextSink<W> {
     /// One line that is refreshed 20 times a second, for a terminal.
     pub fn refreshed(out: W) -> Self {
-        Self {
-            out,
-            is_refreshed: true,
-            line: String::with_capacity(256),
-            n_shown: 0,
-            shown: None,
-        }
+        Self { out, is_refreshed: true, line: String::with_capacity(256), n_shown: 0, shown: None }
     }
 
     /// A line a frame, for files and pipes.
     pub fn lines(out: W) -> Self {
-        Self {
-            is_refreshed: false,
-            ..Self::refreshed(out)
-        }
+        Self { is_refreshed: false, ..Self::refreshed(out) }
     }
 
     /// A line that stays.
@@ -71,19 +62,11 @@ impl<W: Write + Send> Sink for TextSink<W> {
     }
 
     fn wants(&self) -> Wants {
-        Wants {
-            uncertainty: true,
-            health: true,
-            ..Wants::CONTACTS
-        }
+        Wants { uncertainty: true, health: true, ..Wants::CONTACTS }
     }
 
     fn delivery(&self) -> Delivery {
-        if self.is_refreshed {
-            Delivery::Latest
-        } else {
-            Delivery::Queue(N_QUEUED)
-        }
+        if self.is_refreshed { Delivery::Latest } else { Delivery::Queue(N_QUEUED) }
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
@@ -146,18 +129,11 @@ fn contact_in_words(contact: &TouchContact, out: &mut String) -> std::fmt::Resul
         write!(out, "#{id} ")?;
     }
     let [x, y, z] = (contact.position_m.coords * 1e3).into();
-    write!(
-        out,
-        "{:.2} N at ({x:.1}, {y:.1}, {z:.1}) mm",
-        contact.force_n
-    )?;
+    write!(out, "{:.2} N at ({x:.1}, {y:.1}, {z:.1}) mm", contact.force_n)?;
     match &contact.uncertainty {
-        Some(sure) => write!(
-            out,
-            " ±{:.1} mm ±{:.2} N",
-            sure.position_sd_m() * 1e3,
-            sure.force_sd_n()
-        ),
+        Some(sure) => {
+            write!(out, " ±{:.1} mm ±{:.2} N", sure.position_sd_m() * 1e3, sure.force_sd_n())
+        }
         None => Ok(()),
     }
 }

@@ -190,10 +190,7 @@ impl<'a> TouchFrame<'a> {
         Self {
             readings_ue,
             live: None,
-            wanted: TouchWanted {
-                uncertainty: true,
-                alternatives: true,
-            },
+            wanted: TouchWanted { uncertainty: true, alternatives: true },
         }
     }
 
@@ -204,10 +201,7 @@ impl<'a> TouchFrame<'a> {
     pub fn check(&self, n_gauges: usize) -> Result<(), LiveError> {
         let lengths = [Some(self.readings_ue.len()), self.live.map(<[bool]>::len)];
         match lengths.into_iter().flatten().find(|&n| n != n_gauges) {
-            Some(found) => Err(LiveError::FrameLength {
-                expected: n_gauges,
-                found,
-            }),
+            Some(found) => Err(LiveError::FrameLength { expected: n_gauges, found }),
             None => Ok(()),
         }
     }
@@ -278,14 +272,7 @@ impl TouchQuality {
             Verdict::NotIdentifiable(why) => Some(why),
             Verdict::Untouched | Verdict::Identified => None,
         };
-        Self {
-            is_identified: why_not.is_none(),
-            why_not,
-            chi2,
-            n_dof,
-            p_value,
-            n_alternatives: 0,
-        }
+        Self { is_identified: why_not.is_none(), why_not, chi2, n_dof, p_value, n_alternatives: 0 }
     }
 }
 

@@ -82,21 +82,13 @@ impl Superposition {
         if wanted.alternatives {
             let others = estimate.runner_ups.iter().map(|other| {
                 let places = other.points().iter().map(|point| skin.position(point));
-                Alternative::new(
-                    other.delta_evidence,
-                    places.zip(other.forces_n().iter().copied()),
-                )
+                Alternative::new(other.delta_evidence, places.zip(other.forces_n().iter().copied()))
             });
             touch.alternatives.extend(others);
         }
         touch.quality = Some(TouchQuality {
             n_alternatives: estimate.runner_ups.len(),
-            ..TouchQuality::of(
-                estimate.verdict,
-                estimate.chi2,
-                estimate.n_dof,
-                estimate.p_value,
-            )
+            ..TouchQuality::of(estimate.verdict, estimate.chi2, estimate.n_dof, estimate.p_value)
         });
     }
 }
@@ -134,10 +126,6 @@ impl TouchEstimator for Superposition {
 impl Masked {
     fn new(whole: &ContactEstimator, live: &[bool]) -> Result<Self, LiveError> {
         let estimator = whole.masked(live)?;
-        Ok(Self {
-            live: live.to_vec(),
-            scratch: estimator.scratch(),
-            estimator,
-        })
+        Ok(Self { live: live.to_vec(), scratch: estimator.scratch(), estimator })
     }
 }

@@ -195,10 +195,7 @@ impl TouchEstimator for Tracking {
         if self.params.frame_period_s.total_cmp(&period_s).is_eq() {
             return Ok(());
         }
-        let params = TrackerParams {
-            frame_period_s: period_s,
-            ..self.params
-        };
+        let params = TrackerParams { frame_period_s: period_s, ..self.params };
         self.tracker = ContactTracker::new(&self.estimator, params)?;
         self.params = params;
         self.first_id = self.next_id;

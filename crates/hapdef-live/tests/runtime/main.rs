@@ -52,10 +52,7 @@ fn what_no_sink_wants_is_not_computed() {
         (health.n_conditioned, health.n_estimated, wanted)
     };
     let plain = TouchWanted::default();
-    let all = TouchWanted {
-        uncertainty: true,
-        alternatives: true,
-    };
+    let all = TouchWanted { uncertainty: true, alternatives: true };
     assert_eq!(run(Wants::NOTHING), (0, 0, None));
     assert_eq!(run(Wants::RAW), (0, 0, None));
     assert_eq!(run(Wants::TARED), (100, 0, None));
@@ -70,10 +67,7 @@ fn a_slow_estimator_misses_the_deadline() {
     let readings = pressed(&world, 30, 1);
     let takes = Duration::from_millis(3);
     let run = |deadline: Duration| {
-        let slow = Asked {
-            takes,
-            ..Asked::default()
-        };
+        let slow = Asked { takes, ..Asked::default() };
         let params = LiveParams {
             tare_s: 0.0,
             is_recorded: true,
@@ -104,10 +98,7 @@ fn contacts_without_an_estimator_are_refused() {
     let sink = FnSink::new("robot", Wants::CONTACTS, |_| ());
     let refused = replay(Vec::new()).sink(sink).start();
     let error = refused.map(|_| ()).unwrap_err();
-    assert!(
-        matches!(&error, LiveError::NoEstimator { sink } if sink == "robot"),
-        "{error}"
-    );
+    assert!(matches!(&error, LiveError::NoEstimator { sink } if sink == "robot"), "{error}");
 }
 
 /// A sink that never comes back loses frames, and nobody else does.
@@ -127,9 +118,7 @@ fn a_stalled_sink_holds_up_nobody() {
             seen.fetch_add(1, Ordering::Relaxed);
             Ok(())
         });
-        let live = Live::builder(Endless::new(N_GAUGES))
-            .sink(stalled)
-            .sink(good);
+        let live = Live::builder(Endless::new(N_GAUGES)).sink(stalled).sink(good);
         let live = live.start().unwrap();
         std::thread::sleep(Duration::from_millis(700));
         let start = Instant::now();
@@ -138,14 +127,9 @@ fn a_stalled_sink_holds_up_nobody() {
         drop(unblock);
         let n = health.n_frames;
         println!("{delivery:?}: {n} frames, stop took {took:?}");
-        assert!(
-            n > 300 && health.n_dropped == 0 && health.n_lost == 0,
-            "{health}"
-        );
+        assert!(n > 300 && health.n_dropped == 0 && health.n_lost == 0, "{health}");
         assert_eq!(n_seen.load(Ordering::Relaxed) as u64, n);
-        let [stalled, good] = &health.sinks[..] else {
-            panic!("{health:?}")
-        };
+        let [stalled, good] = &health.sinks[..] else { panic!("{health:?}") };
         assert!(stalled.is_stuck && !good.is_stuck);
         let n_waiting = if delivery == Delivery::Latest { 1 } else { 15 };
         assert!(stalled.n_skipped + 1 + n_waiting >= n, "{stalled:?}");
@@ -175,15 +159,8 @@ fn skipped_frames_are_counted_with_their_losses() {
             Ok(())
         });
         let source = ReplaySource::new("memory", stream.clone().into_iter(), 0.0);
-        let params = LiveParams {
-            tare_s: 0.0,
-            ..LiveParams::default()
-        };
-        let live = Live::builder(source)
-            .params(params)
-            .sink(slow)
-            .start()
-            .unwrap();
+        let params = LiveParams { tare_s: 0.0, ..LiveParams::default() };
+        let live = Live::builder(source).params(params).sink(slow).start().unwrap();
         let health = live.wait().unwrap();
         let (n, lost) = *sums.lock().unwrap();
         assert_eq!((health.n_frames, health.n_lost), (600, n_lost));
@@ -204,16 +181,10 @@ fn restarts_and_reconnects_are_passed_on() {
     let name = "port".to_owned();
     stream.insert(0, Message::Link(LinkState::Open));
     let away = LinkState::Away(LinkFault::Disconnected { name });
-    stream.splice(
-        20..20,
-        [Message::Link(away), Message::Link(LinkState::Open)],
-    );
+    stream.splice(20..20, [Message::Link(away), Message::Link(LinkState::Open)]);
     stream.insert(40, Message::Restarted);
     let asked = Asked::default();
-    let probe = Probe {
-        wants: Wants::ALL,
-        ..Probe::new(Delivery::Queue(8), |_| Ok(()))
-    };
+    let probe = Probe { wants: Wants::ALL, ..Probe::new(Delivery::Queue(8), |_| Ok(())) };
     let (events, is_finished) = (Arc::clone(&probe.events), Arc::clone(&probe.is_finished));
     let live = replay(stream).estimator(asked.clone()).sink(probe);
     let health = live.start().unwrap().wait().unwrap();
@@ -230,10 +201,7 @@ fn restarts_and_reconnects_are_passed_on() {
             _ => "other",
         })
         .collect();
-    assert_eq!(
-        names,
-        ["open", "hello", "away", "open", "restarted", "health"]
-    );
+    assert_eq!(names, ["open", "hello", "away", "open", "restarted", "health"]);
     assert!(is_finished.load(Ordering::Acquire));
 }
 
@@ -285,11 +253,7 @@ fn bad_gauges_are_left_out() {
 fn a_failing_sink_is_given_up_and_the_others_go_on() {
     let world = World::new(N_GAUGES, 400, 5);
     let bad = Probe::new(Delivery::Queue(8), |frame| {
-        if frame.seq < 5 {
-            Ok(())
-        } else {
-            Err("the disk is full".into())
-        }
+        if frame.seq < 5 { Ok(()) } else { Err("the disk is full".into()) }
     });
     let n_seen = Arc::new(AtomicUsize::new(0));
     let seen = Arc::clone(&n_seen);
@@ -298,13 +262,7 @@ fn a_failing_sink_is_given_up_and_the_others_go_on() {
         Ok(())
     });
     let stream = messages(&pressed(&world, 100, 1));
-    let health = replay(stream)
-        .sink(bad)
-        .sink(good)
-        .start()
-        .unwrap()
-        .wait()
-        .unwrap();
+    let health = replay(stream).sink(bad).sink(good).start().unwrap().wait().unwrap();
     assert_eq!(n_seen.load(Ordering::Relaxed), 100);
     assert_eq!(health.sinks[0].failure.as_deref(), Some("the disk is full"));
     assert_eq!(health.sinks[1].n_frames, 100);
@@ -319,48 +277,25 @@ fn another_device_is_refused_in_words() {
         .start()
         .unwrap();
     let health = live.wait().unwrap();
-    assert_eq!(
-        (health.n_frames, health.n_unusable, health.n_estimated),
-        (20, 20, 0)
-    );
+    assert_eq!((health.n_frames, health.n_unusable, health.n_estimated), (20, 20, 0));
     let fault = health.device_fault.unwrap();
-    assert!(
-        fault.contains("expected 10") && fault.contains('7'),
-        "{fault}"
-    );
+    assert!(fault.contains("expected 10") && fault.contains('7'), "{fault}");
 }
 
 #[test]
 fn it_stops_at_once_and_tares_again_when_told() {
-    let probe = Probe {
-        wants: Wants::TARED,
-        ..Probe::new(Delivery::Queue(1024), |_| Ok(()))
-    };
+    let probe = Probe { wants: Wants::TARED, ..Probe::new(Delivery::Queue(1024), |_| Ok(())) };
     let (events, is_finished) = (Arc::clone(&probe.events), Arc::clone(&probe.is_finished));
-    let params = LiveParams {
-        tare_s: 0.05,
-        ..LiveParams::default()
-    };
-    let live = Live::builder(Endless::new(N_GAUGES))
-        .params(params)
-        .sink(probe)
-        .start()
-        .unwrap();
+    let params = LiveParams { tare_s: 0.05, ..LiveParams::default() };
+    let live = Live::builder(Endless::new(N_GAUGES)).params(params).sink(probe).start().unwrap();
     let control = live.control();
     std::thread::sleep(Duration::from_millis(300));
     control.tare();
     std::thread::sleep(Duration::from_millis(300));
     let start = Instant::now();
     let health = live.stop().unwrap();
-    assert!(
-        start.elapsed() < Duration::from_millis(500),
-        "{:?}",
-        start.elapsed()
-    );
-    let n_tared = taken(&events)
-        .iter()
-        .filter(|event| matches!(event, LiveEvent::Tared))
-        .count();
+    assert!(start.elapsed() < Duration::from_millis(500), "{:?}", start.elapsed());
+    let n_tared = taken(&events).iter().filter(|event| matches!(event, LiveEvent::Tared)).count();
     assert_eq!(n_tared, 2, "{health}");
     assert!(is_finished.load(Ordering::Acquire));
     // dropping it stops it, too

@@ -33,11 +33,7 @@ impl FrameSource for Endless {
         while self.start.elapsed() > Duration::from_millis(u64::from(self.n_sent)) {
             let wave = |c: i32| 100_000 * c + (self.n_sent % 97) as i32;
             let counts = (0..self.hello.channels.len() as i32).map(wave);
-            sink(Message::Frame(Frame::new(
-                self.n_sent,
-                SampleFormat::I32,
-                counts,
-            )));
+            sink(Message::Frame(Frame::new(self.n_sent, SampleFormat::I32, counts)));
             self.n_sent += 1;
         }
         SourceStatus::Open

@@ -37,11 +37,8 @@ pub fn settings() -> SuperpositionSettings {
 /// The bundle of a world, whose skin was made with the barrel's normals.
 pub fn bundle(world: &World) -> Bundle {
     let skin = world.map.skin();
-    let outward: Vec<Vector3<f64>> = skin
-        .nodes()
-        .iter()
-        .map(|x| Vector3::new(x.x, 0.0, x.z) / world::RADIUS_M)
-        .collect();
+    let outward: Vec<Vector3<f64>> =
+        skin.nodes().iter().map(|x| Vector3::new(x.x, 0.0, x.z) / world::RADIUS_M).collect();
     let gauge = |i: usize| BundleGauge {
         name: format!("g{i}"),
         position_m: [0.0; 3],
@@ -82,10 +79,7 @@ pub fn pressed(world: &World, n: usize, seed: u64) -> Vec<Vec<f64>> {
 
 /// Readings as counts, and what the counts say.
 pub fn quantised(readings: &[f64]) -> (Vec<i32>, Vec<f64>) {
-    let counts: Vec<i32> = readings
-        .iter()
-        .map(|y| (y / f64::from(SCALE)).round() as i32)
-        .collect();
+    let counts: Vec<i32> = readings.iter().map(|y| (y / f64::from(SCALE)).round() as i32).collect();
     let values = counts.iter().map(|c| f64::from(*c) * f64::from(SCALE));
     let values = values.collect();
     (counts, values)

@@ -33,10 +33,7 @@ pub(super) const UNKNOWN: &str =
 /// Reads a deck's text.
 pub(super) fn read(text: &str) -> Result<DeckBuilder, DeckFault> {
     let mut lines = Lines::new(text);
-    let mut reader = Reader {
-        time: 1.0,
-        ..Reader::default()
-    };
+    let mut reader = Reader { time: 1.0, ..Reader::default() };
     while let Some((line, text)) = lines.next() {
         reader.line(line, text, &mut lines)?;
     }
@@ -99,11 +96,7 @@ impl Reader {
         if content.is_empty() || content.to_lowercase().starts_with("c***") {
             return Ok(());
         }
-        let word = content
-            .split([',', ' ', '\t'])
-            .next()
-            .unwrap_or("")
-            .to_lowercase();
+        let word = content.split([',', ' ', '\t']).next().unwrap_or("").to_lowercase();
         let name: String = word.chars().take(4).collect();
         if self.in_post {
             self.in_post = !matches!(name.as_str(), "fini" | "/pre" | "/sol");
@@ -112,11 +105,7 @@ impl Reader {
         if let Some((left, right)) = assignment(content) {
             return self.parameters.assign(line, left, right);
         }
-        let command = Command {
-            line,
-            name,
-            fields: fields(content),
-        };
+        let command = Command { line, name, fields: fields(content) };
         self.command(&command, lines)
     }
 
@@ -149,9 +138,7 @@ impl Reader {
             "time" => self.time = command.real(1)?,
             "*dim" => return self.parameters.dimension(command.line, &command.fields),
             "*set" => {
-                return self
-                    .parameters
-                    .assign(command.line, command.field(1), command.field(2));
+                return self.parameters.assign(command.line, command.field(1), command.field(2));
             }
             _ => return self.conditional(command),
         }
@@ -168,11 +155,7 @@ impl Reader {
             "numo" => self.deck.node_labels().next().is_none(),
             _ => false,
         };
-        if harmless {
-            Ok(())
-        } else {
-            Err(command.unsupported(UNKNOWN))
-        }
+        if harmless { Ok(()) } else { Err(command.unsupported(UNKNOWN)) }
     }
 
     /// Workbench frames its decks, which shows whether one is whole.
@@ -257,18 +240,12 @@ impl Command<'_> {
 
     /// Argument `i` as a whole number.
     pub(super) fn whole<T: std::str::FromStr>(&self, i: usize) -> Result<T, DeckFault> {
-        self.field(i)
-            .parse()
-            .map_err(|_| self.unexpected(i, "a whole number"))
+        self.field(i).parse().map_err(|_| self.unexpected(i, "a whole number"))
     }
 
     /// Argument `i` as a finite number.
     pub(super) fn real(&self, i: usize) -> Result<f64, DeckFault> {
-        let value = self
-            .field(i)
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.is_finite());
+        let value = self.field(i).parse().ok().filter(|value: &f64| value.is_finite());
         value.ok_or_else(|| self.unexpected(i, "a finite number"))
     }
 
@@ -290,10 +267,6 @@ impl Command<'_> {
     }
 
     pub(super) fn unsupported(&self, why: &'static str) -> DeckFault {
-        DeckFault::Unsupported {
-            line: self.line,
-            command: self.fields.join(","),
-            why,
-        }
+        DeckFault::Unsupported { line: self.line, command: self.fields.join(","), why }
     }
 }

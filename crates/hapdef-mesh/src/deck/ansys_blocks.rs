@@ -12,10 +12,7 @@ pub(super) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self {
-            lines: text.lines().collect(),
-            next: 0,
-        }
+        Self { lines: text.lines().collect(), next: 0 }
     }
 
     /// The next line and its number.
@@ -69,17 +66,8 @@ impl Format {
     }
 
     fn parse(text: &str) -> Option<Self> {
-        let inner = text
-            .trim()
-            .strip_prefix('(')?
-            .strip_suffix(')')?
-            .to_lowercase();
-        let mut format = Self {
-            n_integers: 0,
-            integer_width: 0,
-            n_reals: 0,
-            real_width: 0,
-        };
+        let inner = text.trim().strip_prefix('(')?.strip_suffix(')')?.to_lowercase();
+        let mut format = Self { n_integers: 0, integer_width: 0, n_reals: 0, real_width: 0 };
         for part in inner.split(',').map(str::trim) {
             let at = part.find(['i', 'e'])?;
             let count = if at == 0 { 1 } else { part[..at].parse().ok()? };
@@ -122,19 +110,15 @@ impl Format {
 
 fn column_text(line: usize, text: &str, start: usize, end: usize) -> Result<&str, DeckFault> {
     let trimmed = text.get(start..end).filter(|part| part.is_ascii());
-    trimmed
-        .map(str::trim_end)
-        .ok_or_else(|| DeckFault::Unexpected {
-            line,
-            expected: "plain digits in fixed columns".into(),
-            found: quoted(text),
-        })
+    trimmed.map(str::trim_end).ok_or_else(|| DeckFault::Unexpected {
+        line,
+        expected: "plain digits in fixed columns".into(),
+        found: quoted(text),
+    })
 }
 
 fn columns(text: &str, width: usize) -> impl Iterator<Item = &str> {
-    (0..text.len())
-        .step_by(width.max(1))
-        .map(move |at| &text[at..(at + width).min(text.len())])
+    (0..text.len()).step_by(width.max(1)).map(move |at| &text[at..(at + width).min(text.len())])
 }
 
 fn real(line: usize, field: &str) -> Result<f64, DeckFault> {
@@ -153,11 +137,7 @@ fn parse<T: std::str::FromStr>(line: usize, field: &str, expected: &str) -> Resu
 }
 
 fn unexpected(line: usize, expected: &str, found: &str) -> DeckFault {
-    DeckFault::Unexpected {
-        line,
-        expected: expected.into(),
-        found: quoted(found),
-    }
+    DeckFault::Unexpected { line, expected: expected.into(), found: quoted(found) }
 }
 
 /// A positive 32-bit number of a node, element or property.
@@ -226,11 +206,7 @@ fn expand_ranges(entries: &[(usize, i64)]) -> Result<Vec<u32>, DeckFault> {
             }
             _ => {
                 let found = entry.to_string();
-                return Err(unexpected(
-                    line,
-                    "a range end above the entry before it",
-                    &found,
-                ));
+                return Err(unexpected(line, "a range end above the entry before it", &found));
             }
         }
     }

@@ -76,11 +76,7 @@ impl Reader {
         } else if let Some(elements) = self.element_components.get(&name) {
             self.selected_elements = Selection::Some(elements.clone());
         } else {
-            return Err(DeckFault::Undefined {
-                line: command.line,
-                kind: "component",
-                name,
-            });
+            return Err(DeckFault::Undefined { line: command.line, kind: "component", name });
         }
         Ok(())
     }
@@ -89,13 +85,10 @@ impl Reader {
         let name = command.field(1).to_uppercase();
         if command.field(2).to_lowercase().starts_with("elem") {
             let elements = self.selected_elements(command)?;
-            self.element_components
-                .insert(name, elements.into_iter().collect());
+            self.element_components.insert(name, elements.into_iter().collect());
         } else if command.field(2).eq_ignore_ascii_case("node") {
             let nodes = self.nodes_of("all", command)?;
-            self.deck
-                .node_sets
-                .insert(name, nodes.into_iter().collect());
+            self.deck.node_sets.insert(name, nodes.into_iter().collect());
         } else {
             return Err(command.unexpected(2, "NODE or ELEM"));
         }
@@ -107,11 +100,7 @@ impl Reader {
             return Err(command.unsupported("only Cartesian coordinate systems (0) are supported"));
         }
         let angle = |i| {
-            if command.field(i).is_empty() {
-                Ok(0.0)
-            } else {
-                command.real(i)
-            }
+            if command.field(i).is_empty() { Ok(0.0) } else { command.real(i) }
         };
         let axes = axes([angle(6)?, angle(7)?, angle(8)?]);
         self.axes.insert(command.whole(1)?, axes);
@@ -158,10 +147,7 @@ impl Reader {
         {
             return Err(command.unsupported("only real PRES loads are supported"));
         }
-        command.nothing_from(
-            6,
-            "only loads that are constant over an element are supported",
-        )?;
+        command.nothing_from(6, "only loads that are constant over an element are supported")?;
         let face: usize = command.whole(2)?;
         if !(1..=3).contains(&face) {
             return Err(command.unsupported("only faces 1 to 3 (x, y, z) of SURF154 are supported"));
@@ -179,12 +165,7 @@ impl Reader {
             "" => "0".to_owned(),
             value => value.to_owned(),
         };
-        self.pending.push(PendingLoad {
-            line: command.line,
-            targets,
-            value,
-            kind,
-        });
+        self.pending.push(PendingLoad { line: command.line, targets, value, kind });
     }
 
     /// The nodes that ALL, a number or a component's name means.
@@ -204,11 +185,7 @@ impl Reader {
         let name = field.to_uppercase();
         match self.deck.node_sets.get(&name) {
             Some(nodes) => Ok(nodes.iter().copied().collect()),
-            None => Err(DeckFault::Undefined {
-                line: command.line,
-                kind: "node component",
-                name,
-            }),
+            None => Err(DeckFault::Undefined { line: command.line, kind: "node component", name }),
         }
     }
 
@@ -257,11 +234,7 @@ impl Reader {
     /// The surface element `target`, if a load on it means what this reader takes it to mean.
     fn loadable(&self, line: usize, target: u32) -> Result<&SurfaceElement, DeckFault> {
         let refuse = |why| {
-            Err(DeckFault::Unsupported {
-                line,
-                command: format!("sfe on element {target}"),
-                why,
-            })
+            Err(DeckFault::Unsupported { line, command: format!("sfe on element {target}"), why })
         };
         let Some(element) = self.surface_elements.get(&target) else {
             return refuse("surface loads are supported on SURF154 elements only");
@@ -287,19 +260,12 @@ impl Reader {
             let Some(element) = self.surface_elements.get(label) else {
                 continue;
             };
-            let global_from_local = self
-                .axes
-                .get(&element.axes)
-                .copied()
-                .unwrap_or_else(Matrix3::identity);
+            let global_from_local =
+                self.axes.get(&element.axes).copied().unwrap_or_else(Matrix3::identity);
             let traction_pa = global_from_local * in_axes;
             if traction_pa.iter().any(|component| *component != 0.0) {
                 let (line, corners) = (element.line, element.corners);
-                let load = SurfaceLoad::Traction {
-                    line,
-                    corners,
-                    traction_pa,
-                };
+                let load = SurfaceLoad::Traction { line, corners, traction_pa };
                 self.deck.surface_loads.push(load);
             }
         }
@@ -307,11 +273,7 @@ impl Reader {
 
     /// SOLID187 is plain displacement-based only with keyopt(6) = 0.
     fn check_solid_options(&self) -> Result<(), DeckFault> {
-        match self
-            .types
-            .values()
-            .find(|kind| kind.number == 187 && kind.options.contains_key(&6))
-        {
+        match self.types.values().find(|kind| kind.number == 187 && kind.options.contains_key(&6)) {
             Some(kind) => Err(DeckFault::Unsupported {
                 line: kind.line,
                 command: format!("keyopt(6) = {} of SOLID187", kind.options[&6]),

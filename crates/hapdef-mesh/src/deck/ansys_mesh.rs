@@ -31,11 +31,7 @@ impl Reader {
     ) -> Result<(), DeckFault> {
         let format = Format::read(lines)?;
         if format.n_reals < 3 {
-            return Err(unexpected(
-                lines.line(),
-                "a format with three or six reals",
-                "fewer",
-            ));
+            return Err(unexpected(lines.line(), "a format with three or six reals", "fewer"));
         }
         let count = announced(command)?;
         let data = block(lines, "nodes", count)?;
@@ -43,9 +39,7 @@ impl Reader {
         for (line, text) in data {
             let integers = format.integers(line, text)?;
             let reals = format.reals(line, text)?;
-            let node = *integers
-                .first()
-                .ok_or_else(|| unexpected(line, "a node number", text))?;
+            let node = *integers.first().ok_or_else(|| unexpected(line, "a node number", text))?;
             if reals[3..].iter().any(|angle| *angle != 0.0) {
                 let command = format!("nblock, rotated node {node}");
                 let why = "nodal coordinate systems must be global";
@@ -103,21 +97,15 @@ impl Reader {
                 command: format!("element type {other}"),
                 why: "only SOLID187 and, for loads, SURF154 are supported",
             }),
-            None => Err(DeckFault::Undefined {
-                line,
-                kind: "element type",
-                name: row.kind.to_string(),
-            }),
+            None => {
+                Err(DeckFault::Undefined { line, kind: "element type", name: row.kind.to_string() })
+            }
         }
     }
 
     fn surface_element(&mut self, row: &Row) -> Result<(), DeckFault> {
         let &[i, j, k, l, ..] = row.nodes.as_slice() else {
-            return Err(unexpected(
-                row.line,
-                "at least four nodes",
-                &row.nodes.len().to_string(),
-            ));
+            return Err(unexpected(row.line, "at least four nodes", &row.nodes.len().to_string()));
         };
         if k != l {
             return Err(DeckFault::Unsupported {
@@ -127,12 +115,7 @@ impl Reader {
             });
         }
         let axes = u32::try_from(row.axes).unwrap_or(0);
-        let element = SurfaceElement {
-            line: row.line,
-            kind: row.kind,
-            corners: [i, j, k],
-            axes,
-        };
+        let element = SurfaceElement { line: row.line, kind: row.kind, corners: [i, j, k], axes };
         self.surface_elements.insert(row.label, element);
         Ok(())
     }
@@ -149,13 +132,10 @@ impl Reader {
                 for node in &members {
                     self.deck.require_node(lines.line(), *node)?;
                 }
-                self.deck
-                    .node_sets
-                    .insert(name, members.into_iter().collect());
+                self.deck.node_sets.insert(name, members.into_iter().collect());
             }
             kind if kind.starts_with("elem") => {
-                self.element_components
-                    .insert(name, members.into_iter().collect());
+                self.element_components.insert(name, members.into_iter().collect());
             }
             _ => return Err(command.unexpected(2, "NODE or ELEM")),
         }
@@ -165,14 +145,8 @@ impl Reader {
     pub(super) fn element_type(&mut self, command: &Command<'_>) -> Result<(), DeckFault> {
         let name = command.field(2).to_lowercase();
         let digits = name.trim_start_matches(|c: char| c.is_ascii_alphabetic());
-        let number = digits
-            .parse()
-            .map_err(|_| command.unexpected(2, "an element type"))?;
-        let mut kind = ElementType {
-            line: command.line,
-            number,
-            options: Default::default(),
-        };
+        let number = digits.parse().map_err(|_| command.unexpected(2, "an element type"))?;
+        let mut kind = ElementType { line: command.line, number, options: Default::default() };
         for (i, value) in command.fields.iter().skip(3).take(6).enumerate() {
             set_option(&mut kind, i as u32 + 1, value);
         }
@@ -183,14 +157,11 @@ impl Reader {
     pub(super) fn element_option(&mut self, command: &Command<'_>) -> Result<(), DeckFault> {
         let number: u32 = command.whole(1)?;
         let option = command.whole(2)?;
-        let kind = self
-            .types
-            .get_mut(&number)
-            .ok_or_else(|| DeckFault::Undefined {
-                line: command.line,
-                kind: "element type",
-                name: number.to_string(),
-            })?;
+        let kind = self.types.get_mut(&number).ok_or_else(|| DeckFault::Undefined {
+            line: command.line,
+            kind: "element type",
+            name: number.to_string(),
+        })?;
         kind.line = command.line;
         set_option(kind, option, command.field(3));
         Ok(())
@@ -216,17 +187,14 @@ impl Reader {
         if command.name == "mpda" && command.field(5) != "1" {
             return Err(command.unsupported(why));
         }
-        self.properties
-            .insert((command.whole(first + 1)?, label), command.real(value)?);
+        self.properties.insert((command.whole(first + 1)?, label), command.real(value)?);
         Ok(())
     }
 
     /// The one material that the elements use.
     pub(super) fn material(&self) -> Result<Option<DeckMaterial>, DeckFault> {
         if self.materials_used.len() > 1 {
-            return Err(DeckFault::SeveralMaterials {
-                found: self.materials_used.len(),
-            });
+            return Err(DeckFault::SeveralMaterials { found: self.materials_used.len() });
         }
         let Some(&number) = self.materials_used.first() else {
             return Ok(None);
@@ -289,20 +257,11 @@ fn solid_rows(format: &Format, data: &[(usize, &str)]) -> Result<Vec<Row>, DeckF
         let mut nodes = head[11..].to_vec();
         while nodes.len() < n_nodes {
             let &(line, text) = data.next().ok_or_else(|| {
-                unexpected(
-                    line,
-                    &format!("{n_nodes} nodes"),
-                    &format!("{} nodes", nodes.len()),
-                )
+                unexpected(line, &format!("{n_nodes} nodes"), &format!("{} nodes", nodes.len()))
             })?;
             nodes.extend(format.integers(line, text)?);
         }
-        rows.push(row(
-            line,
-            [head[10], head[1], head[0], head[4]],
-            &nodes,
-            n_nodes,
-        )?);
+        rows.push(row(line, [head[10], head[1], head[0], head[4]], &nodes, n_nodes)?);
     }
     Ok(rows)
 }
@@ -314,12 +273,7 @@ fn plain_row(format: &Format, line: usize, text: &str) -> Result<Row, DeckFault>
     if all.len() < 6 {
         return Err(unexpected(line, "five attributes and nodes", text));
     }
-    row(
-        line,
-        [all[0], all[1], all[3], all[4]],
-        &all[5..],
-        all.len() - 5,
-    )
+    row(line, [all[0], all[1], all[3], all[4]], &all[5..], all.len() - 5)
 }
 
 fn row(
@@ -338,17 +292,10 @@ fn row(
         kind: label(line, kind)?,
         material: label(line, material)?,
         axes,
-        nodes: nodes
-            .iter()
-            .map(|node| label(line, *node))
-            .collect::<Result<_, _>>()?,
+        nodes: nodes.iter().map(|node| label(line, *node)).collect::<Result<_, _>>()?,
     })
 }
 
 fn unexpected(line: usize, expected: &str, found: &str) -> DeckFault {
-    DeckFault::Unexpected {
-        line,
-        expected: expected.into(),
-        found: quoted(found),
-    }
+    DeckFault::Unexpected { line, expected: expected.into(), found: quoted(found) }
 }

@@ -23,40 +23,24 @@ impl Parameters {
     /// `*DIM,name,TABLE,rows,1,1,TIME`; arrays and strings hold nothing that is read here.
     pub(super) fn dimension(&mut self, line: usize, fields: &[&str]) -> Result<(), DeckFault> {
         let name = fields.get(1).copied().unwrap_or("").to_lowercase();
-        if !fields
-            .get(2)
-            .is_some_and(|kind| kind.eq_ignore_ascii_case("table"))
-        {
+        if !fields.get(2).is_some_and(|kind| kind.eq_ignore_ascii_case("table")) {
             return Ok(());
         }
-        let n_rows = fields
-            .get(3)
-            .and_then(|rows| rows.parse().ok())
-            .unwrap_or(0);
+        let n_rows = fields.get(3).and_then(|rows| rows.parse().ok()).unwrap_or(0);
         let plane = |i: usize| matches!(fields.get(i), None | Some(&"" | &"1"));
         let over_time = matches!(fields.get(6), Some(var) if var.eq_ignore_ascii_case("time"));
         if n_rows == 0 || !plane(4) || !plane(5) || !over_time {
             let expected = "a table of one value over TIME";
             return Err(unexpected(line, expected, &fields.join(",")));
         }
-        self.tables.insert(
-            name,
-            Table {
-                rows: BTreeMap::new(),
-                n_rows,
-            },
-        );
+        self.tables.insert(name, Table { rows: BTreeMap::new(), n_rows });
         Ok(())
     }
 
     /// `name = value` or `table(row, column, plane) = value`. A value that is not a plain number
     /// leaves the name without one.
     pub(super) fn assign(&mut self, line: usize, name: &str, value: &str) -> Result<(), DeckFault> {
-        let number = value
-            .trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|value| value.is_finite());
+        let number = value.trim().parse::<f64>().ok().filter(|value| value.is_finite());
         let name = name.trim().to_lowercase();
         let Some((array, indices)) = name.split_once('(') else {
             self.scalars.insert(name, number);
@@ -104,15 +88,11 @@ impl Parameters {
                 unexpected(line, &expected, "none")
             });
         }
-        self.scalars
-            .get(&name)
-            .copied()
-            .flatten()
-            .ok_or(DeckFault::Undefined {
-                line,
-                kind: "table or number",
-                name,
-            })
+        self.scalars.get(&name).copied().flatten().ok_or(DeckFault::Undefined {
+            line,
+            kind: "table or number",
+            name,
+        })
     }
 }
 
@@ -134,9 +114,5 @@ impl Table {
 }
 
 fn unexpected(line: usize, expected: &str, found: &str) -> DeckFault {
-    DeckFault::Unexpected {
-        line,
-        expected: expected.into(),
-        found: quoted(found),
-    }
+    DeckFault::Unexpected { line, expected: expected.into(), found: quoted(found) }
 }

@@ -14,17 +14,9 @@ pub(super) const HELD_ALL: u8 = 0b111;
 #[derive(Clone, Debug)]
 pub(super) enum SurfaceLoad {
     /// A constant force per area, Pa, on the face with these corner nodes.
-    Traction {
-        line: usize,
-        corners: [u32; 3],
-        traction_pa: Vector3<f64>,
-    },
+    Traction { line: usize, corners: [u32; 3], traction_pa: Vector3<f64> },
     /// A pressure, Pa, positive into the solid, on face `face` (as [`TET10_FACES`]) of an element.
-    Pressure {
-        element: u32,
-        face: usize,
-        pressure_pa: f64,
-    },
+    Pressure { element: u32, face: usize, pressure_pa: f64 },
 }
 
 /// A deck under construction.
@@ -122,26 +114,17 @@ impl DeckBuilder {
     }
 
     fn mesh(&self, ids: &DenseIds) -> Result<Tet10Mesh, DeckFault> {
-        let positions = ids
-            .labels
-            .iter()
-            .map(|label| self.nodes[self.node_places[label]].1)
-            .collect();
-        let elements = self
-            .elements
-            .iter()
-            .map(|(_, nodes)| nodes.map(|node| ids.by_label[&node]))
-            .collect();
+        let positions =
+            ids.labels.iter().map(|label| self.nodes[self.node_places[label]].1).collect();
+        let elements =
+            self.elements.iter().map(|(_, nodes)| nodes.map(|node| ids.by_label[&node])).collect();
         Tet10Mesh::checked(positions, elements).map_err(|fault| {
             let element_label = match fault {
                 SolidFault::CornerVolume { element, .. }
                 | SolidFault::NodeTwice { element, .. } => Some(self.elements[element].0),
                 _ => None,
             };
-            DeckFault::Mesh {
-                fault,
-                element_label,
-            }
+            DeckFault::Mesh { fault, element_label }
         })
     }
 
@@ -160,30 +143,19 @@ impl DeckBuilder {
     fn loads(&self, mesh: &Tet10Mesh, ids: &DenseIds) -> Result<Loads, DeckFault> {
         let mut forces: BTreeMap<FeNodeId, Vector3<f64>> = BTreeMap::new();
         for (&node, &(line, force)) in &self.forces {
-            let id = ids
-                .by_label
-                .get(&node)
-                .ok_or(DeckFault::ForceOnUnusedNode { line, node })?;
+            let id = ids.by_label.get(&node).ok_or(DeckFault::ForceOnUnusedNode { line, node })?;
             forces.insert(*id, force);
         }
         let mut tractions = Vec::new();
         let boundary = BoundaryFaces::new(mesh);
         for load in &self.surface_loads {
             match *load {
-                SurfaceLoad::Traction {
-                    line,
-                    corners,
-                    traction_pa,
-                } => {
+                SurfaceLoad::Traction { line, corners, traction_pa } => {
                     let found = ids.of(corners).and_then(|corners| boundary.find(corners));
                     let nodes = found.ok_or(DeckFault::NotABoundaryFace { line, corners })?;
                     tractions.push(FaceTraction { nodes, traction_pa });
                 }
-                SurfaceLoad::Pressure {
-                    element,
-                    face,
-                    pressure_pa,
-                } => {
+                SurfaceLoad::Pressure { element, face, pressure_pa } => {
                     add_pressure(
                         mesh,
                         self.element_places[&element],
@@ -226,13 +198,7 @@ struct BoundaryFaces(BTreeMap<[FeNodeId; 3], [FeNodeId; 6]>);
 impl BoundaryFaces {
     fn new(mesh: &Tet10Mesh) -> Self {
         let key = |nodes: [FeNodeId; 6]| sorted([nodes[0], nodes[1], nodes[2]]);
-        Self(
-            mesh.boundary()
-                .faces
-                .iter()
-                .map(|face| (key(face.nodes), face.nodes))
-                .collect(),
-        )
+        Self(mesh.boundary().faces.iter().map(|face| (key(face.nodes), face.nodes)).collect())
     }
 
     fn find(&self, corners: [FeNodeId; 3]) -> Option<[FeNodeId; 6]> {
@@ -254,30 +220,17 @@ struct DenseIds {
 
 impl DenseIds {
     fn new(builder: &DeckBuilder) -> Self {
-        let used: BTreeSet<u32> = builder
-            .elements
-            .iter()
-            .flat_map(|(_, nodes)| *nodes)
-            .collect();
-        let (labels, unused): (Vec<u32>, Vec<u32>) = builder
-            .node_labels()
-            .partition(|label| used.contains(label));
-        let by_label = labels
-            .iter()
-            .enumerate()
-            .map(|(i, &label)| (label, FeNodeId::from_index(i)))
-            .collect();
-        Self {
-            labels,
-            unused,
-            by_label,
-        }
+        let used: BTreeSet<u32> = builder.elements.iter().flat_map(|(_, nodes)| *nodes).collect();
+        let (labels, unused): (Vec<u32>, Vec<u32>) =
+            builder.node_labels().partition(|label| used.contains(label));
+        let by_label =
+            labels.iter().enumerate().map(|(i, &label)| (label, FeNodeId::from_index(i))).collect();
+        Self { labels, unused, by_label }
     }
 
     fn known(&self, labels: impl Iterator<Item = u32>) -> Vec<FeNodeId> {
-        let mut ids: Vec<_> = labels
-            .filter_map(|label| self.by_label.get(&label).copied())
-            .collect();
+        let mut ids: Vec<_> =
+            labels.filter_map(|label| self.by_label.get(&label).copied()).collect();
         ids.sort_unstable();
         ids
     }
@@ -296,31 +249,16 @@ fn require(
 ) -> Result<(), DeckFault> {
     match places.contains_key(&label) {
         true => Ok(()),
-        false => Err(DeckFault::Undefined {
-            line,
-            kind,
-            name: label.to_string(),
-        }),
+        false => Err(DeckFault::Undefined { line, kind, name: label.to_string() }),
     }
 }
 
 fn duplicate(line: usize, kind: &'static str, label: u32) -> DeckFault {
-    DeckFault::Duplicate {
-        line,
-        kind,
-        name: label.to_string(),
-    }
+    DeckFault::Duplicate { line, kind, name: label.to_string() }
 }
 
 fn direction_names(held: u8) -> String {
-    let names: Vec<_> = ["x", "y", "z"]
-        .into_iter()
-        .enumerate()
-        .filter(|(i, _)| held & (1 << i) != 0)
-        .collect();
-    names
-        .iter()
-        .map(|(_, name)| *name)
-        .collect::<Vec<_>>()
-        .join(", ")
+    let names: Vec<_> =
+        ["x", "y", "z"].into_iter().enumerate().filter(|(i, _)| held & (1 << i) != 0).collect();
+    names.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", ")
 }

@@ -119,7 +119,5 @@ pub enum DeckFault {
 }
 
 fn first_label(element: Option<u32>) -> String {
-    element.map_or_else(String::new, |label| {
-        format!(" (element number {label} in the deck)")
-    })
+    element.map_or_else(String::new, |label| format!(" (element number {label} in the deck)"))
 }

@@ -103,11 +103,8 @@ impl Reader {
         let mut labels = Vec::with_capacity(card.data.len());
         for data in &card.data {
             let label = number(data, 0, "a node number")?;
-            let [x, y, z] = [
-                real_or_zero(data, 1)?,
-                real_or_zero(data, 2)?,
-                real_or_zero(data, 3)?,
-            ];
+            let [x, y, z] =
+                [real_or_zero(data, 1)?, real_or_zero(data, 2)?, real_or_zero(data, 3)?];
             self.deck.add_node(data.0, label, Point3::new(x, y, z))?;
             labels.push(label);
         }
@@ -146,19 +143,13 @@ impl Reader {
             labels.push(numbers[0]);
         }
         if let Some(name) = card.parameter("ELSET") {
-            self.element_sets
-                .entry(name.to_owned())
-                .or_default()
-                .extend(labels);
+            self.element_sets.entry(name.to_owned()).or_default().extend(labels);
         }
         Ok(())
     }
 
     fn node_set(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(
-            &["NSET", "GENERATE"],
-            "only NSET= and GENERATE are read here",
-        )?;
+        card.only(&["NSET", "GENERATE"], "only NSET= and GENERATE are read here")?;
         let name = card.required("NSET")?.to_owned();
         let labels = set_members(card, &self.deck.node_sets, "node set", |line, label| {
             self.deck.require_node(line, label)
@@ -169,19 +160,12 @@ impl Reader {
 
     fn extend_node_set(&mut self, name: Option<&str>, labels: Vec<u32>) {
         if let Some(name) = name {
-            self.deck
-                .node_sets
-                .entry(name.to_owned())
-                .or_default()
-                .extend(labels);
+            self.deck.node_sets.entry(name.to_owned()).or_default().extend(labels);
         }
     }
 
     fn element_set(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(
-            &["ELSET", "GENERATE", "INTERNAL"],
-            "only ELSET= and GENERATE are read here",
-        )?;
+        card.only(&["ELSET", "GENERATE", "INTERNAL"], "only ELSET= and GENERATE are read here")?;
         let name = card.required("ELSET")?.to_owned();
         let labels = set_members(card, &self.element_sets, "element set", |line, label| {
             self.deck.require_element(line, label)
@@ -196,14 +180,11 @@ impl Reader {
     }
 
     fn open_material(&mut self, card: &Card<'_>) -> Result<&mut DeckMaterial, DeckFault> {
-        let name = self
-            .open_material
-            .clone()
-            .ok_or_else(|| DeckFault::Unexpected {
-                line: card.line,
-                expected: format!("*MATERIAL before *{}", card.name),
-                found: "none".into(),
-            })?;
+        let name = self.open_material.clone().ok_or_else(|| DeckFault::Unexpected {
+            line: card.line,
+            expected: format!("*MATERIAL before *{}", card.name),
+            found: "none".into(),
+        })?;
         Ok(self.materials.entry(name).or_insert(DeckMaterial {
             youngs_modulus_pa: f64::NAN,
             poissons_ratio: f64::NAN,
@@ -213,23 +194,15 @@ impl Reader {
 
     fn elastic(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
         card.only(&["TYPE"], "only isotropic elasticity is supported")?;
-        if card
-            .parameter("TYPE")
-            .is_some_and(|kind| !kind.starts_with("ISO"))
-        {
-            return Err(card.unsupported(
-                "*ELASTIC, TYPE".into(),
-                "only isotropic elasticity is supported",
-            ));
+        if card.parameter("TYPE").is_some_and(|kind| !kind.starts_with("ISO")) {
+            return Err(
+                card.unsupported("*ELASTIC, TYPE".into(), "only isotropic elasticity is supported")
+            );
         }
         let data = one_row(card, "E and ν")?;
         let (youngs_modulus_pa, poissons_ratio) = (real(data, 0)?, real(data, 1)?);
         let material = self.open_material(card)?;
-        *material = DeckMaterial {
-            youngs_modulus_pa,
-            poissons_ratio,
-            ..*material
-        };
+        *material = DeckMaterial { youngs_modulus_pa, poissons_ratio, ..*material };
         Ok(())
     }
 
@@ -240,10 +213,7 @@ impl Reader {
     }
 
     fn section(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(
-            &["ELSET", "MATERIAL", "CONTROLS"],
-            "only ELSET= and MATERIAL= are read here",
-        )?;
+        card.only(&["ELSET", "MATERIAL", "CONTROLS"], "only ELSET= and MATERIAL= are read here")?;
         let material = card.required("MATERIAL")?.to_owned();
         self.used_materials.insert(material);
         Ok(())
@@ -259,9 +229,8 @@ impl Reader {
                     "only a displacement of zero is supported",
                 ));
             }
-            let directions = (first..=last)
-                .filter(|d| *d <= 3)
-                .fold(0, |bits, d| bits | 1 << (d - 1));
+            let directions =
+                (first..=last).filter(|d| *d <= 3).fold(0, |bits, d| bits | 1 << (d - 1));
             for label in self.named_nodes(data)? {
                 self.deck.hold(label, directions);
             }
@@ -270,10 +239,7 @@ impl Reader {
     }
 
     fn point_forces(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(
-            &["OP"],
-            "only constant forces in global directions are supported",
-        )?;
+        card.only(&["OP"], "only constant forces in global directions are supported")?;
         for data in &card.data {
             let direction: usize = number(data, 1, "a direction 1, 2 or 3")?;
             let force_n = real(data, 2)?;
@@ -284,11 +250,7 @@ impl Reader {
                 // programs differ in whether a second force adds or replaces
                 if !self.forces_given.insert((label, direction)) {
                     let name = format!("{label}, direction {direction}");
-                    return Err(DeckFault::Duplicate {
-                        line: data.0,
-                        kind: "force on node",
-                        name,
-                    });
+                    return Err(DeckFault::Duplicate { line: data.0, kind: "force on node", name });
                 }
                 self.deck.set_force(data.0, label, direction - 1, force_n);
             }
@@ -299,11 +261,7 @@ impl Reader {
     fn pressures(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
         card.only(&["OP"], "only constant pressures are supported")?;
         for data in &card.data {
-            let kind = data
-                .1
-                .get(1)
-                .map(|kind| kind.to_uppercase())
-                .unwrap_or_default();
+            let kind = data.1.get(1).map(|kind| kind.to_uppercase()).unwrap_or_default();
             let face = match kind.as_str() {
                 "P1" => 0,
                 "P2" => 1,
@@ -318,11 +276,7 @@ impl Reader {
             };
             let pressure_pa = real(data, 2)?;
             for element in self.named_elements(data)? {
-                let load = SurfaceLoad::Pressure {
-                    element,
-                    face,
-                    pressure_pa,
-                };
+                let load = SurfaceLoad::Pressure { element, face, pressure_pa };
                 self.deck.surface_loads.push(load);
             }
         }
@@ -339,10 +293,10 @@ impl Reader {
         }
         match card.parameter("NLGEOM") {
             None | Some("NO") => Ok(()),
-            Some(_) => Err(card.unsupported(
-                "*STEP, NLGEOM".into(),
-                "only small displacements are supported",
-            )),
+            Some(_) => {
+                Err(card
+                    .unsupported("*STEP, NLGEOM".into(), "only small displacements are supported"))
+            }
         }
     }
 
@@ -367,24 +321,16 @@ impl Reader {
             });
         }
         if self.used_materials.len() > 1 {
-            return Err(DeckFault::SeveralMaterials {
-                found: self.used_materials.len(),
-            });
+            return Err(DeckFault::SeveralMaterials { found: self.used_materials.len() });
         }
         let used = match self.used_materials.pop_first() {
             Some(name) => {
                 let found = self.materials.get(&name).copied();
-                let undefined = DeckFault::Undefined {
-                    line: n_lines,
-                    kind: "material",
-                    name,
-                };
+                let undefined = DeckFault::Undefined { line: n_lines, kind: "material", name };
                 Some(found.ok_or(undefined)?)
             }
             None if self.materials.len() > 1 => {
-                return Err(DeckFault::SeveralMaterials {
-                    found: self.materials.len(),
-                });
+                return Err(DeckFault::SeveralMaterials { found: self.materials.len() });
             }
             None => self.materials.into_values().next(),
         };

@@ -50,27 +50,14 @@ pub(super) fn cards(text: &str) -> Result<Vec<Card<'_>>, DeckFault> {
 impl Card<'_> {
     fn new(line: usize, keyword: &str) -> Self {
         let (name, rest) = keyword.split_once(',').unwrap_or((keyword, ""));
-        let name = name
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
-            .to_uppercase();
-        let mut card = Self {
-            line,
-            name,
-            parameters: Vec::new(),
-            data: Vec::new(),
-        };
+        let name = name.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase();
+        let mut card = Self { line, name, parameters: Vec::new(), data: Vec::new() };
         card.add_parameters(rest);
         card
     }
 
     fn add_parameters(&mut self, text: &str) {
-        for field in text
-            .split(',')
-            .map(str::trim)
-            .filter(|field| !field.is_empty())
-        {
+        for field in text.split(',').map(str::trim).filter(|field| !field.is_empty()) {
             let (key, value) = field.split_once('=').unwrap_or((field, ""));
             let value = value.trim().trim_matches('"').to_uppercase();
             self.parameters.push((key.trim().to_uppercase(), value));
@@ -79,41 +66,28 @@ impl Card<'_> {
 
     /// A parameter's value in upper case, empty if it has none.
     pub(super) fn parameter(&self, key: &str) -> Option<&str> {
-        self.parameters
-            .iter()
-            .find(|(k, _)| k == key)
-            .map(|(_, value)| value.as_str())
+        self.parameters.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
     /// A parameter that must be there with a value.
     pub(super) fn required(&self, key: &str) -> Result<&str, DeckFault> {
-        self.parameter(key)
-            .filter(|value| !value.is_empty())
-            .ok_or_else(|| DeckFault::Unexpected {
-                line: self.line,
-                expected: format!("parameter {key}= of *{}", self.name),
-                found: "none".into(),
-            })
+        self.parameter(key).filter(|value| !value.is_empty()).ok_or_else(|| DeckFault::Unexpected {
+            line: self.line,
+            expected: format!("parameter {key}= of *{}", self.name),
+            found: "none".into(),
+        })
     }
 
     /// Refuses every parameter that is not in `known`.
     pub(super) fn only(&self, known: &[&str], why: &'static str) -> Result<(), DeckFault> {
-        match self
-            .parameters
-            .iter()
-            .find(|(key, _)| !known.contains(&key.as_str()))
-        {
+        match self.parameters.iter().find(|(key, _)| !known.contains(&key.as_str())) {
             Some((key, _)) => Err(self.unsupported(format!("*{}, {key}", self.name), why)),
             None => Ok(()),
         }
     }
 
     pub(super) fn unsupported(&self, command: String, why: &'static str) -> DeckFault {
-        DeckFault::Unsupported {
-            line: self.line,
-            command,
-            why,
-        }
+        DeckFault::Unsupported { line: self.line, command, why }
     }
 }
 
@@ -143,35 +117,22 @@ pub(super) fn real_or_zero(data: &DataLine<'_>, i: usize) -> Result<f64, DeckFau
 pub(super) fn real(data: &DataLine<'_>, i: usize) -> Result<f64, DeckFault> {
     let value: f64 = match data.1.get(i) {
         // Fortran writes a double's exponent with D
-        Some(field) if field.contains(['d', 'D']) => field
-            .replace(['d', 'D'], "e")
-            .parse()
-            .map_err(|_| not_finite(data.0, field))?,
+        Some(field) if field.contains(['d', 'D']) => {
+            field.replace(['d', 'D'], "e").parse().map_err(|_| not_finite(data.0, field))?
+        }
         _ => number(data, i, "a number")?,
     };
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(not_finite(data.0, data.1[i]))
-    }
+    if value.is_finite() { Ok(value) } else { Err(not_finite(data.0, data.1[i])) }
 }
 
 fn not_finite(line: usize, field: &str) -> DeckFault {
-    DeckFault::Unexpected {
-        line,
-        expected: "a finite number".into(),
-        found: quoted(field),
-    }
+    DeckFault::Unexpected { line, expected: "a finite number".into(), found: quoted(field) }
 }
 
 /// Text as it stands in an error: in quotes and not too long.
 pub(super) fn quoted(text: &str) -> String {
     let short: String = text.chars().take(60).collect();
-    if short.len() < text.len() {
-        format!("`{short}…`")
-    } else {
-        format!("`{short}`")
-    }
+    if short.len() < text.len() { format!("`{short}…`") } else { format!("`{short}`") }
 }
 
 fn fields(content: &str) -> Vec<&str> {

@@ -15,15 +15,9 @@ pub(super) fn set_members(
     let mut members = Vec::new();
     for data in &card.data {
         if card.parameter("GENERATE").is_some() {
-            let (first, last): (u32, u32) = (
-                number(data, 0, "a first number")?,
-                number(data, 1, "a last number")?,
-            );
-            let step: u32 = if data.1.len() > 2 {
-                number(data, 2, "an increment")?
-            } else {
-                1
-            };
+            let (first, last): (u32, u32) =
+                (number(data, 0, "a first number")?, number(data, 1, "a last number")?);
+            let step: u32 = if data.1.len() > 2 { number(data, 2, "an increment")? } else { 1 };
             if step == 0 || first > last {
                 return Err(unexpected(
                     data.0,
@@ -60,21 +54,13 @@ pub(super) fn named(
     let name = field.trim_matches('"').to_uppercase();
     match sets.get(&name) {
         Some(members) => Ok(members.iter().copied().collect()),
-        None => Err(DeckFault::Undefined {
-            line: data.0,
-            kind,
-            name,
-        }),
+        None => Err(DeckFault::Undefined { line: data.0, kind, name }),
     }
 }
 
 /// The range of directions a *BOUNDARY line holds.
 pub(super) fn held_range(data: &DataLine<'_>) -> Result<(u8, u8), DeckFault> {
-    let word = data
-        .1
-        .get(1)
-        .map(|word| word.to_uppercase())
-        .unwrap_or_default();
+    let word = data.1.get(1).map(|word| word.to_uppercase()).unwrap_or_default();
     if word == "ENCASTRE" || word == "PINNED" {
         return Ok((1, 3));
     }
@@ -86,11 +72,7 @@ pub(super) fn held_range(data: &DataLine<'_>) -> Result<(u8, u8), DeckFault> {
     if 1 <= first && first <= last && last <= 6 {
         Ok((first, last))
     } else {
-        Err(unexpected(
-            data.0,
-            "directions from 1 to 6 in rising order",
-            &data.1.join(", "),
-        ))
+        Err(unexpected(data.0, "directions from 1 to 6 in rising order", &data.1.join(", ")))
     }
 }
 
@@ -109,15 +91,9 @@ pub(super) fn one_row<'a, 'b>(
 }
 
 pub(super) fn integers(data: &DataLine<'_>) -> Result<Vec<u32>, DeckFault> {
-    (0..data.1.len())
-        .map(|i| number(data, i, "a whole number"))
-        .collect()
+    (0..data.1.len()).map(|i| number(data, i, "a whole number")).collect()
 }
 
 pub(super) fn unexpected(line: usize, expected: &str, found: &str) -> DeckFault {
-    DeckFault::Unexpected {
-        line,
-        expected: expected.into(),
-        found: quoted(found),
-    }
+    DeckFault::Unexpected { line, expected: expected.into(), found: quoted(found) }
 }

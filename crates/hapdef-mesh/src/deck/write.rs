@@ -22,9 +22,7 @@ use crate::{FeNodeId, MeshError, Tri6Face, atomic_write, face_positions, tri6};
 /// [`MeshError::Io`] if the file can't be written.
 pub fn write_inp(path: &Path, deck: &SolidDeck) -> Result<(), MeshError> {
     let text = inp_text(deck);
-    let compressed = path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
+    let compressed = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     atomic_write(path, |file| {
         if compressed {
             // no name and no time in the header, so that equal decks give equal files
@@ -35,11 +33,7 @@ pub fn write_inp(path: &Path, deck: &SolidDeck) -> Result<(), MeshError> {
             file.write_all(text.as_bytes())
         }
     })
-    .map_err(|cause| MeshError::Io {
-        action: "write",
-        path: path.to_owned(),
-        cause,
-    })
+    .map_err(|cause| MeshError::Io { action: "write", path: path.to_owned(), cause })
 }
 
 /// The deck's text.
@@ -80,10 +74,8 @@ fn mesh(text: &mut String, deck: &SolidDeck) {
 
 fn set(text: &mut String, deck: &SolidDeck, nodes: &[FeNodeId]) {
     for line in nodes.chunks(12) {
-        let labels: Vec<_> = line
-            .iter()
-            .map(|node| deck.node_labels[node.index()].to_string())
-            .collect();
+        let labels: Vec<_> =
+            line.iter().map(|node| deck.node_labels[node.index()].to_string()).collect();
         let _ = writeln!(text, "{},", labels.join(", "));
     }
 }
@@ -92,10 +84,7 @@ fn material(text: &mut String, deck: &SolidDeck) {
     let Some(material) = &deck.material else {
         return;
     };
-    let (e, nu) = (
-        real(material.youngs_modulus_pa),
-        real(material.poissons_ratio),
-    );
+    let (e, nu) = (real(material.youngs_modulus_pa), real(material.poissons_ratio));
     let _ = writeln!(text, "*MATERIAL, NAME=LIMB\n*ELASTIC\n{e}, {nu}");
     if let Some(density) = material.density_kg_m3 {
         let _ = writeln!(text, "*DENSITY\n{}", real(density));
@@ -121,10 +110,7 @@ fn loads(text: &mut String, deck: &SolidDeck) {
 fn all_forces(deck: &SolidDeck) -> BTreeMap<FeNodeId, Vector3<f64>> {
     let mut forces: BTreeMap<_, _> = deck.nodal_forces.iter().copied().collect();
     for load in &deck.face_tractions {
-        let face = Tri6Face {
-            nodes: load.nodes,
-            element: 0,
-        };
+        let face = Tri6Face { nodes: load.nodes, element: 0 };
         let positions = face_positions(&deck.mesh, &face);
         for q in tri6::QUADRATURE {
             let area = q.weight * tri6::area_vector(&positions, q.xi, q.eta).norm();
@@ -140,9 +126,5 @@ fn all_forces(deck: &SolidDeck) -> BTreeMap<FeNodeId, Vector3<f64>> {
 /// A number in at most twenty characters: the shortest that reads back exactly if that fits.
 fn real(value: f64) -> String {
     let shortest = format!("{value:e}");
-    if shortest.len() <= 20 {
-        shortest
-    } else {
-        format!("{value:.12e}")
-    }
+    if shortest.len() <= 20 { shortest } else { format!("{value:.12e}") }
 }

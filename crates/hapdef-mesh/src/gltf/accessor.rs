@@ -43,12 +43,7 @@ impl Source<'_> {
         let component = match format_of(accessor) {
             (Some(Type::Scalar), Some(c)) if is_index_type(c) => c,
             _ => {
-                return Err(wrong_format(
-                    index,
-                    accessor,
-                    place,
-                    "SCALAR of unsigned integers",
-                ));
+                return Err(wrong_format(index, accessor, place, "SCALAR of unsigned integers"));
             }
         };
         let most = (self.params.max_triangles as u64).saturating_mul(3);
@@ -71,12 +66,7 @@ impl Source<'_> {
             return Err(GltfFault::AccessorEmpty { accessor: index });
         }
         if found > limit {
-            return Err(GltfFault::Limit {
-                what,
-                param,
-                found,
-                limit,
-            });
+            return Err(GltfFault::Limit { what, param, found, limit });
         }
         let (n, component_bytes) = (found as usize, component_bytes(accessor));
         let element_bytes = component_bytes * components(accessor);
@@ -84,22 +74,12 @@ impl Source<'_> {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 let view = view.value();
-                let span = Span {
-                    view,
-                    offset,
-                    n,
-                    element_bytes,
-                    component_bytes,
-                    used_for,
-                };
+                let span = Span { view, offset, n, element_bytes, component_bytes, used_for };
                 self.gathered(&span, &format!("accessors[{index}] ({place})"))?
             }
             None if accessor.sparse.is_some() => vec![0; n * element_bytes],
             None => {
-                return Err(GltfFault::AccessorNoData {
-                    accessor: index,
-                    place: place.to_owned(),
-                });
+                return Err(GltfFault::AccessorNoData { accessor: index, place: place.to_owned() });
             }
         };
         if let Some(sparse) = &accessor.sparse {
@@ -119,11 +99,7 @@ impl Source<'_> {
     ) -> Result<(), GltfFault> {
         let count = bytes.len() / element_bytes;
         if sparse.count.0 == 0 || sparse.count.0 > count as u64 {
-            return Err(GltfFault::SparseCount {
-                accessor,
-                found: sparse.count.0,
-                count,
-            });
+            return Err(GltfFault::SparseCount { accessor, found: sparse.count.0, count });
         }
         let n = sparse.count.0 as usize;
         let positions = self.sparse_indices(accessor, sparse, n)?;
@@ -131,24 +107,12 @@ impl Source<'_> {
         let view = sparse.values.buffer_view.value();
         let offset = sparse.values.byte_offset.0;
         let used_for = Use::SparsePart;
-        let span = Span {
-            view,
-            offset,
-            n,
-            element_bytes,
-            component_bytes,
-            used_for,
-        };
+        let span = Span { view, offset, n, element_bytes, component_bytes, used_for };
         let values = self.gathered(&span, &place)?;
         let mut smallest = 0;
         for (position, &found) in positions.iter().enumerate() {
             if (found as usize) < smallest || found as usize >= count {
-                return Err(GltfFault::SparseIndex {
-                    accessor,
-                    position,
-                    found,
-                    count,
-                });
+                return Err(GltfFault::SparseIndex { accessor, position, found, count });
             }
             smallest = found as usize + 1;
             let [to, from] = [found as usize, position].map(|i| i * element_bytes);
@@ -167,12 +131,7 @@ impl Source<'_> {
         let Checked::Valid(component) = sparse.indices.component_type else {
             let expected = "unsigned integers";
             let found = "an unknown componentType".to_owned();
-            return Err(GltfFault::AccessorFormat {
-                accessor,
-                place,
-                expected,
-                found,
-            });
+            return Err(GltfFault::AccessorFormat { accessor, place, expected, found });
         };
         let component_bytes = component.0.size();
         let span = Span {
@@ -194,12 +153,7 @@ pub(super) fn found<'a, T>(
     place: &str,
     what: &'static str,
 ) -> Result<&'a T, GltfFault> {
-    let fault = || GltfFault::Dangling {
-        place: place.to_owned(),
-        what,
-        index,
-        count: list.len(),
-    };
+    let fault = || GltfFault::Dangling { place: place.to_owned(), what, index, count: list.len() };
     list.get(index).ok_or_else(fault)
 }
 
@@ -211,22 +165,15 @@ pub(super) fn view_of(accessor: &Accessor) -> Option<usize> {
 fn integers(bytes: &[u8], component: ComponentType) -> Vec<u32> {
     match component {
         ComponentType::U8 => bytes.iter().map(|&b| u32::from(b)).collect(),
-        ComponentType::U16 => bytes
-            .chunks_exact(2)
-            .map(|b| u32::from(u16::from_le_bytes([b[0], b[1]])))
-            .collect(),
-        _ => bytes
-            .chunks_exact(4)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-            .collect(),
+        ComponentType::U16 => {
+            bytes.chunks_exact(2).map(|b| u32::from(u16::from_le_bytes([b[0], b[1]]))).collect()
+        }
+        _ => bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
     }
 }
 
 fn is_index_type(component: ComponentType) -> bool {
-    matches!(
-        component,
-        ComponentType::U8 | ComponentType::U16 | ComponentType::U32
-    )
+    matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
 }
 
 fn format_of(accessor: &Accessor) -> (Option<Type>, Option<ComponentType>) {
@@ -242,9 +189,7 @@ fn format_of(accessor: &Accessor) -> (Option<Type>, Option<ComponentType>) {
 }
 
 fn component_bytes(accessor: &Accessor) -> usize {
-    format_of(accessor)
-        .1
-        .map_or(1, |component| component.size())
+    format_of(accessor).1.map_or(1, |component| component.size())
 }
 
 fn components(accessor: &Accessor) -> usize {
@@ -261,10 +206,5 @@ fn wrong_format(
     let kind = kind.map_or("an unknown type".to_owned(), |k| format!("{k:?}"));
     let component = component.map_or("an unknown componentType".to_owned(), |c| format!("{c:?}"));
     let found = format!("{kind} of {component}");
-    GltfFault::AccessorFormat {
-        accessor: index,
-        place: place.to_owned(),
-        expected,
-        found,
-    }
+    GltfFault::AccessorFormat { accessor: index, place: place.to_owned(), expected, found }
 }

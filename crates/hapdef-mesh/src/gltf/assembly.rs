@@ -68,12 +68,7 @@ impl<'a> Assembly<'a> {
         place: &str,
     ) -> Result<(), GltfFault> {
         self.n_primitives += 1;
-        within(
-            "placed primitives",
-            "max_triangles",
-            self.n_primitives,
-            self.params.max_triangles,
-        )?;
+        within("placed primitives", "max_triangles", self.n_primitives, self.params.max_triangles)?;
         self.info.n_morph_targets += primitive.targets.as_ref().map_or(0, Vec::len);
         match primitive::decode(source, primitive, place)? {
             Decoded::Points => self.info.n_point_primitives += 1,
@@ -84,8 +79,7 @@ impl<'a> Assembly<'a> {
                 let first = self.triangles.len();
                 self.add_triangles(&decoded, instance);
                 let triangles = first..self.triangles.len();
-                self.parts
-                    .push(part(source.root, instance, primitive, triangles));
+                self.parts.push(part(source.root, instance, primitive, triangles));
             }
         }
         Ok(())
@@ -93,47 +87,26 @@ impl<'a> Assembly<'a> {
 
     fn check_limits(&mut self, decoded: &Triangles) -> Result<(), GltfFault> {
         self.n_decoded_vertices += decoded.positions.len();
-        within(
-            "vertices",
-            "max_vertices",
-            self.n_decoded_vertices,
-            self.params.max_vertices,
-        )?;
+        within("vertices", "max_vertices", self.n_decoded_vertices, self.params.max_vertices)?;
         let n_triangles = self.triangles.len() + decoded.corners.len();
-        within(
-            "triangles",
-            "max_triangles",
-            n_triangles,
-            self.params.max_triangles,
-        )
+        within("triangles", "max_triangles", n_triangles, self.params.max_triangles)
     }
 
     /// Appends a primitive's triangles in world coordinates and metres, with the vertices they use.
     fn add_triangles(&mut self, decoded: &Triangles, instance: &Instance) {
         let metres = self.params.unit.metres();
         let mut is_used = vec![false; decoded.positions.len()];
-        decoded
-            .corners
-            .iter()
-            .flatten()
-            .for_each(|&v| is_used[v as usize] = true);
+        decoded.corners.iter().flatten().for_each(|&v| is_used[v as usize] = true);
         let mut new_index = vec![0; decoded.positions.len()];
-        for (v, position) in decoded
-            .positions
-            .iter()
-            .enumerate()
-            .filter(|(v, _)| is_used[*v])
-        {
+        for (v, position) in decoded.positions.iter().enumerate().filter(|(v, _)| is_used[*v]) {
             let local = Point3::from(position.map(f64::from));
             new_index[v] = self.vertices.len() as u32;
-            self.vertices
-                .push(affine(&instance.world_from_mesh, &local) * metres);
+            self.vertices.push(affine(&instance.world_from_mesh, &local) * metres);
         }
         let is_mirrored = linear_part(&instance.world_from_mesh).determinant() < 0.0;
         for corners in &decoded.corners {
             let [a, b, c] = corners.map(|v| new_index[v as usize]);
-            self.triangles
-                .push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+            self.triangles.push(if is_mirrored { [a, c, b] } else { [a, b, c] });
         }
         self.info.n_unused_vertices += is_used.iter().filter(|used| !**used).count();
         self.info.n_leftover_indices += decoded.n_leftover;
@@ -158,16 +131,7 @@ fn within(
     limit: usize,
 ) -> Result<(), GltfFault> {
     let (found, limit) = (found as u64, limit as u64);
-    if found > limit {
-        Err(GltfFault::Limit {
-            what,
-            param,
-            found,
-            limit,
-        })
-    } else {
-        Ok(())
-    }
+    if found > limit { Err(GltfFault::Limit { what, param, found, limit }) } else { Ok(()) }
 }
 
 fn part(
@@ -176,9 +140,7 @@ fn part(
     primitive: &Primitive,
     triangles: Range<usize>,
 ) -> GltfPart {
-    let material = primitive
-        .material
-        .and_then(|m| root.materials.get(m.value()));
+    let material = primitive.material.and_then(|m| root.materials.get(m.value()));
     GltfPart {
         node_name: instance.node.and_then(|n| root.nodes[n].name.clone()),
         mesh_name: root.meshes[instance.mesh].name.clone(),

@@ -38,9 +38,7 @@ pub(super) fn load<'a>(
     root: &Root,
     mut source: BufferSource<'a>,
 ) -> Result<Vec<Cow<'a, [u8]>>, GltfFault> {
-    (0..root.buffers.len())
-        .map(|i| source.buffer(root, i))
-        .collect()
+    (0..root.buffers.len()).map(|i| source.buffer(root, i)).collect()
 }
 
 impl<'a> BufferSource<'a> {
@@ -53,11 +51,7 @@ impl<'a> BufferSource<'a> {
         };
         let found = bytes.len();
         if (found as u64) < declared {
-            return Err(GltfFault::BufferShort {
-                buffer,
-                declared,
-                found,
-            });
+            return Err(GltfFault::BufferShort { buffer, declared, found });
         }
         match &mut bytes {
             Cow::Borrowed(slice) => *slice = &slice[..declared as usize],
@@ -79,21 +73,14 @@ impl<'a> BufferSource<'a> {
         uri: &str,
         data: &str,
     ) -> Result<Vec<u8>, GltfFault> {
-        let refused = |why| GltfFault::BufferUri {
-            buffer,
-            uri: shortened(uri),
-            why,
-        };
-        let (media_type, text) = data
-            .split_once(',')
-            .ok_or_else(|| refused("is a data URI without a comma"))?;
+        let refused = |why| GltfFault::BufferUri { buffer, uri: shortened(uri), why };
+        let (media_type, text) =
+            data.split_once(',').ok_or_else(|| refused("is a data URI without a comma"))?;
         if !media_type.ends_with(";base64") {
             return Err(refused("is a data URI that is not base64"));
         }
         self.spend(text.len() as u64 / 4 * 3)?;
-        BASE64
-            .decode(text)
-            .map_err(|_| refused("is a data URI with damaged base64"))
+        BASE64.decode(text).map_err(|_| refused("is a data URI with damaged base64"))
     }
 
     fn file_bytes(
@@ -103,16 +90,8 @@ impl<'a> BufferSource<'a> {
         declared: u64,
     ) -> Result<Vec<u8>, GltfFault> {
         self.spend(declared)?;
-        let refused = |why| GltfFault::BufferUri {
-            buffer,
-            uri: shortened(uri),
-            why,
-        };
-        let failed = |cause| GltfFault::BufferIo {
-            buffer,
-            uri: shortened(uri),
-            cause,
-        };
+        let refused = |why| GltfFault::BufferUri { buffer, uri: shortened(uri), why };
+        let failed = |cause| GltfFault::BufferIo { buffer, uri: shortened(uri), cause };
         let relative = relative_path(uri).map_err(refused)?;
         let folder = self.folder.canonicalize().map_err(failed)?;
         let path = folder.join(relative).canonicalize().map_err(failed)?;
@@ -128,15 +107,12 @@ impl<'a> BufferSource<'a> {
 
     fn spend(&mut self, bytes: u64) -> Result<(), GltfFault> {
         let spent = self.limit_bytes - self.budget_bytes;
-        self.budget_bytes = self
-            .budget_bytes
-            .checked_sub(bytes)
-            .ok_or(GltfFault::Limit {
-                what: "bytes of file and buffers",
-                param: "max_bytes",
-                found: spent.saturating_add(bytes),
-                limit: self.limit_bytes,
-            })?;
+        self.budget_bytes = self.budget_bytes.checked_sub(bytes).ok_or(GltfFault::Limit {
+            what: "bytes of file and buffers",
+            param: "max_bytes",
+            found: spent.saturating_add(bytes),
+            limit: self.limit_bytes,
+        })?;
         Ok(())
     }
 }
@@ -161,11 +137,7 @@ fn relative_path(uri: &str) -> Result<PathBuf, &'static str> {
     }
     let path = PathBuf::from(decoded);
     let plain = |c: Component| matches!(c, Component::Normal(_) | Component::CurDir);
-    if path.components().all(plain) {
-        Ok(path)
-    } else {
-        Err("is absolute or contains `..`")
-    }
+    if path.components().all(plain) { Ok(path) } else { Err("is absolute or contains `..`") }
 }
 
 fn percent_decoded(text: &str) -> Option<String> {
@@ -173,9 +145,7 @@ fn percent_decoded(text: &str) -> Option<String> {
     let mut rest = text.as_bytes();
     while let Some((&first, tail)) = rest.split_first() {
         if first == b'%' {
-            let digits = tail
-                .get(..2)
-                .filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
+            let digits = tail.get(..2).filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
             bytes.push(u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?);
             rest = &tail[2..];
         } else {
@@ -201,10 +171,7 @@ mod tests {
     #[track_caller]
     fn check(uri: &str, expected: Result<&str, &str>) {
         let found = relative_path(uri);
-        let found = found
-            .as_deref()
-            .map(|p| p.to_str().unwrap())
-            .map_err(|why| *why);
+        let found = found.as_deref().map(|p| p.to_str().unwrap()).map_err(|why| *why);
         assert_eq!(found, expected, "{uri}");
     }
 
@@ -218,17 +185,11 @@ mod tests {
     #[test]
     fn addresses_that_leave_the_folder_are_refused() {
         check("../a.bin", Err("is absolute or contains `..`"));
-        check(
-            "sub/%2e%2e/%2E%2E/a.bin",
-            Err("is absolute or contains `..`"),
-        );
+        check("sub/%2e%2e/%2E%2E/a.bin", Err("is absolute or contains `..`"));
         check("/etc/passwd", Err("is absolute or contains `..`"));
         check("%2Fetc/passwd", Err("is absolute or contains `..`"));
         check("file:///etc/passwd", Err("has a scheme or a drive letter"));
-        check(
-            "https://example.org/a.bin",
-            Err("has a scheme or a drive letter"),
-        );
+        check("https://example.org/a.bin", Err("has a scheme or a drive letter"));
         check("C%3A/a.bin", Err("has a scheme or a drive letter"));
         check("..\\a.bin", Err("contains a backslash"));
         check("a%00.bin", Err("is empty or contains a NUL"));

@@ -24,11 +24,7 @@ struct Chunk<'a> {
 /// Splits a GLB file into its JSON and its BIN chunk.
 pub(super) fn split(bytes: &[u8]) -> Result<Glb<'_>, GltfFault> {
     let container = container(bytes)?;
-    let mut glb = Glb {
-        json: &[],
-        bin: None,
-        n_trailing_bytes: bytes.len() - container.len(),
-    };
+    let mut glb = Glb { json: &[], bin: None, n_trailing_bytes: bytes.len() - container.len() };
     let mut offset = HEADER_BYTES;
     let mut position = 0;
     while offset < container.len() {
@@ -39,18 +35,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb<'_>, GltfFault> {
             (0, kind) => return Err(out_of_order(0, kind, "the first chunk must be JSON")),
             (1, BIN) => glb.bin = Some(chunk.data),
             (_, BIN) => {
-                return Err(out_of_order(
-                    position,
-                    BIN,
-                    "the one BIN chunk must be the second",
-                ));
+                return Err(out_of_order(position, BIN, "the one BIN chunk must be the second"));
             }
             (_, JSON) => {
-                return Err(out_of_order(
-                    position,
-                    JSON,
-                    "there is already a JSON chunk",
-                ));
+                return Err(out_of_order(position, JSON, "there is already a JSON chunk"));
             }
             _ => {}
         }
@@ -73,22 +61,14 @@ fn container(bytes: &[u8]) -> Result<&[u8], GltfFault> {
     }
     let smallest = HEADER_BYTES + CHUNK_HEADER_BYTES;
     if (declared as usize) < smallest || declared as usize > bytes.len() {
-        return Err(GltfFault::GlbLength {
-            declared,
-            found: bytes.len(),
-        });
+        return Err(GltfFault::GlbLength { declared, found: bytes.len() });
     }
     Ok(&bytes[..declared as usize])
 }
 
 fn chunk_at(container: &[u8], offset: usize) -> Result<Chunk<'_>, GltfFault> {
     let left = container.len() - offset;
-    let fault = |problem, length| GltfFault::GlbChunk {
-        offset,
-        problem,
-        length,
-        left,
-    };
+    let fault = |problem, length| GltfFault::GlbChunk { offset, problem, length, left };
     if left < CHUNK_HEADER_BYTES {
         return Err(fault("its 8-byte header is cut off", 0));
     }
@@ -103,18 +83,11 @@ fn chunk_at(container: &[u8], offset: usize) -> Result<Chunk<'_>, GltfFault> {
         return Err(fault("its length is not a multiple of 4", length));
     }
     let start = offset + CHUNK_HEADER_BYTES;
-    Ok(Chunk {
-        kind,
-        data: &container[start..start + length as usize],
-    })
+    Ok(Chunk { kind, data: &container[start..start + length as usize] })
 }
 
 fn out_of_order(position: usize, kind: u32, problem: &'static str) -> GltfFault {
-    GltfFault::GlbChunkOrder {
-        position,
-        kind,
-        problem,
-    }
+    GltfFault::GlbChunkOrder { position, kind, problem }
 }
 
 fn u32_at(bytes: &[u8], at: usize) -> u32 {

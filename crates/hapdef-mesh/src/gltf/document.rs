@@ -10,24 +10,12 @@ use super::GltfFault;
 
 /// Extensions that a file may require although this reader ignores them: they change how a
 /// surface looks, not where it is.
-const APPEARANCE_EXTENSIONS: [&str; 4] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-];
+const APPEARANCE_EXTENSIONS: [&str; 4] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_"];
 
 /// Free-form or floating-point properties, where a large number is no index and no size.
-const FREE_PROPERTIES: [&str; 8] = [
-    "extras",
-    "extensions",
-    "min",
-    "max",
-    "matrix",
-    "translation",
-    "rotation",
-    "scale",
-];
+const FREE_PROPERTIES: [&str; 8] =
+    ["extras", "extensions", "min", "max", "matrix", "translation", "rotation", "scale"];
 
 /// Parses `json` and checks version, required extensions and the range of integers.
 pub(super) fn parse(json: &[u8]) -> Result<Root, GltfFault> {
@@ -44,10 +32,9 @@ pub(super) fn parse(json: &[u8]) -> Result<Root, GltfFault> {
 fn check_integers(value: &Value, place: &mut String) -> Result<(), GltfFault> {
     match value {
         Value::Number(number) => match number.as_u64() {
-            Some(found) if u32::try_from(found).is_err() => Err(GltfFault::JsonNumber {
-                place: place.clone(),
-                found,
-            }),
+            Some(found) if u32::try_from(found).is_err() => {
+                Err(GltfFault::JsonNumber { place: place.clone(), found })
+            }
             _ => Ok(()),
         },
         Value::Array(items) => items
@@ -78,12 +65,8 @@ fn check_version(root: &Root) -> Result<(), GltfFault> {
     let minor_is_free = root.asset.version.strip_prefix("2.").is_some_and(is_number);
     match root.asset.min_version.as_deref() {
         None | Some("2.0") if minor_is_free => Ok(()),
-        None | Some("2.0") => Err(GltfFault::AssetVersion {
-            found: root.asset.version.clone(),
-        }),
-        Some(minimum) => Err(GltfFault::AssetVersion {
-            found: format!("minVersion {minimum}"),
-        }),
+        None | Some("2.0") => Err(GltfFault::AssetVersion { found: root.asset.version.clone() }),
+        Some(minimum) => Err(GltfFault::AssetVersion { found: format!("minVersion {minimum}") }),
     }
 }
 
@@ -92,11 +75,7 @@ fn is_number(text: &str) -> bool {
 }
 
 fn check_required_extensions(root: &Root) -> Result<(), GltfFault> {
-    let harmless = |name: &str| {
-        APPEARANCE_EXTENSIONS
-            .iter()
-            .any(|prefix| name.starts_with(prefix))
-    };
+    let harmless = |name: &str| APPEARANCE_EXTENSIONS.iter().any(|prefix| name.starts_with(prefix));
     match root.extensions_required.iter().find(|name| !harmless(name)) {
         None => Ok(()),
         Some(name) => Err(GltfFault::RequiredExtension { name: name.clone() }),

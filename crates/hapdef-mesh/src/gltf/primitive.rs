@@ -42,19 +42,14 @@ pub(super) fn decode(
     let mode = match primitive.mode {
         Checked::Valid(mode) => mode,
         Checked::Invalid => {
-            return Err(GltfFault::Mode {
-                place: place.to_owned(),
-            });
+            return Err(GltfFault::Mode { place: place.to_owned() });
         }
     };
     if let Some(material) = primitive.material {
         let place = format!("{place}.material");
         found(&source.root.materials, material.value(), &place, "material")?;
     }
-    let Some(position) = primitive
-        .attributes
-        .get(&Checked::Valid(Semantic::Positions))
-    else {
+    let Some(position) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
         return Ok(Decoded::NoPositions);
     };
     match mode {
@@ -92,12 +87,7 @@ fn triangles(
     }
     let (corners, n_leftover) = assemble(&indices, mode);
     let n_outside_bounds = count_outside_bounds(&positions, accessor);
-    Ok(Triangles {
-        positions,
-        corners,
-        n_leftover,
-        n_outside_bounds,
-    })
+    Ok(Triangles { positions, corners, n_leftover, n_outside_bounds })
 }
 
 /// Triangles from indices: specification, section 3.7.2.1, "Topology types". Strips keep their
@@ -134,12 +124,7 @@ fn check_attributes(
         let found = accessor.count.0;
         if found != expected {
             let place = place.to_owned();
-            return Err(GltfFault::AttributeCount {
-                place,
-                attribute,
-                found,
-                expected,
-            });
+            return Err(GltfFault::AttributeCount { place, attribute, found, expected });
         }
     }
     let Some(index) = primitive.indices else {
@@ -157,18 +142,11 @@ fn check_attributes(
 }
 
 fn check_finite(positions: &[[f32; 3]], place: &str) -> Result<(), GltfFault> {
-    match positions
-        .iter()
-        .position(|p| !p.iter().all(|x| x.is_finite()))
-    {
+    match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         None => Ok(()),
         Some(vertex) => {
             let position = positions[vertex];
-            Err(GltfFault::PositionNotFinite {
-                place: place.to_owned(),
-                vertex,
-                position,
-            })
+            Err(GltfFault::PositionNotFinite { place: place.to_owned(), vertex, position })
         }
     }
 }
@@ -184,10 +162,7 @@ fn count_outside_bounds(positions: &[[f32; 3]], accessor: &Accessor) -> usize {
 }
 
 fn bound(value: &Option<gltf::json::Value>) -> Option<[f32; 3]> {
-    let items = value
-        .as_ref()?
-        .as_array()
-        .filter(|items| items.len() == 3)?;
+    let items = value.as_ref()?.as_array().filter(|items| items.len() == 3)?;
     let mut bound = [0.0; 3];
     for (slot, item) in bound.iter_mut().zip(items) {
         *slot = item.as_f64()? as f32;

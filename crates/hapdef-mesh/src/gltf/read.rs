@@ -103,42 +103,28 @@ pub struct GltfInfo {
 /// above a limit of `params`, or without a triangle.
 pub fn read_gltf(path: &Path, params: &GltfParams) -> Result<GltfSurface, MeshError> {
     let bytes = read_bounded(path, params.max_bytes)?;
-    let assembly = parse(path, &bytes, params).map_err(|fault| MeshError::Gltf {
-        path: path.to_owned(),
-        fault: Box::new(fault),
-    })?;
+    let assembly = parse(path, &bytes, params)
+        .map_err(|fault| MeshError::Gltf { path: path.to_owned(), fault: Box::new(fault) })?;
     let mesh = SurfaceMesh::new(assembly.vertices, assembly.triangles)?;
-    Ok(GltfSurface {
-        mesh,
-        parts: assembly.parts,
-        info: assembly.info,
-    })
+    Ok(GltfSurface { mesh, parts: assembly.parts, info: assembly.info })
 }
 
 fn read_bounded(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MeshError> {
-    let failed = |cause| MeshError::Io {
-        action: "read",
-        path: path.to_owned(),
-        cause,
-    };
+    let failed = |cause| MeshError::Io { action: "read", path: path.to_owned(), cause };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(failed)?;
-    file.take(max_bytes.saturating_add(1))
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
+    file.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     Ok(bytes)
 }
 
 fn parse<'a>(path: &Path, bytes: &[u8], params: &'a GltfParams) -> Result<Assembly<'a>, GltfFault> {
     let limit = params.max_bytes;
-    let budget_bytes = limit
-        .checked_sub(bytes.len() as u64)
-        .ok_or(GltfFault::Limit {
-            what: "bytes of file and buffers",
-            param: "max_bytes",
-            found: bytes.len() as u64,
-            limit,
-        })?;
+    let budget_bytes = limit.checked_sub(bytes.len() as u64).ok_or(GltfFault::Limit {
+        what: "bytes of file and buffers",
+        param: "max_bytes",
+        found: bytes.len() as u64,
+        limit,
+    })?;
     let (json, bin, n_trailing_bytes) = match extension(path).as_str() {
         "glb" => {
             let glb = container::split(bytes)?;
@@ -146,36 +132,19 @@ fn parse<'a>(path: &Path, bytes: &[u8], params: &'a GltfParams) -> Result<Assemb
         }
         "gltf" => (bytes, None, 0),
         other => {
-            return Err(GltfFault::FileKind {
-                found: other.to_owned(),
-            });
+            return Err(GltfFault::FileKind { found: other.to_owned() });
         }
     };
     let root = document::parse(json)?;
-    let folder = path
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let source = BufferSource {
-        folder,
-        bin,
-        budget_bytes,
-        limit_bytes: limit,
-    };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let source = BufferSource { folder, bin, budget_bytes, limit_bytes: limit };
     let buffers = buffers::load(&root, source)?;
     let mut assembly = Assembly::new(params);
     assembly.info.n_trailing_bytes = n_trailing_bytes;
-    assembly.add_scene(&Source {
-        root: &root,
-        buffers: &buffers,
-        params,
-    })?;
+    assembly.add_scene(&Source { root: &root, buffers: &buffers, params })?;
     Ok(assembly)
 }
 
 fn extension(path: &Path) -> String {
-    path.extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase()
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }

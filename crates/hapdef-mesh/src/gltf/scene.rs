@@ -27,11 +27,8 @@ pub(super) fn instances(root: &Root) -> Result<Vec<Instance>, GltfFault> {
     }
     let mut visited = vec![false; root.nodes.len()];
     let mut instances = Vec::new();
-    let mut pending: Vec<_> = top_nodes(root)?
-        .into_iter()
-        .rev()
-        .map(|n| (n, Matrix4::identity()))
-        .collect();
+    let mut pending: Vec<_> =
+        top_nodes(root)?.into_iter().rev().map(|n| (n, Matrix4::identity())).collect();
     while let Some((index, world_from_parent)) = pending.pop() {
         if std::mem::replace(&mut visited[index], true) {
             return Err(GltfFault::NodeTwice { node: index });
@@ -50,23 +47,13 @@ pub(super) fn instances(root: &Root) -> Result<Vec<Instance>, GltfFault> {
             });
         }
         let children = checked_nodes(root, children(node), &format!("nodes[{index}].children"))?;
-        pending.extend(
-            children
-                .into_iter()
-                .rev()
-                .map(|child| (child, world_from_node)),
-        );
+        pending.extend(children.into_iter().rev().map(|child| (child, world_from_node)));
     }
     Ok(instances)
 }
 
 fn alone(mesh: usize) -> Instance {
-    Instance {
-        node: None,
-        mesh,
-        world_from_mesh: Matrix4::identity(),
-        is_skinned: false,
-    }
+    Instance { node: None, mesh, world_from_mesh: Matrix4::identity(), is_skinned: false }
 }
 
 /// The nodes to begin at: none may be the child of another.
@@ -79,10 +66,7 @@ fn top_nodes(root: &Root) -> Result<Vec<usize>, GltfFault> {
         let tops = checked_nodes(root, &scene.nodes, &place)?;
         return match tops.iter().find(|&&n| is_child[n]) {
             None => Ok(tops),
-            Some(&node) => Err(GltfFault::SceneNotRoot {
-                scene: scene_idx,
-                node,
-            }),
+            Some(&node) => Err(GltfFault::SceneNotRoot { scene: scene_idx, node }),
         };
     }
     let tops: Vec<_> = (0..root.nodes.len()).filter(|&n| !is_child[n]).collect();

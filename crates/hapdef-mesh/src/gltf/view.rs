@@ -31,11 +31,7 @@ impl Source<'_> {
         let bytes = self.view_bytes(span.view, view)?;
         check_use(span, view, place)?;
         let stride = stride(span, view)?;
-        let start = view
-            .byte_offset
-            .unwrap_or_default()
-            .0
-            .saturating_add(span.offset);
+        let start = view.byte_offset.unwrap_or_default().0.saturating_add(span.offset);
         if start % span.component_bytes as u64 != 0 {
             let component_bytes = span.component_bytes;
             return Err(GltfFault::Alignment {
@@ -46,23 +42,13 @@ impl Source<'_> {
         }
         // n ≥ 1: the last element begins at (n − 1)·stride.
         let last = (stride as u64).saturating_mul(span.n as u64 - 1);
-        let end = last
-            .saturating_add(span.element_bytes as u64)
-            .saturating_add(span.offset);
+        let end = last.saturating_add(span.element_bytes as u64).saturating_add(span.offset);
         if end > bytes.len() as u64 {
             let available = bytes.len() as u64;
-            return Err(GltfFault::AccessorEnd {
-                place: place.to_owned(),
-                end,
-                available,
-            });
+            return Err(GltfFault::AccessorEnd { place: place.to_owned(), end, available });
         }
         let used = &bytes[span.offset as usize..end as usize];
-        Ok(used
-            .chunks(stride)
-            .flat_map(|chunk| &chunk[..span.element_bytes])
-            .copied()
-            .collect())
+        Ok(used.chunks(stride).flat_map(|chunk| &chunk[..span.element_bytes]).copied().collect())
     }
 
     fn view_bytes(&self, index: usize, view: &View) -> Result<&[u8], GltfFault> {
@@ -72,11 +58,7 @@ impl Source<'_> {
         let end = start.saturating_add(view.byte_length.0);
         let available = buffer.len() as u64;
         if end > available {
-            return Err(GltfFault::ViewEnd {
-                view: index,
-                end,
-                available,
-            });
+            return Err(GltfFault::ViewEnd { view: index, end, available });
         }
         Ok(&buffer[start as usize..end as usize])
     }
@@ -97,11 +79,7 @@ fn check_use(span: &Span, view: &View, place: &str) -> Result<(), GltfFault> {
         }
         _ => return Ok(()),
     };
-    Err(GltfFault::ViewUse {
-        view: span.view,
-        place: place.to_owned(),
-        why,
-    })
+    Err(GltfFault::ViewUse { view: span.view, place: place.to_owned(), why })
 }
 
 /// The distance between elements: specification, section 5.11 (`bufferView.byteStride`).
@@ -112,11 +90,7 @@ fn stride(span: &Span, view: &View) -> Result<usize, GltfFault> {
     let stride = stride.0;
     if stride % 4 != 0 || !(4..=252).contains(&stride) || stride < span.element_bytes {
         let element_bytes = span.element_bytes;
-        return Err(GltfFault::Stride {
-            view: span.view,
-            stride,
-            element_bytes,
-        });
+        return Err(GltfFault::Stride { view: span.view, stride, element_bytes });
     }
     Ok(stride)
 }

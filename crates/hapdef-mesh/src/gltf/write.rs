@@ -43,18 +43,10 @@ pub fn write_glb(
     field: Option<&VertexField<'_>>,
 ) -> Result<(), MeshError> {
     let mut parts = Parts::default();
-    let indices: Vec<u8> = mesh
-        .triangles()
-        .iter()
-        .flatten()
-        .flat_map(|i| i.to_le_bytes())
-        .collect();
+    let indices: Vec<u8> =
+        mesh.triangles().iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
     let n_indices = 3 * mesh.triangles().len();
-    parts.add(
-        indices,
-        ELEMENT_ARRAY_BUFFER,
-        accessor("SCALAR", UNSIGNED_INT, n_indices),
-    );
+    parts.add(indices, ELEMENT_ARRAY_BUFFER, accessor("SCALAR", UNSIGNED_INT, n_indices));
     add_positions(&mut parts, path, mesh)?;
     let mut attributes = json!({ "POSITION": 1 });
     let mut extras = json!({});
@@ -69,18 +61,10 @@ pub fn write_glb(
     let total = 12 + 8 + json.len() + 8 + bin.len();
     if u32::try_from(total).is_err() {
         let what = format!("{total} bytes are more than a GLB file can hold");
-        return Err(MeshError::NotWritable {
-            path: path.to_owned(),
-            what,
-        });
+        return Err(MeshError::NotWritable { path: path.to_owned(), what });
     }
-    atomic_write(path, |w| write_chunks(w, total as u32, &json, &bin)).map_err(|cause| {
-        MeshError::Io {
-            action: "write",
-            path: path.to_owned(),
-            cause,
-        }
-    })
+    atomic_write(path, |w| write_chunks(w, total as u32, &json, &bin))
+        .map_err(|cause| MeshError::Io { action: "write", path: path.to_owned(), cause })
 }
 
 /// The BIN chunk and the JSON that describes it, one view and one accessor per array.
@@ -111,21 +95,12 @@ fn accessor(kind: &str, component: u32, count: usize) -> Value {
 }
 
 fn add_positions(parts: &mut Parts, path: &Path, mesh: &SurfaceMesh) -> Result<(), MeshError> {
-    let positions: Vec<[f32; 3]> = mesh
-        .vertices()
-        .iter()
-        .map(|v| [v.x as f32, v.y as f32, v.z as f32])
-        .collect();
-    if let Some(vertex) = positions
-        .iter()
-        .position(|p| !p.iter().all(|x| x.is_finite()))
-    {
+    let positions: Vec<[f32; 3]> =
+        mesh.vertices().iter().map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect();
+    if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         let at = mesh.vertices()[vertex];
         let what = format!("vertex {vertex} is at {at}, beyond 32-bit floats");
-        return Err(MeshError::NotWritable {
-            path: path.to_owned(),
-            what,
-        });
+        return Err(MeshError::NotWritable { path: path.to_owned(), what });
     }
     let (mut min, mut max) = (positions[0], positions[0]);
     for position in &positions {
@@ -137,11 +112,7 @@ fn add_positions(parts: &mut Parts, path: &Path, mesh: &SurfaceMesh) -> Result<(
     let mut description = accessor("VEC3", FLOAT, positions.len());
     description["min"] = json!(min);
     description["max"] = json!(max);
-    parts.add(
-        float_bytes(positions.into_iter().flatten()),
-        ARRAY_BUFFER,
-        description,
-    );
+    parts.add(float_bytes(positions.into_iter().flatten()), ARRAY_BUFFER, description);
     Ok(())
 }
 
@@ -153,25 +124,14 @@ fn add_field(
     let beyond = |v: &f64| !(*v as f32).is_finite();
     if let Some(point) = field.values.iter().position(beyond) {
         let value = field.values[point];
-        return Err(MeshError::FieldNotFinite {
-            field: field.name.to_owned(),
-            point,
-            value,
-        });
+        return Err(MeshError::FieldNotFinite { field: field.name.to_owned(), point, value });
     }
     let n = field.values.len();
     // A field that is the same everywhere gets the first colour.
     let part = |v: f64| {
-        if high > low {
-            (v - low) / (high - low)
-        } else {
-            0.0
-        }
+        if high > low { (v - low) / (high - low) } else { 0.0 }
     };
-    let colours = field
-        .values
-        .iter()
-        .flat_map(|&v| linear_from_srgb(viridis(part(v))));
+    let colours = field.values.iter().flat_map(|&v| linear_from_srgb(viridis(part(v))));
     let colours = float_bytes(colours.map(|c| c as f32));
     parts.add(colours, ARRAY_BUFFER, accessor("VEC3", FLOAT, n));
     let values = float_bytes(field.values.iter().map(|&v| v as f32));
@@ -184,33 +144,17 @@ fn checked_range(field: &VertexField<'_>, expected: usize) -> Result<(f64, f64),
     let name = || field.name.to_owned();
     let found = field.values.len();
     if found != expected {
-        return Err(MeshError::FieldLength {
-            field: name(),
-            expected,
-            found,
-        });
+        return Err(MeshError::FieldLength { field: name(), expected, found });
     }
     let smallest = field.values.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = field
-        .values
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
+    let largest = field.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (low, high) = field.range.unwrap_or((smallest, largest));
     if !(low.is_finite() && high.is_finite() && low <= high && (high - low).is_finite()) {
         if let Some(point) = field.values.iter().position(|v| !v.is_finite()) {
             let value = field.values[point];
-            return Err(MeshError::FieldNotFinite {
-                field: name(),
-                point,
-                value,
-            });
+            return Err(MeshError::FieldNotFinite { field: name(), point, value });
         }
-        return Err(MeshError::FieldRange {
-            field: name(),
-            low,
-            high,
-        });
+        return Err(MeshError::FieldRange { field: name(), low, high });
     }
     Ok((low, high))
 }

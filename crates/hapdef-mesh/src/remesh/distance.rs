@@ -58,8 +58,5 @@ fn samples(&[a, b, c]: &[Point3<f64>; 3], spacing_m: f64) -> Vec<Point3<f64>> {
     let n = (longest / spacing_m).ceil().clamp(2.0, MAX_PER_EDGE) as usize;
     let at =
         |i: usize, j: usize| a + (b - a) * (i as f64 / n as f64) + (c - a) * (j as f64 / n as f64);
-    (0..=n)
-        .flat_map(|i| (0..=n - i).map(move |j| (i, j)))
-        .map(|(i, j)| at(i, j))
-        .collect()
+    (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
 }

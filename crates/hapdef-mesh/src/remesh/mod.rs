@@ -128,8 +128,7 @@ impl RemeshInfo {
     /// The relative change of the volume; 0 for an open surface.
     #[must_use]
     pub fn volume_change(&self) -> f64 {
-        self.volume_m3
-            .map_or(0.0, |[before, after]| after / before - 1.0)
+        self.volume_m3.map_or(0.0, |[before, after]| after / before - 1.0)
     }
 }
 
@@ -140,24 +139,9 @@ impl RemeshParams {
         let angle_ok = angle > 0.0 && angle <= std::f64::consts::PI;
         let checks = [
             ("target_edge_m", edge, "above 0 and finite", positive(edge)),
-            (
-                "n_rounds",
-                self.n_rounds as f64,
-                "at least 1",
-                self.n_rounds > 0,
-            ),
-            (
-                "feature_angle_rad",
-                angle,
-                "above 0 and at most π",
-                angle_ok,
-            ),
-            (
-                "max_distance_m",
-                self.max_distance_m,
-                "at least 0",
-                self.max_distance_m >= 0.0,
-            ),
+            ("n_rounds", self.n_rounds as f64, "at least 1", self.n_rounds > 0),
+            ("feature_angle_rad", angle, "above 0 and at most π", angle_ok),
+            ("max_distance_m", self.max_distance_m, "at least 0", self.max_distance_m >= 0.0),
             (
                 "max_volume_change",
                 self.max_volume_change,
@@ -166,11 +150,7 @@ impl RemeshParams {
             ),
         ];
         if let Some((name, found, wanted, _)) = checks.into_iter().find(|check| !check.3) {
-            return Err(SurfaceFault::Parameter {
-                name,
-                found,
-                wanted,
-            });
+            return Err(SurfaceFault::Parameter { name, found, wanted });
         }
         let area_m2 = mesh.area_m2();
         let n_triangles = (area_m2 / (3.0_f64.sqrt() / 4.0 * edge * edge)) as usize;

@@ -21,10 +21,7 @@ pub(super) struct Origin {
 impl Origin {
     pub fn new(mesh: &SurfaceMesh, work: &Work) -> Self {
         let ends = work.creases.iter().map(|edge| edge.map(|v| work.at(v)));
-        Self {
-            surface: ClosestPoint::of_surface(mesh),
-            creases: ClosestPoint::of_edges(ends),
-        }
+        Self { surface: ClosestPoint::of_surface(mesh), creases: ClosestPoint::of_edges(ends) }
     }
 
     fn on_surface(&self, place: &Point3<f64>, normal: &Vector3<f64>) -> Option<Point3<f64>> {
@@ -96,9 +93,6 @@ fn is_allowed(work: &Work, vertex: u32, place: Point3<f64>) -> bool {
     let faces = &work.around[vertex as usize];
     let all: Vec<[Point3<f64>; 3]> = faces.iter().map(|face| work.corners(*face)).collect();
     let ring = Ring::of(&all);
-    let mut moved = faces
-        .iter()
-        .map(|face| work.corners_with(*face, vertex, place));
-    all.iter()
-        .all(|old| moved.next().is_some_and(|new| ring.allows(old, &new)))
+    let mut moved = faces.iter().map(|face| work.corners_with(*face, vertex, place));
+    all.iter().all(|old| moved.next().is_some_and(|new| ring.allows(old, &new)))
 }

@@ -107,9 +107,7 @@ fn cuts_across(work: &Work, edge: [u32; 2]) -> bool {
 /// Whether the crease beyond `gone` ends at `kept` too, or at one of its crease neighbours.
 fn closes_crease(work: &Work, gone: u32, kept: u32) -> bool {
     let beyond = work.crease_neighbours(gone);
-    beyond
-        .iter()
-        .any(|v| *v != kept && work.creases.contains(&key(*v, kept)))
+    beyond.iter().any(|v| *v != kept && work.creases.contains(&key(*v, kept)))
 }
 
 /// The link condition (Dey, Edelsbrunner, Guha and Nekhayev, Publ. Inst. Math. 66, 1999): the ends
@@ -117,10 +115,7 @@ fn closes_crease(work: &Work, gone: u32, kept: u32) -> bool {
 fn keeps_manifold(work: &Work, gone: u32, kept: u32) -> bool {
     let faces = work.faces_at(key(gone, kept));
     let theirs = work.neighbours(kept);
-    let shared = work
-        .neighbours(gone)
-        .into_iter()
-        .filter(|v| theirs.contains(v));
+    let shared = work.neighbours(gone).into_iter().filter(|v| theirs.contains(v));
     let shared: Vec<u32> = shared.collect();
     let stays = |v: &u32| {
         let least = if work.is_rim[*v as usize] { 2 } else { 4 };
@@ -137,10 +132,8 @@ fn keeps_lengths(work: &Work, gone: u32, kept: u32, place: Point3<f64>, longest_
 
 fn keeps_shapes(work: &Work, gone: u32, kept: u32, place: Point3<f64>) -> bool {
     let faces = |v: u32| work.around[v as usize].iter().copied();
-    let all: Vec<[Point3<f64>; 3]> = faces(gone)
-        .chain(faces(kept))
-        .map(|f| work.corners(f))
-        .collect();
+    let all: Vec<[Point3<f64>; 3]> =
+        faces(gone).chain(faces(kept)).map(|f| work.corners(f)).collect();
     let ring = Ring::of(&all);
     let moving = [(gone, kept), (kept, gone)].into_iter();
     let mut moved = moving.flat_map(|(v, other)| {
@@ -214,10 +207,7 @@ fn flip_of(work: &Work, edge: [u32; 2]) -> Option<([u32; 2], [[u32; 3]; 2])> {
 /// Whether taking a neighbour from `less` and giving one to `more` lowers Σ (valence − ideal)².
 fn evens_out(work: &Work, less: [u32; 2], more: [u32; 2]) -> bool {
     let excess = |v: u32| {
-        let (n_faces, is_rim) = (
-            work.around[v as usize].len() as i64,
-            work.is_rim[v as usize],
-        );
+        let (n_faces, is_rim) = (work.around[v as usize].len() as i64, work.is_rim[v as usize]);
         if is_rim { n_faces + 1 - 4 } else { n_faces - 6 }
     };
     let change: i64 = less.map(|v| 1 - 2 * excess(v)).iter().sum::<i64>()

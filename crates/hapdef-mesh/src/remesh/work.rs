@@ -53,9 +53,7 @@ impl Work {
             n_merged_features: 0,
         };
         for (face, corners) in mesh.triangles().iter().enumerate() {
-            corners
-                .iter()
-                .for_each(|&v| work.around[v as usize].push(face as u32));
+            corners.iter().for_each(|&v| work.around[v as usize].push(face as u32));
         }
         for uses in sorted_half_edges(mesh.triangles()).chunk_by(|a, b| a.ends() == b.ends()) {
             let edge = [uses[0].low, uses[0].high];
@@ -123,11 +121,7 @@ impl Work {
     /// The faces on both sides of an edge: two, one on a rim, none if there is no such edge.
     pub fn faces_at(&self, [a, b]: [u32; 2]) -> Vec<u32> {
         let has_b = |face: &&u32| self.faces[**face as usize].contains(&b);
-        self.around[a as usize]
-            .iter()
-            .filter(has_b)
-            .copied()
-            .collect()
+        self.around[a as usize].iter().filter(has_b).copied().collect()
     }
 
     /// Vertices joined to `vertex` by an edge, ascending.
@@ -167,8 +161,7 @@ impl Work {
         let sides = self.faces_at(edge);
         self.is_rim.push(sides.len() == 1);
         let is_crease = self.creases.remove(&edge);
-        self.kinds
-            .push(if is_crease { Kind::Crease } else { Kind::Free });
+        self.kinds.push(if is_crease { Kind::Crease } else { Kind::Free });
         if is_crease {
             self.creases.insert(key(a, new));
             self.creases.insert(key(b, new));
@@ -267,9 +260,5 @@ pub(super) fn normal([a, b, c]: &[Point3<f64>; 3]) -> Vector3<f64> {
 /// 4√3 area / Σ edge²: 1 for an equilateral triangle, 0 for one without area.
 pub(super) fn shape([a, b, c]: &[Point3<f64>; 3]) -> f64 {
     let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-    if squares > 0.0 {
-        2.0 * 3.0_f64.sqrt() * normal(&[*a, *b, *c]).norm() / squares
-    } else {
-        0.0
-    }
+    if squares > 0.0 { 2.0 * 3.0_f64.sqrt() * normal(&[*a, *b, *c]).norm() / squares } else { 0.0 }
 }

@@ -49,11 +49,7 @@ fn sides(triangle: &Triangle, other: &Triangle) -> [i8; 3] {
 /// 1 where `point` is on the side of the plane from which the triangle runs counter-clockwise, −1 on
 /// the other, 0 on it.
 fn side(triangle: &Triangle, point: &Point3<f64>) -> i8 {
-    let coord = |p: &Point3<f64>| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
-    };
+    let coord = |p: &Point3<f64>| Coord3D { x: p.x, y: p.y, z: p.z };
     let [a, b, c] = triangle;
     sign(-orient3d(coord(a), coord(b), coord(c), coord(point)))
 }
@@ -118,11 +114,7 @@ fn in_plane(one: &Triangle, two: &Triangle) -> Option<Overlap> {
     if parted(&p, &q) || parted(&q, &p) {
         return None;
     }
-    let longest = |t: &Triangle| {
-        (0..3)
-            .map(|i| (t[(i + 1) % 3] - t[i]).norm())
-            .fold(0.0, f64::max)
-    };
+    let longest = |t: &Triangle| (0..3).map(|i| (t[(i + 1) % 3] - t[i]).norm()).fold(0.0, f64::max);
     let corners = one.iter().chain(two).map(|p| p.coords / 6.0);
     Some(Overlap {
         place: Point3::from(corners.sum::<Vector3<f64>>()),

@@ -56,17 +56,14 @@ fn crossing_tetrahedra() {
 fn touching_is_no_crossing() {
     let first = tetrahedron([0.0; 3]);
     let turned = |map: Matrix4<f64>| first.transformed(&map).unwrap();
-    let about_x = turned(Matrix4::new_nonuniform_scaling(&Vector3::new(
-        1.0, -1.0, -1.0,
-    )));
+    let about_x = turned(Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, -1.0, -1.0)));
     check(&together(&first, &about_x), &[]);
     let about_corner = turned(Matrix4::new_scaling(-1.0));
     check(&together(&first, &about_corner), &[]);
     let on_face = hanging(0.0);
     check(&together(&first, &on_face), &[]);
-    let along_edge = about_x
-        .transformed(&Matrix4::new_translation(&Vector3::new(0.5, 0.0, 0.0)))
-        .unwrap();
+    let along_edge =
+        about_x.transformed(&Matrix4::new_translation(&Vector3::new(0.5, 0.0, 0.0))).unwrap();
     check(&together(&first, &along_edge), &[]);
 }
 
@@ -74,9 +71,7 @@ fn touching_is_no_crossing() {
 #[test]
 fn overlapping_in_one_plane() {
     let below = tetrahedron([0.0; 3])
-        .transformed(&Matrix4::new_nonuniform_scaling(&Vector3::new(
-            1.0, 1.0, -1.0,
-        )))
+        .transformed(&Matrix4::new_nonuniform_scaling(&Vector3::new(1.0, 1.0, -1.0)))
         .unwrap();
     let aside = tetrahedron([0.25, 0.25, 0.0]);
     check(&together(&below, &aside), &[[0, 4]]);
@@ -87,9 +82,8 @@ fn overlapping_in_one_plane() {
 #[test]
 fn a_folded_strip() {
     let profile = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, -1.0]];
-    let vertices = profile
-        .iter()
-        .flat_map(|[x, z]| [Point3::new(*x, 0.0, *z), Point3::new(*x, 1.0, *z)]);
+    let vertices =
+        profile.iter().flat_map(|[x, z]| [Point3::new(*x, 0.0, *z), Point3::new(*x, 1.0, *z)]);
     let squares = (0..3_u32).flat_map(|i| {
         let a = 2 * i;
         [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]
@@ -97,10 +91,7 @@ fn a_folded_strip() {
     let mesh = SurfaceMesh::new(vertices.collect(), squares.collect()).unwrap();
     for crossing in check(&mesh, &[[0, 4], [1, 4], [1, 5]]) {
         let place = crossing.place;
-        assert!(
-            (place.x - 2.0).abs() < 1e-12 && place.z.abs() < 1e-12,
-            "{place}"
-        );
+        assert!((place.x - 2.0).abs() < 1e-12 && place.z.abs() < 1e-12, "{place}");
     }
 }
 
@@ -114,12 +105,7 @@ fn roundings_only_touch() {
 
 /// A tetrahedron whose corner is `height` above the others' bottom face, the rest below.
 fn hanging(height: f64) -> SurfaceMesh {
-    let corners = [
-        [0.25, 0.25, height],
-        [0.3, 0.2, -1.0],
-        [0.3, 0.3, -1.0],
-        [0.2, 0.25, -1.0],
-    ];
+    let corners = [[0.25, 0.25, height], [0.3, 0.2, -1.0], [0.3, 0.3, -1.0], [0.2, 0.25, -1.0]];
     let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     SurfaceMesh::new(corners.map(Point3::from).to_vec(), triangles).unwrap()
 }

@@ -85,22 +85,13 @@ pub fn clean_surface(
         surface = welded;
     }
     let mut triangles = surface.triangles().to_vec();
-    let n_degenerate_dropped = if params.drop_degenerate {
-        drop_degenerate(&surface, &mut triangles)
-    } else {
-        0
-    };
-    let n_doubled_dropped = if params.drop_doubled {
-        drop_doubled(&mut triangles)
-    } else {
-        0
-    };
+    let n_degenerate_dropped =
+        if params.drop_degenerate { drop_degenerate(&surface, &mut triangles) } else { 0 };
+    let n_doubled_dropped = if params.drop_doubled { drop_doubled(&mut triangles) } else { 0 };
     let surface = SurfaceMesh::new(surface.vertices().to_vec(), triangles)?;
     let bodies = bodies(surface.triangles());
-    let parts: Vec<SurfaceMesh> = bodies
-        .iter()
-        .map(|body| part(&surface, body))
-        .collect::<Result<_, _>>()?;
+    let parts: Vec<SurfaceMesh> =
+        bodies.iter().map(|body| part(&surface, body)).collect::<Result<_, _>>()?;
     let areas: Vec<f64> = parts.iter().map(SurfaceMesh::area_m2).collect();
     let body_volumes_m3 = parts.iter().map(SurfaceMesh::signed_volume_m3).collect();
     let kept = chosen(params.body, &surface, &parts, &areas)?;
@@ -152,10 +143,7 @@ fn chosen(
         BodyChoice::Number(number) => number,
     };
     let n_bodies = parts.len();
-    let fault = SurfaceFault::NoSuchBody {
-        body: number,
-        n_bodies,
-    };
+    let fault = SurfaceFault::NoSuchBody { body: number, n_bodies };
     Ok(parts.get(number).cloned().ok_or(fault)?)
 }
 

@@ -49,11 +49,8 @@ impl SurfaceDefects {
     /// Looks at every edge, vertex and triangle of `mesh`.
     #[must_use]
     pub fn of(mesh: &SurfaceMesh) -> Self {
-        let mut defects = Self {
-            area_m2: mesh.area_m2(),
-            volume_m3: mesh.signed_volume_m3(),
-            ..Self::default()
-        };
+        let mut defects =
+            Self { area_m2: mesh.area_m2(), volume_m3: mesh.signed_volume_m3(), ..Self::default() };
         defects.count_edges(mesh);
         defects.count_triangles(mesh);
         defects.count_vertices(mesh);
@@ -104,9 +101,7 @@ impl SurfaceDefects {
         let doubled = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         let mut doubled: Vec<usize> = doubled.map(|pair| pair[1].1).collect();
         doubled.sort_unstable();
-        doubled
-            .into_iter()
-            .for_each(|t| self.doubled_triangles.add(t));
+        doubled.into_iter().for_each(|t| self.doubled_triangles.add(t));
     }
 
     /// A vertex is a manifold's if its triangles form one fan: they are connected across edges
@@ -159,31 +154,19 @@ impl fmt::Display for SurfaceDefects {
             ("open edges", edge(&self.open_edges)),
             ("non-manifold edges", edge(&self.non_manifold_edges)),
             ("misoriented edges", edge(&self.misoriented_edges)),
-            (
-                "non-manifold vertices",
-                one(vertices.n, vertices.first.map(|v| v as usize)),
-            ),
+            ("non-manifold vertices", one(vertices.n, vertices.first.map(|v| v as usize))),
             (
                 "degenerate triangles",
                 one(self.degenerate_triangles.n, self.degenerate_triangles.first),
             ),
-            (
-                "doubled triangles",
-                one(self.doubled_triangles.n, self.doubled_triangles.first),
-            ),
+            ("doubled triangles", one(self.doubled_triangles.n, self.doubled_triangles.first)),
         ];
-        let found = rows
-            .iter()
-            .filter_map(|(what, row)| row.as_ref().map(|row| (what, row)));
+        let found = rows.iter().filter_map(|(what, row)| row.as_ref().map(|row| (what, row)));
         for (i, (what, (n, first))) in found.enumerate() {
             let separator = if i == 0 { "" } else { ", " };
             write!(f, "{separator}{n} {what} ({first})")?;
         }
-        let closed = if self.is_closed() {
-            ""
-        } else {
-            " as if it were closed"
-        };
+        let closed = if self.is_closed() { "" } else { " as if it were closed" };
         let (area, volume) = (self.area_m2 * 1e4, self.volume_m3 * 1e6);
         write!(f, "; area {area:.2} cm2, volume {volume:.3} cm3{closed}")
     }
@@ -195,30 +178,21 @@ pub(crate) fn check_manifold(mesh: &SurfaceMesh) -> Result<SurfaceDefects, Surfa
     if defects.is_manifold() {
         return Ok(defects);
     }
-    Err(SurfaceFault::Defects {
-        wanted: "a manifold surface",
-        defects: Box::new(defects),
-    })
+    Err(SurfaceFault::Defects { wanted: "a manifold surface", defects: Box::new(defects) })
 }
 
 /// Refuses a surface that is not closed, or whose volume no solid in its bounding box has.
 pub(crate) fn check_closed(mesh: &SurfaceMesh) -> Result<SurfaceDefects, SurfaceFault> {
     let defects = SurfaceDefects::of(mesh);
     if !defects.is_closed() {
-        return Err(SurfaceFault::Defects {
-            wanted: "a closed solid",
-            defects: Box::new(defects),
-        });
+        return Err(SurfaceFault::Defects { wanted: "a closed solid", defects: Box::new(defects) });
     }
     let size = mesh.bounding_box().size_m();
     let (volume_m3, box_volume_m3) = (defects.volume_m3, size.x * size.y * size.z);
     if volume_m3 > 0.0 && volume_m3 <= box_volume_m3 * (1.0 + 1e-12) {
         Ok(defects)
     } else {
-        Err(SurfaceFault::Volume {
-            volume_m3,
-            box_volume_m3,
-        })
+        Err(SurfaceFault::Volume { volume_m3, box_volume_m3 })
     }
 }
 
@@ -234,8 +208,5 @@ pub(crate) fn check_size(mesh: &SurfaceMesh) -> Result<(), SurfaceFault> {
         [] => "none of m, mm, cm, in fits".to_owned(),
         _ => names.join(" or "),
     };
-    Err(SurfaceFault::UnitUnknown {
-        longest_m,
-        candidates,
-    })
+    Err(SurfaceFault::UnitUnknown { longest_m, candidates })
 }

@@ -226,9 +226,6 @@ pub enum SurfaceFault {
 }
 
 fn cubic_centimetres(volumes_m3: &[f64]) -> String {
-    let texts: Vec<String> = volumes_m3
-        .iter()
-        .map(|v| format!("{:.3}", v * 1e6))
-        .collect();
+    let texts: Vec<String> = volumes_m3.iter().map(|v| format!("{:.3}", v * 1e6)).collect();
     texts.join(", ")
 }

@@ -66,10 +66,7 @@ impl SolidShellParams {
             let is_share = (0.0..=1.0).contains(&found);
             ask(is_share, name, found, "between 0 and 1")?;
         }
-        for (name, n) in [
-            ("outer.n_rays", outer.n_rays),
-            ("n_wall_rays", self.n_wall_rays),
-        ] {
+        for (name, n) in [("outer.n_rays", outer.n_rays), ("n_wall_rays", self.n_wall_rays)] {
             ask(n > 0, name, n as f64, "at least 1")?;
         }
         let difference = self.max_volume_difference;
@@ -84,13 +81,5 @@ fn ask(
     found: f64,
     wanted: &'static str,
 ) -> Result<(), SurfaceFault> {
-    if is_met {
-        Ok(())
-    } else {
-        Err(SurfaceFault::Parameter {
-            name,
-            found,
-            wanted,
-        })
-    }
+    if is_met { Ok(()) } else { Err(SurfaceFault::Parameter { name, found, wanted }) }
 }

@@ -7,9 +7,7 @@ use crate::{MeshError, SurfaceMesh};
 /// The triangles of the largest piece by area of [`WallKind::Shell`], ascending; those of the other
 /// pieces become [`WallKind::Island`]. Empty if there is no shell.
 pub(super) fn largest_piece(solid: &SurfaceMesh, kinds: &mut [WallKind]) -> Vec<usize> {
-    let shell: Vec<usize> = (0..kinds.len())
-        .filter(|&t| kinds[t] == WallKind::Shell)
-        .collect();
+    let shell: Vec<usize> = (0..kinds.len()).filter(|&t| kinds[t] == WallKind::Shell).collect();
     let triangles: Vec<[u32; 3]> = shell.iter().map(|&t| solid.triangles()[t]).collect();
     let mut best = (0.0, Vec::new());
     for piece in bodies(&triangles) {
@@ -35,9 +33,7 @@ pub(super) fn split_pinched(mesh: &SurfaceMesh) -> Result<(SurfaceMesh, usize), 
     let mut triangles = mesh.triangles().to_vec();
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); vertices.len()];
     for (triangle, corners) in triangles.iter().enumerate() {
-        corners
-            .iter()
-            .for_each(|&v| around[v as usize].push(triangle));
+        corners.iter().for_each(|&v| around[v as usize].push(triangle));
     }
     let mut n_split = 0;
     for (vertex, fan) in around.iter().enumerate() {

@@ -179,10 +179,8 @@ fn not_a_shell(info: &SolidShellInfo, params: &SolidShellParams) -> SurfaceFault
 
 /// One body that faces outward, all others inside it and facing inward; the number of those.
 fn check_one_solid(solid: &SurfaceMesh) -> Result<usize, MeshError> {
-    let parts: Vec<SurfaceMesh> = bodies(solid.triangles())
-        .iter()
-        .map(|body| part(solid, body))
-        .collect::<Result<_, _>>()?;
+    let parts: Vec<SurfaceMesh> =
+        bodies(solid.triangles()).iter().map(|body| part(solid, body)).collect::<Result<_, _>>()?;
     let volumes_m3: Vec<f64> = parts.iter().map(SurfaceMesh::signed_volume_m3).collect();
     let outward: Vec<usize> = (0..parts.len()).filter(|&i| volumes_m3[i] > 0.0).collect();
     let [outer] = outward[..] else {
@@ -191,9 +189,7 @@ fn check_one_solid(solid: &SurfaceMesh) -> Result<usize, MeshError> {
     let rays = FaceRays::of_surface(&parts[outer]);
     let aside = nalgebra::Vector3::new(0.267, 0.535, 0.802);
     for body in (0..parts.len()).filter(|&i| i != outer) {
-        let n_crossed = rays
-            .hits(&parts[body].vertices()[0], &aside, usize::MAX)
-            .len();
+        let n_crossed = rays.hits(&parts[body].vertices()[0], &aside, usize::MAX).len();
         if n_crossed.is_multiple_of(2) {
             let volume_m3 = volumes_m3[body];
             return Err(SurfaceFault::CavityOutside { body, volume_m3 }.into());
@@ -204,30 +200,17 @@ fn check_one_solid(solid: &SurfaceMesh) -> Result<usize, MeshError> {
 
 fn info_of(solid: &SurfaceMesh, walls: &Walls, skin: &[usize]) -> SolidShellInfo {
     let area = |wanted: WallKind| -> f64 {
-        let of_kind = walls
-            .kinds
-            .iter()
-            .enumerate()
-            .filter(|(_, kind)| **kind == wanted);
+        let of_kind = walls.kinds.iter().enumerate().filter(|(_, kind)| **kind == wanted);
         of_kind.fold(0.0, |sum, (t, _)| sum + solid.area_normal_m2(t).norm())
     };
     let inside = area(WallKind::Inside);
     let outer_area_m2 = solid.area_m2() - inside;
     let share = |kind| area(kind) / outer_area_m2;
-    let [core, no_wall, thick, island] = [
-        WallKind::SolidCore,
-        WallKind::NoWall,
-        WallKind::TooThick,
-        WallKind::Island,
-    ]
-    .map(share);
+    let [core, no_wall, thick, island] =
+        [WallKind::SolidCore, WallKind::NoWall, WallKind::TooThick, WallKind::Island].map(share);
     SolidShellInfo {
         outer_area_m2,
-        n_outer_triangles: walls
-            .kinds
-            .iter()
-            .filter(|k| **k != WallKind::Inside)
-            .count(),
+        n_outer_triangles: walls.kinds.iter().filter(|k| **k != WallKind::Inside).count(),
         not_shell_share: core + no_wall + thick + island,
         solid_core_share: core,
         no_wall_share: no_wall,
@@ -243,10 +226,8 @@ fn info_of(solid: &SurfaceMesh, walls: &Walls, skin: &[usize]) -> SolidShellInfo
 
 /// Area-weighted quantiles of the thickness over the triangles of the skin.
 fn quantiles(solid: &SurfaceMesh, walls: &Walls, skin: &[usize]) -> [f64; 5] {
-    let mut rows: Vec<(f64, f64)> = skin
-        .iter()
-        .map(|&t| (walls.thickness_m[t], solid.area_normal_m2(t).norm()))
-        .collect();
+    let mut rows: Vec<(f64, f64)> =
+        skin.iter().map(|&t| (walls.thickness_m[t], solid.area_normal_m2(t).norm())).collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = rows.iter().map(|row| row.1).sum();
     [0.0, 0.25, 0.5, 0.75, 1.0].map(|q| {
@@ -264,10 +245,7 @@ fn node_thickness(skin: &SurfaceMesh, solid_triangle: &[usize], walls: &Walls) -
     let mut sums = vec![(0.0, 0.0); skin.vertices().len()];
     for (triangle, corners) in skin.triangles().iter().enumerate() {
         let area = skin.area_normal_m2(triangle).norm();
-        for (&v, thickness_m) in corners
-            .iter()
-            .zip(walls.corners_m[solid_triangle[triangle]])
-        {
+        for (&v, thickness_m) in corners.iter().zip(walls.corners_m[solid_triangle[triangle]]) {
             let sum = &mut sums[v as usize];
             *sum = (sum.0 + area * thickness_m, sum.1 + area);
         }

@@ -62,11 +62,7 @@ impl ShellSurface {
             0.0 => skin.clone(),
             share => moved(skin, &steps, thickness_m, share)?,
         };
-        Ok(Self {
-            middle,
-            thickness_m: thickness_m.to_vec(),
-            directors,
-        })
+        Ok(Self { middle, thickness_m: thickness_m.to_vec(), directors })
     }
 
     /// The shell of one thickness, m: see [`from_skin`](Self::from_skin).
@@ -127,15 +123,9 @@ pub(crate) fn check_thickness(n_nodes: usize, thickness_m: &[f64]) -> Result<(),
     if n_values != n_nodes {
         return Err(SurfaceFault::ThicknessCount { n_values, n_nodes });
     }
-    match thickness_m
-        .iter()
-        .position(|t| !(t.is_finite() && *t > 0.0))
-    {
+    match thickness_m.iter().position(|t| !(t.is_finite() && *t > 0.0)) {
         None => Ok(()),
-        Some(node) => Err(SurfaceFault::Thickness {
-            node,
-            thickness_m: thickness_m[node],
-        }),
+        Some(node) => Err(SurfaceFault::Thickness { node, thickness_m: thickness_m[node] }),
     }
 }
 
@@ -157,10 +147,7 @@ pub(crate) fn steps(
         let angles = crate::surface::corner_angles_rad(&skin.corners(triangle));
         for (&v, angle) in corners.iter().zip(angles) {
             let sum = &mut sums[v as usize];
-            *sum = (
-                sum.0 + angle * normal.dot(&normals[v as usize]),
-                sum.1 + angle,
-            );
+            *sum = (sum.0 + angle * normal.dot(&normals[v as usize]), sum.1 + angle);
         }
     }
     let step = |(node, (cosines, angles)): (usize, (f64, f64))| {
@@ -180,9 +167,7 @@ fn moved(
     share: f64,
 ) -> Result<SurfaceMesh, MeshError> {
     let places = skin.vertices().iter().zip(steps).zip(thickness_m);
-    let vertices = places
-        .map(|((p, step), t)| p + step * (share * t))
-        .collect();
+    let vertices = places.map(|((p, step), t)| p + step * (share * t)).collect();
     let moved = SurfaceMesh::new(vertices, skin.triangles().to_vec())?;
     for (triangle, corners) in skin.triangles().iter().enumerate() {
         if turns_over(skin, &moved, triangle) {

@@ -44,12 +44,8 @@ struct Wall {
 }
 
 /// Where in a triangle is measured: near its corners, and its middle.
-const SAMPLES: [[f64; 3]; 4] = [
-    [0.8, 0.1, 0.1],
-    [0.1, 0.8, 0.1],
-    [0.1, 0.1, 0.8],
-    [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-];
+const SAMPLES: [[f64; 3]; 4] =
+    [[0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
 
 struct Probe<'a> {
     solid: &'a SurfaceMesh,
@@ -66,9 +62,7 @@ impl<'a> Probe<'a> {
             solid,
             params,
             rays: FaceRays::of_surface(solid),
-            normals: (0..n)
-                .map(|t| unit(t).unwrap_or_else(Vector3::zeros))
-                .collect(),
+            normals: (0..n).map(|t| unit(t).unwrap_or_else(Vector3::zeros)).collect(),
         }
     }
 
@@ -76,14 +70,10 @@ impl<'a> Probe<'a> {
     fn free_fraction(&self, triangle: usize) -> f64 {
         let outer = &self.params.outer;
         let centre = self.sample(triangle, SAMPLES[3]);
-        let free = cone(
-            &self.normals[triangle],
-            outer.cone_half_angle_rad,
-            outer.n_rays,
-        )
-        .iter()
-        .filter(|direction| self.rays.is_free(&centre, direction, triangle))
-        .count();
+        let free = cone(&self.normals[triangle], outer.cone_half_angle_rad, outer.n_rays)
+            .iter()
+            .filter(|direction| self.rays.is_free(&centre, direction, triangle))
+            .count();
         free as f64 / outer.n_rays as f64
     }
 
@@ -109,11 +99,7 @@ impl<'a> Probe<'a> {
             SAMPLES.map(|weights| self.thickness(triangle, &self.sample(triangle, weights)));
         let mut found: Vec<f64> = samples.iter().flatten().copied().collect();
         if found.len() < 2 {
-            return Wall {
-                kind: WallKind::NoWall,
-                thickness_m: 0.0,
-                corners_m: [0.0; 3],
-            };
+            return Wall { kind: WallKind::NoWall, thickness_m: 0.0, corners_m: [0.0; 3] };
         }
         let thickness_m = median(&mut found);
         Wall {

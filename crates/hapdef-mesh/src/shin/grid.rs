@@ -89,10 +89,7 @@ impl Grid {
         let [a, b, c, d] = self.corners(i, j);
         let (one, other) = ([[a, b, c], [a, c, d]], [[a, b, d], [b, c, d]]);
         let smallest = |split: &[[usize; 3]; 2]| {
-            split
-                .iter()
-                .map(|t| self.smallest_angle(t))
-                .fold(f64::INFINITY, f64::min)
+            split.iter().map(|t| self.smallest_angle(t)).fold(f64::INFINITY, f64::min)
         };
         let gain = smallest(&one) - smallest(&other);
         let draw = gain.abs() < 0.02;
@@ -129,8 +126,7 @@ impl Grid {
     fn cells_around(&self, i: usize, j: usize) -> Vec<Cell> {
         let before = i + self.n_around - 1;
         let rows = (j.saturating_sub(1)..=j).filter(|row| *row < self.n_along);
-        rows.flat_map(|row| [self.cell(before, row), self.cell(i, row)])
-            .collect()
+        rows.flat_map(|row| [self.cell(before, row), self.cell(i, row)]).collect()
     }
 
     fn snap_rims(&mut self) {
@@ -153,17 +149,8 @@ impl Grid {
             let mut moved = self.places.clone();
             for j in 1..self.n_along {
                 for i in 0..self.n_around {
-                    if self
-                        .cells_around(i, j)
-                        .iter()
-                        .all(|cell| *cell == Cell::Panel)
-                    {
-                        let near = [
-                            (i + self.n_around - 1, j),
-                            (i + 1, j),
-                            (i, j - 1),
-                            (i, j + 1),
-                        ];
+                    if self.cells_around(i, j).iter().all(|cell| *cell == Cell::Panel) {
+                        let near = [(i + self.n_around - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)];
                         let column = self.column(i, j);
                         moved[column] =
                             self.average_about(column, &near.map(|(i, j)| self.column(i, j)));
@@ -184,16 +171,9 @@ impl Grid {
     fn average_about(&self, reference: usize, columns: &[usize]) -> Place {
         let origin = self.places[reference].theta;
         let n = columns.len() as f64;
-        let theta = columns
-            .iter()
-            .map(|c| turn(self.places[*c].theta - origin))
-            .sum::<f64>()
-            / n;
+        let theta = columns.iter().map(|c| turn(self.places[*c].theta - origin)).sum::<f64>() / n;
         let y_m = columns.iter().map(|c| self.places[*c].y_m).sum::<f64>() / n;
-        Place {
-            theta: origin + theta,
-            y_m,
-        }
+        Place { theta: origin + theta, y_m }
     }
 
     /// Is one of the two cells beside this grid edge left out, and the other there?
@@ -216,17 +196,11 @@ impl Grid {
     }
 
     fn smallest_angle(&self, triangle: &[usize; 3]) -> f64 {
-        let radius_m = self
-            .ellipses
-            .first()
-            .map_or(1.0, |ellipse| ellipse.radius_m);
+        let radius_m = self.ellipses.first().map_or(1.0, |ellipse| ellipse.radius_m);
         let origin = self.places[triangle[0]];
         let flat = triangle.map(|column| {
             let place = self.places[column];
-            [
-                turn(place.theta - origin.theta) * radius_m,
-                place.y_m - origin.y_m,
-            ]
+            [turn(place.theta - origin.theta) * radius_m, place.y_m - origin.y_m]
         });
         (0..3)
             .map(|k| angle(flat[k], flat[(k + 1) % 3], flat[(k + 2) % 3]))
@@ -243,10 +217,7 @@ fn sole_hole(cells: &[Cell]) -> Option<usize> {
     let first = holes.next()?;
     let alone = holes.all(|hole| hole == first);
     let panel = cells.iter().filter(|cell| **cell == Cell::Panel).count();
-    let same = cells
-        .iter()
-        .filter(|cell| **cell == Cell::Hole(first))
-        .count();
+    let same = cells.iter().filter(|cell| **cell == Cell::Hole(first)).count();
     (alone && panel > 0 && panel + same == cells.len()).then_some(first)
 }
 

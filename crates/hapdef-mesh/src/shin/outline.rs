@@ -42,11 +42,7 @@ impl ShinOutline {
     pub(super) fn point(&self, theta: f64, y_m: f64, depth_m: f64) -> Point3<f64> {
         let radius_m = self.radius_m(theta, y_m) - depth_m;
         let (sin, cos) = theta.sin_cos();
-        Point3::new(
-            nanometres(radius_m * cos),
-            nanometres(y_m),
-            nanometres(radius_m * sin),
-        )
+        Point3::new(nanometres(radius_m * cos), nanometres(y_m), nanometres(radius_m * sin))
     }
 
     fn radius_m(&self, theta: f64, y_m: f64) -> f64 {

@@ -54,14 +54,8 @@ pub(super) fn default_holes() -> Vec<ShinHole> {
         ShinHole {
             sector,
             band,
-            centre: (
-                (left + 0.5 * wide) / cells.0,
-                (bottom + 0.5 * high) / cells.1,
-            ),
-            half_axes: (
-                0.5 * ROUNDING * wide / cells.0,
-                0.5 * ROUNDING * high / cells.1,
-            ),
+            centre: ((left + 0.5 * wide) / cells.0, (bottom + 0.5 * high) / cells.1),
+            half_axes: (0.5 * ROUNDING * wide / cells.0, 0.5 * ROUNDING * high / cells.1),
         }
     };
     BLOCKS.iter().map(hole).collect()

@@ -38,10 +38,7 @@ impl Ellipse {
     }
 
     pub(super) fn offset_m(&self, place: Place) -> [f64; 2] {
-        [
-            turn(place.theta - self.centre.theta) * self.radius_m,
-            place.y_m - self.centre.y_m,
-        ]
+        [turn(place.theta - self.centre.theta) * self.radius_m, place.y_m - self.centre.y_m]
     }
 }
 
@@ -53,15 +50,8 @@ pub(super) fn ellipses(params: &ShinParams, around: &Around, along: &Along) -> V
         let theta = first + width * hole.centre.0;
         let y_m = bottom_m + height_m * hole.centre.1;
         let radius_m = params.outline.mean_radius_m(y_m);
-        let half_axes_m = (
-            width * radius_m * hole.half_axes.0,
-            height_m * hole.half_axes.1,
-        );
-        Ellipse {
-            centre: Place { theta, y_m },
-            half_axes_m,
-            radius_m,
-        }
+        let half_axes_m = (width * radius_m * hole.half_axes.0, height_m * hole.half_axes.1);
+        Ellipse { centre: Place { theta, y_m }, half_axes_m, radius_m }
     };
     params.holes.iter().map(place).collect()
 }

@@ -24,21 +24,12 @@ pub(super) fn build(params: &ShinParams, grid: &Grid) -> Result<Built, MeshError
     let depths_m: Vec<f64> = [0.0].into_iter().chain(below).collect();
     let tets = tetrahedra(params, grid, &depths_m);
     let corners: BTreeMap<Corner, usize> = numbered(tets.iter().flatten().copied(), 0);
-    let edges = tets
-        .iter()
-        .flat_map(|tet| TET10_EDGES.map(|[a, b]| sorted(tet[a], tet[b])));
+    let edges = tets.iter().flat_map(|tet| TET10_EDGES.map(|[a, b]| sorted(tet[a], tet[b])));
     let mids: BTreeMap<(Corner, Corner), usize> = numbered(edges, corners.len());
 
     let mut nodes = Vec::with_capacity(corners.len() + mids.len());
-    nodes.extend(
-        corners
-            .keys()
-            .map(|corner| corner_point(params, grid, &depths_m, *corner)),
-    );
-    nodes.extend(
-        mids.keys()
-            .map(|edge| mid_point(params, grid, &depths_m, *edge)),
-    );
+    nodes.extend(corners.keys().map(|corner| corner_point(params, grid, &depths_m, *corner)));
+    nodes.extend(mids.keys().map(|edge| mid_point(params, grid, &depths_m, *edge)));
     let elements = tets
         .iter()
         .map(|tet| {
@@ -56,11 +47,7 @@ pub(super) fn build(params: &ShinParams, grid: &Grid) -> Result<Built, MeshError
     let skin_faces = faces_where(&mesh, &by_id, |face| is_skin(grid, face));
     let mount_faces = faces_where(&mesh, &by_id, |face| is_mount(grid, face));
     let mount = crate::boundary::nodes_of(&mount_faces);
-    Ok(Built {
-        mesh,
-        skin_faces,
-        mount,
-    })
+    Ok(Built { mesh, skin_faces, mount })
 }
 
 /// All tetrahedra by corners, with positive volume.
@@ -109,9 +96,7 @@ fn prism(mut columns: [usize; 3], layer: usize, other_diagonals: bool) -> [[Corn
 
 fn corner_point(params: &ShinParams, grid: &Grid, depths_m: &[f64], corner: Corner) -> Point3<f64> {
     let place = grid.place(corner.0);
-    params
-        .outline
-        .point(place.theta, place.y_m, depths_m[corner.1])
+    params.outline.point(place.theta, place.y_m, depths_m[corner.1])
 }
 
 fn mid_point(
@@ -120,11 +105,7 @@ fn mid_point(
     depths_m: &[f64],
     (a, b): (Corner, Corner),
 ) -> Point3<f64> {
-    let place = if a.0 == b.0 {
-        grid.place(a.0)
-    } else {
-        grid.between(a.0, b.0)
-    };
+    let place = if a.0 == b.0 { grid.place(a.0) } else { grid.between(a.0, b.0) };
     let depth_m = 0.5 * (depths_m[a.1] + depths_m[b.1]);
     params.outline.point(place.theta, place.y_m, depth_m)
 }
@@ -147,11 +128,7 @@ fn faces_where(
     wanted: impl Fn([Corner; 3]) -> bool,
 ) -> Vec<Tri6Face> {
     let corners = |face: &Tri6Face| [0, 1, 2].map(|k| by_id[face.nodes[k].index()]);
-    mesh.boundary()
-        .faces
-        .into_iter()
-        .filter(|face| wanted(corners(face)))
-        .collect()
+    mesh.boundary().faces.into_iter().filter(|face| wanted(corners(face))).collect()
 }
 
 /// On the outer surface, between the end rings.

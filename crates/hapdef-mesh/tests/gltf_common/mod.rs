@@ -9,12 +9,7 @@ use tempfile::TempDir;
 
 /// The corners of a tetrahedron with volume 1/6, and its faces seen from outside.
 pub const TETRAHEDRON: ([[f32; 3]; 4], [u16; 12]) = (
-    [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ],
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3],
 );
 
@@ -89,10 +84,7 @@ pub fn fault(result: Result<GltfSurface, MeshError>) -> GltfFault {
 /// The name of a fault's variant.
 pub fn kind(fault: &GltfFault) -> String {
     let text = format!("{fault:?}");
-    text.split(|c: char| !c.is_alphanumeric())
-        .next()
-        .unwrap_or_default()
-        .to_owned()
+    text.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned()
 }
 
 /// A folder of the shared inputs, or nothing (with the reason printed) where they are absent.
@@ -109,15 +101,9 @@ pub fn shared(folder: &str) -> Option<PathBuf> {
 
 /// The files below `folder` with this ending, sorted.
 pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().path());
+    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
     let mut found: Vec<PathBuf> = entries
-        .filter(|p| {
-            endings
-                .iter()
-                .any(|e| p.extension().is_some_and(|x| x == *e))
-        })
+        .filter(|p| endings.iter().any(|e| p.extension().is_some_and(|x| x == *e)))
         .collect();
     found.sort();
     found

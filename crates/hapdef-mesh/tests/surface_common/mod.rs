@@ -10,18 +10,9 @@ use nalgebra::{Matrix4, Point3, Vector3};
 /// The cube with one corner at the origin.
 pub fn cube(edge_m: f64) -> SurfaceMesh {
     let corner = |i: u32| Point3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
-    let quads: [[u32; 4]; 6] = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
+    let quads: [[u32; 4]; 6] =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let unit = SurfaceMesh::new((0..8).map(corner).collect(), triangles).unwrap();
     unit.scaled(edge_m).unwrap()
 }
@@ -29,10 +20,7 @@ pub fn cube(edge_m: f64) -> SurfaceMesh {
 /// The sphere about the origin: an octahedron refined `n` times, 8 · 4ⁿ triangles.
 pub fn sphere(radius_m: f64, n: usize) -> SurfaceMesh {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let vertices = axes
-        .iter()
-        .flat_map(|a| [Point3::from(*a), Point3::from(-*a)])
-        .collect();
+    let vertices = axes.iter().flat_map(|a| [Point3::from(*a), Point3::from(-*a)]).collect();
     let mut triangles = Vec::new();
     for i in 0..8_u32 {
         let [a, b, c] = [i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2)];
@@ -85,11 +73,7 @@ pub fn torus(ring_m: f64, tube_m: f64, m: usize, n: u32) -> SurfaceMesh {
 
 /// The surface facing the other way.
 pub fn turned(mesh: &SurfaceMesh) -> SurfaceMesh {
-    let triangles = mesh
-        .triangles()
-        .iter()
-        .map(|&[a, b, c]| [a, c, b])
-        .collect();
+    let triangles = mesh.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
     SurfaceMesh::new(mesh.vertices().to_vec(), triangles).unwrap()
 }
 

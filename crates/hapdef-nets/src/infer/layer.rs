@@ -105,13 +105,7 @@ impl PreparedLayer {
             }
         };
         let bias: Vec<f32> = rows.iter().map(|&row| layer.bias[row]).collect();
-        Ok(Self {
-            weights,
-            bias: sixteens(&bias),
-            n_in,
-            n_out: rows.len(),
-            activation,
-        })
+        Ok(Self { weights, bias: sixteens(&bias), n_in, n_out: rows.len(), activation })
     }
 
     /// Numbers out.
@@ -182,10 +176,7 @@ impl PreparedLayer {
         let inputs = isa.to_steps::<P>(x, scratch.extent, &mut scratch.steps);
         let (x, n_active, sums) = scratch.active_bytes(self.n_out.div_ceil(64) * 4 * P);
         isa.bytes::<P>(&weights.panels, x, sums);
-        let bytes = ByteEnding {
-            inputs,
-            row_sums: &weights.sums,
-        };
+        let bytes = ByteEnding { inputs, row_sums: &weights.sums };
         scratch.values.resize(self.bias.len(), [0.0; 16]);
         let ending = self.ending(&weights.scales);
         let (sums, values) = (&scratch.whole_sums, &mut scratch.values);
@@ -194,11 +185,7 @@ impl PreparedLayer {
     }
 
     fn ending<'a>(&'a self, scales: &'a [Sixteen<f32>]) -> Ending<'a> {
-        Ending {
-            scales,
-            bias: &self.bias,
-            activation: self.activation,
-        }
+        Ending { scales, bias: &self.bias, activation: self.activation }
     }
 }
 
@@ -211,10 +198,7 @@ fn sixteens<T: Copy + Default>(values: &[T]) -> Vec<Sixteen<T>> {
 
 fn check_byte_inputs(n_in: usize) -> Result<(), NetsError> {
     if n_in > MOST_BYTE_INPUTS {
-        return Err(NetsError::TooManyInputs {
-            n_in,
-            most: MOST_BYTE_INPUTS,
-        });
+        return Err(NetsError::TooManyInputs { n_in, most: MOST_BYTE_INPUTS });
     }
     Ok(())
 }

@@ -40,11 +40,7 @@ impl<L: Copy> Panels<L> {
                 lines.extend(units.clone().map(|unit| line(row, unit)));
             }
         }
-        Self {
-            lines,
-            n_rows,
-            n_units,
-        }
+        Self { lines, n_rows, n_units }
     }
 
     /// Each panel: its first unit, its number of units, its lines `[n_rows, n_units_of_panel]`.
@@ -82,11 +78,7 @@ pub(super) fn f32_lines(
     Panels::new([n_in, n_out.div_ceil(16)], |input, unit| {
         Line(std::array::from_fn(|lane| {
             let output = unit * 16 + lane;
-            if output < n_out {
-                weight(output, input)
-            } else {
-                0.0
-            }
+            if output < n_out { weight(output, input) } else { 0.0 }
         }))
     })
 }
@@ -97,11 +89,7 @@ pub(super) fn bf16_lines(
     weight: impl Fn(usize, usize) -> u16,
 ) -> Panels<Bf16Line> {
     let bits = |output: usize, input: usize| {
-        if output < n_out {
-            u32::from(weight(output, input))
-        } else {
-            0
-        }
+        if output < n_out { u32::from(weight(output, input)) } else { 0 }
     };
     Panels::new([n_in, n_out.div_ceil(32)], |input, unit| {
         Line(std::array::from_fn(|lane| {
@@ -119,11 +107,7 @@ pub(super) fn int8_lines(
     Panels::new([n_in, n_out.div_ceil(64)], |input, unit| {
         Line(std::array::from_fn(|lane| {
             let output = unit * 64 + lane;
-            if output < n_out {
-                weight(output, input)
-            } else {
-                0
-            }
+            if output < n_out { weight(output, input) } else { 0 }
         }))
     })
 }

@@ -43,12 +43,7 @@ pub struct InferParams {
 impl InferParams {
     /// The whole net in this precision.
     pub fn of(precision: Precision) -> Self {
-        Self {
-            precision,
-            wanted: None,
-            low_rank: Vec::new(),
-            simd: None,
-        }
+        Self { precision, wanted: None, low_rank: Vec::new(), simd: None }
     }
 }
 

@@ -146,10 +146,7 @@ fn steps(net: &Net, params: &InferParams) -> Result<Vec<(Layer, Option<Activatio
     let n_layers = mlp.layers().len();
     for low_rank in &params.low_rank {
         if low_rank.layer() >= n_layers {
-            return Err(NetsError::NoSuchLayer {
-                layer: low_rank.layer(),
-                n_layers,
-            });
+            return Err(NetsError::NoSuchLayer { layer: low_rank.layer(), n_layers });
         }
     }
     let mut steps = Vec::with_capacity(n_layers + params.low_rank.len());
@@ -194,9 +191,5 @@ fn check_range(layer: usize, values: &[f32]) -> Result<(), NetsError> {
         return Ok(());
     }
     let index = values.iter().position(|v| !v.is_finite()).unwrap_or(0);
-    Err(NetsError::Overflow {
-        layer,
-        index,
-        value: values[index],
-    })
+    Err(NetsError::Overflow { layer, index, value: values[index] })
 }

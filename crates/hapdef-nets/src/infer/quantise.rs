@@ -14,11 +14,7 @@ pub(super) fn bf16_bits(value: f32) -> u16 {
     let bits = value.to_bits();
     let even = (bits >> 16) & 1;
     let rounded = (bits.wrapping_add(0x7fff + even) >> 16) as u16;
-    if rounded & 0x7fff > BF16_MAX {
-        (rounded & 0x8000) | BF16_MAX
-    } else {
-        rounded
-    }
+    if rounded & 0x7fff > BF16_MAX { (rounded & 0x8000) | BF16_MAX } else { rounded }
 }
 
 /// The scale of a row of finite weights: its largest magnitude is 127 of it; 0 for a row of zeros.
@@ -68,11 +64,7 @@ pub(super) fn quantise<const P: usize>(
 ) -> ByteScale {
     let n_values = (1 << (8 * P)) as f32;
     let last = n_values - 1.0;
-    let (offset, most) = if is_signed {
-        (SIGNED_OFFSET, n_values / 2.0 - 1.0)
-    } else {
-        (0, last)
-    };
+    let (offset, most) = if is_signed { (SIGNED_OFFSET, n_values / 2.0 - 1.0) } else { (0, last) };
     let scale = scale(largest, most);
     let shift = (offset << (8 * (P - 1))) as f32;
     if scale == 0.0 {

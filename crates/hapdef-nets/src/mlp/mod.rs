@@ -32,10 +32,7 @@ impl Mlp {
             check_length("weights of a layer", n_in * n_out, layer.weights.len())?;
             check_length("biases of a layer", *n_out, layer.bias.len())?;
         }
-        Ok(Self {
-            spec: spec.clone(),
-            layers,
-        })
+        Ok(Self { spec: spec.clone(), layers })
     }
 
     /// The architecture.

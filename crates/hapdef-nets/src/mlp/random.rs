@@ -31,17 +31,12 @@ impl Mlp {
                 bias: vec![0.0; n_out],
             }
         });
-        Ok(Self {
-            spec: spec.clone(),
-            layers: layers.collect(),
-        })
+        Ok(Self { spec: spec.clone(), layers: layers.collect() })
     }
 }
 
 /// `n` numbers uniform in ±`bound`.
 fn uniform(rng: &mut ChaCha8Rng, n: usize, bound: f32) -> Vec<f32> {
     let unit = |word: u32| (word >> 8) as f32 * 2f32.powi(-24);
-    (0..n)
-        .map(|_| bound * (2.0 * unit(rng.next_u32()) - 1.0))
-        .collect()
+    (0..n).map(|_| bound * (2.0 * unit(rng.next_u32()) - 1.0)).collect()
 }

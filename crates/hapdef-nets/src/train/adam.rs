@@ -49,10 +49,7 @@ impl Update for AdamStep {
 
     /// Changes the biases, which carry no penalty.
     fn biases(&self, part: Part<'_>, gradient: &[f32]) -> f64 {
-        let without_decay = Self {
-            decay: 0.0,
-            ..*self
-        };
+        let without_decay = Self { decay: 0.0, ..*self };
         without_decay.change(part.w, gradient, part.m, part.v);
         0.0
     }
@@ -109,18 +106,14 @@ mod tests {
     #[test]
     fn steps_are_the_textbook_s() {
         for scale in [1e-7, 1.0, 1e3] {
-            let gradients: Vec<f64> = (0..200)
-                .map(|i| scale * (f64::from(i) * 0.7).sin())
-                .collect();
+            let gradients: Vec<f64> =
+                (0..200).map(|i| scale * (f64::from(i) * 0.7).sin()).collect();
             let (mut w, mut m, mut v) = ([0.5f32], [0.0f32], [0.0f32]);
             for (done, g) in (0..).zip(&gradients) {
                 AdamStep::new(done, 1e-2, 0.0).change(&mut w, &[*g as f32], &mut m, &mut v);
             }
             let expected = textbook(0.5, &gradients, 1e-2);
-            assert!(
-                (f64::from(w[0]) - expected).abs() < 2e-5,
-                "{scale}: {w:?}, {expected}"
-            );
+            assert!((f64::from(w[0]) - expected).abs() < 2e-5, "{scale}: {w:?}, {expected}");
         }
     }
 
@@ -140,11 +133,7 @@ mod tests {
         let (mut w, mut m, mut v) = (vec![0.5f32; n], vec![0.0; n], vec![0.0; n]);
         let zeros = vec![0.0; n];
         let step = AdamStep::new(0, 1e-2, 1e-3);
-        let part = Part {
-            w: &mut w,
-            m: &mut m,
-            v: &mut v,
-        };
+        let part = Part { w: &mut w, m: &mut m, v: &mut v };
         let sum = step.weights(part, &zeros);
         assert_eq!(sum, 0.25 * n as f64);
         assert!(w.iter().all(|w| (w - 0.49).abs() < 1e-6), "{}", w[0]);

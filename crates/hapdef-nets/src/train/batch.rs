@@ -127,9 +127,6 @@ mod tests {
             counts[row] += 1.0;
         }
         let chi_square: f64 = counts.iter().map(|c| (c - 1e4).powi(2) / 1e4).sum();
-        assert!(
-            chi_square < 27.9,
-            "{chi_square}: beyond the 99.9 % point of 9 degrees"
-        );
+        assert!(chi_square < 27.9, "{chi_square}: beyond the 99.9 % point of 9 degrees");
     }
 }

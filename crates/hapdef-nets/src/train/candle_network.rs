@@ -53,13 +53,7 @@ impl CandleNetwork {
         });
         let layers = layers.collect::<Result<_, NetsError>>()?;
         let activation = mlp.spec().activation;
-        Ok(Self {
-            device,
-            layers,
-            activation,
-            kind: params.loss,
-            loss: None,
-        })
+        Ok(Self { device, layers, activation, kind: params.loss, loss: None })
     }
 
     /// Loss of a batch, `x` `[batch, inputs]` and `y` `[batch, outputs]`.
@@ -145,11 +139,7 @@ impl Learnt {
         device: &Device,
     ) -> Result<Self, NetsError> {
         let tensor = |values: &[f32]| Tensor::from_slice(values, shape, device);
-        Ok(Self {
-            value: Var::from_tensor(&tensor(value)?)?,
-            m: tensor(m)?,
-            v: tensor(v)?,
-        })
+        Ok(Self { value: Var::from_tensor(&tensor(value)?)?, m: tensor(m)?, v: tensor(v)? })
     }
 
     /// Adam as in [`AdamStep`], on tensors.
@@ -172,12 +162,8 @@ fn device(backend: TrainBackend) -> Result<Device, NetsError> {
     backend.check()?;
     match backend {
         TrainBackend::Slices | TrainBackend::Candle => Ok(Device::Cpu),
-        TrainBackend::Cuda { ordinal } => {
-            Device::new_cuda(ordinal).map_err(|error| NetsError::NoGpu {
-                ordinal,
-                source: Box::new(error),
-            })
-        }
+        TrainBackend::Cuda { ordinal } => Device::new_cuda(ordinal)
+            .map_err(|error| NetsError::NoGpu { ordinal, source: Box::new(error) }),
     }
 }
 

@@ -1,9 +1,6 @@
 //! Products of matrices in 32 bits, by the crate gemm.
 
-#![expect(
-    unsafe_code,
-    reason = "gemm takes pointers; the one call is here, after its checks"
-)]
+#![expect(unsafe_code, reason = "gemm takes pointers; the one call is here, after its checks")]
 
 use gemm::{Parallelism, gemm};
 

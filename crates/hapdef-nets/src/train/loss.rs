@@ -38,12 +38,7 @@ pub(super) struct LossSum {
 
 impl LossSum {
     pub(super) fn new(loss: Loss, width: usize) -> Self {
-        Self {
-            loss,
-            width,
-            n_samples: 0,
-            sum: 0.0,
-        }
+        Self { loss, width, n_samples: 0, sum: 0.0 }
     }
 
     /// Adds a batch of outputs `p` against `y`, both `[n, width]`; leaves p − y in place of `p`.
@@ -97,11 +92,7 @@ fn each_sample(
 }
 
 fn reciprocal(value: f64) -> f32 {
-    if value > 0.0 {
-        (1.0 / value) as f32
-    } else {
-        0.0
-    }
+    if value > 0.0 { (1.0 / value) as f32 } else { 0.0 }
 }
 
 /// Σ v² in f64, as eight independent sums added in a fixed order.
@@ -130,21 +121,14 @@ mod tests {
         let of_sample = 12.5f64.sqrt();
         let cases = [
             (Loss::RootMeanSquare, 2.5, [3.0 / 10.0, 4.0 / 10.0]),
-            (
-                Loss::MeanOfSamples,
-                of_sample / 2.0,
-                [3.0, 4.0].map(|e| e / (4.0 * of_sample)),
-            ),
+            (Loss::MeanOfSamples, of_sample / 2.0, [3.0, 4.0].map(|e| e / (4.0 * of_sample))),
         ];
         for (loss, expected, derivative) in cases {
             let mut p = P;
             let value = differentiate(loss, &mut p, &Y, 2);
             assert!((value - expected).abs() < 1e-12, "{loss:?}: {value}");
             for (found, expected) in p.iter().zip(derivative) {
-                assert!(
-                    (f64::from(*found) - expected).abs() < 1e-6,
-                    "{loss:?}: {p:?}"
-                );
+                assert!((f64::from(*found) - expected).abs() < 1e-6, "{loss:?}: {p:?}");
             }
             assert_eq!(p[2..], [0.0, 0.0]);
         }

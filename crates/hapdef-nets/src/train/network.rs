@@ -120,13 +120,10 @@ impl Network {
         self.d_input.resize(batch * n_in, 0.0);
         let activation = self.activation;
         let a = self.outputs[i - 1].par_chunks(ROW_BLOCK * n_in);
-        let (dz, weights) = (
-            View::new(dz, batch, n_out),
-            View::new(&self.layers[i].weights, n_out, n_in),
-        );
+        let (dz, weights) =
+            (View::new(dz, batch, n_out), View::new(&self.layers[i].weights, n_out, n_in));
         let finish = |da: &mut [f32], a: &[f32]| activation.apply_derivative(da, a);
-        self.products
-            .multiply(dz, weights, &mut self.d_input, a, finish);
+        self.products.multiply(dz, weights, &mut self.d_input, a, finish);
     }
 
     fn layer_output(&mut self, i: usize, x: &[f32]) {
@@ -166,11 +163,7 @@ fn weight_parts<'a>(
 }
 
 fn bias_part<'a>(layer: &'a mut Layer, moments: &'a mut Moments) -> Part<'a> {
-    Part {
-        w: &mut layer.bias,
-        m: &mut moments.bias_m,
-        v: &mut moments.bias_v,
-    }
+    Part { w: &mut layer.bias, m: &mut moments.bias_m, v: &mut moments.bias_v }
 }
 
 /// Columns that one thread adds up.

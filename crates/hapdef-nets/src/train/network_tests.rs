@@ -7,20 +7,13 @@ use super::*;
 use crate::spec::MlpSpec;
 
 fn example(activation: Activation, seed: u64) -> (Mlp, Vec<f32>, Vec<f32>) {
-    let spec = MlpSpec {
-        inputs: 3,
-        hidden: vec![7, 5],
-        outputs: 4,
-        activation,
-    };
+    let spec = MlpSpec { inputs: 3, hidden: vec![7, 5], outputs: 4, activation };
     let mut mlp = Mlp::random(&spec, seed).unwrap();
     // Biases away from 0, so that their derivatives are tested too.
     let mut layers = mlp.layers().to_vec();
     for layer in &mut layers {
         let n = layer.bias.len();
-        layer.bias = (0..n)
-            .map(|i| 0.1 * ((i as f32) + seed as f32).sin())
-            .collect();
+        layer.bias = (0..n).map(|i| 0.1 * ((i as f32) + seed as f32).sin()).collect();
     }
     mlp = Mlp::from_layers(&spec, layers).unwrap();
     let values = |n: usize, phase: f32| -> Vec<f32> {
@@ -70,11 +63,7 @@ fn autograd(mlp: &Mlp, x: &[f32], y: &[f32], kind: Loss) -> (f64, Vec<Vec<f32>>)
     for (i, (layer, (n_in, n_out))) in mlp.layers().iter().zip(&shapes).enumerate() {
         let w = var(&layer.weights, &[*n_out, *n_in]);
         let b = var(&layer.bias, &[*n_out]);
-        a = a
-            .matmul(&w.t().unwrap())
-            .unwrap()
-            .broadcast_add(&b)
-            .unwrap();
+        a = a.matmul(&w.t().unwrap()).unwrap().broadcast_add(&b).unwrap();
         if i + 1 < shapes.len() {
             a = match mlp.spec().activation {
                 Activation::Relu => a.relu().unwrap(),
@@ -104,10 +93,7 @@ fn assert_close(found: &[Vec<f32>], expected: &[Vec<f32>], tolerance: f32) {
         assert_eq!(found.len(), expected.len());
         let largest = expected.iter().fold(1e-3f32, |m, v| m.max(v.abs()));
         for (i, (f, e)) in found.iter().zip(expected).enumerate() {
-            assert!(
-                (f - e).abs() <= tolerance * largest,
-                "tensor {tensor}, {i}: {f} against {e}"
-            );
+            assert!((f - e).abs() <= tolerance * largest, "tensor {tensor}, {i}: {f} against {e}");
         }
     }
 }
@@ -184,26 +170,17 @@ fn a_perfect_fit_has_no_gradient() {
 /// derivatives are smooth, and off by a few times that.
 #[test]
 fn mixed_precision_differs_by_its_rounding_alone() {
-    let spec = MlpSpec {
-        inputs: 57,
-        hidden: vec![701, 97],
-        outputs: 131,
-        activation: Activation::Tanh,
-    };
+    let spec =
+        MlpSpec { inputs: 57, hidden: vec![701, 97], outputs: 131, activation: Activation::Tanh };
     let mlp = Mlp::random(&spec, 3).unwrap();
     let values = |n: usize, phase: f32| -> Vec<f32> {
-        (0..n)
-            .map(|i| (1.7 * (i * i % 7919) as f32 + phase).sin())
-            .collect()
+        (0..n).map(|i| (1.7 * (i * i % 7919) as f32 + phase).sin()).collect()
     };
     let (x, y) = (values(75 * 57, 0.0), values(75 * 131, 1.0));
     let kind = Loss::RootMeanSquare;
     let (loss, mixed) = gradients(&mlp, (&x, &y), (TrainPrecision::Mixed, kind));
     let (exact_loss, exact) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
-    assert!(
-        (loss / exact_loss - 1.0).abs() < 2e-3,
-        "{loss} against {exact_loss}"
-    );
+    assert!((loss / exact_loss - 1.0).abs() < 2e-3, "{loss} against {exact_loss}");
     for (mixed, exact) in mixed.iter().zip(&exact) {
         let norm = |v: &mut dyn Iterator<Item = f32>| v.map(|x| x * x).sum::<f32>().sqrt();
         let error = norm(&mut mixed.iter().zip(exact).map(|(a, b)| a - b));

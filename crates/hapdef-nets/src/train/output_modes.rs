@@ -61,16 +61,9 @@ impl OutputModes {
         let modes = subspace(&y, n, n_out, rank);
         let shrink = (rank as f64 / n_out as f64).sqrt();
         let cells = (0..n_out).flat_map(|o| (0..rank).map(move |r| (o, r)));
-        let project: Vec<f32> = cells
-            .map(|(o, r)| (shrink * modes.row(r)[o]) as f32)
-            .collect();
+        let project: Vec<f32> = cells.map(|(o, r)| (shrink * modes.row(r)[o]) as f32).collect();
         let left_out = left_out(&y, &project, [n, n_out, rank]);
-        Ok(Self {
-            rank,
-            project,
-            scale: scale.clone(),
-            left_out,
-        })
+        Ok(Self { rank, project, scale: scale.clone(), left_out })
     }
 
     /// How many modes.
@@ -86,11 +79,7 @@ impl OutputModes {
 
     /// `samples` with their outputs as coordinates.
     pub fn source<'a>(&'a self, samples: &'a mut dyn BatchSource) -> InModes<'a> {
-        InModes {
-            modes: self,
-            samples,
-            y: Vec::new(),
-        }
+        InModes { modes: self, samples, y: Vec::new() }
     }
 
     /// The net of all outputs, raw units, that a net of coordinates stands for: its last layer is
@@ -195,9 +184,5 @@ fn left_out(y: &[f32], project: &[f32], [n, n_out, rank]: [usize; 3]) -> f64 {
         dot(&values, &values)
     };
     let (all, kept) = (squares(y), squares(&z) * n_out as f64 / rank as f64);
-    if all > 0.0 {
-        (1.0 - kept / all).max(0.0)
-    } else {
-        0.0
-    }
+    if all > 0.0 { (1.0 - kept / all).max(0.0) } else { 0.0 }
 }

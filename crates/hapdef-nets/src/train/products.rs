@@ -25,11 +25,7 @@ impl Products {
             TrainPrecision::F32 => None,
             TrainPrecision::Mixed => Bf16Unit::detect(),
         };
-        Self {
-            unit,
-            left: Left::default(),
-            right: Right::default(),
-        }
+        Self { unit, left: Left::default(), right: Right::default() }
     }
 
     /// The precision that the products have.

@@ -104,12 +104,7 @@ pub fn resume(
     params: &TrainParams,
     on_progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<(Net, TrainInfo), NetsError> {
-    let Resumable {
-        mut net,
-        mut record,
-        moments,
-        mut best,
-    } = load_for_resume(checkpoint)?;
+    let Resumable { mut net, mut record, moments, mut best } = load_for_resume(checkpoint)?;
     check_same(checkpoint, &record.params, params)?;
     if record.best_step == Some(record.step) {
         best = Some(net.mlp().clone());
@@ -231,11 +226,7 @@ impl Run<'_> {
         let learning_rate = params.learning_rate_at(done);
         let mut loss = self.engine.forward(x, y)?;
         if !loss.is_finite() {
-            return Err(NetsError::Diverged {
-                step: done,
-                learning_rate,
-                loss,
-            });
+            return Err(NetsError::Diverged { step: done, learning_rate, loss });
         }
         let adam = AdamStep::new(done, learning_rate, params.l2);
         loss += params.l2 * self.engine.backward(x, &adam)?;
@@ -279,13 +270,7 @@ impl Run<'_> {
         net.set_mlp(self.engine.to_mlp(self.net.mlp())?);
         let is_apart = self.record.best_step != Some(self.record.step);
         let best = self.best.as_ref().filter(|_| is_apart);
-        save_all(
-            path,
-            &net,
-            &self.record,
-            Some(&self.engine.moments()?),
-            best,
-        )
+        save_all(path, &net, &self.record, Some(&self.engine.moments()?), best)
     }
 }
 

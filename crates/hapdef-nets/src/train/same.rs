@@ -14,19 +14,12 @@ pub(super) fn check_same(
     let knobs = |p: &TrainParams| {
         let steps = p.final_learning_rate.map(|_| p.steps);
         // Where looks change the result, their steps must be the same.
-        let look = if p.keep_best || p.patience > 0 {
-            p.validate_every
-        } else {
-            0
-        };
+        let look = if p.keep_best || p.patience > 0 { p.validate_every } else { 0 };
         [
             ("seed", p.seed.to_string()),
             ("batch", p.batch.to_string()),
             ("learning_rate", p.learning_rate.to_string()),
-            (
-                "final_learning_rate",
-                format!("{:?}", p.final_learning_rate),
-            ),
+            ("final_learning_rate", format!("{:?}", p.final_learning_rate)),
             ("warmup_steps", p.warmup_steps.to_string()),
             ("l2", p.l2.to_string()),
             ("precision", format!("{:?}", p.precision)),
@@ -40,12 +33,7 @@ pub(super) fn check_same(
     };
     for ((name, saved), (_, asked)) in knobs(saved).into_iter().zip(knobs(asked)) {
         if saved != asked {
-            return Err(NetsError::ResumeParams {
-                path: path.to_path_buf(),
-                name,
-                saved,
-                asked,
-            });
+            return Err(NetsError::ResumeParams { path: path.to_path_buf(), name, saved, asked });
         }
     }
     Ok(())

@@ -54,12 +54,7 @@ impl MemorySource {
         let n = x.len() / n_inputs;
         check_length("inputs of the samples", n * n_inputs, x.len())?;
         check_length("outputs of the samples", n * n_outputs, y.len())?;
-        Ok(Self {
-            n_inputs,
-            n_outputs,
-            x,
-            y,
-        })
+        Ok(Self { n_inputs, n_outputs, x, y })
     }
 }
 

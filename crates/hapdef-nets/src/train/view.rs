@@ -14,22 +14,12 @@ impl<'a> View<'a> {
     /// `[rows, columns]`, row-major.
     pub(super) fn new(values: &'a [f32], rows: usize, columns: usize) -> Self {
         assert_eq!(values.len(), rows * columns, "values of a matrix");
-        Self {
-            values,
-            rows,
-            columns,
-            transposed: false,
-        }
+        Self { values, rows, columns, transposed: false }
     }
 
     /// Rows and columns exchanged.
     pub(super) fn t(self) -> Self {
-        Self {
-            rows: self.columns,
-            columns: self.rows,
-            transposed: !self.transposed,
-            ..self
-        }
+        Self { rows: self.columns, columns: self.rows, transposed: !self.transposed, ..self }
     }
 
     /// The values: row-major, or column-major if transposed; always rows × columns of them.

@@ -6,9 +6,8 @@ use hapdef_nets::{Activation, Net};
 /// The outputs in f64 and the stated error bound of `precision` for each, in raw units.
 pub(crate) fn with_bound(net: &Net, precision: Precision, x: &[f32]) -> Vec<(f64, f64)> {
     let scale = net.input_scale();
-    let mut a: Vec<(f64, f64)> = (0..x.len())
-        .map(|i| (f64::from((x[i] - scale.mean()[i]) / scale.std()[i]), 0.0))
-        .collect();
+    let mut a: Vec<(f64, f64)> =
+        (0..x.len()).map(|i| (f64::from((x[i] - scale.mean()[i]) / scale.std()[i]), 0.0)).collect();
     let last = net.mlp().layers().len() - 1;
     for (l, layer) in net.mlp().layers().iter().enumerate() {
         // What the bytes are made of: the approximate activations.
@@ -51,10 +50,7 @@ pub(crate) fn with_bound(net: &Net, precision: Precision, x: &[f32]) -> Vec<(f64
         .enumerate()
         .map(|(i, (z, e))| {
             let (mean, std) = (f64::from(scale.mean()[i]), f64::from(scale.std()[i]));
-            (
-                z * std + mean,
-                e * std + 1e-6 * (z * std + mean).abs() + 1e-7,
-            )
+            (z * std + mean, e * std + 1e-6 * (z * std + mean).abs() + 1e-7)
         })
         .collect()
 }

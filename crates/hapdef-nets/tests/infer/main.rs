@@ -15,11 +15,7 @@ use bound::with_bound;
 use support::{at, inputs, largest, net_of, plain, prepared, random_net};
 
 fn activation(relu: bool) -> Activation {
-    if relu {
-        Activation::Relu
-    } else {
-        Activation::Tanh
-    }
+    if relu { Activation::Relu } else { Activation::Tanh }
 }
 
 proptest! {
@@ -136,19 +132,14 @@ fn f32_agrees_with_candle() {
         let net = random_net(&[24, 300, 200, 333], activation, 5);
         let x = inputs(24, 5);
         let scale = net.input_scale();
-        let standardised: Vec<f32> = (0..24)
-            .map(|i| (x[i] - scale.mean()[i]) / scale.std()[i])
-            .collect();
+        let standardised: Vec<f32> =
+            (0..24).map(|i| (x[i] - scale.mean()[i]) / scale.std()[i]).collect();
         let mut a = Tensor::from_vec(standardised, (1, 24), &Device::Cpu).unwrap();
         for (i, layer) in net.mlp().layers().iter().enumerate() {
             let shape = (layer.bias.len(), a.dim(1).unwrap());
             let w = Tensor::from_slice(&layer.weights, shape, &Device::Cpu).unwrap();
             let b = Tensor::from_slice(&layer.bias, layer.bias.len(), &Device::Cpu).unwrap();
-            a = a
-                .matmul(&w.t().unwrap())
-                .unwrap()
-                .broadcast_add(&b)
-                .unwrap();
+            a = a.matmul(&w.t().unwrap()).unwrap().broadcast_add(&b).unwrap();
             a = match activation {
                 _ if i == 2 => a,
                 Activation::Relu => a.relu().unwrap(),
@@ -169,9 +160,7 @@ fn zeros_after_a_relu_are_not_read() {
     let net = random_net(&[16, 512, 64], Activation::Relu, 1);
     let whole = PreparedNet::new(&net, &InferParams::of(Precision::F32)).unwrap();
     let mut out = vec![0.0; 64];
-    let info = whole
-        .forward(&inputs(16, 1), &mut whole.scratch(), &mut out)
-        .unwrap();
+    let info = whole.forward(&inputs(16, 1), &mut whole.scratch(), &mut out).unwrap();
     let first = 16 * 512 * 4;
     let live = (info.weight_bytes - first) / (64 * 4);
     assert!((100..412).contains(&live), "{live} of 512 live");

@@ -28,9 +28,7 @@ pub(crate) fn net_of(spec: &MlpSpec, layers: Vec<Layer>) -> Net {
 
 pub(crate) fn inputs(n: usize, seed: u64) -> Vec<f32> {
     let phase = (seed % 1000) as f32;
-    (0..n)
-        .map(|i| 3.0 * (i as f32 * 1.3 + phase).sin())
-        .collect()
+    (0..n).map(|i| 3.0 * (i as f32 * 1.3 + phase).sin()).collect()
 }
 
 pub(crate) fn plain(net: &Net, x: &[f32]) -> Vec<f32> {
@@ -42,17 +40,12 @@ pub(crate) fn plain(net: &Net, x: &[f32]) -> Vec<f32> {
 pub(crate) fn prepared(net: &Net, params: &InferParams, x: &[f32]) -> Vec<f32> {
     let prepared = PreparedNet::new(net, params).unwrap();
     let mut out = vec![0.0; prepared.n_outputs()];
-    prepared
-        .forward(x, &mut prepared.scratch(), &mut out)
-        .unwrap();
+    prepared.forward(x, &mut prepared.scratch(), &mut out).unwrap();
     out
 }
 
 pub(crate) fn at(precision: Precision, simd: SimdLevel) -> InferParams {
-    InferParams {
-        simd: Some(simd),
-        ..InferParams::of(precision)
-    }
+    InferParams { simd: Some(simd), ..InferParams::of(precision) }
 }
 
 pub(crate) fn largest(values: &[f32]) -> f64 {

@@ -27,12 +27,7 @@ pub const PARAMS: TrainParams = TrainParams {
 };
 
 pub fn net(hidden: &[usize], activation: Activation) -> Net {
-    let spec = MlpSpec {
-        inputs: 3,
-        hidden: hidden.to_vec(),
-        outputs: 2,
-        activation,
-    };
+    let spec = MlpSpec { inputs: 3, hidden: hidden.to_vec(), outputs: 2, activation };
     let input = Scale::new(vec![10.0; 3], vec![2.0; 3]).unwrap();
     let output = Scale::new(vec![0.0; 2], vec![100.0; 2]).unwrap();
     Net::new(Mlp::random(&spec, 1).unwrap(), input, output).unwrap()
@@ -40,9 +35,8 @@ pub fn net(hidden: &[usize], activation: Activation) -> Net {
 
 /// Two smooth functions of three numbers.
 pub fn samples(n: usize, phase: f32) -> MemorySource {
-    let x: Vec<f32> = (0..3 * n)
-        .map(|i| 10.0 + 3.0 * (1.618 * (i * i % 9973) as f32 + phase).sin())
-        .collect();
+    let x: Vec<f32> =
+        (0..3 * n).map(|i| 10.0 + 3.0 * (1.618 * (i * i % 9973) as f32 + phase).sin()).collect();
     let y = x.chunks(3).flat_map(|p| {
         let [a, b, c] = [p[0] - 10.0, p[1] - 10.0, p[2] - 10.0];
         [20.0 * a * b + 30.0 * c, 100.0 * (0.5 * a - b).sin()]

@@ -75,12 +75,7 @@ impl LimbView {
         let [a, b] = [1, 2].map(|i| names[(self.up() + i) % 3]);
         let [width, height] = self.pixels();
         let height = height + RULER_PX;
-        let sides = [
-            ("front", "+", b),
-            ("left", "+", a),
-            ("back", "−", b),
-            ("right", "−", a),
-        ];
+        let sides = [("front", "+", b), ("left", "+", a), ("back", "−", b), ("right", "−", a)];
         let view = |(turn, (side, sign, axis))| {
             format!(
                 "<div><canvas data-limb=\"{number}\" data-map=\"{at}\" data-turn=\"{turn}\" \
@@ -117,9 +112,7 @@ impl LimbView {
     /// The axis that is drawn upright: the longest.
     fn up(&self) -> usize {
         let size = self.extent(|low, high| high - low);
-        (0..3)
-            .max_by(|i, j| size[*i].total_cmp(&size[*j]))
-            .unwrap_or_default()
+        (0..3).max_by(|i, j| size[*i].total_cmp(&size[*j])).unwrap_or_default()
     }
 
     fn extent(&self, of: impl Fn(f64, f64) -> f64) -> [f64; 3] {

@@ -12,11 +12,8 @@ const LEAST_MARKS: usize = 4;
 /// Decades that are labelled at most.
 const MOST_DECADES: i32 = 8;
 /// Leading digits of labels, coarse to fine.
-const LEADING: [&[f64]; 3] = [
-    &[1.0],
-    &[1.0, 2.0, 5.0],
-    &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
-];
+const LEADING: [&[f64]; 3] =
+    [&[1.0], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]];
 
 /// A linear or logarithmic axis and where its labels are.
 pub(super) struct Axis {
@@ -38,18 +35,12 @@ impl Axis {
             let scale = Scale::Log(range.log_scale().into());
             return Self { scale, marks };
         }
-        Self {
-            scale: Scale::Linear(range.into()),
-            marks: None,
-        }
+        Self { scale: Scale::Linear(range.into()), marks: None }
     }
 
     /// A linear one, labelled at given places.
     pub(super) fn marked(range: Range<f64>, marks: impl Iterator<Item = f64>) -> Self {
-        Self {
-            scale: Scale::Linear(range.into()),
-            marks: Some(marks.collect()),
-        }
+        Self { scale: Scale::Linear(range.into()), marks: Some(marks.collect()) }
     }
 }
 

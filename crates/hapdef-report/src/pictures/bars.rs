@@ -58,22 +58,14 @@ pub fn bars_svg(chart: &BarChart) -> Result<String, ReportError> {
     });
     let Some((low, high)) = style::range(cells, chart.log_y) else {
         let what = "bar chart (no bar that can be drawn)";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found: 0,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found: 0 });
     };
     let n_panels = chart.panels.len() as u32;
     let width = n_panels * (60 + 60 * chart.groups.len() as u32) + 20;
     style::svg("bar chart", (width.max(320), 380), |root| {
         let (head, body) = root.split_vertically(34);
         legend(&head, chart)?;
-        for (panel, area) in chart
-            .panels
-            .iter()
-            .zip(body.split_evenly((1, chart.panels.len())))
-        {
+        for (panel, area) in chart.panels.iter().zip(body.split_evenly((1, chart.panels.len()))) {
             let base = if chart.log_y { low } else { 0.0 };
             let y = Axis::new(base..high.max(1e-12), chart.log_y);
             draw_panel(&area, chart, panel, y, base)?;
@@ -88,25 +80,21 @@ fn check_shape(
     rows: &[Vec<Option<f64>>],
 ) -> Result<(), ArgumentError> {
     check_len(what, chart.series.len(), rows.len())?;
-    rows.iter()
-        .try_for_each(|row| check_len(what, chart.groups.len(), row.len()))
+    rows.iter().try_for_each(|row| check_len(what, chart.groups.len(), row.len()))
 }
 
 fn legend(head: &style::Area<'_>, chart: &BarChart) -> Result<(), String> {
     let mut x = 70;
     for (index, name) in chart.series.iter().enumerate() {
         let colour = series_colour(index);
-        head.draw(&Rectangle::new([(x, 12), (x + 14, 26)], colour.filled()))
-            .map_err(message)?;
-        head.draw(&Text::new(name.clone(), (x + 20, 13), font(13)))
-            .map_err(message)?;
+        head.draw(&Rectangle::new([(x, 12), (x + 14, 26)], colour.filled())).map_err(message)?;
+        head.draw(&Text::new(name.clone(), (x + 20, 13), font(13))).map_err(message)?;
         x += 40 + 8 * name.chars().count() as i32;
     }
     if chart.panels.iter().any(|p| !p.paper.is_empty()) {
         let line = PathElement::new([(x, 19), (x + 16, 19)], INK.stroke_width(3));
         head.draw(&line).map_err(message)?;
-        head.draw(&Text::new("paper", (x + 22, 13), font(13)))
-            .map_err(message)?;
+        head.draw(&Text::new("paper", (x + 22, 13), font(13))).map_err(message)?;
     }
     Ok(())
 }
@@ -122,12 +110,7 @@ fn draw_panel(
     let name = |x: &f64| {
         let group = (x - 0.5).round();
         let near = (x - 0.5 - group).abs() < 1e-6 && group >= 0.0;
-        chart
-            .groups
-            .get(group as usize)
-            .filter(|_| near)
-            .cloned()
-            .unwrap_or_default()
+        chart.groups.get(group as usize).filter(|_| near).cloned().unwrap_or_default()
     };
     let mut plot = ChartBuilder::on(area)
         .caption(&panel.title, font(14))
@@ -158,10 +141,7 @@ fn draw_panel(
     for (index, row) in panel.paper.iter().enumerate() {
         let ticks = drawable(row, chart.log_y).map(|(group, value)| {
             let left = group as f64 + 0.1 + bar * index as f64;
-            PathElement::new(
-                [(left, value), (left + 0.92 * bar, value)],
-                INK.stroke_width(3),
-            )
+            PathElement::new([(left, value), (left + 0.92 * bar, value)], INK.stroke_width(3))
         });
         plot.draw_series(ticks).map_err(message)?;
     }
@@ -183,7 +163,5 @@ fn error_bars(panel: &BarPanel) -> impl Iterator<Item = (usize, usize, f64, f64)
 
 fn drawable(row: &[Option<f64>], log: bool) -> impl Iterator<Item = (usize, f64)> + '_ {
     let fit = move |v: &f64| v.is_finite() && (!log || *v > 0.0);
-    row.iter()
-        .enumerate()
-        .filter_map(move |(i, v)| Some((i, (*v).filter(fit)?)))
+    row.iter().enumerate().filter_map(move |(i, v)| Some((i, (*v).filter(fit)?)))
 }

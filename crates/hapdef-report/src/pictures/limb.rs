@@ -91,15 +91,9 @@ impl Default for RenderParams {
 pub fn limb_row_svg(pictures: &[(LimbPicture<'_>, RenderParams)]) -> Result<String, ReportError> {
     if pictures.is_empty() {
         let what = "pictures of a row of limbs";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found: 0,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found: 0 });
     }
-    let panels = pictures
-        .iter()
-        .map(|(picture, params)| panel(picture, params));
+    let panels = pictures.iter().map(|(picture, params)| panel(picture, params));
     let panels: Vec<Legend<'_>> = panels.collect::<Result<_, _>>()?;
     Ok(row_svg(&panels))
 }
@@ -159,10 +153,7 @@ fn drawing_px(params: &RenderParams) -> u32 {
 }
 
 fn refused(message: String) -> ReportError {
-    ReportError::Draw {
-        figure: "limb picture",
-        message,
-    }
+    ReportError::Draw { figure: "limb picture", message }
 }
 
 fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReportError> {
@@ -175,22 +166,12 @@ fn check(picture: &LimbPicture<'_>, params: &RenderParams) -> Result<(), ReportE
     for (position, index) in picture.triangles.iter().flatten().enumerate() {
         let (what, index) = ("node of a triangle of the limb picture", *index as usize);
         if index >= n {
-            return Err(ArgumentError::Index {
-                what,
-                index,
-                position,
-                len: n,
-            }
-            .into());
+            return Err(ArgumentError::Index { what, index, position, len: n }.into());
         }
     }
     if picture.triangles.is_empty() {
         let what = "triangles of the limb picture";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found: 0,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found: 0 });
     }
     check_params(params)
 }
@@ -208,26 +189,16 @@ fn check_places<'a>(
 }
 
 fn check_params(params: &RenderParams) -> Result<(), ReportError> {
-    let refuse = |what, value, expected| {
-        Err(ArgumentError::Parameter {
-            what,
-            value,
-            expected,
-        }
-        .into())
-    };
-    for (what, px) in [
-        ("width_px", params.width_px),
-        ("height_px", params.height_px),
-    ] {
+    let refuse =
+        |what, value, expected| Err(ArgumentError::Parameter { what, value, expected }.into());
+    for (what, px) in [("width_px", params.width_px), ("height_px", params.height_px)] {
         if !(128..=2048).contains(&px) {
             return refuse(what, f64::from(px), "128 to 2048");
         }
     }
-    for (what, angle) in [
-        ("azimuth_rad", params.azimuth_rad),
-        ("elevation_rad", params.elevation_rad),
-    ] {
+    for (what, angle) in
+        [("azimuth_rad", params.azimuth_rad), ("elevation_rad", params.elevation_rad)]
+    {
         if !angle.is_finite() {
             return refuse(what, angle, "finite");
         }

@@ -48,11 +48,7 @@ pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
     let (Some(x), Some(mut y)) = (x, y) else {
         let found = points().count();
         let what = "line chart (no point that can be drawn)";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found });
     };
     style::svg("line chart", (840, 400), |root| {
         let (main, side) = root.split_horizontally(640);
@@ -60,10 +56,7 @@ pub fn lines_svg(chart: &LineChart) -> Result<String, ReportError> {
         if !chart.log_y {
             y.0 = y.0.min(0.0);
         }
-        let (x, y) = (
-            Axis::new(x.0..x.1, chart.log_x),
-            Axis::new(y.0..y.1, chart.log_y),
-        );
+        let (x, y) = (Axis::new(x.0..x.1, chart.log_x), Axis::new(y.0..y.1, chart.log_y));
         draw_lines(&main, chart, x, y)
     })
 }
@@ -76,11 +69,9 @@ fn legend(side: &style::Area<'_>, chart: &LineChart) -> Result<(), String> {
     for (index, series) in chart.series.iter().enumerate() {
         let line = [(4, y), (24, y)];
         let colour = series_colour(index).stroke_width(3);
-        side.draw(&PathElement::new(line, colour))
-            .map_err(message)?;
+        side.draw(&PathElement::new(line, colour)).map_err(message)?;
         for text in wrapped(&series.name, LEGEND_LETTERS) {
-            side.draw(&Text::new(text, (32, y - 6), font(12)))
-                .map_err(message)?;
+            side.draw(&Text::new(text, (32, y - 6), font(12))).map_err(message)?;
             y += 14;
         }
         y += 8;
@@ -116,11 +107,7 @@ fn draw_lines(root: &style::Area<'_>, chart: &LineChart, x: Axis, y: Axis) -> Re
         let colour = series_colour(index);
         let can_be = |v: f64, is_log: bool| v.is_finite() && (!is_log || v > 0.0);
         let fit = |p: &(f64, f64)| can_be(p.0, chart.log_x) && can_be(p.1, chart.log_y);
-        for run in series
-            .points
-            .split(|p| !fit(p))
-            .filter(|run| !run.is_empty())
-        {
+        for run in series.points.split(|p| !fit(p)).filter(|run| !run.is_empty()) {
             let line = LineSeries::new(run.iter().copied(), colour.stroke_width(2));
             area.draw_series(line).map_err(message)?;
         }
@@ -156,30 +143,13 @@ pub struct Scatter<'a> {
 /// # Errors
 /// Lengths that differ, `max_points` of 0, or no finite pair.
 pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReportError> {
-    check_len(
-        "scatter predictions",
-        scatter.truth.len(),
-        scatter.predicted.len(),
-    )?;
+    check_len("scatter predictions", scatter.truth.len(), scatter.predicted.len())?;
     if scatter.max_points == 0 {
         let expected = "at least 1";
-        return Err(ArgumentError::Parameter {
-            what: "max_points",
-            value: 0.0,
-            expected,
-        }
-        .into());
+        return Err(ArgumentError::Parameter { what: "max_points", value: 0.0, expected }.into());
     }
-    let pairs = || {
-        scatter
-            .truth
-            .iter()
-            .copied()
-            .zip(scatter.predicted.iter().copied())
-    };
-    let fit: Vec<(f64, f64)> = pairs()
-        .filter(|p| p.0.is_finite() && p.1.is_finite())
-        .collect();
+    let pairs = || scatter.truth.iter().copied().zip(scatter.predicted.iter().copied());
+    let fit: Vec<(f64, f64)> = pairs().filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
     let Some((low, high)) = style::range(fit.iter().flat_map(|p| [p.0, p.1]), false) else {
         return Err(ReportError::TooFew {
             what: "scatter (no finite pair)",
@@ -189,9 +159,7 @@ pub fn scatter_svg(scatter: &Scatter<'_>) -> Result<String, ReportError> {
     };
     let stride = fit.len().div_ceil(scatter.max_points);
     let dots: Vec<(f64, f64)> = fit.into_iter().step_by(stride).collect();
-    style::svg("scatter", (440, 440), |root| {
-        draw_scatter(root, scatter, &dots, low..high)
-    })
+    style::svg("scatter", (440, 440), |root| draw_scatter(root, scatter, &dots, low..high))
 }
 
 fn draw_scatter(
@@ -205,17 +173,13 @@ fn draw_scatter(
         .margin(10)
         .x_label_area_size(42)
         .y_label_area_size(64)
-        .build_cartesian_2d(
-            Axis::new(range.clone(), false),
-            Axis::new(range.clone(), false),
-        )
+        .build_cartesian_2d(Axis::new(range.clone(), false), Axis::new(range.clone(), false))
         .map_err(message)?;
     let labels = ["true", "predicted"].map(|word| format!("{word} {}", scatter.quantity));
     style::draw_axes(&mut area, &labels[0], &labels[1], &|v| tick(*v))?;
     let dot = |p: &(f64, f64)| Circle::new(*p, 2, series_colour(0).mix(0.35).filled());
     area.draw_series(dots.iter().map(dot)).map_err(message)?;
     let equal = [range.start, range.end].map(|v| (v, v));
-    area.draw_series(LineSeries::new(equal, INK.stroke_width(1)))
-        .map_err(message)?;
+    area.draw_series(LineSeries::new(equal, INK.stroke_width(1))).map_err(message)?;
     Ok(())
 }

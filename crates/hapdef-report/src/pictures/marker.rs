@@ -35,10 +35,7 @@ pub(super) fn draw_marker(pixmap: &mut Pixmap, at: (f32, f32), mark: Mark, hidde
     };
     let alpha = if hidden { 90 } else { 255 };
     let stroke = |pixmap: &mut Pixmap, colour, width| {
-        let stroke = Stroke {
-            width,
-            ..Stroke::default()
-        };
+        let stroke = Stroke { width, ..Stroke::default() };
         let paint = paint(colour, alpha);
         pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
     };

@@ -24,22 +24,13 @@ pub(super) struct Canvas {
 impl Canvas {
     pub(super) fn new(width: usize, height: usize, background: [u8; 3]) -> Self {
         let n = width * height * OVER * OVER;
-        Self {
-            width,
-            height,
-            depth: vec![f32::NEG_INFINITY; n],
-            colour: vec![background; n],
-        }
+        Self { width, height, depth: vec![f32::NEG_INFINITY; n], colour: vec![background; n] }
     }
 
     /// Fills a triangle where it is nearer than what is there; `colour` maps a value to a colour.
     pub(super) fn fill(&mut self, corners: &[Vertex; 3], colour: impl Fn(f64) -> [u8; 3]) {
         let over = OVER as f64;
-        let [a, b, c] = corners.map(|v| Vertex {
-            x: v.x * over - 0.5,
-            y: v.y * over - 0.5,
-            ..v
-        });
+        let [a, b, c] = corners.map(|v| Vertex { x: v.x * over - 0.5, y: v.y * over - 0.5, ..v });
         let area = cross(&a, &b, &c);
         if area == 0.0 {
             return;
@@ -49,11 +40,7 @@ impl Canvas {
         let (y0, y1) = span([a.y, b.y, c.y], h);
         for y in y0..y1 {
             for x in x0..x1 {
-                let p = Vertex {
-                    x: x as f64,
-                    y: y as f64,
-                    ..a
-                };
+                let p = Vertex { x: x as f64, y: y as f64, ..a };
                 let weights = [cross(&b, &c, &p), cross(&c, &a, &p), cross(&a, &b, &p)];
                 let weights = weights.map(|w| w / area);
                 if weights.iter().any(|w| *w < 0.0) {
@@ -94,9 +81,7 @@ impl Canvas {
             let mut sums = [0_usize; 3];
             for i in 0..OVER * OVER {
                 let at = (row + i / OVER) * self.width * OVER + column + i % OVER;
-                sums.iter_mut()
-                    .zip(self.colour[at])
-                    .for_each(|(s, c)| *s += usize::from(c));
+                sums.iter_mut().zip(self.colour[at]).for_each(|(s, c)| *s += usize::from(c));
             }
             bytes.extend(sums.map(|s| ((s + OVER * OVER / 2) / (OVER * OVER)) as u8));
             bytes.push(255);

@@ -56,8 +56,7 @@ pub(super) fn svg(
 /// Without attributes that say what SVG assumes anyway: pictures of thousands of dots shrink by a
 /// third.
 fn shorter(svg: &str) -> String {
-    svg.replace(" opacity=\"1\"", "")
-        .replace(" stroke=\"none\" stroke-width=\"1\"", "")
+    svg.replace(" opacity=\"1\"", "").replace(" stroke=\"none\" stroke-width=\"1\"", "")
 }
 
 /// Draws axes, labels and grid; `x_tick` labels the places along x.
@@ -89,20 +88,15 @@ pub(super) fn message(error: impl std::fmt::Display) -> String {
 /// Lowest and highest finite value (above 0 on a log axis), with room around; `None` if none.
 pub(super) fn range(values: impl Iterator<Item = f64>, log: bool) -> Option<(f64, f64)> {
     let fit = values.filter(|v| v.is_finite() && (!log || *v > 0.0));
-    let (low, high) = fit.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-        (l.min(v), h.max(v))
-    });
+    let (low, high) =
+        fit.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if low > high {
         return None;
     }
     if log {
         return Some((low / 1.5, high * 1.5));
     }
-    let room = if high > low {
-        0.04 * (high - low)
-    } else {
-        0.5 * high.abs().max(1e-12)
-    };
+    let room = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1e-12) };
     Some((low - room, high + room))
 }
 
@@ -129,19 +123,13 @@ mod tests {
     #[test]
     fn ticks_are_short() {
         let found = [0.0, 0.001, 0.5, 79.863, 150.0, 2e6, 1e-6, -0.25].map(tick);
-        assert_eq!(
-            found,
-            ["0", "0.001", "0.5", "79.9", "150", "2e6", "1e-6", "-0.25"]
-        );
+        assert_eq!(found, ["0", "0.001", "0.5", "79.9", "150", "2e6", "1e-6", "-0.25"]);
     }
 
     #[test]
     fn ranges_skip_what_cannot_be_drawn() {
         assert_eq!(range([f64::NAN, -1.0].into_iter(), true), None);
-        assert_eq!(
-            range([f64::NAN, 2.0, 8.0, -1.0].into_iter(), true),
-            Some((2.0 / 1.5, 12.0))
-        );
+        assert_eq!(range([f64::NAN, 2.0, 8.0, -1.0].into_iter(), true), Some((2.0 / 1.5, 12.0)));
         let (low, high) = range([3.0].into_iter(), false).unwrap();
         assert!(low < 3.0 && 3.0 < high);
     }

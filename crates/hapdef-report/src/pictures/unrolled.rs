@@ -69,29 +69,17 @@ pub fn unroll(
 ) -> Result<Vec<[f64; 2]>, ReportError> {
     if axis > 2 {
         let expected = "0, 1 or 2";
-        return Err(ArgumentError::Parameter {
-            what: "axis",
-            value: axis as f64,
-            expected,
-        }
-        .into());
+        return Err(ArgumentError::Parameter { what: "axis", value: axis as f64, expected }.into());
     }
     if reference.is_empty() {
         let what = "reference positions of the unrolled surface";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found: 0,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found: 0 });
     }
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let n = reference.len() as f64;
     let mean = |k: usize| reference.iter().map(|p| p[k]).sum::<f64>() / n;
     let (cu, cv) = (mean(u), mean(v));
-    Ok(positions
-        .iter()
-        .map(|p| [(p[v] - cv).atan2(p[u] - cu), p[axis]])
-        .collect())
+    Ok(positions.iter().map(|p| [(p[v] - cv).atan2(p[u] - cu), p[axis]]).collect())
 }
 
 /// Draws the unrolled surface, 720 × 420 px: angle in degrees against height in mm.
@@ -102,9 +90,7 @@ pub fn unroll(
 /// Lengths that differ, no node, a position that is not finite, or a colour range that is empty.
 pub fn unrolled_svg(figure: &Unrolled<'_>) -> Result<String, ReportError> {
     let scale = check(figure)?;
-    style::svg("unrolled surface", (720, 420), |root| {
-        draw(root, figure, scale)
-    })
+    style::svg("unrolled surface", (720, 420), |root| draw(root, figure, scale))
 }
 
 /// The same for several surfaces side by side, 450 × 330 px each.
@@ -125,19 +111,11 @@ pub fn unrolled_row_svg(figures: &[Unrolled<'_>]) -> Result<String, ReportError>
 
 /// Refuses what can't be drawn; the ends of the colour scale.
 fn check(figure: &Unrolled<'_>) -> Result<[f64; 2], ReportError> {
-    check_len(
-        "values on the unrolled surface",
-        figure.points.len(),
-        figure.values.len(),
-    )?;
+    check_len("values on the unrolled surface", figure.points.len(), figure.values.len())?;
     check_places(figure)?;
     if figure.points.is_empty() {
         let what = "points of the unrolled surface";
-        return Err(ReportError::TooFew {
-            what,
-            needed: 1,
-            found: 0,
-        });
+        return Err(ReportError::TooFew { what, needed: 1, found: 0 });
     }
     colour_range(figure.range, figure.values)
 }
@@ -178,11 +156,7 @@ pub(super) fn colour_range(
     let found = given.unwrap_or_else(|| {
         let high = fit().fold(f64::NEG_INFINITY, f64::max);
         let low = fit().fold(0.0, f64::min);
-        if high > low {
-            [low, high]
-        } else {
-            [low, low + 1.0]
-        }
+        if high > low { [low, high] } else { [low, low + 1.0] }
     });
     if !(found[0] < found[1] && found[0].is_finite() && found[1].is_finite()) {
         return Err(ArgumentError::Parameter {
@@ -212,19 +186,15 @@ fn draw_surface(
         .map_err(message)?;
     style::draw_axes(&mut plot, "angle, degrees", "height, mm", &|v| tick(*v))?;
     let radius = if area.dim_in_pixel().0 > 500 { 4 } else { 3 };
-    let dots = figure
-        .points
-        .iter()
-        .zip(figure.values)
-        .map(|(point, value)| {
-            let colour = if value.is_finite() {
-                let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
-                RGBColor(r, g, b)
-            } else {
-                NO_VALUE
-            };
-            Circle::new(printed(*point), radius, colour.filled())
-        });
+    let dots = figure.points.iter().zip(figure.values).map(|(point, value)| {
+        let colour = if value.is_finite() {
+            let [r, g, b] = viridis((value - scale[0]) / (scale[1] - scale[0]));
+            RGBColor(r, g, b)
+        } else {
+            NO_VALUE
+        };
+        Circle::new(printed(*point), radius, colour.filled())
+    });
     plot.draw_series(dots).map_err(message)?;
     let arrows = figure.arrows.iter().map(|arrow| {
         let (from, mut to) = (printed(arrow.from), printed(arrow.to));
@@ -253,21 +223,15 @@ fn draw_surface(
 
 /// Red without names, else the series' colour.
 fn arrow_colour(figure: &Unrolled<'_>, arrow: &UnrolledArrow) -> RGBColor {
-    if figure.arrow_names.is_empty() {
-        RED
-    } else {
-        style::series_colour(arrow.series)
-    }
+    if figure.arrow_names.is_empty() { RED } else { style::series_colour(arrow.series) }
 }
 
 fn draw_arrow_names(area: &style::Area<'_>, figure: &Unrolled<'_>) -> Result<(), String> {
     let mut x = 66;
     for (index, name) in figure.arrow_names.iter().enumerate() {
         let colour = style::series_colour(index);
-        area.draw(&Rectangle::new([(x, 14), (x + 16, 20)], colour.filled()))
-            .map_err(message)?;
-        area.draw(&Text::new((*name).to_owned(), (x + 22, 10), font(13)))
-            .map_err(message)?;
+        area.draw(&Rectangle::new([(x, 14), (x + 16, 20)], colour.filled())).map_err(message)?;
+        area.draw(&Text::new((*name).to_owned(), (x + 22, 10), font(13))).map_err(message)?;
         x += 40 + 8 * name.chars().count() as i32;
     }
     Ok(())
@@ -283,21 +247,14 @@ fn draw_bar(area: &style::Area<'_>, label: &str, scale: [f64; 2]) -> Result<(), 
         let [r, g, b] = viridis(1.0 - f64::from(k) / f64::from(n - 1));
         let y = top + step * k;
         let colour = RGBColor(r, g, b).filled();
-        area.draw(&Rectangle::new([(0, y), (16, y + step)], colour))
-            .map_err(message)?;
+        area.draw(&Rectangle::new([(0, y), (16, y + step)], colour)).map_err(message)?;
     }
     for k in 0..=4 {
         let value = scale[1] - (scale[1] - scale[0]) * f64::from(k) / 4.0;
         let y = top + step * n * k / 4 - 6;
-        area.draw(&Text::new(tick(value), (22, y), font(12)))
-            .map_err(message)?;
+        area.draw(&Text::new(tick(value), (22, y), font(12))).map_err(message)?;
     }
-    area.draw(&Text::new(
-        label.to_owned(),
-        (0, top + step * n + 12),
-        font(12),
-    ))
-    .map_err(message)
+    area.draw(&Text::new(label.to_owned(), (0, top + step * n + 12), font(12))).map_err(message)
 }
 
 #[cfg(test)]
@@ -307,12 +264,7 @@ mod tests {
     /// About y the angle runs from z to x.
     #[test]
     fn angles_by_hand() {
-        let ring = [
-            [1.0, 5.0, 0.0],
-            [-1.0, 5.0, 0.0],
-            [0.0, 7.0, 1.0],
-            [0.0, 7.0, -1.0],
-        ];
+        let ring = [[1.0, 5.0, 0.0], [-1.0, 5.0, 0.0], [0.0, 7.0, 1.0], [0.0, 7.0, -1.0]];
         let found = unroll(&ring, &ring, 1).unwrap();
         let degrees: Vec<f64> = found.iter().map(|p| p[0].to_degrees().round()).collect();
         assert_eq!(degrees, [90.0, -90.0, 0.0, 180.0]);
@@ -323,10 +275,7 @@ mod tests {
 
     #[test]
     fn colour_scale_starts_at_zero_unless_told() {
-        assert_eq!(
-            colour_range(None, &[2.0, f64::NAN, 5.0]).unwrap(),
-            [0.0, 5.0]
-        );
+        assert_eq!(colour_range(None, &[2.0, f64::NAN, 5.0]).unwrap(), [0.0, 5.0]);
         assert_eq!(colour_range(None, &[-2.0, 5.0]).unwrap(), [-2.0, 5.0]);
         assert_eq!(colour_range(None, &[]).unwrap(), [0.0, 1.0]);
         assert!(colour_range(Some([1.0, 1.0]), &[]).is_err());

@@ -95,12 +95,7 @@ impl Figure {
     ) -> Result<Self, ReportError> {
         let file = file.into();
         let data = serde_json::to_value(numbers).map_err(ReportError::json(file.as_ref()))?;
-        Ok(Self {
-            file,
-            caption: caption.into(),
-            content: FigureContent::Svg(svg),
-            data,
-        })
+        Ok(Self { file, caption: caption.into(), content: FigureContent::Svg(svg), data })
     }
 
     /// Name of the file that holds its numbers, if it has any.

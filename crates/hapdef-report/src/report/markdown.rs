@@ -12,11 +12,7 @@ pub(super) fn page(report: &Report) -> String {
         text.push_str(&format!("- {}: {}\n", fact.name, fact.text));
     }
     for table in &report.tables {
-        text.push_str(&format!(
-            "\n## {}\n\n{}",
-            table.title,
-            table.text.to_markdown()
-        ));
+        text.push_str(&format!("\n## {}\n\n{}", table.title, table.text.to_markdown()));
         if !table.note.is_empty() {
             text.push_str(&format!("\n{}\n", table.note));
         }

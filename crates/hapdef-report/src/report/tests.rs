@@ -4,10 +4,7 @@ use super::*;
 use crate::metrics::MetricContext;
 
 fn named(name: &str, text: &str) -> NamedText {
-    NamedText {
-        name: name.to_owned(),
-        text: text.to_owned(),
-    }
+    NamedText { name: name.to_owned(), text: text.to_owned() }
 }
 
 fn report() -> Report {
@@ -28,9 +25,7 @@ fn report() -> Report {
         seed: 1,
         time: "t".to_owned(),
     };
-    let outcome = MetricOutcome::Skipped {
-        skipped: "no net".to_owned(),
-    };
+    let outcome = MetricOutcome::Skipped { skipped: "no net".to_owned() };
     Report {
         title: "Shin".to_owned(),
         scene: "shin & co".to_owned(),
@@ -51,20 +46,9 @@ fn report() -> Report {
             figure("limb.png", FigureContent::Png(vec![1, 2, 3])),
         ],
         limbs: vec![],
-        metrics: vec![MetricRecord {
-            name: "a.b".to_owned(),
-            outcome,
-            context,
-        }],
-        stages: vec![StageTime {
-            name: "compliance".to_owned(),
-            elapsed_s: 12.34,
-            cached: true,
-        }],
-        skipped: vec![SkippedStage {
-            name: "svr".to_owned(),
-            reason: "quick".to_owned(),
-        }],
+        metrics: vec![MetricRecord { name: "a.b".to_owned(), outcome, context }],
+        stages: vec![StageTime { name: "compliance".to_owned(), elapsed_s: 12.34, cached: true }],
+        skipped: vec![SkippedStage { name: "svr".to_owned(), reason: "quick".to_owned() }],
         hashes: vec![named("scene", "abc")],
     }
 }
@@ -73,20 +57,10 @@ fn report() -> Report {
 fn every_part_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let paths = write_report(&folder.path().join("out"), &report()).unwrap();
-    let names: Vec<_> = paths
-        .iter()
-        .map(|p| p.file_name().unwrap().to_str().unwrap())
-        .collect();
+    let names: Vec<_> = paths.iter().map(|p| p.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(
         names,
-        [
-            "bars.svg",
-            "bars.json",
-            "limb.png",
-            "report.json",
-            "report.md",
-            "report.html"
-        ]
+        ["bars.svg", "bars.json", "limb.png", "report.json", "report.md", "report.html"]
     );
     let read = |i: usize| std::fs::read_to_string(&paths[i]).unwrap();
     assert_eq!(read(1), r#"{"series":["LR"]}"#);
@@ -98,36 +72,20 @@ fn every_part_is_written() {
     assert_eq!(json["hashes"][0]["text"], "abc");
     assert_eq!(json["skipped"][0]["reason"], "quick");
     let markdown = read(4);
-    for part in [
-        "# Shin",
-        "## Table 1",
-        "| LR | 2.2 (2.2) |",
-        "![](bars.svg)",
-        "| svr | quick |",
-    ] {
+    for part in ["# Shin", "## Table 1", "| LR | 2.2 (2.2) |", "![](bars.svg)", "| svr | quick |"] {
         assert!(markdown.contains(part), "{part} is missing in\n{markdown}");
     }
-    assert!(
-        markdown.contains("| compliance | 12.3 | cache |"),
-        "{markdown}"
-    );
+    assert!(markdown.contains("| compliance | 12.3 | cache |"), "{markdown}");
 }
 
 #[test]
 fn the_page_is_well_formed_and_self_contained() {
     let page = page(&report()).html();
-    for part in [
-        "shin &amp; co",
-        "a &lt;small&gt; picture",
-        "data:image/png;base64,AQID",
-        "<svg ",
-    ] {
+    for part in ["shin &amp; co", "a &lt;small&gt; picture", "data:image/png;base64,AQID", "<svg "]
+    {
         assert!(page.contains(part), "{part} is missing in\n{page}");
     }
-    assert!(
-        !page.contains("<?xml") && !page.contains("<script"),
-        "{page}"
-    );
+    assert!(!page.contains("<?xml") && !page.contains("<script"), "{page}");
     for reference in ["src=\"http", "href=", "url("] {
         assert!(!page.contains(reference), "{reference} reaches outside");
     }
@@ -149,10 +107,7 @@ fn every_report_says_by_what_and_from_what_it_was_made() {
     assert_eq!(json["made"]["seed"], 1);
     let page = std::fs::read_to_string(&paths[5]).unwrap();
     for part in [here.commit, here.machine] {
-        assert!(
-            page.contains(&format!("<dd>{}</dd>", crate::escape_html(&part))),
-            "{page}"
-        );
+        assert!(page.contains(&format!("<dd>{}</dd>", crate::escape_html(&part))), "{page}");
     }
     report.hashes.clear();
     let empty = tempfile::tempdir().unwrap();
@@ -164,15 +119,7 @@ fn every_report_says_by_what_and_from_what_it_was_made() {
 #[test]
 fn odd_file_names_are_refused_before_writing() {
     let folder = tempfile::tempdir().unwrap();
-    for file in [
-        "../x.svg",
-        "x.png",
-        ".svg",
-        "a/b.svg",
-        "limb.png",
-        "limb.svg",
-        "report.svg",
-    ] {
+    for file in ["../x.svg", "x.png", ".svg", "a/b.svg", "limb.png", "limb.svg", "report.svg"] {
         let mut report = report();
         report.figures[0].file = file.to_owned();
         let error = write_report(folder.path(), &report).unwrap_err();
@@ -207,8 +154,5 @@ fn a_chart_brings_its_numbers_along() {
     };
     let figure = Figure::lines("growth.svg", "how it grows", &chart).unwrap();
     assert_eq!(figure.data["x_label"], "nodes");
-    assert_eq!(
-        figure.data["series"][0]["points"],
-        serde_json::json!([[1.0, 2.0], [3.0, null]])
-    );
+    assert_eq!(figure.data["series"][0]["points"], serde_json::json!([[1.0, 2.0], [3.0, null]]));
 }

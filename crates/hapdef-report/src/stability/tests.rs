@@ -24,9 +24,7 @@ impl StabilityCase for Row {
 
     fn cells(&self) -> Vec<String> {
         let figure = self.outcome.as_ref().map_or(String::new(), f64::to_string);
-        ["LR", &figure, self.said(), self.verdict().word()]
-            .map(str::to_owned)
-            .to_vec()
+        ["LR", &figure, self.said(), self.verdict().word()].map(str::to_owned).to_vec()
     }
 
     fn words(&self, refusal: &StabilityRefusal) -> String {
@@ -46,10 +44,7 @@ fn row(outcome: Result<f64, (&str, &str)>, wanted: StabilityWanted) -> Row {
         kind: kind.to_owned(),
         text: text.to_owned(),
     };
-    Row {
-        outcome: outcome.map_err(refusal),
-        wanted,
-    }
+    Row { outcome: outcome.map_err(refusal), wanted }
 }
 
 #[test]
@@ -60,18 +55,12 @@ fn beyond_the_limit_is_silently_wrong() {
         assert!(row.is_failed());
     }
     let good = row(Ok(0.1), StabilityWanted::Result);
-    assert_eq!(
-        (good.verdict(), good.is_failed()),
-        (StabilityVerdict::Accurate, false)
-    );
+    assert_eq!((good.verdict(), good.is_failed()), (StabilityVerdict::Accurate, false));
 }
 
 #[test]
 fn what_should_be_refused_and_is_not_fails() {
-    let wanted = StabilityWanted::Refusal {
-        kind: "AllClamped",
-        words: "125",
-    };
+    let wanted = StabilityWanted::Refusal { kind: "AllClamped", words: "125" };
     let any = StabilityWanted::saying("125");
     assert!(row(Ok(0.0), wanted).is_failed());
     assert!(!row(Err(("AllClamped", "all 125 nodes")), wanted).is_failed());
@@ -88,10 +77,7 @@ fn figures_may_differ_and_verdicts_and_words_may_not() {
     let differences = |fresh, committed| DOCUMENT.differences(&text(fresh), &text(committed));
     assert!(differences(Ok(0.09), Ok(1e-3)).is_empty());
     assert!(!differences(Ok(0.2), Ok(1e-3)).is_empty());
-    assert_eq!(
-        differences(Err(("Eigen", "row 4")), Err(("Eigen", "row 5"))).len(),
-        2
-    );
+    assert_eq!(differences(Err(("Eigen", "row 4")), Err(("Eigen", "row 5"))).len(), 2);
     assert!(text(Err(("Eigen", "row 4"))).contains("- LR: row 4"));
     assert!(!text(Err(("Diverged", "at 1.234"))).contains("1.234"));
 }

@@ -29,10 +29,7 @@ pub struct KnnParams {
 impl Default for KnnParams {
     /// The paper's k = 6; queries are no training rows.
     fn default() -> Self {
-        Self {
-            k: 6,
-            own_row: OwnRow::None,
-        }
+        Self { k: 6, own_row: OwnRow::None }
     }
 }
 
@@ -84,30 +81,16 @@ impl Knn {
         check_finite("k-NN training inputs", n_inputs, x)?;
         if n == 0 || u32::try_from(n).is_err() {
             let what = "k-NN (at most 2³² − 1 samples)";
-            return Err(ReproError::TooFewSamples {
-                what,
-                needed: 1,
-                found: n,
-            });
+            return Err(ReproError::TooFewSamples { what, needed: 1, found: n });
         }
         let mut centre = vec![0.0; n_inputs];
         for row in x.chunks_exact(n_inputs) {
-            centre
-                .iter_mut()
-                .zip(row)
-                .for_each(|(c, v)| *c += f64::from(*v) / n as f64);
+            centre.iter_mut().zip(row).for_each(|(c, v)| *c += f64::from(*v) / n as f64);
         }
         let rows = columns(x, &centre);
         let norm_sq = norms_sq(rows.as_ref());
         let largest_norm_sq = norm_sq.iter().copied().fold(0.0, f64::max);
-        Ok(Self {
-            n_inputs,
-            centre,
-            x: x.to_vec(),
-            rows,
-            norm_sq,
-            largest_norm_sq,
-        })
+        Ok(Self { n_inputs, centre, x: x.to_vec(), rows, norm_sq, largest_norm_sq })
     }
 
     /// Training rows held.
@@ -136,12 +119,8 @@ impl Knn {
             .enumerate()
             .map(|(tile, queries)| self.tile(tile * QUERY_TILE, queries, params))
             .collect();
-        let mut found = Neighbours {
-            k: params.k,
-            rows: vec![],
-            weights: vec![],
-            distances: vec![],
-        };
+        let mut found =
+            Neighbours { k: params.k, rows: vec![], weights: vec![], distances: vec![] };
         for nearest in tiles.iter().flat_map(|tile| tile.chunks_exact(params.k)) {
             found.push(nearest);
         }
@@ -151,12 +130,7 @@ impl Knn {
     fn check(&self, params: &KnnParams, n_queries: usize) -> Result<(), ReproError> {
         if params.k == 0 {
             let expected = "at least 1";
-            return Err(ArgumentError::Parameter {
-                what: "k",
-                value: 0.0,
-                expected,
-            }
-            .into());
+            return Err(ArgumentError::Parameter { what: "k", value: 0.0, expected }.into());
         }
         let excluded = match params.own_row {
             OwnRow::None => 0,
@@ -166,13 +140,7 @@ impl Knn {
                     let index = first.saturating_add(n_queries) - 1;
                     let position = n_queries - 1;
                     let what = "own training row of a k-NN query";
-                    return Err(ArgumentError::Index {
-                        what,
-                        index,
-                        position,
-                        len,
-                    }
-                    .into());
+                    return Err(ArgumentError::Index { what, index, position, len }.into());
                 }
                 1
             }
@@ -201,14 +169,7 @@ impl Knn {
             let n = ROW_BLOCK.min(self.n_rows() - start);
             let rows = self.rows.subcols(start, n).transpose();
             let mut products = Mat::<f64>::zeros(n, q.ncols());
-            matmul(
-                products.as_mut(),
-                Accum::Replace,
-                rows,
-                q.as_ref(),
-                1.0,
-                Par::Seq,
-            );
+            matmul(products.as_mut(), Accum::Replace, rows, q.as_ref(), 1.0, Par::Seq);
             for (i, found) in candidates.iter_mut().enumerate() {
                 let norms_sq = &self.norm_sq[start..start + n];
                 for (j, (norm_sq, product)) in
@@ -223,10 +184,7 @@ impl Knn {
             }
         }
         let queries = queries.chunks_exact(self.n_inputs);
-        let exact = candidates
-            .into_iter()
-            .zip(queries)
-            .map(|(c, q)| self.exact(c, q, params.k));
+        let exact = candidates.into_iter().zip(queries).map(|(c, q)| self.exact(c, q, params.k));
         exact.flatten().collect()
     }
 
@@ -243,13 +201,7 @@ impl Knn {
             let first = *row as usize * self.n_inputs;
             let row = &self.x[first..first + self.n_inputs];
             let apart = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
-            *distance = row
-                .iter()
-                .zip(query)
-                .map(apart)
-                .map(|d| d * d)
-                .sum::<f64>()
-                .sqrt();
+            *distance = row.iter().zip(query).map(apart).map(|d| d * d).sum::<f64>().sqrt();
         }
         found.sort_unstable_by(by_distance);
         found.truncate(k);
@@ -326,26 +278,15 @@ impl Neighbours {
         let len = self.n_queries();
         if query >= len {
             let what = "k-NN query";
-            return Err(ArgumentError::Index {
-                what,
-                index: query,
-                position: 0,
-                len,
-            }
-            .into());
+            return Err(ArgumentError::Index { what, index: query, position: 0, len }.into());
         }
         let mut row_out = vec![0.0_f32; out.len()];
         let mut sums = vec![0.0_f64; out.len()];
         for (&row, &weight) in self.rows(query).iter().zip(self.weights(query)) {
             if weight > 0.0 {
                 let row = row as usize;
-                fetch(row, &mut row_out).map_err(|e| ReproError::Rows {
-                    row,
-                    source: e.into(),
-                })?;
-                sums.iter_mut()
-                    .zip(&row_out)
-                    .for_each(|(s, v)| *s += weight * f64::from(*v));
+                fetch(row, &mut row_out).map_err(|e| ReproError::Rows { row, source: e.into() })?;
+                sums.iter_mut().zip(&row_out).for_each(|(s, v)| *s += weight * f64::from(*v));
             }
         }
         out.iter_mut().zip(sums).for_each(|(o, s)| *o = s as f32);
@@ -370,15 +311,11 @@ impl Neighbours {
 /// Row-major `x` minus `centre`, one row per column.
 fn columns(x: &[f32], centre: &[f64]) -> Mat<f64> {
     let width = centre.len();
-    Mat::from_fn(width, x.len() / width, |i, j| {
-        f64::from(x[j * width + i]) - centre[i]
-    })
+    Mat::from_fn(width, x.len() / width, |i, j| f64::from(x[j * width + i]) - centre[i])
 }
 
 fn norms_sq(columns: MatRef<'_, f64>) -> Vec<f64> {
-    (0..columns.ncols())
-        .map(|j| columns.col(j).iter().map(|v| v * v).sum())
-        .collect()
+    (0..columns.ncols()).map(|j| columns.col(j).iter().map(|v| v * v).sum()).collect()
 }
 
 #[cfg(test)]

@@ -38,10 +38,7 @@ impl Default for LinearParams {
     /// No ridge. Tolerance 1e-12 (1e-6 on singular values): far above the rounding of a sum in
     /// f64 (1e-15), near the relative rounding of inputs stored as f32 (6e-8 on singular values).
     fn default() -> Self {
-        Self {
-            ridge: 0.0,
-            relative_tolerance: 1e-12,
-        }
+        Self { ridge: 0.0, relative_tolerance: 1e-12 }
     }
 }
 
@@ -128,14 +125,7 @@ impl LinearAccumulator {
         }
         let xs = shifted(x, &self.x_shift, 0..p);
         add_column_sums(xs.as_ref(), &mut self.x_sum);
-        matmul(
-            self.xx.as_mut(),
-            Accum::Add,
-            xs.transpose(),
-            xs.as_ref(),
-            1.0,
-            Par::Seq,
-        );
+        matmul(self.xx.as_mut(), Accum::Add, xs.transpose(), xs.as_ref(), 1.0, Par::Seq);
         self.add_outputs(xs.as_ref(), y);
         self.n_samples += n;
         Ok(())
@@ -143,22 +133,12 @@ impl LinearAccumulator {
 
     fn add_outputs(&mut self, xs: MatRef<'_, f64>, y: &[f32]) {
         let y_shift = &self.y_shift;
-        let tiles = self
-            .xy
-            .par_iter_mut()
-            .zip(self.y_sum.par_chunks_mut(COLUMN_TILE));
+        let tiles = self.xy.par_iter_mut().zip(self.y_sum.par_chunks_mut(COLUMN_TILE));
         tiles.enumerate().for_each(|(tile, (xy, y_sum))| {
             let first = tile * COLUMN_TILE;
             let ys = shifted(y, y_shift, first..first + y_sum.len());
             add_column_sums(ys.as_ref(), y_sum);
-            matmul(
-                xy.as_mut(),
-                Accum::Add,
-                xs.transpose(),
-                ys.as_ref(),
-                1.0,
-                Par::Seq,
-            );
+            matmul(xy.as_mut(), Accum::Add, xs.transpose(), ys.as_ref(), 1.0, Par::Seq);
         });
     }
 
@@ -185,9 +165,7 @@ impl LinearAccumulator {
         let (p, q) = (x_off.len(), y_off.len());
         let mut C = Mat::from_fn(p, p, |i, j| self.xx[(i, j)] / n - x_off[i] * x_off[j]);
         let scale = scales(&C, &self.x_shift, &x_off);
-        C = Mat::from_fn(p, p, |i, j| {
-            0.5 * (C[(i, j)] + C[(j, i)]) * scale[i] * scale[j]
-        });
+        C = Mat::from_fn(p, p, |i, j| 0.5 * (C[(i, j)] + C[(j, i)]) * scale[i] * scale[j]);
         let B = Mat::from_fn(p, q, |i, j| {
             (self.xy[j / COLUMN_TILE][(i, j % COLUMN_TILE)] / n - x_off[i] * y_off[j]) * scale[i]
         });
@@ -201,27 +179,9 @@ impl LinearAccumulator {
             normal_residual: normal_residual(&C, &W, &B, params.ridge),
             elapsed_s: start.elapsed().as_secs_f64(),
         };
-        let x_mean = self
-            .x_shift
-            .iter()
-            .zip(&x_off)
-            .map(|(a, d)| a + d)
-            .collect();
-        let y_mean = self
-            .y_shift
-            .iter()
-            .zip(&y_off)
-            .map(|(b, d)| b + d)
-            .collect();
-        Ok((
-            LinearRegression {
-                x_mean,
-                x_inv_std: scale,
-                y_mean,
-                weights: W,
-            },
-            info,
-        ))
+        let x_mean = self.x_shift.iter().zip(&x_off).map(|(a, d)| a + d).collect();
+        let y_mean = self.y_shift.iter().zip(&y_off).map(|(b, d)| b + d).collect();
+        Ok((LinearRegression { x_mean, x_inv_std: scale, y_mean, weights: W }, info))
     }
 }
 
@@ -292,28 +252,19 @@ impl LinearRegression {
         if q == 0 {
             return Ok(());
         }
-        out.par_chunks_mut(ROW_TILE * q)
-            .zip(x.par_chunks(ROW_TILE * p))
-            .for_each(|(out, x)| {
-                let n = x.len() / p;
-                let xs = Mat::from_fn(n, p, |i, j| {
-                    (f64::from(x[i * p + j]) - self.x_mean[j]) * self.x_inv_std[j]
-                });
-                let mut y = Mat::<f64>::zeros(n, q);
-                matmul(
-                    y.as_mut(),
-                    Accum::Replace,
-                    xs.as_ref(),
-                    self.weights.as_ref(),
-                    1.0,
-                    Par::Seq,
-                );
-                for i in 0..n {
-                    for j in 0..q {
-                        out[i * q + j] = (y[(i, j)] + self.y_mean[j]) as f32;
-                    }
-                }
+        out.par_chunks_mut(ROW_TILE * q).zip(x.par_chunks(ROW_TILE * p)).for_each(|(out, x)| {
+            let n = x.len() / p;
+            let xs = Mat::from_fn(n, p, |i, j| {
+                (f64::from(x[i * p + j]) - self.x_mean[j]) * self.x_inv_std[j]
             });
+            let mut y = Mat::<f64>::zeros(n, q);
+            matmul(y.as_mut(), Accum::Replace, xs.as_ref(), self.weights.as_ref(), 1.0, Par::Seq);
+            for i in 0..n {
+                for j in 0..q {
+                    out[i * q + j] = (y[(i, j)] + self.y_mean[j]) as f32;
+                }
+            }
+        });
         Ok(())
     }
 }

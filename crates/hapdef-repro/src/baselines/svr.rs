@@ -34,14 +34,7 @@ pub struct SvrParams {
 impl Default for SvrParams {
     /// The paper's C = 20, ε = 1e-6, γ = 2⁻³; libsvm's tolerance 1e-3; 2,000 samples, seed 0.
     fn default() -> Self {
-        Self {
-            c: 20.0,
-            epsilon: 1e-6,
-            gamma: 0.125,
-            tolerance: 1e-3,
-            max_samples: 2000,
-            seed: 0,
-        }
+        Self { c: 20.0, epsilon: 1e-6, gamma: 0.125, tolerance: 1e-3, max_samples: 2000, seed: 0 }
     }
 }
 
@@ -92,11 +85,7 @@ impl Svr {
         let picked = draw(n, params.max_samples, params.seed);
         if picked.len() < 2 {
             let found = picked.len();
-            return Err(ReproError::TooFewSamples {
-                what: "SVR",
-                needed: 2,
-                found,
-            });
+            return Err(ReproError::TooFewSamples { what: "SVR", needed: 2, found });
         }
         let x_scaling = scalings(x, n_inputs, &picked);
         let y_scaling = scalings(y, n_outputs, &picked);
@@ -120,11 +109,7 @@ impl Svr {
             n_support: machines.iter().map(|m| m.sv.len()).collect(),
             elapsed_s: start.elapsed().as_secs_f64(),
         };
-        let svr = Self {
-            x_scaling,
-            y_scaling,
-            machines,
-        };
+        let svr = Self { x_scaling, y_scaling, machines };
         Ok((svr, info))
     }
 
@@ -146,33 +131,24 @@ impl Svr {
         if q == 0 {
             return Ok(());
         }
-        out.par_chunks_mut(q)
-            .zip(x.par_chunks(p))
-            .for_each(|(out, x)| {
-                let x = nodes(x, &self.x_scaling);
-                for (j, out) in out.iter_mut().enumerate() {
-                    *out = self.y_scaling[j].back(predict(&self.machines[j], &x));
-                }
-            });
+        out.par_chunks_mut(q).zip(x.par_chunks(p)).for_each(|(out, x)| {
+            let x = nodes(x, &self.x_scaling);
+            for (j, out) in out.iter_mut().enumerate() {
+                *out = self.y_scaling[j].back(predict(&self.machines[j], &x));
+            }
+        });
         Ok(())
     }
 }
 
 impl SvrParams {
     fn check(&self) -> Result<(), ReproError> {
-        for (what, value) in [
-            ("SVR c", self.c),
-            ("SVR gamma", self.gamma),
-            ("SVR tolerance", self.tolerance),
-        ] {
+        for (what, value) in
+            [("SVR c", self.c), ("SVR gamma", self.gamma), ("SVR tolerance", self.tolerance)]
+        {
             if !(value > 0.0 && value.is_finite()) {
                 let expected = "finite and above 0";
-                return Err(ArgumentError::Parameter {
-                    what,
-                    value,
-                    expected,
-                }
-                .into());
+                return Err(ArgumentError::Parameter { what, value, expected }.into());
             }
         }
         if !(self.epsilon >= 0.0 && self.epsilon.is_finite()) {
@@ -200,12 +176,7 @@ impl SvrParams {
             .map_err(|_| {
                 let what = "SVR gamma";
                 let expected = "a value that libsvm accepts";
-                ArgumentError::Parameter {
-                    what,
-                    value: self.gamma,
-                    expected,
-                }
-                .into()
+                ArgumentError::Parameter { what, value: self.gamma, expected }.into()
             })
     }
 }
@@ -219,11 +190,7 @@ struct Scaling {
 
 impl Scaling {
     fn forward(&self, value: f32) -> f64 {
-        if self.std > 0.0 {
-            (f64::from(value) - self.mean) / self.std
-        } else {
-            0.0
-        }
+        if self.std > 0.0 { (f64::from(value) - self.mean) / self.std } else { 0.0 }
     }
 
     fn back(&self, value: f64) -> f32 {
@@ -238,10 +205,7 @@ fn scalings(rows: &[f32], width: usize, picked: &[usize]) -> Vec<Scaling> {
             let column = || picked.iter().map(|&i| f64::from(rows[i * width + j]));
             let mean = column().sum::<f64>() / n;
             let std = (column().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt();
-            Scaling {
-                mean,
-                std: if std > 1e-12 * mean.abs() { std } else { 0.0 },
-            }
+            Scaling { mean, std: if std > 1e-12 * mean.abs() { std } else { 0.0 } }
         })
         .collect()
 }

@@ -59,15 +59,9 @@ impl Times {
         sorted.sort_by(f64::total_cmp);
         let at = |share: f64| {
             let index = (share * sorted.len() as f64) as usize;
-            sorted
-                .get(index.min(sorted.len().saturating_sub(1)))
-                .copied()
-                .unwrap_or(f64::NAN)
+            sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
         };
-        Quantiles {
-            p50_us: at(0.5),
-            p99_us: at(0.99),
-        }
+        Quantiles { p50_us: at(0.5), p99_us: at(0.99) }
     }
 }
 
@@ -80,10 +74,7 @@ pub(super) struct Stream {
 impl Stream {
     /// `n_bytes` of memory of its own.
     pub(super) fn new(n_bytes: usize) -> Self {
-        Self {
-            words: (0..n_bytes as u64 / 8).collect(),
-            times: Times::default(),
-        }
+        Self { words: (0..n_bytes as u64 / 8).collect(), times: Times::default() }
     }
 
     /// Reads them for one round.

@@ -32,11 +32,8 @@ pub(crate) struct FrontierArgs {
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let peers_folder = args.scene.out.join("frontier-nets-peers");
-    let Measured {
-        done,
-        points,
-        missing,
-    } = measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;
+    let Measured { done, points, missing } =
+        measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;
     if !missing.is_empty() {
         run.say(&format!("no rows of other programs: {missing}"));
     }
@@ -75,10 +72,8 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
 
 /// Why there are no rows of other programs, if there are none.
 fn missing_rows(why: &str) -> Vec<SkippedStage> {
-    let skipped = (!why.is_empty()).then(|| SkippedStage {
-        name: "rows of other programs".into(),
-        reason: why.into(),
-    });
+    let skipped = (!why.is_empty())
+        .then(|| SkippedStage { name: "rows of other programs".into(), reason: why.into() });
     skipped.into_iter().collect()
 }
 
@@ -134,18 +129,13 @@ fn table(points: &[Point]) -> TextTable {
             number(p.errors.contact_mm),
             number(p.errors.single_mm),
             number(p.errors.double_mm),
-            p.errors
-                .found
-                .map_or("–".to_owned(), |f| format!("{:.0} %", f * 100.0)),
+            p.errors.found.map_or("–".to_owned(), |f| format!("{:.0} %", f * 100.0)),
             p.training_s.map_or("–".to_owned(), |s| format!("{s:.1}")),
             front.to_owned(),
         ];
         cells.map(TextCell::plain).to_vec()
     };
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: sorted.iter().map(row).collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: sorted.iter().map(row).collect() }
 }
 
 fn figures(points: &[Point]) -> Result<Vec<Figure>> {
@@ -188,10 +178,7 @@ fn chart(
         let place = |p: &Point| Some((p.times.p50_us, error(p)?));
         let mut places: Vec<(f64, f64)> = chosen.filter_map(place).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Series {
-            name: name.into(),
-            points: places,
-        }
+        Series { name: name.into(), points: places }
     };
     let mut all = vec![series("front", &|p| is_on_front(p))];
     let families = Family::ALL.into_iter();

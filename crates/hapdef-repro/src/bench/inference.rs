@@ -143,16 +143,10 @@ fn paths(nets: [&Net; 2], seed: u64, x: &[f32], y: &[f32]) -> Result<Vec<Chain>>
     for precision in [Precision::Bf16, Precision::Int8] {
         let whole = InferParams::of(precision);
         let name = |what: &str| format!("{}, {what}", precision.name());
-        let params = InferParams {
-            wanted: Some((0..N_WANTED).collect()),
-            ..whole.clone()
-        };
+        let params = InferParams { wanted: Some((0..N_WANTED).collect()), ..whole.clone() };
         let title = name(&format!("{N_WANTED} outputs"));
         paths.push(Chain::new(title, nets, &params, x, Some(&y[..N_WANTED]))?);
-        let params = InferParams {
-            low_rank: vec![low_rank.clone()],
-            ..whole.clone()
-        };
+        let params = InferParams { low_rank: vec![low_rank.clone()], ..whole.clone() };
         let title = name(&format!("rank {RANK}"));
         paths.push(Chain::new(title, nets, &params, x, None)?);
         let title = name("240-256-256-64-3211");
@@ -239,9 +233,7 @@ fn table(rows: &[Row]) -> comfy_table::Table {
         "floor, µs",
         "p50 / floor",
     ];
-    table
-        .load_style(comfy_table::presets::NOTHING)
-        .set_header(header);
+    table.load_style(comfy_table::presets::NOTHING).set_header(header);
     for row in rows {
         let text = |value: Option<String>| value.unwrap_or_else(|| "–".into());
         table.add_row([

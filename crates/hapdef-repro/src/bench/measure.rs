@@ -77,11 +77,7 @@ pub(super) fn measure(
         points.extend(peer_points(peers, &tests)?);
     }
     mark_fronts(&mut points);
-    Ok(Measured {
-        done,
-        points,
-        missing,
-    })
+    Ok(Measured { done, points, missing })
 }
 
 /// All variants in turn, on one thread; each frame is another press.
@@ -223,23 +219,16 @@ fn is_on_front(places: &[Option<(f64, f64)>], i: usize) -> bool {
 /// The fastest reduced way within 10 % of the whole f32 net's contact error; without any, that of
 /// least error. And the ratio of its error to the whole net's.
 pub(super) fn best_reduced(points: &[Point]) -> Result<(&Point, f64)> {
-    let whole = points
-        .iter()
-        .find(|p| p.family == Family::Whole && p.name.ends_with("f32"));
+    let whole = points.iter().find(|p| p.family == Family::Whole && p.name.ends_with("f32"));
     let whole = whole.and_then(|p| p.errors.contact_mm);
     let whole = whole.context("the whole net found no contact")?;
     let ratio = |p: &Point| p.errors.contact_mm.map(|mm| mm / whole);
-    let reduced = points
-        .iter()
-        .filter(|p| matches!(p.family, Family::LowRank | Family::Narrow));
+    let reduced = points.iter().filter(|p| matches!(p.family, Family::LowRank | Family::Narrow));
     let reduced: Vec<(&Point, f64)> = reduced.filter_map(|p| Some((p, ratio(p)?))).collect();
     let within = reduced.iter().filter(|(_, ratio)| *ratio <= 1.1);
     let fastest = within.min_by(|a, b| a.0.times.p50_us.total_cmp(&b.0.times.p50_us));
     let least = reduced.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    fastest
-        .or(least)
-        .copied()
-        .context("no reduced net found a contact")
+    fastest.or(least).copied().context("no reduced net found a contact")
 }
 
 #[cfg(test)]

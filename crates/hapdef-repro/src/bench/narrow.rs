@@ -44,12 +44,7 @@ impl TrainingRows {
                 y.extend(set.maps(rows)?);
             }
         }
-        Ok(Self {
-            x,
-            y,
-            n_virtual,
-            n_surface,
-        })
+        Ok(Self { x, y, n_virtual, n_surface })
     }
 
     /// Inputs of at most `most` samples, evenly apart.
@@ -113,20 +108,9 @@ fn fit(
     let mut samples = MemorySource::new(rows.n_virtual, rows.n_surface, x, y)?;
     let [input, output] = fit_scales(&mut samples, run.profile.output_scale)?;
     let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
-    let info = train(
-        &mut net,
-        &mut samples,
-        None,
-        params,
-        Some(path),
-        &mut |_| {
-            if run.stopping() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        },
-    )?;
+    let info = train(&mut net, &mut samples, None, params, Some(path), &mut |_| {
+        if run.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
     run.check_stop("training a narrow net")?;
     Ok(json!({ "train_loss": info.train_loss, "steps": info.step }))
 }

@@ -73,14 +73,7 @@ impl TestSet {
             Some(stage) => presses(stage, false)?,
             None => Vec::new(),
         };
-        Ok(Self {
-            simulated,
-            single,
-            double,
-            chain: chain(run, limb, done)?,
-            n_virtual,
-            n_surface,
-        })
+        Ok(Self { simulated, single, double, chain: chain(run, limb, done)?, n_virtual, n_surface })
     }
 
     /// Readings of some presses, for the clock.
@@ -116,9 +109,7 @@ impl TestSet {
     /// Readings of every press, `[n, n_gauges]`: single presses, then double ones.
     pub(super) fn all_readings(&self) -> Vec<f32> {
         let presses = self.single.iter().chain(&self.double);
-        presses
-            .flat_map(|press| press.readings_ue.iter().copied())
-            .collect()
+        presses.flat_map(|press| press.readings_ue.iter().copied()).collect()
     }
 
     /// Errors of maps `[n, n_surface]` of every press, in the order of [`Self::all_readings`].
@@ -139,11 +130,7 @@ impl TestSet {
         let single = self.contact_errors(&self.single, 1, &mut map_of)?;
         let double = self.contact_errors(&self.double, 2, &mut map_of)?;
         let parts = [single, double];
-        let measured: Vec<f64> = parts
-            .iter()
-            .filter(|s| s.n > 0)
-            .map(|s| s.mean_mm)
-            .collect();
+        let measured: Vec<f64> = parts.iter().filter(|s| s.n > 0).map(|s| s.mean_mm).collect();
         let n_expected: usize = parts.iter().map(|s| s.n_expected).sum();
         let n: usize = parts.iter().map(|s| s.n).sum();
         let mean = |stats: &ContactStats| (stats.n > 0).then_some(stats.mean_mm);
@@ -236,10 +223,7 @@ fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {
         let (positions, forces) = (read("contact_positions")?, read("contact_forces")?);
         let truth = positions.as_chunks::<3>().0.iter().zip(&forces);
         let truth = truth.map(|(p, &f)| (p.map(f64::from), f64::from(f)));
-        presses.push(Press {
-            readings_ue,
-            truth: truth.collect(),
-        });
+        presses.push(Press { readings_ue, truth: truth.collect() });
     }
     Ok(presses)
 }

@@ -42,9 +42,7 @@ pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Resul
             return Ok(());
         }
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(THREADS)
-        .build()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     for batch in BATCHES {
         let rates = rates(&pool, &mut torch, &spec, batch)?;
         let [torch_f32, torch_bf16, own_f32, own_mixed] = rates.each_ref().map(|r| median(r));
@@ -92,20 +90,12 @@ fn rates(
 /// Seconds that so many steps take, the first not counted: it makes the buffers.
 fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64, precision: TrainPrecision) -> Result<f64> {
     let wave = |n: usize| (0..n).map(|i| (0.37 * i as f32).sin()).collect();
-    let (x, y) = (
-        wave(N_SAMPLES * spec.inputs),
-        wave(N_SAMPLES * spec.outputs),
-    );
+    let (x, y) = (wave(N_SAMPLES * spec.inputs), wave(N_SAMPLES * spec.outputs));
     let mut samples = MemorySource::new(spec.inputs, spec.outputs, x, y)?;
     let scales = [spec.inputs, spec.outputs].map(Scale::identity);
     let [input, output] = scales;
     let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
-    let params = TrainParams {
-        steps: steps + 1,
-        batch,
-        precision,
-        ..TrainParams::paper(1)
-    };
+    let params = TrainParams { steps: steps + 1, batch, precision, ..TrainParams::paper(1) };
     let mut times = [None; 2];
     let mut note = |progress: &Progress| {
         let at = usize::from(progress.step > 1);
@@ -127,11 +117,7 @@ fn median(values: &[f64]) -> f64 {
 
 /// Median over the rounds of the ratio within a round.
 fn median_ratio(own: &[f64], torch: &[f64]) -> f64 {
-    let ratios: Vec<f64> = own
-        .iter()
-        .zip(torch)
-        .map(|(own, torch)| own / torch)
-        .collect();
+    let ratios: Vec<f64> = own.iter().zip(torch).map(|(own, torch)| own / torch).collect();
     median(&ratios)
 }
 

@@ -91,9 +91,7 @@ struct Maker<'a> {
 pub(super) fn variants(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Variant>> {
     let data = done.data.as_ref().context("no datasets")?;
     let nets = done.nets.as_ref().context("no nets")?;
-    let whole = NetKind::Reconstruction {
-        n_sets: data.simulated.len(),
-    };
+    let whole = NetKind::Reconstruction { n_sets: data.simulated.len() };
     let maker = Maker {
         run,
         data,
@@ -127,10 +125,7 @@ impl Maker<'_> {
         Ok(Variant {
             name,
             family,
-            transfer: Some(PreparedNet::new(
-                &self.transfer,
-                &InferParams::of(precision),
-            )?),
+            transfer: Some(PreparedNet::new(&self.transfer, &InferParams::of(precision))?),
             method,
             outputs: None,
             training_s: self.training_s,
@@ -153,19 +148,13 @@ impl Maker<'_> {
         let (regression, _) = fit.solve(&LinearParams::default())?;
         let method = Box::new(Linear { regression });
         let variant = self.variant("LR".into(), Family::Baseline, Precision::F32, method)?;
-        Ok(Variant {
-            training_s: start.elapsed().as_secs_f64(),
-            ..variant
-        })
+        Ok(Variant { training_s: start.elapsed().as_secs_f64(), ..variant })
     }
 
     fn neighbours(&self) -> Result<Variant> {
         let start = Instant::now();
         let scale = self.reconstruction.input_scale();
-        let standardiser = Standardiser {
-            mean: scale.mean().to_vec(),
-            std: scale.std().to_vec(),
-        };
+        let standardiser = Standardiser { mean: scale.mean().to_vec(), std: scale.std().to_vec() };
         let mut x = self.rows.x.clone();
         standardiser.apply(&mut x)?;
         let method = Box::new(Neighbourhood {
@@ -174,10 +163,7 @@ impl Maker<'_> {
             maps: self.rows.y.clone(),
         });
         let variant = self.variant("k-NN".into(), Family::Baseline, Precision::F32, method)?;
-        Ok(Variant {
-            training_s: start.elapsed().as_secs_f64(),
-            ..variant
-        })
+        Ok(Variant { training_s: start.elapsed().as_secs_f64(), ..variant })
     }
 
     fn whole(&self, variants: &mut Vec<Variant>) -> Result<()> {
@@ -195,10 +181,8 @@ impl Maker<'_> {
         let most = (x.len() / self.rows.n_virtual).min(self.rows.n_surface);
         let mut add = |name: &str, low_rank: Vec<LowRank>, precisions: &[Precision]| {
             for &precision in precisions {
-                let params = InferParams {
-                    low_rank: low_rank.clone(),
-                    ..InferParams::of(precision)
-                };
+                let params =
+                    InferParams { low_rank: low_rank.clone(), ..InferParams::of(precision) };
                 variants.push(self.fnn(name, Family::LowRank, net, &params)?);
             }
             anyhow::Ok(())
@@ -229,10 +213,7 @@ impl Maker<'_> {
             for precision in [Precision::F32, Precision::Bf16, Precision::Int8] {
                 let params = InferParams::of(precision);
                 let variant = self.fnn(&name, Family::Narrow, &net, &params)?;
-                variants.push(Variant {
-                    training_s: stage.record.elapsed_s,
-                    ..variant
-                });
+                variants.push(Variant { training_s: stage.record.elapsed_s, ..variant });
             }
         }
         Ok(())
@@ -262,16 +243,10 @@ impl Maker<'_> {
         nodes.truncate(N_WANTED);
         nodes.sort_unstable();
         for precision in Precision::ALL {
-            let params = InferParams {
-                wanted: Some(nodes.clone()),
-                ..InferParams::of(precision)
-            };
+            let params = InferParams { wanted: Some(nodes.clone()), ..InferParams::of(precision) };
             let name = format!("FNN, {} outputs", nodes.len());
             let variant = self.fnn(&name, Family::Part, &self.reconstruction, &params)?;
-            variants.push(Variant {
-                outputs: Some(nodes.clone()),
-                ..variant
-            });
+            variants.push(Variant { outputs: Some(nodes.clone()), ..variant });
         }
         Ok(())
     }

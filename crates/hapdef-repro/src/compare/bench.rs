@@ -52,10 +52,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     let map = Arc::new(response_map(&limb, contact.tip_radius_m, run.threads)?);
     let noise_ue = run.scene.rig.electronics.noise_ue;
     let estimator = estimator(&run.scene, &map)?;
-    let presses = Presses {
-        map: &map,
-        noise_ue,
-    };
+    let presses = Presses { map: &map, noise_ue };
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.test_seed));
     let mut draw = Draw::new(map.skin(), args.test_seed);
     let mut frames = Vec::new();
@@ -68,23 +65,12 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     log.value("inverse.track_p50_us", at(&times, 0.5), "µs")?;
     log.value("inverse.track_p99_us", at(&times, 0.99), "µs")?;
     log.value("inverse.frame_max_us", at(&times, 0.9999), "µs")?;
-    let drawn = cells::sets(
-        &mut draw,
-        args.pairs,
-        2,
-        [[5.0, 34.0]; 4],
-        [0.012, f64::MAX],
-        0.0,
-    );
+    let drawn = cells::sets(&mut draw, args.pairs, 2, [[5.0, 34.0]; 4], [0.012, f64::MAX], 0.0);
     let cold_ms = cold_pair_ms(&estimator, &presses, &drawn, &mut draw)?;
     log.value("inverse.cold_pair_ms", cold_ms, "ms")?;
     let per_frame = tracked.n_allocations as f64 / times.len() as f64;
     log.value("inverse.allocs_per_frame", per_frame, "1")?;
-    println!(
-        "{} frames, {} full searches on a second thread",
-        times.len(),
-        tracked.n_searches
-    );
+    println!("{} frames, {} full searches on a second thread", times.len(), tracked.n_searches);
     Ok(log.append_to(&args.scene.out.join("metrics.json"))?)
 }
 
@@ -93,10 +79,7 @@ fn estimator(scene: &Scene, map: &Arc<ResponseMap>) -> Result<ContactEstimator> 
     ensure!(noise_ue > 0.0, "rig.electronics.noise_ue: expected above 0");
     let sites = Arc::new(ScanSites::farthest(map.skin(), N_SITES)?);
     let noise = NoiseParams {
-        model_error: ModelError {
-            relative: MAP_ERROR,
-            ..ModelError::default()
-        },
+        model_error: ModelError { relative: MAP_ERROR, ..ModelError::default() },
         ..NoiseParams::uniform(map.n_gauges(), noise_ue)
     };
     let params = estimator_params(scene);
@@ -147,11 +130,8 @@ pub(crate) fn track(
     scripts: &[Vec<Vec<f64>>],
 ) -> Result<Tracked> {
     let n_frames = scripts.iter().map(Vec::len).sum();
-    let mut tracked = Tracked {
-        times_us: Vec::with_capacity(n_frames),
-        n_allocations: 0,
-        n_searches: 0,
-    };
+    let mut tracked =
+        Tracked { times_us: Vec::with_capacity(n_frames), n_allocations: 0, n_searches: 0 };
     let mut background = BackgroundSearch::start(estimator.clone())?;
     for frames in scripts {
         let mut tracker = ContactTracker::new(estimator, *params)?;

@@ -41,9 +41,7 @@ pub(crate) fn presses(
 ) -> Result<Vec<Frame>> {
     let drawn = (0..n).map(|_| {
         let point = draw.place();
-        let force_n = draw
-            .rng
-            .random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
+        let force_n = draw.rng.random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
         vec![draw.contact(point, force_n, 0.0)]
     });
     world.frames(drawn.collect(), 1)
@@ -67,18 +65,10 @@ impl Map {
             })
             .collect();
         let sites = Arc::new(ScanSites::farthest(response.map.skin(), N_SITES)?);
-        let params = CalibrationParams {
-            n_threads,
-            ..CalibrationParams::new(noise_sd(&noise))
-        };
+        let params = CalibrationParams { n_threads, ..CalibrationParams::new(noise_sd(&noise)) };
         let modes = response.modes();
         let calibrated = Calibrated::fit(&response.map, &sites, &modes, &presses, &params)?;
-        Ok(Self {
-            calibrated,
-            sites,
-            noise,
-            channels,
-        })
+        Ok(Self { calibrated, sites, noise, channels })
     }
 
     /// An estimator on the map.
@@ -103,12 +93,7 @@ impl Map {
             ..self.noise.clone()
         };
         let map = Arc::new(self.calibrated.map.clone());
-        Ok(ContactEstimator::new(
-            map,
-            self.sites.clone(),
-            noise,
-            params,
-        )?)
+        Ok(ContactEstimator::new(map, self.sites.clone(), noise, params)?)
     }
 
     /// An estimator that scans other sites, each with the map's error at the nearest calibrated one.
@@ -126,10 +111,7 @@ impl Map {
         let per_site = sites.positions().iter().filter_map(nearest);
         let per_site = per_site.flat_map(|i| &error.per_site[i * block..(i + 1) * block]);
         let noise = NoiseParams {
-            model_error: ModelError {
-                per_site: per_site.copied().collect(),
-                ..error.clone()
-            },
+            model_error: ModelError { per_site: per_site.copied().collect(), ..error.clone() },
             ..self.noise.clone()
         };
         let map = Arc::new(self.calibrated.map.clone());
@@ -140,12 +122,7 @@ impl Map {
     pub(crate) fn noise_only(&self) -> Result<ContactEstimator> {
         let map = Arc::new(self.calibrated.map.clone());
         let params = EstimatorParams::default();
-        Ok(ContactEstimator::new(
-            map,
-            self.sites.clone(),
-            self.noise.clone(),
-            params,
-        )?)
+        Ok(ContactEstimator::new(map, self.sites.clone(), self.noise.clone(), params)?)
     }
 
     /// Finds the contacts of all `frames`.
@@ -168,15 +145,10 @@ impl Map {
             if estimate.contacts.len() != frame.contacts.len() {
                 continue;
             }
-            let truth: Vec<_> = frame
-                .contacts
-                .iter()
-                .map(|c| (c.point, c.force_n))
-                .collect();
-            let (Some(bounds), Some(with_map)) = (
-                joint_bounds(&exact, &truth)?,
-                joint_bounds(estimator, &truth)?,
-            ) else {
+            let truth: Vec<_> = frame.contacts.iter().map(|c| (c.point, c.force_n)).collect();
+            let (Some(bounds), Some(with_map)) =
+                (joint_bounds(&exact, &truth)?, joint_bounds(estimator, &truth)?)
+            else {
                 continue;
             };
             let pairs = Score::default().add_estimate(skin, frame, &estimate, 0.0)?;

@@ -49,11 +49,7 @@ pub(crate) struct Effort {
 /// What of the search an effort sets.
 enum Knobs {
     Usual,
-    Set {
-        n_starts: usize,
-        n_finalists: usize,
-        n_hops: usize,
-    },
+    Set { n_starts: usize, n_finalists: usize, n_hops: usize },
 }
 
 /// Every effort, the least first.
@@ -61,11 +57,7 @@ pub(crate) const EFFORTS: [Effort; 6] = [
     effort("least", 200, 10, 2, 0),
     effort("small", 400, 30, 4, 0),
     effort("less", 800, 60, 8, 0),
-    Effort {
-        name: "usual",
-        n_sites: 800,
-        knobs: Knobs::Usual,
-    },
+    Effort { name: "usual", n_sites: 800, knobs: Knobs::Usual },
     effort("more", 800, 300, 32, 2),
     effort("most", 1200, 600, 64, 2),
 ];
@@ -77,16 +69,8 @@ const fn effort(
     n_finalists: usize,
     n_hops: usize,
 ) -> Effort {
-    let knobs = Knobs::Set {
-        n_starts,
-        n_finalists,
-        n_hops,
-    };
-    Effort {
-        name,
-        n_sites,
-        knobs,
-    }
+    let knobs = Knobs::Set { n_starts, n_finalists, n_hops };
+    Effort { name, n_sites, knobs }
 }
 
 impl Effort {
@@ -94,17 +78,9 @@ impl Effort {
     pub(crate) fn params(&self, usual: EstimatorParams) -> EstimatorParams {
         match self.knobs {
             Knobs::Usual => usual,
-            Knobs::Set {
-                n_starts,
-                n_finalists,
-                n_hops,
-            } => EstimatorParams {
-                n_starts,
-                n_finalists,
-                n_hops,
-                n_bases: 2 * n_starts,
-                ..usual
-            },
+            Knobs::Set { n_starts, n_finalists, n_hops } => {
+                EstimatorParams { n_starts, n_finalists, n_hops, n_bases: 2 * n_starts, ..usual }
+            }
         }
     }
 }
@@ -146,15 +122,9 @@ fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame
 /// Marks the rows that no other row beats in both time and error.
 fn with_front(n_contacts: usize, rows: Vec<Row>) -> Vec<Point> {
     let beats = |a: &Row, b: &Row| a.p50_us < b.p50_us && a.mean_mm <= b.mean_mm;
-    let on_front: Vec<bool> = rows
-        .iter()
-        .map(|row| !rows.iter().any(|other| beats(other, row)))
-        .collect();
-    let point = |(row, on_front)| Point {
-        n_contacts,
-        row,
-        on_front,
-    };
+    let on_front: Vec<bool> =
+        rows.iter().map(|row| !rows.iter().any(|other| beats(other, row))).collect();
+    let point = |(row, on_front)| Point { n_contacts, row, on_front };
     rows.into_iter().zip(on_front).map(point).collect()
 }
 
@@ -163,11 +133,7 @@ fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Opti
     let estimator = map.estimator(params)?;
     let mut bounds = Vec::new();
     for frame in frames {
-        let truth: Vec<_> = frame
-            .contacts
-            .iter()
-            .map(|c| (c.point, c.force_n))
-            .collect();
+        let truth: Vec<_> = frame.contacts.iter().map(|c| (c.point, c.force_n)).collect();
         match joint_bounds(&estimator, &truth)? {
             Some(found) => bounds.extend(found.iter().map(|b| b.position_sd_m * 1e3)),
             None => bounds.extend(truth.iter().map(|_| f64::INFINITY)),
@@ -249,18 +215,11 @@ fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
             format!("{:.0}", p.row.p50_us),
             format!("{:.0}", p.row.p99_us),
             floor.map_or("–".into(), |b| format!("{b:.2}")),
-            if p.on_front {
-                "F".into()
-            } else {
-                String::new()
-            },
+            if p.on_front { "F".into() } else { String::new() },
         ];
         cells.map(TextCell::plain).to_vec()
     };
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: points.iter().map(row).collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: points.iter().map(row).collect() }
 }
 
 fn figures(points: &[Point]) -> Result<Vec<Figure>> {
@@ -271,14 +230,10 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         let mut places: Vec<(f64, f64)> = of_k.map(|p| (p.row.p50_us, p.row.mean_mm)).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let by = if is_paper { "paper" } else { "superposition" };
-        Series {
-            name: format!("{k}, {by}"),
-            points: places,
-        }
+        Series { name: format!("{k}, {by}"), points: places }
     };
-    let mut all: Vec<Series> = (1..=MOST)
-        .flat_map(|k| [series(k, false), series(k, true)])
-        .collect();
+    let mut all: Vec<Series> =
+        (1..=MOST).flat_map(|k| [series(k, false), series(k, true)]).collect();
     all.retain(|series| !series.points.is_empty());
     let chart = LineChart {
         title: "Position error against run time".into(),

@@ -97,8 +97,7 @@ impl PaperPipeline {
             match virtual_gauges {
                 VirtualGauges::Transferred => self.chain.maps(&inputs, scratch, map_um)?,
                 VirtualGauges::Exact => {
-                    self.chain
-                        .maps_of_virtual_gauges(&inputs, scratch, map_um)?;
+                    self.chain.maps_of_virtual_gauges(&inputs, scratch, map_um)?;
                 }
             }
             let mut found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
@@ -126,8 +125,7 @@ impl PaperPipeline {
         let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
         let loads = node_loads(skin, contacts);
         let scratch = &mut self.compliance.scratch();
-        self.compliance
-            .superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
+        self.compliance.superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
         virtual_um
     }
 }
@@ -140,12 +138,10 @@ pub(crate) fn node_loads(
     let of_contact = |(point, force_n): (SkinPoint, f64)| {
         let [_, xi, eta] = point.bary();
         let nodes = skin.face_nodes(point.face()).iter();
-        nodes
-            .zip(tri6::shape(xi, eta))
-            .map(move |(node, share)| DrawnContact {
-                node: *node as usize,
-                force_n: force_n * share,
-            })
+        nodes.zip(tri6::shape(xi, eta)).map(move |(node, share)| DrawnContact {
+            node: *node as usize,
+            force_n: force_n * share,
+        })
     };
     contacts.flat_map(of_contact).collect()
 }

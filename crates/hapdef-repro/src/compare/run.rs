@@ -97,10 +97,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
-    let mut measured = Measured {
-        n_presses: args.presses,
-        ..Measured::default()
-    };
+    let mut measured = Measured { n_presses: args.presses, ..Measured::default() };
     bench.by_superposition(&mut measured)?;
     if !args.without_paper {
         bench.by_the_paper(&mut measured)?;
@@ -142,14 +139,7 @@ impl<'a> Bench<'a> {
         let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, ten.map.skin(), &sites)?;
-        Ok(Self {
-            run,
-            limb,
-            args,
-            world,
-            ten,
-            more,
-        })
+        Ok(Self { run, limb, args, world, ten, more })
     }
 
     pub(super) fn run(&self) -> &Run {
@@ -197,8 +187,7 @@ impl<'a> Bench<'a> {
         presses: &[Frame],
         channels: std::ops::Range<usize>,
     ) -> Result<Map> {
-        self.run
-            .say(&format!("calibrating with {} presses", presses.len()));
+        self.run.say(&format!("calibrating with {} presses", presses.len()));
         let steps = self.world.resolution_ue()?;
         let noise = NoiseParams {
             quantisation_step: steps[channels.clone()].to_vec(),
@@ -222,15 +211,9 @@ impl<'a> Bench<'a> {
             let estimator = more.estimator(self.params())?;
             let frames = self.apart(k, 30 + k as u64)?;
             measured.add(name, &more.score(&estimator, &frames)?);
-            let given = EstimatorParams {
-                known_count: Some(k),
-                ..self.params()
-            };
+            let given = EstimatorParams { known_count: Some(k), ..self.params() };
             let told = more.estimator(given)?;
-            measured.add(
-                &format!("{name}, count given"),
-                &more.score(&told, &frames)?,
-            );
+            measured.add(&format!("{name}, count given"), &more.score(&told, &frames)?);
         }
         Ok(())
     }
@@ -310,20 +293,14 @@ impl<'a> Bench<'a> {
     }
 
     fn doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (
-            &self.run.scene.rig.presses,
-            self.run.scene.contact.force_range_n,
-        );
+        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
         let n = self.args.frames;
         let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
         self.world.frames(drawn, 12)
     }
 
     fn rough_doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (
-            &self.run.scene.rig.presses,
-            self.run.scene.contact.force_range_n,
-        );
+        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
         let n = self.args.frames;
         let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
         self.world.frames_under(drawn, WIDE_TIP_M, 20)
@@ -358,19 +335,10 @@ pub(crate) fn placed_gauges(
     let study = study_layouts(run, limb, &params)?;
     let mut sites = Vec::with_capacity(n_gauges);
     let mut gauges = Vec::with_capacity(n_gauges);
-    for placed in study
-        .layouts
-        .last()
-        .map_or(&[][..], |layout| &layout.gauges)
-    {
+    for placed in study.layouts.last().map_or(&[][..], |layout| &layout.gauges) {
         let site = run.scene.gauges.site(placed.position_m, placed.axis);
         let faces = &limb.boundary.faces;
-        gauges.push(GaugeStrain::with_params(
-            &limb.mesh,
-            faces,
-            &site,
-            &limb.gauge_params,
-        )?);
+        gauges.push(GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?);
         sites.push(site);
     }
     Ok((sites, gauges))

@@ -105,11 +105,8 @@ impl Score {
         estimate: &ContactEstimate,
         time_us: f64,
     ) -> Result<Vec<ContactPair>> {
-        let found: Vec<ScoredContact> = estimate
-            .contacts
-            .iter()
-            .map(|c| (c.position_m.coords.into(), c.force_n))
-            .collect();
+        let found: Vec<ScoredContact> =
+            estimate.contacts.iter().map(|c| (c.position_m.coords.into(), c.force_n)).collect();
         let pairs = self.add(skin, frame, &found, time_us)?;
         let is_sure = !matches!(estimate.verdict, Verdict::NotIdentifiable(_));
         self.n_unsure += usize::from(!is_sure);
@@ -155,10 +152,7 @@ impl Score {
 
     /// Adds the regions of another row, for a figure over several.
     pub(crate) fn coverage_with(&self, other: &Self) -> Option<f64> {
-        let (inside, all) = (
-            self.n_inside + other.n_inside,
-            self.n_regions + other.n_regions,
-        );
+        let (inside, all) = (self.n_inside + other.n_inside, self.n_regions + other.n_regions);
         (all > 0).then(|| inside as f64 / all as f64 * 100.0)
     }
 }
@@ -200,10 +194,7 @@ mod tests {
             force_n: 10.0,
             friction: Vector3::zeros(),
         };
-        let frame = Frame {
-            contacts: vec![contact(0.01), contact(0.07)],
-            readings_ue: Vec::new(),
-        };
+        let frame = Frame { contacts: vec![contact(0.01), contact(0.07)], readings_ue: Vec::new() };
         let row = |found: &[ScoredContact]| {
             let mut score = Score::default();
             score.add(&skin, &frame, found, 1.0).unwrap();
@@ -216,10 +207,7 @@ mod tests {
         assert_eq!((one.missed_pct, one.clean_pct), (50.0, 0.0));
         let with_other = row(&[near, ([0.072, 0.01, 0.0], 9.0), ([0.0, 0.09, 0.0], 1.0)]);
         assert!((with_other.gospa_mm - (2.0 + 2.0 + 10.0) / 2.0).abs() < 1e-9);
-        assert_eq!(
-            (with_other.missed_pct, with_other.spurious_pct),
-            (0.0, 100.0)
-        );
+        assert_eq!((with_other.missed_pct, with_other.spurious_pct), (0.0, 100.0));
         let far = row(&[near, ([0.0, 0.09, 0.0], 9.0)]);
         assert!((far.gospa_mm - (2.0 + 20.0) / 2.0).abs() < 1e-9, "{far:?}");
     }

@@ -59,11 +59,7 @@ pub(crate) struct Followed {
 impl Script {
     /// `contacts` one after another, all kept.
     pub(crate) fn new(contacts: Vec<TrueContact>) -> Self {
-        Self {
-            contacts,
-            at_once: 1,
-            event: None,
-        }
+        Self { contacts, at_once: 1, event: None }
     }
 
     /// `k` contacts of 5 N to the scene's strongest, at least `gap_m` apart.
@@ -103,9 +99,7 @@ impl Script {
         };
         let path: Vec<SkinPoint> = (1..=SLIDE).map(place).collect();
         let others = (0..self.contacts.len()).filter(|&i| i != which);
-        let others: Vec<_> = others
-            .map(|i| skin.position(&self.contacts[i].point))
-            .collect();
+        let others: Vec<_> = others.map(|i| skin.position(&self.contacts[i].point)).collect();
         let is_clear = |p: &SkinPoint| {
             let here = skin.position(p);
             let gaps_m = others.iter().map(|other| (here - other).norm());
@@ -159,10 +153,7 @@ impl Script {
         let at_first = units(&self.contacts)?;
         let moved: Vec<TrueContact> = match &self.event {
             Some(Event::Slide(which, path)) => {
-                let moved = |&point| TrueContact {
-                    point,
-                    ..self.contacts[*which]
-                };
+                let moved = |&point| TrueContact { point, ..self.contacts[*which] };
                 path.iter().map(moved).collect()
             }
             _ => Vec::new(),
@@ -197,11 +188,7 @@ impl Script {
             {
                 point = path[place];
             }
-            TrueContact {
-                point,
-                force_n,
-                ..self.contacts[i]
-            }
+            TrueContact { point, force_n, ..self.contacts[i] }
         };
         pressing.map(contact).collect()
     }
@@ -263,10 +250,7 @@ impl Followed {
                 self.n_searches += 1;
             }
             if script.is_scored(index) || index + 1 == readings.len() {
-                let truth = Frame {
-                    contacts: script.contacts_in(index),
-                    readings_ue: Vec::new(),
-                };
+                let truth = Frame { contacts: script.contacts_in(index), readings_ue: Vec::new() };
                 let contacts = &tracker.last().contacts;
                 let found: Vec<ScoredContact> = contacts
                     .iter()

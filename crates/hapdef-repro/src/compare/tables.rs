@@ -29,13 +29,8 @@ const NOTE: &str = "Simulated: readings come from the scene's rig, another and p
     100 mm/s, and at rest after it.";
 
 /// Rows by superposition that are drawn.
-const DRAWN: [&str; 5] = [
-    "single",
-    "double",
-    "double, 300 presses",
-    "triple, 16 gauges",
-    "four arriving",
-];
+const DRAWN: [&str; 5] =
+    ["single", "double", "double, 300 presses", "triple, 16 gauges", "four arriving"];
 
 /// Prints the figures and writes `compare/` under the scene's folder.
 pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) -> Result<()> {
@@ -44,10 +39,7 @@ pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) 
     let table = table(measured);
     println!("{}", terminal_table(&table));
     let report = Report {
-        title: format!(
-            "hapdef: superposition and the paper's pipeline, {}",
-            run.scene.name
-        ),
+        title: format!("hapdef: superposition and the paper's pipeline, {}", run.scene.name),
         scene: run.scene.name.clone(),
         facts: facts_of(run, test_seed, measured),
         tables: vec![
@@ -80,10 +72,7 @@ fn errors(measured: &Measured) -> Result<Figure> {
     let names = DRAWN.into_iter().chain(measured.best_paper.as_deref());
     let series = names.filter_map(|name| {
         let row = measured.row(name)?;
-        Some(Series {
-            name: name.to_owned(),
-            points: row.within_mm.clone(),
-        })
+        Some(Series { name: name.to_owned(), points: row.within_mm.clone() })
     });
     let chart = LineChart {
         title: "Position error".into(),
@@ -122,27 +111,12 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
         ("double_mean_n", "double", |r| r.mean_n, "N"),
         ("double_within10_pct", "double", |r| r.within10_pct, "%"),
         ("double_count_pct", "double", |r| r.count_pct, "%"),
-        (
-            "double300_mean_mm",
-            "double, 300 presses",
-            |r| r.mean_mm,
-            "mm",
-        ),
-        (
-            "friction_double_mean_mm",
-            "double, friction and wide tip",
-            |r| r.mean_mm,
-            "mm",
-        ),
+        ("double300_mean_mm", "double, 300 presses", |r| r.mean_mm, "mm"),
+        ("friction_double_mean_mm", "double, friction and wide tip", |r| r.mean_mm, "mm"),
         ("triple16_mean_mm", "triple, 16 gauges", |r| r.mean_mm, "mm"),
         ("sequential4_mean_mm", "four arriving", |r| r.mean_mm, "mm"),
         ("sequential4_mean_n", "four arriving", |r| r.mean_n, "N"),
-        (
-            "sequential4_found_pct",
-            "four arriving",
-            |r| r.within10_pct,
-            "%",
-        ),
+        ("sequential4_found_pct", "four arriving", |r| r.within10_pct, "%"),
     ];
     let mut number = |name: &str, value: Option<f64>, unit: &str, why: &str| -> Result<()> {
         let name = format!("compare.{name}");
@@ -154,12 +128,7 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
     for (name, row, of, unit) in figures {
         number(name, measured.row(row).map(of), unit, "no such row")?;
     }
-    number(
-        "coverage95_pct",
-        measured.coverage95_pct,
-        "%",
-        "no frame was sure",
-    )?;
+    number("coverage95_pct", measured.coverage95_pct, "%", "no frame was sure")?;
     let why = "at no contact does the noise's bound exceed the map's error";
     number("bound_ratio", measured.bound_ratio, "1", why)?;
     let why = "--without-paper";
@@ -169,10 +138,7 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
 
 fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {
     let mut facts = facts::of_run(run);
-    let named = |name: &str, text: String| NamedText {
-        name: name.into(),
-        text,
-    };
+    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let [many, few, none] = measured.map_errors.map(|e| e * 100.0);
     facts.push(named(
         "response map",

@@ -14,9 +14,7 @@ const OF_ROWS: [OfRow; 24] = [
     at_most("single", "one contact, mean, mm", 0.3, |r| r.mean_mm),
     at_most("single", "one contact, median, mm", 0.15, |r| r.median_mm),
     at_most("single", "one contact, mean, N", 0.35, |r| r.mean_n),
-    at_least("single", "one contact, count right, %", 99.0, |r| {
-        r.count_pct
-    }),
+    at_least("single", "one contact, count right, %", 99.0, |r| r.count_pct),
     at_most("double", "two, mean, mm", 2.0, |r| r.mean_mm),
     at_most("double", "two, median, mm", 0.3, |r| r.median_mm),
     at_most("double", "two, mean, N", 1.0, |r| r.mean_n),
@@ -24,25 +22,15 @@ const OF_ROWS: [OfRow; 24] = [
     at_least("double", "two, count right, %", 94.0, |r| r.count_pct),
     at_most(FEW_SINGLE, "one, 300 presses, mean, mm", 0.5, |r| r.mean_mm),
     at_most(FEW_DOUBLE, "two, 300 presses, mean, mm", 3.0, |r| r.mean_mm),
-    at_most(FEW_DOUBLE, "two, 300 presses, median, mm", 0.6, |r| {
-        r.median_mm
-    }),
+    at_most(FEW_DOUBLE, "two, 300 presses, median, mm", 0.6, |r| r.median_mm),
     at_most(ARRIVING, "four arriving, mean, mm", 0.7, |r| r.mean_mm),
     at_most(ARRIVING, "four arriving, mean, N", 0.6, |r| r.mean_n),
-    at_least(ARRIVING, "four arriving, found, %", 99.0, |r| {
-        r.within10_pct
-    }),
-    at_least(ARRIVING, "four arriving, count right, %", 97.0, |r| {
-        r.count_pct
-    }),
+    at_least(ARRIVING, "four arriving, found, %", 99.0, |r| r.within10_pct),
+    at_least(ARRIVING, "four arriving, count right, %", 97.0, |r| r.count_pct),
     at_most(TRIPLE, "three, 16 gauges, mean, mm", 1.5, |r| r.mean_mm),
     at_least(TRIPLE, "three, 16 gauges, clean, %", 95.0, |r| r.clean_pct),
-    at_most(ROUGH, "two, friction and 8 mm tip, mean, mm", 3.0, |r| {
-        r.mean_mm
-    }),
-    at_least(ROUGH, "two, friction and 8 mm tip, clean, %", 95.0, |r| {
-        r.clean_pct
-    }),
+    at_most(ROUGH, "two, friction and 8 mm tip, mean, mm", 3.0, |r| r.mean_mm),
+    at_least(ROUGH, "two, friction and 8 mm tip, clean, %", 95.0, |r| r.clean_pct),
     honest(MANY, "one contact, in 95 % regions, %"),
     honest("double", "two, in 95 % regions, %"),
     honest(FEW_SINGLE, "one, 300 presses, in 95 % regions, %"),

@@ -87,9 +87,7 @@ impl World {
     /// Steps of the converters `[n_channels]`, µε.
     pub(crate) fn resolution_ue(&self) -> Result<Vec<f64>> {
         let electronics = Electronics::new(self.electronics, &self.largest_ue)?;
-        Ok((0..self.largest_ue.len())
-            .map(|channel| electronics.resolution_ue(channel))
-            .collect())
+        Ok((0..self.largest_ue.len()).map(|channel| electronics.resolution_ue(channel)).collect())
     }
 
     /// Readings of sets of contacts under the scene's tip; `stream` seeds the noise.
@@ -104,17 +102,12 @@ impl World {
         tip_radius_m: f64,
         stream: u64,
     ) -> Result<Vec<Frame>> {
-        let strains: Result<Vec<Vec<f64>>> = drawn
-            .par_iter()
-            .map(|contacts| self.strains(contacts, tip_radius_m))
-            .collect();
+        let strains: Result<Vec<Vec<f64>>> =
+            drawn.par_iter().map(|contacts| self.strains(contacts, tip_radius_m)).collect();
         let mut electronics = self.electronics(stream)?;
         let frame = |(contacts, mut readings_ue): (_, Vec<f64>)| {
             electronics.measure(&mut readings_ue);
-            Frame {
-                contacts,
-                readings_ue,
-            }
+            Frame { contacts, readings_ue }
         };
         Ok(drawn.into_iter().zip(strains?).map(frame).collect())
     }
@@ -149,9 +142,7 @@ impl World {
         let size = force.norm();
         let position = self.skin.position(point);
         let along = force / size;
-        let unit = self
-            .real
-            .response_under_tip_ue_per_n(&position, &along, tip_m)?;
+        let unit = self.real.response_under_tip_ue_per_n(&position, &along, tip_m)?;
         Ok(unit.into_iter().map(|strain| strain * size).collect())
     }
 }
@@ -173,11 +164,7 @@ impl<'a> Draw<'a> {
             sum += 0.5 * a.cross(&b).norm();
             sum
         });
-        Self {
-            area_to: area_to.collect(),
-            skin,
-            rng: ChaCha8Rng::seed_from_u64(seed),
-        }
+        Self { area_to: area_to.collect(), skin, rng: ChaCha8Rng::seed_from_u64(seed) }
     }
 
     /// A place, uniform over the area that contacts may be on.
@@ -218,10 +205,6 @@ impl<'a> Draw<'a> {
         let [a, b] = self.skin.tangents(&point);
         let turn = self.rng.random_range(0.0..std::f64::consts::TAU);
         let size = most_friction * self.rng.random_range(0.0..=1.0);
-        TrueContact {
-            point,
-            force_n,
-            friction: (a * turn.cos() + b * turn.sin()) * size,
-        }
+        TrueContact { point, force_n, friction: (a * turn.cos() + b * turn.sin()) * size }
     }
 }

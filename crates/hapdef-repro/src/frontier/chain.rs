@@ -44,11 +44,7 @@ fn prepared(
         Ok(Errors::of(&score.row(""), Some(map_error.mean_um())))
     };
     Ok(Point {
-        name: format!(
-            "the paper's chain, {}, {} nets",
-            precision.name(),
-            lab.run.profile.name
-        ),
+        name: format!("the paper's chain, {}, {} nets", precision.name(), lab.run.profile.name),
         way: None,
         family: Family::Chain,
         single: errors(&lab.frames.singles)?,
@@ -97,10 +93,7 @@ impl<'a> Passed<'a> {
         };
         Ok(Self {
             chain,
-            nets: [
-                net(NetKind::Transfer)?,
-                net(NetKind::Reconstruction { n_sets })?,
-            ],
+            nets: [net(NetKind::Transfer)?, net(NetKind::Reconstruction { n_sets })?],
             scratch: InferScratch::default(),
             peaks: HapdefxScratch::default(),
             virtual_um: Vec::new(),

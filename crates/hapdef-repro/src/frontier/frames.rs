@@ -99,10 +99,7 @@ fn scripted(world: &World, frames: &[Frame], stream: u64) -> Result<Vec<Scripted
         let (script, n_frames) = Script::new(contacts).first(frame.contacts.len());
         let mut readings_ue = script.readings(world, stream + i as u64)?;
         readings_ue.truncate(n_frames);
-        Ok(Scripted {
-            script,
-            readings_ue,
-        })
+        Ok(Scripted { script, readings_ue })
     };
     frames.iter().enumerate().map(scripted).collect()
 }

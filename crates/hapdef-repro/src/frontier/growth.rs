@@ -48,13 +48,10 @@ impl Growth {
 fn slope(points: &[(f64, f64)]) -> f64 {
     let logs = points.iter().map(|(x, y)| (x.ln(), y.ln()));
     let n = points.len() as f64;
-    let (sx, sy) = logs
-        .clone()
-        .fold((0.0, 0.0), |s, (x, y)| (s.0 + x, s.1 + y));
+    let (sx, sy) = logs.clone().fold((0.0, 0.0), |s, (x, y)| (s.0 + x, s.1 + y));
     let (mx, my) = (sx / n, sy / n);
-    let (sxy, sxx) = logs.fold((0.0, 0.0), |s, (x, y)| {
-        (s.0 + (x - mx) * (y - my), s.1 + (x - mx).powi(2))
-    });
+    let (sxy, sxx) =
+        logs.fold((0.0, 0.0), |s, (x, y)| (s.0 + (x - mx) * (y - my), s.1 + (x - mx).powi(2)));
     sxy / sxx
 }
 
@@ -68,10 +65,8 @@ mod tests {
 
     #[test]
     fn the_exponent_of_a_power_is_found_from_all_but_the_smallest_third() {
-        let mut points: Vec<(f64, f64)> = (1..7)
-            .map(|i| f64::from(1 << i))
-            .map(|x| (x, 3.0 * x.powf(1.25)))
-            .collect();
+        let mut points: Vec<(f64, f64)> =
+            (1..7).map(|i| f64::from(1 << i)).map(|x| (x, 3.0 * x.powf(1.25))).collect();
         points[0].1 *= 40.0;
         points[1].1 *= 10.0;
         for (n, first) in [(6, 8.0), (5, 8.0), (4, 16.0)] {

@@ -112,11 +112,7 @@ impl<'a> Lab<'a> {
         Ok(Ready {
             estimator,
             channels,
-            design: Design {
-                solve_s,
-                learn_s,
-                prepare_s: start.elapsed().as_secs_f64(),
-            },
+            design: Design { solve_s, learn_s, prepare_s: start.elapsed().as_secs_f64() },
         })
     }
 
@@ -127,10 +123,8 @@ impl<'a> Lab<'a> {
         max_contacts: usize,
     ) -> Result<ContactEstimator> {
         let effort = &EFFORTS[way.effort];
-        let params = EstimatorParams {
-            max_contacts,
-            ..effort.params(estimator_params(&self.run.scene))
-        };
+        let params =
+            EstimatorParams { max_contacts, ..effort.params(estimator_params(&self.run.scene)) };
         let solved = &self.responses[&(way.mesh, way.layout)];
         let map = &solved.response.map;
         let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
@@ -160,10 +154,7 @@ impl<'a> Lab<'a> {
     fn solve(&mut self, way: &Way) -> Result<f64> {
         let key = (way.mesh, way.layout);
         if !self.responses.contains_key(&key) {
-            let placed = self
-                .layouts
-                .get(&way.layout)
-                .context("a layout is missing")?;
+            let placed = self.layouts.get(&way.layout).context("a layout is missing")?;
             let params = UncertainParams {
                 tip_radius_m: self.run.scene.contact.tip_radius_m,
                 refinements: u32::from(way.mesh == Mesh::Refined),
@@ -183,10 +174,7 @@ impl<'a> Lab<'a> {
                 }
             };
             let elapsed_s = start.elapsed().as_secs_f64();
-            let solved = Solved {
-                response,
-                elapsed_s,
-            };
+            let solved = Solved { response, elapsed_s };
             self.responses.insert(key, solved);
         }
         Ok(self.responses[&key].elapsed_s)
@@ -230,11 +218,7 @@ fn place(
             }
         };
         let channels = first..first + gauges.len();
-        let of_layout = Placed {
-            sites,
-            gauges,
-            channels,
-        };
+        let of_layout = Placed { sites, gauges, channels };
         placed.insert(layout, of_layout);
     }
     Ok((placed, further))

@@ -30,10 +30,7 @@ const STABILITY: [(&str, &str); 4] = [
     ("the elasticity solver", "stability-fe.md"),
     ("training, baselines and inference", "stability-nets.md"),
     ("contacts by superposition", "stability-inverse.md"),
-    (
-        "meshes, datasets, k-Max, decoder, clock, recordings",
-        "stability-parts.md",
-    ),
+    ("meshes, datasets, k-Max, decoder, clock, recordings", "stability-parts.md"),
 ];
 
 /// What a check needs: beside the text, its name ending in .json.
@@ -97,11 +94,7 @@ impl Subject {
 
 impl Kept {
     fn of(args: &ChainFrontierArgs, run: &Run, usual: &Point) -> Self {
-        Self {
-            of: Subject::of(args, run),
-            single: usual.single,
-            double: usual.double,
-        }
+        Self { of: Subject::of(args, run), single: usual.single, double: usual.double }
     }
 
     /// In what its errors are not those of `now`.
@@ -157,10 +150,7 @@ pub(super) fn write(
     let usual = usual.context("the usual way was not measured")?;
     let kept = Kept::of(args, run, usual);
     let json = serde_json::to_string_pretty(&kept)?;
-    Ok(write_text(
-        &path.with_extension("json"),
-        &format!("{json}\n"),
-    )?)
+    Ok(write_text(&path.with_extension("json"), &format!("{json}\n"))?)
 }
 
 fn text(report: &Report, stability: &str) -> String {
@@ -170,11 +160,8 @@ fn text(report: &Report, stability: &str) -> String {
         let _ = writeln!(text, "- {}: {}", fact.name, fact.text);
     }
     if let Some(metric) = report.metrics.first() {
-        let _ = writeln!(
-            text,
-            "- commit: {}\n- time: {}",
-            metric.context.commit, metric.context.time
-        );
+        let _ =
+            writeln!(text, "- commit: {}\n- time: {}", metric.context.commit, metric.context.time);
     }
     for table in &report.tables {
         let rows = table.text.to_markdown();
@@ -201,14 +188,8 @@ fn stability(path: &Path) -> Result<String> {
         let table = std::fs::read_to_string(&place).with_context(|| place.display().to_string())?;
         let counted = table.lines().find(|l| l.ends_with("silently wrong."));
         let counted = counted.with_context(|| format!("{}: no count", place.display()))?;
-        let (n, verdicts) = counted
-            .split_once(" rows: ")
-            .context("a count without rows")?;
-        let _ = writeln!(
-            text,
-            "| {of} | {n} | [{}]({file}) |",
-            verdicts.trim_end_matches('.')
-        );
+        let (n, verdicts) = counted.split_once(" rows: ").context("a count without rows")?;
+        let _ = writeln!(text, "| {of} | {n} | [{}]({file}) |", verdicts.trim_end_matches('.'));
     }
     Ok(text)
 }
@@ -223,11 +204,8 @@ pub(super) fn check(path: &Path, args: &ChainFrontierArgs, run: &Run, limb: &Lim
     let path = path.with_extension("json");
     let kept = std::fs::read(&path).with_context(|| path.display().to_string())?;
     let kept: Kept = serde_json::from_slice(&kept).with_context(|| path.display().to_string())?;
-    let args = ChainFrontierArgs {
-        test_seed: kept.of.test_seed,
-        frames: kept.of.frames,
-        ..args.clone()
-    };
+    let args =
+        ChainFrontierArgs { test_seed: kept.of.test_seed, frames: kept.of.frames, ..args.clone() };
     up_to_date(&path, kept.of.differences(&Subject::of(&args, run)))?;
     // the rig's noise depends on how many gauges it has
     let mut lab = Lab::build(run, limb, args.amounts(), &LAYOUTS)?;
@@ -245,10 +223,7 @@ fn up_to_date(
     if differences.is_empty() {
         return Ok(());
     }
-    Err(FrontierError::Stale {
-        path: path.to_path_buf(),
-        differences,
-    })
+    Err(FrontierError::Stale { path: path.to_path_buf(), differences })
 }
 
 #[cfg(test)]

@@ -25,10 +25,7 @@ pub(super) struct MeanError {
 impl TrueMaps {
     /// The compliance comes from the cache, or is solved.
     pub(super) fn read(run: &Run, limb: &Limb) -> Result<Self> {
-        Ok(Self {
-            compliance: compliance_table(run, limb)?,
-            skin: touchable_skin(limb)?,
-        })
+        Ok(Self { compliance: compliance_table(run, limb)?, skin: touchable_skin(limb)? })
     }
 
     pub(super) fn skin(&self) -> &Skin {
@@ -54,8 +51,7 @@ impl TrueMaps {
         let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
         let loads = node_loads(&self.skin, contacts);
         let scratch = &mut self.compliance.scratch();
-        self.compliance
-            .superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
+        self.compliance.superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
         surface_um
     }
 }

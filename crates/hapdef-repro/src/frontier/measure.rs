@@ -25,16 +25,12 @@ pub(super) fn superposed(lab: &mut Lab<'_>, way: &Way) -> Result<Point> {
 fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Point> {
     let errors = |frames: &[Frame]| -> Result<Errors> {
         let mut map_error = MeanError::default();
-        let score = cells::score(
-            &ready.estimator,
-            ready.channels.clone(),
-            frames,
-            |frame, estimate| {
+        let score =
+            cells::score(&ready.estimator, ready.channels.clone(), frames, |frame, estimate| {
                 let found_um = lab.maps_of.found_um(&estimate.contacts);
                 map_error.add(&found_um, &lab.maps_of.truth_um(frame));
                 Ok(())
-            },
-        )?;
+            })?;
         Ok(Errors::of(&score.row(""), Some(map_error.mean_um())))
     };
     let mut rounds = Rounds::default();

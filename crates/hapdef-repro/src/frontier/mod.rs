@@ -87,10 +87,7 @@ pub(crate) struct ChainFrontierArgs {
 
 impl ChainFrontierArgs {
     fn amounts(&self) -> Amounts {
-        Amounts {
-            test_seed: self.test_seed,
-            n_frames: self.frames.get(),
-        }
+        Amounts { test_seed: self.test_seed, n_frames: self.frames.get() }
     }
 }
 
@@ -133,11 +130,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         true => Vec::new(),
         false => planned::measure(&run, &limb, &folder.join("frontier-plan"))?,
     };
-    let most_nodes = if args.minutes < MINUTES_FOR_MANY {
-        SOME_NODES
-    } else {
-        MANY_NODES
-    };
+    let most_nodes = if args.minutes < MINUTES_FOR_MANY { SOME_NODES } else { MANY_NODES };
     let growths = scaling::measure(&run, most_nodes, args.test_seed)?;
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
     let ways = Way::in_order(args.test_seed);
@@ -196,10 +189,9 @@ fn points(
             Err(error) if way.mesh == Mesh::Shell && is_mesh_fault(&error) => {
                 walked.no_shell = Some(format!("{error:#}"));
             }
-            Err(error) if i >= N_ALWAYS && is_refusal(&error) => walked.refused.push(Refused {
-                way: way.name(),
-                why: format!("{error:#}"),
-            }),
+            Err(error) if i >= N_ALWAYS && is_refusal(&error) => {
+                walked.refused.push(Refused { way: way.name(), why: format!("{error:#}") })
+            }
             Err(error) => return Err(error),
         }
         if i == 0 && !args.without_nets {

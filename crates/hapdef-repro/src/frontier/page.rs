@@ -57,11 +57,7 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
         ("frame_speedup", followed.speedup(), "1"),
         ("frame_speedup_searched", searched.speedup(), "1"),
         ("frame_speedup_contacts", followed.contacts_speedup(), "1"),
-        (
-            "frame_speedup_contacts_searched",
-            searched.contacts_speedup(),
-            "1",
-        ),
+        ("frame_speedup_contacts_searched", searched.contacts_speedup(), "1"),
         ("equal_followed_pct", followed.equal_pct(), "%"),
         ("equal_searched_pct", searched.equal_pct(), "%"),
     ] {
@@ -75,10 +71,7 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
 
 fn facts_of(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Vec<NamedText> {
     let mut facts = facts::of_run(run);
-    let named = |name: &str, text: String| NamedText {
-        name: name.into(),
-        text,
-    };
+    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     facts.push(named(
         "frames",
         format!(
@@ -104,10 +97,7 @@ fn facts_of(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Vec<Nam
 fn skipped(args: &ChainFrontierArgs, measured: &Measured) -> Vec<SkippedStage> {
     let mut skipped = Vec::new();
     let mut skip = |name: &str, reason: String| {
-        skipped.push(SkippedStage {
-            name: name.into(),
-            reason,
-        });
+        skipped.push(SkippedStage { name: name.into(), reason });
     };
     if args.without_nets {
         skip("the paper's chain, plan", "--without-nets".into());

@@ -45,10 +45,7 @@ impl Planned {
 /// measured just before.
 pub(super) fn measure(run: &Run, limb: &Limb, folder: &Path) -> Result<Vec<Planned>> {
     run.say("a plan, and what it comes to");
-    let mut scene = Run {
-        profile: Profile::quick(),
-        ..made_anew(run, folder)?
-    };
+    let mut scene = Run { profile: Profile::quick(), ..made_anew(run, folder)? };
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let machine = Machine::measure(folder, run.threads)?;
     scene.scene.estimator = EstimatorSpec::Superposition(run.scene.estimator.superposition());
@@ -96,12 +93,7 @@ fn chained(planned: &Plan, stages: &ChainStages) -> Result<Vec<Planned>> {
 }
 
 fn stage_of<'a>(name: &str, stages: &'a ChainStages) -> Option<&'a Stage> {
-    let ChainStages {
-        compliance,
-        rig,
-        data,
-        nets,
-    } = stages;
+    let ChainStages { compliance, rig, data, nets } = stages;
     let set = |i: usize| data.simulated.get(i);
     match name {
         "compliance" => Some(compliance),
@@ -140,12 +132,7 @@ pub(super) fn table(rows: &[Planned]) -> Result<ReportTable> {
             true => format!("{:.2}", p.ratio()),
             false => "–".into(),
         };
-        let cells = [
-            p.stage.clone(),
-            seconds(p.predicted_s),
-            seconds(p.measured_s),
-            ratio,
-        ];
+        let cells = [p.stage.clone(), seconds(p.predicted_s), seconds(p.measured_s), ratio];
         cells.map(TextCell::plain).to_vec()
     };
     Ok(ReportTable {

@@ -21,10 +21,7 @@ pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
             .growths
             .iter()
             .filter(|g| g.with == with)
-            .map(|g| Series {
-                name: g.what.into(),
-                points: g.points.clone(),
-            })
+            .map(|g| Series { name: g.what.into(), points: g.points.clone() })
             .collect();
         let chart = LineChart {
             title: format!("Growth with {with}"),
@@ -55,10 +52,7 @@ fn front(points: &[Point], knows: Knows, name: &str) -> Series {
     let of_front = marked.filter(|(p, is_front)| *is_front && p.family.knows() == knows);
     let mut places: Vec<(f64, f64)> = of_front.map(|(p, _)| at(p)).collect();
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Series {
-        name: name.into(),
-        points: places,
-    }
+    Series { name: name.into(), points: places }
 }
 
 fn cloud(points: &[Point]) -> LineChart {

@@ -88,10 +88,7 @@ impl Errors {
 /// Points with all times on one footing: the mean of the usual way's times beside each.
 pub(super) fn on_one_footing(points: &[Point]) -> Vec<Point> {
     let usual_us = mean(points.iter().map(|p| p.frame.usual_us));
-    let scaled = |point: &Point| Point {
-        frame: point.frame.beside(usual_us),
-        ..point.clone()
-    };
+    let scaled = |point: &Point| Point { frame: point.frame.beside(usual_us), ..point.clone() };
     points.iter().map(scaled).collect()
 }
 
@@ -136,10 +133,7 @@ pub(super) mod tests {
             way: None,
             family: Family::Searched,
             single: Errors::default(),
-            double: Errors {
-                gospa_mm,
-                ..Errors::default()
-            },
+            double: Errors { gospa_mm, ..Errors::default() },
             design: Design::default(),
             frame: FrameTimes {
                 n: 1000,
@@ -154,10 +148,7 @@ pub(super) mod tests {
     }
 
     fn followed(name: &str, time_us: f64, gospa_mm: f64) -> Point {
-        Point {
-            family: Family::Followed,
-            ..point(name, time_us, gospa_mm)
-        }
+        Point { family: Family::Followed, ..point(name, time_us, gospa_mm) }
     }
 
     #[test]
@@ -191,10 +182,7 @@ pub(super) mod tests {
         assert_eq!(best(Family::Searched), Some("search"));
         assert_eq!(best(Family::Followed), Some("follow"));
         assert_eq!(best(Family::Chain), None);
-        let chain = Point {
-            family: Family::Chain,
-            ..point("chain", 500.0, 0.9)
-        };
+        let chain = Point { family: Family::Chain, ..point("chain", 500.0, 0.9) };
         let points = [points[0].clone(), chain];
         assert_eq!(on_front(&points), [false, true]);
     }

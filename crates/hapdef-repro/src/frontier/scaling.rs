@@ -73,28 +73,15 @@ fn nodes(run: &Run, most_nodes: usize, seed: u64) -> Result<Vec<Growth>> {
         let n = solved.n_nodes as f64;
         factor.push((n, solved.build_s));
         adjoint.push((n, solved.adjoint_s));
-        memory.push((
-            n,
-            1e-6 * (solved.factor_bytes + solved.response_bytes) as f64,
-        ));
+        memory.push((n, 1e-6 * (solved.factor_bytes + solved.response_bytes) as f64));
         frame.push((n, solved.tracking_us(2, seed)?));
     }
     let of = |what, metric, theory, points| Growth::new(what, "nodes", metric, theory, points);
     Ok(vec![
         of("ordering and factor, s", FACTOR, "1.5", factor),
         of("10 adjoint solves, s", ADJOINT, "1, times log n", adjoint),
-        of(
-            "factor and response, MB",
-            "memory_nodes_exponent",
-            "1, times log n",
-            memory,
-        ),
-        of(
-            "a frame while two contacts are followed, µs",
-            FRAME_NODES,
-            "0",
-            frame,
-        ),
+        of("factor and response, MB", "memory_nodes_exponent", "1, times log n", memory),
+        of("a frame while two contacts are followed, µs", FRAME_NODES, "0", frame),
     ])
 }
 
@@ -108,11 +95,7 @@ fn gauges(run: &Run, seed: u64) -> Result<[Growth; 2]> {
     }
     let of = |what, metric, points| Growth::new(what, "gauges", metric, "1", points);
     Ok([
-        of(
-            "a frame while one contact is followed, µs",
-            FRAME_GAUGES,
-            frame,
-        ),
+        of("a frame while one contact is followed, µs", FRAME_GAUGES, frame),
         of("response, MB", "memory_gauges_exponent", memory),
     ])
 }
@@ -153,13 +136,7 @@ fn batches(run: &Run) -> Result<Growth> {
         }
         points.push((batch as f64, at(&sorted(times.into_iter()), 0.5)));
     }
-    Ok(Growth::new(
-        "frames through F_R together, f32, µs",
-        "frames",
-        "batch_exponent",
-        "1",
-        points,
-    ))
+    Ok(Growth::new("frames through F_R together, f32, µs", "frames", "batch_exponent", "1", points))
 }
 
 /// A tube, solved for its gauges.
@@ -196,9 +173,7 @@ impl Solved {
             values.collect::<Vec<Vector3<f64>>>()
         };
         let adjoint: Vec<Vector3<f64>> = tube.outside.iter().flat_map(at_node).collect();
-        let tip = ResponseParams {
-            tip_radius_m: TIP_M,
-        };
+        let tip = ResponseParams { tip_radius_m: TIP_M };
         let map = ResponseMap::from_nodal(tube.skin()?, n_gauges, &adjoint, &tip)?;
         let n_nodes = tube.mesh.nodes().len();
         let of_a_node = n_gauges * size_of::<Vector3<f64>>();
@@ -215,41 +190,24 @@ impl Solved {
     fn estimator(&self, max_contacts: usize) -> Result<ContactEstimator> {
         let sites = Arc::new(ScanSites::farthest(self.map.skin(), N_SITES)?);
         let noise = NoiseParams {
-            model_error: ModelError {
-                relative: MAP_ERROR,
-                ..ModelError::default()
-            },
+            model_error: ModelError { relative: MAP_ERROR, ..ModelError::default() },
             ..NoiseParams::uniform(self.map.n_gauges(), NOISE_UE)
         };
-        let params = EstimatorParams {
-            max_contacts,
-            ..EstimatorParams::default()
-        };
-        Ok(ContactEstimator::new(
-            self.map.clone(),
-            sites,
-            noise,
-            params,
-        )?)
+        let params = EstimatorParams { max_contacts, ..EstimatorParams::default() };
+        Ok(ContactEstimator::new(self.map.clone(), sites, noise, params)?)
     }
 
     /// Median time of a frame once `n_contacts` are there, searches on a second thread.
     fn tracking_us(&self, n_contacts: usize, seed: u64) -> Result<f64> {
         let estimator = self.estimator(n_contacts)?;
-        let presses = Presses {
-            map: &self.map,
-            noise_ue: NOISE_UE,
-        };
+        let presses = Presses { map: &self.map, noise_ue: NOISE_UE };
         let mut draw = Draw::new(self.map.skin(), seed);
         let mut frames = Vec::new();
         for _ in 0..N_SCRIPTS {
             let script = Script::draw(&mut draw, n_contacts, GAP_M, STRONGEST_N);
             frames.push(presses.frames(&script, &mut draw));
         }
-        let params = TrackerParams {
-            max_contacts: n_contacts,
-            ..TrackerParams::default()
-        };
+        let params = TrackerParams { max_contacts: n_contacts, ..TrackerParams::default() };
         let tracked = track(&estimator, &params, &frames)?;
         let n_last = frames.first().map_or(0, Vec::len) / (2 * n_contacts + 2);
         let of_scripts = tracked.times_us.chunks(tracked.times_us.len() / N_SCRIPTS);

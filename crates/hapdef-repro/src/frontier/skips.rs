@@ -78,15 +78,9 @@ impl Compared {
     /// Fails where the full scene finds one contact and the lean one something else. Not for followed
     /// contacts, whose place depends on the way there: the share of equal ones is told.
     fn checked(self, frames: &'static str) -> Result<Self, FrontierError> {
-        let Self {
-            n_single, n_equal, ..
-        } = self;
+        let Self { n_single, n_equal, .. } = self;
         if n_equal < n_single {
-            return Err(FrontierError::SkipsChangeContacts {
-                frames,
-                n_single,
-                n_equal,
-            });
+            return Err(FrontierError::SkipsChangeContacts { frames, n_single, n_equal });
         }
         Ok(self)
     }
@@ -135,10 +129,7 @@ fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
     let mut both = Both::default();
     let n_gauges = full.map().n_gauges();
     for scripted in &lab.frames.single_scripts {
-        let mut trackers = [
-            tracker(full, lab.run.scene.contact.max_contacts)?,
-            tracker(lean, 1)?,
-        ];
+        let mut trackers = [tracker(full, lab.run.scene.contact.max_contacts)?, tracker(lean, 1)?];
         for (i, frame) in scripted.readings_ue.iter().enumerate() {
             let [full, lean] = &mut trackers;
             let start = Instant::now();
@@ -159,10 +150,7 @@ fn followed(lab: &Lab<'_>, full: &ContactEstimator, lean: &ContactEstimator) -> 
 }
 
 fn tracker(estimator: &ContactEstimator, max_contacts: usize) -> Result<ContactTracker> {
-    let params = TrackerParams {
-        max_contacts,
-        ..TrackerParams::default()
-    };
+    let params = TrackerParams { max_contacts, ..TrackerParams::default() };
     Ok(ContactTracker::new(estimator, params)?)
 }
 
@@ -281,9 +269,6 @@ mod tests {
         let fine = compared(6, 6).checked("searched").unwrap();
         assert_eq!((fine.equal_pct(), fine.speedup()), (75.0, 5.0));
         let error = compared(6, 5).checked("searched").unwrap_err();
-        assert!(
-            matches!(error, FrontierError::SkipsChangeContacts { n_equal: 5, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, FrontierError::SkipsChangeContacts { n_equal: 5, .. }), "{error}");
     }
 }

@@ -104,10 +104,7 @@ fn recommended(points: &[Point]) -> Result<ReportTable> {
         for (budget, budget_us) in BUDGETS {
             let best = best_within(points, family, budget_us);
             let of_best = best.map_or_else(no_way, recommended_cells);
-            let cells = [frame, budget]
-                .map(str::to_owned)
-                .into_iter()
-                .chain(of_best);
+            let cells = [frame, budget].map(str::to_owned).into_iter().chain(of_best);
             rows.push(cells.map(TextCell::plain).collect());
             data.push(best);
         }
@@ -121,10 +118,7 @@ fn recommended(points: &[Point]) -> Result<ReportTable> {
              touches takes as long as its search.",
             MetricContext::here(0).machine
         ),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows,
-        },
+        text: TextTable { header: header.map(str::to_owned).to_vec(), rows },
         data: serde_json::to_value(data)?,
     })
 }
@@ -156,12 +150,7 @@ fn skips_table(skips: &Skips) -> Result<ReportTable> {
         let of = |full_us: f64| format!("{full_us:.2}");
         let alone = format!("{name}, contacts alone, µs");
         [
-            row(
-                &format!("{name}, µs"),
-                of(both.full_us),
-                lean.clone(),
-                both.speedup(),
-            ),
+            row(&format!("{name}, µs"), of(both.full_us), lean.clone(), both.speedup()),
             row(&alone, of(both.contacts_us), lean, both.contacts_speedup()),
         ]
     };
@@ -172,10 +161,7 @@ fn skips_table(skips: &Skips) -> Result<ReportTable> {
         skips.design_speedup(),
     )];
     rows.extend(frame_rows("a frame that is searched", &skips.searched));
-    rows.extend(frame_rows(
-        "a frame of a contact that is followed",
-        &skips.followed,
-    ));
+    rows.extend(frame_rows("a frame of a contact that is followed", &skips.followed));
     Ok(ReportTable {
         title: "What is left out pays".into(),
         note: format!(
@@ -194,10 +180,7 @@ fn skips_table(skips: &Skips) -> Result<ReportTable> {
             skips.followed.n_single,
             skips.followed.n_equal
         ),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows,
-        },
+        text: TextTable { header: header.map(str::to_owned).to_vec(), rows },
         data: serde_json::to_value(skips)?,
     })
 }

@@ -98,9 +98,7 @@ pub(super) fn search_times_us(ready: &Ready, frames: &[Frame]) -> Result<Vec<f64
     for frame in frames {
         let readings = &frame.readings_ue[ready.channels.clone()];
         let start = Instant::now();
-        ready
-            .estimator
-            .estimate_into(readings, &mut scratch, &mut estimate)?;
+        ready.estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
         times_us.push(start.elapsed().as_secs_f64() * 1e6);
     }
     Ok(times_us)
@@ -108,11 +106,7 @@ pub(super) fn search_times_us(ready: &Ready, frames: &[Frame]) -> Result<Vec<f64
 
 /// The same quantile of every round, rising.
 fn quantiles(rounds: &[Vec<f64>], q: f64) -> Vec<f64> {
-    sorted(
-        rounds
-            .iter()
-            .map(|round| at(&sorted(round.iter().copied()), q)),
-    )
+    sorted(rounds.iter().map(|round| at(&sorted(round.iter().copied()), q)))
 }
 
 /// Last minus first of rising values.

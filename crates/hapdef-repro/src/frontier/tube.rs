@@ -31,11 +31,7 @@ impl Tube {
     pub(super) fn new(n_cells: usize) -> Result<Self> {
         let mesh = kuhn_tube([n_cells, n_cells, 1], |at| {
             let (turn, radius_m) = (TAU * at.x, INNER_M + WALL_M * at.z);
-            Point3::new(
-                radius_m * turn.cos(),
-                radius_m * turn.sin(),
-                LENGTH_M * at.y,
-            )
+            Point3::new(radius_m * turn.cos(), radius_m * turn.sin(), LENGTH_M * at.y)
         })?;
         let per_layer = 2 * n_cells * (2 * n_cells + 1);
         let lower_rim = |i: &usize| i % per_layer < 2 * n_cells;
@@ -63,12 +59,7 @@ impl Tube {
                 length_m: 0.008,
                 width_m: 0.005,
             };
-            Ok(GaugeStrain::with_params(
-                &self.mesh,
-                &self.faces,
-                &site,
-                &params,
-            )?)
+            Ok(GaugeStrain::with_params(&self.mesh, &self.faces, &site, &params)?)
         };
         (0..n).map(gauge).collect()
     }
@@ -80,19 +71,10 @@ impl Tube {
             nodes.all(|node| *node >= self.outside[0])
         };
         let place = |node: FeNodeId| self.outside.partition_point(|other| *other < node) as u32;
-        let faces: Vec<[u32; 6]> = self
-            .faces
-            .iter()
-            .filter(is_outside)
-            .map(|face| face.nodes.map(place))
-            .collect();
+        let faces: Vec<[u32; 6]> =
+            self.faces.iter().filter(is_outside).map(|face| face.nodes.map(place)).collect();
         let points = self.outside.iter().map(|node| self.mesh.position(*node));
-        Ok(Skin::new(
-            points.collect(),
-            SkinFaces::Quadratic(&faces),
-            None,
-            &SkinParams::default(),
-        )?)
+        Ok(Skin::new(points.collect(), SkinFaces::Quadratic(&faces), None, &SkinParams::default())?)
     }
 }
 

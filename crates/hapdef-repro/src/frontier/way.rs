@@ -105,10 +105,7 @@ impl Way {
     /// `seed`: whenever the time is over, what was measured is spread over all of them.
     pub(super) fn in_order(seed: u64) -> Vec<Self> {
         let usual = Self::USUAL;
-        let followed = Self {
-            knows: Knows::Before,
-            ..usual
-        };
+        let followed = Self { knows: Knows::Before, ..usual };
         let mut first = vec![usual, followed];
         first.extend((0..EFFORTS.len()).map(|effort| Self { effort, ..usual }));
         first.extend(PRESSES.map(|presses| Self { presses, ..usual }));
@@ -130,18 +127,10 @@ impl Way {
         for mesh in MESHES {
             for layout in LAYOUTS {
                 for presses in PRESSES {
-                    let of_effort = |effort| Self {
-                        mesh,
-                        layout,
-                        presses,
-                        effort,
-                        knows: Knows::Nothing,
-                    };
+                    let of_effort =
+                        |effort| Self { mesh, layout, presses, effort, knows: Knows::Nothing };
                     all.extend((0..EFFORTS.len()).map(of_effort));
-                    all.push(Self {
-                        knows: Knows::Before,
-                        ..of_effort(Self::USUAL.effort)
-                    });
+                    all.push(Self { knows: Knows::Before, ..of_effort(Self::USUAL.effort) });
                 }
             }
         }
@@ -158,10 +147,7 @@ mod tests {
         let ways = Way::in_order(1);
         assert_eq!(ways[0], Way::USUAL);
         assert_eq!(ways[1].knows, Knows::Before);
-        assert_eq!(
-            ways.len(),
-            MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1)
-        );
+        assert_eq!(ways.len(), MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1));
         let changes = |w: &Way| {
             usize::from(w.mesh != Way::USUAL.mesh)
                 + usize::from(w.layout != Way::USUAL.layout)

@@ -46,10 +46,7 @@ pub(super) fn times(points: &[Point]) -> TextTable {
         "front",
     ];
     let rows = ranked(points).map(|(p, is_front)| time_cells(p, is_front));
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
 /// Every point and whether it is on its front.
@@ -130,10 +127,7 @@ mod tests {
         near.double.missed_pct = 2.5;
         near.double.spurious_pct = 3.0;
         near.double.clean_pct = 95.0;
-        let given = Point {
-            family: Family::Chain,
-            ..point("chain", 50.0, 40.0)
-        };
+        let given = Point { family: Family::Chain, ..point("chain", 50.0, 40.0) };
         let points = [given, point("beaten", 1000.0, 2.0), near];
         let text = errors(&points).to_markdown();
         let rows: Vec<&str> = text.lines().skip(2).collect();
@@ -142,10 +136,7 @@ mod tests {
         assert!(rows[2].contains("| given | given |"), "{text}");
         let text = times(&points).to_markdown();
         let rows: Vec<&str> = text.lines().skip(2).collect();
-        assert!(
-            rows[0].contains("| 900 ± 5 % | 1800 ± 10 % | 2700 | 1000 |"),
-            "{text}"
-        );
+        assert!(rows[0].contains("| 900 ± 5 % | 1800 ± 10 % | 2700 | 1000 |"), "{text}");
         let marks = rows.iter().map(|row| row.ends_with("| S |"));
         assert_eq!(marks.collect::<Vec<_>>(), [true, false, true], "{text}");
     }

@@ -57,9 +57,7 @@ impl Golden {
             }
         }
         if values.is_empty() {
-            return Err(refused(
-                "the report has neither Table 1 nor Table 2".to_owned(),
-            ));
+            return Err(refused("the report has neither Table 1 nor Table 2".to_owned()));
         }
         Ok(Self {
             scene: report["scene"].as_str().unwrap_or_default().to_owned(),
@@ -95,11 +93,7 @@ impl Golden {
         let found = Self::of(report)?;
         let of = |g: &Self| format!("{}, {}, seed {}", g.scene, g.profile, g.seed);
         if of(self) != of(&found) {
-            return Err(refused(format!(
-                "expected {}, found {}",
-                of(self),
-                of(&found)
-            )));
+            return Err(refused(format!("expected {}, found {}", of(self), of(&found))));
         }
         let mut faults = Vec::new();
         for (place, golden) in &self.values {
@@ -112,16 +106,9 @@ impl Golden {
                 )),
             }
         }
-        let new = found
-            .values
-            .keys()
-            .filter(|place| !self.values.contains_key(*place));
+        let new = found.values.keys().filter(|place| !self.values.contains_key(*place));
         faults.extend(new.map(|place| format!("{place}: not among the golden values")));
-        if faults.is_empty() {
-            Ok(self.values.len())
-        } else {
-            Err(refused(faults.join("; ")))
-        }
+        if faults.is_empty() { Ok(self.values.len()) } else { Err(refused(faults.join("; "))) }
     }
 }
 
@@ -135,11 +122,7 @@ impl GoldenValue {
 fn table1(records: &Value, values: &mut BTreeMap<String, GoldenValue>) -> Result<(), ReproError> {
     for record in records.as_array().into_iter().flatten() {
         let text = |key: &str| record[key].as_str().unwrap_or("training");
-        let within = if text("method") == "FNN" {
-            MAP_PERCENT
-        } else {
-            SOLVED_PERCENT
-        };
+        let within = if text("method") == "FNN" { MAP_PERCENT } else { SOLVED_PERCENT };
         let place = format!(
             "table 1, {}, {}, from {} on {}",
             text("metric"),
@@ -147,11 +130,7 @@ fn table1(records: &Value, values: &mut BTreeMap<String, GoldenValue>) -> Result
             text("trained_on"),
             text("tested_on")
         );
-        let within = if text("metric") == "fvu" {
-            2.0 * within
-        } else {
-            within
-        };
+        let within = if text("metric") == "fvu" { 2.0 * within } else { within };
         insert(values, place, &record["ours"], within)?;
     }
     Ok(())
@@ -160,18 +139,9 @@ fn table1(records: &Value, values: &mut BTreeMap<String, GoldenValue>) -> Result
 fn table2(table: &Value, values: &mut BTreeMap<String, GoldenValue>) -> Result<(), ReproError> {
     for column in table["ours"].as_array().into_iter().flatten() {
         let name = column["name"].as_str().unwrap_or_default();
-        let within = if name == "HapDef 2018" {
-            SOLVED_PERCENT
-        } else {
-            CONTACT_PERCENT
-        };
+        let within = if name == "HapDef 2018" { SOLVED_PERCENT } else { CONTACT_PERCENT };
         for key in ["location_mm", "magnitude_n"] {
-            insert(
-                values,
-                format!("table 2, {name}, {key}"),
-                &column[key],
-                within,
-            )?;
+            insert(values, format!("table 2, {name}, {key}"), &column[key], within)?;
         }
     }
     Ok(())
@@ -186,10 +156,7 @@ fn insert(
     let Some(value) = value.as_f64() else {
         return Err(refused(format!("{place}: no number")));
     };
-    let value = GoldenValue {
-        value,
-        within_percent,
-    };
+    let value = GoldenValue { value, within_percent };
     values.insert(place, value);
     Ok(())
 }
@@ -220,10 +187,7 @@ mod tests {
         let golden = Golden::of(&report(10.0, 10.0)).unwrap();
         assert_eq!(golden.compare(&report(10.9, 10.05)).unwrap(), 2);
         for (fnn_um, lr_um, place) in [(11.1, 10.0, "FNN"), (10.0, 10.2, "LR")] {
-            let error = golden
-                .compare(&report(fnn_um, lr_um))
-                .unwrap_err()
-                .to_string();
+            let error = golden.compare(&report(fnn_um, lr_um)).unwrap_err().to_string();
             assert!(error.contains(place) && error.contains("within"), "{error}");
         }
     }

@@ -20,11 +20,7 @@ pub fn results_markdown(report: &Value) -> String {
     }
     text.push_str(&format!("- scene: {}\n", shown(&report["scene"])));
     for fact in items(&report["facts"]) {
-        text.push_str(&format!(
-            "- {}: {}\n",
-            shown(&fact["name"]),
-            shown(&fact["text"])
-        ));
+        text.push_str(&format!("- {}: {}\n", shown(&fact["name"]), shown(&fact["text"])));
     }
     if let Some(metric) = items(&report["metrics"]).first() {
         for key in ["commit", "time"] {
@@ -32,11 +28,7 @@ pub fn results_markdown(report: &Value) -> String {
         }
     }
     for table in items(&report["tables"]) {
-        text.push_str(&format!(
-            "\n## {}\n\n{}",
-            shown(&table["title"]),
-            cells(&table["text"])
-        ));
+        text.push_str(&format!("\n## {}\n\n{}", shown(&table["title"]), cells(&table["text"])));
         match table["note"].as_str() {
             Some("") | None => {}
             Some(note) => text.push_str(&format!("\n{note}\n")),
@@ -93,9 +85,7 @@ pub(super) fn items(value: &Value) -> &[Value] {
 }
 
 pub(super) fn shown(value: &Value) -> String {
-    value
-        .as_str()
-        .map_or_else(|| value.to_string(), str::to_owned)
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 #[cfg(test)]
@@ -125,9 +115,7 @@ mod tests {
             ],
             metrics: vec![MetricRecord {
                 name: "a.b".to_owned(),
-                outcome: MetricOutcome::Skipped {
-                    skipped: "no net".to_owned(),
-                },
+                outcome: MetricOutcome::Skipped { skipped: "no net".to_owned() },
                 context: MetricContext {
                     commit: "c".to_owned(),
                     machine: "m".to_owned(),

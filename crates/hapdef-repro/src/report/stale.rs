@@ -41,9 +41,7 @@ pub fn check_results(page: &str, report: &Value, amounts: &[NamedText]) -> Resul
         expect(&format!("## {}", shown(&table["title"])));
         expect(header_row(&table["text"]).trim_end());
     }
-    let claims = items(&report["tables"])
-        .iter()
-        .find(|table| table["title"] == CLAIMS);
+    let claims = items(&report["tables"]).iter().find(|table| table["title"] == CLAIMS);
     for cells in claims.map_or(&[][..], |table| items(&table["text"]["rows"])) {
         let claimed: Vec<String> = items(cells).iter().map(|c| shown(&c["text"])).collect();
         let begins = row(&claimed[..claimed.len().min(N_CLAIMED)]);
@@ -52,11 +50,7 @@ pub fn check_results(page: &str, report: &Value, amounts: &[NamedText]) -> Resul
             differences.push(format!("not claimed in it: {begins}"));
         }
     }
-    if differences.is_empty() {
-        Ok(())
-    } else {
-        Err(ReproError::StaleResults { differences })
-    }
+    if differences.is_empty() { Ok(()) } else { Err(ReproError::StaleResults { differences }) }
 }
 
 #[cfg(test)]
@@ -89,12 +83,8 @@ mod tests {
     #[test]
     fn a_page_is_stale_where_limb_training_tables_or_claims_changed() {
         let page = results_markdown(&report());
-        let amounts = |steps: &str| {
-            [NamedText {
-                name: "training".into(),
-                text: format!("{steps} steps"),
-            }]
-        };
+        let amounts =
+            |steps: &str| [NamedText { name: "training".into(), text: format!("{steps} steps") }];
         assert!(check_results(&page, &report(), &amounts("9")).is_ok());
         let n_of = |change: fn(&mut Value), steps: &str| {
             let mut now = report();
@@ -108,27 +98,12 @@ mod tests {
         assert_eq!(n_of(|r| r["facts"][0]["text"] = "21 nodes".into(), "9"), 1);
         assert_eq!(n_of(|r| r["scene"] = "other".into(), "9"), 1);
         assert_eq!(n_of(|r| r["tables"][1]["title"] = "Table 3".into(), "9"), 1);
-        assert_eq!(
-            n_of(|r| r["tables"][1]["text"]["header"][1] = "V".into(), "9"),
-            1
-        );
+        assert_eq!(n_of(|r| r["tables"][1]["text"]["header"][1] = "V".into(), "9"), 1);
         let other_claim =
             |r: &mut Value| r["tables"][0]["text"]["rows"][0][0]["text"] = "b < a".into();
         assert_eq!(n_of(other_claim, "9"), 1);
         // a quick run's verdict and figures are others
-        assert_eq!(
-            n_of(
-                |r| r["tables"][0]["text"]["rows"][0][3]["text"] = "fails".into(),
-                "9"
-            ),
-            0
-        );
-        assert_eq!(
-            n_of(
-                |r| r["tables"][1]["text"]["rows"][0][1]["text"] = "7".into(),
-                "9"
-            ),
-            0
-        );
+        assert_eq!(n_of(|r| r["tables"][0]["text"]["rows"][0][3]["text"] = "fails".into(), "9"), 0);
+        assert_eq!(n_of(|r| r["tables"][1]["text"]["rows"][0][1]["text"] = "7".into(), "9"), 0);
     }
 }

@@ -33,10 +33,8 @@ pub(crate) fn ablations(
         |n_surface, _| MlpSpec::direct(n_surface),
         || maps_to_contacts(&data.simulated[0]),
     )?;
-    let mut answers = ["R → D → k-Max", "R → S → D → net"].map(|name| MethodAnswers {
-        name: name.into(),
-        found: vec![],
-    });
+    let mut answers = ["R → D → k-Max", "R → S → D → net"]
+        .map(|name| MethodAnswers { name: name.into(), found: vec![] });
     let chain = chain(run, limb, done)?;
     let (mut presses, test) = open(done)?;
     for rows in blocks(test, BLOCK) {
@@ -45,9 +43,7 @@ pub(crate) fn ablations(
         let found = candidates(&chain, &forward(&to_map, &readings)?, presses.n_surface)?;
         answers[0].found.extend(found.iter().map(|c| strongest(c)));
         let maps = maps(&chain, &readings, rows.len(), presses.n_surface)?;
-        answers[1]
-            .found
-            .extend(contacts(&forward(&to_contact, &maps)?));
+        answers[1].found.extend(contacts(&forward(&to_contact, &maps)?));
     }
     Ok((answers.to_vec(), vec![map_stage, contact_stage]))
 }
@@ -70,12 +66,7 @@ fn readings_to_maps(done: &Pipeline) -> Result<MemorySource> {
     let train = Split::of(presses.n())?.train;
     let x = presses.read("readings", train.clone())?;
     let y = presses.read("deformation", train.clone())?;
-    Ok(MemorySource::new(
-        x.len() / train.len(),
-        presses.n_surface,
-        x,
-        y,
-    )?)
+    Ok(MemorySource::new(x.len() / train.len(), presses.n_surface, x, y)?)
 }
 
 fn maps_to_contacts(stage: &Stage) -> Result<MemorySource> {

@@ -49,19 +49,9 @@ pub(crate) fn ablation_table(
     let nets = done.nets.as_ref().context("no nets")?;
     let path = done.compliance.dir.join("compliance.safetensors");
     let table = ComplianceTable::read(&path, limb.n_surface_nodes())?;
-    let truth = TrueMaps {
-        table: &table,
-        directions: &limb.directions,
-    };
+    let truth = TrueMaps { table: &table, directions: &limb.directions };
     let chain = chain(run, limb, done)?;
-    let trainer = Trainer {
-        run,
-        done,
-        data,
-        nets,
-        truth: &truth,
-        chain: &chain,
-    };
+    let trainer = Trainer { run, done, data, nets, truth: &truth, chain: &chain };
     let (made, mut stages) = trainer.all()?;
     let keys: Vec<&str> = stages.iter().map(|stage| stage.key.as_str()).collect();
     let inputs = json!({
@@ -71,21 +61,15 @@ pub(crate) fn ablation_table(
     });
     let stage = run.cache.stage("ablations", &inputs, |_| {
         run.say("the ablations, row by row");
-        let world = World {
-            run,
-            limb,
-            truth: &truth,
-            chain: &chain,
-        };
+        let world = World { run, limb, truth: &truth, chain: &chain };
         let rows = Tests::read(data)
             .and_then(|tests| world.rows(done, &made, &tests))
             .and_then(|rows| Ok(serde_json::to_value(rows)?));
         rows.map_err(|error| match error.downcast::<HapdefError>() {
             Ok(error) => error,
-            Err(error) => HapdefError::Stale {
-                path: "ablations".into(),
-                what: format!("{error:#}"),
-            },
+            Err(error) => {
+                HapdefError::Stale { path: "ablations".into(), what: format!("{error:#}") }
+            }
         })
     })?;
     let found = Ablations::deserialize(&stage.record.info).context("the ablations stage")?;
@@ -107,10 +91,7 @@ impl World<'_> {
         let transfer = nets.load(NetKind::Transfer)?;
         let whole = reconstruction(done)?;
         let points = self.limb.surface_points();
-        let refiner = Refiner {
-            points: &points,
-            across: self.truth.directions,
-        };
+        let refiner = Refiner { points: &points, across: self.truth.directions };
         let chain_of = |sensitivity: &Net| {
             let points = points.iter().map(|p| p.coords.into()).collect();
             let spec = self.run.scene.estimator.hapdefx();
@@ -132,11 +113,7 @@ impl World<'_> {
         }
         let left_out = made.by_modes.iter();
         let left_out = left_out.map(|(target, _, modes)| (target.name().into(), modes.left_out));
-        Ok(Ablations {
-            rows,
-            frame_s,
-            left_out: left_out.collect(),
-        })
+        Ok(Ablations { rows, frame_s, left_out: left_out.collect() })
     }
 
     /// Rows that keep the run's own F_R.
@@ -158,26 +135,11 @@ impl World<'_> {
             refiner: None,
         };
         vec![
-            Way {
-                against: "",
-                ..row(CHAIN, maps)
-            },
-            Way {
-                choice: Choice::ForceWithSpread,
-                ..row("point T + 1 exchanged for T", maps)
-            },
-            Way {
-                choice: Choice::Displacement,
-                ..row("candidates ranked by displacement", maps)
-            },
-            Way {
-                refiner: Some(refiner),
-                ..row("peaks refined between nodes", maps)
-            },
-            Way {
-                chain: on_predicted,
-                ..row("F_S trained on predicted maps", maps)
-            },
+            Way { against: "", ..row(CHAIN, maps) },
+            Way { choice: Choice::ForceWithSpread, ..row("point T + 1 exchanged for T", maps) },
+            Way { choice: Choice::Displacement, ..row("candidates ranked by displacement", maps) },
+            Way { refiner: Some(refiner), ..row("peaks refined between nodes", maps) },
+            Way { chain: on_predicted, ..row("F_S trained on predicted maps", maps) },
             row(
                 "F_T trained on superposed presses, too",
                 MapsFrom::Gauges(Some(&made.transfer), whole, None),

@@ -59,9 +59,7 @@ pub(crate) fn candidates(
 ) -> Result<Vec<Vec<FoundContact>>> {
     let found: Result<Vec<_>, _> = maps
         .par_chunks(n_surface)
-        .map_init(HapdefxScratch::default, |scratch, map| {
-            chain.candidates(map, scratch)
-        })
+        .map_init(HapdefxScratch::default, |scratch, map| chain.candidates(map, scratch))
         .collect();
     Ok(found?)
 }

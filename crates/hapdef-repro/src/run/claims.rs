@@ -84,10 +84,7 @@ fn figure_4(of: &Measured<'_>) -> Claim {
         "fnn_best_directly",
         "single contacts, straight from readings: FNN better than k-NN, k-NN better than SVR",
         "figure 4A: by a small and by a big margin",
-        &[
-            [("FNN", &fnn), ("k-NN", &knn)],
-            [("k-NN", &knn), ("SVR", &svr)],
-        ],
+        &[[("FNN", &fnn), ("k-NN", &knn)], [("k-NN", &knn), ("SVR", &svr)]],
     )
 }
 
@@ -114,11 +111,7 @@ fn single_or_2018(of: &Measured<'_>) -> Claim {
 }
 
 fn double_or_single(of: &Measured<'_>) -> Claim {
-    let double = of
-        .scores
-        .double
-        .as_ref()
-        .map_or_else(ContactStats::default, |d| d.lenient_spread);
+    let double = of.scores.double.as_ref().map_or_else(ContactStats::default, |d| d.lenient_spread);
     compared(
         "double_harder_than_single",
         "the chain: one contact better than two",
@@ -131,11 +124,8 @@ fn double_or_single(of: &Measured<'_>) -> Claim {
 fn exchange(of: &Measured<'_>) -> Claim {
     let [plain, spread] = [Rule::Top, Rule::TopWithSpread].map(|r| of.both.row("rig, double", r));
     let judge = |metric: &str, value: &dyn Fn(&super::scores::BothWays) -> Option<f64>| {
-        let check = Check::below(
-            "",
-            ("T + 1", spread.and_then(value)),
-            ("T", plain.and_then(value)),
-        );
+        let check =
+            Check::below("", ("T + 1", spread.and_then(value)), ("T", plain.and_then(value)));
         MetricVerdict::of(metric, "mm", &[check])
     };
     Claim {
@@ -156,16 +146,9 @@ fn accuracy(of: &Measured<'_>) -> Claim {
     let double = of.scores.double.as_ref().map(|d| &d.lenient_spread);
     let judge =
         |metric: &str, unit: &str, value: fn(&ContactStats) -> Option<f64>, paper: [f64; 2]| {
-            let checks = [
-                ("single", Some(single), paper[0]),
-                ("double", double, paper[1]),
-            ];
+            let checks = [("single", Some(single), paper[0]), ("double", double, paper[1])];
             let checks = checks.map(|(place, ours, paper)| {
-                Check::at_most(
-                    place,
-                    ("ours", ours.and_then(value)),
-                    ("paper", Some(paper)),
-                )
+                Check::at_most(place, ("ours", ours.and_then(value)), ("paper", Some(paper)))
             });
             MetricVerdict::of(metric, unit, &checks)
         };
@@ -202,9 +185,7 @@ fn map(of: &Measured<'_>) -> Claim {
 
 /// Figure 8B: from the weakest to the strongest bin of forces.
 fn force_error_grows(of: &Measured<'_>) -> Claim {
-    let bins = of
-        .singles
-        .by_force(&of.singles.ablations[0], of.strongest_n);
+    let bins = of.singles.by_force(&of.singles.ablations[0], of.strongest_n);
     let ends = bins.first().zip(bins.last());
     let check = Check::below(
         "",
@@ -223,11 +204,7 @@ fn force_error_grows(of: &Measured<'_>) -> Claim {
 /// the two that lie nearest to the true contacts.
 fn spurious_are_weak(of: &Measured<'_>) -> Claim {
     let (mut n_weak, mut n_spurious) = (0_u32, 0_u32);
-    for frame in of
-        .doubles
-        .iter()
-        .filter(|frame| frame.found.len() > frame.truth.len())
-    {
+    for frame in of.doubles.iter().filter(|frame| frame.found.len() > frame.truth.len()) {
         let found = super::scores::scored(&frame.found);
         let Ok(matched) = hapdef::score_one_to_one(&found, &frame.truth) else {
             continue;
@@ -239,11 +216,7 @@ fn spurious_are_weak(of: &Measured<'_>) -> Claim {
         n_weak += u32::from(spurious.fold(f64::NEG_INFINITY, f64::max) < weakest);
     }
     let share = (n_spurious > 0).then(|| 100.0 * f64::from(n_weak) / f64::from(n_spurious));
-    let check = Check::below(
-        "",
-        ("half", Some(50.0)),
-        ("presses in which all are weaker", share),
-    );
+    let check = Check::below("", ("half", Some(50.0)), ("presses in which all are weaker", share));
     Claim {
         id: "spurious_are_weak",
         text: "two contacts: spurious candidates are weaker than the real ones, in most presses",
@@ -256,23 +229,15 @@ fn spurious_are_weak(of: &Measured<'_>) -> Claim {
 fn best_size(points: &[SizePoint]) -> Claim {
     let judge = |metric: &str, unit: &str, value: &dyn Fn(&MapError) -> f64| {
         let double = |point: &SizePoint| value(&point.errors[2][1]);
-        let paper = points
-            .iter()
-            .find(|point| point.size == PAPER_SIZE)
-            .map(double);
+        let paper = points.iter().find(|point| point.size == PAPER_SIZE).map(double);
         let rivals = points.iter().filter(|point| point.size != PAPER_SIZE);
         let best = rivals.min_by(|a, b| double(a).total_cmp(&double(b)));
-        let name = best.map_or(String::new(), |point| {
-            format!("best of the others, {}:", point.size)
-        });
+        let name =
+            best.map_or(String::new(), |point| format!("best of the others, {}:", point.size));
         MetricVerdict::of(
             metric,
             unit,
-            &[Check::below(
-                "",
-                ("24 gauges:", paper),
-                (&name, best.map(double)),
-            )],
+            &[Check::below("", ("24 gauges:", paper), (&name, best.map(double)))],
         )
     };
     Claim {
@@ -289,10 +254,7 @@ fn best_size(points: &[SizePoint]) -> Claim {
 
 /// Claims made, and those that hold by every metric.
 pub(crate) fn count(claims: &[Claim]) -> (usize, usize) {
-    let n_held = claims
-        .iter()
-        .filter(|claim| claim.fate() == Fate::Holds)
-        .count();
+    let n_held = claims.iter().filter(|claim| claim.fate() == Fate::Holds).count();
     (claims.len(), n_held)
 }
 
@@ -301,11 +263,7 @@ mod tests {
     use super::*;
 
     fn points(doubles_um: &[(usize, f64)]) -> Vec<SizePoint> {
-        let error = |um: f64| MapError {
-            mean_abs_um: um,
-            rms_um: 2.0 * um,
-            fvu: 0.01 * um,
-        };
+        let error = |um: f64| MapError { mean_abs_um: um, rms_um: 2.0 * um, fvu: 0.01 * um };
         let point = |&(size, um): &(usize, f64)| SizePoint {
             size,
             errors: [[error(1.0); 2], [error(1.0); 2], [error(1.0), error(um)]],

@@ -39,25 +39,19 @@ pub(super) enum Command {
     )]
     Search(search::SearchArgs),
     /// Joins the trials of several shards.
-    #[command(
-        after_help = "Example:\n  hapdef-repro search-merge a/trials-1-of-2.jsonl \
-        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro search-merge a/trials-1-of-2.jsonl \
+        b/trials-2-of-2.jsonl --into target/hapdef/shin/search/f_r/trials.jsonl")]
     SearchMerge(search::MergeArgs),
     /// The paper's settings beside the search's best, on test samples.
-    #[command(
-        after_help = "Example:\n  hapdef-repro search-compare fixtures/shin/scene.json \
-        --profile quick"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro search-compare fixtures/shin/scene.json \
+        --profile quick")]
     SearchCompare(search::CompareArgs),
     /// Nets and baselines with data and settings at their extremes.
     #[command(after_help = "Example:\n  hapdef-repro stability --check docs/stability-nets.md")]
     Stability(stability::StabilityArgs),
     /// Contacts by superposition with frames, layouts and presses at their extremes.
-    #[command(
-        after_help = "Example:\n  hapdef-repro stability-inverse fixtures/shin/placed.json \
-        --check docs/stability-inverse.md"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro stability-inverse fixtures/shin/placed.json \
+        --check docs/stability-inverse.md")]
     StabilityInverse(stability::InverseArgs),
     /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
     #[command(
@@ -71,10 +65,8 @@ pub(super) enum Command {
     #[command(after_help = "Example:\n  hapdef-repro bench-nets --skip-trained --rounds 2")]
     BenchNets(BenchNetsArgs),
     /// Error against run time: every method, precision, rank and width in one table and plot.
-    #[command(
-        after_help = "Example:\n  hapdef-repro frontier-nets fixtures/shin/scene.json \
-        --profile quick"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro frontier-nets fixtures/shin/scene.json \
+        --profile quick")]
     FrontierNets(FrontierArgs),
     /// Error against run time of the whole chain, its growth, and what leaving things out is worth.
     Frontier(ChainFrontierArgs),
@@ -84,16 +76,12 @@ pub(super) enum Command {
     )]
     Repro(ReproArgs),
     /// Contacts by superposition against the paper's pipeline, the same frames of the same rig.
-    #[command(
-        after_help = "Example:\n  hapdef-repro compare fixtures/shin/placed.json --profile \
-        quick --frames 100"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro compare fixtures/shin/placed.json --profile \
+        quick --frames 100")]
     Compare(CompareArgs),
     /// Effort of the search against error, with the bound and the paper's nets beside it.
-    #[command(
-        after_help = "Example:\n  hapdef-repro frontier-inverse fixtures/shin/placed.json \
-        --without-paper --frames 100"
-    )]
+    #[command(after_help = "Example:\n  hapdef-repro frontier-inverse fixtures/shin/placed.json \
+        --without-paper --frames 100")]
     FrontierInverse(FrontierInverseArgs),
     /// Time and allocations of a frame by superposition.
     #[command(after_help = "Example:\n  hapdef-repro bench-inverse fixtures/shin/placed.json")]

@@ -131,10 +131,7 @@ fn sizes_table(sizes: &[SizePoint]) -> TextTable {
         }
         cells
     };
-    TextTable {
-        header,
-        rows: sizes.iter().map(row).collect(),
-    }
+    TextTable { header, rows: sizes.iter().map(row).collect() }
 }
 
 fn contact_table(scores: &EvalReport) -> TextTable {
@@ -147,15 +144,7 @@ fn contact_table(scores: &EvalReport) -> TextTable {
         rows.push(("HapDefX, double, lenient, T + 1", &double.lenient_spread));
         rows.push(("HapDefX, double, one-to-one, T + 1", &double.one_to_one));
     }
-    let header = [
-        "",
-        "found",
-        "mean, mm",
-        "median, mm",
-        "p90, mm",
-        "beyond 10 mm",
-        "mean, N",
-    ];
+    let header = ["", "found", "mean, mm", "median, mm", "p90, mm", "beyond 10 mm", "mean, N"];
     let row = |(name, s): &(&str, &ContactStats)| {
         let cells = [
             (*name).to_owned(),
@@ -168,10 +157,7 @@ fn contact_table(scores: &EvalReport) -> TextTable {
         ];
         cells.map(TextCell::plain).to_vec()
     };
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.iter().map(row).collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
 }
 
 fn fvu_table(scores: &EvalReport) -> TextTable {
@@ -191,15 +177,9 @@ fn fvu_table(scores: &EvalReport) -> TextTable {
         cells.map(TextCell::plain).to_vec()
     };
     TextTable {
-        header: [
-            "contacts",
-            "FVU",
-            "paper",
-            "mean |error|, µm",
-            "RMS error, µm",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        header: ["contacts", "FVU", "paper", "mean |error|, µm", "RMS error, µm"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: rows.iter().map(row).collect(),
     }
 }

@@ -30,10 +30,7 @@ pub(crate) struct Example {
 
 /// Examples for figures 6A to C, 7 and 9A, as far as the scene has the contacts.
 pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Example>> {
-    let maker = Maker {
-        chain: chain(run, limb, done)?,
-        done,
-    };
+    let maker = Maker { chain: chain(run, limb, done)?, done };
     let data = done.data.as_ref().context("no datasets")?;
     let mut found = vec![maker.single()?];
     if let Some(stage) = &data.rig_double {
@@ -49,16 +46,8 @@ pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Ex
         }
     }
     for (n_contacts, stem, text) in [
-        (
-            3,
-            "figure6c",
-            "Figure 6C: three simulated contacts, from true virtual gauges",
-        ),
-        (
-            4,
-            "figure7",
-            "Figure 7: four simulated contacts, from true virtual gauges",
-        ),
+        (3, "figure6c", "Figure 6C: three simulated contacts, from true virtual gauges"),
+        (4, "figure7", "Figure 7: four simulated contacts, from true virtual gauges"),
     ] {
         if let Some(stage) = data.simulated.get(n_contacts - 1) {
             let mut presses = Presses::open(stage)?;
@@ -79,9 +68,7 @@ impl Maker<'_> {
     fn single(&self) -> Result<Example> {
         let (mut presses, test) = super::singles::open(self.done)?;
         let truth = presses.truth(test.clone())?;
-        let strong = truth
-            .iter()
-            .position(|contacts| contacts[0].1 >= LEAST_SHOWN_N);
+        let strong = truth.iter().position(|contacts| contacts[0].1 >= LEAST_SHOWN_N);
         let row = test.start + strong.unwrap_or(0);
         let text = "Figure 6A: a single press of the rig, from ten readings";
         self.example(&mut presses, row, "figure6a", text, false)

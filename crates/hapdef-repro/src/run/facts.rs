@@ -19,20 +19,11 @@ pub(crate) fn facts(
 ) -> Vec<NamedText> {
     let limb = &done.compliance.record.info;
     let rig = &done.rig.record.info;
-    let named = |name: &str, text: String| NamedText {
-        name: name.into(),
-        text,
-    };
+    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let [samples, training] = amounts(run);
     vec![
-        named(
-            "simulated",
-            "all readings come from the simulated rig; no hardware".into(),
-        ),
-        named(
-            "profile",
-            format!("{}, seed {}", run.profile.name, run.scene.seed),
-        ),
+        named("simulated", "all readings come from the simulated rig; no hardware".into()),
+        named("profile", format!("{}, seed {}", run.profile.name, run.scene.seed)),
         named(
             "limb",
             format!(
@@ -41,18 +32,12 @@ pub(crate) fn facts(
             ),
         ),
         named("mesh", mesh_check.to_string()),
-        named(
-            "rig",
-            format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"]),
-        ),
+        named("rig", format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"])),
         samples,
         training,
         named(
             "support vectors",
-            format!(
-                "trained on {} of the {} training presses",
-                svr.n_trained, svr.n_offered
-            ),
+            format!("trained on {} of the {} training presses", svr.n_trained, svr.n_offered),
         ),
         named("machine", MetricContext::here(0).machine),
     ]
@@ -71,18 +56,13 @@ pub(crate) fn amounts(run: &Run) -> [NamedText; 2] {
         profile.n_pairs,
         profile.n_amplitudes
     );
-    [("samples", samples), ("training", training(profile))].map(|(name, text)| NamedText {
-        name: name.into(),
-        text,
-    })
+    [("samples", samples), ("training", training(profile))]
+        .map(|(name, text)| NamedText { name: name.into(), text })
 }
 
 /// The lines that every page over a run has.
 pub(crate) fn of_run(run: &Run) -> Vec<NamedText> {
-    let named = |name: &str, text: String| NamedText {
-        name: name.into(),
-        text,
-    };
+    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let profile = format!("{}, seed {}", run.profile.name, run.scene.seed);
     vec![
         named("profile", profile),
@@ -100,15 +80,7 @@ fn training(profile: &Profile) -> String {
         ("direct", profile.direct),
     ];
     let each = nets.map(|(name, schedule)| {
-        let Schedule {
-            steps,
-            batch,
-            learning_rate,
-            final_learning_rate,
-            loss,
-            l2,
-            ..
-        } = schedule;
+        let Schedule { steps, batch, learning_rate, final_learning_rate, loss, l2, .. } = schedule;
         let loss = match loss {
             Loss::RootMeanSquare => "√MSE",
             Loss::MeanOfSamples => "mean of the samples' √MSE",
@@ -155,20 +127,13 @@ pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
                 .find(|value| !value.is_null())
                 .map_or(String::new(), |value| format!(" {}", plain(value)));
             let name = format!("{}{what}", record.stage);
-            StageTime {
-                name,
-                elapsed_s: record.elapsed_s,
-                cached: stage.cached && is_old(stage),
-            }
+            StageTime { name, elapsed_s: record.elapsed_s, cached: stage.cached && is_old(stage) }
         })
         .collect()
 }
 
 fn plain(value: &serde_json::Value) -> String {
-    value
-        .to_string()
-        .replace(['"', '{', '}'], "")
-        .replace(':', " ")
+    value.to_string().replace(['"', '{', '}'], "").replace(':', " ")
 }
 
 /// Time since the demo began its first program, s.
@@ -186,33 +151,18 @@ fn demo_began() -> Option<SystemTime> {
 
 /// What the scene does not need, and what only the whole reproduction makes.
 pub(crate) fn skipped(run: &Run, with_nets: bool) -> Vec<SkippedStage> {
-    let skip = |name: &str, reason: &str| SkippedStage {
-        name: name.into(),
-        reason: reason.into(),
-    };
+    let skip = |name: &str, reason: &str| SkippedStage { name: name.into(), reason: reason.into() };
     let mut skipped = vec![
-        skip(
-            "tangential loads",
-            "the scene's contacts press in one direction: one column a node",
-        ),
-        skip(
-            "loads outside the contact region",
-            "the scene can't be touched there",
-        ),
-        skip(
-            "displacements inside the solid",
-            "only surface nodes and virtual gauges are read",
-        ),
+        skip("tangential loads", "the scene's contacts press in one direction: one column a node"),
+        skip("loads outside the contact region", "the scene can't be touched there"),
+        skip("displacements inside the solid", "only surface nodes and virtual gauges are read"),
     ];
     if !with_nets {
         let reason = "need nets of their own: cargo xtask repro";
         skipped.push(skip("figure 5A, ablations with nets of their own", reason));
     }
     if run.scene.contact.max_contacts < 4 {
-        let reason = format!(
-            "the scene has {} contacts at most",
-            run.scene.contact.max_contacts
-        );
+        let reason = format!("the scene has {} contacts at most", run.scene.contact.max_contacts);
         skipped.push(skip("datasets of more contacts", &reason));
     }
     skipped
@@ -220,28 +170,15 @@ pub(crate) fn skipped(run: &Run, with_nets: bool) -> Vec<SkippedStage> {
 
 /// Hashes of what went in and of the stages.
 pub(crate) fn hashes(run: &Run, limb: &Limb, done: &Pipeline) -> Vec<NamedText> {
-    let named = |name: &str, text: &str| NamedText {
-        name: name.into(),
-        text: text.into(),
-    };
-    let mut hashes = vec![
-        named("scene", &run.scene_hash),
-        named("deck", &limb.deck_hash),
-    ];
-    hashes.extend(
-        done.stages()
-            .iter()
-            .map(|stage| named(&stage.record.stage, &stage.key)),
-    );
+    let named = |name: &str, text: &str| NamedText { name: name.into(), text: text.into() };
+    let mut hashes = vec![named("scene", &run.scene_hash), named("deck", &limb.deck_hash)];
+    hashes.extend(done.stages().iter().map(|stage| named(&stage.record.stage, &stage.key)));
     hashes
 }
 
 /// Hashes of the scene and its deck.
 pub(crate) fn input_hashes(run: &Run) -> Result<Vec<NamedText>, HapdefError> {
-    let named = |(name, text): (&str, String)| NamedText {
-        name: name.into(),
-        text,
-    };
+    let named = |(name, text): (&str, String)| NamedText { name: name.into(), text };
     Ok(run.input_hashes()?.map(named).to_vec())
 }
 

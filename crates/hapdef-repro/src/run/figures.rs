@@ -44,10 +44,8 @@ pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
         figures.extend(errors::figure_5a(sizes)?);
     }
     figures.extend(maps::patches(&surface, shown.limb)?);
-    let (doubles, others): (Vec<&Example>, Vec<&Example>) = shown
-        .examples
-        .iter()
-        .partition(|example| example.stem.starts_with("figure9"));
+    let (doubles, others): (Vec<&Example>, Vec<&Example>) =
+        shown.examples.iter().partition(|example| example.stem.starts_with("figure9"));
     for example in others {
         figures.extend(maps::example(&surface, example)?);
     }
@@ -56,11 +54,7 @@ pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
     for example in doubles {
         figures.extend(maps::example(&surface, example)?);
     }
-    figures.extend(errors::figure_9(
-        shown.chain,
-        &shown.frames.rig_double,
-        strongest_n,
-    )?);
+    figures.extend(errors::figure_9(shown.chain, &shown.frames.rig_double, strongest_n)?);
     figures.push(Figure::bars(
         "table1.svg",
         "Table 1, mean absolute error, ours beside the paper's.",
@@ -73,16 +67,8 @@ pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
 /// Writes the skin with the rigidity map as vertex colours, for any glTF viewer.
 pub(crate) fn write_surface(path: &Path, limb: &Limb, done: &Pipeline) -> Result<()> {
     let values = self_compliance(limb, done)?;
-    let field = VertexField {
-        name: "self_compliance_um_per_n",
-        values: &values,
-        range: None,
-    };
-    Ok(write_glb(
-        path,
-        &limb.skin.surface(&limb.mesh)?,
-        Some(&field),
-    )?)
+    let field = VertexField { name: "self_compliance_um_per_n", values: &values, range: None };
+    Ok(write_glb(path, &limb.skin.surface(&limb.mesh)?, Some(&field))?)
 }
 
 /// The same on the page, to be turned, with the gauges.
@@ -114,10 +100,7 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         let losses = history["validation_loss"].as_array()?;
         let point = |(x, y): (&Value, &Value)| Some((x.as_f64()?, y.as_f64()?));
         let points = steps.iter().zip(losses).filter_map(point).collect();
-        Some(Series {
-            name: net.kind.name(),
-            points,
-        })
+        Some(Series { name: net.kind.name(), points })
     });
     let chart = LineChart {
         title: "Validation loss".into(),
@@ -128,9 +111,5 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         dots: false,
         series: series.collect(),
     };
-    Ok(Figure::lines(
-        "training.svg",
-        "Validation loss over the training of each net.",
-        &chart,
-    )?)
+    Ok(Figure::lines("training.svg", "Validation loss over the training of each net.", &chart)?)
 }

@@ -47,10 +47,7 @@ impl Outputs {
 
     /// As the profile trains F_R.
     pub(crate) fn reconstruction(profile: &Profile) -> Self {
-        Self {
-            scale: profile.output_scale,
-            modes: profile.output_modes,
-        }
+        Self { scale: profile.output_scale, modes: profile.output_modes }
     }
 }
 
@@ -119,10 +116,7 @@ pub(crate) fn fit_outputs<S: BatchSource>(
             })
             .map_err(|error| match error.downcast::<HapdefError>() {
                 Ok(error) => error,
-                Err(error) => HapdefError::Stale {
-                    path: name.into(),
-                    what: format!("{error:#}"),
-                },
+                Err(error) => HapdefError::Stale { path: name.into(), what: format!("{error:#}") },
             })?;
         Ok(json!({ "net": name, "train_loss": fitted }))
     })?;
@@ -147,10 +141,7 @@ impl Fitting<'_> {
         let [input, output] = fit_scales(samples, outputs.scale)?;
         let (rank, net_file) = (outputs.modes, self.dir.join(CHECKPOINT_FILE));
         if rank == 0 || rank >= samples.n_outputs() {
-            return Ok(self
-                .steps(&net_file, [input, output], spec, samples)?
-                .0
-                .train_loss);
+            return Ok(self.steps(&net_file, [input, output], spec, samples)?.0.train_loss);
         }
         let (info, _) = train_in_modes(
             self.dir,

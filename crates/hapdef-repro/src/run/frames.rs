@@ -92,27 +92,10 @@ fn find_all(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Found> {
     for stage in &data.simulated {
         let mut presses = Presses::open(stage)?;
         let split = Split::of(presses.n())?;
-        validation.push(find(
-            run,
-            &chain,
-            &mut presses,
-            most(split.validation),
-            Some(&net),
-        )?);
-        test.push(find(
-            run,
-            &chain,
-            &mut presses,
-            most(split.test),
-            Some(&net),
-        )?);
+        validation.push(find(run, &chain, &mut presses, most(split.validation), Some(&net))?);
+        test.push(find(run, &chain, &mut presses, most(split.test), Some(&net))?);
     }
-    Ok(Found {
-        rig_single,
-        rig_double,
-        validation,
-        test,
-    })
+    Ok(Found { rig_single, rig_double, validation, test })
 }
 
 fn most(rows: std::ops::Range<usize>) -> std::ops::Range<usize> {
@@ -139,11 +122,7 @@ fn find(
         };
         for found in candidates(chain, &maps, presses.n_surface)? {
             let first = found.iter().take(MAX_KEPT);
-            kept.push(
-                first
-                    .map(|c| (c.node, c.force_n, c.displacement_um))
-                    .collect(),
-            );
+            kept.push(first.map(|c| (c.node, c.force_n, c.displacement_um)).collect());
         }
     }
     Ok(kept)
@@ -165,12 +144,7 @@ fn with_truth(limb: &Limb, done: &Pipeline, found: Found) -> Result<Frames> {
             .collect(),
     };
     let pair = |presses: &mut Presses, rows, found: Vec<Vec<Kept>>| -> Result<Vec<Frame>> {
-        Ok(presses
-            .truth(rows)?
-            .into_iter()
-            .zip(found)
-            .map(frame)
-            .collect())
+        Ok(presses.truth(rows)?.into_iter().zip(found).map(frame).collect())
     };
     let (mut singles, test) = super::singles::open(done)?;
     let rig_single = pair(&mut singles, test, found.rig_single)?;
@@ -189,10 +163,5 @@ fn with_truth(limb: &Limb, done: &Pipeline, found: Found) -> Result<Frames> {
         validation.push(pair(&mut presses, most(split.validation), v)?);
         tests.push(pair(&mut presses, most(split.test), t)?);
     }
-    Ok(Frames {
-        rig_single,
-        rig_double,
-        validation,
-        test: tests,
-    })
+    Ok(Frames { rig_single, rig_double, validation, test: tests })
 }

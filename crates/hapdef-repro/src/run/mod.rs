@@ -169,13 +169,7 @@ fn measure(run: &Run, limb: &Limb, done: &Pipeline, with_nets: bool) -> Result<P
         sizes: None,
         ablations: None,
         ridge: None,
-        stages: vec![
-            table1_stage,
-            svr_stage,
-            mesh_stage,
-            singles_stage,
-            frames_stage,
-        ],
+        stages: vec![table1_stage, svr_stage, mesh_stage, singles_stage, frames_stage],
     };
     if with_nets {
         let (answers, stages) = ablation::ablations(run, limb, done)?;
@@ -232,13 +226,7 @@ fn assemble(
         sizes,
     })?;
     let mut tables = vec![contents::claims_table(&claims)?];
-    tables.extend(contents::tables(
-        &parts.table1,
-        &table2,
-        scores,
-        &both,
-        sizes,
-    )?);
+    tables.extend(contents::tables(&parts.table1, &table2, scores, &both, sizes)?);
     let mut report = Report {
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
@@ -288,16 +276,8 @@ fn mesh_check(run: &Run, limb: &Limb) -> Result<(Convergence, Stage)> {
 
 /// The run's own cache key for work of this crate: the keys of what it reads.
 fn keys_of(run: &Run, done: &Pipeline) -> serde_json::Value {
-    let nets = done
-        .nets
-        .iter()
-        .flat_map(|nets| &nets.nets)
-        .map(|net| net.stage.key.as_str());
-    let data = done
-        .data
-        .iter()
-        .flat_map(|data| &data.simulated)
-        .map(|stage| stage.key.as_str());
+    let nets = done.nets.iter().flat_map(|nets| &nets.nets).map(|net| net.stage.key.as_str());
+    let data = done.data.iter().flat_map(|data| &data.simulated).map(|stage| stage.key.as_str());
     serde_json::json!({
         "nets": nets.collect::<Vec<_>>(),
         "datasets": data.collect::<Vec<_>>(),

@@ -62,15 +62,9 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
     let mut stages = vec![stage];
     let mut points = vec![];
     let mut table = None;
-    for &size in sizes
-        .iter()
-        .filter(|size| **size <= wide.scene.gauges.patch_nodes)
-    {
+    for &size in sizes.iter().filter(|size| **size <= wide.scene.gauges.patch_nodes) {
         run.check_stop("figure 5A")?;
-        let briefs = [
-            Brief::reconstruction(&run.profile),
-            Brief::transfer(&run.profile),
-        ];
+        let briefs = [Brief::reconstruction(&run.profile), Brief::transfer(&run.profile)];
         let inputs = json!({
             "version": VERSION, "limb": stages[0].key, "size": size, "briefs": briefs,
             "outputs": Outputs::reconstruction(&run.profile),
@@ -81,10 +75,9 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
             let point = at.and_then(|at| Ok(serde_json::to_value(at.point()?)?));
             point.map_err(|error| match error.downcast::<HapdefError>() {
                 Ok(error) => error,
-                Err(error) => HapdefError::Stale {
-                    path: "figure 5A".into(),
-                    what: format!("{error:#}"),
-                },
+                Err(error) => {
+                    HapdefError::Stale { path: "figure 5A".into(), what: format!("{error:#}") }
+                }
             })
         })?;
         points.push(SizePoint::deserialize(&stage.record.info).context("the patch-size stage")?);
@@ -169,17 +162,9 @@ impl<'a> AtSize<'a> {
             self.run,
             &format!("F_R for {size} virtual gauges"),
             &of,
-            (
-                Brief::reconstruction(profile),
-                Outputs::reconstruction(profile),
-            ),
+            (Brief::reconstruction(profile), Outputs::reconstruction(profile)),
             MlpSpec::reconstruction,
-            || {
-                Ok(SuperposedSource::new(
-                    self.patches,
-                    training_contacts(self.done)?,
-                ))
-            },
+            || Ok(SuperposedSource::new(self.patches, training_contacts(self.done)?)),
         )?;
         let (mut singles, test) = super::singles::open(self.done)?;
         let transfers = self.transfers(&mut singles)?;
@@ -238,20 +223,9 @@ impl<'a> AtSize<'a> {
             &of,
             Brief::transfer(&self.run.profile),
             MlpSpec::transfer,
-            || {
-                Ok(MemorySource::new(
-                    n_gauges,
-                    self.patches.width(),
-                    x.clone(),
-                    y.clone(),
-                )?)
-            },
+            || Ok(MemorySource::new(n_gauges, self.patches.width(), x.clone(), y.clone())?),
         )?;
-        Ok([
-            Transfer::Linear(linear),
-            Transfer::nearest(&x, y, n_gauges)?,
-            Transfer::Net(net),
-        ])
+        Ok([Transfer::Linear(linear), Transfer::nearest(&x, y, n_gauges)?, Transfer::Net(net)])
     }
 }
 

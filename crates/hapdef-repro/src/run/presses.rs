@@ -44,19 +44,14 @@ impl Presses {
         let positions = self.read("contact_positions", rows.clone())?;
         let forces = self.read("contact_forces", rows)?;
         let contact = |(p, f): (&[f32], &f32)| ([p[0], p[1], p[2]].map(f64::from), f64::from(*f));
-        let all: Vec<_> = positions
-            .chunks_exact(3)
-            .zip(&forces)
-            .map(contact)
-            .collect();
+        let all: Vec<_> = positions.chunks_exact(3).zip(&forces).map(contact).collect();
         Ok(all.chunks(self.n_contacts).map(<[_]>::to_vec).collect())
     }
 
     /// Pressed nodes and forces of each of `rows`.
     pub(crate) fn drawn(&mut self, rows: Range<usize>) -> Result<Vec<Vec<DrawnContact>>> {
         let mut nodes = vec![0_i32; rows.len() * self.n_contacts];
-        self.reader
-            .read_rows("contact_nodes", rows.clone(), &mut nodes)?;
+        self.reader.read_rows("contact_nodes", rows.clone(), &mut nodes)?;
         let forces = self.read("contact_forces", rows)?;
         let drawn = |(node, force): (&i32, &f32)| DrawnContact {
             node: *node as usize,

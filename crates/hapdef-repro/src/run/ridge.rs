@@ -44,10 +44,7 @@ pub(crate) fn ridge(run: &Run, done: &Pipeline) -> Result<(RidgeRows, Stage)> {
         let rows = fill(run, done).and_then(|rows| Ok(serde_json::to_value(rows)?));
         rows.map_err(|error| match error.downcast::<HapdefError>() {
             Ok(error) => error,
-            Err(error) => HapdefError::Stale {
-                path: "ridge".into(),
-                what: format!("{error:#}"),
-            },
+            Err(error) => HapdefError::Stale { path: "ridge".into(), what: format!("{error:#}") },
         })
     })?;
     let rows = RidgeRows::deserialize(&stage.record.info).context("the ridge stage")?;
@@ -77,10 +74,7 @@ fn choose(
 ) -> Result<(f64, LinearRegression)> {
     let mut best: Option<(f64, f64, LinearRegression)> = None;
     for ridge in RIDGES {
-        let params = LinearParams {
-            ridge,
-            ..LinearParams::default()
-        };
+        let params = LinearParams { ridge, ..LinearParams::default() };
         let (mut regression, _) = sums.solve(&params)?;
         let mut error = 0.0;
         for set in 0..n_sets {

@@ -61,6 +61,5 @@ impl SampleSet {
 /// `rows` in blocks of at most `n`.
 pub(crate) fn blocks(rows: Range<usize>, n: usize) -> impl Iterator<Item = Range<usize>> {
     let end = rows.end;
-    rows.step_by(n)
-        .map(move |start| start..(start + n).min(end))
+    rows.step_by(n).map(move |start| start..(start + n).min(end))
 }

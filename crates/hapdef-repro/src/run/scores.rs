@@ -11,10 +11,7 @@ use serde::Serialize;
 use super::frames::{Frame, Frames};
 
 /// GOSPA's cut-off: a contact missed or false costs half of it, the 10 mm of k-Max's radius.
-pub(crate) const GOSPA: GospaParams = GospaParams {
-    cutoff_m: 0.020,
-    p: 1.0,
-};
+pub(crate) const GOSPA: GospaParams = GospaParams { cutoff_m: 0.020, p: 1.0 };
 
 /// Least forces that are tried for a candidate to count as a contact, N.
 const LEAST_FORCES_N: std::ops::RangeInclusive<u32> = 1..=40;
@@ -66,16 +63,9 @@ impl Scores {
     pub(crate) fn of(chain: &Hapdefx, frames: &Frames) -> Result<Self> {
         let least_force_n = pick_least_force(&frames.validation);
         let rules = [Rule::Top, Rule::TopWithSpread, Rule::Counted(least_force_n)];
-        let mut sets = vec![
-            ("rig, single", &frames.rig_single),
-            ("rig, double", &frames.rig_double),
-        ];
-        let names = [
-            "simulated, I",
-            "simulated, II",
-            "simulated, III",
-            "simulated, IV",
-        ];
+        let mut sets =
+            vec![("rig, single", &frames.rig_single), ("rig, double", &frames.rig_double)];
+        let names = ["simulated, I", "simulated, II", "simulated, III", "simulated, IV"];
         sets.extend(names.into_iter().zip(&frames.test));
         let mut rows = vec![];
         for (name, set) in sets.into_iter().filter(|(_, set)| !set.is_empty()) {
@@ -85,10 +75,7 @@ impl Scores {
                 }
             }
         }
-        Ok(Self {
-            least_force_n,
-            rows,
-        })
+        Ok(Self { least_force_n, rows })
     }
 
     /// The row of a set and rule.
@@ -169,11 +156,7 @@ pub(crate) fn scored(found: &[FoundContact]) -> Vec<ScoredContact> {
 }
 
 fn counted(found: &[FoundContact], least_n: f64) -> Vec<FoundContact> {
-    found
-        .iter()
-        .filter(|c| c.force_n >= least_n)
-        .copied()
-        .collect()
+    found.iter().filter(|c| c.force_n >= least_n).copied().collect()
 }
 
 fn title(set: &str, rule: Rule) -> String {
@@ -192,9 +175,7 @@ fn pick_least_force(validation: &[Vec<Frame>]) -> f64 {
         frames.filter(right).count()
     };
     // max_by_key takes the last of equals: reversed, the smallest force.
-    let best = LEAST_FORCES_N
-        .rev()
-        .max_by_key(|half| n_right(0.5 * f64::from(*half)));
+    let best = LEAST_FORCES_N.rev().max_by_key(|half| n_right(0.5 * f64::from(*half)));
     0.5 * f64::from(best.unwrap_or(1))
 }
 
@@ -228,28 +209,19 @@ mod tests {
     use super::*;
 
     fn frame(n_true: usize, forces_n: &[f64]) -> Frame {
-        let found = forces_n
-            .iter()
-            .enumerate()
-            .map(|(node, force_n)| FoundContact {
-                node,
-                position_m: [0.0; 3],
-                force_n: *force_n,
-                displacement_um: 1.0,
-            });
-        Frame {
-            truth: vec![([0.0; 3], 1.0); n_true],
-            found: found.collect(),
-        }
+        let found = forces_n.iter().enumerate().map(|(node, force_n)| FoundContact {
+            node,
+            position_m: [0.0; 3],
+            force_n: *force_n,
+            displacement_um: 1.0,
+        });
+        Frame { truth: vec![([0.0; 3], 1.0); n_true], found: found.collect() }
     }
 
     /// One true contact beside a spurious one of 2.9 N, two of at least 4.2 N: 3 N, not more.
     #[test]
     fn the_least_force_counts_right_most_often() {
-        let frames = vec![
-            vec![frame(1, &[9.0, 2.9])],
-            vec![frame(2, &[9.0, 4.2, 1.0])],
-        ];
+        let frames = vec![vec![frame(1, &[9.0, 2.9])], vec![frame(2, &[9.0, 4.2, 1.0])]];
         assert!((pick_least_force(&frames) - 3.0).abs() < 1e-12);
         assert!((pick_least_force(&[]) - 0.5).abs() < 1e-12);
     }

@@ -109,17 +109,8 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<MethodAnswers>>
     let chain = chain(run, limb, done)?;
     let from_virtual = reconstruction(done)?;
     let knn = NearestPresses::new(&mut presses)?;
-    let names = [
-        "k-NN",
-        "direct FNN",
-        "R → S → D → k-Max",
-        "true S → D → k-Max",
-        "true D → k-Max",
-    ];
-    let mut answers = names.map(|name| MethodAnswers {
-        name: name.into(),
-        found: vec![],
-    });
+    let names = ["k-NN", "direct FNN", "R → S → D → k-Max", "true S → D → k-Max", "true D → k-Max"];
+    let mut answers = names.map(|name| MethodAnswers { name: name.into(), found: vec![] });
     for rows in super::samples::blocks(test, BLOCK) {
         run.check_stop("the single presses")?;
         let n_surface = presses.n_surface;
@@ -127,15 +118,10 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<MethodAnswers>>
         let virtual_um = presses.read("virtual_gauges", rows.clone())?;
         let truth_um = presses.read("deformation", rows.clone())?;
         answers[0].found.extend(knn.answers(&readings)?);
-        answers[1]
-            .found
-            .extend(contacts(&forward(&direct, &readings)?));
+        answers[1].found.extend(contacts(&forward(&direct, &readings)?));
         let chained = maps(&chain, &readings, rows.len(), n_surface)?;
         let from_virtual = forward(&from_virtual, &virtual_um)?;
-        for (answers, maps) in answers[2..]
-            .iter_mut()
-            .zip([&chained, &from_virtual, &truth_um])
-        {
+        for (answers, maps) in answers[2..].iter_mut().zip([&chained, &from_virtual, &truth_um]) {
             let found = candidates(&chain, maps, n_surface)?;
             answers.found.extend(found.iter().map(|c| strongest(c)));
         }
@@ -176,11 +162,7 @@ impl NearestPresses {
             let (p, force_n) = contacts[0];
             [p[0], p[1], p[2], force_n].map(|v| v as f32)
         });
-        Ok(Self {
-            knn: Knn::new(&x, n_gauges)?,
-            standardiser,
-            targets: targets.collect(),
-        })
+        Ok(Self { knn: Knn::new(&x, n_gauges)?, standardiser, targets: targets.collect() })
     }
 
     fn answers(&self, readings: &[f32]) -> Result<Vec<Option<Contact>>> {

@@ -43,11 +43,7 @@ struct TableArgs {
     #[arg(long)]
     check: Option<PathBuf>,
     /// The metrics' file.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
+    #[arg(long, env = "HAPDEF_METRICS", default_value = "target/hapdef/metrics.json")]
     metrics: PathBuf,
     /// Seed of what rows draw; that of the tables in docs/ is 0.
     #[arg(long, default_value_t = 0)]
@@ -107,16 +103,9 @@ pub(crate) fn run_inverse(args: &InverseArgs) -> Result<()> {
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let map = response_map(&limb, run.scene.contact.tip_radius_m, run.threads)?;
     let held = limb.clamped.iter().map(|node| limb.mesh.position(*node));
-    let world = Arc::new(InverseWorld::new(
-        map,
-        held.collect(),
-        args.table.test_seed,
-    )?);
+    let world = Arc::new(InverseWorld::new(map, held.collect(), args.table.test_seed)?);
     let rows = inverse_rows(&world, |row| args.table.show(row));
-    let inputs = Inputs {
-        scene: run.scene.name.clone(),
-        hashes: facts::input_hashes(&run)?,
-    };
+    let inputs = Inputs { scene: run.scene.name.clone(), hashes: facts::input_hashes(&run)? };
     finish(&args.table, &INVERSE, inputs, &rows)
 }
 
@@ -226,10 +215,7 @@ fn table(rows: &[StabilityRow]) -> ReportTable {
     ReportTable {
         title: "Rows".into(),
         note: "Measured: the figure that must not exceed the limit.".into(),
-        text: TextTable {
-            header: header.collect(),
-            rows: rows.iter().map(cells).collect(),
-        },
+        text: TextTable { header: header.collect(), rows: rows.iter().map(cells).collect() },
         data: data.collect(),
     }
 }

@@ -13,11 +13,7 @@ use super::facts;
 #[derive(clap::Args)]
 pub(crate) struct AllArgs {
     /// The metrics' file; the pages of the parts are in folders beside it.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
+    #[arg(long, env = "HAPDEF_METRICS", default_value = "target/hapdef/metrics.json")]
     metrics: PathBuf,
 }
 
@@ -31,15 +27,7 @@ const PARTS: [(&str, Option<&str>); 4] = [
 
 const FOLDER: &str = "stability";
 
-const COLUMNS: [&str; 7] = [
-    "layer",
-    "case",
-    "extreme",
-    "must hold",
-    "measured",
-    "said",
-    "verdict",
-];
+const COLUMNS: [&str; 7] = ["layer", "case", "extreme", "must hold", "measured", "said", "verdict"];
 
 /// What is read of a part's page.
 #[derive(Deserialize)]
@@ -89,13 +77,7 @@ pub(crate) fn run(args: &AllArgs) -> Result<()> {
         let page = read(&args.metrics.with_file_name(folder))?;
         let n_before = rows.len();
         for table in &page.tables {
-            rows.extend(
-                table
-                    .text
-                    .rows
-                    .iter()
-                    .map(|row| cells(&table.text.header, row, layer)),
-            );
+            rows.extend(table.text.rows.iter().map(|row| cells(&table.text.header, row, layer)));
             data.extend(table.data.iter().cloned());
         }
         seed = seed.max(page.made.seed);
@@ -129,15 +111,9 @@ pub(crate) fn run(args: &AllArgs) -> Result<()> {
     log.value("stability.failed", n_failed as f64, "1")?;
     log.value("stability.silently_wrong", n_wrong as f64, "1")?;
     log.append_to(&args.metrics)?;
-    let text = TextTable {
-        header: COLUMNS.map(str::to_owned).to_vec(),
-        rows,
-    };
+    let text = TextTable { header: COLUMNS.map(str::to_owned).to_vec(), rows };
     let hash = blake3::hash(text.to_markdown().as_bytes());
-    hashes.push(NamedText {
-        name: "table".into(),
-        text: hash.to_hex().to_string(),
-    });
+    hashes.push(NamedText { name: "table".into(), text: hash.to_hex().to_string() });
     let report = Report {
         title: "Every layer at its extremes".into(),
         seed,
@@ -174,11 +150,7 @@ fn cells(header: &[String], row: &[PageCell], layer: Option<&str>) -> Vec<TextCe
     };
     let (case, must_hold, measured) = if header.iter().any(|column| column == "bound") {
         let case = format!("{}, {}", of("case"), of("path"));
-        (
-            case,
-            "the error is within the bound told",
-            [of("error"), of("bound")],
-        )
+        (case, "the error is within the bound told", [of("error"), of("bound")])
     } else {
         let case = of("method").to_owned();
         (case, of("must hold"), [of("measured"), of("limit")])
@@ -191,21 +163,7 @@ fn cells(header: &[String], row: &[PageCell], layer: Option<&str>) -> Vec<TextCe
         Some(layer) => (layer.to_owned(), case),
         None => (case, String::new()),
     };
-    let verdict = TextCell {
-        text: of("verdict").to_owned(),
-        strong: true,
-    };
-    let plain = [
-        &layer,
-        &case,
-        of("extreme"),
-        must_hold,
-        &measured,
-        of("said"),
-    ];
-    plain
-        .map(TextCell::plain)
-        .into_iter()
-        .chain([verdict])
-        .collect()
+    let verdict = TextCell { text: of("verdict").to_owned(), strong: true };
+    let plain = [&layer, &case, of("extreme"), must_hold, &measured, of("said")];
+    plain.map(TextCell::plain).into_iter().chain([verdict]).collect()
 }

@@ -28,11 +28,7 @@ pub(crate) fn log(
     printed: &Printed<'_>,
     is_repro: bool,
 ) -> Result<()> {
-    if is_repro {
-        log_repro(log, printed)
-    } else {
-        log_demo(log, printed)
-    }
+    if is_repro { log_repro(log, printed) } else { log_demo(log, printed) }
 }
 
 fn log_repro(log: &mut MetricLog<Stdout>, printed: &Printed<'_>) -> Result<()> {
@@ -101,9 +97,7 @@ fn print_claims(text: &TextTable) {
 
 pub(crate) fn terminal_table(text: &TextTable) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
-    table
-        .load_style(comfy_table::presets::NOTHING)
-        .set_header(&text.header);
+    table.load_style(comfy_table::presets::NOTHING).set_header(&text.header);
     for row in &text.rows {
         table.add_row(row.iter().map(|cell| cell.text.as_str()));
     }

@@ -49,30 +49,22 @@ fn train_and_score(run: &Run, path: &std::path::Path) -> Result<SvrScore> {
     let split = Split::of(reader.n())?;
     let n_gauges = reader.width("readings")?;
     let (x, y) = rows(&mut reader, split.train)?;
-    let params = SvrParams {
-        max_samples: run.profile.n_svr,
-        seed: run.scene.seed,
-        ..SvrParams::default()
-    };
+    let params =
+        SvrParams { max_samples: run.profile.n_svr, seed: run.scene.seed, ..SvrParams::default() };
     let (svr, info) = Svr::train(&x, &y, n_gauges, 4, &params)?;
     let n_test = split.test.len();
     let (x, truth) = rows(&mut reader, split.test)?;
     let mut found = vec![0.0; truth.len()];
     svr.predict(&x, &mut found)?;
-    let pairs = truth
-        .chunks_exact(4)
-        .zip(found.chunks_exact(4))
-        .map(|(truth, found)| {
-            let offset = (0..3)
-                .map(|i| f64::from(found[i] - truth[i]).powi(2))
-                .sum::<f64>();
-            ContactPair {
-                detected: 0,
-                truth: 0,
-                position_error_m: offset.sqrt(),
-                force_error_n: f64::from(found[3] - truth[3]),
-            }
-        });
+    let pairs = truth.chunks_exact(4).zip(found.chunks_exact(4)).map(|(truth, found)| {
+        let offset = (0..3).map(|i| f64::from(found[i] - truth[i]).powi(2)).sum::<f64>();
+        ContactPair {
+            detected: 0,
+            truth: 0,
+            position_error_m: offset.sqrt(),
+            force_error_n: f64::from(found[3] - truth[3]),
+        }
+    });
     Ok(SvrScore {
         stats: ContactStats::of(&pairs.collect::<Vec<_>>(), n_test),
         n_trained: info.n_trained,
@@ -88,14 +80,8 @@ fn rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<(Vec<f32>, Vec
         reader.read_rows(tensor, rows.clone(), &mut values)?;
         Ok(values)
     };
-    let (readings, positions, forces) = (
-        read("readings")?,
-        read("contact_positions")?,
-        read("contact_forces")?,
-    );
-    let targets = positions
-        .chunks_exact(3)
-        .zip(&forces)
-        .flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
+    let (readings, positions, forces) =
+        (read("readings")?, read("contact_positions")?, read("contact_forces")?);
+    let targets = positions.chunks_exact(3).zip(&forces).flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
     Ok((readings, targets.collect()))
 }

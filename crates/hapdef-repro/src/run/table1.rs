@@ -51,19 +51,13 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
     let mut linear = LinearAccumulator::new(sets[0].n_virtual, sets[0].n_surface);
     let mut cells = Vec::new();
     for n_sets in 1..=sets.len() {
-        run.say(&format!(
-            "  trained on {}",
-            TrainSet::ALL[n_sets - 1].name()
-        ));
+        run.say(&format!("  trained on {}", TrainSet::ALL[n_sets - 1].name()));
         add_training(&mut linear, &mut sets[n_sets - 1])?;
         let (regression, info) = linear.solve(&LinearParams::default())?;
         let net = nets.load(NetKind::Reconstruction { n_sets })?;
         let mut predictors: [(Method, Box<dyn Predictor>); 3] = [
             (Method::Linear, Box::new(regression)),
-            (
-                Method::Knn,
-                Box::new(Neighbourhood::new(&mut sets, n_sets)?),
-            ),
+            (Method::Knn, Box::new(Neighbourhood::new(&mut sets, n_sets)?)),
             (Method::Fnn, Box::new(net)),
         ];
         for (method, predictor) in &mut predictors {
@@ -146,11 +140,7 @@ impl Neighbourhood {
         fit.push(&x)?;
         let (standardiser, _) = fit.finish()?;
         standardiser.apply(&mut x)?;
-        Ok(Self {
-            knn: Knn::new(&x, n_virtual)?,
-            standardiser,
-            starts,
-        })
+        Ok(Self { knn: Knn::new(&x, n_virtual)?, standardiser, starts })
     }
 
     /// The set and its row behind a training row of the union.
@@ -173,13 +163,7 @@ impl Predictor for Neighbourhood {
         let own_row = own.map_or(OwnRow::None, |(set, rows)| OwnRow::Exclude {
             first: self.starts[set] + rows.start,
         });
-        let found = self.knn.neighbours(
-            &x,
-            &KnnParams {
-                own_row,
-                ..KnnParams::default()
-            },
-        )?;
+        let found = self.knn.neighbours(&x, &KnnParams { own_row, ..KnnParams::default() })?;
         for (query, out) in out.chunks_exact_mut(sets[0].n_surface).enumerate() {
             let fetch = |row: usize, buffer: &mut [f32]| {
                 let (set, row) = self.locate(row);
@@ -264,10 +248,7 @@ fn read_back(info: &Value, metric: MapMetric) -> Result<Table1> {
     let cells = info["cells"].as_array().context("table 1: no cells")?;
     for cell in cells.iter().filter(|cell| cell["method"].is_string()) {
         let named = |method: &&Method| cell["method"] == method.name();
-        let method = *Method::ALL
-            .iter()
-            .find(named)
-            .context("table 1: unknown method")?;
+        let method = *Method::ALL.iter().find(named).context("table 1: unknown method")?;
         let n_sets = cell["n_sets"].as_u64().context("table 1: n_sets")? as usize;
         let train = *TrainSet::ALL.get(n_sets - 1).context("table 1: n_sets")?;
         let tests = cell["test"].as_array().context("table 1: test")?;

@@ -35,11 +35,7 @@ pub(crate) struct TactileArgs {
     #[arg(long)]
     split_seed: Option<u64>,
     /// The metrics' file.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
+    #[arg(long, env = "HAPDEF_METRICS", default_value = "target/hapdef/metrics.json")]
     metrics: PathBuf,
 }
 
@@ -60,20 +56,8 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
         None => numpy_permutations(0, &sizes),
         Some(seed) => sizes.iter().map(|&n| seeded_permutation(seed, n)).collect(),
     };
-    let header = [
-        "run",
-        "method",
-        "settings",
-        "from",
-        "mean, mm",
-        "median, mm",
-        "presses",
-        "s",
-    ];
-    let mut table = TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: Vec::new(),
-    };
+    let header = ["run", "method", "settings", "from", "mean, mm", "median, mm", "presses", "s"];
+    let mut table = TextTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     for ((run, order), which) in runs.iter().zip(&orders).zip([0, 1]) {
         score_run(args, run, order, which, &mut table, &mut log)?;
     }
@@ -91,19 +75,13 @@ fn score_run(
     table: &mut TextTable,
     log: &mut MetricLog<std::io::Stdout>,
 ) -> Result<()> {
-    let params = TactileParams {
-        steps: args.steps,
-        n_svr: args.svr_presses,
-        seed: args.seed,
-    };
+    let params = TactileParams { steps: args.steps, n_svr: args.svr_presses, seed: args.seed };
     let (name, progress) = (["first", "second"][which], Progress::on_stderr());
     let mut knn_mm = f64::NAN;
     for method in TactileMethod::ALL {
         progress.say(&format!("{name} run: {}", method.name()));
         let scores = tactile_scores(run, order, method, &params)?;
-        table
-            .rows
-            .extend(scores.iter().map(|score| row(name, score)));
+        table.rows.extend(scores.iter().map(|score| row(name, score)));
         let [paper, chosen] = [scores[0].mean_mm, scores[1].mean_mm];
         let word = method.name().to_lowercase().replace('-', "");
         log.value(&format!("tactile.{word}_{name}_mm"), paper, "mm")?;
@@ -115,11 +93,7 @@ fn score_run(
                 log.value(&format!("tactile.knn_{name}_vs_reference"), ratio, "1")?;
             }
             TactileMethod::Fnn => {
-                log.value(
-                    &format!("tactile.fnn_{name}_over_knn"),
-                    chosen / knn_mm,
-                    "1",
-                )?;
+                log.value(&format!("tactile.fnn_{name}_over_knn"), chosen / knn_mm, "1")?;
             }
             _ => {}
         }
@@ -128,11 +102,7 @@ fn score_run(
 }
 
 fn row(run: &str, score: &TactileScore) -> Vec<TextCell> {
-    let from = if score.is_chosen {
-        "validation"
-    } else {
-        "paper"
-    };
+    let from = if score.is_chosen { "validation" } else { "paper" };
     let cells = [
         run.to_owned(),
         score.method.name().to_owned(),

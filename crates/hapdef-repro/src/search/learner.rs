@@ -146,11 +146,7 @@ impl Samples<'_> {
 
     fn check(&self) -> Result<(), ReproError> {
         let n = whole_rows("inputs of samples", self.n_inputs, self.x.len())?;
-        Ok(check_len(
-            "outputs of samples",
-            n * self.n_outputs,
-            self.y.len(),
-        )?)
+        Ok(check_len("outputs of samples", n * self.n_outputs, self.y.len())?)
     }
 }
 
@@ -183,10 +179,7 @@ impl FittedKnn {
     }
 
     fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
-        let params = KnnParams {
-            k: self.k,
-            ..KnnParams::default()
-        };
+        let params = KnnParams { k: self.k, ..KnnParams::default() };
         let (n_in, n_out) = (self.standardiser.width(), self.n_outputs);
         let n = whole_rows("k-NN queries", n_in, x.len())?;
         check_len("k-NN predictions", n * n_out, out.len())?;
@@ -223,10 +216,7 @@ fn fit_net(
     let input = standardiser(samples.x, samples.n_inputs)?;
     let output = standardiser(samples.y, samples.n_outputs)?;
     let [input, output] = [input, output].map(|s| Scale::new(s.mean, s.std));
-    let (input, output) = (
-        input.map_err(ReproError::Nets)?,
-        output.map_err(ReproError::Nets)?,
-    );
+    let (input, output) = (input.map_err(ReproError::Nets)?, output.map_err(ReproError::Nets)?);
     let mut net = Net::new(mlp, input, output).map_err(ReproError::Nets)?;
     let mut rows = *samples;
     let on_progress = &mut |_: &Progress| match stop() {
@@ -255,9 +245,7 @@ fn predict_net(net: &Net, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> 
     check_finite("inputs of a net", spec.inputs, x)?;
     out.par_chunks_mut(NET_ROWS * spec.outputs)
         .zip(x.par_chunks(NET_ROWS * spec.inputs))
-        .try_for_each_init(Scratch::default, |scratch, (out, x)| {
-            net.forward_batch(x, scratch, out)
-        })
+        .try_for_each_init(Scratch::default, |scratch, (out, x)| net.forward_batch(x, scratch, out))
         .map_err(ReproError::Nets)
 }
 

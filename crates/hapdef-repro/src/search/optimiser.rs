@@ -36,11 +36,7 @@ pub fn propose(
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(index as u64);
-    let told: &[Trial] = if trials.len() < N_STARTUP {
-        &[]
-    } else {
-        trials
-    };
+    let told: &[Trial] = if trials.len() < N_STARTUP { &[] } else { trials };
     let mut values = KnobValues::new();
     for knob in knobs {
         let broken = |message: String| ReproError::Search { message };
@@ -52,25 +48,16 @@ pub fn propose(
             .map_err(|e| broken(e.to_string()))?;
         for trial in told {
             let value = trial.values.get(knob.name).ok_or_else(|| {
-                broken(format!(
-                    "trial {} lacks the knob {}",
-                    trial.index, knob.name
-                ))
+                broken(format!("trial {} lacks the knob {}", trial.index, knob.name))
             })?;
             let unit = knob.unit(*value).min(LAST_UNIT);
             let objective = trial.objective.unwrap_or(f64::INFINITY);
-            optimiser
-                .tell(unit, objective)
-                .map_err(|e| broken(e.to_string()))?;
+            optimiser.tell(unit, objective).map_err(|e| broken(e.to_string()))?;
         }
         let unit = optimiser.ask(&mut rng).map_err(|e| broken(e.to_string()))?;
         values.insert(knob.name.to_owned(), knob.value(unit.clamp(0.0, 1.0)));
     }
-    let source = if told.is_empty() {
-        TrialSource::Random
-    } else {
-        TrialSource::Proposed
-    };
+    let source = if told.is_empty() { TrialSource::Random } else { TrialSource::Proposed };
     Ok((values, source))
 }
 
@@ -103,10 +90,7 @@ mod tests {
                 elapsed_s: 0.0,
             });
         }
-        let best = trials
-            .iter()
-            .filter_map(|t| t.objective)
-            .fold(f64::INFINITY, f64::min);
+        let best = trials.iter().filter_map(|t| t.objective).fold(f64::INFINITY, f64::min);
         (best, trials)
     }
 

@@ -55,25 +55,16 @@ pub fn search_figures(
 /// Values in a row, such as `k 6, patch 24`.
 #[must_use]
 pub fn values_in_words(values: &KnobValues) -> String {
-    let words = values
-        .iter()
-        .map(|(name, value)| format!("{name} {}", short(*value)));
+    let words = values.iter().map(|(name, value)| format!("{name} {}", short(*value)));
     words.collect::<Vec<_>>().join(", ")
 }
 
 fn table(knobs: &[Knob], trials: &[&Trial]) -> TextTable {
     let ends = ["error", "samples", "s", "note"];
-    let header = ["trial", "from"]
-        .into_iter()
-        .chain(knobs.iter().map(|knob| knob.name))
-        .chain(ends);
+    let header =
+        ["trial", "from"].into_iter().chain(knobs.iter().map(|knob| knob.name)).chain(ends);
     let row = |trial: &&Trial| {
-        let value = |knob: &Knob| {
-            trial
-                .values
-                .get(knob.name)
-                .map_or(String::new(), |v| short(*v))
-        };
+        let value = |knob: &Knob| trial.values.get(knob.name).map_or(String::new(), |v| short(*v));
         let mut cells = vec![trial.index.to_string(), source(trial.source).to_owned()];
         cells.extend(knobs.iter().map(value));
         cells.extend([
@@ -85,10 +76,7 @@ fn table(knobs: &[Knob], trials: &[&Trial]) -> TextTable {
         let is_paper = trial.source == TrialSource::Paper;
         cells
             .into_iter()
-            .map(|text| TextCell {
-                strong: is_paper && !text.is_empty(),
-                text,
-            })
+            .map(|text| TextCell { strong: is_paper && !text.is_empty(), text })
             .collect()
     };
     TextTable {
@@ -104,9 +92,7 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
         (trial.index as f64, best)
     });
     let so_far = so_far.collect();
-    let each = trials
-        .iter()
-        .filter_map(|t| Some((t.index as f64, t.objective?)));
+    let each = trials.iter().filter_map(|t| Some((t.index as f64, t.objective?)));
     Ok(lines_svg(&LineChart {
         title: format!("{}: best so far", header.method),
         x_label: "trial".into(),
@@ -115,14 +101,8 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
         log_y: true,
         dots: true,
         series: vec![
-            Series {
-                name: "best so far".into(),
-                points: so_far,
-            },
-            Series {
-                name: "each trial".into(),
-                points: loose(each),
-            },
+            Series { name: "best so far".into(), points: so_far },
+            Series { name: "each trial".into(), points: loose(each) },
         ],
     })?)
 }
@@ -133,10 +113,7 @@ fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
             .iter()
             .filter(move |t| t.source == kind)
             .filter_map(|t| Some((*t.values.get(knob.name)?, t.objective?)));
-        Series {
-            name: source(kind).to_owned(),
-            points: loose(points),
-        }
+        Series { name: source(kind).to_owned(), points: loose(points) }
     };
     LineChart {
         title: format!("{}: {}", header.method, knob.name),
@@ -145,21 +122,13 @@ fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
         log_x: knob.is_log,
         log_y: true,
         dots: true,
-        series: [
-            TrialSource::Paper,
-            TrialSource::Random,
-            TrialSource::Proposed,
-        ]
-        .map(of)
-        .to_vec(),
+        series: [TrialSource::Paper, TrialSource::Random, TrialSource::Proposed].map(of).to_vec(),
     }
 }
 
 /// Points that no line joins: what is not finite breaks a line.
 fn loose(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    points
-        .flat_map(|point| [point, (f64::NAN, f64::NAN)])
-        .collect()
+    points.flat_map(|point| [point, (f64::NAN, f64::NAN)]).collect()
 }
 
 fn source(source: TrialSource) -> &'static str {
@@ -215,10 +184,7 @@ mod tests {
             trial(2, TrialSource::Proposed, Some(0.5)),
         ];
         let text = search_markdown(&header, &knobs, &trials);
-        assert!(
-            text.contains("Best: trial 2, 0.5000. The paper's point: 2.0000."),
-            "{text}"
-        );
+        assert!(text.contains("Best: trial 2, 0.5000. The paper's point: 2.0000."), "{text}");
         assert!(text.contains("| **0** | **paper** |"), "{text}");
         let figures = search_figures(&header, &knobs, &trials).unwrap();
         assert_eq!(figures.len(), 3);

@@ -60,14 +60,8 @@ pub type KnobValues = BTreeMap<String, f64>;
 
 impl SearchMethod {
     /// Every method.
-    pub const ALL: [Self; 6] = [
-        Self::Reconstruction,
-        Self::Transfer,
-        Self::Direct,
-        Self::Linear,
-        Self::Knn,
-        Self::Svr,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Reconstruction, Self::Transfer, Self::Direct, Self::Linear, Self::Knn, Self::Svr];
 
     /// Its name in files and on the command line.
     #[must_use]
@@ -224,25 +218,11 @@ fn widths(layers: usize, [first, last]: [usize; 2]) -> Vec<usize> {
 }
 
 fn whole(name: &'static str, low: f64, high: f64, paper: f64, is_log: bool) -> Knob {
-    Knob {
-        name,
-        low,
-        high,
-        is_log,
-        is_whole: true,
-        paper,
-    }
+    Knob { name, low, high, is_log, is_whole: true, paper }
 }
 
 fn real(name: &'static str, low: f64, high: f64, paper: f64) -> Knob {
-    Knob {
-        name,
-        low,
-        high,
-        is_log: true,
-        is_whole: false,
-        paper,
-    }
+    Knob { name, low, high, is_log: true, is_whole: false, paper }
 }
 
 #[cfg(test)]
@@ -250,11 +230,7 @@ mod tests {
     use super::*;
     use hapdef_nets::MlpSpec;
 
-    const BUDGET: TrialBudget = TrialBudget {
-        steps: 1,
-        n_svr: 2,
-        seed: 0,
-    };
+    const BUDGET: TrialBudget = TrialBudget { steps: 1, n_svr: 2, seed: 0 };
 
     fn paper_net(method: SearchMethod) -> NetSettings {
         let values = paper_values(&method.knobs(60));
@@ -267,10 +243,7 @@ mod tests {
     #[test]
     fn the_papers_point_is_the_papers_nets() {
         let specs = [
-            (
-                SearchMethod::Reconstruction,
-                MlpSpec::reconstruction(240, 3211),
-            ),
+            (SearchMethod::Reconstruction, MlpSpec::reconstruction(240, 3211)),
             (SearchMethod::Transfer, MlpSpec::transfer(10, 240)),
             (SearchMethod::Direct, MlpSpec::direct(10)),
         ];

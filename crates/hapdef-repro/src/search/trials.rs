@@ -79,12 +79,8 @@ impl TrialLog {
         let file = file.map_err(ReportError::io("opening", path))?;
         let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
         let whole = text.rfind('\n').map_or(0, |at| at + 1);
-        file.set_len(whole as u64)
-            .map_err(ReportError::io("cutting", path))?;
-        let mut log = Self {
-            file,
-            path: path.to_owned(),
-        };
+        file.set_len(whole as u64).map_err(ReportError::io("cutting", path))?;
+        let mut log = Self { file, path: path.to_owned() };
         if whole == 0 {
             log.append(header)?;
             return Ok((log, Vec::new()));
@@ -143,9 +139,8 @@ pub fn merge_trials(files: &[std::path::PathBuf]) -> Result<(TrialHeader, Vec<Tr
     }
     all.sort_by_key(|trial| trial.index);
     let same = |a: &Trial, b: &Trial| a.values == b.values && a.objective == b.objective;
-    if let Some(pair) = all
-        .windows(2)
-        .find(|pair| pair[0].index == pair[1].index && !same(&pair[0], &pair[1]))
+    if let Some(pair) =
+        all.windows(2).find(|pair| pair[0].index == pair[1].index && !same(&pair[0], &pair[1]))
     {
         return Err(ReproError::Search {
             message: format!(
@@ -185,9 +180,8 @@ fn parse_trials(path: &Path, text: &str) -> Result<(TrialHeader, Vec<Trial>), Re
     let bad = ReportError::json(path);
     let mut lines = text.lines();
     let header = serde_json::from_str(lines.next().unwrap_or_default()).map_err(&bad)?;
-    let mut trials: Vec<Trial> = lines
-        .map(|line| serde_json::from_str(line).map_err(&bad))
-        .collect::<Result<_, _>>()?;
+    let mut trials: Vec<Trial> =
+        lines.map(|line| serde_json::from_str(line).map_err(&bad)).collect::<Result<_, _>>()?;
     trials.sort_by_key(|trial| trial.index);
     Ok((header, trials))
 }
@@ -249,10 +243,7 @@ mod tests {
         assert_eq!(read, all);
         log.push(&trial(2, Some(0.1))).unwrap();
         assert_eq!(read_trials(&path).unwrap().1.len(), 3);
-        let other = TrialHeader {
-            seed: 2,
-            ..header()
-        };
+        let other = TrialHeader { seed: 2, ..header() };
         let error = TrialLog::open(&path, &other).unwrap_err().to_string();
         assert!(error.contains("seed: 2"), "{error}");
     }

@@ -40,16 +40,10 @@ fn channels(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &Lear
     use StabilityWanted::{Either, Result};
     let l = learner.clone();
     let holds = ("error at most 1.5 × that without the channel", 1.5);
-    all.push(case(
-        method,
-        "a constant channel",
-        holds,
-        Result,
-        move || {
-            let with = Plant::new(seed).with_inputs(|x| [x, &[1234.5]].concat());
-            ratio(&with, &Plant::new(seed), &l)
-        },
-    ));
+    all.push(case(method, "a constant channel", holds, Result, move || {
+        let with = Plant::new(seed).with_inputs(|x| [x, &[1234.5]].concat());
+        ratio(&with, &Plant::new(seed), &l)
+    }));
     let l = learner.clone();
     let holds = ("predictions do not move", 1e-6);
     all.push(case(
@@ -60,34 +54,21 @@ fn channels(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &Lear
         move || {
             let still = Plant::new(seed).with_inputs(|x| [x, &[100.0]].concat());
             let mut moving = still.clone();
-            moving
-                .test_x
-                .iter_mut()
-                .skip(4)
-                .step_by(5)
-                .for_each(|x| *x = 150.0);
-            Ok(largest_difference(
-                &still.predictions(&l)?,
-                &moving.predictions(&l)?,
-            ))
+            moving.test_x.iter_mut().skip(4).step_by(5).for_each(|x| *x = 150.0);
+            Ok(largest_difference(&still.predictions(&l)?, &moving.predictions(&l)?))
         },
     ));
     let l = learner.clone();
     // the mean of six samples is off by as much as χ² with three degrees of freedom, 99.9 %, over 6 · 3
     let holds = match learner {
-        Learner::Knn { .. } => (
-            "error at most √(1 + 16.3/18) × that of the mean: six samples' mean",
-            1.38,
-        ),
+        Learner::Knn { .. } => {
+            ("error at most √(1 + 16.3/18) × that of the mean: six samples' mean", 1.38)
+        }
         _ => ("error at most 1.2 × that of the mean", 1.2),
     };
-    all.push(case(
-        method,
-        "all channels constant",
-        holds,
-        Either,
-        move || Plant::new(seed).with_inputs(|_| vec![7.0; 4]).error(&l),
-    ));
+    all.push(case(method, "all channels constant", holds, Either, move || {
+        Plant::new(seed).with_inputs(|_| vec![7.0; 4]).error(&l)
+    }));
     let l = learner.clone();
     let holds = ("error at most 1.2 × that without the channel", 1.2);
     all.push(case(
@@ -120,36 +101,22 @@ fn outputs(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &Learn
         let l = learner.clone();
         let holds = ("error, in forces, moves by at most 10 %", 0.1);
         let extreme = format!("forces of {newtons:.0e} N");
-        all.push(case(
-            method,
-            extreme,
-            holds,
-            StabilityWanted::Result,
-            move || moved(seed, &Plant::new(seed).with_outputs_times(newtons), &l),
-        ));
+        all.push(case(method, extreme, holds, StabilityWanted::Result, move || {
+            moved(seed, &Plant::new(seed).with_outputs_times(newtons), &l)
+        }));
     }
     for value in [0.0_f32, 0.05, -1e6] {
         let l = learner.clone();
         let holds = ("predictions stay at the constant", 1e-5);
         let extreme = format!("outputs constant at {value}");
-        all.push(case(
-            method,
-            extreme,
-            holds,
-            StabilityWanted::Result,
-            move || {
-                let mut plant = Plant::new(seed);
-                plant.y.fill(value);
-                let truth = vec![value; plant.test_y.len()];
-                let found = plant.predictions(&l)?;
-                let apart = largest_difference(&truth, &found);
-                Ok(if value.abs() > 0.0 {
-                    apart
-                } else {
-                    apart * f64::MIN_POSITIVE
-                })
-            },
-        ));
+        all.push(case(method, extreme, holds, StabilityWanted::Result, move || {
+            let mut plant = Plant::new(seed);
+            plant.y.fill(value);
+            let truth = vec![value; plant.test_y.len()];
+            let found = plant.predictions(&l)?;
+            let apart = largest_difference(&truth, &found);
+            Ok(if value.abs() > 0.0 { apart } else { apart * f64::MIN_POSITIVE })
+        }));
     }
 }
 
@@ -158,50 +125,28 @@ fn outliers(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &Lear
         let l = learner.clone();
         let holds = ("error at most 1.2 × that without the channel", 1.2);
         let extreme = format!("one training sample's channel at {value:.0e}");
-        all.push(case(
-            method,
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let mut plant = Plant::new(seed);
-                plant.x[4 * 17] = value;
-                ratio(
-                    &plant,
-                    &Plant::new(seed).with_inputs(|x| x[1..].to_vec()),
-                    &l,
-                )
-            },
-        ));
+        all.push(case(method, extreme, holds, StabilityWanted::Either, move || {
+            let mut plant = Plant::new(seed);
+            plant.x[4 * 17] = value;
+            ratio(&plant, &Plant::new(seed).with_inputs(|x| x[1..].to_vec()), &l)
+        }));
         let l = learner.clone();
         let holds = ("the other outputs stay better than their means", 1.0);
         let extreme = format!("one training sample's output at {value:.0e}");
-        all.push(case(
-            method,
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let mut plant = Plant::new(seed);
-                plant.y[N_OUT * 17] = value;
-                plant.error_from(&l, 1)
-            },
-        ));
+        all.push(case(method, extreme, holds, StabilityWanted::Either, move || {
+            let mut plant = Plant::new(seed);
+            plant.y[N_OUT * 17] = value;
+            plant.error_from(&l, 1)
+        }));
         let l = learner.clone();
         let holds = ("predictions are finite", 0.0);
         let extreme = format!("a test sample's channel at {value:.0e}");
-        all.push(case(
-            method,
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let mut plant = Plant::new(seed);
-                plant.test_x[4 * 17] = value;
-                let found = plant.predictions(&l)?;
-                Ok(found.iter().filter(|v| !v.is_finite()).count() as f64)
-            },
-        ));
+        all.push(case(method, extreme, holds, StabilityWanted::Either, move || {
+            let mut plant = Plant::new(seed);
+            plant.test_x[4 * 17] = value;
+            let found = plant.predictions(&l)?;
+            Ok(found.iter().filter(|v| !v.is_finite()).count() as f64)
+        }));
     }
 }
 
@@ -221,17 +166,11 @@ fn not_finite(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &Le
             };
             let holds = ("refused with row and column", 0.0);
             let wanted = StabilityWanted::saying(words);
-            all.push(case(
-                method,
-                format!("a {place} is {value}"),
-                holds,
-                wanted,
-                move || {
-                    let mut plant = Plant::new(seed);
-                    spoil(&mut plant, value);
-                    plant.error(&l)
-                },
-            ));
+            all.push(case(method, format!("a {place} is {value}"), holds, wanted, move || {
+                let mut plant = Plant::new(seed);
+                spoil(&mut plant, value);
+                plant.error(&l)
+            }));
         }
     }
 }
@@ -241,21 +180,15 @@ fn few_samples(all: &mut Vec<Case>, seed: u64, method: &'static str, learner: &L
         let l = learner.clone();
         let holds = ("the samples' own outputs, up to 1 %", 1e-2);
         let wanted = StabilityWanted::Either;
-        all.push(case(
-            method,
-            format!("{n} training samples"),
-            holds,
-            wanted,
-            move || {
-                let mut plant = Plant::new(seed);
-                plant.x.truncate(n * plant.n_in);
-                plant.y.truncate(n * N_OUT);
-                let mut found = vec![0.0; n * N_OUT];
-                let fitted = l.fit(&plant.samples(), &|| false)?;
-                fitted.predict(&plant.x, &mut found)?;
-                Ok(largest_difference(&plant.y, &found))
-            },
-        ));
+        all.push(case(method, format!("{n} training samples"), holds, wanted, move || {
+            let mut plant = Plant::new(seed);
+            plant.x.truncate(n * plant.n_in);
+            plant.y.truncate(n * N_OUT);
+            let mut found = vec![0.0; n * N_OUT];
+            let fitted = l.fit(&plant.samples(), &|| false)?;
+            fitted.predict(&plant.x, &mut found)?;
+            Ok(largest_difference(&plant.y, &found))
+        }));
     }
 }
 
@@ -274,26 +207,15 @@ fn rates(all: &mut Vec<Case>, seed: u64) {
 
 fn neighbours(all: &mut Vec<Case>, seed: u64) {
     let holds = ("the outputs of the equal points", 1e-6);
-    all.push(case(
-        "k-NN",
-        "every point ten times",
-        holds,
-        StabilityWanted::Result,
-        move || {
-            let mut plant = Plant::new(seed);
-            let ten = |rows: &[f32], width: usize| {
-                rows.chunks_exact(width)
-                    .flat_map(|r| r.repeat(10))
-                    .collect::<Vec<_>>()
-            };
-            (plant.test_x, plant.test_y) = (plant.x[..400].to_vec(), plant.y[..300].to_vec());
-            (plant.x, plant.y) = (ten(&plant.x, 4), ten(&plant.y, N_OUT));
-            Ok(largest_difference(
-                &plant.test_y,
-                &plant.predictions(&Learner::Knn { k: 6 })?,
-            ))
-        },
-    ));
+    all.push(case("k-NN", "every point ten times", holds, StabilityWanted::Result, move || {
+        let mut plant = Plant::new(seed);
+        let ten = |rows: &[f32], width: usize| {
+            rows.chunks_exact(width).flat_map(|r| r.repeat(10)).collect::<Vec<_>>()
+        };
+        (plant.test_x, plant.test_y) = (plant.x[..400].to_vec(), plant.y[..300].to_vec());
+        (plant.x, plant.y) = (ten(&plant.x, 4), ten(&plant.y, N_OUT));
+        Ok(largest_difference(&plant.test_y, &plant.predictions(&Learner::Knn { k: 6 })?))
+    }));
     let holds = ("the mean of the first six", 1e-6);
     all.push(case(
         "k-NN",
@@ -304,10 +226,7 @@ fn neighbours(all: &mut Vec<Case>, seed: u64) {
             let plant = Plant::new(seed).with_inputs(|_| vec![0.5; 4]);
             let mean = |j: usize| (0..6).map(|i| plant.y[i * N_OUT + j]).sum::<f32>() / 6.0;
             let wanted: Vec<f32> = (0..plant.test_y.len()).map(|i| mean(i % N_OUT)).collect();
-            Ok(largest_difference(
-                &wanted,
-                &plant.predictions(&Learner::Knn { k: 6 })?,
-            ))
+            Ok(largest_difference(&wanted, &plant.predictions(&Learner::Knn { k: 6 })?))
         },
     ));
 }
@@ -317,27 +236,17 @@ fn collinear(all: &mut Vec<Case>, seed: u64) {
     let widened: [(&'static str, Widen); 4] = [
         ("every column twice", |x| [x, x].concat()),
         ("every column fifty times", |x| x.repeat(50)),
-        ("a column that is the sum of two", |x| {
-            [x, &[x[0] + x[1]]].concat()
-        }),
-        ("a column and itself × 1e5", |x| {
-            [x, &[x[0] * 1e5]].concat()
-        }),
+        ("a column that is the sum of two", |x| [x, &[x[0] + x[1]]].concat()),
+        ("a column and itself × 1e5", |x| [x, &[x[0] * 1e5]].concat()),
     ];
     for (words, widen) in widened {
         let holds = ("predictions as without the extra columns", 1e-5);
-        all.push(case(
-            "LR",
-            words,
-            holds,
-            StabilityWanted::Result,
-            move || {
-                let linear = Learner::Linear(LinearParams::default());
-                let plain = Plant::new(seed).predictions(&linear)?;
-                let wide = Plant::new(seed).with_inputs(widen).predictions(&linear)?;
-                Ok(largest_difference(&plain, &wide))
-            },
-        ));
+        all.push(case("LR", words, holds, StabilityWanted::Result, move || {
+            let linear = Learner::Linear(LinearParams::default());
+            let plain = Plant::new(seed).predictions(&linear)?;
+            let wide = Plant::new(seed).with_inputs(widen).predictions(&linear)?;
+            Ok(largest_difference(&plain, &wide))
+        }));
     }
 }
 
@@ -345,21 +254,10 @@ fn support_vectors(all: &mut Vec<Case>, seed: u64) {
     for (c, gamma) in [(20.0, 1e-6), (20.0, 1e6), (1e-6, 0.125), (1e4, 0.125)] {
         let holds = ("error at most 1.2 × that of the mean", 1.2);
         let extreme = format!("C {c:.0e}, γ {gamma:.0e}");
-        all.push(case(
-            "SVR",
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let params = SvrParams {
-                    c,
-                    gamma,
-                    epsilon: 1e-3,
-                    ..SvrParams::default()
-                };
-                Plant::new(seed).error(&Learner::Svr(params))
-            },
-        ));
+        all.push(case("SVR", extreme, holds, StabilityWanted::Either, move || {
+            let params = SvrParams { c, gamma, epsilon: 1e-3, ..SvrParams::default() };
+            Plant::new(seed).error(&Learner::Svr(params))
+        }));
     }
 }
 
@@ -370,22 +268,12 @@ fn knobs(all: &mut Vec<Case>, seed: u64) {
         change(&mut params);
         Learner::Svr(params)
     };
-    let linear = |ridge| {
-        Learner::Linear(LinearParams {
-            ridge,
-            ..LinearParams::default()
-        })
-    };
+    let linear = |ridge| Learner::Linear(LinearParams { ridge, ..LinearParams::default() });
     let bad: [(&'static str, &'static str, &'static str, Learner); 8] = [
         ("LR", "ridge −1", "ridge", linear(-1.0)),
         ("LR", "ridge NaN", "ridge", linear(f64::NAN)),
         ("k-NN", "k 0", "k = 0", Learner::Knn { k: 0 }),
-        (
-            "k-NN",
-            "k beyond the samples",
-            "at least",
-            Learner::Knn { k: N_TRAIN + 1 },
-        ),
+        ("k-NN", "k beyond the samples", "at least", Learner::Knn { k: N_TRAIN + 1 }),
         ("SVR", "C 0", "SVR c", svr(|p| p.c = 0.0)),
         ("SVR", "γ NaN", "SVR gamma", svr(|p| p.gamma = f64::NAN)),
         ("net", "learning rate 0", "learning_rate", net(0.0)),
@@ -393,8 +281,6 @@ fn knobs(all: &mut Vec<Case>, seed: u64) {
     ];
     for (method, extreme, words, learner) in bad {
         let wanted = StabilityWanted::saying(words);
-        all.push(case(method, extreme, refused, wanted, move || {
-            Plant::new(seed).error(&learner)
-        }));
+        all.push(case(method, extreme, refused, wanted, move || Plant::new(seed).error(&learner)));
     }
 }

@@ -57,15 +57,8 @@ A row is `accurate` where what must hold, holds, `refused` where there was a typ
 
 ";
 
-const COLUMNS: [&str; 7] = [
-    "method",
-    "extreme",
-    "must hold",
-    "limit",
-    "measured",
-    "said",
-    "verdict",
-];
+const COLUMNS: [&str; 7] =
+    ["method", "extreme", "must hold", "limit", "measured", "said", "verdict"];
 
 /// docs/stability-nets.md.
 pub const NETS: StabilityDocument = document(NETS_PREAMBLE);
@@ -89,17 +82,10 @@ const fn document(preamble: &'static str) -> StabilityDocument {
 #[must_use]
 pub fn stability_line(row: &StabilityRow) -> String {
     let failed = if row.is_failed() { "FAIL" } else { "pass" };
-    let head = format!(
-        "{failed} {:<14} {:<12} {:<46}",
-        row.verdict().word(),
-        row.method,
-        row.extreme
-    );
+    let head =
+        format!("{failed} {:<14} {:<12} {:<46}", row.verdict().word(), row.method, row.extreme);
     match &row.outcome {
-        Ok(f) => format!(
-            "{head} {}: {:.3e} (limit {:e})",
-            row.must_hold, f.measured, f.limit
-        ),
+        Ok(f) => format!("{head} {}: {:.3e} (limit {:e})", row.must_hold, f.measured, f.limit),
         Err(refusal) => format!("{head} {}: {}", refusal.kind, refusal.text),
     }
 }

@@ -30,24 +30,13 @@ impl Plant {
             let word = |rng: &mut ChaCha8Rng| (rng.next_u32() >> 8) as f32 / 8_388_608.0 - 1.0;
             let x: Vec<f32> = (0..4 * n).map(|_| word(&mut rng)).collect();
             let rows = x.chunks_exact(4);
-            let y = rows.flat_map(|r| {
-                [
-                    r[0] + 0.5 * r[1] * r[1],
-                    r[2].sin() + r[0] * r[3],
-                    r[1] - r[2],
-                ]
-            });
+            let y = rows
+                .flat_map(|r| [r[0] + 0.5 * r[1] * r[1], r[2].sin() + r[0] * r[3], r[1] - r[2]]);
             let y = y.collect();
             (x, y)
         };
         let ((x, y), (test_x, test_y)) = (draw(N_TRAIN), draw(N_TEST));
-        Self {
-            n_in: 4,
-            x,
-            y,
-            test_x,
-            test_y,
-        }
+        Self { n_in: 4, x, y, test_x, test_y }
     }
 
     /// Every input row through `change`, which may also change its width.
@@ -55,38 +44,25 @@ impl Plant {
         let through = |x: &[f32], width: usize| -> Vec<f32> {
             x.chunks_exact(width).flat_map(&change).collect()
         };
-        (self.x, self.test_x) = (
-            through(&self.x, self.n_in),
-            through(&self.test_x, self.n_in),
-        );
+        (self.x, self.test_x) = (through(&self.x, self.n_in), through(&self.test_x, self.n_in));
         self.n_in = self.x.len() / N_TRAIN;
         self
     }
 
     /// Every output times `factor`.
     pub(super) fn with_outputs_times(mut self, factor: f32) -> Self {
-        self.y
-            .iter_mut()
-            .chain(&mut self.test_y)
-            .for_each(|y| *y *= factor);
+        self.y.iter_mut().chain(&mut self.test_y).for_each(|y| *y *= factor);
         self
     }
 
     pub(super) fn samples(&self) -> Samples<'_> {
-        Samples {
-            x: &self.x,
-            n_inputs: self.n_in,
-            y: &self.y,
-            n_outputs: N_OUT,
-        }
+        Samples { x: &self.x, n_inputs: self.n_in, y: &self.y, n_outputs: N_OUT }
     }
 
     /// Predictions for the test inputs.
     pub(super) fn predictions(&self, learner: &Learner) -> Result<Vec<f32>, ReproError> {
         let mut out = vec![0.0; N_TEST * N_OUT];
-        learner
-            .fit(&self.samples(), &|| false)?
-            .predict(&self.test_x, &mut out)?;
+        learner.fit(&self.samples(), &|| false)?.predict(&self.test_x, &mut out)?;
         Ok(out)
     }
 
@@ -96,24 +72,11 @@ impl Plant {
         let found = self.predictions(learner)?;
         let (mut squares, mut spread) = (0.0, 0.0);
         for column in first..N_OUT {
-            let truth = || {
-                self.test_y
-                    .iter()
-                    .skip(column)
-                    .step_by(N_OUT)
-                    .map(|v| f64::from(*v))
-            };
+            let truth = || self.test_y.iter().skip(column).step_by(N_OUT).map(|v| f64::from(*v));
             let mean = truth().sum::<f64>() / N_TEST as f64;
             spread += truth().map(|v| (v - mean).powi(2)).sum::<f64>();
-            let found = found
-                .iter()
-                .skip(column)
-                .step_by(N_OUT)
-                .map(|v| f64::from(*v));
-            squares += truth()
-                .zip(found)
-                .map(|(a, b)| (a - b).powi(2))
-                .sum::<f64>();
+            let found = found.iter().skip(column).step_by(N_OUT).map(|v| f64::from(*v));
+            squares += truth().zip(found).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         }
         Ok((squares / spread).sqrt())
     }
@@ -126,10 +89,7 @@ impl Plant {
 
 /// The methods by name.
 pub(super) fn methods() -> [(&'static str, Learner); 4] {
-    let svr = SvrParams {
-        epsilon: 1e-3,
-        ..SvrParams::default()
-    };
+    let svr = SvrParams { epsilon: 1e-3, ..SvrParams::default() };
     [
         ("LR", Learner::Linear(LinearParams::default())),
         ("k-NN", Learner::Knn { k: 6 }),
@@ -156,9 +116,6 @@ pub(super) fn net(learning_rate: f64) -> Learner {
 /// The largest difference over the largest value.
 pub(super) fn largest_difference(a: &[f32], b: &[f32]) -> f64 {
     let apart = a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs()));
-    let largest = a
-        .iter()
-        .map(|a| f64::from(a.abs()))
-        .fold(f64::MIN_POSITIVE, f64::max);
+    let largest = a.iter().map(|a| f64::from(a.abs())).fold(f64::MIN_POSITIVE, f64::max);
     apart.fold(0.0, f64::max) / largest
 }

@@ -34,10 +34,7 @@ fn trained(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     all.push(case(method, "a trained net", holds, wanted, move || {
         let (plant, learner) = (Plant::new(seed), net(3e-3));
         let net = trained_net(&plant, &learner)?;
-        let in_32 = apart(
-            &plant.test_y,
-            &outputs(&net, Precision::F32, &plant.test_x)?,
-        );
+        let in_32 = apart(&plant.test_y, &outputs(&net, Precision::F32, &plant.test_x)?);
         let found = outputs(&net, precision, &plant.test_x)?;
         Ok(apart(&plant.test_y, &found) / in_32)
     }));
@@ -49,10 +46,7 @@ fn trained(all: &mut Vec<Case>, seed: u64, precision: Precision) {
         moved.iter_mut().skip(4).step_by(5).for_each(|x| *x = 1e30);
         let net = trained_net(&still, &net(3e-3))?;
         let still = outputs(&net, precision, &still.test_x)?;
-        Ok(largest_difference(
-            &still,
-            &outputs(&net, precision, &moved)?,
-        ))
+        Ok(largest_difference(&still, &outputs(&net, precision, &moved)?))
     }));
     for activation in [Activation::Relu, Activation::Tanh] {
         let extreme = format!("a trained net of {activation:?}");
@@ -65,28 +59,12 @@ fn trained(all: &mut Vec<Case>, seed: u64, precision: Precision) {
 fn changed_weights(all: &mut Vec<Case>, seed: u64, precision: Precision) {
     type Change = fn(&mut [Layer]);
     let changes: [(&'static str, StabilityWanted, Change); 9] = [
-        (
-            "one weight × 1e6, first layer",
-            StabilityWanted::Result,
-            |l| l[0].weights[9] *= 1e6,
-        ),
-        (
-            "one weight × 1e6, hidden layer",
-            StabilityWanted::Result,
-            |l| l[1].weights[99] *= 1e6,
-        ),
-        (
-            "one weight × 1e6, last layer",
-            StabilityWanted::Result,
-            |l| l[2].weights[9] *= 1e6,
-        ),
-        (
-            "one weight × 1e30, hidden layer",
-            StabilityWanted::Either,
-            |l| {
-                l[1].weights[99] *= 1e30;
-            },
-        ),
+        ("one weight × 1e6, first layer", StabilityWanted::Result, |l| l[0].weights[9] *= 1e6),
+        ("one weight × 1e6, hidden layer", StabilityWanted::Result, |l| l[1].weights[99] *= 1e6),
+        ("one weight × 1e6, last layer", StabilityWanted::Result, |l| l[2].weights[9] *= 1e6),
+        ("one weight × 1e30, hidden layer", StabilityWanted::Either, |l| {
+            l[1].weights[99] *= 1e30;
+        }),
         ("one weight 3e38", StabilityWanted::Either, |l| {
             l[1].weights[99] = f32::MAX;
         }),
@@ -102,13 +80,9 @@ fn changed_weights(all: &mut Vec<Case>, seed: u64, precision: Precision) {
         }),
     ];
     for (extreme, wanted, change) in changes {
-        all.push(case(
-            precision.name(),
-            extreme,
-            IN_BOUND,
-            wanted,
-            move || in_bound(precision, seed, Activation::Relu, change, |_| {}),
-        ));
+        all.push(case(precision.name(), extreme, IN_BOUND, wanted, move || {
+            in_bound(precision, seed, Activation::Relu, change, |_| {})
+        }));
     }
 }
 
@@ -117,16 +91,10 @@ fn far_inputs(all: &mut Vec<Case>, seed: u64, precision: Precision) {
         for value in [1e-40_f32, 1e3, 1e6, 1e12, 1e30, f32::MAX] {
             let extreme = format!("a channel at {value:.0e}, {activation:?}");
             let wanted = StabilityWanted::Either;
-            all.push(case(
-                precision.name(),
-                extreme,
-                IN_BOUND,
-                wanted,
-                move || {
-                    let set = |x: &mut [f32]| x.iter_mut().step_by(4).for_each(|x| *x = value);
-                    in_bound(precision, seed, activation, |_| {}, set)
-                },
-            ));
+            all.push(case(precision.name(), extreme, IN_BOUND, wanted, move || {
+                let set = |x: &mut [f32]| x.iter_mut().step_by(4).for_each(|x| *x = value);
+                in_bound(precision, seed, activation, |_| {}, set)
+            }));
         }
     }
 }
@@ -176,11 +144,7 @@ fn in_bound(
     for (x, found) in rows.zip(found.chunks_exact(N_OUT)) {
         for ((exact, bound), found) in with_bound(&net, precision, x).iter().zip(found) {
             let share = (f64::from(*found) - exact).abs() / bound;
-            worst = if share.is_nan() {
-                share
-            } else {
-                worst.max(share)
-            };
+            worst = if share.is_nan() { share } else { worst.max(share) };
         }
     }
     Ok(worst)
@@ -207,9 +171,7 @@ fn outputs(net: &Net, precision: Precision, x: &[f32]) -> Result<Vec<f32>, Repro
     let mut out = vec![0.0; x.len() / prepared.n_inputs() * prepared.n_outputs()];
     let rows = x.chunks_exact(prepared.n_inputs());
     for (x, out) in rows.zip(out.chunks_exact_mut(prepared.n_outputs())) {
-        prepared
-            .forward(x, &mut scratch, out)
-            .map_err(ReproError::Nets)?;
+        prepared.forward(x, &mut scratch, out).map_err(ReproError::Nets)?;
     }
     Ok(out)
 }

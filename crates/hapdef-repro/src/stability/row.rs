@@ -53,15 +53,7 @@ impl StabilityCase for StabilityRow {
         };
         let [method, must_hold] = [self.method, self.must_hold].map(str::to_owned);
         let [said, verdict] = [self.said(), self.verdict().word()].map(str::to_owned);
-        vec![
-            method,
-            self.extreme.clone(),
-            must_hold,
-            limit,
-            measured,
-            said,
-            verdict,
-        ]
+        vec![method, self.extreme.clone(), must_hold, limit, measured, said, verdict]
     }
 
     fn words(&self, refusal: &StabilityRefusal) -> String {
@@ -108,10 +100,7 @@ pub(super) struct Case {
 
 impl Case {
     pub(super) fn row(&self) -> StabilityRow {
-        let figure = |measured| StabilityFigure {
-            measured,
-            limit: self.limit,
-        };
+        let figure = |measured| StabilityFigure { measured, limit: self.limit };
         StabilityRow {
             method: self.method,
             extreme: self.extreme.clone(),
@@ -130,14 +119,7 @@ pub(super) fn case(
     wanted: StabilityWanted,
     run: impl Fn() -> Result<f64, ReproError> + 'static,
 ) -> Case {
-    Case {
-        method,
-        extreme: extreme.into(),
-        must_hold,
-        limit,
-        wanted,
-        run: Box::new(run),
-    }
+    Case { method, extreme: extreme.into(), must_hold, limit, wanted, run: Box::new(run) }
 }
 
 #[cfg(test)]
@@ -163,9 +145,6 @@ mod tests {
     #[test]
     fn words_have_no_folders() {
         let text = "a tensor in /tmp/x1/set.safetensors: 1/2 read";
-        assert_eq!(
-            without_folders(text),
-            "a tensor in set.safetensors: 1/2 read"
-        );
+        assert_eq!(without_folders(text), "a tensor in set.safetensors: 1/2 read");
     }
 }

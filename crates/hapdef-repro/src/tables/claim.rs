@@ -94,10 +94,7 @@ impl Check {
         low: (&str, Option<f64>),
         high: (&str, Option<f64>),
     ) -> Self {
-        Self {
-            or_equal: true,
-            ..Self::below(place, low, high)
-        }
+        Self { or_equal: true, ..Self::below(place, low, high) }
     }
 
     /// Whether it holds; `None` if a side was not measured. A number that is not finite on either
@@ -105,11 +102,7 @@ impl Check {
     #[must_use]
     pub fn holds(&self) -> Option<bool> {
         let (low, high) = (self.low?, self.high?);
-        let kept = if self.or_equal {
-            low <= high
-        } else {
-            low < high
-        };
+        let kept = if self.or_equal { low <= high } else { low < high };
         Some(kept && low.is_finite() && high.is_finite())
     }
 
@@ -122,11 +115,7 @@ impl Check {
     }
 
     fn shown(&self, unit: &str) -> String {
-        let place = if self.place.is_empty() {
-            String::new()
-        } else {
-            format!("{}: ", self.place)
-        };
+        let place = if self.place.is_empty() { String::new() } else { format!("{}: ", self.place) };
         format!(
             "{place}{} {}, {} {} {unit}",
             self.low_name,
@@ -214,10 +203,7 @@ pub fn claims_text(claims: &[Claim]) -> TextTable {
             ]
         })
     });
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
+    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.collect() }
 }
 
 #[cfg(test)]
@@ -233,11 +219,7 @@ mod tests {
 
     #[test]
     fn the_count_of_checks_decides() {
-        let (good, bad, none) = (
-            (Some(1.0), Some(2.0)),
-            (Some(2.0), Some(2.0)),
-            (None, Some(1.0)),
-        );
+        let (good, bad, none) = ((Some(1.0), Some(2.0)), (Some(2.0), Some(2.0)), (None, Some(1.0)));
         assert_eq!(verdict(&[good, good]).fate, Fate::Holds);
         assert_eq!(verdict(&[good, bad]).fate, Fate::HoldsPartly);
         assert_eq!(verdict(&[bad, bad]).fate, Fate::Fails);
@@ -251,10 +233,7 @@ mod tests {
     fn the_reason_names_the_worst_comparison() {
         let found = verdict(&[(Some(1.0), Some(2.0)), (Some(3.0), Some(2.0))]);
         assert_eq!(found.reason, "1 of 2; worst here: a 3.0, b 2.0 mm");
-        assert_eq!(
-            verdict(&[(Some(1.0), Some(4.0))]).reason,
-            "here: a 1.0, b 4.0 mm"
-        );
+        assert_eq!(verdict(&[(Some(1.0), Some(4.0))]).reason, "here: a 1.0, b 4.0 mm");
         let draw = Check::at_most("", ("a", Some(2.0)), ("b", Some(2.0)));
         assert_eq!(draw.holds(), Some(true));
     }

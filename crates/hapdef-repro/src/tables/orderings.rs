@@ -188,9 +188,7 @@ mod tests {
     #[test]
     fn a_better_rival_breaks_its_cell_only() {
         let mut table = Table1::paper();
-        let linear = table
-            .test(Method::Linear, TrainSet::I, TestSet::III)
-            .unwrap();
+        let linear = table.test(Method::Linear, TrainSet::I, TestSet::III).unwrap();
         table.set_test(Method::Knn, TrainSet::I, TestSet::III, linear);
         let claims = table1_claims(std::slice::from_ref(&table));
         assert_eq!(claims[0].verdicts[0].n_held, 2, "a draw is no win");
@@ -207,9 +205,6 @@ mod tests {
         assert_eq!(fate(&Table1::default(), "message_1"), Fate::NotMeasured);
         let fvu = table1_claims(&[Table1::new(MapMetric::Fvu)]);
         let ratio = fvu.iter().find(|claim| claim.id == "fnn_over_lr").unwrap();
-        assert!(
-            ratio.verdicts.is_empty(),
-            "the paper's quotients are of errors"
-        );
+        assert!(ratio.verdicts.is_empty(), "the paper's quotients are of errors");
     }
 }

@@ -109,11 +109,8 @@ const PAPER_TEST_UM: [[[f64; 4]; 4]; 3] = [
 ];
 
 /// The training errors of the same table, µm: `[method][trained on]`.
-const PAPER_TRAINING_UM: [[f64; 4]; 3] = [
-    [2.2, 6.2, 10.9, 13.6],
-    [2.3, 12.8, 27.5, 40.9],
-    [0.6, 2.9, 5.7, 8.1],
-];
+const PAPER_TRAINING_UM: [[f64; 4]; 3] =
+    [[2.2, 6.2, 10.9, 13.6], [2.3, 12.8, 27.5, 40.9], [0.6, 2.9, 5.7, 8.1]];
 
 /// Whether a cell holds a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -160,10 +157,7 @@ impl Table1 {
     /// An empty table of `metric`.
     #[must_use]
     pub fn new(metric: MapMetric) -> Self {
-        Self {
-            metric,
-            ..Self::default()
-        }
+        Self { metric, ..Self::default() }
     }
 
     /// What its cells measure.
@@ -230,9 +224,7 @@ impl Table1 {
                         trained_on,
                         tested_on,
                         state: state(cell(self)),
-                        ours: cell(self)
-                            .filter(|v| v.is_finite())
-                            .map(|v| v * self.metric.scale()),
+                        ours: cell(self).filter(|v| v.is_finite()).map(|v| v * self.metric.scale()),
                         paper: cell(&paper)
                             .filter(|_| self.metric != MapMetric::Fvu)
                             .map(|v| v * 1e6),
@@ -248,24 +240,9 @@ impl Table1 {
     /// the best method is strong.
     #[must_use]
     pub fn to_text(&self) -> TextTable {
-        let header = [
-            "method",
-            "trained on",
-            "I",
-            "II",
-            "III",
-            "IV",
-            "training error",
-        ];
-        let rows = self
-            .records()
-            .chunks(5)
-            .map(|row| self.text_row(row))
-            .collect();
-        TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows,
-        }
+        let header = ["method", "trained on", "I", "II", "III", "IV", "training error"];
+        let rows = self.records().chunks(5).map(|row| self.text_row(row)).collect();
+        TextTable { header: header.map(str::to_owned).to_vec(), rows }
     }
 
     fn text_row(&self, row: &[Table1Record]) -> Vec<TextCell> {
@@ -282,10 +259,7 @@ impl Table1 {
 
     fn is_best(&self, record: &Table1Record) -> bool {
         record.tested_on.is_some_and(|test| {
-            let value = |m| {
-                self.test(m, record.trained_on, test)
-                    .unwrap_or(f64::INFINITY)
-            };
+            let value = |m| self.test(m, record.trained_on, test).unwrap_or(f64::INFINITY);
             let rivals = Method::ALL.into_iter().filter(|m| *m != record.method);
             let mine = value(record.method);
             mine.is_finite() && rivals.into_iter().all(|m| mine < value(m))
@@ -323,14 +297,7 @@ mod tests {
     #[test]
     fn the_papers_table_is_complete() {
         let paper = Table1::paper();
-        assert_eq!(
-            paper.cells(),
-            CellCount {
-                total: 60,
-                measured: 60,
-                nan: 0
-            }
-        );
+        assert_eq!(paper.cells(), CellCount { total: 60, measured: 60, nan: 0 });
         let worst = paper.test(Method::Knn, TrainSet::I, TestSet::IV).unwrap();
         assert!((worst - 286.9e-6).abs() < 1e-12, "{worst}");
     }
@@ -342,23 +309,10 @@ mod tests {
         ours.set_test(Method::Linear, TrainSet::ToII, TestSet::II, 20e-6);
         ours.set_test(Method::Knn, TrainSet::I, TestSet::I, f64::NAN);
         ours.set_training(Method::Knn, TrainSet::I, 1e-6);
-        assert_eq!(
-            ours.cells(),
-            CellCount {
-                total: 60,
-                measured: 4,
-                nan: 1
-            }
-        );
+        assert_eq!(ours.cells(), CellCount { total: 60, measured: 4, nan: 1 });
         let text = ours.to_text().to_markdown();
-        assert!(
-            text.contains("| FNN | I–II | – (0.70) | **7.2 (7.7)** | – (30.6) |"),
-            "{text}"
-        );
-        assert!(
-            text.contains("| k-NN | I | NaN (2.3) | – (159) |"),
-            "{text}"
-        );
+        assert!(text.contains("| FNN | I–II | – (0.70) | **7.2 (7.7)** | – (30.6) |"), "{text}");
+        assert!(text.contains("| k-NN | I | NaN (2.3) | – (159) |"), "{text}");
         assert_eq!(text.lines().count(), 14);
     }
 
@@ -370,10 +324,7 @@ mod tests {
         assert_eq!(json.as_array().unwrap().len(), 60);
         assert_eq!(json[1]["state"], "not_finite");
         assert_eq!(json[1]["ours"], serde_json::Value::Null);
-        assert_eq!(
-            (&json[1]["method"], &json[1]["tested_on"]),
-            (&"LR".into(), &"II".into())
-        );
+        assert_eq!((&json[1]["method"], &json[1]["tested_on"]), (&"LR".into(), &"II".into()));
         assert!((json[59]["paper"].as_f64().unwrap() - 8.1).abs() < 1e-12);
     }
 }

@@ -51,20 +51,8 @@ mod tests {
         ours.set_test(Method::Linear, TrainSet::I, TestSet::I, f64::NAN);
         assert_eq!(bars(&ours), none + 4, "the NaN draws no bar");
         let svg = bars_svg(&table1_bars(&ours)).unwrap();
-        for text in [
-            "LR",
-            "k-NN",
-            "FNN",
-            "paper",
-            "trained on I–III",
-            "IV",
-            "10",
-            "100",
-        ] {
-            assert!(
-                svg.contains(&format!("{text}\n")),
-                "{text} is missing in {svg}"
-            );
+        for text in ["LR", "k-NN", "FNN", "paper", "trained on I–III", "IV", "10", "100"] {
+            assert!(svg.contains(&format!("{text}\n")), "{text} is missing in {svg}");
         }
         assert!(count(&svg, "polyline") >= 48);
     }

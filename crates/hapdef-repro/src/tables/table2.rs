@@ -20,11 +20,7 @@ pub struct PaperAccuracy {
 }
 
 const fn paper(name: &'static str, low: f64, high: f64, n: Option<f64>) -> PaperAccuracy {
-    PaperAccuracy {
-        name,
-        location_mm: [low, high],
-        magnitude_n: n,
-    }
+    PaperAccuracy { name, location_mm: [low, high], magnitude_n: n }
 }
 
 /// Table 2 of Sun & Martius 2019; the last three are human skin.
@@ -68,15 +64,9 @@ impl Table2 {
     pub fn to_text(&self) -> TextTable {
         let header = ["", "location, mm", "paper", "magnitude, N", "paper"];
         let of = |name: &str| self.ours.iter().find(|c| c.name == name);
-        let papers = PAPER_TABLE2
-            .iter()
-            .map(|p| row(p.name, of(p.name), Some(p)));
+        let papers = PAPER_TABLE2.iter().map(|p| row(p.name, of(p.name), Some(p)));
         let extra = |c: &&OwnAccuracy| PAPER_TABLE2.iter().all(|p| p.name != c.name);
-        let extras = self
-            .ours
-            .iter()
-            .filter(extra)
-            .map(|c| row(&c.name, Some(c), None));
+        let extras = self.ours.iter().filter(extra).map(|c| row(&c.name, Some(c), None));
         TextTable {
             header: header.map(str::to_owned).to_vec(),
             rows: papers.chain(extras).collect(),
@@ -90,9 +80,8 @@ fn row(name: &str, ours: Option<&OwnAccuracy>, paper: Option<&PaperAccuracy>) ->
         Some([low, high]) if low < high => format!("{low}–{high}"),
         Some([low, _]) => low.to_string(),
     };
-    let paper_magnitude = paper
-        .and_then(|p| p.magnitude_n)
-        .map_or("–".to_owned(), |n| n.to_string());
+    let paper_magnitude =
+        paper.and_then(|p| p.magnitude_n).map_or("–".to_owned(), |n| n.to_string());
     [
         name.to_owned(),
         cell_text(ours.and_then(|c| c.location_m).map(|m| m * 1e3)),
@@ -145,27 +134,11 @@ mod tests {
                 column("inverse double", Some(0.0019), None),
             ],
         };
-        assert_eq!(
-            table.cells(),
-            CellCount {
-                total: 4,
-                measured: 3,
-                nan: 1
-            }
-        );
+        assert_eq!(table.cells(), CellCount { total: 4, measured: 3, nan: 1 });
         let text = table.to_text().to_markdown();
-        assert!(
-            text.contains("| HapDefX double | 12.3 | 10 | NaN | 6 |"),
-            "{text}"
-        );
-        assert!(
-            text.contains("| inverse double | 1.9 | – | – | – |"),
-            "{text}"
-        );
-        assert!(
-            text.contains("| fingertip (human) | – | 2–8 | – | – |"),
-            "{text}"
-        );
+        assert!(text.contains("| HapDefX double | 12.3 | 10 | NaN | 6 |"), "{text}");
+        assert!(text.contains("| inverse double | 1.9 | – | – | – |"), "{text}");
+        assert!(text.contains("| fingertip (human) | – | 2–8 | – | – |"), "{text}");
         let json = serde_json::to_value(&table).unwrap();
         assert_eq!(json["ours"][0]["magnitude_n"], serde_json::Value::Null);
         assert_eq!(json["paper"][3]["magnitude_n"], 6.0);

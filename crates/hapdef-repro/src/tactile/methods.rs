@@ -85,16 +85,9 @@ impl TactileMethod {
         };
         match self {
             Self::Linear => [0.0, 1e-4, 1e-3, 1e-2, 1e-1]
-                .map(|ridge| {
-                    Learner::Linear(LinearParams {
-                        ridge,
-                        ..LinearParams::default()
-                    })
-                })
+                .map(|ridge| Learner::Linear(LinearParams { ridge, ..LinearParams::default() }))
                 .to_vec(),
-            Self::Knn => [6, 1, 2, 3, 4, 5, 8, 10]
-                .map(|k| Learner::Knn { k })
-                .to_vec(),
+            Self::Knn => [6, 1, 2, 3, 4, 5, 8, 10].map(|k| Learner::Knn { k }).to_vec(),
             Self::Svr => vec![
                 svr(20.0, 0.125, 1e-6),
                 svr(20.0, 0.125, 1e-2),
@@ -127,11 +120,7 @@ fn net(
         final_learning_rate: Some(learning_rate * fall),
         ..TrainParams::paper(params.seed)
     };
-    Learner::Net(NetSettings {
-        hidden: hidden.to_vec(),
-        activation,
-        training,
-    })
+    Learner::Net(NetSettings { hidden: hidden.to_vec(), activation, training })
 }
 
 /// Scores `method` on a run, with the paper's settings and with chosen ones.
@@ -193,28 +182,17 @@ pub fn tactile_distances_mm(
 ) -> Result<Vec<f64>, ReproError> {
     let x = rows(&run.channels, run.n_channels, train);
     let y = rows(&run.place_mm, 2, train);
-    let samples = Samples {
-        x: &x,
-        n_inputs: run.n_channels,
-        y: &y,
-        n_outputs: 2,
-    };
+    let samples = Samples { x: &x, n_inputs: run.n_channels, y: &y, n_outputs: 2 };
     let fitted = learner.fit(&samples, &|| false)?;
     let mut found = vec![0.0; queries.len() * 2];
     fitted.predict(&rows(&run.channels, run.n_channels, queries), &mut found)?;
     let truth = rows(&run.place_mm, 2, queries);
     let pairs = found.chunks_exact(2).zip(truth.chunks_exact(2));
-    Ok(pairs
-        .map(|(a, b)| f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1])))
-        .collect())
+    Ok(pairs.map(|(a, b)| f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1]))).collect())
 }
 
 fn rows(all: &[f32], width: usize, picked: &[usize]) -> Vec<f32> {
-    picked
-        .iter()
-        .flat_map(|row| &all[row * width..(row + 1) * width])
-        .copied()
-        .collect()
+    picked.iter().flat_map(|row| &all[row * width..(row + 1) * width]).copied().collect()
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -53,11 +53,7 @@ impl Pcg64 {
     fn new(seed: u32) -> Self {
         let words = seed_sequence(seed);
         let wide = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
-        let mut made = Self {
-            state: 0,
-            increment: wide(words[2], words[3]) << 1 | 1,
-            upper: None,
-        };
+        let mut made = Self { state: 0, increment: wide(words[2], words[3]) << 1 | 1, upper: None };
         made.step();
         made.state = made.state.wrapping_add(wide(words[0], words[1]));
         made.step();
@@ -65,10 +61,7 @@ impl Pcg64 {
     }
 
     fn step(&mut self) {
-        self.state = self
-            .state
-            .wrapping_mul(Self::MULTIPLIER)
-            .wrapping_add(self.increment);
+        self.state = self.state.wrapping_mul(Self::MULTIPLIER).wrapping_add(self.increment);
     }
 
     fn next_u32(&mut self) -> u32 {

@@ -95,10 +95,7 @@ fn read_line(line: &str, n_columns: usize) -> Result<Vec<f32>, String> {
     if values.len() == n_columns {
         return Ok(values);
     }
-    Err(format!(
-        "expected {n_columns} columns, found {}",
-        values.len()
-    ))
+    Err(format!("expected {n_columns} columns, found {}", values.len()))
 }
 
 #[cfg(test)]

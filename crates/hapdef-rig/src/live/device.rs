@@ -165,10 +165,7 @@ impl RigDevice {
         self.hello.boot_id = self.params.boot_id;
         self.encoder = Encoder::new();
         self.decoder = Decoder::new();
-        self.status = Status {
-            supply_mv: self.status.supply_mv,
-            ..Status::default()
-        };
+        self.status = Status { supply_mv: self.status.supply_mv, ..Status::default() };
         self.is_running = true;
         self.n_before_boot = self.n_samples;
         self.next_flags = FrameFlags::FIRST_AFTER_BOOT;
@@ -195,11 +192,7 @@ impl RigDevice {
                 Command::Start => self.is_running = true,
                 Command::Stop => self.is_running = false,
                 Command::Ping { host_ns } => {
-                    let pong = Pong {
-                        host_ns,
-                        t_rx_us: t_us,
-                        t_us,
-                    };
+                    let pong = Pong { host_ns, t_rx_us: t_us, t_us };
                     self.encoder.pong(pong, out);
                 }
             }
@@ -232,9 +225,7 @@ impl RigDevice {
         }
         let before = out.len();
         let t_us = self.truth.t_device_us;
-        let made = self
-            .encoder
-            .data(&self.hello, t_us, flags, &self.codes, out);
+        let made = self.encoder.data(&self.hello, t_us, flags, &self.codes, out);
         debug_assert!(made.is_ok(), "{made:?}");
         if out.len() - start > room {
             out.truncate(before);
@@ -276,12 +267,10 @@ impl RigDevice {
         self.strain_ue.fill(0.0);
         for contact in contacts.iter() {
             let force = contact.force_vector_n();
-            self.limb
-                .add_strain_ue(&contact.point, &force, &mut self.strain_ue);
+            self.limb.add_strain_ue(&contact.point, &force, &mut self.strain_ue);
         }
         let n = self.electronics.n_channels();
-        self.electronics
-            .sample(t_s, &self.strain_ue, &mut self.codes[..n]);
+        self.electronics.sample(t_s, &self.strain_ue, &mut self.codes[..n]);
         let celsius = self.electronics.temperature_at(t_s);
         if self.params.has_temperature {
             self.codes[n] = (celsius * TEMPERATURE_PER_C).round() as i32;
@@ -317,26 +306,12 @@ fn check(
         if ok {
             return Ok(());
         }
-        Err(RigError::Parameter {
-            name,
-            expected,
-            found,
-        })
+        Err(RigError::Parameter { name, expected, found })
     };
     let rate_hz = params.rate_hz;
-    require(
-        (1.0..=1e5).contains(&rate_hz),
-        "rate_hz",
-        "1 to 100000",
-        rate_hz,
-    )?;
+    require((1.0..=1e5).contains(&rate_hz), "rate_hz", "1 to 100000", rate_hz)?;
     let ppm = params.drift_ppm;
-    require(
-        ppm.abs() < 1e4,
-        "drift_ppm",
-        "less than 1 % either way",
-        ppm,
-    )?;
+    require(ppm.abs() < 1e4, "drift_ppm", "less than 1 % either way", ppm)?;
     let n = electronics.n_channels();
     let expected = "one channel for each gauge of the limb";
     require(n == limb.n_gauges(), "electronics", expected, n as f64)

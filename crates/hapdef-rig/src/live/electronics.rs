@@ -163,10 +163,7 @@ impl LiveElectronics {
             None => Electronics::new(params.converter, largest_ue)?,
             Some(bridge) => {
                 let ends = vec![bridge.full_scale_ue(); n];
-                let params = ElectronicsParams {
-                    headroom: 1.0,
-                    ..params.converter
-                };
+                let params = ElectronicsParams { headroom: 1.0, ..params.converter };
                 Electronics::new(params, &ends)?
             }
         };
@@ -177,9 +174,7 @@ impl LiveElectronics {
         };
         let mut rng = stream(CHANNEL_STREAM);
         let mut uniform = |largest: f64| -> Vec<f64> {
-            (0..n)
-                .map(|_| rng.random_range(-1.0..=1.0) * largest)
-                .collect()
+            (0..n).map(|_| rng.random_range(-1.0..=1.0) * largest).collect()
         };
         let mut gauge_of: Vec<usize> = (0..n).collect();
         for &(a, b) in &params.swapped {
@@ -285,11 +280,7 @@ fn check(params: &LiveElectronicsParams, rate_hz: f64, n: usize) -> Result<(), R
         if ok {
             return Ok(());
         }
-        Err(RigError::Parameter {
-            name,
-            expected,
-            found,
-        })
+        Err(RigError::Parameter { name, expected, found })
     };
     let not_negative = |name, value: f64| {
         let ok = value.is_finite() && value >= 0.0;
@@ -310,12 +301,7 @@ fn check(params: &LiveElectronicsParams, rate_hz: f64, n: usize) -> Result<(), R
         require(rises, "temperature_c", "rising times", pair[1].0)?;
     }
     for term in &params.creep {
-        require(
-            term.share.is_finite(),
-            "creep.share",
-            "a finite number",
-            term.share,
-        )?;
+        require(term.share.is_finite(), "creep.share", "a finite number", term.share)?;
         positive("creep.time_s", term.time_s)?;
     }
     if let Some(bridge) = &params.bridge {
@@ -327,12 +313,7 @@ fn check(params: &LiveElectronicsParams, rate_hz: f64, n: usize) -> Result<(), R
     let swapped = params.swapped.iter().flat_map(|(a, b)| [*a, *b]);
     for channel in swapped.chain(params.dead.iter().copied()) {
         let expected = "below the number of channels";
-        require(
-            channel < n,
-            "swapped or dead channel",
-            expected,
-            channel as f64,
-        )?;
+        require(channel < n, "swapped or dead channel", expected, channel as f64)?;
     }
     Ok(())
 }

@@ -39,10 +39,7 @@ impl Events {
     /// The next event that is due at `t_s`.
     pub(super) fn due(&mut self, t_s: f64) -> Option<Event> {
         let is_due = self.left.last().is_some_and(|(at_s, _)| *at_s <= t_s);
-        is_due
-            .then(|| self.left.pop())
-            .flatten()
-            .map(|(_, event)| event)
+        is_due.then(|| self.left.pop()).flatten().map(|(_, event)| event)
     }
 
     /// Puts an event back, a little later than `t_s`.

@@ -63,10 +63,7 @@ impl FromStr for RigFault {
     type Err = RigError;
 
     fn from_str(text: &str) -> Result<Self, RigError> {
-        let refused = || RigError::Fault {
-            found: text.to_owned(),
-            expected: EXPECTED,
-        };
+        let refused = || RigError::Fault { found: text.to_owned(), expected: EXPECTED };
         parse(text).ok_or_else(refused)
     }
 }
@@ -90,26 +87,14 @@ fn parse(text: &str) -> Option<RigFault> {
         "holes" => run().map(|(rate, len)| RigFault::Wire(Fault::Holes { rate, len }))?,
         "unplug" => {
             let (at, long) = value.split_once('+')?;
-            RigFault::Unplug {
-                at_s: seconds(at)?,
-                for_s: seconds(long)?,
-            }
+            RigFault::Unplug { at_s: seconds(at)?, for_s: seconds(long)? }
         }
-        "reset" => RigFault::Reset {
-            at_s: seconds(value)?,
-        },
-        "drift" => RigFault::Drift {
-            ppm: value.parse().ok().filter(|ppm: &f64| ppm.abs() < 1e4)?,
-        },
-        "dead" => RigFault::Dead {
-            channel: value.parse().ok()?,
-        },
+        "reset" => RigFault::Reset { at_s: seconds(value)? },
+        "drift" => RigFault::Drift { ppm: value.parse().ok().filter(|ppm: &f64| ppm.abs() < 1e4)? },
+        "dead" => RigFault::Dead { channel: value.parse().ok()? },
         "swap" => {
             let (first, second) = value.split_once(',')?;
-            RigFault::Swapped {
-                first: first.parse().ok()?,
-                second: second.parse().ok()?,
-            }
+            RigFault::Swapped { first: first.parse().ok()?, second: second.parse().ok()? }
         }
         _ => return None,
     })
@@ -130,10 +115,7 @@ impl Wires {
             RigFault::Wire(fault) => Some(Injector::new(*fault, seed.wrapping_add(i))),
             _ => None,
         };
-        Self {
-            injectors: (0..).zip(faults).filter_map(wire).collect(),
-            ..Self::default()
-        }
+        Self { injectors: (0..).zip(faults).filter_map(wire).collect(), ..Self::default() }
     }
 
     /// Passes packets on to `out`; `bytes` is empty afterwards.
@@ -165,15 +147,9 @@ mod tests {
     fn words_are_read() {
         let read = |text: &str| text.parse::<RigFault>().unwrap();
         let rate = 1e-5;
-        assert_eq!(
-            read("bitflips=1e-5"),
-            RigFault::Wire(Fault::BitFlips { rate })
-        );
+        assert_eq!(read("bitflips=1e-5"), RigFault::Wire(Fault::BitFlips { rate }));
         let len = 16;
-        assert_eq!(
-            read("bursts=1e-5x16"),
-            RigFault::Wire(Fault::Bursts { rate, len })
-        );
+        assert_eq!(read("bursts=1e-5x16"), RigFault::Wire(Fault::Bursts { rate, len }));
         let (at_s, for_s) = (5.0, 1.5);
         assert_eq!(read("unplug=5+1.5"), RigFault::Unplug { at_s, for_s });
         assert_eq!(read("reset=5"), RigFault::Reset { at_s });
@@ -183,15 +159,8 @@ mod tests {
 
     #[test]
     fn other_words_are_refused_with_what_is_expected() {
-        for text in [
-            "",
-            "bitflips",
-            "bitflips=2",
-            "bursts=1e-4",
-            "unplug=-1+2",
-            "swap=1",
-            "dead=x",
-        ] {
+        for text in ["", "bitflips", "bitflips=2", "bursts=1e-4", "unplug=-1+2", "swap=1", "dead=x"]
+        {
             let error = text.parse::<RigFault>().unwrap_err().to_string();
             assert!(error.contains("unplug=AT_S+FOR_S"), "{text}: {error}");
         }

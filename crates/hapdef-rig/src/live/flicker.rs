@@ -45,11 +45,7 @@ impl Flicker {
             let z: f64 = StandardNormal.sample(&mut rng);
             sd_ue * z
         });
-        Self {
-            states_ue: states.collect(),
-            steps: (0..n).map(step).collect(),
-            rng,
-        }
+        Self { states_ue: states.collect(), steps: (0..n).map(step).collect(), rng }
     }
 
     /// The next sample of a channel, µε.

@@ -74,9 +74,7 @@ impl Play {
 
     /// Adds what presses at `t_s` to `out`, in the script's order.
     pub fn at(&self, t_s: f64, limb: &LiveLimb, out: &mut Vec<TrueContact>) {
-        let t_s = self
-            .repeat_s
-            .map_or(t_s, |repeat_s| t_s.rem_euclid(repeat_s));
+        let t_s = self.repeat_s.map_or(t_s, |repeat_s| t_s.rem_euclid(repeat_s));
         out.extend(self.tracks.iter().filter_map(|track| track.at(t_s, limb)));
     }
 }
@@ -89,18 +87,11 @@ impl Track {
         for (k, event) in contact.events.iter().enumerate() {
             let path = format!("contacts[{index}].events[{k}]");
             let step = Step::new(event, force, place.as_ref(), limb, &path)?;
-            force = if step.is_impact {
-                Force::default()
-            } else {
-                step.to
-            };
+            force = if step.is_impact { Force::default() } else { step.to };
             place = Some(step.place.clone());
             steps.push(step);
         }
-        Ok(Self {
-            id: contact.id,
-            steps,
-        })
+        Ok(Self { id: contact.id, steps })
     }
 
     fn at(&self, t_s: f64, limb: &LiveLimb) -> Option<TrueContact> {
@@ -111,13 +102,7 @@ impl Track {
             return None;
         }
         let point = step.place.at(step.share(t_s), limb)?;
-        Some(TrueContact::new(
-            limb,
-            self.id,
-            point,
-            force.normal_n,
-            &force.shear_n,
-        ))
+        Some(TrueContact::new(limb, self.id, point, force.normal_n, &force.shear_n))
     }
 }
 
@@ -135,28 +120,17 @@ impl Step {
         };
         let stays = || Place::At(place.map_or(FIRST, |place| place.end(limb)));
         let (to, place) = match event {
-            PressEvent::Arrive {
-                position_m,
-                force_n,
-                shear_n,
-                ..
-            } => (
+            PressEvent::Arrive { position_m, force_n, shear_n, .. } => (
                 force(force_n, shear_n),
                 Place::At(on_skin(limb, position_m, &format!("{path}.position_m"))?),
             ),
-            PressEvent::Press {
-                force_n, shear_n, ..
-            } => (force(force_n, shear_n), stays()),
+            PressEvent::Press { force_n, shear_n, .. } => (force(force_n, shear_n), stays()),
             PressEvent::Slide { path_m, .. } => {
                 let start = limb.position_m(&place.map_or(FIRST, |place| place.end(limb)));
                 (from, Place::along(start, path_m, limb, path)?)
             }
             PressEvent::Leave { .. } => (Force::default(), stays()),
-            PressEvent::Impact {
-                position_m,
-                force_n,
-                ..
-            } => (
+            PressEvent::Impact { position_m, force_n, .. } => (
                 force(force_n, &[0.0; 3]),
                 Place::At(on_skin(limb, position_m, &format!("{path}.position_m"))?),
             ),
@@ -188,11 +162,7 @@ impl Step {
             (false, true) => 1.0,
             (false, false) => (1.0 - (PI * share).cos()) / 2.0,
         };
-        let from = if self.is_impact {
-            Force::default()
-        } else {
-            self.from
-        };
+        let from = if self.is_impact { Force::default() } else { self.from };
         Force {
             normal_n: from.normal_n + (self.to.normal_n - from.normal_n) * weight,
             shear_n: from.shear_n + (self.to.shear_n - from.shear_n) * weight,
@@ -201,10 +171,7 @@ impl Step {
 }
 
 /// Stands where no place is needed: a checked script names one before it is used.
-const FIRST: SurfacePoint = SurfacePoint {
-    face: 0,
-    bary: [1.0, 0.0, 0.0],
-};
+const FIRST: SurfacePoint = SurfacePoint { face: 0, bary: [1.0, 0.0, 0.0] };
 
 impl Place {
     fn along(

@@ -40,11 +40,7 @@ pub trait DevicePort: Send {
 impl DevicePort for MemoryDevice {
     fn look(&mut self, from_host: &mut Vec<u8>) -> PortState {
         from_host.extend(self.receive());
-        if self.is_open() {
-            PortState::Open
-        } else {
-            PortState::Closed
-        }
+        if self.is_open() { PortState::Open } else { PortState::Closed }
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {
@@ -148,10 +144,7 @@ impl DevicePort for TcpPort {
 }
 
 pub(super) fn port_error(port: &str, source: std::io::Error) -> RigError {
-    RigError::Port {
-        port: port.to_owned(),
-        source,
-    }
+    RigError::Port { port: port.to_owned(), source }
 }
 
 fn is_later(kind: ErrorKind) -> bool {

@@ -61,12 +61,7 @@ impl Pressed {
     /// A normal press.
     #[must_use]
     pub fn normal(id: u32, position_m: Point3<f64>, force_n: f64) -> Self {
-        Self {
-            id,
-            position_m,
-            force_n,
-            shear_n: Vector3::zeros(),
-        }
+        Self { id, position_m, force_n, shear_n: Vector3::zeros() }
     }
 
     /// What it does on the limb; `None` if it does not press or a number is not finite.
@@ -77,13 +72,7 @@ impl Pressed {
             return None;
         }
         let (point, _) = limb.nearest(&self.position_m)?;
-        Some(TrueContact::new(
-            limb,
-            self.id,
-            point,
-            self.force_n,
-            &self.shear_n,
-        ))
+        Some(TrueContact::new(limb, self.id, point, self.force_n, &self.shear_n))
     }
 }
 

@@ -26,11 +26,8 @@ impl PtyPort {
     /// # Errors
     /// [`RigError::Port`] when there is no pseudo-terminal left, or the link can't be made.
     pub fn open(link: Option<&Path>) -> Result<Self, RigError> {
-        let mut port = Self {
-            master: None,
-            path: PathBuf::new(),
-            link: link.map(Path::to_path_buf),
-        };
+        let mut port =
+            Self { master: None, path: PathBuf::new(), link: link.map(Path::to_path_buf) };
         port.replug()?;
         Ok(port)
     }
@@ -82,11 +79,7 @@ impl DevicePort for PtyPort {
         let (master, path) = pty().map_err(|e| port_error("pseudo-terminal", e.into()))?;
         if let Some(link) = &self.link {
             let is_link = std::fs::symlink_metadata(link).is_ok_and(|m| m.is_symlink());
-            let removed = if is_link {
-                std::fs::remove_file(link)
-            } else {
-                Ok(())
-            };
+            let removed = if is_link { std::fs::remove_file(link) } else { Ok(()) };
             removed
                 .and_then(|()| std::os::unix::fs::symlink(&path, link))
                 .map_err(|e| port_error(&link.display().to_string(), e))?;

@@ -84,23 +84,15 @@ pub fn random_script(limb: &LiveLimb, params: &RandomScriptParams) -> PressScrip
         }
     }
     drawn.sort_by(|a, b| a.span_s.0.total_cmp(&b.span_s.0));
-    let contacts = (1..).zip(drawn).map(|(id, drawn)| ScriptedContact {
-        id,
-        events: drawn.events,
-    });
-    PressScript {
-        repeat_s: Some(params.duration_s),
-        ..PressScript::new(contacts.collect())
-    }
+    let contacts = (1..).zip(drawn).map(|(id, drawn)| ScriptedContact { id, events: drawn.events });
+    PressScript { repeat_s: Some(params.duration_s), ..PressScript::new(contacts.collect()) }
 }
 
 impl Drawn {
     fn leaves_room_for(&self, new: &Self, params: &RandomScriptParams) -> bool {
         let is_apart_in_time = self.span_s.1 < new.span_s.0 || new.span_s.1 < self.span_s.0;
-        let mut pairs = self
-            .places
-            .iter()
-            .flat_map(|a| new.places.iter().map(move |b| (a - b).norm()));
+        let mut pairs =
+            self.places.iter().flat_map(|a| new.places.iter().map(move |b| (a - b).norm()));
         is_apart_in_time || pairs.all(|distance_m| distance_m >= params.spacing_m)
     }
 }
@@ -123,20 +115,10 @@ impl Areas {
     fn draw(&self, limb: &LiveLimb, rng: &mut ChaCha8Rng) -> Point3<f64> {
         let whole = self.0.last().copied().unwrap_or(0.0);
         let at = rng.random::<f64>() * whole;
-        let face = self
-            .0
-            .partition_point(|sum| *sum <= at)
-            .min(self.0.len() - 1);
+        let face = self.0.partition_point(|sum| *sum <= at).min(self.0.len() - 1);
         let (u, v): (f64, f64) = (rng.random(), rng.random());
-        let (u, v) = if u + v > 1.0 {
-            (1.0 - u, 1.0 - v)
-        } else {
-            (u, v)
-        };
-        limb.position_m(&SurfacePoint {
-            face: face as u32,
-            bary: [1.0 - u - v, u, v],
-        })
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        limb.position_m(&SurfacePoint { face: face as u32, bary: [1.0 - u - v, u, v] })
     }
 }
 
@@ -154,12 +136,7 @@ fn draw(
     if rng.random_bool(params.impact_share) {
         let for_s = rng.random_range(0.008..0.03);
         return Drawn {
-            events: vec![PressEvent::Impact {
-                at_s,
-                for_s,
-                position_m,
-                force_n: force(rng),
-            }],
+            events: vec![PressEvent::Impact { at_s, for_s, position_m, force_n: force(rng) }],
             places: vec![place],
             span_s: (at_s, at_s + for_s),
         };
@@ -206,10 +183,8 @@ impl Drawn {
     }
 
     fn leave(&mut self, rng: &mut ChaCha8Rng) {
-        self.events.push(PressEvent::Leave {
-            at_s: self.span_s.1,
-            for_s: rng.random_range(0.03..0.2),
-        });
+        self.events
+            .push(PressEvent::Leave { at_s: self.span_s.1, for_s: rng.random_range(0.03..0.2) });
         self.span_s.1 = self.end_s();
     }
 

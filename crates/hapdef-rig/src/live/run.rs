@@ -55,12 +55,7 @@ pub struct RunningRig {
 impl Default for RunParams {
     /// In real time without end, nothing goes wrong.
     fn default() -> Self {
-        Self {
-            is_real_time: true,
-            duration_s: None,
-            faults: Vec::new(),
-            fault_seed: 1,
-        }
+        Self { is_real_time: true, duration_s: None, faults: Vec::new(), fault_seed: 1 }
     }
 }
 
@@ -104,11 +99,7 @@ pub fn spawn_rig(
         .spawn(move || run_rig(device, port, &params, &theirs, truth))
         .map_err(|source| super::port::port_error("thread", source))?;
     let thread = Some(thread);
-    Ok(RunningRig {
-        stop,
-        press,
-        thread,
-    })
+    Ok(RunningRig { stop, press, thread })
 }
 
 impl RunningRig {

@@ -95,11 +95,7 @@ impl PressScript {
     /// A script of these contacts, played once.
     #[must_use]
     pub fn new(contacts: Vec<ScriptedContact>) -> Self {
-        Self {
-            version: VERSION,
-            repeat_s: None,
-            contacts,
-        }
+        Self { version: VERSION, repeat_s: None, contacts }
     }
 
     /// Reads a script from JSON and checks it.
@@ -108,15 +104,11 @@ impl PressScript {
     /// [`RigError::ScriptForm`] and [`RigError::Script`], with the JSON path of what is wrong.
     pub fn from_json(text: &str) -> Result<Self, RigError> {
         let mut json = serde_json::Deserializer::from_str(text);
-        let script: Self =
-            serde_path_to_error::deserialize(&mut json).map_err(|error| RigError::ScriptForm {
-                path: error.path().to_string(),
-                source: error.into_inner(),
-            })?;
-        json.end().map_err(|source| RigError::ScriptForm {
-            path: "end of file".to_owned(),
-            source,
+        let script: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            RigError::ScriptForm { path: error.path().to_string(), source: error.into_inner() }
         })?;
+        json.end()
+            .map_err(|source| RigError::ScriptForm { path: "end of file".to_owned(), source })?;
         script.check()?;
         Ok(script)
     }
@@ -126,10 +118,8 @@ impl PressScript {
     /// # Errors
     /// [`RigError::ScriptForm`] for numbers that JSON does not have.
     pub fn to_json(&self) -> Result<String, RigError> {
-        serde_json::to_string_pretty(self).map_err(|source| RigError::ScriptForm {
-            path: ".".to_owned(),
-            source,
-        })
+        serde_json::to_string_pretty(self)
+            .map_err(|source| RigError::ScriptForm { path: ".".to_owned(), source })
     }
 
     /// End of the last event, s.
@@ -151,16 +141,9 @@ impl PressScript {
             require(is_right, "repeat_s", expected, repeat_s)?;
         }
         for (i, contact) in self.contacts.iter().enumerate() {
-            let is_own = self.contacts[..i]
-                .iter()
-                .all(|other| other.id != contact.id);
+            let is_own = self.contacts[..i].iter().all(|other| other.id != contact.id);
             let path = format!("contacts[{i}].id");
-            require(
-                is_own,
-                &path,
-                "a number that no other contact has",
-                contact.id,
-            )?;
+            require(is_own, &path, "a number that no other contact has", contact.id)?;
             check_events(i, &contact.events)?;
         }
         Ok(())
@@ -201,11 +184,7 @@ pub(super) fn require(
     if holds {
         return Ok(());
     }
-    Err(RigError::Script {
-        path: path.to_owned(),
-        expected,
-        found: found.to_string(),
-    })
+    Err(RigError::Script { path: path.to_owned(), expected, found: found.to_string() })
 }
 
 fn check_events(contact: usize, events: &[PressEvent]) -> Result<(), RigError> {
@@ -214,12 +193,7 @@ fn check_events(contact: usize, events: &[PressEvent]) -> Result<(), RigError> {
         let path = |field: &str| format!("contacts[{contact}].events[{k}]{field}");
         let (at_s, for_s) = event.times_s();
         let expected = "a time of 0 or more, not before the event in front has ended";
-        require(
-            at_s.is_finite() && at_s >= free_s,
-            &path(".at_s"),
-            expected,
-            at_s,
-        )?;
+        require(at_s.is_finite() && at_s >= free_s, &path(".at_s"), expected, at_s)?;
         let is_short = matches!(event, PressEvent::Impact { .. } | PressEvent::Slide { .. });
         let is_right = for_s.is_finite() && (for_s > 0.0 || (for_s == 0.0 && !is_short));
         let expected = "a time of 0 or more; above 0 for impacts and slides";
@@ -252,31 +226,19 @@ fn check_turn(event: &PressEvent, is_there: bool, path: &str) -> Result<bool, Ri
 fn check_values(event: &PressEvent, path: &dyn Fn(&str) -> String) -> Result<(), RigError> {
     let finite = |v: &[f64; 3]| v.iter().all(|c| c.is_finite());
     let vector = |v: &[f64; 3], field| {
-        require(
-            finite(v),
-            &path(field),
-            "three finite numbers",
-            format!("{v:?}"),
-        )
+        require(finite(v), &path(field), "three finite numbers", format!("{v:?}"))
     };
     let force = |force_n: f64| {
         let is_right = force_n.is_finite() && force_n > 0.0;
         require(is_right, &path(".force_n"), "a force above 0 N", force_n)
     };
     match event {
-        PressEvent::Arrive {
-            position_m,
-            force_n,
-            shear_n,
-            ..
-        } => {
+        PressEvent::Arrive { position_m, force_n, shear_n, .. } => {
             vector(position_m, ".position_m")?;
             vector(shear_n, ".shear_n")?;
             force(*force_n)
         }
-        PressEvent::Press {
-            force_n, shear_n, ..
-        } => {
+        PressEvent::Press { force_n, shear_n, .. } => {
             vector(shear_n, ".shear_n")?;
             force(*force_n)
         }
@@ -286,11 +248,7 @@ fn check_values(event: &PressEvent, path: &dyn Fn(&str) -> String) -> Result<(),
             path_m.iter().try_for_each(|x| vector(x, ".path_m"))
         }
         PressEvent::Leave { .. } => Ok(()),
-        PressEvent::Impact {
-            position_m,
-            force_n,
-            ..
-        } => {
+        PressEvent::Impact { position_m, force_n, .. } => {
             vector(position_m, ".position_m")?;
             force(*force_n)
         }

@@ -64,17 +64,12 @@ impl TruthFrame {
     /// [`RigError::ScriptForm`] with the JSON path of what is wrong.
     pub fn from_json_line(text: &str) -> Result<Self, RigError> {
         let mut json = serde_json::Deserializer::from_str(text);
-        let line: Line =
-            serde_path_to_error::deserialize(&mut json).map_err(|error| RigError::ScriptForm {
-                path: error.path().to_string(),
-                source: error.into_inner(),
-            })?;
+        let line: Line = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            RigError::ScriptForm { path: error.path().to_string(), source: error.into_inner() }
+        })?;
         let contact = |c: LineContact| TrueContact {
             id: c.id,
-            point: SurfacePoint {
-                face: c.face,
-                bary: c.bary,
-            },
+            point: SurfacePoint { face: c.face, bary: c.bary },
             position_m: Point3::from(c.position_m),
             normal: Vector3::from(c.normal),
             force_n: c.force_n,

@@ -38,16 +38,9 @@ pub fn plate() -> Arc<LiveLimb> {
             faces.push([at(0, 0), at(2, 2), at(0, 2), at(1, 1), at(1, 2), at(0, 1)]);
         }
     }
-    let columns = nodes
-        .iter()
-        .flat_map(|x| (0..N_GAUGES).map(|gauge| column(gauge, x)))
-        .collect();
+    let columns = nodes.iter().flat_map(|x| (0..N_GAUGES).map(|gauge| column(gauge, x))).collect();
     let inward = vec![-Vector3::z(); nodes.len()];
-    let surface = LiveSurface {
-        nodes,
-        faces,
-        inward,
-    };
+    let surface = LiveSurface { nodes, faces, inward };
     Arc::new(LiveLimb::new(surface, N_GAUGES, columns).unwrap())
 }
 
@@ -86,16 +79,8 @@ pub fn script() -> PressScript {
             for_s: 0.2,
             path_m: vec![[0.04, 0.02, 0.0], [0.04, 0.04, 0.0]],
         },
-        PressEvent::Press {
-            at_s: 0.6,
-            for_s: 0.1,
-            force_n: 20.0,
-            shear_n: [2.0, 0.0, 5.0],
-        },
-        PressEvent::Leave {
-            at_s: 0.8,
-            for_s: 0.1,
-        },
+        PressEvent::Press { at_s: 0.6, for_s: 0.1, force_n: 20.0, shear_n: [2.0, 0.0, 5.0] },
+        PressEvent::Leave { at_s: 0.8, for_s: 0.1 },
     ];
     let second = vec![
         PressEvent::Arrive {
@@ -105,16 +90,8 @@ pub fn script() -> PressScript {
             force_n: 5.0,
             shear_n: [0.0; 3],
         },
-        PressEvent::Leave {
-            at_s: 0.9,
-            for_s: 0.0,
-        },
-        PressEvent::Impact {
-            at_s: 0.95,
-            for_s: 0.02,
-            position_m: here,
-            force_n: 30.0,
-        },
+        PressEvent::Leave { at_s: 0.9, for_s: 0.0 },
+        PressEvent::Impact { at_s: 0.95, for_s: 0.02, position_m: here, force_n: 30.0 },
     ];
     let contact = |(id, events)| ScriptedContact { id, events };
     PressScript::new([(1, first), (7, second)].map(contact).to_vec())

@@ -44,17 +44,7 @@ pub fn contact(id: u32, seed: u64) -> Contact {
     let n = |k: u64| number(seed * 31 + k);
     let uncertainty = Uncertainty {
         tangents: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        covariance: [
-            4e-6,
-            1e-6,
-            0.0,
-            1e-6,
-            9e-6,
-            0.0,
-            0.0,
-            0.0,
-            0.01 + 1e-3 * n(6),
-        ],
+        covariance: [4e-6, 1e-6, 0.0, 1e-6, 9e-6, 0.0, 0.0, 0.0, 0.01 + 1e-3 * n(6)],
     };
     Contact {
         id,
@@ -97,15 +87,8 @@ pub fn contacts(i: u32, stamp_ns: u64) -> Contacts {
 
 /// What is said of reading `i`.
 pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
-    let microstrain: Vec<f64> = (0..10)
-        .map(|k| 50.0 * number(u64::from(i * 10 + k)))
-        .collect();
-    let readings = Readings {
-        stamp_ns,
-        seq: i,
-        n_lost_before: i % 2,
-        microstrain: &microstrain,
-    };
+    let microstrain: Vec<f64> = (0..10).map(|k| 50.0 * number(u64::from(i * 10 + k))).collect();
+    let readings = Readings { stamp_ns, seq: i, n_lost_before: i % 2, microstrain: &microstrain };
     encoder.readings(&readings).unwrap();
     let found = contacts(i, stamp_ns);
     encoder.contacts(&found).unwrap();
@@ -114,12 +97,8 @@ pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
         force_n: contact.force_n + 0.1,
         ..*contact
     });
-    let truth = Contacts {
-        contacts: known.collect(),
-        quality: None,
-        alternatives: Vec::new(),
-        ..found
-    };
+    let truth =
+        Contacts { contacts: known.collect(), quality: None, alternatives: Vec::new(), ..found };
     encoder.truth(&truth).unwrap();
     if i.is_multiple_of(100) {
         let health = Health {
@@ -145,14 +124,10 @@ pub fn recorded(path: &Path, n: u32) -> (RecordInfo, Kept) {
         frame.t_host_ns = u64::from(i) * 1_000_000;
         Message::Frame(frame)
     });
-    let messages: Vec<Message> = std::iter::once(Message::Hello(Arc::new(hello)))
-        .chain(frames)
-        .collect();
+    let messages: Vec<Message> =
+        std::iter::once(Message::Hello(Arc::new(hello))).chain(frames).collect();
     let source = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
-    let acquire_params = AcquireParams {
-        ring_len: n as usize + 100,
-        ..AcquireParams::default()
-    };
+    let acquire_params = AcquireParams { ring_len: n as usize + 100, ..AcquireParams::default() };
     let (_acquisition, mut receivers) = acquire(source, acquire_params).unwrap();
     let record_params = RecordParams {
         calibration: Some(CALIBRATION.to_vec()),
@@ -164,10 +139,7 @@ pub fn recorded(path: &Path, n: u32) -> (RecordInfo, Kept) {
     let recorder = record(receivers.remove(0), path, record_params).unwrap();
     let kept = Kept::default();
     let writer = recorder.topics();
-    let sinks = Sinks(vec![
-        Box::new(McapSink::new(writer.clone())),
-        Box::new(kept.clone()),
-    ]);
+    let sinks = Sinks(vec![Box::new(McapSink::new(writer.clone())), Box::new(kept.clone())]);
     let mut encoder = RosEncoder::new(params, sinks).unwrap();
     for i in 0..n {
         say(&mut encoder, i, writer.wall_ns(u64::from(i) * 1_000_000));

@@ -24,10 +24,7 @@ impl Aggregates {
     /// Row j is strongly coupled to row i if ‖Aᵢⱼ‖ > `threshold` √(‖Aᵢᵢ‖ ‖Aⱼⱼ‖), Frobenius norms.
     pub(super) fn build<const B: usize>(a: &Bsr<B, B>, threshold: f64) -> Self {
         let strong = Strong::build(a, threshold);
-        let mut aggregates = Self {
-            of_row: vec![NONE; a.n_rows()],
-            n: 0,
-        };
+        let mut aggregates = Self { of_row: vec![NONE; a.n_rows()], n: 0 };
         aggregates.found(&strong);
         aggregates.join(&strong);
         aggregates.collect_rest(&strong);
@@ -95,10 +92,7 @@ impl Aggregates {
             members[aggregate as usize].push(row as u32);
         }
         let mut blocks: Vec<Block<B, 6>> = modes.to_vec();
-        let coarse = members
-            .iter()
-            .map(|rows| orthonormalise(rows, &mut blocks))
-            .collect();
+        let coarse = members.iter().map(|rows| orthonormalise(rows, &mut blocks)).collect();
         let p = Bsr {
             row_ptr: (0..=modes.len()).collect(),
             columns: self.of_row.clone(),
@@ -123,10 +117,7 @@ impl Strong {
                 own.map_or(0.0, |(_, block)| frobenius(block))
             })
             .collect();
-        let mut strong = Self {
-            row_ptr: vec![0],
-            entries: Vec::new(),
-        };
+        let mut strong = Self { row_ptr: vec![0], entries: Vec::new() };
         for row in 0..a.n_rows() {
             for (column, block) in a.row(row).filter(|(column, _)| *column != row) {
                 let strength = frobenius(block) / (diagonal[row] * diagonal[column]).sqrt();
@@ -145,12 +136,7 @@ impl Strong {
 }
 
 fn frobenius<const B: usize>(block: &Block<B, B>) -> f64 {
-    block
-        .as_flattened()
-        .iter()
-        .map(|v| v * v)
-        .sum::<f64>()
-        .sqrt()
+    block.as_flattened().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 /// Gram–Schmidt, twice, of the six columns on `rows`; returns the triangular factor.

@@ -53,11 +53,7 @@ impl Bsr<3, 3> {
         let block = |&(i, j, slot): &(u32, u32, u32)| {
             let b = &matrix.blocks[slot as usize];
             let stored = [[b[0], b[1], b[2]], [b[3], b[4], b[5]], [b[6], b[7], b[8]]];
-            if sequence[i as usize] <= sequence[j as usize] {
-                stored
-            } else {
-                transposed(&stored)
-            }
+            if sequence[i as usize] <= sequence[j as usize] { stored } else { transposed(&stored) }
         };
         Self {
             row_ptr,
@@ -155,12 +151,7 @@ impl<const R: usize, const C: usize> Bsr<R, C> {
                 blocks[slot] = transposed(block);
             }
         }
-        Bsr {
-            row_ptr,
-            columns,
-            blocks,
-            n_cols: self.n_rows(),
-        }
+        Bsr { row_ptr, columns, blocks, n_cols: self.n_rows() }
     }
 
     /// A B.
@@ -199,12 +190,8 @@ impl<const R: usize, const C: usize> Bsr<R, C> {
         rows: std::ops::Range<usize>,
         slot_of: &mut [u32],
     ) -> Bsr<R, D> {
-        let mut part = Bsr {
-            row_ptr: vec![0],
-            columns: Vec::new(),
-            blocks: Vec::new(),
-            n_cols: other.n_cols,
-        };
+        let mut part =
+            Bsr { row_ptr: vec![0], columns: Vec::new(), blocks: Vec::new(), n_cols: other.n_cols };
         for row in rows {
             let start = part.columns.len();
             for (middle, _) in self.row(row) {

@@ -73,9 +73,7 @@ const BYTES_PER_LOWER_ENTRY: usize = 12;
 impl Default for SolverChoice {
     /// Up to 8 GiB for the direct factor.
     fn default() -> Self {
-        Self::Auto {
-            memory_budget_bytes: 8 << 30,
-        }
+        Self::Auto { memory_budget_bytes: 8 << 30 }
     }
 }
 
@@ -88,11 +86,7 @@ impl fmt::Display for SolverInfo {
         let mib = |bytes: usize| bytes.div_ceil(1 << 20);
         match self.reason {
             ChoiceReason::Asked => write!(f, "{kind}, as asked"),
-            ChoiceReason::Estimated {
-                nnz_l,
-                direct_bytes,
-                memory_budget_bytes,
-            } => write!(
+            ChoiceReason::Estimated { nnz_l, direct_bytes, memory_budget_bytes } => write!(
                 f,
                 "{kind}: a direct factor would have {nnz_l} non-zeros and take {} MiB of the {} \
                  allowed",
@@ -128,9 +122,7 @@ pub(crate) fn choose(
         SolverChoice::Iterative(asked) => {
             return Ok((SolverKind::Iterative, ChoiceReason::Asked, asked));
         }
-        SolverChoice::Auto {
-            memory_budget_bytes,
-        } => memory_budget_bytes,
+        SolverChoice::Auto { memory_budget_bytes } => memory_budget_bytes,
     };
     let nnz_l = factor_entries(pattern)?;
     let n_blocks = pattern.columns.len();
@@ -138,16 +130,8 @@ pub(crate) fn choose(
         + 9 * BYTES_PER_LOWER_ENTRY * n_blocks
         + (8.0 * STORED_SHARE * nnz_l as f64) as usize;
     let fits = direct_bytes <= memory_budget_bytes && i32::try_from(9 * n_blocks).is_ok();
-    let kind = if fits {
-        SolverKind::Direct
-    } else {
-        SolverKind::Iterative
-    };
-    let reason = ChoiceReason::Estimated {
-        nnz_l,
-        direct_bytes,
-        memory_budget_bytes,
-    };
+    let kind = if fits { SolverKind::Direct } else { SolverKind::Iterative };
+    let reason = ChoiceReason::Estimated { nnz_l, direct_bytes, memory_budget_bytes };
     Ok((kind, reason, params))
 }
 

@@ -55,12 +55,7 @@ impl<const B: usize, const C: usize> Level<B, C> {
     pub(super) fn build(a: Bsr<B, B>, smoother: Smoother<B>, p: Bsr<B, C>) -> (Self, Bsr<C, C>) {
         let p_transposed = p.transpose();
         let coarse = p_transposed.product(&a.product(&p));
-        let level = Self {
-            a,
-            smoother,
-            p,
-            p_transposed,
-        };
+        let level = Self { a, smoother, p, p_transposed };
         (level, coarse)
     }
 
@@ -120,13 +115,8 @@ impl Solid {
             return Ok(Self::Bottom(a, bottom));
         }
         let coarsened = Coarsened::build(a, modes, rows, 0, params)?;
-        let next = Rigid::aggregated(
-            coarsened.coarse,
-            &coarsened.modes,
-            &coarsened.rows,
-            1,
-            params,
-        )?;
+        let next =
+            Rigid::aggregated(coarsened.coarse, &coarsened.modes, &coarsened.rows, 1, params)?;
         Ok(Self::Aggregates(Box::new(coarsened.level), Box::new(next)))
     }
 
@@ -207,12 +197,7 @@ impl<const B: usize> Coarsened<B> {
         for (row, &aggregate) in aggregates.of_row.iter().enumerate().rev() {
             coarse_rows[aggregate as usize] = rows[row];
         }
-        Ok(Self {
-            level,
-            coarse,
-            modes,
-            rows: coarse_rows,
-        })
+        Ok(Self { level, coarse, modes, rows: coarse_rows })
     }
 }
 
@@ -229,10 +214,7 @@ fn coarser_aggregates<const B: usize>(a: &Bsr<B, B>, threshold: f64) -> Aggregat
         return any;
     }
     let half = |row: usize| (row / 2) as u32;
-    Aggregates {
-        of_row: (0..a.n_rows()).map(half).collect(),
-        n: a.n_rows().div_ceil(2),
-    }
+    Aggregates { of_row: (0..a.n_rows()).map(half).collect(), n: a.n_rows().div_ceil(2) }
 }
 
 pub(super) fn smoother<const B: usize>(

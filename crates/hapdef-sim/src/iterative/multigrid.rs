@@ -27,13 +27,7 @@ pub struct MultigridParams {
 
 impl Default for MultigridParams {
     fn default() -> Self {
-        Self {
-            strength: 0.08,
-            fine_degree: 3,
-            degree: 2,
-            spread: 20.0,
-            dense_below: 900,
-        }
+        Self { strength: 0.08, fine_degree: 3, degree: 2, spread: 20.0, dense_below: 900 }
     }
 }
 
@@ -82,11 +76,7 @@ impl Multigrid {
         let sequence = local_sequence(matrix);
         let a = Bsr::from_symmetric(matrix, &sequence);
         let finest = levels(a, near_null, &sequence, params).map_err(|bad| name(&bad))?;
-        let mut sizes = Sizes {
-            n_equations: Vec::new(),
-            n_blocks: Vec::new(),
-            bytes: 0,
-        };
+        let mut sizes = Sizes { n_equations: Vec::new(), n_blocks: Vec::new(), bytes: 0 };
         finest.count(&mut sizes);
         let all_blocks: usize = sizes.n_blocks.iter().sum();
         let info = MultigridInfo {
@@ -95,11 +85,7 @@ impl Multigrid {
             bytes: sizes.bytes,
             build_s: started.elapsed().as_secs_f64(),
         };
-        Ok(Self {
-            finest,
-            sequence,
-            info,
-        })
+        Ok(Self { finest, sequence, info })
     }
 
     pub(crate) fn info(&self) -> &MultigridInfo {
@@ -128,13 +114,9 @@ fn levels(
     params: &MultigridParams,
 ) -> Result<Solid, BadPivot> {
     let modes_at = |rows: &[u32]| -> Vec<Modes<3>> {
-        rows.iter()
-            .map(|&row| near_null.modes[row as usize])
-            .collect()
+        rows.iter().map(|&row| near_null.modes[row as usize]).collect()
     };
-    let corners = near_null
-        .corners
-        .filter(|_| 3 * a.n_rows() > params.dense_below);
+    let corners = near_null.corners.filter(|_| 3 * a.n_rows() > params.dense_below);
     let Some(corners) = corners else {
         return Solid::aggregated(a, &modes_at(sequence), sequence, params);
     };
@@ -150,16 +132,9 @@ fn levels(
 
 fn name(bad: &BadPivot) -> SimError {
     if bad.pivot > 0.0 {
-        return SimError::Singular {
-            node: bad.row,
-            direction: bad.direction,
-            pivot: bad.pivot,
-        };
+        return SimError::Singular { node: bad.row, direction: bad.direction, pivot: bad.pivot };
     }
-    SimError::NotPositiveDefinite {
-        node: bad.row,
-        direction: bad.direction,
-    }
+    SimError::NotPositiveDefinite { node: bad.row, direction: bad.direction }
 }
 
 /// The block rows breadth first (Cuthill and McKee 1969), so that neighbours lie close in memory.

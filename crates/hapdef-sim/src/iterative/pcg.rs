@@ -49,11 +49,7 @@ pub(crate) struct Reached {
 impl Reached {
     fn widen(&mut self, (smallest, largest): (f64, f64)) {
         let first = self.spectrum.0 == 0.0;
-        self.spectrum.0 = if first {
-            smallest
-        } else {
-            smallest.min(self.spectrum.0)
-        };
+        self.spectrum.0 = if first { smallest } else { smallest.min(self.spectrum.0) };
         self.spectrum.1 = largest.max(self.spectrum.1);
     }
 }
@@ -107,10 +103,7 @@ fn padded<const K: usize>(
     let row = |i: usize| std::array::from_fn(|l| if l < k { x[at(i) * k + l] } else { 0.0 });
     let b: Vec<[f64; K]> = (0..n).map(row).collect();
     let scale: Vec<f64> = (0..n).map(|i| measure.scale[at(i)]).collect();
-    let measure = Measure {
-        scale: &scale,
-        ..*measure
-    };
+    let measure = Measure { scale: &scale, ..*measure };
     let mut run = Run::new(multigrid, b, &measure);
     run.solve();
     for (i, values) in run.x.iter().enumerate() {
@@ -142,10 +135,7 @@ impl<'a, const K: usize> Run<'a, K> {
             r: b.clone(),
             z: zero.clone(),
             x: zero,
-            loaded: (
-                scaled_max(&b, measure.scale, false),
-                dot(&b, &b).map(f64::sqrt),
-            ),
+            loaded: (scaled_max(&b, measure.scale, false), dot(&b, &b).map(f64::sqrt)),
             b,
             coefficients: std::array::from_fn(|_| Vec::new()),
             reached: [Reached::default(); K],

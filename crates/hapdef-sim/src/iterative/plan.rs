@@ -61,11 +61,7 @@ impl SolverPlan {
             Path::Direct(analysis) => {
                 Factor::build(stiffness, Arc::clone(analysis)).map(Solver::Direct)
             }
-            Path::Iterative {
-                corners,
-                modes,
-                params,
-            } => {
+            Path::Iterative { corners, modes, params } => {
                 let iterative = Iterative::build(stiffness, modes, corners.as_ref(), *params);
                 iterative.map(|iterative| Solver::Iterative(Box::new(iterative)))
             }
@@ -94,11 +90,7 @@ impl SolverPlan {
             Solver::Direct(_) => (SolverKind::Direct, None),
             Solver::Iterative(i) => (SolverKind::Iterative, Some(i.multigrid.info().clone())),
         };
-        SolverInfo {
-            kind,
-            reason: self.reason,
-            multigrid,
-        }
+        SolverInfo { kind, reason: self.reason, multigrid }
     }
 }
 
@@ -114,17 +106,9 @@ fn name_node(error: SimError, unknowns: &Unknowns) -> SimError {
             let (node, direction) = named(node, direction);
             SimError::NotPositiveDefinite { node, direction }
         }
-        SimError::Singular {
-            node,
-            direction,
-            pivot,
-        } => {
+        SimError::Singular { node, direction, pivot } => {
             let (node, direction) = named(node, direction);
-            SimError::Singular {
-                node,
-                direction,
-                pivot,
-            }
+            SimError::Singular { node, direction, pivot }
         }
         other => other,
     }

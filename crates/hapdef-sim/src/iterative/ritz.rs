@@ -19,10 +19,8 @@ pub(super) fn extreme_ritz_values(coefficients: &[(f64, f64)]) -> Option<(f64, f
             (diagonal, beta / (alpha * alpha))
         })
         .collect();
-    let largest_sum = rows
-        .iter()
-        .map(|(diagonal, off_2)| diagonal + 2.0 * off_2.sqrt())
-        .fold(0.0, f64::max);
+    let largest_sum =
+        rows.iter().map(|(diagonal, off_2)| diagonal + 2.0 * off_2.sqrt()).fold(0.0, f64::max);
     if rows.is_empty() || !largest_sum.is_finite() {
         return None;
     }

@@ -41,12 +41,7 @@ impl<const B: usize> Smoother<B> {
                 invert(block).map_err(|direction| [row, direction])
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let mut smoother = Self {
-            inverse,
-            largest: 1.0,
-            degree,
-            spread,
-        };
+        let mut smoother = Self { inverse, largest: 1.0, degree, spread };
         smoother.largest = SAFETY * smoother.largest_eigenvalue(a);
         Ok(smoother)
     }
@@ -174,7 +169,5 @@ fn invert<const B: usize>(block: &Block<B, B>) -> Result<Block<B, B>, usize> {
     }
     let a = SMatrix::<f64, B, B>::from_fn(|i, j| 0.5 * (block[i][j] + block[j][i]));
     let inverse = a.cholesky().ok_or(B - 1)?.inverse();
-    Ok(std::array::from_fn(|i| {
-        std::array::from_fn(|j| inverse[(i, j)])
-    }))
+    Ok(std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)])))
 }

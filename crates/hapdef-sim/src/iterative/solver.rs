@@ -118,10 +118,7 @@ pub(crate) fn solve_loads<T: Send>(
         let (harvested, reached) = model.pool.install(|| {
             let reached = solve_block(&iterative.multigrid, &mut x, k, &measure);
             let solved = columns(&x, k);
-            (
-                harvest(&SolvedBlock::new(unknowns, block, &solved)),
-                reached,
-            )
+            (harvest(&SolvedBlock::new(unknowns, block, &solved)), reached)
         });
         for (&load, reached) in block.iter().zip(&reached) {
             check(load, reached, &measure)?;
@@ -139,10 +136,8 @@ pub(crate) fn solve_loads<T: Send>(
 }
 
 fn check(load: usize, reached: &Reached, measure: &Measure<'_>) -> Result<(), SimError> {
-    let (limit, energy_limit) = (
-        measure.solve.fail_above,
-        measure.iterative.energy_error_fail_above,
-    );
+    let (limit, energy_limit) =
+        (measure.solve.fail_above, measure.iterative.energy_error_fail_above);
     if reached.backward_error <= limit && reached.energy_error <= energy_limit {
         return Ok(());
     }
@@ -183,10 +178,7 @@ fn columns(x: &[f64], k: usize) -> Columns {
     let mut columns = Columns::default();
     columns.reshape(x.len() / k, k);
     let stride = columns.stride();
-    for (row, padded) in x
-        .chunks_exact(k)
-        .zip(columns.values_mut().chunks_exact_mut(stride))
-    {
+    for (row, padded) in x.chunks_exact(k).zip(columns.values_mut().chunks_exact_mut(stride)) {
         padded[..k].copy_from_slice(row);
     }
     columns

@@ -57,14 +57,9 @@ impl Problem {
     }
 
     fn multigrid(&self, with_corners: bool) -> Result<Multigrid, SimError> {
-        let near_null = NearNull {
-            modes: &self.modes,
-            corners: with_corners.then_some(&self.corners),
-        };
-        let params = MultigridParams {
-            dense_below: 100,
-            ..MultigridParams::default()
-        };
+        let near_null =
+            NearNull { modes: &self.modes, corners: with_corners.then_some(&self.corners) };
+        let params = MultigridParams { dense_below: 100, ..MultigridParams::default() };
         Multigrid::build(&self.matrix, &near_null, &params)
     }
 }
@@ -85,11 +80,7 @@ fn the_preconditioner_is_symmetric_positive_definite() {
     let n = 3 * problem.n();
     for with_corners in [true, false] {
         let multigrid = problem.multigrid(with_corners).expect("held");
-        assert!(
-            multigrid.info().n_equations.len() >= 3,
-            "{:?}",
-            multigrid.info()
-        );
+        assert!(multigrid.info().n_equations.len() >= 3, "{:?}", multigrid.info());
         for seed in 1..6 {
             let (a, b) = (vector(n, seed), vector(n, seed + 10));
             let (mut ma, mut mb) = (a.clone(), b.clone());
@@ -98,10 +89,7 @@ fn the_preconditioner_is_symmetric_positive_definite() {
             let (left, right) = (dot(&a, &mb), dot(&ma, &b));
             let size = (dot(&a, &ma) * dot(&b, &mb)).sqrt();
             assert!(dot(&a, &ma) > 0.0 && dot(&b, &mb) > 0.0);
-            assert!(
-                (left - right).abs() < 1e-12 * size,
-                "{left:e} against {right:e}"
-            );
+            assert!((left - right).abs() < 1e-12 * size, "{left:e} against {right:e}");
         }
     }
 }
@@ -127,9 +115,7 @@ fn corners_carry_rigid_motions_to_all_nodes() {
     let (p, corner_rows) = problem.corners.matrix(&sequence);
     assert_eq!(corner_rows.len(), 16);
     let flat = |rows: &[u32]| -> Vec<[f64; 6]> {
-        rows.iter()
-            .flat_map(|&row| problem.modes[row as usize])
-            .collect()
+        rows.iter().flat_map(|&row| problem.modes[row as usize]).collect()
     };
     let mut fine = vec![[0.0; 6]; 3 * n];
     p.multiply(&flat(&corner_rows), &mut fine);
@@ -181,14 +167,6 @@ fn the_polynomial_covers_the_spectrum() {
     let half = inverse.cholesky().expect("positive definite").l();
     let similar = half.transpose() * dense * half;
     let largest = similar.symmetric_eigenvalues().max();
-    assert!(
-        largest < smoother.largest,
-        "{largest} above {}",
-        smoother.largest
-    );
-    assert!(
-        smoother.largest < 1.2 * largest,
-        "{largest} below {}",
-        smoother.largest
-    );
+    assert!(largest < smoother.largest, "{largest} above {}", smoother.largest);
+    assert!(smoother.largest < 1.2 * largest, "{largest} below {}", smoother.largest);
 }

@@ -56,28 +56,24 @@ pub(super) fn scaled_max<const K: usize>(a: &[[f64; K]], scale: &[f64], divide: 
 
 /// y ← y + aₗ x per column.
 pub(super) fn add_scaled<const K: usize>(factor: &[f64; K], x: &[[f64; K]], y: &mut [[f64; K]]) {
-    y.par_chunks_mut(CHUNK)
-        .zip(x.par_chunks(CHUNK))
-        .for_each(|(y, x)| {
-            for (y, x) in y.iter_mut().zip(x) {
-                for l in 0..K {
-                    y[l] += factor[l] * x[l];
-                }
+    y.par_chunks_mut(CHUNK).zip(x.par_chunks(CHUNK)).for_each(|(y, x)| {
+        for (y, x) in y.iter_mut().zip(x) {
+            for l in 0..K {
+                y[l] += factor[l] * x[l];
             }
-        });
+        }
+    });
 }
 
 /// y ← x + aₗ y per column.
 pub(super) fn scale_and_add<const K: usize>(factor: &[f64; K], x: &[[f64; K]], y: &mut [[f64; K]]) {
-    y.par_chunks_mut(CHUNK)
-        .zip(x.par_chunks(CHUNK))
-        .for_each(|(y, x)| {
-            for (y, x) in y.iter_mut().zip(x) {
-                for l in 0..K {
-                    y[l] = x[l] + factor[l] * y[l];
-                }
+    y.par_chunks_mut(CHUNK).zip(x.par_chunks(CHUNK)).for_each(|(y, x)| {
+        for (y, x) in y.iter_mut().zip(x) {
+            for l in 0..K {
+                y[l] = x[l] + factor[l] * y[l];
             }
-        });
+        }
+    });
 }
 
 /// As max(), but a NaN survives.

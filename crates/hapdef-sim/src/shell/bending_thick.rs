@@ -41,16 +41,8 @@ pub(super) fn shear(facet: &Facet, at: &[f64; 3]) -> Shear {
     let along = |axis: &Vector2<f64>, r: f64, s: f64| tilt_along(axis, r, s);
     let d = TYING_OFFSET;
     let third = 1.0 / 3.0;
-    let (a, b, c) = (
-        [1.0 / 6.0, 2.0 / 3.0],
-        [2.0 / 3.0, 1.0 / 6.0],
-        [1.0 / 6.0; 2],
-    );
-    let (pd, pe, pf) = (
-        [third + d, third - 2.0 * d],
-        [third - 2.0 * d, third + d],
-        [third + d; 2],
-    );
+    let (a, b, c) = ([1.0 / 6.0, 2.0 / 3.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0; 2]);
+    let (pd, pe, pf) = ([third + d, third - 2.0 * d], [third - 2.0 * d, third + d], [third + d; 2]);
     let e_rt = |p: [f64; 2]| along(&g_r, p[0], p[1]);
     let e_st = |p: [f64; 2]| along(&g_s, p[0], p[1]);
     let common = (e_rt(c) + e_st(c)) * third;

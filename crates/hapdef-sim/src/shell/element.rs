@@ -104,10 +104,7 @@ impl Section {
     ) -> Result<Self, ShellElementProblem> {
         for (corner, &thickness_m) in thickness_m.iter().enumerate() {
             if !(thickness_m.is_finite() && thickness_m > 0.0) {
-                return Err(ShellElementProblem::Thickness {
-                    corner,
-                    thickness_m,
-                });
+                return Err(ShellElementProblem::Thickness { corner, thickness_m });
             }
         }
         let nu = material.poissons_ratio();

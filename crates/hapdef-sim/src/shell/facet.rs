@@ -131,11 +131,7 @@ impl Facet {
     fn rotation_axes(&self, corner: usize) -> [(usize, Vector3<f64>); 3] {
         let frame = &self.frames[corner];
         let axis = |k: usize| frame.column(k).into_owned();
-        [
-            (3 + corner, axis(2)),
-            (6 + 2 * corner, axis(1)),
-            (7 + 2 * corner, -axis(0)),
-        ]
+        [(3 + corner, axis(2)), (6 + 2 * corner, axis(1)), (7 + 2 * corner, -axis(0))]
     }
 }
 
@@ -156,20 +152,12 @@ fn turned(
     let normal = &axes[2];
     let cos = normal.dot(director);
     if !(cos >= MIN_COS && (director.norm() - 1.0).abs() < 1e-6) {
-        return Err(ShellElementProblem::Director {
-            corner,
-            director: (*director).into(),
-            cos,
-        });
+        return Err(ShellElementProblem::Director { corner, director: (*director).into(), cos });
     }
     let k = normal.cross(director);
     let turn = |v: &Vector3<f64>| {
         let kv = k.cross(v);
         v + kv + k.cross(&kv) / (1.0 + cos)
     };
-    Ok(Matrix3::from_columns(&[
-        turn(&axes[0]),
-        turn(&axes[1]),
-        *director,
-    ]))
+    Ok(Matrix3::from_columns(&[turn(&axes[0]), turn(&axes[1]), *director]))
 }

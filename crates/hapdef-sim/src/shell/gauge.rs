@@ -167,11 +167,7 @@ fn patch_under(
     };
     let (patch, distance_m) =
         ShellPatch::at(mesh, centre, reach_m).ok_or(off_wall(f64::INFINITY))?;
-    if distance_m <= max_distance_m {
-        Ok((patch, distance_m))
-    } else {
-        Err(off_wall(distance_m))
-    }
+    if distance_m <= max_distance_m { Ok((patch, distance_m)) } else { Err(off_wall(distance_m)) }
 }
 
 fn strain_at(
@@ -205,10 +201,7 @@ fn add_sample(
     let normal = strain.axes()[2];
     let a = unit("the gauge's axis", &(axis - normal * axis.dot(&normal)))?;
     let row = strain.along(&a, z_m);
-    for (node, values) in mesh.triangles()[hit.triangle]
-        .iter()
-        .zip(row.chunks_exact(6))
-    {
+    for (node, values) in mesh.triangles()[hit.triangle].iter().zip(row.chunks_exact(6)) {
         let entry = rows.entry(*node).or_default();
         entry.0 += Vector3::from_column_slice(&values[..3]) * weight;
         entry.1 += Vector3::from_column_slice(&values[3..]) * weight;

@@ -21,9 +21,7 @@ pub struct ShellMeshParams {
 impl Default for ShellMeshParams {
     /// 40°.
     fn default() -> Self {
-        Self {
-            fold_rad: 40.0_f64.to_radians(),
-        }
+        Self { fold_rad: 40.0_f64.to_radians() }
     }
 }
 
@@ -83,12 +81,7 @@ impl ShellMesh {
                 found: thickness_m.len(),
             });
         }
-        let mut mesh = Self {
-            directors: Vec::new(),
-            nodes,
-            triangles,
-            thickness_m,
-        };
+        let mut mesh = Self { directors: Vec::new(), nodes, triangles, thickness_m };
         mesh.directors = mesh.surface_directors(params)?;
         Ok(mesh)
     }
@@ -181,10 +174,7 @@ impl ShellMesh {
         let mut normals = Vec::with_capacity(self.triangles.len());
         for triangle in 0..self.triangles.len() {
             let facet = Facet::new(&self.corners(triangle), None);
-            let of_element = |problem| SimError::ShellElement {
-                element: triangle,
-                problem,
-            };
+            let of_element = |problem| SimError::ShellElement { element: triangle, problem };
             normals.push(facet.map_err(of_element)?.axes[2]);
         }
         let group_of_corner = self.smooth_groups(&normals, params.fold_rad.cos());
@@ -215,11 +205,7 @@ impl ShellMesh {
             for k in 0..3 {
                 let (a, b) = (3 * triangle + k, 3 * triangle + (k + 1) % 3);
                 let (p, q) = (nodes[k], nodes[(k + 1) % 3]);
-                let (ends, corners) = if p < q {
-                    ([p, q], [a, b])
-                } else {
-                    ([q, p], [b, a])
-                };
+                let (ends, corners) = if p < q { ([p, q], [a, b]) } else { ([q, p], [b, a]) };
                 sides.push((ends, triangle, corners));
             }
         }

@@ -55,11 +55,7 @@ impl ShellMesh {
         let (nearest, nearest_node_m) = (0..self.nodes().len())
             .map(|node| (node, (self.nodes()[node] - centre).norm()))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .ok_or(SimError::Length {
-                what: "the shell's node list",
-                expected: 1,
-                found: 0,
-            })?;
+            .ok_or(SimError::Length { what: "the shell's node list", expected: 1, found: 0 })?;
         if tip_radius_m == 0.0 {
             return Ok(NodalLoad::nodal(FeNodeId::from_index(nearest), direction));
         }
@@ -73,9 +69,7 @@ impl ShellMesh {
             });
         }
         let forces = weights.into_iter();
-        Ok(NodalLoad::from_map(
-            forces.map(|(n, w)| (n, direction * (w / total))).collect(),
-        ))
+        Ok(NodalLoad::from_map(forces.map(|(n, w)| (n, direction * (w / total))).collect()))
     }
 
     /// ∫ λᵢ κ dA of each node near the tip.

@@ -52,11 +52,7 @@ impl ElasticModel {
     /// # Errors
     /// As [`ElasticModel::build`], and [`SimError::ShellElement`] on an unusable triangle.
     pub fn build_shell(mesh: &ShellMesh, params: &ShellParams) -> Result<Self, SimError> {
-        let elements = ShellElements {
-            mesh,
-            kind: params.kind,
-            material: params.material,
-        };
+        let elements = ShellElements { mesh, kind: params.kind, material: params.material };
         let pool = thread_pool(params.n_threads)?;
         let started = Instant::now();
         let structure = Structure::build(

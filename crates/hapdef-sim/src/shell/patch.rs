@@ -39,9 +39,8 @@ impl ShellPatch {
             let point = a + (b - a) * s + (c - a) * t;
             (triangle, point, (point - centre).norm())
         };
-        let (start, origin, distance_m) = (0..mesh.triangles().len())
-            .map(nearest)
-            .min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (start, origin, distance_m) =
+            (0..mesh.triangles().len()).map(nearest).min_by(|a, b| a.2.total_cmp(&b.2))?;
         let normal = normal_of(&mesh.corners(start))?;
         let near = |triangle: usize| {
             let corners = mesh.corners(triangle);
@@ -51,18 +50,8 @@ impl ShellPatch {
         };
         let candidates: Vec<usize> = (0..mesh.triangles().len()).filter(|&t| near(t)).collect();
         let triangles = connected(mesh, start, &candidates);
-        let triangles = triangles
-            .into_iter()
-            .map(|t| (t, mesh.corners(t)))
-            .collect();
-        Some((
-            Self {
-                triangles,
-                origin,
-                normal,
-            },
-            distance_m,
-        ))
+        let triangles = triangles.into_iter().map(|t| (t, mesh.corners(t))).collect();
+        Some((Self { triangles, origin, normal }, distance_m))
     }
 
     /// Where the line through `point` along the patch's normal meets it, nearest to `point` and
@@ -82,10 +71,7 @@ impl ShellPatch {
                 let inside = at.iter().all(|&l| l >= -EDGE_TOLERANCE);
                 let foot = a.coords * at[0] + b.coords * at[1] + c.coords * at[2];
                 let height_m = (foot - point.coords).norm();
-                let hit = PatchPoint {
-                    triangle: *triangle,
-                    at,
-                };
+                let hit = PatchPoint { triangle: *triangle, at };
                 (inside && height_m <= reach_m).then_some((height_m, hit))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -109,9 +95,8 @@ fn connected(mesh: &ShellMesh, start: usize, candidates: &[usize]) -> Vec<usize>
     while next < reached.len() {
         let from = reached[next];
         let new = candidates.iter().copied();
-        let new: Vec<usize> = new
-            .filter(|&t| !reached.contains(&t) && shares_side(from, t))
-            .collect();
+        let new: Vec<usize> =
+            new.filter(|&t| !reached.contains(&t) && shares_side(from, t)).collect();
         reached.extend(new);
         next += 1;
     }

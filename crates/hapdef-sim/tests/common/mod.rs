@@ -33,11 +33,7 @@ pub fn distorted_box(n: usize) -> Tet10Mesh {
     let wobble = |p: &Point3<f64>| {
         let inside = p.iter().map(|c| c * (1.0 - c)).product::<f64>() * 64.0;
         let h = 0.15 / n as f64 * inside;
-        p + Vector3::new(
-            (17.0 * p.y).sin(),
-            (13.0 * p.z + 1.0).sin(),
-            (11.0 * p.x + 2.0).cos(),
-        ) * h
+        p + Vector3::new((17.0 * p.y).sin(), (13.0 * p.z + 1.0).sin(), (11.0 * p.x + 2.0).cos()) * h
     };
     let mut nodes: Vec<Point3<f64>> = straight.nodes().to_vec();
     for element in straight.elements() {
@@ -56,10 +52,7 @@ pub fn distorted_box(n: usize) -> Tet10Mesh {
 
 pub fn nodes_where(mesh: &Tet10Mesh, take: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
     let nodes = mesh.nodes().iter().enumerate();
-    nodes
-        .filter(|(_, p)| take(p))
-        .map(|(i, _)| FeNodeId::from_index(i))
-        .collect()
+    nodes.filter(|(_, p)| take(p)).map(|(i, _)| FeNodeId::from_index(i)).collect()
 }
 
 /// The boundary faces all of whose nodes satisfy `take`.
@@ -115,9 +108,5 @@ pub fn close(found: f64, expected: f64, relative: f64) {
 
 /// A property test of `cases` cases that writes no files.
 pub fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }

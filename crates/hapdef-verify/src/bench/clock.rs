@@ -15,10 +15,8 @@ pub(crate) struct Took {
 pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, Took) {
     let (started, before) = (Instant::now(), processor_s());
     let done = work();
-    let took = Took {
-        wall_s: started.elapsed().as_secs_f64(),
-        processor_s: processor_s() - before,
-    };
+    let took =
+        Took { wall_s: started.elapsed().as_secs_f64(), processor_s: processor_s() - before };
     (done, took)
 }
 
@@ -27,12 +25,8 @@ fn processor_s() -> f64 {
     // utime and stime are the 12th and 13th field after the name in brackets, in 1/100 s (proc(5))
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = text.rsplit_once(')').map_or("", |(_, rest)| rest);
-    let ticks: Vec<f64> = fields
-        .split_whitespace()
-        .skip(11)
-        .take(2)
-        .filter_map(|field| field.parse().ok())
-        .collect();
+    let ticks: Vec<f64> =
+        fields.split_whitespace().skip(11).take(2).filter_map(|field| field.parse().ok()).collect();
     match ticks[..] {
         [user, system] => (user + system) / 100.0,
         _ => f64::NAN,

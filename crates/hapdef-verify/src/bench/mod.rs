@@ -96,10 +96,8 @@ fn build(deck: &SolidDeck, n_threads: usize) -> Result<ElasticModel, VerifyError
     let density = stated.density_kg_m3.unwrap_or(1000.0);
     let material =
         IsotropicMaterial::new(stated.youngs_modulus_pa, stated.poissons_ratio, density)?;
-    let params = ElasticParams {
-        n_threads,
-        ..ElasticParams::new(material, deck.fixed_nodes.clone())
-    };
+    let params =
+        ElasticParams { n_threads, ..ElasticParams::new(material, deck.fixed_nodes.clone()) };
     Ok(ElasticModel::build(&deck.mesh, &params)?)
 }
 
@@ -114,10 +112,7 @@ fn surface_nodes(deck: &SolidDeck, n: usize) -> Vec<FeNodeId> {
 
 fn unit_loads(nodes: &[FeNodeId]) -> Vec<NodalLoad> {
     let force = Vector3::new(2.0, -1.0, 2.0) / 3.0;
-    nodes
-        .iter()
-        .map(|&node| NodalLoad::nodal(node, force))
-        .collect()
+    nodes.iter().map(|&node| NodalLoad::nodal(node, force)).collect()
 }
 
 fn compliance(
@@ -125,9 +120,7 @@ fn compliance(
     loads: &[NodalLoad],
     wanted: &[FeNodeId],
 ) -> Result<SolveInfo, VerifyError> {
-    Ok(model
-        .compliance(loads, wanted, &ComplianceParams::default())?
-        .1)
+    Ok(model.compliance(loads, wanted, &ComplianceParams::default())?.1)
 }
 
 /// Ten gauges for every force at every node, from the deck on disk; 240 adjoint solves after it.
@@ -167,20 +160,12 @@ fn gauges<W: Write>(
         log.value(name, stage.wall_s, "s")?;
     }
     log.value("fe.gauges_s", stages.iter().map(|s| s.wall_s).sum(), "s")?;
-    log.value(
-        "fe.gauges_processor_s",
-        stages.iter().map(|s| s.processor_s).sum(),
-        "s",
-    )?;
+    log.value("fe.gauges_processor_s", stages.iter().map(|s| s.processor_s).sum(), "s")?;
     let many: Vec<GaugeStrain> = gauges.iter().cycle().take(240).cloned().collect();
     let (response, virtual_gauges) = timed(|| model.gauge_response(&many));
     response?;
     log.value("fe.virtual_gauges_s", virtual_gauges.wall_s, "s")?;
-    log.value(
-        "fe.virtual_gauges_processor_s",
-        virtual_gauges.processor_s,
-        "s",
-    )?;
+    log.value("fe.virtual_gauges_processor_s", virtual_gauges.processor_s, "s")?;
     Ok(gauges)
 }
 
@@ -242,15 +227,9 @@ fn against<W: Write>(
                 log.value(&name(&format!("order_vs_cholmod_{low}")), order, "1")?;
             }
             let best = |of: fn(&others::Cholmod) -> f64| {
-                runs.iter()
-                    .map(|(_, run)| of(run))
-                    .fold(f64::INFINITY, f64::min)
+                runs.iter().map(|(_, run)| of(run)).fold(f64::INFINITY, f64::min)
             };
-            log.value(
-                &name("factor_vs_cholmod"),
-                factor_s / best(|r| r.factor_s),
-                "1",
-            )?;
+            log.value(&name("factor_vs_cholmod"), factor_s / best(|r| r.factor_s), "1")?;
             let ratio = solve.processor_s / best(|r| r.solve_s);
             log.value(&name("solve_vs_cholmod"), ratio, "1")?;
         }
@@ -269,16 +248,12 @@ fn against<W: Write>(
 
 /// A thick plate of 304,920 equations, 240 loads.
 fn large<W: Write>(log: &mut MetricLog<W>) -> Result<(), VerifyError> {
-    let mesh: Tet10Mesh = Blocks::new(1e-6)
-        .block([60, 60, 3], |p| Point3::new(p.x, p.y, 0.05 * p.z))
-        .finish()?;
+    let mesh: Tet10Mesh =
+        Blocks::new(1e-6).block([60, 60, 3], |p| Point3::new(p.x, p.y, 0.05 * p.z)).finish()?;
     let clamped = nodes_where(&mesh, |p| p.x < 1e-9);
     let wanted = nodes_where(&mesh, |p| p.x > 0.5 && p.z > 0.05 - 1e-9);
     let material = IsotropicMaterial::new(2e9, 0.35, 1000.0)?;
-    let params = ElasticParams {
-        n_threads: 1,
-        ..ElasticParams::new(material, clamped)
-    };
+    let params = ElasticParams { n_threads: 1, ..ElasticParams::new(material, clamped) };
     let model = ElasticModel::build(&mesh, &params)?;
     let step = (wanted.len() / 240).max(1);
     let wanted: Vec<FeNodeId> = wanted.into_iter().step_by(step).take(240).collect();

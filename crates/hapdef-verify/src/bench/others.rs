@@ -30,10 +30,7 @@ const BLOCK: &str = "64";
 /// [`VerifyError::NotRun`] with the reason where compiler, CHOLMOD or an optimised BLAS are missing.
 pub(crate) fn cholmod(system: &System) -> Result<[(&'static str, Cholmod); 2], VerifyError> {
     let folder = tempfile::tempdir().map_err(not_run("no temporary folder"))?;
-    let (source, program) = (
-        folder.path().join("cholmod.c"),
-        folder.path().join("cholmod"),
-    );
+    let (source, program) = (folder.path().join("cholmod.c"), folder.path().join("cholmod"));
     std::fs::write(&source, SOURCE).map_err(not_run("writing cholmod.c"))?;
     let mut compiler = Command::new("cc");
     compiler.arg("-O2").arg("-I/usr/include/suitesparse");
@@ -71,18 +68,11 @@ fn check_blas(program: &Path) -> Result<(), VerifyError> {
 }
 
 fn parse(text: &str) -> Result<Cholmod, VerifyError> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .filter_map(|word| word.parse().ok())
-        .collect();
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     match numbers[..] {
-        [nnz_l, analyse_s, factor_s, solve_s, relative_residual] => Ok(Cholmod {
-            nnz_l,
-            analyse_s,
-            factor_s,
-            solve_s,
-            relative_residual,
-        }),
+        [nnz_l, analyse_s, factor_s, solve_s, relative_residual] => {
+            Ok(Cholmod { nnz_l, analyse_s, factor_s, solve_s, relative_residual })
+        }
         _ => Err(VerifyError::not_run(format!("CHOLMOD printed {text:?}"))),
     }
 }
@@ -111,9 +101,8 @@ pub(crate) fn calculix(deck: &SolidDeck) -> Result<f64, VerifyError> {
 
 fn output(command: &mut Command) -> Result<String, VerifyError> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let output = command
-        .output()
-        .map_err(|error| VerifyError::not_run(format!("{name}: {error}")))?;
+    let output =
+        command.output().map_err(|error| VerifyError::not_run(format!("{name}: {error}")))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
         let line = text.lines().next().unwrap_or("it failed").to_owned();

@@ -46,10 +46,7 @@ pub(crate) fn plain(system: &System) -> Result<Plain, VerifyError> {
         solve.wall_s += took.wall_s;
         solve.processor_s += took.processor_s;
     }
-    Ok(Plain {
-        factor: factor_took,
-        solve,
-    })
+    Ok(Plain { factor: factor_took, solve })
 }
 
 /// Floating-point operations per second of a dense product on one thread: the best of ten.

@@ -15,10 +15,7 @@ pub(crate) struct System {
 impl System {
     pub(crate) fn of(model: &ElasticModel, loads: &[NodalLoad]) -> Result<Self, SimError> {
         let loads = loads.iter().map(|load| model.right_hand_side(load));
-        Ok(Self {
-            matrix: model.stiffness_matrix()?,
-            loads: loads.collect::<Result<_, _>>()?,
-        })
+        Ok(Self { matrix: model.stiffness_matrix()?, loads: loads.collect::<Result<_, _>>()? })
     }
 
     pub(crate) fn n(&self) -> usize {

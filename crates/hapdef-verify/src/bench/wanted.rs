@@ -29,14 +29,9 @@ pub(super) fn measure<W: Write>(
 ) -> Result<(), VerifyError> {
     let n = N_LOADS.min(loads.len());
     let loads: Vec<NodalLoad> = (0..n).map(|i| loads[i * loads.len() / n].clone()).collect();
-    let all: Vec<FeNodeId> = (0..model.info().n_fe_nodes)
-        .map(FeNodeId::from_index)
-        .collect();
-    let mut read: Vec<FeNodeId> = gauges
-        .iter()
-        .flat_map(|gauge| gauge.as_load().forces_n)
-        .map(|(node, _)| node)
-        .collect();
+    let all: Vec<FeNodeId> = (0..model.info().n_fe_nodes).map(FeNodeId::from_index).collect();
+    let mut read: Vec<FeNodeId> =
+        gauges.iter().flat_map(|gauge| gauge.as_load().forces_n).map(|(node, _)| node).collect();
     read.sort_unstable();
     read.dedup();
     let wanted = [("all", &all[..]), ("wanted", surface), ("gauge", &read)];
@@ -69,10 +64,7 @@ fn run(
     wanted: &[FeNodeId],
     residuals: Residuals,
 ) -> Result<(SolveInfo, f64), VerifyError> {
-    let params = ComplianceParams {
-        residuals,
-        ..ComplianceParams::default()
-    };
+    let params = ComplianceParams { residuals, ..ComplianceParams::default() };
     let (solved, took) = timed(|| model.compliance(loads, wanted, &params));
     Ok((solved?.1, took.processor_s))
 }
@@ -80,9 +72,5 @@ fn run(
 /// The share of L that backward substitution reads for loads that are solved in part; 1 if none is.
 fn partial_share(info: &SolveInfo) -> f64 {
     let full = info.n_residuals as f64 / info.n_loads.max(1) as f64;
-    if full < 1.0 {
-        (info.backward_factor_share - full) / (1.0 - full)
-    } else {
-        1.0
-    }
+    if full < 1.0 { (info.backward_factor_share - full) / (1.0 - full) } else { 1.0 }
 }

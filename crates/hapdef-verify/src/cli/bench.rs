@@ -32,11 +32,8 @@ pub(crate) struct BenchArgs {
 
 /// Measures and prints.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
-    let mut options = BenchOptions {
-        n_loads: args.loads,
-        large: !args.skip_large,
-        ..BenchOptions::default()
-    };
+    let mut options =
+        BenchOptions { n_loads: args.loads, large: !args.skip_large, ..BenchOptions::default() };
     if let Some(threads) = args.threads {
         options.n_threads = threads;
     }

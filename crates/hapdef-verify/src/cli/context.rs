@@ -10,11 +10,7 @@ use hapdef_report::{MetricLog, Report, write_report};
 #[derive(clap::Args)]
 pub(crate) struct FiguresArgs {
     /// Where metrics are appended.
-    #[arg(
-        long,
-        env = "HAPDEF_METRICS",
-        default_value = "target/hapdef/metrics.json"
-    )]
+    #[arg(long, env = "HAPDEF_METRICS", default_value = "target/hapdef/metrics.json")]
     pub(crate) metrics: PathBuf,
 }
 

@@ -57,13 +57,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
             "N/m",
             args.ke_min.or(known.ke_min_n_m),
         ),
-        (
-            "deck.mass_rel_err",
-            "mass",
-            mass,
-            "kg",
-            args.mass.or(known.mass_kg),
-        ),
+        ("deck.mass_rel_err", "mass", mass, "kg", args.mass.or(known.mass_kg)),
         (
             "deck.energy_rel_err",
             "strain energy",
@@ -100,10 +94,9 @@ fn displacement(
             log.value(name, difference, "1")?;
         }
         (None, Some(u)) => log.value(name, (figures.largest_u_m - u).abs() / u, "1")?,
-        (None, None) => log.skipped(
-            name,
-            "no reference is known for this deck; give --reference",
-        )?,
+        (None, None) => {
+            log.skipped(name, "no reference is known for this deck; give --reference")?
+        }
     }
     Ok(())
 }

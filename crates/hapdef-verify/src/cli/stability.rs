@@ -62,12 +62,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<bool> {
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     log_stability(&rows, &mut log)?;
     log.append_to(&args.figures.metrics)?;
-    write_page(
-        stability_page(&rows, data),
-        &log,
-        &args.figures.metrics,
-        "stability-fe",
-    )?;
+    write_page(stability_page(&rows, data), &log, &args.figures.metrics, "stability-fe")?;
     Ok(agrees(args, &rows)? && !rows.iter().any(StabilityCase::is_failed))
 }
 

@@ -40,10 +40,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
     let wanted = |id: &str| args.only.is_empty() || args.only.iter().any(|word| id.contains(word));
     cases.retain(|case| wanted(case.id));
     if cases.is_empty() {
-        bail!(
-            "no case has an id with {:?}; without --only all are listed",
-            args.only
-        );
+        bail!("no case has an id with {:?}; without --only all are listed", args.only);
     }
     let report = run_cases(&cases, |case| {
         if !args.json {
@@ -116,10 +113,7 @@ fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdo
     log.value("verify.failed", report.n_failed() as f64, "1")?;
     match report.worst() {
         Some((_, error)) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,
-        _ => log.skipped(
-            "verify.worst_rel_err",
-            "no row has an error that is a number",
-        )?,
+        _ => log.skipped("verify.worst_rel_err", "no row has an error that is a number")?,
     }
     log.append_to(&args.figures.metrics)?;
     Ok(log)

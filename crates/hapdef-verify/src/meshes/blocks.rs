@@ -25,12 +25,7 @@ impl Blocks {
     /// No block yet; nodes closer than `tolerance` will be one.
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
-        Self {
-            tolerance,
-            nodes: Vec::new(),
-            elements: Vec::new(),
-            near: BTreeMap::new(),
-        }
+        Self { tolerance, nodes: Vec::new(), elements: Vec::new(), near: BTreeMap::new() }
     }
 
     /// A grid of `n` cells over the unit cube, moved by `map`.
@@ -77,9 +72,7 @@ impl Blocks {
 
     /// The node at `p`, an old one if there is one.
     fn node(&mut self, p: Point3<f64>) -> FeNodeId {
-        let bin = p
-            .coords
-            .map(|c| (c / (4.0 * self.tolerance)).round() as i64);
+        let bin = p.coords.map(|c| (c / (4.0 * self.tolerance)).round() as i64);
         for offset in 0..27_i64 {
             let beside = [offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1];
             let at: [i64; 3] = std::array::from_fn(|c| bin[c] + beside[c]);
@@ -121,9 +114,7 @@ mod tests {
 
     fn volume(mesh: &Tet10Mesh) -> f64 {
         let elements = 0..mesh.elements().len();
-        elements
-            .map(|e| tet10::volume(&mesh.element_positions(e)))
-            .sum()
+        elements.map(|e| tet10::volume(&mesh.element_positions(e))).sum()
     }
 
     #[test]
@@ -145,10 +136,7 @@ mod tests {
             Point3::new(r * phi.cos(), r * phi.sin(), p.z)
         };
         let error = |n: usize| {
-            let mesh = Blocks::new(1e-9)
-                .block([1, n, 1], quarter)
-                .finish()
-                .unwrap();
+            let mesh = Blocks::new(1e-9).block([1, n, 1], quarter).finish().unwrap();
             (volume(&mesh) - 0.75 * std::f64::consts::PI).abs()
         };
         // quadratic edges on a circle: the area is off by h⁴

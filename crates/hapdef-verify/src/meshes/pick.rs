@@ -6,10 +6,7 @@ use nalgebra::Point3;
 /// The nodes whose position satisfies `take`, ascending.
 pub fn nodes_where(mesh: &Tet10Mesh, take: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
     let nodes = mesh.nodes().iter().enumerate();
-    nodes
-        .filter(|(_, p)| take(p))
-        .map(|(i, _)| FeNodeId::from_index(i))
-        .collect()
+    nodes.filter(|(_, p)| take(p)).map(|(i, _)| FeNodeId::from_index(i)).collect()
 }
 
 /// The boundary faces all of whose six nodes satisfy `take`.

@@ -18,24 +18,9 @@ const SOURCE: &str = "MacNeal and Harder, A proposed standard set of problems to
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     let straight = [
-        (
-            ids!("straight.extension"),
-            "Straight cantilever, extension",
-            0,
-            3e-5,
-        ),
-        (
-            ids!("straight.in_plane"),
-            "Straight cantilever, in-plane shear",
-            1,
-            0.1081,
-        ),
-        (
-            ids!("straight.out_of_plane"),
-            "Straight cantilever, out-of-plane shear",
-            2,
-            0.4321,
-        ),
+        (ids!("straight.extension"), "Straight cantilever, extension", 0, 3e-5),
+        (ids!("straight.in_plane"), "Straight cantilever, in-plane shear", 1, 0.1081),
+        (ids!("straight.out_of_plane"), "Straight cantilever, out-of-plane shear", 2, 0.4321),
     ];
     let mut cases = Vec::new();
     for (ids, title, axis, tip) in straight {
@@ -118,11 +103,7 @@ fn straight(mesh: Mesh, shape: fn(usize, usize) -> f64) -> Result<(Grid, Problem
         let i = (s.floor() as usize).min(5);
         let f = s - i as f64;
         let at = |i: usize| {
-            if i == 0 || i == 6 {
-                0.0
-            } else {
-                shape(i, 0) * (1.0 - v) + shape(i, 1) * v
-            }
+            if i == 0 || i == 6 { 0.0 } else { shape(i, 0) * (1.0 - v) + shape(i, 1) * v }
         };
         (at(i) * (1.0 - f) + at(i + 1) * f) * 0.2
     };
@@ -158,10 +139,7 @@ fn twist() -> Case {
             Thin shells have no transverse shear, which the torsion of a rectangle of 2 : 1 needs",
         &[8, 16, 32],
     );
-    let benchmark = Benchmark {
-        unit: "rad",
-        ..case(Rc::new(solve))
-    };
+    let benchmark = Benchmark { unit: "rad", ..case(Rc::new(solve)) };
     benchmark.case(ShellKind::Thick)
 }
 
@@ -272,13 +250,11 @@ fn twisted() -> Vec<Case> {
             (0.0032, 1, 1.294e-3),
         ),
     ];
-    let cases = rows
-        .into_iter()
-        .flat_map(|(ids, title, (quantity, source), row)| {
-            let (thickness, axis, tip) = row;
-            let solve = move |kind, mesh| twist_90(kind, mesh, thickness, axis);
-            let reference = Reference::Published(tip);
-            beam(ids, title, quantity, reference, source, &[4, 8, 16])(Rc::new(solve)).both()
-        });
+    let cases = rows.into_iter().flat_map(|(ids, title, (quantity, source), row)| {
+        let (thickness, axis, tip) = row;
+        let solve = move |kind, mesh| twist_90(kind, mesh, thickness, axis);
+        let reference = Reference::Published(tip);
+        beam(ids, title, quantity, reference, source, &[4, 8, 16])(Rc::new(solve)).both()
+    });
     cases.collect()
 }

@@ -31,10 +31,7 @@ pub(super) struct Benchmark {
 /// The ids `shell.thin.…` and `shell.thick.…`.
 macro_rules! ids {
     ($name:literal) => {
-        [
-            concat!("shell.thin.", $name),
-            concat!("shell.thick.", $name),
-        ]
+        [concat!("shell.thin.", $name), concat!("shell.thick.", $name)]
     };
 }
 pub(super) use ids;
@@ -80,10 +77,7 @@ impl Benchmark {
             let measured = (self.solve)(kind, Mesh { n, pattern })?;
             let apart = self.reference.rel_err(measured.value).unwrap_or(0.0);
             // a value that is not a number is the worst
-            if worst
-                .as_ref()
-                .is_none_or(|(w, _)| apart.is_nan() || apart > *w)
-            {
+            if worst.as_ref().is_none_or(|(w, _)| apart.is_nan() || apart > *w) {
                 worst = Some((apart, measured));
             }
         }

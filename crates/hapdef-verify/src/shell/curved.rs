@@ -141,11 +141,7 @@ fn closed_hemisphere(kind: ShellKind, n: usize) -> Result<Measured, VerifyError>
     for i in 0..=n {
         for j in 0..=i {
             let polar = i as f64 / n as f64 * FRAC_PI_2;
-            let a = if i == 0 {
-                0.0
-            } else {
-                j as f64 / i as f64 * FRAC_PI_2
-            };
+            let a = if i == 0 { 0.0 } else { j as f64 / i as f64 * FRAC_PI_2 };
             let direction = Vector3::new(polar.sin() * a.cos(), polar.sin() * a.sin(), polar.cos());
             nodes.push(Point3::from(direction * 10.0));
             if i < n {
@@ -156,12 +152,7 @@ fn closed_hemisphere(kind: ShellKind, n: usize) -> Result<Measured, VerifyError>
             }
         }
     }
-    let grid = Grid {
-        nodes,
-        triangles,
-        nu: n,
-        nv: n,
-    };
+    let grid = Grid { nodes, triangles, nu: n, nv: n };
     let mut p = Problem::new(&grid, 0.04, 68.25e9, 0.3)?;
     let first: Vec<usize> = (0..=n).map(|i| id(i, 0)).collect();
     let last: Vec<usize> = (0..=n).map(|i| id(i, i)).collect();

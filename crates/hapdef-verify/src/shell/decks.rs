@@ -206,11 +206,7 @@ fn roofs() -> Benchmark {
         patterns: &[Pattern::Up],
         solve: Rc::new(|kind, mesh| {
             let coarse = mesh.n == 0;
-            let file = if coarse {
-                "stri3_irreg"
-            } else {
-                "s3r_fineirreg"
-            };
+            let file = if coarse { "stri3_irreg" } else { "s3r_fineirreg" };
             let deck = shared(&format!("fe/shell-meshes/barrelvault_{file}.inp"))?;
             roof(&ShellDeck::read(&deck)?, mesh.n.saturating_sub(1), kind)
         }),
@@ -230,12 +226,7 @@ fn merged(deck: &ShellDeck) -> Grid {
         })
     };
     let triangles = deck.elements.iter().map(|e| e.map(&mut place)).collect();
-    Grid {
-        nodes,
-        triangles,
-        nu: 0,
-        nv: 0,
-    }
+    Grid { nodes, triangles, nu: 0, nv: 0 }
 }
 
 const ROOF_RADIUS: f64 = 300.0;
@@ -252,9 +243,7 @@ fn roof(deck: &ShellDeck, n_refinements: usize, kind: ShellKind) -> Result<Measu
         grid = grid.refined(&FaceCurve::Onto(&onto))?.0;
     }
     let find = |take: &dyn Fn(&Point3<f64>) -> bool| -> Vec<usize> {
-        (0..grid.nodes.len())
-            .filter(|&i| take(&grid.nodes[i]))
-            .collect()
+        (0..grid.nodes.len()).filter(|&i| take(&grid.nodes[i])).collect()
     };
     let mut p = Problem::new(&grid, 3.0, 3e6, 0.0)?;
     p.mirror(&find(&|q| q.y.abs() < 1e-3), 1);

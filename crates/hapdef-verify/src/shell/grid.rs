@@ -71,12 +71,7 @@ impl Grid {
                 }
             }
         }
-        Self {
-            nodes,
-            triangles,
-            nu,
-            nv,
-        }
+        Self { nodes, triangles, nu, nv }
     }
 
     /// The node at grid position (i, j).
@@ -142,15 +137,7 @@ fn place(i: usize, j: usize, nu: usize, nv: usize, pattern: Pattern) -> [f64; 2]
     }
     let (x, y) = (i as f64, j as f64);
     // nodes on a side move along it only
-    let du = if i == 0 || i == nu {
-        0.0
-    } else {
-        (2.3 * x + 3.1 * y + 0.4).sin()
-    };
-    let dv = if j == 0 || j == nv {
-        0.0
-    } else {
-        (1.9 * x - 2.7 * y + 1.3).sin()
-    };
+    let du = if i == 0 || i == nu { 0.0 } else { (2.3 * x + 3.1 * y + 0.4).sin() };
+    let dv = if j == 0 || j == nv { 0.0 } else { (1.9 * x - 2.7 * y + 1.3).sin() };
     [u + 0.18 * du / nu as f64, v + 0.18 * dv / nv as f64]
 }

@@ -44,10 +44,7 @@ pub(super) fn cases() -> Vec<Case> {
         }),
         patterns: &[Pattern::Up],
     };
-    vec![
-        published.case(ShellKind::Thick),
-        to_solid.case(ShellKind::Thick),
-    ]
+    vec![published.case(ShellKind::Thick), to_solid.case(ShellKind::Thick)]
 }
 
 /// A point of the middle line at the share `u` of its cells, and the normal there.
@@ -55,11 +52,7 @@ fn hook_at(u: f64) -> (Point3<f64>, Vector3<f64>) {
     let (r1, r2, bend) = (14.0, 46.0, 60.0_f64.to_radians());
     let (s1, s2) = (r1 * bend, r2 * 150.0_f64.to_radians());
     // 3 of 10 cells on the small arc
-    let s = if u <= 0.3 {
-        s1 * u / 0.3
-    } else {
-        s1 + s2 * (u - 0.3) / 0.7
-    };
+    let s = if u <= 0.3 { s1 * u / 0.3 } else { s1 + s2 * (u - 0.3) / 0.7 };
     if s <= s1 {
         let (sin, cos) = (s / r1).sin_cos();
         let middle = Point3::new(r1 * (1.0 - cos), r1 * sin, 0.0);

@@ -12,12 +12,8 @@ use super::problem::Problem;
 use crate::{Case, Measured, Reference, Target, VerifyError};
 
 /// t/L and the energy of the whole shell, J.
-const ENERGIES: [(f64, f64); 4] = [
-    (1e-2, 1.6823e-3),
-    (1e-3, 1.1021e-2),
-    (1e-4, 9.0027e-2),
-    (1e-5, 8.165e-1),
-];
+const ENERGIES: [(f64, f64); 4] =
+    [(1e-2, 1.6823e-3), (1e-3, 1.1021e-2), (1e-4, 9.0027e-2), (1e-5, 8.165e-1)];
 
 const SOURCE: &str = "an hp method with up to 71,064 unknowns, crates/hapdef-verify/reference/hypar_hp.py, settled to \
     0.02 % (0.06 % at t/L 1e-5); within 0.2 % of Bathe, Iosilevich and Chapelle, Comput. Struct. 75, 2000, MITC16 \
@@ -110,11 +106,7 @@ fn hypar_once(
 fn hypar(kind: ShellKind, mesh: Mesh, thickness: f64) -> Result<Measured, VerifyError> {
     let layer = (6.0 * thickness.sqrt()).min(0.5);
     let grid = Grid::new(2 * mesh.n, mesh.n, mesh.pattern, |u, v| {
-        let s = if u < 0.5 {
-            2.0 * u * layer
-        } else {
-            layer + (2.0 * u - 1.0) * (1.0 - layer)
-        };
+        let s = if u < 0.5 { 2.0 * u * layer } else { layer + (2.0 * u - 1.0) * (1.0 - layer) };
         let (x, y) = (s - 0.5, 0.5 * v);
         Point3::new(x, y, x * x - y * y)
     });

@@ -57,11 +57,7 @@ impl ShellDeck {
     /// The labels of a node or set.
     pub(super) fn labels(&self, name: &str) -> Vec<usize> {
         let single = || name.parse().ok().map(|label| vec![label]);
-        self.sets
-            .get(name)
-            .cloned()
-            .or_else(single)
-            .unwrap_or_default()
+        self.sets.get(name).cloned().or_else(single).unwrap_or_default()
     }
 
     fn add(&mut self, keyword: &str, words: &[&str]) {
@@ -87,16 +83,12 @@ impl ShellDeck {
             "*NSET" => {
                 let set = keyword.split("NSET=").nth(1).unwrap_or_default();
                 let set = set.split(',').next().unwrap_or_default().to_owned();
-                self.sets
-                    .entry(set)
-                    .or_default()
-                    .extend((0..words.len()).filter_map(whole));
+                self.sets.entry(set).or_default().extend((0..words.len()).filter_map(whole));
             }
             "*BOUNDARY" => {
                 if let Some(first) = whole(1) {
                     let last = whole(2).unwrap_or(first);
-                    self.held
-                        .extend((first..=last).map(|dof| (name.clone(), dof - 1)));
+                    self.held.extend((first..=last).map(|dof| (name.clone(), dof - 1)));
                 }
             }
             "*CLOAD" => {
@@ -124,10 +116,7 @@ mod tests {
              *USER SECTION,ELSET=E\n0.05\n*Elastic\n 2.1e+11, 0.3\n*Boundary\nSet-1, 1, 2\n\
              *Cload\n3, 1, 1.\n*Dsload\nSurf-1, P, 100.\n*Elset, elset=Set-1\n 1\n",
         );
-        assert_eq!(
-            (deck.nodes.len(), &deck.elements[..]),
-            (3, &[[1, 2, 3]][..])
-        );
+        assert_eq!((deck.nodes.len(), &deck.elements[..]), (3, &[[1, 2, 3]][..]));
         assert_eq!(deck.labels("SET-1"), [1, 3]);
         assert_eq!(deck.labels("2"), [2]);
         let held = [("SET-1".to_owned(), 0), ("SET-1".to_owned(), 1)];

@@ -173,9 +173,7 @@ fn le6() -> Benchmark {
 fn skew_plate(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
     let n = mesh.n;
     let (sin, cos) = ARC.sin_cos();
-    let grid = Grid::new(n, n, mesh.pattern, |u, v| {
-        Point3::new(u + v * cos, v * sin, 0.0)
-    });
+    let grid = Grid::new(n, n, mesh.pattern, |u, v| Point3::new(u + v * cos, v * sin, 0.0));
     let mut p = Problem::new(&grid, 0.01, 210e9, 0.3)?;
     p.fix(&grid.sides(), &[2]);
     p.fix(&[0], &[0, 1]);

@@ -63,9 +63,8 @@ fn z_mesh(n: usize) -> Result<Tet10Mesh, VerifyError> {
     let within = |[a, b]: [f64; 2], t: f64| a + (b - a) * t;
     let mut blocks = Blocks::new(1e-6);
     for (y, z, [ny, nz]) in boxes {
-        blocks = blocks.block([10 * n, ny, nz], |p| {
-            Point3::new(10.0 * p.x, within(y, p.y), within(z, p.z))
-        });
+        blocks = blocks
+            .block([10 * n, ny, nz], |p| Point3::new(10.0 * p.x, within(y, p.y), within(z, p.z)));
     }
     blocks.finish()
 }
@@ -73,9 +72,7 @@ fn z_mesh(n: usize) -> Result<Tet10Mesh, VerifyError> {
 /// The axial stress at (2.5, −1, 1), MPa.
 fn solid_stress(n: usize) -> Result<f64, VerifyError> {
     let problem = Problem::new(z_mesh(n)?, 210e9, 0.3)?.clamp(|p| same(p.x, 0.0));
-    let ends = faces_where(&problem.mesh, |p| {
-        same(p.x, 10.0) && p.z.abs() > 0.95 - 1e-9
-    });
+    let ends = faces_where(&problem.mesh, |p| same(p.x, 10.0) && p.z.abs() > 0.95 - 1e-9);
     // a flange's end with its corner
     let area = 1.05 * 0.1;
     let load = problem.traction(&ends, |p, _| Vector3::y() * (-0.6e6 * p.z.signum() / area));

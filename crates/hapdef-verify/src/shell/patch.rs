@@ -23,26 +23,15 @@ const PATCHES: [Patch; 4] = [
     (
         ids!("patch.membrane"),
         "Patch test, membrane strain",
-        &[
-            ([1e-3, 0.0, 0.0, 0.0], [0.0; 3]),
-            ([1e-3, 0.5e-3, 0.5e-3, 1e-3], [0.0; 3]),
-        ],
+        &[([1e-3, 0.0, 0.0, 0.0], [0.0; 3]), ([1e-3, 0.5e-3, 0.5e-3, 1e-3], [0.0; 3])],
     ),
-    (
-        ids!("patch.shear"),
-        "Patch test, membrane shear",
-        &[([0.0, 1e-3, 0.0, 0.0], [0.0; 3])],
-    ),
+    (ids!("patch.shear"), "Patch test, membrane shear", &[([0.0, 1e-3, 0.0, 0.0], [0.0; 3])]),
     (
         ids!("patch.bending"),
         "Patch test, bending",
         &[([0.0; 4], [1e-2, 0.0, 0.0]), ([0.0; 4], [0.0, 1e-2, 0.0])],
     ),
-    (
-        ids!("patch.twist"),
-        "Patch test, twist",
-        &[([0.0; 4], [0.0, 0.0, 1e-2])],
-    ),
+    (ids!("patch.twist"), "Patch test, twist", &[([0.0; 4], [0.0, 0.0, 1e-2])]),
 ];
 
 /// Rows of the table.
@@ -52,12 +41,9 @@ pub(super) fn cases() -> Vec<Case> {
         let quantity = "largest error of displacement, rotation or strain / largest value";
         let source = "MacNeal and Harder, 1985, figure 1: a constant strain is met on any mesh";
         cases.extend(both(ids, title, quantity, source, move |kind| {
-            worst(
-                fields
-                    .iter()
-                    .flat_map(|field| THICKNESSES.map(|t| (field, t))),
-                |(field, t)| patch_error(kind, t, field),
-            )
+            worst(fields.iter().flat_map(|field| THICKNESSES.map(|t| (field, t))), |(field, t)| {
+                patch_error(kind, t, field)
+            })
         }));
     }
     cases.extend(both(
@@ -92,10 +78,7 @@ fn both(
     error: impl Fn(ShellKind) -> Result<f64, VerifyError> + Clone + 'static,
 ) -> Vec<Case> {
     let is_patch = ids[0].contains("patch");
-    let kinds = [
-        (ShellKind::Thin, "thin shell"),
-        (ShellKind::Thick, "thick shell"),
-    ];
+    let kinds = [(ShellKind::Thin, "thin shell"), (ShellKind::Thick, "thick shell")];
     let case = |(id, (kind, element))| {
         let error = error.clone();
         let measured = move |_| {
@@ -136,11 +119,7 @@ fn worst<T>(
     all.into_iter().try_fold(0.0, |worst: f64, one| {
         let error = error(one)?;
         // max would drop what is not a number
-        Ok(if error > worst || error.is_nan() {
-            error
-        } else {
-            worst
-        })
+        Ok(if error > worst || error.is_nan() { error } else { worst })
     })
 }
 
@@ -157,24 +136,14 @@ fn patch(thickness: f64) -> Result<ShellMesh, VerifyError> {
         [0.16, 0.08],
         [0.08, 0.08],
     ];
-    let quads = [
-        [0, 1, 5, 4],
-        [1, 2, 6, 5],
-        [2, 3, 7, 6],
-        [3, 0, 4, 7],
-        [4, 5, 6, 7],
-    ];
+    let quads = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7]];
     let triangles = quads
         .iter()
         .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]])
         .map(|t| t.map(FeNodeId::from_index));
     let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.9);
     let positions = nodes.iter().map(|p| turn * Point3::new(p[0], p[1], 0.0));
-    Ok(ShellMesh::new(
-        positions.collect(),
-        triangles.collect(),
-        vec![thickness; 8],
-    )?)
+    Ok(ShellMesh::new(positions.collect(), triangles.collect(), vec![thickness; 8])?)
 }
 
 /// Displacement and rotation of a constant-strain field in the patch's plane: u = G x,
@@ -182,10 +151,7 @@ fn patch(thickness: f64) -> Result<ShellMesh, VerifyError> {
 fn field(g: &Matrix3<f64>, c: &Matrix3<f64>, p: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let slope = -(c * p);
     let drilling = 0.5 * (g[(1, 0)] - g[(0, 1)]);
-    [
-        g * p + Vector3::z() * (-0.5 * p.dot(&(c * p))),
-        Vector3::new(slope.y, -slope.x, drilling),
-    ]
+    [g * p + Vector3::z() * (-0.5 * p.dot(&(c * p))), Vector3::new(slope.y, -slope.x, drilling)]
 }
 
 /// Solves for the inner nodes with the outer ones given; the largest error of the inner nodes and of
@@ -203,13 +169,7 @@ fn patch_error(kind: ShellKind, thickness: f64, (g, c): &Field) -> Result<f64, V
     let material = IsotropicMaterial::new(E, NU, 1.0)?;
     let mut k = DMatrix::zeros(48, 48);
     for (element, nodes) in mesh.triangles().iter().enumerate() {
-        let ke = shell_stiffness(
-            kind,
-            &mesh.corners(element),
-            None,
-            &[thickness; 3],
-            &material,
-        );
+        let ke = shell_stiffness(kind, &mesh.corners(element), None, &[thickness; 3], &material);
         let ke = ke.map_err(|problem| SimError::ShellElement { element, problem })?;
         let dof = |i: usize| 6 * nodes[i / 6].index() + i % 6;
         for (i, row) in ke.iter().enumerate() {
@@ -230,12 +190,7 @@ fn patch_error(kind: ShellKind, thickness: f64, (g, c): &Field) -> Result<f64, V
     let found = &first + factor.solve(&(rhs - inner * &first));
     let expected = exact.rows(24, 24).into_owned();
     let apart = (&found - &expected).amax() / expected.amax();
-    let all: Vec<f64> = exact
-        .rows(0, 24)
-        .iter()
-        .chain(found.iter())
-        .copied()
-        .collect();
+    let all: Vec<f64> = exact.rows(0, 24).iter().chain(found.iter()).copied().collect();
     let strain = turn.matrix()
         * ((g + g.transpose()) * 0.5 + c * (0.5 * thickness))
         * turn.matrix().transpose();
@@ -281,10 +236,7 @@ fn element(
     let thickness = order.map(|i| thickness * (1.0 + 0.1 * i as f64));
     let material = IsotropicMaterial::new(E, NU, 1.0)?;
     let k = shell_stiffness(kind, &corners, Some(&directors), &thickness, &material);
-    let k = k.map_err(|problem| SimError::ShellElement {
-        element: 0,
-        problem,
-    })?;
+    let k = k.map_err(|problem| SimError::ShellElement { element: 0, problem })?;
     Ok(Stiffness::from_fn(|i, j| k[i][j]))
 }
 
@@ -320,12 +272,6 @@ fn rotation(kind: ShellKind, thickness: f64) -> Result<f64, VerifyError> {
     let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.3);
     let k = element(kind, thickness, [0, 1, 2], &Rotation3::identity())?;
     let turned = element(kind, thickness, [0, 1, 2], &turn)?;
-    let spin = Stiffness::from_fn(|i, j| {
-        if i / 3 == j / 3 {
-            turn[(i % 3, j % 3)]
-        } else {
-            0.0
-        }
-    });
+    let spin = Stiffness::from_fn(|i, j| if i / 3 == j / 3 { turn[(i % 3, j % 3)] } else { 0.0 });
     Ok((turned - spin * k * spin.transpose()).amax() / k.amax())
 }

@@ -63,11 +63,7 @@ impl Problem {
         for &dof in dofs {
             self.params.supports.holds.push(Hold {
                 nodes: ids(nodes),
-                motion: if dof < 3 {
-                    HeldMotion::Translation
-                } else {
-                    HeldMotion::Rotation
-                },
+                motion: if dof < 3 { HeldMotion::Translation } else { HeldMotion::Rotation },
                 direction: Vector3::ith(dof % 3, 1.0),
             });
         }
@@ -80,10 +76,10 @@ impl Problem {
 
     /// The nodes lie in a mirror plane across the axis.
     pub(super) fn mirror(&mut self, nodes: &[usize], axis: usize) {
-        self.params.supports.symmetry.push(SymmetryPlane {
-            nodes: ids(nodes),
-            normal: Vector3::ith(axis, 1.0),
-        });
+        self.params
+            .supports
+            .symmetry
+            .push(SymmetryPlane { nodes: ids(nodes), normal: Vector3::ith(axis, 1.0) });
     }
 
     /// A force (`dof` below 3) or moment on one node.
@@ -100,10 +96,7 @@ impl Problem {
     pub(super) fn line_load(&mut self, line: &[usize], dof: usize, total: f64) {
         let length = |w: &[usize]| (self.nodes[w[0]] - self.nodes[w[1]]).norm();
         let all: f64 = line.windows(2).map(length).sum();
-        let shares: Vec<f64> = line
-            .windows(2)
-            .map(|w| 0.5 * total * length(w) / all)
-            .collect();
+        let shares: Vec<f64> = line.windows(2).map(|w| 0.5 * total * length(w) / all).collect();
         for (w, share) in line.windows(2).zip(shares) {
             self.force(w[0], dof, share);
             self.force(w[1], dof, share);
@@ -156,12 +149,6 @@ impl Solution {
 
     /// `value` with the sizes of this solution.
     pub(super) fn measured(&self, value: f64, mesh: String, h: f64) -> Measured {
-        Measured {
-            value,
-            mesh,
-            n_nodes: self.mesh.nodes().len(),
-            n_equations: self.n_equations,
-            h,
-        }
+        Measured { value, mesh, n_nodes: self.mesh.nodes().len(), n_equations: self.n_equations, h }
     }
 }

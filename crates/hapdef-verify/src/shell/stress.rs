@@ -34,9 +34,7 @@ impl Solution {
             left += row * row.transpose() * area;
             right += row * self.at_centroid(triangle, z, &along)?.transpose() * area;
         }
-        let scale = left
-            .diagonal()
-            .map(|d| d.max(f64::MIN_POSITIVE).sqrt().recip());
+        let scale = left.diagonal().map(|d| d.max(f64::MIN_POSITIVE).sqrt().recip());
         let scaled = Matrix3::from_diagonal(&scale);
         let inverse = (scaled * left * scaled).try_inverse();
         let inverse = inverse.ok_or_else(|| VerifyError::Setup {
@@ -64,10 +62,8 @@ impl Solution {
             &self.material,
             &[1.0 / 3.0; 3],
         );
-        let strain = strain.map_err(|problem| SimError::ShellElement {
-            element: triangle,
-            problem,
-        })?;
+        let strain =
+            strain.map_err(|problem| SimError::ShellElement { element: triangle, problem })?;
         let nodes = self.mesh.triangles()[triangle].map(|node| node.index());
         let values: [f64; 18] = std::array::from_fn(|i| {
             let node = nodes[i / 6];
@@ -118,10 +114,8 @@ impl Solution {
             (0..triangles.len()).filter(touches).collect()
         };
         let first = touching(&[node]);
-        let near: Vec<usize> = first
-            .iter()
-            .flat_map(|&t| triangles[t].map(|n| n.index()))
-            .collect();
+        let near: Vec<usize> =
+            first.iter().flat_map(|&t| triangles[t].map(|n| n.index())).collect();
         let normal = first.first().map(|&t| self.normal(t)).unwrap_or_default();
         let mut all = touching(&near);
         all.retain(|&t| self.normal(t).dot(&normal) > FOLD_COS);

@@ -16,18 +16,8 @@ const STRAIGHT: &str = "MacNeal and Harder, A proposed standard set of problems 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     vec![
-        straight(
-            "solid.straight.extension",
-            "Straight cantilever, extension",
-            0,
-            3e-5,
-        ),
-        straight(
-            "solid.straight.in_plane",
-            "Straight cantilever, in-plane shear",
-            1,
-            0.1081,
-        ),
+        straight("solid.straight.extension", "Straight cantilever, extension", 0, 3e-5),
+        straight("solid.straight.in_plane", "Straight cantilever, in-plane shear", 1, 0.1081),
         straight(
             "solid.straight.out_of_plane",
             "Straight cantilever, out-of-plane shear",
@@ -37,18 +27,8 @@ pub(super) fn cases() -> Vec<Case> {
         twist(),
         curved_in_plane(),
         curved_out_of_plane(),
-        twisted(
-            "solid.twisted.in_plane",
-            "Twisted beam, in-plane shear",
-            2,
-            5.424e-3,
-        ),
-        twisted(
-            "solid.twisted.out_of_plane",
-            "Twisted beam, out-of-plane shear",
-            1,
-            1.754e-3,
-        ),
+        twisted("solid.twisted.in_plane", "Twisted beam, in-plane shear", 2, 5.424e-3),
+        twisted("solid.twisted.out_of_plane", "Twisted beam, out-of-plane shear", 1, 1.754e-3),
     ]
 }
 
@@ -65,11 +45,7 @@ fn tip_displacement(
     let load = pull.scaled(1.0 / pull.total_n().dot(&direction));
     let solution = problem.solve(&load)?;
     let value = load.work_j(&solution.u)?;
-    Ok(solution.measured(
-        value,
-        cells(n),
-        1.0 / n.into_iter().max().unwrap_or(1) as f64,
-    ))
+    Ok(solution.measured(value, cells(n), 1.0 / n.into_iter().max().unwrap_or(1) as f64))
 }
 
 fn straight(id: &'static str, title: &'static str, axis: usize, reference: f64) -> Case {
@@ -127,9 +103,7 @@ fn twist() -> Case {
             let problem = Problem::new(mesh, 1e7, 0.3)?.clamp(|p| same(p.x, 0.0));
             let tip = faces_where(&problem.mesh, |p| same(p.x, 6.0));
             let turn = problem.traction(&tip, |p, _| Vector3::new(0.0, -p.z, p.y));
-            let torque = turn
-                .moment_nm(&problem.mesh, &Point3::new(6.0, 0.0, 0.0))?
-                .x;
+            let torque = turn.moment_nm(&problem.mesh, &Point3::new(6.0, 0.0, 0.0))?.x;
             let solution = problem.solve(&turn.scaled(1.0 / torque))?;
             // the rotation of a section from its upper and lower edge
             let rotation = |x: f64| -> Result<f64, VerifyError> {

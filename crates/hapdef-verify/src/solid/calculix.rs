@@ -13,11 +13,7 @@ const SOURCE: &str = "CalculiX test suite, reference result beside the deck";
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    vec![case(
-        "solid.calculix.beam10p",
-        "CalculiX beam10p",
-        "beam10p",
-    )]
+    vec![case("solid.calculix.beam10p", "CalculiX beam10p", "beam10p")]
 }
 
 fn case(id: &'static str, title: &'static str, file: &'static str) -> Case {
@@ -42,11 +38,7 @@ fn case(id: &'static str, title: &'static str, file: &'static str) -> Case {
 }
 
 fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
-    let io = |action, cause| VerifyError::Io {
-        action,
-        path: path.to_owned(),
-        cause,
-    };
+    let io = |action, cause| VerifyError::Io { action, path: path.to_owned(), cause };
     let text = std::fs::read_to_string(path).map_err(|cause| io("reading", cause))?;
     // the deck reader wants whole nodes held; single directions are read here
     let (rest, held) = split_boundary(&text);
@@ -54,21 +46,12 @@ fn compare(path: &Path, reference: &Path) -> Result<Measured, VerifyError> {
     let copy = folder.path().join("deck.inp");
     std::fs::write(&copy, rest).map_err(|cause| io("copying", cause))?;
     let deck = read_deck(&copy)?;
-    let material = deck
-        .material
-        .ok_or_else(|| VerifyError::not_run("no material"))?;
+    let material = deck.material.ok_or_else(|| VerifyError::not_run("no material"))?;
     let load = own_load(&deck)?;
-    let node_of = |label: u32| {
-        deck.node_labels
-            .binary_search(&label)
-            .ok()
-            .map(FeNodeId::from_index)
-    };
-    let mut problem = Problem::new(
-        deck.mesh.clone(),
-        material.youngs_modulus_pa,
-        material.poissons_ratio,
-    )?;
+    let node_of =
+        |label: u32| deck.node_labels.binary_search(&label).ok().map(FeNodeId::from_index);
+    let mut problem =
+        Problem::new(deck.mesh.clone(), material.youngs_modulus_pa, material.poissons_ratio)?;
     for (name, axis) in held {
         let nodes = match name.parse() {
             Ok(label) => node_of(label).into_iter().collect(),
@@ -118,10 +101,7 @@ mod tests {
     fn single_directions_are_read() {
         let (rest, held) = split_boundary("*NODE\n1, 0, 0\n*BOUNDARY\n1,1,2\nfix,3\n*STEP\n");
         assert_eq!(rest, "*NODE\n1, 0, 0\n*STEP\n");
-        let names: Vec<_> = held
-            .iter()
-            .map(|(name, axis)| (name.as_str(), *axis))
-            .collect();
+        let names: Vec<_> = held.iter().map(|(name, axis)| (name.as_str(), *axis)).collect();
         assert_eq!(names, [("1", 0), ("1", 1), ("FIX", 2)]);
     }
 }

@@ -12,27 +12,15 @@ use crate::{Case, Measured, Reference, Target, VerifyError};
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = vec![
-        sphere(
-            "solid.sphere",
-            "Thick sphere under inner pressure, ν = 0.3",
-            0.3,
-        ),
+        sphere("solid.sphere", "Thick sphere under inner pressure, ν = 0.3", 0.3),
         cylinder_displacement(),
         cylinder_stress(),
         kirsch(),
         plate(),
     ];
     cases.extend([
-        sphere(
-            "solid.incompressible.0_49",
-            "Nearly incompressible sphere, ν = 0.49",
-            0.49,
-        ),
-        sphere(
-            "solid.incompressible.0_4999",
-            "Nearly incompressible sphere, ν = 0.4999",
-            0.4999,
-        ),
+        sphere("solid.incompressible.0_49", "Nearly incompressible sphere, ν = 0.49", 0.49),
+        sphere("solid.incompressible.0_4999", "Nearly incompressible sphere, ν = 0.4999", 0.4999),
         sphere(
             "solid.incompressible.0_499999",
             "Nearly incompressible sphere, ν = 0.499999",
@@ -61,9 +49,7 @@ fn sphere_displacement(nu: f64) -> f64 {
 
 fn octant_holds(mesh: Tet10Mesh, nu: f64) -> Result<Problem, VerifyError> {
     let problem = Problem::new(mesh, E, nu)?;
-    Ok((0..3).fold(problem, |problem, axis| {
-        problem.hold(axis, |p| same(p[axis], 0.0))
-    }))
+    Ok((0..3).fold(problem, |problem, axis| problem.hold(axis, |p| same(p[axis], 0.0))))
 }
 
 fn sphere(id: &'static str, title: &'static str, nu: f64) -> Case {
@@ -187,17 +173,7 @@ fn kirsch_stress(p: &Point3<f64>, nu: f64) -> Matrix3<f64> {
     let shear = -0.5 * (1.0 - 3.0 * q2 + 2.0 * q) * s2;
     let (s, c) = phi.sin_cos();
     let turn = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
-    let polar = Matrix3::new(
-        radial,
-        shear,
-        0.0,
-        shear,
-        hoop,
-        0.0,
-        0.0,
-        0.0,
-        nu * (radial + hoop),
-    );
+    let polar = Matrix3::new(radial, shear, 0.0, shear, hoop, 0.0, 0.0, 0.0, nu * (radial + hoop));
     turn * polar * turn.transpose()
 }
 

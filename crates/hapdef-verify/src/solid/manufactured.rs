@@ -74,10 +74,7 @@ fn errors(level: usize, pick: fn(&Norms) -> [f64; 2]) -> Result<Measured, Verify
         .finish()?;
     let wall = |p: &Point3<f64>| p.iter().any(|c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
     let problem = Problem::new(mesh, 1.0, 0.3)?.clamp(wall);
-    let (lambda, mu) = (
-        problem.material.lame_lambda_pa(),
-        problem.material.shear_modulus_pa(),
-    );
+    let (lambda, mu) = (problem.material.lame_lambda_pa(), problem.material.shear_modulus_pa());
     // −div σ of u = φ c: −μ Δφ c − (λ + μ) ∇∇φ c
     let load = NodalLoad::body_force(&problem.mesh, |p| {
         let (phi, _, hessian) = bump(p);
@@ -85,11 +82,7 @@ fn errors(level: usize, pick: fn(&Norms) -> [f64; 2]) -> Result<Measured, Verify
     });
     let solution = problem.solve(&load)?;
     let [error, whole] = pick(&norms(&problem, &solution));
-    Ok(solution.measured(
-        (error / whole).sqrt(),
-        format!("{n}³ cells"),
-        1.0 / n as f64,
-    ))
+    Ok(solution.measured((error / whole).sqrt(), format!("{n}³ cells"), 1.0 / n as f64))
 }
 
 fn norms(problem: &Problem, solution: &Solution<'_>) -> Norms {

@@ -65,9 +65,7 @@ fn elliptic(n: [usize; 3], height: f64, nu: f64) -> Result<Problem, VerifyError>
             Point3::new(clean(at.x), clean(at.y), height * p.z)
         })
         .finish()?;
-    Ok(Problem::new(mesh, 210e9, nu)?
-        .hold(1, |p| same(p.y, 0.0))
-        .hold(0, |p| same(p.x, 0.0)))
+    Ok(Problem::new(mesh, 210e9, nu)?.hold(1, |p| same(p.y, 0.0)).hold(0, |p| same(p.x, 0.0)))
 }
 
 fn on_outer(p: &Point3<f64>) -> bool {

@@ -23,9 +23,7 @@ pub(super) fn cases() -> Vec<Case> {
             SOURCE,
             || {
                 let worst = (0..6).map(constant_strain);
-                worst
-                    .reduce(worse)
-                    .unwrap_or_else(|| Err(VerifyError::not_run("no strain")))
+                worst.reduce(worse).unwrap_or_else(|| Err(VerifyError::not_run("no strain")))
             },
         ),
         case(
@@ -94,11 +92,8 @@ fn distorted_cube() -> Result<Tet10Mesh, VerifyError> {
     let straight = Blocks::new(1e-9).block([3; 3], |p| p).finish()?;
     let wobble = |p: &Point3<f64>| {
         let inside = p.iter().map(|c| c * (1.0 - c)).product::<f64>() * 64.0;
-        let by = Vector3::new(
-            (17.0 * p.y).sin(),
-            (13.0 * p.z + 1.0).sin(),
-            (11.0 * p.x + 2.0).cos(),
-        );
+        let by =
+            Vector3::new((17.0 * p.y).sin(), (13.0 * p.z + 1.0).sin(), (11.0 * p.x + 2.0).cos());
         p + by * (0.08 * inside)
     };
     let mut nodes: Vec<_> = straight.nodes().to_vec();
@@ -133,9 +128,7 @@ fn field_error(
     gradient: impl Fn(&Point3<f64>) -> Matrix3<f64>,
 ) -> Result<Measured, VerifyError> {
     let problem = held_cube()?;
-    let skin = faces_where(&problem.mesh, |p| {
-        p.iter().any(|&c| same(c, 0.0) || same(c, 1.0))
-    });
+    let skin = faces_where(&problem.mesh, |p| p.iter().any(|&c| same(c, 0.0) || same(c, 1.0)));
     let load = problem.traction(&skin, |p, n| {
         let g = gradient(p);
         stress(&problem.material, &((g + g.transpose()) * 0.5)) * n
@@ -170,17 +163,7 @@ fn bending() -> Result<Measured, VerifyError> {
     };
     let gradient = move |p: &Point3<f64>| {
         let (x, y, z) = (p.x, p.y, p.z);
-        Matrix3::new(
-            y,
-            x - 0.5,
-            0.0,
-            0.5 - x,
-            -NU * y,
-            NU * z,
-            0.0,
-            -NU * z,
-            -NU * y,
-        ) * c
+        Matrix3::new(y, x - 0.5, 0.0, 0.5 - x, -NU * y, NU * z, 0.0, -NU * z, -NU * y) * c
     };
     field_error(u, gradient)
 }
@@ -190,10 +173,7 @@ fn elements() -> [[Point3<f64>; 10]; 2] {
     let corners = [[0.0; 3], [1.0, 0.1, 0.0], [0.2, 1.3, 0.1], [0.1, 0.2, 0.9]].map(Point3::from);
     let straight = std::array::from_fn(|i| match i {
         0..4 => corners[i],
-        _ => nalgebra::center(
-            &corners[TET10_EDGES[i - 4][0]],
-            &corners[TET10_EDGES[i - 4][1]],
-        ),
+        _ => nalgebra::center(&corners[TET10_EDGES[i - 4][0]], &corners[TET10_EDGES[i - 4][1]]),
     });
     let bent = straight.map(|p: Point3<f64>| {
         p + Vector3::new(0.1 * p.y * p.y, 0.08 * p.x * p.z, -0.12 * p.x * p.y)
@@ -242,19 +222,11 @@ fn zero_modes() -> Result<Measured, VerifyError> {
         for mode in 0..6 {
             let axis = Vector3::from_fn(|i, _| f64::from(u8::from(i == mode % 3)));
             let motion = |p: &Point3<f64>| {
-                if mode < 3 {
-                    axis
-                } else {
-                    axis.cross(&p.coords)
-                }
+                if mode < 3 { axis } else { axis.cross(&p.coords) }
             };
-            let r: Vec<f64> = nodes
-                .iter()
-                .flat_map(|p| <[f64; 3]>::from(motion(p)))
-                .collect();
-            let product = k
-                .chunks_exact(30)
-                .map(|row| row.iter().zip(&r).map(|(k, r)| k * r).sum());
+            let r: Vec<f64> = nodes.iter().flat_map(|p| <[f64; 3]>::from(motion(p))).collect();
+            let product =
+                k.chunks_exact(30).map(|row| row.iter().zip(&r).map(|(k, r)| k * r).sum());
             worst = worst.max(largest(&product.collect::<Flat>()) / largest(&r));
         }
         Ok(worst)

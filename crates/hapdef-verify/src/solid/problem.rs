@@ -56,31 +56,20 @@ impl Problem {
     pub(crate) fn hold_nodes(mut self, axis: usize, nodes: Vec<FeNodeId>) -> Self {
         let mut direction = Vector3::zeros();
         direction[axis] = 1.0;
-        self.holds.push(Hold {
-            nodes,
-            motion: HeldMotion::Translation,
-            direction,
-        });
+        self.holds.push(Hold { nodes, motion: HeldMotion::Translation, direction });
         self
     }
 
     /// The displacements under `load`.
     pub(crate) fn solve(&self, load: &NodalLoad) -> Result<Solution<'_>, VerifyError> {
         let params = ElasticParams {
-            supports: Supports {
-                holds: self.holds.clone(),
-                ..Supports::default()
-            },
+            supports: Supports { holds: self.holds.clone(), ..Supports::default() },
             n_threads: std::thread::available_parallelism().map_or(1, usize::from),
             ..ElasticParams::new(self.material, self.clamped.clone())
         };
         let model = ElasticModel::build(&self.mesh, &params)?;
         let (u, _) = model.solve(load)?;
-        Ok(Solution {
-            problem: self,
-            u,
-            model,
-        })
+        Ok(Solution { problem: self, u, model })
     }
 
     /// The load of a traction that depends on place and outward unit normal: fᵢ = ∫ Nᵢ t dA.
@@ -97,8 +86,7 @@ impl Problem {
                 let force = traction(&tri6::position(&nodes, q.xi, q.eta), &(area / area.norm()))
                     * (area.norm() * q.weight);
                 let shares = face.nodes.iter().zip(tri6::shape(q.xi, q.eta));
-                load.forces_n
-                    .extend(shares.map(|(&node, n)| (node, force * n)));
+                load.forces_n.extend(shares.map(|(&node, n)| (node, force * n)));
             }
         }
         load

@@ -71,23 +71,15 @@ fn run(level: usize, pick: fn(Both) -> f64) -> Result<Measured, VerifyError> {
     let solution = problem.solve(&load)?;
     let own_s = started.elapsed().as_secs_f64();
     let (other, other_s) = ccx(&problem, &load)?;
-    let apart = solution.u.iter().enumerate().map(|(node, u)| {
-        other
-            .get(&(node as u32 + 1))
-            .map_or(f64::NAN, |v| (u - v).norm())
-    });
+    let apart = solution
+        .u
+        .iter()
+        .enumerate()
+        .map(|(node, u)| other.get(&(node as u32 + 1)).map_or(f64::NAN, |v| (u - v).norm()));
     // a missing node must not be lost in a maximum
-    let worst = apart.fold(0.0, |m: f64, d| {
-        if d.is_nan() || m.is_nan() {
-            f64::NAN
-        } else {
-            m.max(d)
-        }
-    });
-    let both = Both {
-        difference: worst / largest(&solution.u),
-        time_ratio: other_s / own_s,
-    };
+    let worst =
+        apart.fold(0.0, |m: f64, d| if d.is_nan() || m.is_nan() { f64::NAN } else { m.max(d) });
+    let both = Both { difference: worst / largest(&solution.u), time_ratio: other_s / own_s };
     Ok(solution.measured(pick(both), cells(n), 1.0 / n[0] as f64))
 }
 
@@ -131,10 +123,7 @@ fn ccx(problem: &Problem, load: &NodalLoad) -> Result<(Displacements, f64), Veri
             found: said.lines().rev().take(3).collect::<Vec<_>>().join(" / "),
         });
     }
-    Ok((
-        read_displacements(&result)?.into_iter().collect(),
-        elapsed_s,
-    ))
+    Ok((read_displacements(&result)?.into_iter().collect(), elapsed_s))
 }
 
 fn deck(problem: &Problem, load: &NodalLoad) -> SolidDeck {
@@ -163,9 +152,5 @@ fn deck(problem: &Problem, load: &NodalLoad) -> SolidDeck {
 }
 
 fn io(action: &'static str, path: &Path, cause: std::io::Error) -> VerifyError {
-    VerifyError::Io {
-        action,
-        path: path.to_owned(),
-        cause,
-    }
+    VerifyError::Io { action, path: path.to_owned(), cause }
 }

@@ -5,13 +5,8 @@ use hapdef_report::{StabilityCase, StabilityDocument};
 use super::row::StabilityRow;
 
 /// Refusals whose words hold numbers that rounding moves; the file names their kind only.
-const ROUNDED: [&str; 5] = [
-    "IllConditioned",
-    "NotConverged",
-    "NotPositiveDefinite",
-    "Residual",
-    "Singular",
-];
+const ROUNDED: [&str; 5] =
+    ["IllConditioned", "NotConverged", "NotPositiveDefinite", "Residual", "Singular"];
 
 const PREAMBLE: &str = "# Stability of the elasticity solver
 
@@ -75,9 +70,7 @@ pub fn stability_line(row: &StabilityRow) -> String {
             f.info.stiffness_rounding,
             f.info.worst_backward_error,
             f.info.worst_relative_residual,
-            f.info
-                .condition
-                .map_or_else(|| "-".to_owned(), |c| format!("{c:.1e}"))
+            f.info.condition.map_or_else(|| "-".to_owned(), |c| format!("{c:.1e}"))
         ),
         Err(refusal) => format!("{head} {}: {}", refusal.kind, refusal.text),
     }

@@ -56,28 +56,17 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
             } else {
                 StabilityWanted::Result
             };
-            trials.extend(both(case, &format!("f = {f:e}"), wanted, move || {
-                bar(part, f)
-            }));
+            trials.extend(both(case, &format!("f = {f:e}"), wanted, move || bar(part, f)));
         }
     }
     for f in [1e-9, 1e-6, 1e6, 1e9] {
         let case = "E × f in 5 % of the elements, at random";
         let random = move || scattered(f, seed);
-        trials.extend(both(
-            case,
-            &format!("f = {f:e}"),
-            StabilityWanted::Either,
-            random,
-        ));
+        trials.extend(both(case, &format!("f = {f:e}"), StabilityWanted::Either, random));
     }
     let case = "a rigid insert for the stiff part";
-    trials.extend(both(case, "free half", StabilityWanted::Result, || {
-        rigid(Part::Free)
-    }));
-    trials.extend(both(case, "middle half", StabilityWanted::Result, || {
-        rigid(Part::Middle)
-    }));
+    trials.extend(both(case, "free half", StabilityWanted::Result, || rigid(Part::Free)));
+    trials.extend(both(case, "middle half", StabilityWanted::Result, || rigid(Part::Middle)));
     trials
 }
 
@@ -102,11 +91,7 @@ fn bar(part: Part, f: f64) -> Result<Block, VerifyError> {
     let mesh = mesh()?;
     let elements = 0..mesh.elements().len();
     let factor = |e| {
-        if is_in(&mesh, e, part.range()) {
-            f
-        } else {
-            1.0
-        }
+        if is_in(&mesh, e, part.range()) { f } else { 1.0 }
     };
     let scale = Some(elements.map(factor).collect());
     let mut block = Block::clamped(mesh, material(E_PA, 0.0)?, field(part, 1.0 / f));
@@ -119,10 +104,8 @@ fn rigid(part: Part) -> Result<Block, VerifyError> {
     let [from, to] = part.range();
     let nodes = nodes_where(&mesh, |p| from <= p.x && p.x <= to);
     let mut block = Block::clamped(mesh, material(E_PA, 0.0)?, field(part, 0.0));
-    block.params.supports = Supports {
-        rigid_inserts: vec![RigidInsert { nodes }],
-        ..Supports::default()
-    };
+    block.params.supports =
+        Supports { rigid_inserts: vec![RigidInsert { nodes }], ..Supports::default() };
     Ok(block)
 }
 
@@ -132,11 +115,7 @@ fn scattered(f: f64, seed: u64) -> Result<Block, VerifyError> {
     let mesh = grid([5; 3], |p| p)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let factor = |_| {
-        if rng.next_u32() < u32::MAX / 20 {
-            f
-        } else {
-            1.0
-        }
+        if rng.next_u32() < u32::MAX / 20 { f } else { 1.0 }
     };
     let scale = mesh.elements().iter().map(factor).collect();
     let mut block = Block::free(mesh, material, [1.0; 3], stretch(material));

@@ -28,12 +28,7 @@ pub fn stability_rows(
     seed: u64,
     mut progress: impl FnMut(&StabilityRow),
 ) -> Result<Vec<StabilityRow>, VerifyError> {
-    let groups = [
-        solids::trials(),
-        jumps::trials(seed),
-        shells::trials(),
-        refusals::trials(),
-    ];
+    let groups = [solids::trials(), jumps::trials(seed), shells::trials(), refusals::trials()];
     let mut rows = Vec::new();
     for trial in groups.into_iter().flatten() {
         let row = trial.row()?;

@@ -21,75 +21,35 @@ type Refused = (&'static str, &'static str, &'static str, &'static str, Make);
 const FREE: &str = "FreeRigidModes";
 
 const HELD_BADLY: [Refused; 6] = [
-    (
-        "no supports",
-        "none",
-        FREE,
-        "has 6 free motions",
-        |solver| clamped(&cube()?, |_| false, solver),
-    ),
-    (
-        "one clamped node",
-        "1",
-        FREE,
-        "has 3 free motions",
-        |solver| clamped(&cube()?, |p| *p == Point3::origin(), solver),
-    ),
-    (
-        "two clamped nodes",
-        "2",
-        FREE,
-        "rotation about (1.000",
-        |solver| {
-            let ends = |p: &Point3<f64>| p.y == 0.0 && p.z == 0.0 && (p.x == 0.0 || p.x == 1.0);
-            clamped(&cube()?, ends, solver)
-        },
-    ),
-    (
-        "a fully clamped model",
-        "all",
-        "AllClamped",
-        "125",
-        |solver| clamped(&cube()?, |_| true, solver),
-    ),
-    (
-        "a disconnected piece",
-        "one of two held",
-        FREE,
-        "1 of 2",
-        |solver| clamped(&two_pieces(2.0)?, |p| p.x == 0.0, solver),
-    ),
-    (
-        "parts that touch with double nodes",
-        "not joined",
-        FREE,
-        "1 of 2",
-        |solver| clamped(&two_pieces(1.0)?, |p| p.x == 0.0, solver),
-    ),
+    ("no supports", "none", FREE, "has 6 free motions", |solver| {
+        clamped(&cube()?, |_| false, solver)
+    }),
+    ("one clamped node", "1", FREE, "has 3 free motions", |solver| {
+        clamped(&cube()?, |p| *p == Point3::origin(), solver)
+    }),
+    ("two clamped nodes", "2", FREE, "rotation about (1.000", |solver| {
+        let ends = |p: &Point3<f64>| p.y == 0.0 && p.z == 0.0 && (p.x == 0.0 || p.x == 1.0);
+        clamped(&cube()?, ends, solver)
+    }),
+    ("a fully clamped model", "all", "AllClamped", "125", |solver| {
+        clamped(&cube()?, |_| true, solver)
+    }),
+    ("a disconnected piece", "one of two held", FREE, "1 of 2", |solver| {
+        clamped(&two_pieces(2.0)?, |p| p.x == 0.0, solver)
+    }),
+    ("parts that touch with double nodes", "not joined", FREE, "1 of 2", |solver| {
+        clamped(&two_pieces(1.0)?, |p| p.x == 0.0, solver)
+    }),
 ];
 
 const BAD_INPUT: [Refused; 5] = [
-    (
-        "a load that is no number",
-        "NaN",
-        "LoadNotFinite",
-        "NaN",
-        |solver| loaded(f64::NAN, solver),
-    ),
-    (
-        "a load that is no number",
-        "∞",
-        "LoadNotFinite",
-        "inf",
-        |solver| loaded(f64::INFINITY, solver),
-    ),
-    (
-        "an element without volume",
-        "corner in its face",
-        "CornerVolume",
-        "element 0",
-        |solver| clamped(&pushed(0.0)?, |p| p.x == 0.0, solver),
-    ),
+    ("a load that is no number", "NaN", "LoadNotFinite", "NaN", |solver| loaded(f64::NAN, solver)),
+    ("a load that is no number", "∞", "LoadNotFinite", "inf", |solver| {
+        loaded(f64::INFINITY, solver)
+    }),
+    ("an element without volume", "corner in its face", "CornerVolume", "element 0", |solver| {
+        clamped(&pushed(0.0)?, |p| p.x == 0.0, solver)
+    }),
     (
         "an element turned inside out",
         "corner through its face",
@@ -136,23 +96,15 @@ fn shells() -> [Trial; 3] {
         }
     };
     [
-        shell(
-            "no supports",
-            "none",
-            "FreeRigidModes",
-            "has 6 free motions",
-            || square([1.0, 1.0], &[]),
-        ),
+        shell("no supports", "none", "FreeRigidModes", "has 6 free motions", || {
+            square([1.0, 1.0], &[])
+        }),
         shell("a fully clamped model", "all", "AllClamped", "", || {
             square([1.0, 1.0], &[0, 1, 2, 3])
         }),
-        shell(
-            "an element without area",
-            "corner on its side",
-            "Flat",
-            "shell element 1",
-            || square([0.5, 0.5], &[0]),
-        ),
+        shell("an element without area", "corner on its side", "Flat", "shell element 1", || {
+            square([0.5, 0.5], &[0])
+        }),
     ]
 }
 
@@ -171,12 +123,7 @@ fn clamped(
 }
 
 fn loaded(force: f64, solver: SolverChoice) -> Result<StabilityFigures, VerifyError> {
-    solve(
-        &cube()?,
-        |p| p.x == 0.0,
-        Vector3::new(0.0, force, 0.0),
-        solver,
-    )
+    solve(&cube()?, |p| p.x == 0.0, Vector3::new(0.0, force, 0.0), solver)
 }
 
 fn solve(
@@ -197,11 +144,7 @@ fn solve(
 
 /// Nothing is known of the solution, so that it counts as wrong.
 fn unknown(model: &ElasticModel, info: hapdef_sim::SolveInfo) -> StabilityFigures {
-    StabilityFigures {
-        n_equations: model.info().n_equations,
-        error: f64::INFINITY,
-        info,
-    }
+    StabilityFigures { n_equations: model.info().n_equations, error: f64::INFINITY, info }
 }
 
 /// Two cubes, the second from x = `from`, without a common node.
@@ -223,16 +166,10 @@ fn pushed(height: f64) -> Result<Tet10Mesh, VerifyError> {
     let mesh = grid([3; 3], |p| p)?;
     let (element, corner) = inner_corner(&mesh)?;
     let element = mesh.elements()[element];
-    let base = (0..4)
-        .filter(|&k| k != corner)
-        .map(|k| mesh.position(element[k]).coords);
+    let base = (0..4).filter(|&k| k != corner).map(|k| mesh.position(element[k]).coords);
     let foot = base.sum::<Vector3<f64>>() / 3.0;
     moved(&mesh, |node, p| {
-        if node == element[corner] {
-            Point3::from(foot + (p.coords - foot) * height)
-        } else {
-            p
-        }
+        if node == element[corner] { Point3::from(foot + (p.coords - foot) * height) } else { p }
     })
 }
 

@@ -157,11 +157,7 @@ mod tests {
             case: "a block",
             extreme: String::new(),
             path: "direct",
-            outcome: Ok(StabilityFigures {
-                n_equations: model.info().n_equations,
-                error,
-                info,
-            }),
+            outcome: Ok(StabilityFigures { n_equations: model.info().n_equations, error, info }),
             wanted: StabilityWanted::Either,
         }
     }

@@ -33,38 +33,22 @@ const CELLS: usize = 6;
 /// Rows of shells.
 pub(super) fn trials() -> Vec<Trial> {
     let mut trials = Vec::new();
-    let plain = Plate {
-        kind: ShellKind::Thick,
-        size: 1.0,
-        t: 1e-2,
-        e: 2e9,
-        nu: 0.3,
-        load: 1.0,
-        row: 1.0,
-    };
+    let plain =
+        Plate { kind: ShellKind::Thick, size: 1.0, t: 1e-2, e: 2e9, nu: 0.3, load: 1.0, row: 1.0 };
     for (case, kind) in [
         ("thin plate in bending, thick shell", ShellKind::Thick),
         ("thin plate in bending, thin shell", ShellKind::Thin),
     ] {
         for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
             let plate = Plate { kind, t, ..plain };
-            let wanted = if t >= 1e-3 {
-                StabilityWanted::Result
-            } else {
-                StabilityWanted::Either
-            };
+            let wanted = if t >= 1e-3 { StabilityWanted::Result } else { StabilityWanted::Either };
             trials.push(trial(case, format!("t/L {t:e}"), wanted, plate));
         }
     }
     for row in [0.1, 0.01, 1e-3, 1e-4] {
         let case = "a row of slivers, shell";
         let plate = Plate { row, ..plain };
-        trials.push(trial(
-            case,
-            format!("height × {row:e}"),
-            StabilityWanted::Either,
-            plate,
-        ));
+        trials.push(trial(case, format!("height × {row:e}"), StabilityWanted::Either, plate));
     }
     let usual =
         |extreme: String, plate| trial("a plate, shell", extreme, StabilityWanted::Result, plate);
@@ -85,13 +69,7 @@ pub(super) fn trials() -> Vec<Trial> {
 
 fn trial(case: &'static str, extreme: String, wanted: StabilityWanted, plate: Plate) -> Trial {
     let run: Run = Box::new(move || plate.figures());
-    Trial {
-        case,
-        extreme,
-        path: "shell",
-        wanted,
-        run,
-    }
+    Trial { case, extreme, path: "shell", wanted, run }
 }
 
 impl Plate {

@@ -82,29 +82,16 @@ impl Block {
             hold(at([0.0, ly, 0.0]), 2),
         ];
         let params = ElasticParams {
-            supports: Supports {
-                holds,
-                ..Supports::default()
-            },
+            supports: Supports { holds, ..Supports::default() },
             ..ElasticParams::new(material, at([0.0; 3]))
         };
-        Self {
-            mesh,
-            params,
-            field,
-            load_scale: 1.0,
-        }
+        Self { mesh, params, field, load_scale: 1.0 }
     }
 
     /// A block clamped at x = 0.
     pub(super) fn clamped(mesh: Tet10Mesh, material: IsotropicMaterial, field: Field) -> Self {
         let clamped = nodes_where(&mesh, |p| p.x == 0.0);
-        Self {
-            params: ElasticParams::new(material, clamped),
-            mesh,
-            field,
-            load_scale: 1.0,
-        }
+        Self { params: ElasticParams::new(material, clamped), mesh, field, load_scale: 1.0 }
     }
 
     /// Solves it and compares with the field.
@@ -159,11 +146,7 @@ pub(super) fn relative_error(
     for (p, found) in nodes.iter().zip(found) {
         let exact = exact(p);
         let error = (found - exact).norm();
-        worst = if error.is_nan() {
-            f64::INFINITY
-        } else {
-            worst.max(error)
-        };
+        worst = if error.is_nan() { f64::INFINITY } else { worst.max(error) };
         largest = largest.max(exact.norm());
     }
     worst / largest

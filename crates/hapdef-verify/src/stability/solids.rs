@@ -16,18 +16,9 @@ const NU: f64 = 0.3;
 /// Both solvers, with the words of the table.
 pub(super) fn paths() -> [(&'static str, SolverChoice); 2] {
     // several levels even on a small mesh
-    let multigrid = MultigridParams {
-        dense_below: 200,
-        ..MultigridParams::default()
-    };
-    let iterative = IterativeParams {
-        multigrid,
-        ..IterativeParams::default()
-    };
-    [
-        ("direct", SolverChoice::Direct),
-        ("iterative", SolverChoice::Iterative(iterative)),
-    ]
+    let multigrid = MultigridParams { dense_below: 200, ..MultigridParams::default() };
+    let iterative = IterativeParams { multigrid, ..IterativeParams::default() };
+    [("direct", SolverChoice::Direct), ("iterative", SolverChoice::Iterative(iterative))]
 }
 
 /// A trial of `make` on both solvers.
@@ -46,13 +37,7 @@ pub(super) fn both(
                 block.params.solver = solver;
                 block.figures()
             });
-            Trial {
-                case,
-                extreme: extreme.to_owned(),
-                path,
-                wanted,
-                run,
-            }
+            Trial { case, extreme: extreme.to_owned(), path, wanted, run }
         })
         .collect()
 }
@@ -61,12 +46,7 @@ pub(super) fn both(
 pub(super) fn trials() -> Vec<Trial> {
     let mut trials = shapes();
     trials.extend(scales());
-    trials.extend(both(
-        "one element",
-        "ten nodes",
-        StabilityWanted::Result,
-        one_element,
-    ));
+    trials.extend(both("one element", "ten nodes", StabilityWanted::Result, one_element));
     trials
 }
 
@@ -74,31 +54,15 @@ pub(super) fn trials() -> Vec<Trial> {
 fn shapes() -> Vec<Trial> {
     let mut trials = Vec::new();
     for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-        let wanted = if t >= 1e-2 {
-            StabilityWanted::Result
-        } else {
-            StabilityWanted::Either
-        };
+        let wanted = if t >= 1e-2 { StabilityWanted::Result } else { StabilityWanted::Either };
         let extreme = format!("t/L {t:e}");
-        trials.extend(both(
-            "thin plate in bending, solid",
-            &extreme,
-            wanted,
-            move || plate(t, true),
-        ));
-        trials.extend(both(
-            "thin plate stretched, solid",
-            &extreme,
-            wanted,
-            move || plate(t, false),
-        ));
+        trials
+            .extend(both("thin plate in bending, solid", &extreme, wanted, move || plate(t, true)));
+        trials
+            .extend(both("thin plate stretched, solid", &extreme, wanted, move || plate(t, false)));
     }
     for height in [0.1, 0.01, 1e-3, 1e-4] {
-        let wanted = if height >= 0.01 {
-            StabilityWanted::Result
-        } else {
-            StabilityWanted::Either
-        };
+        let wanted = if height >= 0.01 { StabilityWanted::Result } else { StabilityWanted::Either };
         let extreme = format!("height × {height:e}");
         let layer = move || layer(height);
         trials.extend(both("a layer of slivers", &extreme, wanted, layer));
@@ -121,18 +85,11 @@ fn scales() -> Vec<Trial> {
         ));
     }
     for nu in [0.0, 0.3, 0.49, 0.4999, 0.49999, 0.4999999] {
-        let wanted = if nu < 0.4999 {
-            StabilityWanted::Result
-        } else {
-            StabilityWanted::Either
-        };
+        let wanted = if nu < 0.4999 { StabilityWanted::Result } else { StabilityWanted::Either };
         let extreme = format!("ν {nu}");
-        trials.extend(both(
-            "a block, to incompressible",
-            &extreme,
-            wanted,
-            move || block(E_PA, nu, 1.0, 1.0),
-        ));
+        trials.extend(both("a block, to incompressible", &extreme, wanted, move || {
+            block(E_PA, nu, 1.0, 1.0)
+        }));
     }
     for (words, size) in [("1 µm", 1e-6), ("1 mm", 1e-3), ("1 km", 1e3)] {
         let extreme = format!("{words} wide");
@@ -159,11 +116,7 @@ fn plate(t: f64, bent: bool) -> Result<Block, VerifyError> {
     let material = material(E_PA, NU)?;
     let size = [1.0, 1.0, t];
     let mesh = grid([6, 6, 1], |p| Point3::new(p.x, p.y, t * p.z))?;
-    let field = if bent {
-        bend(material, size)
-    } else {
-        stretch(material)
-    };
+    let field = if bent { bend(material, size) } else { stretch(material) };
     Ok(Block::free(mesh, material, size, field))
 }
 
@@ -182,10 +135,7 @@ pub(super) fn block(e: f64, nu: f64, size: f64, load: f64) -> Result<Block, Veri
     let material = material(e, nu)?;
     let mesh = grid([3; 3], |p| Point3::from(wobble(p).coords * size))?;
     let block = Block::free(mesh, material, [size; 3], stretch(material));
-    Ok(Block {
-        load_scale: load,
-        ..block
-    })
+    Ok(Block { load_scale: load, ..block })
 }
 
 /// The middle of three layers is `height` times as high as the others.
@@ -207,16 +157,10 @@ fn one_sliver(height: f64) -> Result<Block, VerifyError> {
     let (element, corner) = inner_corner(&mesh)?;
     let element = mesh.elements()[element];
     let apex = element[corner];
-    let base = (0..4)
-        .filter(|&k| k != corner)
-        .map(|k| mesh.position(element[k]).coords);
+    let base = (0..4).filter(|&k| k != corner).map(|k| mesh.position(element[k]).coords);
     let foot = base.sum::<nalgebra::Vector3<f64>>() / 3.0;
     let mesh = moved(&mesh, |node, p| {
-        if node == apex {
-            Point3::from(foot + (p.coords - foot) * height)
-        } else {
-            p
-        }
+        if node == apex { Point3::from(foot + (p.coords - foot) * height) } else { p }
     })?;
     Ok(Block::free(mesh, material, [1.0; 3], stretch(material)))
 }

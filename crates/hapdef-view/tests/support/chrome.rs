@@ -43,15 +43,8 @@ pub fn find() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("HAPDEF_CHROMIUM") {
         return Some(PathBuf::from(path));
     }
-    let places = [
-        "/usr/bin/chromium",
-        "/usr/bin/chromium-browser",
-        "/usr/bin/google-chrome",
-    ];
-    places
-        .map(PathBuf::from)
-        .into_iter()
-        .find(|path| path.exists())
+    let places = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+    places.map(PathBuf::from).into_iter().find(|path| path.exists())
 }
 
 /// A Chromium for a test, or `None` and why there is none; it is the test's fault where
@@ -72,22 +65,9 @@ impl Chrome {
     pub fn start(program: &Path, size: (u32, u32), dark: bool) -> Result<Self, Fault> {
         let profile = tempfile::tempdir()?;
         let child = Command::new(program)
-            .args([
-                "--headless=new",
-                "--remote-debugging-port=0",
-                "--no-sandbox",
-                "--no-first-run",
-            ])
-            .args([
-                "--use-gl=angle",
-                "--use-angle=swiftshader",
-                "--enable-unsafe-swiftshader",
-            ])
-            .args([
-                "--hide-scrollbars",
-                "--mute-audio",
-                "--disable-dev-shm-usage",
-            ])
+            .args(["--headless=new", "--remote-debugging-port=0", "--no-sandbox", "--no-first-run"])
+            .args(["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args(["--hide-scrollbars", "--mute-audio", "--disable-dev-shm-usage"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
             .stdout(Stdio::null())
@@ -95,9 +75,7 @@ impl Chrome {
             .spawn()?;
         let mut child = Running(child);
         let url = devtools_url(&mut child.0)?;
-        let address = url
-            .strip_prefix("ws://")
-            .and_then(|rest| rest.split('/').next());
+        let address = url.strip_prefix("ws://").and_then(|rest| rest.split('/').next());
         let stream = TcpStream::connect(address.ok_or("no address of the browser")?)?;
         stream.set_read_timeout(Some(PATIENCE))?;
         let (socket, _) =
@@ -119,10 +97,7 @@ impl Chrome {
         let target = self.call("Target.createTarget", json!({"url": "about:blank"}))?;
         let attach = json!({"targetId": target["targetId"], "flatten": true});
         let attached = self.call("Target.attachToTarget", attach)?;
-        self.session = attached["sessionId"]
-            .as_str()
-            .ok_or("no session")?
-            .to_owned();
+        self.session = attached["sessionId"].as_str().ok_or("no session")?.to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             self.call(&format!("{domain}.enable"), json!({}))?;
         }
@@ -148,10 +123,7 @@ impl Chrome {
 
     /// A script that runs before those of every page that is loaded from now on.
     pub fn before_pages(&mut self, script: &str) -> Result<(), Fault> {
-        self.call(
-            "Page.addScriptToEvaluateOnNewDocument",
-            json!({"source": script}),
-        )?;
+        self.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
         Ok(())
     }
 
@@ -161,9 +133,7 @@ impl Chrome {
         let found = self.call("Runtime.evaluate", json!({"expression": element}))?;
         let ask = json!({"objectId": found["result"]["objectId"], "fetchRelatives": false});
         let node = &self.call("Accessibility.getPartialAXTree", ask)?["nodes"][0];
-        let name = node["name"]["value"]
-            .as_str()
-            .filter(|_| node["ignored"] == false);
+        let name = node["name"]["value"].as_str().filter(|_| node["ignored"] == false);
         Ok(name.unwrap_or_default().trim().to_owned())
     }
 
@@ -223,10 +193,7 @@ impl Chrome {
     /// A key goes down and up; `code` as in "KeyT".
     pub fn key(&mut self, key: &str, code: &str) -> Result<(), Fault> {
         for kind in ["rawKeyDown", "keyUp"] {
-            self.call(
-                "Input.dispatchKeyEvent",
-                json!({"type": kind, "key": key, "code": code}),
-            )?;
+            self.call("Input.dispatchKeyEvent", json!({"type": kind, "key": key, "code": code}))?;
         }
         Ok(())
     }
@@ -266,9 +233,7 @@ impl Chrome {
             _ => false,
         };
         let complaints = self.events.iter().filter(complains);
-        Ok(complaints
-            .map(|event| event["params"].to_string())
-            .collect())
+        Ok(complaints.map(|event| event["params"].to_string()).collect())
     }
 
     fn call(&mut self, method: &str, params: Value) -> Result<Value, Fault> {

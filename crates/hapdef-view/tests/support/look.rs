@@ -94,28 +94,18 @@ pub fn look(
     chrome.before_pages(script).unwrap();
     chrome.open(view.view.url()).unwrap();
     chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
-    Some(Look {
-        chrome,
-        view,
-        _one: one,
-    })
+    Some(Look { chrome, view, _one: one })
 }
 
 impl Look {
     #[track_caller]
     pub fn is(&mut self, expression: &str, expected: &Value) {
-        assert_eq!(
-            self.chrome.eval(expression).unwrap(),
-            *expected,
-            "{expression}"
-        );
+        assert_eq!(self.chrome.eval(expression).unwrap(), *expected, "{expression}");
     }
 
     pub fn number(&mut self, expression: &str) -> f64 {
         let value = self.chrome.eval(expression).unwrap();
-        value
-            .as_f64()
-            .unwrap_or_else(|| panic!("{expression} is {value}"))
+        value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
     }
 
     pub fn until(&mut self, expression: &str) {

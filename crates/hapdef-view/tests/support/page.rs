@@ -25,10 +25,7 @@ pub fn params() -> ViewParams {
         offers: Offers {
             tare: true,
             record: true,
-            press: Some(PressOffer {
-                default_n: 4.0,
-                max_n: 10.0,
-            }),
+            press: Some(PressOffer { default_n: 4.0, max_n: 10.0 }),
         },
         ..ViewParams::default()
     }
@@ -42,21 +39,12 @@ pub fn serve(params: ViewParams) -> ViewHandle {
 /// Status line and headers in lower case, and body, of a request with these header lines.
 pub fn request(port: u16, method: &str, path: &str, headers: &[&str]) -> (u16, String, Vec<u8>) {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream
-        .set_read_timeout(Some(Duration::from_secs(5)))
-        .unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
     let lines = headers.join("\r\n");
-    write!(
-        stream,
-        "{method} {path} HTTP/1.1\r\n{lines}\r\nConnection: close\r\n\r\n"
-    )
-    .unwrap();
+    write!(stream, "{method} {path} HTTP/1.1\r\n{lines}\r\nConnection: close\r\n\r\n").unwrap();
     let mut answer = Vec::new();
     stream.read_to_end(&mut answer).unwrap();
-    let end = answer
-        .windows(4)
-        .position(|four| four == b"\r\n\r\n")
-        .unwrap();
+    let end = answer.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
     let head = String::from_utf8_lossy(&answer[..end]).to_ascii_lowercase();
     let status = head.split(' ').nth(1).unwrap().parse().unwrap();
     (status, head, answer[end + 4..].to_vec())
@@ -65,19 +53,11 @@ pub fn request(port: u16, method: &str, path: &str, headers: &[&str]) -> (u16, S
 /// Asks for a WebSocket; the status where it is refused.
 pub fn connect_as(port: u16, host: &str, origin: Option<&str>) -> Result<Socket, u16> {
     let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream
-        .set_read_timeout(Some(Duration::from_secs(5)))
-        .unwrap();
-    let mut request = format!("ws://127.0.0.1:{port}/live")
-        .into_client_request()
-        .unwrap();
-    request
-        .headers_mut()
-        .insert("Host", HeaderValue::from_str(host).unwrap());
+    stream.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+    let mut request = format!("ws://127.0.0.1:{port}/live").into_client_request().unwrap();
+    request.headers_mut().insert("Host", HeaderValue::from_str(host).unwrap());
     if let Some(origin) = origin {
-        request
-            .headers_mut()
-            .insert("Origin", HeaderValue::from_str(origin).unwrap());
+        request.headers_mut().insert("Origin", HeaderValue::from_str(origin).unwrap());
     }
     match tungstenite::client(request, stream) {
         Ok((socket, _)) => Ok(socket),
@@ -100,10 +80,7 @@ pub fn greet(socket: &mut Socket, token: Option<&str>) -> Value {
 
 /// The same with what is told of the device.
 pub fn greet_with_device(socket: &mut Socket, token: Option<&str>) -> (Value, Value) {
-    say(
-        socket,
-        &serde_json::json!({"cmd": "hello", "token": token}).to_string(),
-    );
+    say(socket, &serde_json::json!({"cmd": "hello", "token": token}).to_string());
     let hello = next_text(socket);
     assert_eq!(hello["type"], "hello");
     let device = next_text(socket);

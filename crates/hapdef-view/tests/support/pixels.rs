@@ -56,13 +56,8 @@ impl Pixels {
         let mut reader = decoder.read_info()?;
         let mut bytes = vec![0; reader.output_buffer_size().ok_or("a picture too large")?];
         let info = reader.next_frame(&mut bytes)?;
-        let colours = bytes[..info.buffer_size()]
-            .chunks_exact(4)
-            .map(|p| [p[0], p[1], p[2]]);
-        Ok(Self {
-            colours: colours.collect(),
-            width: info.width as usize,
-        })
+        let colours = bytes[..info.buffer_size()].chunks_exact(4).map(|p| [p[0], p[1], p[2]]);
+        Ok(Self { colours: colours.collect(), width: info.width as usize })
     }
 
     /// On a row of pixels, between the limb's outermost nodes there, are many colours: a shaded limb, not a flat ground.
@@ -99,8 +94,6 @@ impl Pixels {
 
 fn show_over(chrome: &mut Chrome, visibility: &str) -> Result<(), Fault> {
     let set = format!("part.style.visibility = '{visibility}'");
-    chrome.eval(&format!(
-        "document.querySelectorAll('{OVER}').forEach((part) => {{ {set}; }})"
-    ))?;
+    chrome.eval(&format!("document.querySelectorAll('{OVER}').forEach((part) => {{ {set}; }})"))?;
     Ok(())
 }

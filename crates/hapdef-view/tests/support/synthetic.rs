@@ -57,11 +57,7 @@ pub fn on_limb(theta: f64, z: f64) -> ([f64; 3], [f64; 3]) {
         let radius = 0.034 + 0.014 * (std::f64::consts::PI * (0.15 + 0.8 * s)).sin() + 0.008 * s;
         let flat = 1.0 - 0.16 * theta.cos().powi(3);
         let bow = 0.012 * (std::f64::consts::PI * s).sin();
-        [
-            radius * flat * theta.cos() + bow,
-            0.9 * radius * theta.sin(),
-            z,
-        ]
+        [radius * flat * theta.cos() + bow, 0.9 * radius * theta.sin(), z]
     };
     let (h, at) = (1e-5, point(theta, z));
     let along = sub(point(theta + h, z), point(theta - h, z));
@@ -73,12 +69,7 @@ pub fn on_limb(theta: f64, z: f64) -> ([f64; 3], [f64; 3]) {
 pub fn wandering(t: f64) -> Vec<Touch> {
     let touch = |id, theta: f64, z: f64, force_n: f64| {
         let (point_m, normal) = on_limb(theta, z);
-        Touch {
-            id,
-            point_m,
-            normal,
-            force_n,
-        }
+        Touch { id, point_m, normal, force_n }
     };
     let first = touch(
         0,
@@ -87,17 +78,8 @@ pub fn wandering(t: f64) -> Vec<Touch> {
         5.0 + 2.2 * (1.3 * t).sin(),
     );
     let strength = 4.5 * (0.45 * t + 0.6).sin();
-    let second = touch(
-        1,
-        0.1 + 0.3 * (0.4 * t).cos(),
-        0.095 + 0.03 * (0.9 * t).sin(),
-        strength,
-    );
-    if strength > 0.6 {
-        vec![first, second]
-    } else {
-        vec![first]
-    }
+    let second = touch(1, 0.1 + 0.3 * (0.4 * t).cos(), 0.095 + 0.03 * (0.9 * t).sin(), strength);
+    if strength > 0.6 { vec![first, second] } else { vec![first] }
 }
 
 /// What the page shows of `touches` at `t`, into `frame`. The contacts are where the touches are.

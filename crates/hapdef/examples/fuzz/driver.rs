@@ -31,10 +31,7 @@ pub fn corpus(folder: &Path) -> Vec<Vec<u8>> {
     let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
-    let seeds: Vec<_> = paths
-        .iter()
-        .map(|path| std::fs::read(path).unwrap())
-        .collect();
+    let seeds: Vec<_> = paths.iter().map(|path| std::fs::read(path).unwrap()).collect();
     assert!(!seeds.is_empty(), "{}: no seeds", folder.display());
     seeds
 }
@@ -134,11 +131,7 @@ impl Watchdog {
     }
 
     fn begin(&self, input: &[u8]) {
-        self.shared
-            .input
-            .lock()
-            .unwrap()
-            .clone_from(&input.to_vec());
+        self.shared.input.lock().unwrap().clone_from(&input.to_vec());
         let now = self.shared.start.elapsed().as_millis() as u64;
         self.shared.began_ms.store(now.max(1), Ordering::Relaxed);
     }

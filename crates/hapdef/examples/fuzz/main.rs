@@ -47,30 +47,17 @@ struct Args {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let limit = Rlimit {
-        current: Some(MAX_BYTES),
-        maximum: Some(MAX_BYTES),
-    };
+    let limit = Rlimit { current: Some(MAX_BYTES), maximum: Some(MAX_BYTES) };
     setrlimit(Resource::As, limit).unwrap();
     let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
     let time = Duration::from_secs_f64(args.seconds);
     let (mut n_panics, mut n_executions) = (0, 0);
     for target in TARGETS {
-        if args
-            .target
-            .as_deref()
-            .is_some_and(|name| name != target.name)
-        {
+        if args.target.as_deref().is_some_and(|name| name != target.name) {
             continue;
         }
         let seeds = corpus(&home.join(target.name));
-        let outcome = fuzz(
-            target,
-            &seeds,
-            args.seed,
-            |_, elapsed| elapsed >= time,
-            &args.failures,
-        );
+        let outcome = fuzz(target, &seeds, args.seed, |_, elapsed| elapsed >= time, &args.failures);
         println!(
             "{:12} {:9} executions, {} panics, {:.1} ms for the slowest, {} MiB at most so far",
             target.name,

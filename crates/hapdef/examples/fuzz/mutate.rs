@@ -55,15 +55,10 @@ fn change(bytes: &mut Vec<u8>, other: &[u8], rng: &mut ChaCha8Rng) {
         4 => {
             let value = interesting(rng).to_le_bytes();
             let width = [1, 2, 4, 8][below(rng, 4)];
-            bytes.splice(
-                at..(at + width).min(bytes.len()),
-                value[..width].iter().copied(),
-            );
+            bytes.splice(at..(at + width).min(bytes.len()), value[..width].iter().copied());
         }
         5 => word(bytes, at, rng),
-        6 => bytes
-            .splice(at..at, (0..len).map(|_| rng.next_u64() as u8))
-            .for_each(drop),
+        6 => bytes.splice(at..at, (0..len).map(|_| rng.next_u64() as u8)).for_each(drop),
         7 => bytes[at..end].fill(rng.next_u64() as u8),
         _ => {
             if let Some(byte) = bytes.get_mut(at) {

@@ -34,10 +34,7 @@ const N_SITES: usize = 800;
 const RIG_SEED: u64 = 111;
 
 fn main() -> Result<()> {
-    let bundled = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/shin/scene.json"
-    );
+    let bundled = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/shin/scene.json");
     let mut args = std::env::args().skip(1);
     let path = PathBuf::from(args.next().unwrap_or_else(|| bundled.to_owned()));
     let n_frames = args.next().map_or(Ok(300), |n| n.parse())?;
@@ -73,14 +70,8 @@ fn main() -> Result<()> {
         };
         let relative = relative_error(&map, &sites, &perturbed)?;
         println!("relative error of the map: {:.0} %", relative * 100.0);
-        let model_error = ModelError {
-            relative,
-            ..ModelError::default()
-        };
-        let noise = NoiseParams {
-            model_error,
-            ..uniform(1.0)
-        };
+        let model_error = ModelError { relative, ..ModelError::default() };
+        let noise = NoiseParams { model_error, ..uniform(1.0) };
         let title = "simulated real limb, map not calibrated, 1 µε";
         table(title, &map, &sites, &noise, n_frames, &perturbed)?;
     }
@@ -119,10 +110,7 @@ fn table(
     );
     for k in 1..=3 {
         for known_count in [Some(k), None] {
-            let params = EstimatorParams {
-                known_count,
-                ..EstimatorParams::default()
-            };
+            let params = EstimatorParams { known_count, ..EstimatorParams::default() };
             let estimator =
                 ContactEstimator::new(map.clone(), sites.clone(), noise.clone(), params)?;
             let mut rng = ChaCha8Rng::seed_from_u64(900 + k as u64);

@@ -72,12 +72,9 @@ impl Row {
         let found_misfit = (out.contacts.len(), out.chi2);
         let contacts: Vec<_> = points.iter().copied().zip(forces.iter().copied()).collect();
         if let Some(bounds) = joint_bounds(estimator, &contacts)? {
-            self.bound_mm
-                .extend(bounds.iter().map(|b| b.position_sd_m * 1e3));
+            self.bound_mm.extend(bounds.iter().map(|b| b.position_sd_m * 1e3));
         }
-        let truth = contacts
-            .iter()
-            .map(|(p, force_n)| (skin.position(p), *force_n));
+        let truth = contacts.iter().map(|(p, force_n)| (skin.position(p), *force_n));
         let found = out.contacts.iter().map(|c| (c.position_m, c.force_n));
         let matched = matched(truth, found)?;
         for pair in &matched.pairs {

@@ -54,11 +54,7 @@ impl<'a, 'b> Bench<'a, 'b> {
                 frames.push((contacts, readings));
             }
         }
-        Ok(Self {
-            hardware,
-            sites: sites.clone(),
-            frames,
-        })
+        Ok(Self { hardware, sites: sites.clone(), frames })
     }
 
     /// Prints a row for one and for two contacts, the count estimated.
@@ -67,10 +63,7 @@ impl<'a, 'b> Bench<'a, 'b> {
             "  k  mean mm  median     p90   mean N  median  >10 mm  missed   count  95 %: place  force"
         );
         let noise = self.hardware.noise(model_error);
-        let params = EstimatorParams {
-            max_force_n: MAX_FORCE_N,
-            ..EstimatorParams::default()
-        };
+        let params = EstimatorParams { max_force_n: MAX_FORCE_N, ..EstimatorParams::default() };
         let estimator = ContactEstimator::new(map.clone(), self.sites.clone(), noise, params)?;
         for (k, frames) in self.frames.iter().enumerate() {
             let mut row = Row::default();
@@ -93,9 +86,7 @@ impl Row {
         let skin = estimator.map().skin();
         let found = estimator.estimate(readings)?.contacts;
         self.n_right += usize::from(found.len() == contacts.len());
-        let truth = contacts
-            .iter()
-            .map(|(p, force_n)| (skin.position(p), *force_n));
+        let truth = contacts.iter().map(|(p, force_n)| (skin.position(p), *force_n));
         let matched = matched(truth, found.iter().map(|c| (c.position_m, c.force_n)))?;
         self.n_missed += matched.missed.len();
         for pair in matched.pairs {

@@ -29,17 +29,9 @@ impl<'a> Hardware<'a> {
         for point in &nodes {
             let g = real.response_ue_per_n(&skin.position(point), &-skin.normal(point))?;
             largest.resize(g.len(), 0.0);
-            largest
-                .iter_mut()
-                .zip(g)
-                .for_each(|(l, g)| *l = l.max(STRONGEST_N * g.abs()));
+            largest.iter_mut().zip(g).for_each(|(l, g)| *l = l.max(STRONGEST_N * g.abs()));
         }
-        let params = ElectronicsParams {
-            noise_ue: NOISE_UE,
-            adc_bits: 12,
-            headroom: 1.5,
-            seed,
-        };
+        let params = ElectronicsParams { noise_ue: NOISE_UE, adc_bits: 12, headroom: 1.5, seed };
         let area = |sum: &mut f64, face: usize| {
             let x = |i: usize| skin.nodes()[skin.face_nodes(face)[i] as usize];
             *sum += 0.5 * (x(1) - x(0)).cross(&(x(2) - x(0))).norm();
@@ -87,11 +79,7 @@ impl<'a> Hardware<'a> {
                 let point = self.point(rng)?;
                 let force_n = rng.random_range(5.0..STRONGEST_N);
                 let readings = self.readings(&[(point, force_n)])?;
-                Ok(Press {
-                    point,
-                    force_n,
-                    readings,
-                })
+                Ok(Press { point, force_n, readings })
             })
             .collect()
     }
@@ -107,10 +95,7 @@ impl<'a> Hardware<'a> {
             let apart_m = (self.skin.position(&first) - self.skin.position(&second)).norm();
             if apart_m >= SPACING_M.0 && apart_m <= SPACING_M.1 {
                 let held_n = rng.random_range(HELD_N.0..HELD_N.1);
-                return Ok(vec![
-                    (first, held_n),
-                    (second, rng.random_range(0.0..STRONGEST_N)),
-                ]);
+                return Ok(vec![(first, held_n), (second, rng.random_range(0.0..STRONGEST_N))]);
             }
         }
     }
@@ -120,10 +105,6 @@ impl<'a> Hardware<'a> {
         let all = self.areas.last().context("a skin has faces")?;
         let u = rng.random::<f64>() * all;
         let face = self.areas.partition_point(|sum| *sum < u);
-        Ok(SkinPoint::drawn(
-            &self.skin,
-            face,
-            [rng.random(), rng.random()],
-        )?)
+        Ok(SkinPoint::drawn(&self.skin, face, [rng.random(), rng.random()])?)
     }
 }

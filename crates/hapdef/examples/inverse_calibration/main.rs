@@ -37,10 +37,7 @@ const N_HELD_OUT: usize = 500;
 const N_PRESSES: [usize; 2] = [300, 3000];
 
 fn main() -> Result<()> {
-    let bundled = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/shin/scene.json"
-    );
+    let bundled = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/shin/scene.json");
     let mut args = std::env::args().skip(1);
     let path = PathBuf::from(args.next().unwrap_or_else(|| bundled.to_owned()));
     let n_frames = args.next().map_or(Ok(300), |n| n.parse())?;
@@ -59,10 +56,7 @@ fn main() -> Result<()> {
     let nominal = UncertainResponse::solve(&limb, &limb.sites, &limb.gauges, &params)?;
     let real = real_limb(&run, &limb, &limb.sites)?;
     let built_s = start.elapsed().as_secs_f64();
-    println!(
-        "{}, rig seed {seed}: limbs and modes in {built_s:.0} s",
-        run.scene.name
-    );
+    println!("{}, rig seed {seed}: limbs and modes in {built_s:.0} s", run.scene.name);
     let mut hardware = Hardware::new(&real, nominal.map.skin(), seed + 20)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 30);
     let presses = hardware.presses(N_PRESSES[N_PRESSES.len() - 1], &mut rng)?;
@@ -101,17 +95,12 @@ fn reseed(rig: &mut RigSpec, seed: u64) {
 }
 
 fn uncalibrated(relative: f64) -> ModelError {
-    ModelError {
-        relative,
-        ..ModelError::default()
-    }
+    ModelError { relative, ..ModelError::default() }
 }
 
 fn noise_sd(noise: &NoiseParams) -> Vec<f64> {
     let pairs = noise.gauge_sd.iter().zip(&noise.quantisation_step);
-    pairs
-        .map(|(sd, step)| (sd * sd + step * step / 12.0).sqrt())
-        .collect()
+    pairs.map(|(sd, step)| (sd * sd + step * step / 12.0).sqrt()).collect()
 }
 
 /// Root mean square of the map's error over that of the response at `presses`, without noise, and
@@ -142,9 +131,8 @@ fn describe(fitted: &Calibrated, held_out: &[Press], rig: &Hardware<'_>) -> Resu
         info.rejected.len()
     );
     let points = info.curve.iter();
-    let curve: Vec<_> = points
-        .map(|p| format!("{} {:.2} %", p.n_presses, percent(p.relative_error)))
-        .collect();
+    let curve: Vec<_> =
+        points.map(|p| format!("{} {:.2} %", p.n_presses, percent(p.relative_error))).collect();
     let needed = info.presses_for(0.01).map_or(f64::NAN, f64::round);
     println!("  curve {}; 1 % at {needed} presses", curve.join(", "));
     println!(

@@ -38,11 +38,7 @@ impl LimbError {
                 *s += g * g / points.len() as f64;
             }
         }
-        Self {
-            relative,
-            scale_2,
-            fields,
-        }
+        Self { relative, scale_2, fields }
     }
 
     /// Readings per newton of the limb at `point`.
@@ -54,9 +50,7 @@ impl LimbError {
         let x = map.skin().position(point);
         let field = |i: usize| -> f64 {
             let waves = self.fields[i].iter();
-            let sum: f64 = waves
-                .map(|(w, phase)| (w.dot(&x.coords) + phase).cos())
-                .sum();
+            let sum: f64 = waves.map(|(w, phase)| (w.dot(&x.coords) + phase).cos()).sum();
             sum * (2.0 / N_WAVES as f64).sqrt()
         };
         let n = response.len();

@@ -33,10 +33,7 @@ const N_SITES: usize = 800;
 const REPORT_SEED: u64 = 4000;
 
 fn main() -> Result<()> {
-    let bundled = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/shin/scene.json"
-    );
+    let bundled = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/shin/scene.json");
     let mut args = std::env::args().skip(1);
     let path = PathBuf::from(args.next().unwrap_or_else(|| bundled.to_owned()));
     let n_scenes = args.next().map_or(Ok(200), |n| n.parse())?;
@@ -53,26 +50,17 @@ fn main() -> Result<()> {
         map.skin().n_faces(),
         sites.len()
     );
-    for (title, sd, relative) in [
-        ("the map is exact, 5 µε", 5.0, 0.0),
-        ("the map is wrong by 1.4 %, 1 µε", 1.0, 0.014),
-    ] {
+    for (title, sd, relative) in
+        [("the map is exact, 5 µε", 5.0, 0.0), ("the map is wrong by 1.4 %, 1 µε", 1.0, 0.014)]
+    {
         let noise = NoiseParams {
-            model_error: ModelError {
-                relative,
-                ..ModelError::default()
-            },
+            model_error: ModelError { relative, ..ModelError::default() },
             ..NoiseParams::uniform(map.n_gauges(), sd)
         };
         let params = EstimatorParams::default();
         let estimator = ContactEstimator::new(map.clone(), sites.clone(), noise, params)?;
         println!("\n{title}\n{}", Row::HEAD);
-        let bench = Bench {
-            estimator: &estimator,
-            sites: &sites,
-            sd,
-            relative,
-        };
+        let bench = Bench { estimator: &estimator, sites: &sites, sd, relative };
         for kind in Kind::ALL {
             if kind.name().contains(&wanted) {
                 let mut row = Row::default();

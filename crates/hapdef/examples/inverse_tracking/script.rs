@@ -27,13 +27,8 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    pub(crate) const ALL: [Self; 5] = [
-        Self::OneByOne,
-        Self::Release,
-        Self::Slide,
-        Self::TwoAtOnce,
-        Self::TwoPairs,
-    ];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::OneByOne, Self::Release, Self::Slide, Self::TwoAtOnce, Self::TwoPairs];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -107,27 +102,15 @@ impl Script {
             if !presses.is_empty() && !with_last {
                 start += rng.random_range(150..250);
             }
-            let ramps = vec![(
-                start,
-                start + rng.random_range(20..50),
-                rng.random_range(5.0..34.0),
-            )];
-            presses.push(Press {
-                point,
-                start,
-                ramps,
-                slide: None,
-            });
+            let ramps =
+                vec![(start, start + rng.random_range(20..50), rng.random_range(5.0..34.0))];
+            presses.push(Press { point, start, ramps, slide: None });
         }
         let all_there = start + 250;
         for press in &mut presses {
             change_forces(&mut press.ramps, all_there, &mut rng);
         }
-        let mut script = Self {
-            presses,
-            all_there,
-            n_frames: all_there,
-        };
+        let mut script = Self { presses, all_there, n_frames: all_there };
         script.go_on(kind, skin, &mut rng);
         script
     }
@@ -137,9 +120,7 @@ impl Script {
             Kind::Release => {
                 for (i, press) in self.presses.iter_mut().enumerate() {
                     let first = self.all_there + 20 + 150 * i;
-                    press
-                        .ramps
-                        .push((first, first + rng.random_range(20..50), 0.0));
+                    press.ramps.push((first, first + rng.random_range(20..50), 0.0));
                 }
                 self.n_frames += 150 * N_CONTACTS + 20;
             }
@@ -157,9 +138,7 @@ impl Script {
 
     /// Contacts that press at `frame`.
     pub(crate) fn pressing(&self, frame: usize) -> impl Iterator<Item = &Press> {
-        self.presses
-            .iter()
-            .filter(move |press| press.force_n(frame) > 0.0)
+        self.presses.iter().filter(move |press| press.force_n(frame) > 0.0)
     }
 
     /// Whether no contact has come or gone in the last `n` frames.
@@ -167,10 +146,7 @@ impl Script {
         let changes = |press: &Press| {
             let begins = press.start <= frame && press.start + n + 50 > frame;
             let is_gone = press.start < frame && press.force_n(frame) < 1.0;
-            let ends = is_gone
-                && press
-                    .last_change(frame)
-                    .is_some_and(|last| last + n > frame);
+            let ends = is_gone && press.last_change(frame).is_some_and(|last| last + n > frame);
             begins || ends
         };
         !self.presses.iter().any(changes)

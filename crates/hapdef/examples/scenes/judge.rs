@@ -131,9 +131,7 @@ fn below_noise(pressed: &Pressed) -> Result<Honest, Wrong> {
     let n_gauges = pressed.readings_ue.len();
     let mut adds = vec![0.0; n_gauges];
     for press in &pressed.presses {
-        adds.iter_mut()
-            .zip(&press.adds_ue)
-            .for_each(|(sum, add)| *sum += add);
+        adds.iter_mut().zip(&press.adds_ue).for_each(|(sum, add)| *sum += add);
     }
     let seen = [&adds, &pressed.readings_ue].map(|values| chi2(values, pressed.noise_ue));
     within(seen, chi2_touch(n_gauges))
@@ -148,13 +146,8 @@ fn matched<'a>(
     let off = |i: usize, j: usize| times_off(&contacts[i], &presses[j]);
     let ways: Vec<(Option<&Press>, f64)> = match (contacts.len(), presses.len()) {
         (1, 1) => vec![(None, off(0, 0))],
-        (1, 2) => vec![
-            (Some(&presses[1]), off(0, 0)),
-            (Some(&presses[0]), off(0, 1)),
-        ],
-        (2, 2) => [[0, 1], [1, 0]]
-            .map(|[i, j]| (None, off(0, i).max(off(1, j))))
-            .to_vec(),
+        (1, 2) => vec![(Some(&presses[1]), off(0, 0)), (Some(&presses[0]), off(0, 1))],
+        (2, 2) => [[0, 1], [1, 0]].map(|[i, j]| (None, off(0, i).max(off(1, j)))).to_vec(),
         (found, _) => return Err(Wrong::TooMany { found }),
     };
     let best = ways.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -193,10 +186,7 @@ fn hidden(pressed: &Pressed, found: &Contact, missed: &Press) -> Result<Honest, 
     let others = pressed.presses.iter().filter(|p| !std::ptr::eq(*p, missed));
     let mut with_noise = pressed.readings_ue.clone();
     for press in others {
-        with_noise
-            .iter_mut()
-            .zip(&press.adds_ue)
-            .for_each(|(sum, add)| *sum -= add);
+        with_noise.iter_mut().zip(&press.adds_ue).for_each(|(sum, add)| *sum -= add);
     }
     let seen = [left(&missed.adds_ue), left(&with_noise)];
     within(seen, chi2_misfit(n_gauges - 3))
@@ -225,9 +215,5 @@ fn sds_beside(pressed: &Pressed, found: &Contact) -> Vec<f64> {
 
 fn within(seen: [f64; 2], most: f64) -> Result<Honest, Wrong> {
     let chi2 = seen[0].min(seen[1]);
-    if chi2 <= most {
-        Ok(Honest::BelowNoise)
-    } else {
-        Err(Wrong::Missed { chi2, most })
-    }
+    if chi2 <= most { Ok(Honest::BelowNoise) } else { Err(Wrong::Missed { chi2, most }) }
 }

@@ -54,10 +54,7 @@ fn main() -> ExitCode {
             Ok(honest) => *ends.entry(format!("{honest:?}")).or_insert(0) += 1,
             Err(failure) => {
                 let (why, trial) = *failure;
-                println!(
-                    "seed {seed}: {why}\n  {}",
-                    serde_json::to_string(&trial).unwrap()
-                );
+                println!("seed {seed}: {why}\n  {}", serde_json::to_string(&trial).unwrap());
                 failures.push(trial);
             }
         }
@@ -66,11 +63,7 @@ fn main() -> ExitCode {
     println!("{n_scenes} scenes from seed {}: {ends:?}", args.seed);
     if !failures.is_empty() {
         std::fs::create_dir_all(args.failures.parent().unwrap()).unwrap();
-        std::fs::write(
-            &args.failures,
-            serde_json::to_vec_pretty(&failures).unwrap(),
-        )
-        .unwrap();
+        std::fs::write(&args.failures, serde_json::to_vec_pretty(&failures).unwrap()).unwrap();
         println!("failing scenes: {}", args.failures.display());
     }
     let figures = [

@@ -22,30 +22,22 @@ const SOLVED_E_PA: f64 = 1e9;
 /// χ² with 1 to 10 degrees of freedom that [`EstimatorParams::touch_p`] = 1e-3 and
 /// [`EstimatorParams::misfit_p`] = 1e-6 of noise exceed (Abramowitz and Stegun, table 26.8, carried
 /// on).
-const CHI2_TOUCH: [f64; 10] = [
-    10.828, 13.816, 16.266, 18.467, 20.515, 22.458, 24.322, 26.124, 27.877, 29.588,
-];
-const CHI2_MISFIT: [f64; 10] = [
-    23.928, 27.631, 30.665, 33.377, 35.888, 38.258, 40.522, 42.701, 44.811, 46.863,
-];
+const CHI2_TOUCH: [f64; 10] =
+    [10.828, 13.816, 16.266, 18.467, 20.515, 22.458, 24.322, 26.124, 27.877, 29.588];
+const CHI2_MISFIT: [f64; 10] =
+    [23.928, 27.631, 30.665, 33.377, 35.888, 38.258, 40.522, 42.701, 44.811, 46.863];
 
 /// χ² of `n_dof` readings below which the estimator takes them for untouched.
 pub(crate) fn chi2_touch(n_dof: usize) -> f64 {
     let touch_p = EstimatorParams::default().touch_p;
-    assert!(
-        (touch_p - 1e-3).abs() < 1e-15,
-        "another table for {touch_p}"
-    );
+    assert!((touch_p - 1e-3).abs() < 1e-15, "another table for {touch_p}");
     CHI2_TOUCH[n_dof - 1]
 }
 
 /// χ² with `n_dof` degrees of freedom above which the estimator calls a misfit what it found.
 pub(crate) fn chi2_misfit(n_dof: usize) -> f64 {
     let misfit_p = EstimatorParams::default().misfit_p;
-    assert!(
-        (misfit_p - 1e-6).abs() < 1e-15,
-        "another table for {misfit_p}"
-    );
+    assert!((misfit_p - 1e-6).abs() < 1e-15, "another table for {misfit_p}");
     CHI2_MISFIT[n_dof - 1]
 }
 
@@ -124,10 +116,8 @@ fn noise(n_gauges: usize, sd_ue: f64, seed: u64) -> Vec<f64> {
 /// strain of the displacement.
 fn presses(run: &Run, limb: &Limb, skin: &Skin, trial: &Trial) -> Result<Vec<Press>, HapdefError> {
     let material = IsotropicMaterial::new(SOLVED_E_PA, trial.nu, 1000.0)?;
-    let params = ElasticParams {
-        n_threads: 1,
-        ..ElasticParams::new(material, limb.clamped.clone())
-    };
+    let params =
+        ElasticParams { n_threads: 1, ..ElasticParams::new(material, limb.clamped.clone()) };
     let model = ElasticModel::build(&limb.mesh, &params)?;
     let softer = SOLVED_E_PA / 10f64.powf(trial.log10_e_pa);
     let pressed = |place: &Place, force_n: f64| {

@@ -66,12 +66,7 @@ pub(crate) fn trials() -> impl Strategy<Value = Trial> {
     let told = (-3.0..3.0_f64, 0.03..0.1_f64);
     let second = (-2.0..0.0_f64, places());
     let second = second.prop_map(|(log10_share, place)| Second { log10_share, place });
-    let presses = (
-        -3.0..4.0_f64,
-        places(),
-        prop::option::of(second),
-        any::<u64>(),
-    );
+    let presses = (-3.0..4.0_f64, places(), prop::option::of(second), any::<u64>());
     (limb, material, gauges, told, presses).prop_map(|(limb, material, gauges, told, presses)| {
         let (wall_m, n_sectors, n_rib_layers) = limb;
         let (log10_e_pa, nu) = material;

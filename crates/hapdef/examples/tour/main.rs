@@ -30,10 +30,7 @@ fn main() -> Result<()> {
         "press-one" => {
             let pressed = press_one::press_one()?;
             println!("the gauges read {:.2?} µε", pressed.readings_ue);
-            println!(
-                "found {:.3} N, {:.4} mm off",
-                pressed.force_n, pressed.miss_mm
-            );
+            println!("found {:.3} N, {:.4} mm off", pressed.force_n, pressed.miss_mm);
         }
         "two-fingers" => {
             for (force_n, miss_mm) in two_fingers::two_fingers()? {
@@ -44,10 +41,7 @@ fn main() -> Result<()> {
             let wall_mm = words.next().map_or(Ok(1.0), |word| word.parse())?;
             let limb = own_limb::own_limb(file.as_deref(), wall_mm)?;
             println!("{} nodes, {} gauges", limb.n_nodes, limb.n_gauges);
-            println!(
-                "a newton moves the best gauge by {:.2} µε",
-                limb.median_best_ue
-            );
+            println!("a newton moves the best gauge by {:.2} µε", limb.median_best_ue);
             println!("10 N found {:.4} mm off", limb.miss_mm);
         }
         "own-board" => {
@@ -68,10 +62,7 @@ fn main() -> Result<()> {
         }
         "replay" => {
             let played = replay::replay(file)?;
-            println!(
-                "{} frames, {} with contacts",
-                played.n_frames, played.n_touched
-            );
+            println!("{} frames, {} with contacts", played.n_frames, played.n_touched);
             println!("the last contact: {:.3} N", played.last_n);
         }
         other => {

@@ -50,10 +50,7 @@ pub fn own_board(file: Option<&Path>, ue_per_count: f64) -> Result<Vec<Found>> {
     );
     let (untouched, touched) = lines.split_at(N_TARE);
     let (zero, mean) = (mean(untouched), mean(touched));
-    let tared = mean
-        .iter()
-        .zip(zero)
-        .map(|(value, zero)| (value - zero) * ue_per_count);
+    let tared = mean.iter().zip(zero).map(|(value, zero)| (value - zero) * ue_per_count);
     let made_up_at = file.is_none().then_some(place);
     let mut touch = Touch::default();
     let tared_ue: Vec<f64> = tared.collect();
@@ -70,9 +67,7 @@ pub fn own_board(file: Option<&Path>, ue_per_count: f64) -> Result<Vec<Found>> {
 fn mean(lines: &[Vec<i32>]) -> Vec<f64> {
     let mut sums = vec![0.0; lines[0].len()];
     for line in lines {
-        sums.iter_mut()
-            .zip(line)
-            .for_each(|(sum, v)| *sum += f64::from(*v));
+        sums.iter_mut().zip(line).for_each(|(sum, v)| *sum += f64::from(*v));
     }
     sums.iter().map(|sum| sum / lines.len() as f64).collect()
 }

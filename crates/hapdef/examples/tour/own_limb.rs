@@ -68,10 +68,6 @@ fn the_bundled_skin_comes_to_its_figures() {
     let limb = own_limb(None, 1.0).unwrap();
     assert_eq!(limb.n_gauges, 10);
     // As it was when this was written.
-    assert!(
-        (limb.median_best_ue / 34.48 - 1.0).abs() < 1e-2,
-        "{}",
-        limb.median_best_ue
-    );
+    assert!((limb.median_best_ue / 34.48 - 1.0).abs() < 1e-2, "{}", limb.median_best_ue);
     assert!(limb.miss_mm < 0.05, "{} mm", limb.miss_mm);
 }

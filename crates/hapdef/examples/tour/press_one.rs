@@ -32,10 +32,7 @@ fn the_press_is_found_where_it_is() {
     // Readings come from the map itself: what is left is the estimator's prior on forces.
     assert!((pressed.force_n - 20.0).abs() < 0.02, "{}", pressed.force_n);
     assert!(pressed.miss_mm < 0.01, "{} mm", pressed.miss_mm);
-    let largest = pressed
-        .readings_ue
-        .iter()
-        .fold(0.0_f64, |m, r| m.max(r.abs()));
+    let largest = pressed.readings_ue.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     // As it was when this was written.
     assert!((largest / 619.05 - 1.0).abs() < 1e-3, "{largest} µε");
 }

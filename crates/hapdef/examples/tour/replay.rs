@@ -54,12 +54,8 @@ fn play(placed: &Placed, path: &Path) -> Result<Played> {
         // Whoever plays listens until the end.
         let _ = sender.send(frame.touch.contacts.first().map(|c| c.force_n));
     });
-    let params = LiveParams {
-        is_recorded: true,
-        is_lossless: true,
-        tare_s: 0.2,
-        ..LiveParams::default()
-    };
+    let params =
+        LiveParams { is_recorded: true, is_lossless: true, tare_s: 0.2, ..LiveParams::default() };
     let live = Live::builder(source)
         .params(params)
         .estimator(placed.estimator()?)
@@ -78,18 +74,12 @@ fn play(placed: &Placed, path: &Path) -> Result<Played> {
 fn record_press(placed: &Placed, path: &Path) -> Result<()> {
     let (_, press_ue) = placed.press(700, 15.0)?;
     let mut hello = Hello::plain(press_ue.len(), SampleFormat::I32, 1000);
-    hello
-        .channels
-        .iter_mut()
-        .for_each(|c| c.scale = UE_PER_COUNT);
+    hello.channels.iter_mut().for_each(|c| c.scale = UE_PER_COUNT);
     hello.seal();
     let frame = move |i: u32| {
         let share = (f64::from(i.saturating_sub(N_BEFORE)) / 40.0).min(1.0);
         let wobble = |g: usize| ((12.9 * f64::from(i) + 78.2 * g as f64).sin() * 43_758.5).fract();
-        let readings = press_ue
-            .iter()
-            .enumerate()
-            .map(|(g, ue)| ue * share + 0.5 * wobble(g));
+        let readings = press_ue.iter().enumerate().map(|(g, ue)| ue * share + 0.5 * wobble(g));
         let counts = readings.map(|ue| (ue / f64::from(UE_PER_COUNT)).round() as i32);
         let mut frame = Frame::new(i, SampleFormat::I32, counts);
         frame.t_device_us = 1000 * u64::from(i);
@@ -100,10 +90,7 @@ fn record_press(placed: &Placed, path: &Path) -> Result<()> {
     let messages = std::iter::once(hello).chain((0..N_FRAMES).map(frame));
     let source = ReplaySource::new("made up", messages, f64::INFINITY);
     let (acquisition, mut receivers) = acquire(source, AcquireParams::default())?;
-    let params = RecordParams {
-        min_free_bytes: 1 << 20,
-        ..RecordParams::default()
-    };
+    let params = RecordParams { min_free_bytes: 1 << 20, ..RecordParams::default() };
     let recorder = record(receivers.remove(0), path, params)?;
     while !acquisition.has_ended() {
         std::thread::sleep(Duration::from_millis(1));
@@ -117,10 +104,6 @@ fn a_recording_is_played_into_contacts() {
     let played = replay(None).unwrap();
     assert_eq!(played.n_frames, u64::from(N_FRAMES));
     // The press is there for 500 frames; the first ones are in the noise.
-    assert!(
-        (480..=500).contains(&played.n_touched),
-        "{}",
-        played.n_touched
-    );
+    assert!((480..=500).contains(&played.n_touched), "{}", played.n_touched);
     assert!((played.last_n - 15.0).abs() < 0.2, "{} N", played.last_n);
 }

@@ -46,7 +46,5 @@ impl Placed {
 
 /// A file of the bundled limb.
 pub fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/shin")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(name)
 }

@@ -41,10 +41,7 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let path = &args.scene.scene;
     let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
-    let request = BundleRequest {
-        n_stiffness: args.modes,
-        has_nets: args.nets,
-    };
+    let request = BundleRequest { n_stiffness: args.modes, has_nets: args.nets };
     let bundle = make_bundle(&run, &limb, text, &request)?;
     let bytes = bundle.to_bytes()?;
     atomic_write(&args.bundle, |file| file.write_all(&bytes))
@@ -58,21 +55,9 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
             bundle.info.gauges.len(),
             bundle.skin().n_nodes(),
             bytes.len() as f64 * 1e-6,
-            if bundle.calibration_json.is_some() {
-                ", calibrated"
-            } else {
-                ", not calibrated"
-            },
-            if bundle.modes.is_empty() {
-                ""
-            } else {
-                ", with modes"
-            },
-            if bundle.nets.is_empty() {
-                ""
-            } else {
-                ", with nets"
-            },
+            if bundle.calibration_json.is_some() { ", calibrated" } else { ", not calibrated" },
+            if bundle.modes.is_empty() { "" } else { ", with modes" },
+            if bundle.nets.is_empty() { "" } else { ", with nets" },
         );
     }
     Ok(())

@@ -79,10 +79,7 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
     let points = limb.surface_points();
     let mut rng = ChaCha8Rng::seed_from_u64(args.press_seed);
     let [low, high] = run.scene.contact.force_range_n;
-    ensure!(
-        low.max(LEAST_N) < high,
-        "contact.force_range_n: expected a force above {LEAST_N} N"
-    );
+    ensure!(low.max(LEAST_N) < high, "contact.force_range_n: expected a force above {LEAST_N} N");
     let mut presses = Vec::with_capacity(args.presses);
     for _ in 0..args.presses {
         let node = rng.random_range(0..points.len());
@@ -112,11 +109,7 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
     }
     std::fs::write(&args.table, text)
         .with_context(|| format!("writing {}", args.table.display()))?;
-    println!(
-        "{} simulated presses: {}",
-        args.presses,
-        args.table.display()
-    );
+    println!("{} simulated presses: {}", args.presses, args.table.display());
     Ok(())
 }
 
@@ -149,13 +142,7 @@ fn from_table(
         force_sd_n: args.force_sd_n,
     };
     run.say(&format!("calibrating with {} presses", presses.len()));
-    Ok(Calibration::fit(
-        run,
-        limb,
-        &presses,
-        &quality,
-        CALIBRATION_SITES,
-    )?)
+    Ok(Calibration::fit(run, limb, &presses, &quality, CALIBRATION_SITES)?)
 }
 
 fn header(n_gauges: usize) -> String {
@@ -199,11 +186,7 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
         info.relative_error * 100.0
     );
     for rejected in &info.rejected {
-        println!(
-            "press {} left out: {:?}",
-            rejected.press + 1,
-            rejected.reason
-        );
+        println!("press {} left out: {:?}", rejected.press + 1, rejected.reason);
     }
     let sds = info.beyond_prior.iter().map(|cause| cause.sds.abs());
     if let Some(worst) = sds.max_by(f64::total_cmp) {
@@ -216,11 +199,7 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
     }
     println!("\npresses  relative error");
     for point in &info.curve {
-        println!(
-            "{:7}  {:.2} %",
-            point.n_presses,
-            point.relative_error * 100.0
-        );
+        println!("{:7}  {:.2} %", point.n_presses, point.relative_error * 100.0);
     }
     for relative in [0.02, 0.01] {
         if let Some(n) = info.presses_for(relative) {
@@ -230,19 +209,13 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
     println!("\nthe next presses help most at (mm)");
     for next in info.next.iter().take(5) {
         let [x, y, z] = (next.position_m.coords * 1e3).into();
-        println!(
-            "  ({x:.1}, {y:.1}, {z:.1}): ±{:.1} %",
-            next.relative_sd * 100.0
-        );
+        println!("  ({x:.1}, {y:.1}, {z:.1}): ±{:.1} %", next.relative_sd * 100.0);
     }
     println!("\n{}", path.display());
 }
 
 fn as_json(calibration: &Calibration, info: &CalibrationInfo) -> serde_json::Value {
-    let curve = info
-        .curve
-        .iter()
-        .map(|p| json!([p.n_presses, p.relative_error]));
+    let curve = info.curve.iter().map(|p| json!([p.n_presses, p.relative_error]));
     let next = info.next.iter().map(|n| {
         json!({"position_m": <[f64; 3]>::from(n.position_m.coords), "relative_sd": n.relative_sd})
     });

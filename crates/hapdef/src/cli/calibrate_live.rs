@@ -96,10 +96,7 @@ pub(super) fn calibrate_live(
         n_presses >= LEAST_PRESSES,
         "--presses: expected at least {LEAST_PRESSES}, without which there is no calibration, found {n_presses}"
     );
-    ensure!(
-        force_n > 0.0,
-        "--force-n: expected a force above 0, found {force_n}"
-    );
+    ensure!(force_n > 0.0, "--force-n: expected a force above 0, found {force_n}");
     let table = &args.table;
     ensure!(
         !table.exists(),
@@ -150,10 +147,7 @@ impl Feed {
                 prober = Some(device.press_handle());
                 let link = RigLink::new(device, &RunParams::default(), |_| {})?;
                 let clock = link.clock();
-                let params = StreamParams {
-                    clock,
-                    ..StreamParams::default()
-                };
+                let params = StreamParams { clock, ..StreamParams::default() };
                 Box::new(StreamSource::new(link, params))
             }
         };
@@ -362,10 +356,7 @@ mod tests {
             hello: None,
             channels,
             backlog: Backlog::default(),
-            status: Status {
-                saturated: 1 << 2 | 1 << 1,
-                ..Status::default()
-            },
+            status: Status { saturated: 1 << 2 | 1 << 1, ..Status::default() },
         };
         let mut frame = Frame::new(0, SampleFormat::I16, [10, 20, 30, 40]);
         let mut readings = [0.0; 3];

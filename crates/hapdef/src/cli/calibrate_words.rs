@@ -18,21 +18,17 @@ pub(super) fn say(run: &Run, event: &SessionEvent) {
 
 fn in_words(asked: &AskedPress) -> String {
     let [x, y, z] = (asked.position_m.coords * 1e3).into();
-    let sd = asked.relative_sd.map_or(String::new(), |sd| {
-        format!(", where the map is known to {:.1} %", sd * 100.0)
-    });
-    format!(
-        "press {}: {} N at ({x:.1}, {y:.1}, {z:.1}) mm{sd}",
-        asked.index + 1,
-        asked.force_n
-    )
+    let sd = asked
+        .relative_sd
+        .map_or(String::new(), |sd| format!(", where the map is known to {:.1} %", sd * 100.0));
+    format!("press {}: {} N at ({x:.1}, {y:.1}, {z:.1}) mm{sd}", asked.index + 1, asked.force_n)
 }
 
 fn held_in_words(held: &HeldPress) -> String {
     let progress = &held.progress;
-    let map = progress.relative_error.map_or(String::new(), |e| {
-        format!(", map good to {:.1} %", e * 100.0)
-    });
+    let map = progress
+        .relative_error
+        .map_or(String::new(), |e| format!(", map good to {:.1} %", e * 100.0));
     format!(
         "residual {:.1} %, {:.0} % of the skin covered{map}",
         held.residual * 100.0,

@@ -52,10 +52,7 @@ fn read_frames(path: &PathBuf, n_gauges: usize) -> Result<Vec<Vec<f64>>> {
         let place = || format!("{}: line {}", path.display(), i + 1);
         let numbers: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
         let frame = numbers.with_context(|| {
-            format!(
-                "{}: expected numbers with commas between, found {line:?}",
-                place()
-            )
+            format!("{}: expected numbers with commas between, found {line:?}", place())
         })?;
         if frame.len() != n_gauges {
             bail!(
@@ -76,16 +73,9 @@ fn in_words(touch: &Touch) -> String {
     let contacts = touch.contacts.iter().map(|contact| {
         let [x, y, z] = (contact.position_m.coords * 1e3).into();
         let sure = contact.uncertainty.map_or(String::new(), |u| {
-            format!(
-                " (±{:.2} mm, ±{:.2} N)",
-                u.position_sd_m() * 1e3,
-                u.force_sd_n()
-            )
+            format!(" (±{:.2} mm, ±{:.2} N)", u.position_sd_m() * 1e3, u.force_sd_n())
         });
-        format!(
-            "{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}",
-            contact.force_n
-        )
+        format!("{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}", contact.force_n)
     });
     let doubt = match touch.quality {
         Some(quality) if !quality.is_identified => "; the frame does not decide",

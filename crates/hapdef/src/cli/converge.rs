@@ -78,11 +78,7 @@ fn line(estimate: &QuantityEstimate) -> String {
         percent(&estimate.median_error),
         percent(&estimate.worst_error),
         estimate.order,
-        if estimate.order_observed {
-            "observed"
-        } else {
-            "assumed"
-        },
+        if estimate.order_observed { "observed" } else { "assumed" },
     )
 }
 

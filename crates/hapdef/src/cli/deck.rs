@@ -11,13 +11,8 @@ use nalgebra::Vector3;
 /// Solves the deck's own load and prints what an FE engineer would look at first.
 pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -> Result<()> {
     let deck = read_deck(file)?;
-    let material = deck
-        .material
-        .as_ref()
-        .context("the deck names no material")?;
-    let density = material
-        .density_kg_m3
-        .context("the deck names no density")?;
+    let material = deck.material.as_ref().context("the deck names no material")?;
+    let density = material.density_kg_m3.context("the deck names no density")?;
     let material =
         IsotropicMaterial::new(material.youngs_modulus_pa, material.poissons_ratio, density)?;
     let params = ElasticParams {
@@ -52,18 +47,13 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
     );
     println!("load             {:?} N", load.total_n().as_slice());
     println!("largest |u|      {:.6} mm", largest(&displacement) * 1e3);
-    println!(
-        "strain energy    {:.6e} J",
-        elastic_model.strain_energy_j(&displacement)?
-    );
+    println!("strain energy    {:.6e} J", elastic_model.strain_energy_j(&displacement)?);
     if let Some(reference) = reference {
         compare(&deck, &displacement, reference)?;
     }
     if let Some(path) = vtu {
-        let field = PointField {
-            name: "displacement_m",
-            values: PointValues::Vectors(&displacement),
-        };
+        let field =
+            PointField { name: "displacement_m", values: PointValues::Vectors(&displacement) };
         write_vtu(path, &deck.mesh, &[field])?;
         println!("displacement in  {}", path.display());
     }
@@ -71,10 +61,7 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
 }
 
 fn own_load(deck: &SolidDeck) -> Result<NodalLoad> {
-    let forces = NodalLoad {
-        forces_n: deck.nodal_forces.clone(),
-        ..NodalLoad::default()
-    };
+    let forces = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
     let load = forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?);
     if load.forces_n.is_empty() {
         bail!("the deck has no load: add a nodal force or a pressure to it");
@@ -94,10 +81,7 @@ fn compare(deck: &SolidDeck, displacement: &[Vector3<f64>], reference: &Path) ->
         n_compared += 1;
     }
     if n_compared == 0 {
-        bail!(
-            "{}: has no displacement for any node of the deck",
-            reference.display()
-        );
+        bail!("{}: has no displacement for any node of the deck", reference.display());
     }
     let relative = worst / largest(displacement);
     println!("against {}: {n_compared} nodes", reference.display());

@@ -10,11 +10,9 @@ use hapdef_daq::record::{DamageInfo, Recording, export_csv, export_json_lines};
 use super::files::new_file;
 
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  hapdef export press.mcap --csv -o press.csv\n\n\
+#[command(after_help = "Example:\n  hapdef export press.mcap --csv -o press.csv\n\n\
     The table has a line a reading, as sent: counts, or the device's unit where it sends f32. The \
-    JSON lines have everything that is in the recording."
-)]
+    JSON lines have everything that is in the recording.")]
 pub(crate) struct ExportArgs {
     /// The recording: finished, partial or damaged.
     file: PathBuf,

@@ -11,10 +11,9 @@ pub(super) fn new_file(path: &Path, option: &str) -> Result<File> {
     let mut options = OpenOptions::new();
     let is_no_file = std::fs::metadata(path).is_ok_and(|data| !data.is_file());
     match options.write(true).create_new(!is_no_file).open(path) {
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => bail!(
-            "{option}: {} is there already; choose another name or remove it",
-            path.display()
-        ),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            bail!("{option}: {} is there already; choose another name or remove it", path.display())
+        }
         opened => opened.with_context(|| format!("{option}: writing {}", path.display())),
     }
 }

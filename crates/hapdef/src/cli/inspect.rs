@@ -33,11 +33,7 @@ enum Unit {
 /// Reads a surface or a deck and prints its report.
 pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
     let file = &args.file;
-    let name = file
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
+    let name = file.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     match name.rsplit('.').next().unwrap_or_default() {
         "glb" | "gltf" => inspect_surface(args),
@@ -57,13 +53,7 @@ fn inspect_surface(args: &InspectArgs) -> Result<()> {
         Unit::Cm => LengthUnit::Centimetre,
         Unit::In => LengthUnit::Inch,
     };
-    let surface = read_gltf(
-        &args.file,
-        &GltfParams {
-            unit,
-            ..GltfParams::default()
-        },
-    )?;
+    let surface = read_gltf(&args.file, &GltfParams { unit, ..GltfParams::default() })?;
     let (mesh, weld) = surface.mesh.weld(args.weld_m)?;
     let report = QualityReport::of(&mesh);
     if args.json {
@@ -111,10 +101,7 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
     let deck = read_deck(file)?;
     let boundary = deck.mesh.boundary();
     let sets: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
-    let material = deck
-        .material
-        .as_ref()
-        .map(|m| (m.youngs_modulus_pa, m.poissons_ratio));
+    let material = deck.material.as_ref().map(|m| (m.youngs_modulus_pa, m.poissons_ratio));
     if json {
         println!(
             "{}",
@@ -130,10 +117,7 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
     }
     println!("{}", file.display());
     println!("FE nodes        {}", deck.mesh.nodes().len());
-    println!(
-        "elements        {} ten-node tetrahedra",
-        deck.mesh.elements().len()
-    );
+    println!("elements        {} ten-node tetrahedra", deck.mesh.elements().len());
     println!("boundary faces  {}", boundary.faces.len());
     println!("fixed nodes     {}", deck.fixed_nodes.len());
     println!("nodal forces    {}", deck.nodal_forces.len());

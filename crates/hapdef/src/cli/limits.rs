@@ -16,18 +16,13 @@ use super::pages;
 /// What is not bounded.
 const LEFT_OUT: [(&str, &str); 2] = [
     ("tangential forces", "contacts press along the normal"),
-    (
-        "most pairs of places",
-        "24 partners are drawn for each of 800 places",
-    ),
+    ("most pairs of places", "24 partners are drawn for each of 800 places"),
 ];
 
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  hapdef limits fixtures/shin/scene.json --noise-ue 5\n\n\
+#[command(after_help = "Example:\n  hapdef limits fixtures/shin/scene.json --noise-ue 5\n\n\
     Bounds are Cramér–Rao's: no unbiased estimator does better. The page limits.html has them on \
-    the limb, limits.json the figures, limits.glb the limb with the bound as colour."
-)]
+    the limb, limits.json the figures, limits.glb the limb with the bound as colour.")]
 pub(crate) struct LimitsArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -153,11 +148,8 @@ fn bounds_table(report: &LimitsReport) -> TextTable {
 fn draw(path: &Path, limb: &Limb, report: &LimitsReport, usable_m: f64) -> Result<()> {
     let values: Vec<f64> = report.single_m.iter().map(|b| b.min(usable_m)).collect();
     let surface = limb.skin.surface(&limb.mesh)?;
-    let field = VertexField {
-        name: "position_bound_m",
-        values: &values,
-        range: Some((0.0, usable_m)),
-    };
+    let field =
+        VertexField { name: "position_bound_m", values: &values, range: Some((0.0, usable_m)) };
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
@@ -171,16 +163,8 @@ fn print(request: &LimitsRequest, report: &LimitsReport, page: &Path) {
         request.noise_ue, request.carried.force_n, ""
     );
     let quantiles = |of: &dyn Fn(f64) -> f64| format!("{}   {}", mm(of(0.5)), mm(of(0.95)));
-    println!(
-        "{:16}{}",
-        "one contact",
-        quantiles(&|q| report.single_quantile_m(q))
-    );
-    println!(
-        "{:16}{}",
-        "one of two",
-        quantiles(&|q| report.pair_quantile_m(q))
-    );
+    println!("{:16}{}", "one contact", quantiles(&|q| report.single_quantile_m(q)));
+    println!("{:16}{}", "one of two", quantiles(&|q| report.pair_quantile_m(q)));
     println!("\ncontacts  median mm  95 % mm  singular  carried");
     for row in &report.carried {
         println!(

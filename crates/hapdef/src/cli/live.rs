@@ -138,11 +138,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
         builder = builder.sink(view.sink(args.is_recorded()));
     }
     let live = builder.start()?;
-    let reach = Reach {
-        sim,
-        tape: tape.clone(),
-        player,
-    };
+    let reach = Reach { sim, tape: tape.clone(), player };
     let desk = view.map(|view| view.attend(live.control(), reach, first));
     // The page tells of a recording that fails by itself.
     let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
@@ -222,10 +218,7 @@ impl Model {
     /// The runtime, and what is to be finished after it.
     fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<Tape>)> {
         if let Some(seconds) = args.seconds {
-            ensure!(
-                seconds > 0.0,
-                "--seconds: expected above 0, found {seconds}"
-            );
+            ensure!(seconds > 0.0, "--seconds: expected above 0, found {seconds}");
         }
         let params = LiveParams {
             tare_s: args.tare_s,
@@ -272,12 +265,7 @@ impl Source {
             }
             source => (source.open_for(n_gauges)?, None),
         };
-        Ok(Self {
-            frames,
-            truth: None,
-            sim: None,
-            player,
-        })
+        Ok(Self { frames, truth: None, sim: None, player })
     }
 
     /// The scene's virtual rig.
@@ -288,12 +276,7 @@ impl Source {
         } else {
             (simulated(run, limb, args.sim_seed)?, None)
         };
-        Ok(Self {
-            frames,
-            truth: Some(truth),
-            sim,
-            player: None,
-        })
+        Ok(Self { frames, truth: Some(truth), sim, player: None })
     }
 }
 
@@ -307,10 +290,8 @@ impl LiveArgs {
                 true => || Box::new(std::io::stderr()),
                 false => || Box::new(std::io::stdout()),
             },
-            metrics: std::env::var_os("HAPDEF_METRICS").map_or_else(
-                || self.scene.out.join("metrics.json"),
-                std::path::PathBuf::from,
-            ),
+            metrics: std::env::var_os("HAPDEF_METRICS")
+                .map_or_else(|| self.scene.out.join("metrics.json"), std::path::PathBuf::from),
             seed: self.sim_seed,
         };
         let is_measured = self.view.is_first_measured();
@@ -319,11 +300,7 @@ impl LiveArgs {
 
     /// A replay gives the same contacts each time.
     fn place(&self) -> SearchPlace {
-        if self.is_recorded() {
-            SearchPlace::Here
-        } else {
-            SearchPlace::Background
-        }
+        if self.is_recorded() { SearchPlace::Here } else { SearchPlace::Background }
     }
 
     fn origin(&self) -> Origin {
@@ -377,8 +354,5 @@ pub(super) fn is_bundle(path: &Path) -> Result<bool> {
 }
 
 fn gauge(name: &str, scale: f64) -> LiveGauge {
-    LiveGauge {
-        name: name.to_owned(),
-        scale,
-    }
+    LiveGauge { name: name.to_owned(), scale }
 }

@@ -64,11 +64,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
     if let Some(state @ hapdef_daq::source::LinkState::Damaged { .. }) = &health.link {
         writeln!(err, "{name}: {state}")?;
     }
-    if let Some(fault) = health
-        .device_fault
-        .as_ref()
-        .filter(|_| health.n_unusable > 0)
-    {
+    if let Some(fault) = health.device_fault.as_ref().filter(|_| health.n_unusable > 0) {
         bail!("{name}: {fault}");
     }
     Ok(())

@@ -74,11 +74,7 @@ struct Feed {
 }
 
 enum Running {
-    On {
-        path: PathBuf,
-        recorder: Recorder,
-        acquisition: Acquisition,
-    },
+    On { path: PathBuf, recorder: Recorder, acquisition: Acquisition },
     Ending(JoinHandle<Result<String>>),
 }
 
@@ -103,10 +99,7 @@ impl Tape {
             feed: Mutex::default(),
             running: Mutex::default(),
         });
-        let tee = Tee {
-            inner: source,
-            shared: Arc::clone(&shared),
-        };
+        let tee = Tee { inner: source, shared: Arc::clone(&shared) };
         Ok((tee, Self { shared }))
     }
 
@@ -140,11 +133,7 @@ impl Tape {
             span_ns: None,
             n_missed: 0,
         };
-        *running = Some(Running::On {
-            path: path.to_owned(),
-            recorder,
-            acquisition,
-        });
+        *running = Some(Running::On { path: path.to_owned(), recorder, acquisition });
         Ok(())
     }
 
@@ -152,11 +141,7 @@ impl Tape {
     pub(super) fn stop(&self) {
         let mut running = lock(&self.shared.running);
         *running = match running.take() {
-            Some(Running::On {
-                recorder,
-                acquisition,
-                ..
-            }) => {
+            Some(Running::On { recorder, acquisition, .. }) => {
                 lock(&self.shared.feed).sender = None;
                 let shared = Arc::clone(&self.shared);
                 let end = move || {
@@ -187,11 +172,7 @@ impl Tape {
         running
             .map(|running| match running {
                 Running::Ending(thread) => joined(thread),
-                Running::On {
-                    recorder,
-                    acquisition,
-                    ..
-                } => {
+                Running::On { recorder, acquisition, .. } => {
                     // Whoever makes messages has ended by now: those it made are on their way.
                     lock(&self.shared.feed).sender = None;
                     self.shared.finish(recorder, &acquisition)
@@ -211,9 +192,7 @@ impl Tape {
         }
         let span_ns = lock(&self.shared.feed).span_ns;
         let recorded_ns = span_ns.map_or(0, |(first, last)| last.saturating_sub(first));
-        TapeState::On {
-            recorded_s: recorded_ns as f64 * 1e-9,
-        }
+        TapeState::On { recorded_s: recorded_ns as f64 * 1e-9 }
     }
 
     /// The file that is recorded to.
@@ -226,9 +205,7 @@ impl Tape {
 
     /// What takes messages of [`topics`] for it.
     pub(super) fn sink(&self) -> TapeSink {
-        TapeSink {
-            shared: Arc::clone(&self.shared),
-        }
+        TapeSink { shared: Arc::clone(&self.shared) }
     }
 
     /// The wall clock at a moment of the monotonic clock, ns, as the recording maps it.
@@ -279,10 +256,7 @@ impl Feed {
         let Some(sender) = &self.sender else { return };
         if let Message::Frame(frame) = message {
             let t_ns = frame.t_host_ns;
-            self.span_ns = Some(
-                self.span_ns
-                    .map_or((t_ns, t_ns), |(first, _)| (first, t_ns)),
-            );
+            self.span_ns = Some(self.span_ns.map_or((t_ns, t_ns), |(first, _)| (first, t_ns)));
         }
         if sender.try_send(message.clone()).is_err() {
             self.n_missed += 1;

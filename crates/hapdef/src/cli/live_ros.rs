@@ -125,17 +125,13 @@ impl RosArgs {
             return Ok(in_use.map(String::into_bytes));
         };
         let json = std::fs::read(path);
-        json.map(Some)
-            .with_context(|| format!("{}: reading", path.display()))
+        json.map(Some).with_context(|| format!("{}: reading", path.display()))
     }
 }
 
 fn is_new(path: &Path) -> Result<()> {
     if path.exists() {
-        bail!(
-            "--record: {} is there already; choose another name",
-            path.display()
-        );
+        bail!("--record: {} is there already; choose another name", path.display());
     }
     Ok(())
 }
@@ -155,10 +151,7 @@ fn foxglove(_: &RosParams, _: std::net::SocketAddr) -> Result<Box<dyn MessageSin
 
 #[cfg(feature = "zenoh")]
 fn zenoh(params: &RosParams, domain_id: u32) -> Result<Box<dyn MessageSink>> {
-    let zenoh = hapdef_ros::ZenohParams {
-        domain_id,
-        ..hapdef_ros::ZenohParams::default()
-    };
+    let zenoh = hapdef_ros::ZenohParams { domain_id, ..hapdef_ros::ZenohParams::default() };
     Ok(Box::new(hapdef_ros::ZenohSink::open(params, &zenoh)?))
 }
 
@@ -197,8 +190,7 @@ impl Sink for RosSink {
             n_lost_before: frame.n_lost_before,
             microstrain: &frame.tared_ue,
         })?;
-        self.encoder
-            .contacts(&contacts(&frame.touch, frame.seq, stamp_ns))?;
+        self.encoder.contacts(&contacts(&frame.touch, frame.seq, stamp_ns))?;
         if let Some(truth) = &mut self.truth {
             let encoder = &mut self.encoder;
             truth.frame(frame.seq, stamp_ns, &mut |known| Ok(encoder.truth(known)?))?;
@@ -229,10 +221,9 @@ impl Sink for RosSink {
 
 /// What a frame tells, as messages have it. The normal is where the force comes from.
 fn contacts(touch: &Touch, seq: u32, stamp_ns: u64) -> Contacts {
-    let quality = touch.quality.map(|quality| Quality {
-        is_identified: quality.is_identified,
-        p_value: quality.p_value,
-    });
+    let quality = touch
+        .quality
+        .map(|quality| Quality { is_identified: quality.is_identified, p_value: quality.p_value });
     Contacts {
         stamp_ns,
         seq,
@@ -246,9 +237,7 @@ fn alternative(other: &Alternative) -> hapdef_ros::Alternative {
     let contacts = other.contacts();
     hapdef_ros::Alternative {
         delta_evidence: other.delta_evidence,
-        contacts: contacts
-            .map(|(at, force_n)| (at.coords.into(), force_n))
-            .collect(),
+        contacts: contacts.map(|(at, force_n)| (at.coords.into(), force_n)).collect(),
     }
 }
 
@@ -257,10 +246,7 @@ fn contact((contact, place): (&TouchContact, u32)) -> Contact {
         let row_by_row = u.covariance.transpose();
         let mut covariance = [0.0; 9];
         covariance.copy_from_slice(row_by_row.as_slice());
-        Uncertainty {
-            tangents: u.tangents.map(Into::into),
-            covariance,
-        }
+        Uncertainty { tangents: u.tangents.map(Into::into), covariance }
     });
     Contact {
         id: contact.id.map_or(place, |id| id as u32),
@@ -279,10 +265,7 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
         level,
         message,
         hardware_id: health.source_name.clone(),
-        values: values
-            .iter()
-            .map(|(k, v)| ((*k).to_owned(), v.clone()))
-            .collect(),
+        values: values.iter().map(|(k, v)| ((*k).to_owned(), v.clone())).collect(),
     };
     let link = health.link.as_ref().map(ToString::to_string);
     let is_open = health.n_frames > 0 && health.rate_hz > 0.0;
@@ -304,14 +287,8 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
         level(health.device_fault.is_none(), health.n_deadline_missed == 0),
         health.to_string(),
         &[
-            (
-                "compute_p50_us",
-                format!("{:.0}", health.second.compute.p50_us),
-            ),
-            (
-                "compute_p99_us",
-                format!("{:.0}", health.second.compute.p99_us),
-            ),
+            ("compute_p50_us", format!("{:.0}", health.second.compute.p50_us)),
+            ("compute_p99_us", format!("{:.0}", health.second.compute.p99_us)),
             ("deadline_missed", health.n_deadline_missed.to_string()),
             ("refused", health.n_refused.to_string()),
             ("contacts", health.n_contacts.to_string()),
@@ -325,11 +302,7 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
     let gauges = part(
         "gauges",
         level(true, bad.is_empty()),
-        if bad.is_empty() {
-            "all count".to_owned()
-        } else {
-            bad.join(", ")
-        },
+        if bad.is_empty() { "all count".to_owned() } else { bad.join(", ") },
         &[],
     );
     vec![acquisition, compute, gauges]

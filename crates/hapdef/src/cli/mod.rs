@@ -136,11 +136,9 @@ struct RunArgs {
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
-        Command::Deck {
-            file,
-            reference,
-            vtu,
-        } => deck::solve(file, reference.as_deref(), vtu.as_deref()),
+        Command::Deck { file, reference, vtu } => {
+            deck::solve(file, reference.as_deref(), vtu.as_deref())
+        }
         Command::Check(args) => stage::check(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
@@ -183,11 +181,9 @@ mod tests {
     #[test]
     fn how_nets_are_trained_comes_after_what_a_command_has_of_its_own() {
         let mut command = Cli::command();
-        for (name, own) in [
-            ("live", "--source"),
-            ("place", "--gauges"),
-            ("calibrate", "--noise-ue"),
-        ] {
+        for (name, own) in
+            [("live", "--source"), ("place", "--gauges"), ("calibrate", "--noise-ue")]
+        {
             let command = command.find_subcommand_mut(name).unwrap();
             let help = command.render_long_help().to_string();
             let at = |words: &str| help.find(words).unwrap();

@@ -34,10 +34,7 @@ mod tests {
     #[test]
     fn only_this_machine_is_served_unasked() {
         for address in ["127.0.0.1:7650", "[::1]:7650", "127.3.2.1:0", "nonsense"] {
-            assert!(
-                check_reach("--serve", address, IS_READ, false).is_ok(),
-                "{address}"
-            );
+            assert!(check_reach("--serve", address, IS_READ, false).is_ok(), "{address}");
         }
         for address in ["0.0.0.0:7650", "[::]:7650", "192.168.1.2:80"] {
             let refused = check_reach("--serve", address, IS_READ, false).unwrap_err();

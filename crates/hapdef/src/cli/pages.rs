@@ -6,10 +6,7 @@ use hapdef_report::{MetricContext, NamedText, Origin, SkippedStage, TextCell, Te
 
 /// A line at the head of a page.
 pub(super) fn fact(name: &str, text: String) -> NamedText {
-    NamedText {
-        name: name.into(),
-        text,
-    }
+    NamedText { name: name.into(), text }
 }
 
 /// By what and from what results over a run's scene are made; `skipped`: what is left out, and why.

@@ -28,10 +28,8 @@ const BOUNDS: [(&str, Bound); 4] = [
 ];
 
 /// What is not tried.
-const LEFT_OUT: [(&str, &str); 1] = [(
-    "places off the inner wall",
-    "gauges are mounted inside the shell",
-)];
+const LEFT_OUT: [(&str, &str); 1] =
+    [("places off the inner wall", "gauges are mounted inside the shell")];
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -151,10 +149,7 @@ fn page(run: &Run, limb: &Limb, params: &LayoutParams, study: &LayoutStudy) -> R
         Block::Limb(LimbView::new(
             &limb.skin.surface(&limb.mesh)?,
             vec![distances(limb, best)],
-            best.gauges
-                .iter()
-                .map(|g| g.position_m.coords.into())
-                .collect(),
+            best.gauges.iter().map(|g| g.position_m.coords.into()).collect(),
         )),
         Block::Note("Rings: gauges, on the inner wall, dashed on the far side.".into()),
     ]);
@@ -162,16 +157,10 @@ fn page(run: &Run, limb: &Limb, params: &LayoutParams, study: &LayoutStudy) -> R
         title: format!("Where to put gauges on {}", run.scene.name),
         facts: vec![
             pages::fact("scene", run.scene.name.clone()),
-            pages::fact(
-                "gauges",
-                format!("{}, {} mounted", params.n_gauges, params.n_mounted),
-            ),
+            pages::fact("gauges", format!("{}, {} mounted", params.n_gauges, params.n_mounted)),
             pages::fact("noise", format!("{} µε", params.noise_ue)),
             pages::fact("contacts", format!("{} N", params.force_n)),
-            pages::fact(
-                "candidates",
-                format!("{n_candidates}, {} don't fit", study.n_refused),
-            ),
+            pages::fact("candidates", format!("{n_candidates}, {} don't fit", study.n_refused)),
             pages::fact("solved in", format!("{:.2} s", study.solve_s)),
             pages::fact("seed", params.seed.to_string()),
         ],
@@ -192,14 +181,7 @@ fn layouts_table(study: &LayoutStudy) -> TextTable {
             format!("{:.2}", layout.elapsed_s),
         ]
     };
-    let header = [
-        "layout",
-        "one: mean, mm",
-        "95 %",
-        "two: median, mm",
-        "95 %",
-        "chosen in, s",
-    ];
+    let header = ["layout", "one: mean, mm", "95 %", "two: median, mm", "95 %", "chosen in, s"];
     pages::table(header, study.layouts.iter().map(row))
 }
 
@@ -210,10 +192,7 @@ fn curves(study: &LayoutStudy, title: &str, bound: Bound) -> Result<Figure> {
         let point = (counted.n_gauges as f64, bound(&counted.score) * 1e3);
         match series.iter_mut().find(|s| s.name == counted.name) {
             Some(found) => found.points.push(point),
-            None => series.push(Series {
-                name: counted.name.into(),
-                points: vec![point],
-            }),
+            None => series.push(Series { name: counted.name.into(), points: vec![point] }),
         }
     }
     let chart = LineChart {
@@ -252,12 +231,7 @@ fn print(study: &LayoutStudy, params: &LayoutParams) {
         study.n_candidates, study.n_refused, study.solve_s, params.n_gauges
     );
     for layout in &study.layouts {
-        println!(
-            "{:27} {}   {:11.2}",
-            layout.name,
-            figures(&layout.score),
-            layout.elapsed_s
-        );
+        println!("{:27} {}   {:11.2}", layout.name, figures(&layout.score), layout.elapsed_s);
     }
     println!("\nby number of gauges");
     for counted in &study.by_count {

@@ -7,12 +7,10 @@ use hapdef::{Limb, SceneArgs};
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n  \
+#[command(after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n  \
     hapdef plan fixtures/shin/placed.json --presses 300 --measure\n\n\
     The first plan measures the machine for a few seconds and keeps the figures beside the results \
-    (machine.json); delete that file to measure again."
-)]
+    (machine.json); delete that file to measure again.")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -69,27 +67,17 @@ fn print_measured(steps: &[MeasuredStep]) {
 
 /// Seconds with three digits, however few they are.
 fn seconds(s: f64) -> String {
-    if s >= 0.01 {
-        format!("{s:.2}")
-    } else {
-        format!("{s:.2e}")
-    }
+    if s >= 0.01 { format!("{s:.2}") } else { format!("{s:.2e}") }
 }
 
 fn print(plan: &Plan) {
-    println!(
-        "{}: {}, profile {}",
-        plan.scene, plan.estimator, plan.profile
-    );
+    println!("{}: {}, profile {}", plan.scene, plan.estimator, plan.profile);
     for (when, title) in [(When::Design, "once"), (When::Frame, "every frame")] {
         println!("\n{title:36} state       Mflop      MB  expected s  made in s  why");
         for step in plan.steps.iter().filter(|step| step.when == when) {
             println!("{}", line(step));
-            let sizes: Vec<String> = step
-                .sizes
-                .iter()
-                .map(|(name, n)| format!("{n} {name}"))
-                .collect();
+            let sizes: Vec<String> =
+                step.sizes.iter().map(|(name, n)| format!("{n} {name}")).collect();
             if !sizes.is_empty() {
                 println!("    {}", sizes.join(", "));
             }

@@ -44,10 +44,7 @@ pub(crate) struct RecordArgs {
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let out = &args.out;
     if !args.force && out.exists() {
-        bail!(
-            "{}: is there already; choose another name or say --force",
-            out.display()
-        );
+        bail!("{}: is there already; choose another name or say --force", out.display());
     }
     let read = |path: &PathBuf| {
         std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
@@ -65,9 +62,8 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     };
     let stop = stop_flag()?;
     let (acquisition, receivers) = acquire(args.source.open()?, acquire_params)?;
-    let [for_file, for_us]: [Receiver; 2] = receivers
-        .try_into()
-        .map_err(|_| anyhow::anyhow!("two receivers were asked for"))?;
+    let [for_file, for_us]: [Receiver; 2] =
+        receivers.try_into().map_err(|_| anyhow::anyhow!("two receivers were asked for"))?;
     let recorder = record(for_file, out, params)?;
     let mut watch = Watch::new(acquisition, for_us, args.quiet);
     while !stop.load(Ordering::Relaxed) && watch.goes_on(&recorder, args.seconds) {}
@@ -115,14 +111,7 @@ struct Watch {
 
 impl Watch {
     fn new(acquisition: Acquisition, messages: Receiver, is_quiet: bool) -> Self {
-        Self {
-            acquisition,
-            messages,
-            link: None,
-            start: Instant::now(),
-            n_lines: 0,
-            is_quiet,
-        }
+        Self { acquisition, messages, link: None, start: Instant::now(), n_lines: 0, is_quiet }
     }
 
     /// Waits a little and says how it goes; false when it is over.

@@ -13,11 +13,9 @@ use serde_json::{Value, json};
 const NOTHING_READABLE: u8 = 3;
 
 #[derive(Args)]
-#[command(
-    after_help = "Exit codes: 0 nothing was lost, 1 something was lost and the rest saved, \
+#[command(after_help = "Exit codes: 0 nothing was lost, 1 something was lost and the rest saved, \
     2 the command can't be done, 3 nothing in the file can be read.\n\n\
-    Example:\n  hapdef recover press.partial.mcap -o press.mcap"
-)]
+    Example:\n  hapdef recover press.partial.mcap -o press.mcap")]
 pub(crate) struct RecoverArgs {
     /// The recording, damaged or unfinished.
     file: PathBuf,
@@ -32,10 +30,7 @@ pub(crate) struct RecoverArgs {
 pub(crate) fn run(args: &RecoverArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
     if out.exists() {
-        bail!(
-            "{}: is there already; choose another name with -o",
-            out.display()
-        );
+        bail!("{}: is there already; choose another name with -o", out.display());
     }
     let code = match recover(&args.file, &out) {
         Ok(info) => {

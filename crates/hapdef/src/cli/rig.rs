@@ -62,10 +62,7 @@ pub(crate) struct RigArgs {
 /// Runs the virtual rig until its time is over or Ctrl-C.
 pub(crate) fn rig(args: &RigArgs) -> Result<()> {
     if let Some(seconds) = args.seconds {
-        ensure!(
-            seconds > 0.0,
-            "--seconds: expected a time above 0, found {seconds}"
-        );
+        ensure!(seconds > 0.0, "--seconds: expected a time above 0, found {seconds}");
     }
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
@@ -77,12 +74,7 @@ pub(crate) fn rig(args: &RigArgs) -> Result<()> {
         faults: args.faults.clone(),
     };
     let device = virtual_device(&run.scene, Arc::clone(&limb), &params)?;
-    println!(
-        "simulated {}: {} gauges at {} Hz",
-        run.scene.name,
-        limb.n_gauges(),
-        args.rate_hz
-    );
+    println!("simulated {}: {} gauges at {} Hz", run.scene.name, limb.n_gauges(), args.rate_hz);
     let run_params = RunParams {
         duration_s: args.seconds,
         faults: args.faults.clone(),
@@ -157,12 +149,7 @@ impl TruthFile {
         let partial = PathBuf::from(partial);
         let file =
             File::create(&partial).with_context(|| format!("writing {}", partial.display()))?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            partial,
-            out: BufWriter::new(file),
-            fault: None,
-        })
+        Ok(Self { path: path.to_path_buf(), partial, out: BufWriter::new(file), fault: None })
     }
 
     /// The first fault is kept for the end: the device goes on.

@@ -154,10 +154,7 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
         println!("{}", args.file.display());
         show(&limb, comparisons);
         if !comparisons.is_empty() {
-            println!(
-                "report            {}",
-                out.join(SHELL_REPORT_HTML).display()
-            );
+            println!("report            {}", out.join(SHELL_REPORT_HTML).display());
         }
         println!("written to        {}", out.display());
     }
@@ -166,10 +163,7 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
 
 fn source(args: &ShellArgs) -> Result<ReportSource> {
     let scene = args.against.as_deref().map(|path| -> Result<_> {
-        Ok(SceneSource {
-            file: path.display().to_string(),
-            file_hash: hash_of(path)?,
-        })
+        Ok(SceneSource { file: path.display().to_string(), file_hash: hash_of(path)? })
     });
     Ok(ReportSource {
         file: args.file.display().to_string(),
@@ -185,10 +179,7 @@ fn hash_of(path: &Path) -> Result<String> {
 
 fn read_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
     let read = |unit| {
-        let params = GltfParams {
-            unit,
-            ..GltfParams::default()
-        };
+        let params = GltfParams { unit, ..GltfParams::default() };
         read_gltf(&args.file, &params).map(|surface| surface.mesh)
     };
     let unit = match args.unit {
@@ -215,10 +206,7 @@ fn refused(
     if params.wall == WallChoice::Measured {
         let path = out.join("wall.glb");
         if write_measured_wall(given, params, &path)? {
-            println!(
-                "the wall as far as it is one, coloured by thickness: {}",
-                path.display()
-            );
+            println!("the wall as far as it is one, coloured by thickness: {}", path.display());
         } else {
             println!("no part of the surface has a wall that could be drawn");
         }
@@ -251,11 +239,7 @@ impl ShellArgs {
                 weld_tolerance_m: self.weld.map(|um| um * 1e-6),
                 drop_degenerate: self.drop_degenerate,
                 drop_doubled: self.drop_doubled,
-                body: if self.largest_body {
-                    BodyChoice::LargestArea
-                } else {
-                    BodyChoice::All
-                },
+                body: if self.largest_body { BodyChoice::LargestArea } else { BodyChoice::All },
             },
             side: match self.side {
                 Side::Outer => SkinSide::Outer,

@@ -34,14 +34,8 @@ pub(crate) fn show(limb: &ShellLimb, comparisons: &[ShellComparison]) {
     for (i, gauge) in info.gauges.iter().enumerate() {
         println!("{}", gauge_line(i, gauge));
     }
-    println!(
-        "best gauge        {:.1} µε/N (median over free nodes)",
-        info.median_best_ue_per_n
-    );
-    let times = info
-        .stages
-        .iter()
-        .map(|stage| format!("{} {:.2} s", stage.stage, stage.elapsed_s));
+    println!("best gauge        {:.1} µε/N (median over free nodes)", info.median_best_ue_per_n);
+    let times = info.stages.iter().map(|stage| format!("{} {:.2} s", stage.stage, stage.elapsed_s));
     println!("time              {}", times.collect::<Vec<_>>().join(", "));
     let thin_wall = limb.thin_wall();
     println!("thin wall         {thin_wall}");
@@ -69,14 +63,8 @@ fn show_wall(wall: &WallInfo) {
         println!("                  {}", surface_line(&wall.cleaned));
     }
     if wall.body_volumes_m3.len() > 1 {
-        let volumes = wall
-            .body_volumes_m3
-            .iter()
-            .map(|v| format!("{:.3}", v * 1e6));
-        println!(
-            "bodies            {} cm³",
-            volumes.collect::<Vec<_>>().join(", ")
-        );
+        let volumes = wall.body_volumes_m3.iter().map(|v| format!("{:.3}", v * 1e6));
+        println!("bodies            {} cm³", volumes.collect::<Vec<_>>().join(", "));
     }
     if let Some(measured) = &wall.measured {
         show_measured(measured);
@@ -157,10 +145,7 @@ fn surface_line(counts: &SurfaceCounts) -> String {
 }
 
 fn millimetres(values_m: &[f64; 5]) -> String {
-    values_m
-        .map(|v| format!("{:.2}", v * 1e3))
-        .as_slice()
-        .join(" ")
+    values_m.map(|v| format!("{:.2}", v * 1e3)).as_slice().join(" ")
 }
 
 fn gauge_line(number: usize, gauge: &GaugeInfo) -> String {
@@ -219,10 +204,7 @@ fn show_comparison(comparison: &ShellComparison) {
 }
 
 fn show_answered(answered: &Answered) {
-    for (name, row) in [
-        ("gauge readings", &answered.readings),
-        ("under the tip", &answered.tip),
-    ] {
+    for (name, row) in [("gauge readings", &answered.readings), ("under the tip", &answered.tip)] {
         println!(
             "{name:16} {:11.1} {:10.1} {:10.1} {:15.2}",
             100.0 * row.median,

@@ -33,11 +33,7 @@ pub(super) fn simulated(run: &Run, limb: &Limb, seed: u64) -> Result<Simulated> 
     let device = virtual_device(&run.scene, real, &params)?;
     let (tell, truth) = truth_line();
     let link = RigLink::new(device, &RunParams::default(), tell)?;
-    let paced = Paced {
-        clock: link.clock(),
-        link,
-        start: None,
-    };
+    let paced = Paced { clock: link.clock(), link, start: None };
     let source = StreamSource::new(paced, StreamParams::default());
     Ok((Box::new(source), truth))
 }

@@ -54,11 +54,7 @@ fn show(stage: &Stage, json: bool) -> Result<()> {
         return Ok(());
     }
     let origin = if stage.cached { "cached" } else { "new" };
-    writeln!(
-        out,
-        "{:10} {origin:6} {:8.1} s",
-        stage.record.stage, stage.record.elapsed_s
-    )?;
+    writeln!(out, "{:10} {origin:6} {:8.1} s", stage.record.stage, stage.record.elapsed_s)?;
     for (name, value) in stage.record.info.as_object().into_iter().flatten() {
         if !value.is_object() {
             writeln!(out, "    {name}: {value}")?;

@@ -78,12 +78,7 @@ impl Truth {
     }
 
     fn new(lines: Lines) -> Self {
-        Self {
-            lines,
-            next: None,
-            waiting: VecDeque::new(),
-            boot_id: None,
-        }
+        Self { lines, next: None, waiting: VecDeque::new(), boot_id: None }
     }
 
     /// Takes a frame's number and time, and hands out the truth of all frames that have it by now.
@@ -147,11 +142,7 @@ impl Lines {
     fn next(&mut self) -> Result<Option<Line>> {
         let (path, lines, partial) = match self {
             Self::Rig(frames) => return Ok(frames.try_recv().ok().map(Line::from)),
-            Self::File {
-                path,
-                lines,
-                partial,
-            } => (path, lines, partial),
+            Self::File { path, lines, partial } => (path, lines, partial),
         };
         let room = MAX_LINE_LEN.saturating_sub(partial.len()) as u64;
         lines
@@ -239,11 +230,7 @@ mod tests {
         let mut truth = Truth::in_file(&path).unwrap();
         let mut found = Vec::new();
         let mut put = |contacts: &Contacts| {
-            found.push((
-                contacts.seq,
-                contacts.stamp_ns,
-                contacts.contacts[0].force_n,
-            ));
+            found.push((contacts.seq, contacts.stamp_ns, contacts.contacts[0].force_n));
             Ok(())
         };
         // 3 and 4 are lost on the link, 5 comes in two pieces, 1 is from before the file.
@@ -265,11 +252,7 @@ mod tests {
         let (rig, frames) = std::sync::mpsc::sync_channel(8);
         let mut truth = Truth::of_rig(frames);
         let tell = |seq| {
-            let frame = TruthFrame {
-                boot_id: 1,
-                seq,
-                ..TruthFrame::default()
-            };
+            let frame = TruthFrame { boot_id: 1, seq, ..TruthFrame::default() };
             rig.try_send(frame).unwrap();
         };
         let mut found = Vec::new();

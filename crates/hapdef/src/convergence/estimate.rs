@@ -50,27 +50,17 @@ pub(super) fn estimate(
 ) -> QuantityEstimate {
     let values: Vec<Vec<Vec<f64>>> = levels.iter().map(|level| of(quantity, level)).collect();
     let finest = &values[values.len() - 1];
-    let steps: Vec<Vec<f64>> = values
-        .windows(2)
-        .map(|pair| differences(&pair[0], &pair[1], finest))
-        .collect();
+    let steps: Vec<Vec<f64>> =
+        values.windows(2).map(|pair| differences(&pair[0], &pair[1], finest)).collect();
     let observed = observed_order(&steps);
     let order = observed.unwrap_or(assumed_order);
     let shrink = 0.5_f64.powf(order);
-    let mut errors: Vec<Vec<f64>> = steps
-        .iter()
-        .map(|step| step.iter().map(|d| d / (1.0 - shrink)).collect())
-        .collect();
-    let last = errors[errors.len() - 1]
-        .iter()
-        .map(|e| e * shrink)
-        .collect();
+    let mut errors: Vec<Vec<f64>> =
+        steps.iter().map(|step| step.iter().map(|d| d / (1.0 - shrink)).collect()).collect();
+    let last = errors[errors.len() - 1].iter().map(|e| e * shrink).collect();
     errors.push(last);
-    let mut ratios: Vec<f64> = values[0]
-        .iter()
-        .zip(finest)
-        .map(|(coarse, fine)| norm(fine) / norm(coarse))
-        .collect();
+    let mut ratios: Vec<f64> =
+        values[0].iter().zip(finest).map(|(coarse, fine)| norm(fine) / norm(coarse)).collect();
     ratios.sort_by(f64::total_cmp);
     QuantityEstimate {
         quantity,
@@ -98,12 +88,7 @@ fn differences(coarse: &[Vec<f64>], fine: &[Vec<f64>], finest: &[Vec<f64>]) -> V
         let d: Vec<f64> = c.iter().zip(f).map(|(c, f)| c - f).collect();
         norm(&d) / norm(of)
     };
-    coarse
-        .iter()
-        .zip(fine)
-        .zip(finest)
-        .map(difference)
-        .collect()
+    coarse.iter().zip(fine).zip(finest).map(difference).collect()
 }
 
 /// log₂ of how much the median difference shrinks from step to step, on the last three meshes.
@@ -112,9 +97,7 @@ fn observed_order(steps: &[Vec<f64>]) -> Option<f64> {
         return None;
     };
     let order = (median(before) / median(last)).log2();
-    order
-        .is_finite()
-        .then(|| order.clamp(ORDER_RANGE[0], ORDER_RANGE[1]))
+    order.is_finite().then(|| order.clamp(ORDER_RANGE[0], ORDER_RANGE[1]))
 }
 
 fn norm(values: &[f64]) -> f64 {

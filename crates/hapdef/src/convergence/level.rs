@@ -56,11 +56,7 @@ impl<'a> Levels<'a> {
             let at = limb.skin.nodes.iter().position(|n| n == node)?;
             Some((*node, limb.directions[at]))
         };
-        Self {
-            limb,
-            params,
-            presses: chosen.iter().filter_map(direction).collect(),
-        }
+        Self { limb, params, presses: chosen.iter().filter_map(direction).collect() }
     }
 
     pub(super) fn solve(&self, say: &dyn Fn(&str)) -> Result<Vec<MeshLevel>, HapdefError> {
@@ -72,10 +68,7 @@ impl<'a> Levels<'a> {
         };
         let mut levels = Vec::new();
         loop {
-            say(&format!(
-                "solving the mesh of {} FE nodes",
-                mesh.mesh.nodes().len()
-            ));
+            say(&format!("solving the mesh of {} FE nodes", mesh.mesh.nodes().len()));
             levels.push(self.level(&mesh)?);
             if levels.len() > self.params.refinements {
                 return Ok(levels);
@@ -95,12 +88,8 @@ impl<'a> Levels<'a> {
         let build_s = started.elapsed().as_secs_f64();
         let faces = mesh.boundary().faces;
         let place = |site| GaugeStrain::with_params(mesh, &faces, site, &self.limb.gauge_params);
-        let gauges: Vec<GaugeStrain> = self
-            .limb
-            .sites
-            .iter()
-            .map(place)
-            .collect::<Result<_, _>>()?;
+        let gauges: Vec<GaugeStrain> =
+            self.limb.sites.iter().map(place).collect::<Result<_, _>>()?;
         let (response, adjoint) = elastic_model.gauge_response(&gauges)?;
         let tip_loads = self.tip_loads(refined)?;
         let reading = |load: &NodalLoad| {

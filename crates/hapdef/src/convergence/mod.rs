@@ -91,31 +91,16 @@ pub fn convergence(
     params: &ConvergenceParams,
     say: &dyn Fn(&str),
 ) -> Result<Convergence, HapdefError> {
-    let tip_radius_m = if tip_radius_m > 0.0 {
-        tip_radius_m
-    } else {
-        params.tip_radius_m
-    };
-    let params = ConvergenceParams {
-        tip_radius_m,
-        refinements: params.refinements.max(1),
-        ..*params
-    };
+    let tip_radius_m = if tip_radius_m > 0.0 { tip_radius_m } else { params.tip_radius_m };
+    let params =
+        ConvergenceParams { tip_radius_m, refinements: params.refinements.max(1), ..*params };
     let levels = Levels::new(limb, &params).solve(say)?;
-    let estimates: Vec<QuantityEstimate> = [
-        Quantity::GaugeReading,
-        Quantity::TipDisplacement,
-        Quantity::PointDisplacement,
-    ]
-    .map(|quantity| estimate(quantity, &levels, params.assumed_order))
-    .into();
+    let estimates: Vec<QuantityEstimate> =
+        [Quantity::GaugeReading, Quantity::TipDisplacement, Quantity::PointDisplacement]
+            .map(|quantity| estimate(quantity, &levels, params.assumed_order))
+            .into();
     let verdict = judge(&estimates[0], &params);
-    Ok(Convergence {
-        params,
-        levels,
-        estimates,
-        verdict,
-    })
+    Ok(Convergence { params, levels, estimates, verdict })
 }
 
 fn judge(readings: &QuantityEstimate, params: &ConvergenceParams) -> Verdict {

@@ -62,10 +62,5 @@ fn skin() -> Result<Skin, InverseError> {
     };
     let faces: Vec<[u32; 3]> = (0..around * along).flat_map(square).collect();
     let normals: Vec<Vector3<f64>> = nodes.iter().map(outward).collect();
-    Skin::new(
-        nodes,
-        SkinFaces::Linear(&faces),
-        Some(&normals),
-        &SkinParams::default(),
-    )
+    Skin::new(nodes, SkinFaces::Linear(&faces), Some(&normals), &SkinParams::default())
 }

@@ -81,7 +81,6 @@ fn solved(
     fine.map_or(cost, |(fine, order_s)| {
         let nodes_per_own = fine.n_fe_nodes as f64 / own.n_fe_nodes as f64;
         let n_fine_nodes = (n_nodes as f64 * nodes_per_own.powf(SKIN_GROWTH)) as usize;
-        cost.plus(elastic(fine, n_gauges, *order_s, machine))
-            .plus(tips(n_fine_nodes, machine))
+        cost.plus(elastic(fine, n_gauges, *order_s, machine)).plus(tips(n_fine_nodes, machine))
     })
 }

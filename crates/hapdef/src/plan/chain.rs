@@ -102,12 +102,7 @@ impl Planner<'_> {
             ("right-hand sides", n_loads + limb.gauges.len()),
             ("wanted nodes", n_wanted),
         ];
-        let cost = elastic(
-            &estimate,
-            n_loads + limb.gauges.len(),
-            order_s,
-            self.machine,
-        );
+        let cost = elastic(&estimate, n_loads + limb.gauges.len(), order_s, self.machine);
         // It is made in f64, twice the bytes, before it is written.
         let cost = cost.writing(3.0 * self.table_bytes(), self.machine);
         Ok(PlanStep::runs("compliance", why, &sizes).costing(cost))
@@ -137,11 +132,7 @@ impl Planner<'_> {
         let too_many = format!("contact.max_contacts is {most}");
         let mut steps = Vec::new();
         for n_contacts in 1..=MOST_CONTACTS {
-            let n = if n_contacts == 1 {
-                profile.n_single
-            } else {
-                profile.n_multi
-            };
+            let n = if n_contacts == 1 { profile.n_single } else { profile.n_multi };
             let name = set_name(n_contacts);
             steps.push(match data.simulated.get(n_contacts - 1) {
                 Some(stage) => self.dataset(&name, n, n_contacts, stage),
@@ -150,10 +141,7 @@ impl Planner<'_> {
         }
         let singles = &data.rig_single;
         steps.push(self.dataset("rig's single presses", profile.n_real_single, 1, singles));
-        let (name, n) = (
-            "rig's double presses",
-            profile.n_pairs * profile.n_amplitudes,
-        );
+        let (name, n) = ("rig's double presses", profile.n_pairs * profile.n_amplitudes);
         steps.push(match &data.rig_double {
             Some(stage) => self.dataset(name, n, 2, stage),
             None => PlanStep::skipped(Skip::LargerSets, name, &too_many, &[("samples", n)]),
@@ -186,10 +174,8 @@ impl Planner<'_> {
 
     fn nets(&self, stages: &ChainStages) -> Vec<PlanStep> {
         let trained = &stages.nets.nets;
-        let mut steps: Vec<PlanStep> = trained
-            .iter()
-            .map(|net| self.net(net.kind, &net.stage))
-            .collect();
+        let mut steps: Vec<PlanStep> =
+            trained.iter().map(|net| self.net(net.kind, &net.stage)).collect();
         let unions = (1..=MOST_CONTACTS).map(|n_sets| NetKind::Reconstruction { n_sets });
         for kind in unions.chain([NetKind::Direct]) {
             if trained.iter().any(|net| net.kind == kind) {
@@ -218,11 +204,7 @@ impl Planner<'_> {
         {
             let n = schedule.steps * schedule.batch;
             let drawn = superposed(n, n_sets.div_ceil(2), self.n_nodes(), self.machine);
-            let modes = self
-                .run
-                .profile
-                .output_modes
-                .min(self.limb.n_surface_nodes());
+            let modes = self.run.profile.output_modes.min(self.limb.n_surface_nodes());
             let projected = projected(n, self.limb.n_surface_nodes(), modes, self.machine);
             cost = cost.plus(drawn).plus(projected);
         }
@@ -233,11 +215,7 @@ impl Planner<'_> {
     /// A frame passes the three nets; F_S once for each contact.
     fn frame(&self) -> Vec<PlanStep> {
         let n_sets = self.run.scene.contact.max_contacts;
-        let kinds = [
-            NetKind::Transfer,
-            NetKind::Reconstruction { n_sets },
-            NetKind::Sensitivity,
-        ];
+        let kinds = [NetKind::Transfer, NetKind::Reconstruction { n_sets }, NetKind::Sensitivity];
         let passes = kinds.map(|kind| {
             let n = self.n_parameters(kind);
             let why = format!("{} net, forward", kind.name());
@@ -287,11 +265,7 @@ impl Planner<'_> {
     /// The net while it is trained: F_R's outputs are the map's modes, where fewer than nodes.
     fn trained(&self, kind: NetKind) -> MlpSpec {
         let (n_modes, n_surface) = (self.run.profile.output_modes, self.limb.n_surface_nodes());
-        let n_outputs = if n_modes == 0 {
-            n_surface
-        } else {
-            n_modes.min(n_surface)
-        };
+        let n_outputs = if n_modes == 0 { n_surface } else { n_modes.min(n_surface) };
         self.spec(kind, n_outputs)
     }
 
@@ -318,11 +292,7 @@ fn set_name(n_contacts: usize) -> String {
 
 /// The step with its cost, or answered by the cache.
 fn from_stage(step: PlanStep, stage: &Stage, cost: Cost) -> PlanStep {
-    if stage.cached {
-        cached(step, stage)
-    } else {
-        step.costing(cost)
-    }
+    if stage.cached { cached(step, stage) } else { step.costing(cost) }
 }
 
 fn cached(step: PlanStep, stage: &Stage) -> PlanStep {

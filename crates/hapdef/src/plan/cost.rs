@@ -47,9 +47,7 @@ pub(super) fn elastic(
         return factored;
     }
     let condition = solves(estimate, CONDITION_LOADS, machine);
-    factored
-        .plus(condition)
-        .plus(solves(estimate, n_loads, machine))
+    factored.plus(condition).plus(solves(estimate, n_loads, machine))
 }
 
 /// `n_loads` solves on a factor whose condition number is known. A solve passes L twice with two
@@ -61,20 +59,12 @@ pub(super) fn solves(estimate: &FactorEstimate, n_loads: usize, machine: &Machin
     } else {
         machine.solve_flops_per_s
     };
-    Cost {
-        flops,
-        bytes: 0.0,
-        seconds: (estimate.nnz_l > 0).then_some(flops / rate),
-    }
+    Cost { flops, bytes: 0.0, seconds: (estimate.nnz_l > 0).then_some(flops / rate) }
 }
 
 /// What a tip at each of `n_nodes` nodes of a skin averages over.
 pub(super) fn tips(n_nodes: usize, machine: &Machine) -> Cost {
-    Cost {
-        flops: 0.0,
-        bytes: 0.0,
-        seconds: Some(n_nodes as f64 / machine.frame.tips_per_s),
-    }
+    Cost { flops: 0.0, bytes: 0.0, seconds: Some(n_nodes as f64 / machine.frame.tips_per_s) }
 }
 
 /// `n` samples of `n_contacts` at `n_nodes` nodes: three components of each contact's row are added,
@@ -83,21 +73,13 @@ pub(super) fn superposed(n: usize, n_contacts: usize, n_nodes: usize, machine: &
     let values = n as f64 * n_nodes as f64;
     let flops = values * (6.0 * n_contacts as f64 + 7.0);
     let seconds = flops / machine.superpose_flops_per_s;
-    Cost {
-        flops,
-        bytes: 0.0,
-        seconds: Some(seconds),
-    }
+    Cost { flops, bytes: 0.0, seconds: Some(seconds) }
 }
 
 /// Maps of `n` samples at `n_nodes` nodes told in `n_modes` modes: a product in 32 bits.
 pub(super) fn projected(n: usize, n_nodes: usize, n_modes: usize, machine: &Machine) -> Cost {
     let flops = 2.0 * n as f64 * (n_nodes * n_modes) as f64;
-    Cost {
-        flops,
-        bytes: 0.0,
-        seconds: Some(flops / machine.train_flops_per_s),
-    }
+    Cost { flops, bytes: 0.0, seconds: Some(flops / machine.train_flops_per_s) }
 }
 
 /// Training of a net: two operations a parameter and sample forward, four backward, and the looks at
@@ -116,11 +98,7 @@ pub(super) fn training(net: &MlpSpec, schedule: &Schedule, machine: &Machine) ->
     } else {
         machine.train_flops_per_s
     };
-    Cost {
-        flops: steps + looks,
-        bytes: 4.0 * p,
-        seconds: Some((steps + looks) / rate),
-    }
+    Cost { flops: steps + looks, bytes: 4.0 * p, seconds: Some((steps + looks) / rate) }
 }
 
 impl Cost {

@@ -84,10 +84,8 @@ fn ordered(
     mesh: &Tet10Mesh,
     clamped: Vec<FeNodeId>,
 ) -> Result<(FactorEstimate, f64), HapdefError> {
-    let params = ElasticParams {
-        n_threads: run.threads,
-        ..ElasticParams::new(limb.material, clamped)
-    };
+    let params =
+        ElasticParams { n_threads: run.threads, ..ElasticParams::new(limb.material, clamped) };
     let start = Instant::now();
     let estimate = ElasticModel::estimate(mesh, &params)?;
     Ok((estimate, start.elapsed().as_secs_f64()))

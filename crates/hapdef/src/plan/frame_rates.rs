@@ -62,19 +62,13 @@ impl FrameRates {
         let map = Arc::new(barrel()?);
         let sites = Arc::new(ScanSites::farthest(map.skin(), spec.n_sites)?);
         let noise = NoiseParams {
-            model_error: ModelError {
-                relative: spec.map_error,
-                ..ModelError::default()
-            },
+            model_error: ModelError { relative: spec.map_error, ..ModelError::default() },
             ..NoiseParams::uniform(N_GAUGES, spec.noise_ue)
         };
         let with =
             |params| ContactEstimator::new(map.clone(), sites.clone(), noise.clone(), params);
         let estimator = with(EstimatorParams::default())?;
-        let short = with(EstimatorParams {
-            max_steps: 1,
-            ..EstimatorParams::default()
-        })?;
+        let short = with(EstimatorParams { max_steps: 1, ..EstimatorParams::default() })?;
         let mut draws = FrameDraws::new(&map, &sites, spec.noise_ue);
         let [none, singles, pairs] = [0, 1, 2].map(|n| draws.frames(n, N_FRAMES[n]));
         let test = Searched::mean_of(&searched(&estimator, &none)?, 0);
@@ -126,20 +120,15 @@ impl Refined {
     ) -> Result<Self, InverseError> {
         let whole = Searched::mean_of(&searched(estimator, frames)?, n_contacts);
         let scan_s = whole.seconds - test.seconds - step_s * whole.steps;
-        Ok(Self {
-            steps: whole.steps,
-            scan_s: scan_s.max(LEAST_SCAN * whole.seconds),
-        })
+        Ok(Self { steps: whole.steps, scan_s: scan_s.max(LEAST_SCAN * whole.seconds) })
     }
 }
 
 /// Operations per second of a calibration without modes.
 fn fit_rate(draws: &mut FrameDraws<'_>, n_threads: usize) -> Result<f64, InverseError> {
     let presses = draws.presses(N_PRESSES);
-    let params = CalibrationParams {
-        n_threads,
-        ..CalibrationParams::new(vec![draws.noise_ue; N_GAUGES])
-    };
+    let params =
+        CalibrationParams { n_threads, ..CalibrationParams::new(vec![draws.noise_ue; N_GAUGES]) };
     let start = Instant::now();
     Calibrated::fit(draws.map, draws.sites, &[], &presses, &params)?;
     let flops = fit_flops(N_PRESSES, N_GAUGES, 1, draws.sites.len());

@@ -45,12 +45,7 @@ pub(super) struct Searched {
 
 impl<'a> FrameDraws<'a> {
     pub(super) fn new(map: &'a ResponseMap, sites: &'a ScanSites, noise_ue: f64) -> Self {
-        Self {
-            map,
-            sites,
-            noise_ue,
-            rng: ChaCha8Rng::seed_from_u64(1),
-        }
+        Self { map, sites, noise_ue, rng: ChaCha8Rng::seed_from_u64(1) }
     }
 
     /// `n` frames of `n_contacts` each; those of none have no noise either, which the estimator
@@ -87,10 +82,7 @@ impl<'a> FrameDraws<'a> {
             let each = readings_ue.iter_mut().zip(map.normal(point));
             each.for_each(|(sum, g)| *sum += FORCE_N * g);
         }
-        DrawnFrame {
-            points,
-            readings_ue,
-        }
+        DrawnFrame { points, readings_ue }
     }
 
     fn unit_noise(&mut self) -> f64 {
@@ -162,11 +154,8 @@ mod tests {
 
     #[test]
     fn a_frame_that_goes_on_to_more_contacts_is_no_part_of_the_mean() {
-        let frame = |seconds, most_contacts| Searched {
-            seconds,
-            steps: 10.0 * seconds,
-            most_contacts,
-        };
+        let frame =
+            |seconds, most_contacts| Searched { seconds, steps: 10.0 * seconds, most_contacts };
         let frames = [frame(1.0, 1), frame(30.0, 2), frame(3.0, 1)];
         let single = Searched::mean_of(&frames, 1);
         assert_eq!((single.seconds, single.steps), (2.0, 20.0));

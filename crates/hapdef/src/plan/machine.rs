@@ -111,12 +111,8 @@ impl Machine {
     /// # Errors
     /// [`HapdefError::File`] and [`HapdefError::Data`] when the folder can't be written.
     pub fn measure(folder: &Path, threads: usize) -> Result<Self, HapdefError> {
-        let [
-            elements_per_s,
-            factor_flops_per_s,
-            solve_flops_per_s,
-            few_solves_flops_per_s,
-        ] = solver_rates(threads)?;
+        let [elements_per_s, factor_flops_per_s, solve_flops_per_s, few_solves_flops_per_s] =
+            solver_rates(threads)?;
         let [write_bytes_per_s, read_bytes_per_s] =
             file_rates(&folder.join("machine.safetensors"))?;
         let wide = MlpSpec::reconstruction(240, 3200);
@@ -186,11 +182,7 @@ fn training_rate(
     let values = |n: usize| (0..n).map(|i| (i % 17) as f32 - 8.0).collect::<Vec<_>>();
     let (n_in, n_out) = (spec.inputs, spec.outputs);
     let mut samples = MemorySource::new(n_in, n_out, values(batch * n_in), values(batch * n_out))?;
-    let mut net = Net::new(
-        Mlp::random(spec, 1)?,
-        Scale::identity(n_in),
-        Scale::identity(n_out),
-    )?;
+    let mut net = Net::new(Mlp::random(spec, 1)?, Scale::identity(n_in), Scale::identity(n_out))?;
     let mut elapsed_s = |steps| {
         let params = TrainParams {
             steps,
@@ -219,10 +211,8 @@ fn superposition_rate(threads: usize) -> f64 {
     let (mut scratch, mut map) = (table.scratch(), vec![0.0; n_nodes]);
     let start = Instant::now();
     for i in 0..n {
-        let contact = |k: usize| DrawnContact {
-            node: (i * 7 + k * 13) % n_rows,
-            force_n: 1.0 + i as f64,
-        };
+        let contact =
+            |k: usize| DrawnContact { node: (i * 7 + k * 13) % n_rows, force_n: 1.0 + i as f64 };
         table.superpose(&[contact(0), contact(1)], &mut scratch, &mut map, &mut []);
     }
     let flops = (n * n_nodes) as f64 * (6.0 * 2.0 + 7.0);
@@ -248,13 +238,7 @@ fn pass_rate(spec: &MlpSpec) -> Result<f64, HapdefError> {
 /// Nodes per second of k-Max on a square patch with the paper's radius.
 fn kmax_rate() -> Result<f64, HapdefError> {
     let side = SUPERPOSED[0].isqrt();
-    let place = |i: usize| {
-        [
-            (i % side) as f64 * NODE_GAP_M,
-            (i / side) as f64 * NODE_GAP_M,
-            0.0,
-        ]
-    };
+    let place = |i: usize| [(i % side) as f64 * NODE_GAP_M, (i / side) as f64 * NODE_GAP_M, 0.0];
     let points: Vec<[f64; 3]> = (0..side * side).map(place).collect();
     let radius_m = HapdefxSpec::default().kmax_radius_m;
     let graph = KMaxGraph::new(&points, KMaxParams::spanning_radius(&points, radius_m)?)?;

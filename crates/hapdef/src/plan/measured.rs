@@ -63,12 +63,7 @@ impl Plan {
         }
         let beside = |(step, word, measured_s)| {
             let planned = self.step(step).filter(|s| s.state == StepState::Runs)?;
-            Some(MeasuredStep {
-                step,
-                word,
-                predicted_s: planned.predicted_s?,
-                measured_s,
-            })
+            Some(MeasuredStep { step, word, predicted_s: planned.predicted_s?, measured_s })
         };
         Ok(taken.into_iter().filter_map(beside).collect())
     }
@@ -88,11 +83,7 @@ fn frames_s(
         (steps::TEST, "test", test_s),
         (steps::SINGLE, "single", single_s - test_s),
         (steps::PAIRS, "pair", pair_s - test_s),
-        (
-            steps::FOLLOWED,
-            "followed",
-            followed_s(estimator, &singles[0])?,
-        ),
+        (steps::FOLLOWED, "followed", followed_s(estimator, &singles[0])?),
     ])
 }
 
@@ -102,11 +93,7 @@ fn calibration_s(
     draws: &mut FrameDraws<'_>,
     n_presses: usize,
 ) -> Result<f64, HapdefError> {
-    let quality = PressQuality {
-        noise_ue: draws.noise_ue,
-        position_sd_m: 0.0,
-        force_sd_n: 0.0,
-    };
+    let quality = PressQuality { noise_ue: draws.noise_ue, position_sd_m: 0.0, force_sd_n: 0.0 };
     let presses = draws.presses(n_presses);
     let start = Instant::now();
     Calibration::fit(run, limb, &presses, &quality, CALIBRATION_SITES)?;

@@ -103,17 +103,11 @@ pub enum StepState {
 pub fn plan(run: &Run, limb: &Limb, machine: &Machine) -> Result<Plan, HapdefError> {
     let (estimator, steps) = match &run.scene.estimator {
         EstimatorSpec::Hapdefx(_) => ("hapdefx", chain::steps(run, limb, machine)?),
-        EstimatorSpec::Superposition(spec) => (
-            "superposition",
-            superposition::steps(run, limb, spec, machine)?,
-        ),
+        EstimatorSpec::Superposition(spec) => {
+            ("superposition", superposition::steps(run, limb, spec, machine)?)
+        }
     };
-    Ok(Plan {
-        scene: run.scene.name.clone(),
-        estimator,
-        profile: run.profile.name.clone(),
-        steps,
-    })
+    Ok(Plan { scene: run.scene.name.clone(), estimator, profile: run.profile.name.clone(), steps })
 }
 
 /// Expected time of the parts of [`crate::Pipeline`] that are not in the cache, s: compliance, rig,
@@ -167,33 +161,18 @@ impl PlanStep {
         why: impl Into<String>,
         sizes: &[(&'static str, usize)],
     ) -> Self {
-        Self {
-            state: StepState::Skipped,
-            skip: Some(skip),
-            ..Self::runs(name, why, sizes)
-        }
+        Self { state: StepState::Skipped, skip: Some(skip), ..Self::runs(name, why, sizes) }
     }
 
     fn alternative(name: &str, why: impl Into<String>, sizes: &[(&'static str, usize)]) -> Self {
-        Self {
-            state: StepState::Alternative,
-            ..Self::runs(name, why, sizes)
-        }
+        Self { state: StepState::Alternative, ..Self::runs(name, why, sizes) }
     }
 
     fn costing(self, cost: Cost) -> Self {
-        Self {
-            flops: cost.flops,
-            bytes: cost.bytes,
-            predicted_s: cost.seconds,
-            ..self
-        }
+        Self { flops: cost.flops, bytes: cost.bytes, predicted_s: cost.seconds, ..self }
     }
 
     fn each_frame(self) -> Self {
-        Self {
-            when: When::Frame,
-            ..self
-        }
+        Self { when: When::Frame, ..self }
     }
 }

@@ -72,8 +72,7 @@ impl Plan {
         let after_design = self.steps.iter().position(|s| s.when == super::When::Frame);
         let place = after_design.unwrap_or(self.steps.len());
         let sizes = [("surface nodes", limb.n_surface_nodes())];
-        self.steps
-            .insert(place, PlanStep::alternative(NAME, why, &sizes));
+        self.steps.insert(place, PlanStep::alternative(NAME, why, &sizes));
         Ok(self)
     }
 }
@@ -133,10 +132,7 @@ fn by_wall(limb: &Limb, max_wall_m: f64) -> Result<String, HapdefError> {
     let mean_m = wall.skin_thickness_m.iter().sum::<f64>() / n_faces;
     let beyond = (1.0 - median_m / mean_m).max(0.0);
     let size_m = limb.skin.surface(&limb.mesh)?.bounding_box().size_m();
-    let thin = ThinWall {
-        thickness_m: median_m,
-        radius_m: 0.5 * size_m.min(),
-    };
+    let thin = ThinWall { thickness_m: median_m, radius_m: 0.5 * size_m.min() };
     let advice = match beyond.max(thin.left_out()) > GOOD_DIFFERENCE {
         true => "use the solid, as this scene does",
         false => "a shell may do",

@@ -79,12 +79,7 @@ fn compliance(run: &Run, limb: &Limb, machine: &Machine) -> Result<PlanStep, Hap
         None => "contacts need no map of the skin; a live page has it solved beside the frames",
     };
     let sizes = [("right-hand sides", limb.n_surface_nodes())];
-    Ok(PlanStep::skipped(
-        Skip::UnwantedMap,
-        "compliance",
-        why,
-        &sizes,
-    ))
+    Ok(PlanStep::skipped(Skip::UnwantedMap, "compliance", why, &sizes))
 }
 
 /// Where the response comes from: a calibration, or one adjoint solve for each gauge.
@@ -94,10 +89,7 @@ fn response(
     spec: &SuperpositionSpec,
     machine: &Machine,
 ) -> Result<Vec<PlanStep>, HapdefError> {
-    let sizes = [
-        ("gauges", limb.gauges.len()),
-        ("surface nodes", limb.n_surface_nodes()),
-    ];
+    let sizes = [("gauges", limb.gauges.len()), ("surface nodes", limb.n_surface_nodes())];
     if let Some(path) = &spec.calibration {
         let file = path.display();
         let read = format!("the response and its error are read from {file}");
@@ -180,10 +172,7 @@ impl Frame<'_> {
 
     fn single(&self) -> PlanStep {
         let (m, n_sites, rates) = (self.n_gauges, self.n_sites, self.rates);
-        let (scanned, refined) = (
-            scan_flops(m, n_sites),
-            refine_flops(m, 1, rates.single_steps),
-        );
+        let (scanned, refined) = (scan_flops(m, n_sites), refine_flops(m, 1, rates.single_steps));
         let seconds = scanned / rates.scan_flops_per_s + refined / rates.single_flops_per_s;
         let sizes = [("sites", n_sites), ("gauges", m)];
         let why = "and the refinement of the best";
@@ -218,9 +207,5 @@ impl Frame<'_> {
 }
 
 fn cost(flops: f64, bytes: usize, seconds: f64) -> Cost {
-    Cost {
-        flops,
-        bytes: bytes as f64,
-        seconds: Some(seconds),
-    }
+    Cost { flops, bytes: bytes as f64, seconds: Some(seconds) }
 }

@@ -46,12 +46,7 @@ fn check_estimator(estimator: &EstimatorSpec) -> Checked {
                 spec.map_refinements.to_string(),
             )?;
             let n = spec.n_sites;
-            require(
-                (10..=20_000).contains(&n),
-                "estimator.n_sites",
-                "10 to 20000",
-                n.to_string(),
-            )
+            require((10..=20_000).contains(&n), "estimator.n_sites", "10 to 20000", n.to_string())
         }
     }
 }
@@ -71,30 +66,17 @@ fn check_mount(mount: &Mount) -> Checked {
         return Ok(());
     };
     let ordered = (0..3).all(|i| min_m[i] < max_m[i]);
-    require(
-        ordered,
-        "mount.max_m",
-        "above mount.min_m in x, y and z",
-        format!("{max_m:?}"),
-    )
+    require(ordered, "mount.max_m", "above mount.min_m in x, y and z", format!("{max_m:?}"))
 }
 
 fn check_contact(scene: &Scene) -> Checked {
     let contact = &scene.contact;
-    if let ContactRegion::Radial {
-        min_normal_dot_radial,
-        min_radius_m,
-        axial_range_m,
-    } = &contact.region
+    if let ContactRegion::Radial { min_normal_dot_radial, min_radius_m, axial_range_m } =
+        &contact.region
     {
         let path = "contact.region.min_normal_dot_radial";
         let cosine = *min_normal_dot_radial;
-        require(
-            (-1.0..1.0).contains(&cosine),
-            path,
-            "a cosine in [-1, 1)",
-            cosine.to_string(),
-        )?;
+        require((-1.0..1.0).contains(&cosine), path, "a cosine in [-1, 1)", cosine.to_string())?;
         not_negative("contact.region.min_radius_m", *min_radius_m)?;
         range("contact.region.axial_range_m", axial_range_m)?;
     }
@@ -103,12 +85,7 @@ fn check_contact(scene: &Scene) -> Checked {
     not_negative("contact.force_range_n[0]", contact.force_range_n[0])?;
     not_negative("contact.min_spacing_m", contact.min_spacing_m)?;
     let n = contact.max_contacts;
-    require(
-        (1..=4).contains(&n),
-        "contact.max_contacts",
-        "1 to 4",
-        n.to_string(),
-    )
+    require((1..=4).contains(&n), "contact.max_contacts", "1 to 4", n.to_string())
 }
 
 fn check_gauges(scene: &Scene) -> Checked {
@@ -116,21 +93,11 @@ fn check_gauges(scene: &Scene) -> Checked {
     positive("gauges.length_m", gauges.length_m)?;
     positive("gauges.width_m", gauges.width_m)?;
     let lost = gauges.max_lost_share;
-    require(
-        (0.0..1.0).contains(&lost),
-        "gauges.max_lost_share",
-        "in [0, 1)",
-        lost.to_string(),
-    )?;
+    require((0.0..1.0).contains(&lost), "gauges.max_lost_share", "in [0, 1)", lost.to_string())?;
     let n = gauges.patch_nodes;
     require(n >= 1, "gauges.patch_nodes", "at least 1", n.to_string())?;
     let n = gauges.sites.len();
-    require(
-        n >= 1,
-        "gauges.sites",
-        "at least one gauge",
-        format!("{n} gauges"),
-    )?;
+    require(n >= 1, "gauges.sites", "at least one gauge", format!("{n} gauges"))?;
     for (i, site) in gauges.sites.iter().enumerate() {
         finite(&format!("gauges.sites[{i}].position_m"), &site.position_m)?;
         direction(&format!("gauges.sites[{i}].axis"), &site.axis)?;
@@ -144,33 +111,18 @@ fn check_rig(scene: &Scene) -> Checked {
     for (name, variation) in [("stiffness", rig.stiffness), ("thickness", rig.thickness)] {
         let path = format!("rig.{name}.fraction");
         let fraction = variation.fraction;
-        require(
-            (0.0..0.5).contains(&fraction),
-            &path,
-            "in [0, 0.5)",
-            fraction.to_string(),
-        )?;
+        require((0.0..0.5).contains(&fraction), &path, "in [0, 0.5)", fraction.to_string())?;
         let path = format!("rig.{name}.correlation_length_m");
         positive(&path, variation.correlation_length_m)?;
     }
     positive("rig.max_wall_m", rig.max_wall_m)?;
     not_negative("rig.misplacement.shift_m", rig.misplacement.shift_m)?;
     let gain = rig.gain.fraction;
-    require(
-        (0.0..1.0).contains(&gain),
-        "rig.gain.fraction",
-        "in [0, 1)",
-        gain.to_string(),
-    )?;
+    require((0.0..1.0).contains(&gain), "rig.gain.fraction", "in [0, 1)", gain.to_string())?;
     not_negative("rig.electronics.noise_ue", rig.electronics.noise_ue)?;
     positive("rig.electronics.headroom", rig.electronics.headroom)?;
     let bits = rig.electronics.adc_bits;
-    require(
-        (4..=32).contains(&bits),
-        "rig.electronics.adc_bits",
-        "4 to 32",
-        bits.to_string(),
-    )?;
+    require((4..=32).contains(&bits), "rig.electronics.adc_bits", "4 to 32", bits.to_string())?;
     range("rig.presses.spacing_range_m", &rig.presses.spacing_range_m)?;
     not_negative("rig.presses.held_spread_n", rig.presses.held_spread_n)?;
     let least = rig.presses.held_force_n - rig.presses.held_spread_n;
@@ -190,70 +142,34 @@ fn check_rig_mesh(mesh: &RigMesh) -> Checked {
             "1 or 2: the rig needs a mesh other than the training side's",
             times.to_string(),
         ),
-        RigMesh::Deck { refinements, .. } => require(
-            *refinements <= 2,
-            "rig.mesh.refinements",
-            "0, 1 or 2",
-            refinements.to_string(),
-        ),
+        RigMesh::Deck { refinements, .. } => {
+            require(*refinements <= 2, "rig.mesh.refinements", "0, 1 or 2", refinements.to_string())
+        }
     }
 }
 
 fn positive(path: &str, value: f64) -> Checked {
-    require(
-        value > 0.0 && value.is_finite(),
-        path,
-        "a number above 0",
-        value.to_string(),
-    )
+    require(value > 0.0 && value.is_finite(), path, "a number above 0", value.to_string())
 }
 
 fn not_negative(path: &str, value: f64) -> Checked {
-    require(
-        value >= 0.0 && value.is_finite(),
-        path,
-        "a number of 0 or more",
-        value.to_string(),
-    )
+    require(value >= 0.0 && value.is_finite(), path, "a number of 0 or more", value.to_string())
 }
 
 fn range(path: &str, [low, high]: &[f64; 2]) -> Checked {
-    require(
-        low < high,
-        path,
-        "two numbers, the first below the second",
-        format!("[{low}, {high}]"),
-    )
+    require(low < high, path, "two numbers, the first below the second", format!("[{low}, {high}]"))
 }
 
 fn finite(path: &str, values: &[f64; 3]) -> Checked {
-    require(
-        values.iter().all(|v| v.is_finite()),
-        path,
-        "finite numbers",
-        format!("{values:?}"),
-    )
+    require(values.iter().all(|v| v.is_finite()), path, "finite numbers", format!("{values:?}"))
 }
 
 fn direction(path: &str, values: &[f64; 3]) -> Checked {
     finite(path, values)?;
     let length = values.iter().map(|v| v * v).sum::<f64>().sqrt();
-    require(
-        length > 1e-12,
-        path,
-        "a direction: a vector that is not 0",
-        format!("{values:?}"),
-    )
+    require(length > 1e-12, path, "a direction: a vector that is not 0", format!("{values:?}"))
 }
 
 fn require(holds: bool, path: &str, expected: &'static str, found: String) -> Checked {
-    if holds {
-        Ok(())
-    } else {
-        Err(Fault {
-            path: path.to_owned(),
-            expected,
-            found,
-        })
-    }
+    if holds { Ok(()) } else { Err(Fault { path: path.to_owned(), expected, found }) }
 }

@@ -56,10 +56,7 @@ pub struct SuperpositionSpec {
 impl Default for HapdefxSpec {
     /// The paper's 10 mm, and 5 µm.
     fn default() -> Self {
-        Self {
-            kmax_radius_m: 0.01,
-            floor_um: 5.0,
-        }
+        Self { kmax_radius_m: 0.01, floor_um: 5.0 }
     }
 }
 

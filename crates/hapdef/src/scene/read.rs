@@ -22,18 +22,11 @@ pub fn read_scene(path: &Path) -> Result<Scene, SceneError> {
         let source = error.into_inner();
         let file = file.clone();
         match source.classify() {
-            Category::Data => SceneError::Form {
-                file,
-                path: json_path,
-                source,
-            },
+            Category::Data => SceneError::Form { file, path: json_path, source },
             _ => SceneError::NoJson { file, source },
         }
     })?;
-    json.end().map_err(|source| SceneError::NoJson {
-        file: file.clone(),
-        source,
-    })?;
+    json.end().map_err(|source| SceneError::NoJson { file: file.clone(), source })?;
     check(&scene).map_err(|fault| SceneError::Value {
         file,
         path: fault.path,
@@ -45,34 +38,25 @@ pub fn read_scene(path: &Path) -> Result<Scene, SceneError> {
 
 /// The text of a file that may be a scene.
 fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Unreadable {
-        file: file.to_owned(),
-        source,
-    })?;
-    let not_a_scene = |(found, advice)| SceneError::NotAScene {
-        file: file.to_owned(),
-        found,
-        advice,
-    };
+    let bytes = std::fs::read(path)
+        .map_err(|source| SceneError::Unreadable { file: file.to_owned(), source })?;
+    let not_a_scene =
+        |(found, advice)| SceneError::NotAScene { file: file.to_owned(), found, advice };
     let ending = path.extension().and_then(|ending| ending.to_str());
     if let Some(known) = ending.and_then(other_kind) {
         return Err(not_a_scene(known));
     }
     String::from_utf8(bytes).map_err(|_| {
-        not_a_scene((
-            "other bytes",
-            "name the scene's .json, whose fields docs/scene.md lists",
-        ))
+        not_a_scene(("other bytes", "name the scene's .json, whose fields docs/scene.md lists"))
     })
 }
 
 /// What a file with this ending is, and what takes it.
 fn other_kind(ending: &str) -> Option<(&'static str, &'static str)> {
     match ending.to_ascii_lowercase().as_str() {
-        "glb" | "gltf" => Some((
-            "a surface",
-            "`hapdef shell` makes a limb of it, with a scene beside it",
-        )),
+        "glb" | "gltf" => {
+            Some(("a surface", "`hapdef shell` makes a limb of it, with a scene beside it"))
+        }
         "hapdef" => Some((
             "a bundle",
             "`hapdef live` and `hapdef doctor` take it, the others the scene it was made of",

@@ -54,9 +54,7 @@ pub fn gospa(
     let alone = cutoff_m.powf(p) / 2.0;
     let cost = |t: &ScoredContact| {
         let to = |d: &ScoredContact| distance(&d.0, &t.0);
-        let within = detected
-            .iter()
-            .map(|d| Some(to(d)).filter(|d| *d < cutoff_m));
+        let within = detected.iter().map(|d| Some(to(d)).filter(|d| *d < cutoff_m));
         within.map(|d| d.map(|d| d.powf(p))).collect()
     };
     let mut search = Search {
@@ -114,14 +112,8 @@ mod tests {
 
     use super::*;
 
-    const ONE: GospaParams = GospaParams {
-        cutoff_m: 0.02,
-        p: 1.0,
-    };
-    const TWO: GospaParams = GospaParams {
-        cutoff_m: 0.02,
-        p: 2.0,
-    };
+    const ONE: GospaParams = GospaParams { cutoff_m: 0.02, p: 1.0 };
+    const TWO: GospaParams = GospaParams { cutoff_m: 0.02, p: 2.0 };
 
     fn at(x: f64) -> ScoredContact {
         ([x, 0.0, 0.0], 1.0)
@@ -147,12 +139,7 @@ mod tests {
 
     #[test]
     fn knobs_out_of_range_are_refused() {
-        for (cutoff_m, p) in [
-            (0.0, 1.0),
-            (f64::NAN, 1.0),
-            (0.02, 0.5),
-            (0.02, f64::INFINITY),
-        ] {
+        for (cutoff_m, p) in [(0.0, 1.0), (f64::NAN, 1.0), (0.02, 0.5), (0.02, f64::INFINITY)] {
             let error = gospa(&[], &[], &GospaParams { cutoff_m, p }).unwrap_err();
             assert!(matches!(error, ScoringError::Gospa { .. }), "{error}");
         }

@@ -17,11 +17,7 @@ impl HoldParams {
     #[must_use]
     pub fn at_rate(rate_hz: f64) -> Self {
         let frames = |seconds: f64| (seconds * rate_hz).round().max(2.0) as usize;
-        Self {
-            settle_frames: frames(0.2),
-            hold_frames: frames(0.3),
-            steady: 0.02,
-        }
+        Self { settle_frames: frames(0.2), hold_frames: frames(0.3), steady: 0.02 }
     }
 }
 
@@ -67,9 +63,7 @@ impl Hold {
             for k in from..from + n {
                 let at = (oldest + k) % n_held * self.n_gauges;
                 let row = &self.ring[at..at + self.n_gauges];
-                sum.iter_mut()
-                    .zip(row)
-                    .for_each(|(s, r)| *s += r / n as f64);
+                sum.iter_mut().zip(row).for_each(|(s, r)| *s += r / n as f64);
             }
             sum
         };
@@ -92,11 +86,7 @@ mod tests {
     use super::*;
 
     fn params() -> HoldParams {
-        HoldParams {
-            settle_frames: 10,
-            hold_frames: 20,
-            steady: 0.02,
-        }
+        HoldParams { settle_frames: 10, hold_frames: 20, steady: 0.02 }
     }
 
     #[test]

@@ -85,13 +85,8 @@ impl Plan {
 
     fn fit(&mut self, presses: &[Press]) -> Result<(), HapdefError> {
         let modes = self.response.modes();
-        let fitted = Calibrated::fit(
-            &self.response.map,
-            &self.sites,
-            &modes,
-            presses,
-            &self.params,
-        )?;
+        let fitted =
+            Calibrated::fit(&self.response.map, &self.sites, &modes, presses, &self.params)?;
         self.relative_error = Some(fitted.info.relative_error);
         let next = fitted.info.next.iter().rev();
         self.ahead = next.map(|n| (n.point, Some(n.relative_sd))).collect();

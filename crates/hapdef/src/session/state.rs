@@ -158,11 +158,7 @@ impl SessionParams {
         let tare_frames = ConditionerParams::new(Vec::new(), 1.0).tare_frames as f64;
         let by_mean = 1.0 / self.hold.hold_frames as f64 + 1.0 / tare_frames;
         let noise = |gauge| {
-            let step = if self.is_coarse(gauge) {
-                self.step_ue(gauge)
-            } else {
-                0.0
-            };
+            let step = if self.is_coarse(gauge) { self.step_ue(gauge) } else { 0.0 };
             (self.quality.noise_ue.powi(2) * by_mean + step * step / 6.0).sqrt()
         };
         (0..n_gauges).map(noise).collect()
@@ -173,11 +169,7 @@ impl SessionParams {
     }
 
     fn conditioning(&self, n_gauges: usize) -> ConditionerParams {
-        let sd = |gauge| {
-            self.quality
-                .noise_ue
-                .hypot(self.step_ue(gauge) / 12f64.sqrt())
-        };
+        let sd = |gauge| self.quality.noise_ue.hypot(self.step_ue(gauge) / 12f64.sqrt());
         let sds: Vec<f64> = (0..n_gauges).map(sd).collect();
         ConditionerParams {
             coarse: (0..n_gauges).map(|gauge| self.is_coarse(gauge)).collect(),
@@ -237,8 +229,7 @@ impl CalibrationSession {
             self.n_before_tare -= 1;
             return Ok(None);
         }
-        self.conditioner
-            .step_into(raw_ue, None, &mut self.conditioned)?;
+        self.conditioner.step_into(raw_ue, None, &mut self.conditioned)?;
         let is_touched = self.conditioned.phase == TouchPhase::Touched;
         match self.phase {
             Phase::Done => Ok(None),
@@ -318,14 +309,7 @@ impl CalibrationSession {
             ..self.params.quality
         };
         let response = self.plan.response();
-        Calibration::of_response(
-            run,
-            limb,
-            response,
-            &self.presses,
-            &quality,
-            CALIBRATION_SITES,
-        )
+        Calibration::of_response(run, limb, response, &self.presses, &quality, CALIBRATION_SITES)
     }
 
     /// Asks for the next press, or for the last one again.
@@ -360,19 +344,11 @@ impl CalibrationSession {
         }
         let readings = self.hold.take(&self.conditioned.readings)?;
         let (asked, point) = self.asked.take()?;
-        let press = Press {
-            point,
-            force_n: asked.force_n,
-            readings,
-        };
+        let press = Press { point, force_n: asked.force_n, readings };
         let residual = self.plan.residual(&press);
         self.presses.push(press);
         self.phase = Phase::LettingGo { n_quiet: 0 };
-        Some(SessionEvent::Held(HeldPress {
-            asked,
-            residual,
-            progress: self.progress(),
-        }))
+        Some(SessionEvent::Held(HeldPress { asked, residual, progress: self.progress() }))
     }
 
     fn let_go(

@@ -37,8 +37,6 @@ pub fn write_press_table(path: &Path, presses: &[PressRow]) -> Result<(), Hapdef
         }
         text.push('\n');
     }
-    atomic_write(path, |file| {
-        std::io::Write::write_all(file, text.as_bytes())
-    })
-    .map_err(HapdefError::file(path))
+    atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))
+        .map_err(HapdefError::file(path))
 }

@@ -215,10 +215,7 @@ mod tests {
 
     fn answered(readings: f64, tip: f64) -> Answered {
         let differences = |solid: f64| Differences::of(&[vec![1.0 + solid]], &[vec![1.0]]);
-        Answered {
-            readings: differences(readings),
-            tip: differences(tip),
-        }
+        Answered { readings: differences(readings), tip: differences(tip) }
     }
 
     #[track_caller]
@@ -238,11 +235,7 @@ mod tests {
 
     #[test]
     fn a_coarse_solid_is_no_judge() {
-        check(
-            (0.05, 0.05),
-            Some((0.02, 0.3)),
-            ShellVerdict::SolidTooCoarse,
-        );
+        check((0.05, 0.05), Some((0.02, 0.3)), ShellVerdict::SolidTooCoarse);
     }
 
     #[test]

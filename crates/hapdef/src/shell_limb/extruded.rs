@@ -41,10 +41,7 @@ impl ShellLimb {
         let nodes = self.mesh.nodes().iter().enumerate();
         let places = nodes.map(|(v, middle)| [outside(v), *middle]).collect();
         let is_small = GROWTH * extrusion.mesh.nodes().len() <= MAX_FE_NODES;
-        let halvings = self
-            .params
-            .n_solid_halvings
-            .unwrap_or(usize::from(is_small));
+        let halvings = self.params.n_solid_halvings.unwrap_or(usize::from(is_small));
         let walls = self.walls(&extrusion, halvings)?;
         let carried: Vec<usize> = (0..self.gauges.len())
             .filter(|&g| walls.iter().all(|wall| wall.gauges[g].is_some()))
@@ -128,9 +125,7 @@ impl Wall {
 fn level_faces(wall: &Extrusion, level: usize) -> Vec<Tri6Face> {
     let is_level = |node: &FeNodeId| node.index() % (wall.n_layers + 1) == level;
     let faces = wall.mesh.boundary().faces.into_iter();
-    faces
-        .filter(|face| face.nodes[..3].iter().all(is_level))
-        .collect()
+    faces.filter(|face| face.nodes[..3].iter().all(is_level)).collect()
 }
 
 /// All nodes of the columns under clamped vertices: corners, and middles between them.

@@ -83,15 +83,10 @@ impl Tables<'_> {
 
     pub fn gauges(&self) -> Vec<GaugeDifference> {
         let gauge = |(g, site): (usize, &Point3<f64>)| {
-            let [solid, shell] = self
-                .readings
-                .map(|rows| rows.iter().map(|row| row[g]).collect::<Vec<f64>>());
+            let [solid, shell] =
+                self.readings.map(|rows| rows.iter().map(|row| row[g]).collect::<Vec<f64>>());
             let stronger = |a: usize, b: usize| {
-                if solid[b].abs() > solid[a].abs() {
-                    b
-                } else {
-                    a
-                }
+                if solid[b].abs() > solid[a].abs() { b } else { a }
             };
             let strongest = (0..solid.len()).fold(0, stronger);
             GaugeDifference {
@@ -108,11 +103,7 @@ impl Tables<'_> {
     /// At each of `points` the readings' difference at the nearest place.
     pub fn nearest_difference(&self, points: &[Point3<f64>]) -> Vec<f64> {
         let index = PointIndex::new(&self.places);
-        let value = |point| {
-            index
-                .nearest(point)
-                .map_or(0.0, |(i, _)| self.difference(i))
-        };
+        let value = |point| index.nearest(point).map_or(0.0, |(i, _)| self.difference(i));
         points.iter().map(value).collect()
     }
 }
@@ -132,10 +123,7 @@ impl ShellMaps {
                 value(&|i| relative(&shell[i], &solid[i])),
             ]
         };
-        Self {
-            tip: at(tables.tips),
-            readings: at(tables.readings),
-        }
+        Self { tip: at(tables.tips), readings: at(tables.readings) }
     }
 
     /// The shares of the area where the differences are more than is good, a third of each
@@ -144,23 +132,17 @@ impl ShellMaps {
         let mut area_m2 = vec![0.0; skin.vertices().len()];
         for (triangle, corners) in skin.triangles().iter().enumerate() {
             let third_m2 = skin.area_normal_m2(triangle).norm() / 3.0;
-            corners
-                .iter()
-                .for_each(|&v| area_m2[v as usize] += third_m2);
+            corners.iter().for_each(|&v| area_m2[v as usize] += third_m2);
         }
         let share = |differences: &[f64]| {
             let of = |wanted: &dyn Fn(f64) -> bool| -> f64 {
                 let rows = differences.iter().zip(&area_m2);
-                rows.filter(|(d, _)| wanted(**d))
-                    .fold(0.0, |sum, (_, a)| sum + a)
+                rows.filter(|(d, _)| wanted(**d)).fold(0.0, |sum, (_, a)| sum + a)
             };
             let compared_m2 = of(&|d| !d.is_nan());
             of(&|d| d > GOOD_DIFFERENCE) / compared_m2.max(f64::MIN_POSITIVE)
         };
-        AboveGood {
-            tip_share: share(&self.tip[2]),
-            readings_share: share(&self.readings[2]),
-        }
+        AboveGood { tip_share: share(&self.tip[2]), readings_share: share(&self.readings[2]) }
     }
 }
 
@@ -201,9 +183,7 @@ mod tests {
     /// Three places one apart; the strip's far end is out of reach.
     fn check(shell: [f64; 3], expected_share: f64) -> ShellMaps {
         let skin = strip(8);
-        let places: Vec<_> = (0..3)
-            .map(|i| Point3::new(f64::from(i), 0.5, 0.0))
-            .collect();
+        let places: Vec<_> = (0..3).map(|i| Point3::new(f64::from(i), 0.5, 0.0)).collect();
         let (solid, shell) = (column(&[1.0, 2.0, 4.0]), column(&shell));
         let tables = Tables {
             sites: &places[..1],
@@ -213,10 +193,7 @@ mod tests {
         };
         let maps = ShellMaps::new(&skin, &tables);
         let found = maps.above_good(&skin);
-        assert!(
-            (found.tip_share - expected_share).abs() < 1e-12,
-            "{found:?}"
-        );
+        assert!((found.tip_share - expected_share).abs() < 1e-12, "{found:?}");
         assert_eq!(found.tip_share, found.readings_share);
         let gauge = tables.gauges()[0];
         assert_eq!(gauge.solid_ue_per_n, 4.0);

@@ -30,11 +30,7 @@ impl ShellLimb {
         std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
         let paint = |file: &str, mesh: &SurfaceMesh, name: &str, values: &[f64]| {
             let range = None;
-            let field = VertexField {
-                name,
-                values,
-                range,
-            };
+            let field = VertexField { name, values, range };
             write_glb(&folder.join(file), mesh, Some(&field))
         };
         let best = self.best_ue_per_n();
@@ -83,11 +79,7 @@ pub fn write_measured_wall(
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(HapdefError::file(folder))?;
     }
-    let field = VertexField {
-        name: "wall_thickness_m",
-        values: &found.thickness_m,
-        range: None,
-    };
+    let field = VertexField { name: "wall_thickness_m", values: &found.thickness_m, range: None };
     write_glb(path, &found.skin, Some(&field))?;
     Ok(true)
 }

@@ -76,11 +76,7 @@ impl ShellLimbParams {
             wall,
             side: SkinSide::Outer,
             edge_m: None,
-            mount: MountChoice {
-                axis: None,
-                end: MountEnd::Low,
-                length_m: None,
-            },
+            mount: MountChoice { axis: None, end: MountEnd::Low, length_m: None },
             n_gauges: 10,
             gauge_size_m: [8e-3, 5e-3],
             material,

@@ -79,21 +79,15 @@ impl ShellLimb {
     ) -> Result<ShellComparison, HapdefError> {
         let started = Instant::now();
         let touches = self.touches(comparison)?;
-        let (response, _) = self
-            .elastic_model
-            .shell_gauge_response(&comparison.gauges)?;
+        let (response, _) = self.elastic_model.shell_gauge_response(&comparison.gauges)?;
         let mut on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
-        let on_solids = comparison
-            .solids
-            .iter()
-            .map(|solid| self.solid_answers(solid, comparison, &touches));
+        let on_solids =
+            comparison.solids.iter().map(|solid| self.solid_answers(solid, comparison, &touches));
         let mut on_solids: Vec<Answers> = on_solids.collect::<Result<_, _>>()?;
         let everyone = || on_solids.iter().chain([&on_shell]);
         let n_presses = everyone().map(|a| a.tips.len()).min().unwrap_or(0);
         on_shell.tips.truncate(n_presses);
-        on_solids
-            .iter_mut()
-            .for_each(|a| a.tips.truncate(n_presses));
+        on_solids.iter_mut().for_each(|a| a.tips.truncate(n_presses));
         let (Some(solid), Some(truth)) = (comparison.solids.last(), on_solids.last()) else {
             return Err(HapdefError::NothingToPress { n_places: 0 });
         };
@@ -143,26 +137,17 @@ impl ShellLimb {
             let centre = &comparison.places[i][1];
             let nearest = held.nearest(centre);
             let is_free = nearest.is_none_or(|(_, d)| d > 2.0 * self.params.tip_radius_m);
-            let load = if is_free {
-                self.shell_load(centre, &comparison.directions[i])?
-            } else {
-                None
-            };
+            let load =
+                if is_free { self.shell_load(centre, &comparison.directions[i])? } else { None };
             n_left_out += usize::from(load.is_none());
             let is_taken = load.is_some();
             shell_loads.extend(load);
             Ok(is_taken)
         })?;
         if places.is_empty() {
-            return Err(HapdefError::NothingToPress {
-                n_places: all.len(),
-            });
+            return Err(HapdefError::NothingToPress { n_places: all.len() });
         }
-        Ok(Touches {
-            places,
-            shell_loads,
-            n_left_out,
-        })
+        Ok(Touches { places, shell_loads, n_left_out })
     }
 
     /// The tip's load on the shell, if the whole tip is on it.

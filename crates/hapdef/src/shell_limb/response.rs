@@ -128,11 +128,7 @@ impl ShellLimb {
     fn gauge_info(&self, gauge: usize) -> GaugeInfo {
         let reading = |node| self.reading(gauge, node);
         let stronger = |a: usize, b: usize| {
-            if reading(b).abs() > reading(a).abs() {
-                b
-            } else {
-                a
-            }
+            if reading(b).abs() > reading(a).abs() { b } else { a }
         };
         let strongest = (0..self.normals.len()).fold(0, stronger);
         GaugeInfo {

@@ -29,11 +29,7 @@ pub(super) fn place_gauges(
     let mut avoid = rim_nodes(shell);
     avoid.extend(clamped.iter().map(|node| node.index()));
     let candidates = clear_of(shell.nodes(), &avoid, keep_off_m);
-    let mut placed = PlacedGauges {
-        sites: Vec::new(),
-        gauges: Vec::new(),
-        n_passed_over: 0,
-    };
+    let mut placed = PlacedGauges { sites: Vec::new(), gauges: Vec::new(), n_passed_over: 0 };
     spread(shell.nodes(), &candidates, params.n_gauges, |node| {
         let depth_m = 0.5 * shell.thickness_m()[node];
         let site = GaugeSite {
@@ -70,14 +66,7 @@ pub(super) fn gauge_at(
 ) -> Result<Option<ShellGaugeStrain>, HapdefError> {
     let (kind, material) = (params.kind, &params.material);
     let gauge_params = GaugeParams::default();
-    on_wall(ShellGaugeStrain::new(
-        shell,
-        kind,
-        material,
-        site,
-        -depth_m,
-        &gauge_params,
-    ))
+    on_wall(ShellGaugeStrain::new(shell, kind, material, site, -depth_m, &gauge_params))
 }
 
 /// Nothing instead of an error that says a gauge doesn't lie on the wall.
@@ -105,10 +94,7 @@ pub(super) fn spread(
     let n_all = candidates.len() as f64;
     let mean: Vector3<f64> = candidates.iter().map(|&c| points[c].coords / n_all).sum();
     let distances = |from: &Point3<f64>| -> Vec<f64> {
-        candidates
-            .iter()
-            .map(|&c| (points[c] - from).norm())
-            .collect()
+        candidates.iter().map(|&c| (points[c] - from).norm()).collect()
     };
     let mut nearest_m = distances(&Point3::from(mean));
     let mut is_open = vec![true; candidates.len()];
@@ -154,9 +140,7 @@ pub(super) fn rim_nodes(shell: &ShellMesh) -> Vec<usize> {
     });
     let mut sides: Vec<[usize; 2]> = sides.collect();
     sides.sort_unstable();
-    let single = sides
-        .chunk_by(|a, b| a == b)
-        .filter(|group| group.len() == 1);
+    let single = sides.chunk_by(|a, b| a == b).filter(|group| group.len() == 1);
     let mut nodes: Vec<usize> = single.flat_map(|group| group[0]).collect();
     nodes.sort_unstable();
     nodes.dedup();

@@ -12,10 +12,7 @@ pub(super) struct Stopwatch {
 
 impl Stopwatch {
     pub fn new() -> Self {
-        Self {
-            started: Instant::now(),
-            stages: Vec::new(),
-        }
+        Self { started: Instant::now(), stages: Vec::new() }
     }
 
     /// The time since the last lap is that of `stage`.

@@ -73,10 +73,7 @@ mod tests {
 
     #[test]
     fn a_fifth_of_the_radius_is_the_limit() {
-        let of = |thickness_m| ThinWall {
-            thickness_m,
-            radius_m: 0.025,
-        };
+        let of = |thickness_m| ThinWall { thickness_m, radius_m: 0.025 };
         assert_eq!(of(1e-3).recommendation(), None);
         assert_eq!(of(4.9e-3).recommendation(), None);
         let text = of(8e-3).recommendation().unwrap();

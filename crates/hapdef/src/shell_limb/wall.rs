@@ -65,12 +65,7 @@ impl Wall {
             thickness_quantiles_m: quartiles(made.shell.thickness_m().iter().copied()),
             wall_volume_m3: made.shell.volume_m3(),
         };
-        Ok(Self {
-            skin: made.skin,
-            side: source.side,
-            shell: made.shell,
-            info,
-        })
+        Ok(Self { skin: made.skin, side: source.side, shell: made.shell, info })
     }
 }
 
@@ -98,12 +93,7 @@ impl Source {
                 (Some(found), SkinSide::Outer, 0.0)
             }
         };
-        Ok(Self {
-            cleaned,
-            found,
-            side,
-            constant_m,
-        })
+        Ok(Self { cleaned, found, side, constant_m })
     }
 
     /// The skin and shell with the edge length asked for; where none is, with the default one,
@@ -123,10 +113,7 @@ impl Source {
                 }
                 Err(MeshError::Surface(
                     cause @ (SurfaceFault::OffsetFolds { .. } | SurfaceFault::RemeshStrays { .. }),
-                )) => refused.push(EdgeRefused {
-                    edge_m,
-                    cause: cause.to_string(),
-                }),
+                )) => refused.push(EdgeRefused { edge_m, cause: cause.to_string() }),
                 Err(error) => return Err(error.into()),
             }
             edge_m *= 0.5;

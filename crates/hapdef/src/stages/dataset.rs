@@ -73,16 +73,8 @@ pub fn datasets(
         .map(|n_contacts| maker.make(DatasetKind::Simulated { n_contacts }))
         .collect::<Result<_, _>>()?;
     let rig_single = maker.make(DatasetKind::RigSingle)?;
-    let rig_double = if n_sets >= 2 {
-        Some(maker.make(DatasetKind::RigDouble)?)
-    } else {
-        None
-    };
-    Ok(Datasets {
-        simulated,
-        rig_single,
-        rig_double,
-    })
+    let rig_double = if n_sets >= 2 { Some(maker.make(DatasetKind::RigDouble)?) } else { None };
+    Ok(Datasets { simulated, rig_single, rig_double })
 }
 
 /// Makes datasets; the compliance table is read when the first is not cached.
@@ -98,25 +90,14 @@ struct Maker<'a> {
 impl<'a> Maker<'a> {
     fn new(run: &'a Run, limb: &'a Limb, compliance: &'a Stage, rig: &'a Stage) -> Self {
         let points = limb.surface_points();
-        Self {
-            run,
-            limb,
-            compliance,
-            rig,
-            points,
-            table: std::cell::OnceCell::new(),
-        }
+        Self { run, limb, compliance, rig, points, table: std::cell::OnceCell::new() }
     }
 
     fn make(&self, kind: DatasetKind) -> Result<Stage, HapdefError> {
         let inputs = self.inputs(kind);
         self.run.cache.stage("dataset", &inputs, |dir| {
             let contacts = self.contacts(kind)?;
-            self.run.say(&format!(
-                "writing {} samples: {}",
-                contacts.len(),
-                title(kind)
-            ));
+            self.run.say(&format!("writing {} samples: {}", contacts.len(), title(kind)));
             let mut electronics = self.electronics(kind)?;
             let path = dir.join(DATASET_FILE);
             let specs = self.tensors(kind, contacts[0].len());
@@ -152,11 +133,7 @@ impl<'a> Maker<'a> {
         let [low, high] = scene.contact.force_range_n;
         match kind {
             DatasetKind::Simulated { n_contacts } => {
-                let n = if n_contacts == 1 {
-                    profile.n_single
-                } else {
-                    profile.n_multi
-                };
+                let n = if n_contacts == 1 { profile.n_single } else { profile.n_multi };
                 draw_contacts(&self.points, &scene.contact, n_contacts, n, scene.seed)
             }
             DatasetKind::RigSingle => {
@@ -166,10 +143,7 @@ impl<'a> Maker<'a> {
                     seed: presses.single_seed,
                 };
                 let presses = single_presses(self.points.len(), &params);
-                Ok(presses
-                    .into_iter()
-                    .map(|press| vec![drawn(press)])
-                    .collect())
+                Ok(presses.into_iter().map(|press| vec![drawn(press)]).collect())
             }
             DatasetKind::RigDouble => {
                 let params = DoublePressParams {
@@ -182,10 +156,7 @@ impl<'a> Maker<'a> {
                     seed: presses.double_seed,
                 };
                 let presses = double_presses(&self.points, &params)?;
-                Ok(presses
-                    .into_iter()
-                    .map(|pair| pair.map(drawn).to_vec())
-                    .collect())
+                Ok(presses.into_iter().map(|pair| pair.map(drawn).to_vec()).collect())
             }
         }
     }
@@ -230,9 +201,8 @@ impl<'a> Maker<'a> {
         block: &[Vec<DrawnContact>],
     ) -> Result<(), HapdefError> {
         let all = || block.iter().flatten();
-        let positions: Vec<f32> = all()
-            .flat_map(|c| self.points[c.node].coords.iter().map(|x| *x as f32))
-            .collect();
+        let positions: Vec<f32> =
+            all().flat_map(|c| self.points[c.node].coords.iter().map(|x| *x as f32)).collect();
         let forces: Vec<f32> = all().map(|c| c.force_n as f32).collect();
         let nodes: Vec<i32> = all().map(|c| c.node as i32).collect();
         writer.append("contact_positions", &positions)?;
@@ -308,10 +278,7 @@ impl<'a> Maker<'a> {
 }
 
 fn drawn(press: Press) -> DrawnContact {
-    DrawnContact {
-        node: press.site,
-        force_n: press.force_n,
-    }
+    DrawnContact { node: press.site, force_n: press.force_n }
 }
 
 fn title(kind: DatasetKind) -> String {

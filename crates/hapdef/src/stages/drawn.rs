@@ -39,14 +39,7 @@ impl<'a> DrawnSamples<'a> {
         seed: u64,
         n_pass: usize,
     ) -> Self {
-        Self {
-            table,
-            points,
-            contact,
-            n_sets: n_sets.clamp(1, MAX_CONTACTS),
-            seed,
-            n_pass,
-        }
+        Self { table, points, contact, n_sets: n_sets.clamp(1, MAX_CONTACTS), seed, n_pass }
     }
 
     /// Contacts of sample `number`, written to the front of `sample`; returns how many they are.
@@ -161,9 +154,7 @@ mod tests {
         let ((points, table), mut contact) = (limb(), contact());
         contact.min_spacing_m = 1.0;
         let mut source = DrawnSamples::new(&table, &points, &contact, 2, 5, 10);
-        let error = source
-            .fill(&[1], &mut [0.0; 7], &mut [0.0; 40])
-            .unwrap_err();
+        let error = source.fill(&[1], &mut [0.0; 7], &mut [0.0; 40]).unwrap_err();
         assert!(error.to_string().contains('2'), "{error}");
     }
 }

@@ -116,10 +116,7 @@ pub fn eval(
 }
 
 fn stale(error: &serde_json::Error) -> HapdefError {
-    HapdefError::Stale {
-        path: "eval".into(),
-        what: error.to_string(),
-    }
+    HapdefError::Stale { path: "eval".into(), what: error.to_string() }
 }
 
 /// The paper's chain from the trained nets, F_R trained on all sets of `data`.
@@ -132,16 +129,10 @@ pub fn trained_chain(
     data: &Datasets,
     nets: &TrainedNets,
 ) -> Result<Hapdefx, HapdefError> {
-    let points = limb
-        .surface_points()
-        .iter()
-        .map(|p| p.coords.into())
-        .collect();
+    let points = limb.surface_points().iter().map(|p| p.coords.into()).collect();
     let nets = ChainNets {
         transfer: nets.load(NetKind::Transfer)?,
-        reconstruction: nets.load(NetKind::Reconstruction {
-            n_sets: data.simulated.len(),
-        })?,
+        reconstruction: nets.load(NetKind::Reconstruction { n_sets: data.simulated.len() })?,
         sensitivity: nets.load(NetKind::Sensitivity)?,
     };
     hapdefx(nets, points, &run.scene.estimator.hapdefx())
@@ -164,10 +155,7 @@ fn single_scores(
         direct.forward(&frame.readings, &mut scratch, &mut out)?;
         let [x, y, z, force] = out.map(f64::from);
         direct_pairs.extend(score_lenient(&[([x, y, z], force)], &frame.truth)?);
-        chain_pairs.extend(score_lenient(
-            &scored(&chain.top(&frame.found, 1)),
-            &frame.truth,
-        )?);
+        chain_pairs.extend(score_lenient(&scored(&chain.top(&frame.found, 1)), &frame.truth)?);
     }
     Ok(SingleScores {
         direct: ContactStats::of(&direct_pairs, frames.len()),
@@ -184,10 +172,7 @@ fn double_scores(run: &Run, chain: &Hapdefx, stage: &Stage) -> Result<DoubleScor
     let (mut lenient, mut spread, mut strict) = (vec![], vec![], vec![]);
     let mut varied = Vec::with_capacity(frames.len());
     for frame in &frames {
-        lenient.extend(score_lenient(
-            &scored(&chain.top(&frame.found, 2)),
-            &frame.truth,
-        )?);
+        lenient.extend(score_lenient(&scored(&chain.top(&frame.found, 2)), &frame.truth)?);
         let chosen = scored(&chain.top_with_spread(&frame.found, 2)?);
         spread.extend(score_lenient(&chosen, &frame.truth)?);
         let matched = score_one_to_one(&chosen, &frame.truth)?.pairs;
@@ -197,10 +182,7 @@ fn double_scores(run: &Run, chain: &Hapdefx, stage: &Stage) -> Result<DoubleScor
     }
     let n_contacts = 2 * frames.len();
     let n_with = |count: &dyn Fn(usize) -> bool| {
-        frames
-            .iter()
-            .filter(|frame| count(frame.found.len()))
-            .count()
+        frames.iter().filter(|frame| count(frame.found.len())).count()
     };
     Ok(DoubleScores {
         lenient: ContactStats::of(&lenient, n_contacts),
@@ -230,14 +212,10 @@ fn run_chain(
     let mut error = MapErrorSum::new(reader.width("deformation")?);
     let starts: Vec<usize> = rows.clone().step_by(BLOCK).collect();
     for wave in starts.chunks(2 * rayon::current_num_threads().max(1)) {
-        let blocks = wave
-            .iter()
-            .map(|&start| read_block(reader, start..(start + BLOCK).min(rows.end)));
+        let blocks =
+            wave.iter().map(|&start| read_block(reader, start..(start + BLOCK).min(rows.end)));
         let blocks: Vec<Block> = blocks.collect::<Result<_, _>>()?;
-        let done: Vec<_> = blocks
-            .into_par_iter()
-            .map(|block| solve(chain, block))
-            .collect();
+        let done: Vec<_> = blocks.into_par_iter().map(|block| solve(chain, block)).collect();
         for solved in done {
             let (block, map, found) = solved?;
             error.add(&block.map, &map);
@@ -265,11 +243,7 @@ impl Block {
                 ([p[0], p[1], p[2]].map(f64::from), f64::from(self.forces[c]))
             });
             let readings = self.readings[i * n_gauges..(i + 1) * n_gauges].to_vec();
-            Frame {
-                readings,
-                truth: truth.collect(),
-                found,
-            }
+            Frame { readings, truth: truth.collect(), found }
         };
         found.into_iter().enumerate().map(frame).collect()
     }
@@ -298,9 +272,7 @@ fn solve(chain: &Hapdefx, block: Block) -> Result<Solved, HapdefError> {
     let mut map = vec![0.0; block.map.len()];
     chain.maps(&block.readings, &mut scratch, &mut map)?;
     let rows = map.chunks_exact(map.len() / block.n);
-    let found = rows
-        .map(|row| chain.candidates(row, &mut scratch))
-        .collect::<Result<_, _>>()?;
+    let found = rows.map(|row| chain.candidates(row, &mut scratch)).collect::<Result<_, _>>()?;
     Ok((block, map, found))
 }
 
@@ -314,11 +286,7 @@ fn bins(varied: &[(f64, Option<ContactPair>)], strongest_n: f64) -> Vec<ForceBin
     let width = strongest_n / N_BINS as f64;
     let bin_of = |force_n: f64| ((force_n / width) as usize).min(N_BINS - 1);
     let bin = |i: usize| {
-        let inside = || {
-            varied
-                .iter()
-                .filter(move |(force_n, _)| bin_of(*force_n) == i)
-        };
+        let inside = || varied.iter().filter(move |(force_n, _)| bin_of(*force_n) == i);
         let found: Vec<&ContactPair> = inside().filter_map(|(_, pair)| pair.as_ref()).collect();
         let mean = |value: &dyn Fn(&ContactPair) -> f64| {
             found.iter().map(|pair| value(pair)).sum::<f64>() / found.len() as f64

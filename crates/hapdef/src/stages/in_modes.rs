@@ -35,10 +35,7 @@ pub fn train_in_modes<E: From<HapdefError>>(
     let modes =
         OutputModes::of_samples(samples, &rows, &output, rank).map_err(HapdefError::from)?;
     let folder = dir.join(COORDINATES);
-    let file_error = |source| HapdefError::File {
-        path: folder.clone(),
-        source,
-    };
+    let file_error = |source| HapdefError::File { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(file_error)?;
     let checkpoint = folder.join(CHECKPOINT_FILE);
     let scales = [input, Scale::identity(rank)];

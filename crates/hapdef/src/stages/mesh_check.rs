@@ -31,10 +31,7 @@ pub fn mesh_check(
     let stage = run.cache.stage("mesh-check", &inputs, |_| {
         run.check_stop("the mesh check")?;
         let tip_radius_m = run.scene.contact.tip_radius_m;
-        let params = ConvergenceParams {
-            n_threads: run.threads,
-            ..*params
-        };
+        let params = ConvergenceParams { n_threads: run.threads, ..*params };
         let study = convergence(limb, tip_radius_m, &params, &|text| run.say(text))?;
         serde_json::to_value(study).map_err(|error| stale(&error))
     })?;
@@ -43,8 +40,5 @@ pub fn mesh_check(
 }
 
 fn stale(error: &serde_json::Error) -> HapdefError {
-    HapdefError::Stale {
-        path: "mesh-check".into(),
-        what: error.to_string(),
-    }
+    HapdefError::Stale { path: "mesh-check".into(), what: error.to_string() }
 }

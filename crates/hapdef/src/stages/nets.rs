@@ -107,10 +107,7 @@ pub fn fit_scales(
     let mut fits = [StandardiserFit::new(n_in), StandardiserFit::new(n_out)];
     let rows: Vec<usize> = (0..samples.n_samples()).collect();
     for block in rows.chunks(BLOCK) {
-        let (mut x, mut y) = (
-            vec![0.0; block.len() * n_in],
-            vec![0.0; block.len() * n_out],
-        );
+        let (mut x, mut y) = (vec![0.0; block.len() * n_in], vec![0.0; block.len() * n_out]);
         samples.fill(block, &mut x, &mut y).map_err(source_error)?;
         fits[0].push(&x)?;
         fits[1].push(&y)?;
@@ -155,11 +152,7 @@ impl StreamedRows {
             let rows = block(Split::of(reader.n())?);
             parts.push((reader, rows));
         }
-        Ok(Self {
-            parts,
-            columns,
-            widths,
-        })
+        Ok(Self { parts, columns, widths })
     }
 
     fn locate(&self, row: usize) -> Option<(usize, usize)> {
@@ -191,9 +184,7 @@ impl BatchSource for StreamedRows {
         let [n_in, n_out] = self.widths;
         let targets = x.chunks_exact_mut(n_in).zip(y.chunks_exact_mut(n_out));
         for (&row, (x, y)) in rows.iter().zip(targets) {
-            let (part, row) = self
-                .locate(row)
-                .ok_or("a row past the end of the samples")?;
+            let (part, row) = self.locate(row).ok_or("a row past the end of the samples")?;
             let reader = &mut self.parts[part].0;
             reader.read_rows(self.columns[0], row..row + 1, x)?;
             reader.read_rows(self.columns[1], row..row + 1, y)?;
@@ -245,9 +236,6 @@ fn direct_rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows, H
     reader.read_rows("readings", rows.clone(), &mut readings)?;
     reader.read_rows("contact_positions", rows.clone(), &mut positions)?;
     reader.read_rows("contact_forces", rows, &mut forces)?;
-    let targets = positions
-        .chunks_exact(3)
-        .zip(&forces)
-        .flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
+    let targets = positions.chunks_exact(3).zip(&forces).flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
     Ok((readings, n_gauges, targets.collect(), 4))
 }

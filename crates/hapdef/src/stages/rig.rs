@@ -33,11 +33,7 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
         run.check_stop("the rig")?;
         run.say("solving the simulated real limb on its own, perturbed mesh");
         let real = real_limb(run, limb, &limb.sites)?;
-        write_response(
-            &dir.join(RESPONSE_FILE),
-            &unit_responses(limb, &real)?,
-            limb,
-        )?;
+        write_response(&dir.join(RESPONSE_FILE), &unit_responses(limb, &real)?, limb)?;
         let info = real.info();
         Ok(json!({
             "simulated": true,
@@ -70,11 +66,7 @@ pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLim
         skin: own.as_ref().map_or(&limb.skin, |own| &own.skin),
         tip_radius_m: run.scene.contact.tip_radius_m,
     };
-    Ok(RealLimb::build(
-        &nominal,
-        &rig_params(&run.scene.rig),
-        run.threads,
-    )?)
+    Ok(RealLimb::build(&nominal, &rig_params(&run.scene.rig), run.threads)?)
 }
 
 /// The rig's own mesh, not refined, with mount and skin; none where it is the limb's refined.
@@ -86,9 +78,7 @@ pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
     let Some(path) = rig_deck(run) else {
         return Ok(None);
     };
-    Solid::load(&run.scene, &path, 0)
-        .map(Some)
-        .map_err(of_rig(&path))
+    Solid::load(&run.scene, &path, 0).map(Some).map_err(of_rig(&path))
 }
 
 /// FE nodes and elements of the rig's own mesh, on which mount, contact region and gauges have been
@@ -121,15 +111,10 @@ fn rig_deck(run: &Run) -> Option<PathBuf> {
 fn of_rig(path: &Path) -> impl Fn(HapdefError) -> HapdefError {
     let path = path.to_path_buf();
     move |error| match error {
-        HapdefError::NoDeck { path, source, .. } => HapdefError::NoDeck {
-            field: "rig.mesh.solid_deck",
-            path,
-            source,
-        },
-        other => HapdefError::RigDeck {
-            path: path.clone(),
-            source: Box::new(other),
-        },
+        HapdefError::NoDeck { path, source, .. } => {
+            HapdefError::NoDeck { field: "rig.mesh.solid_deck", path, source }
+        }
+        other => HapdefError::RigDeck { path: path.clone(), source: Box::new(other) },
     }
 }
 
@@ -160,11 +145,7 @@ fn unit_responses(limb: &Limb, real: &RealLimb) -> Result<Vec<f32>, HapdefError>
         .zip(&limb.directions)
         .map(|(point, direction)| real.response_ue_per_n(point, direction))
         .collect();
-    Ok(rows?
-        .into_iter()
-        .flatten()
-        .map(|strain| strain as f32)
-        .collect())
+    Ok(rows?.into_iter().flatten().map(|strain| strain as f32).collect())
 }
 
 fn write_response(path: &Path, rows: &[f32], limb: &Limb) -> Result<(), HapdefError> {
@@ -210,9 +191,6 @@ fn rig_params(rig: &RigSpec) -> RigParams {
             turn_rad: rig.misplacement.turn_deg.to_radians(),
             seed: rig.misplacement.seed,
         },
-        gain: GainParams {
-            fraction: rig.gain.fraction,
-            seed: rig.gain.seed,
-        },
+        gain: GainParams { fraction: rig.gain.fraction, seed: rig.gain.seed },
     }
 }

@@ -36,11 +36,7 @@ impl RigChannels {
             })
             .collect();
         let electronics = Electronics::new(params, &largest)?;
-        Ok(Self {
-            response_ue_per_n,
-            n_gauges,
-            electronics,
-        })
+        Ok(Self { response_ue_per_n, n_gauges, electronics })
     }
 
     /// Readings of a block of samples `[n, n_gauges]`, µε.

@@ -63,14 +63,9 @@ impl TrainedNets {
     /// [`HapdefError::Net`] when its checkpoint is damaged, [`HapdefError::Stale`] when the net was
     /// not trained.
     pub fn load(&self, kind: NetKind) -> Result<Net, HapdefError> {
-        let trained = self
-            .nets
-            .iter()
-            .find(|net| net.kind == kind)
-            .ok_or_else(|| HapdefError::Stale {
-                path: kind.name().into(),
-                what: "the net is not trained".into(),
-            })?;
+        let trained = self.nets.iter().find(|net| net.kind == kind).ok_or_else(|| {
+            HapdefError::Stale { path: kind.name().into(), what: "the net is not trained".into() }
+        })?;
         Ok(load(&trained.path())?.0)
     }
 }
@@ -103,20 +98,13 @@ pub fn train_kinds(
     data: &Datasets,
     kinds: &[NetKind],
 ) -> Result<TrainedNets, HapdefError> {
-    let trainer = Trainer {
-        run,
-        data,
-        compliance,
-        points: limb.surface_points(),
-        table: OnceCell::new(),
-    };
+    let trainer =
+        Trainer { run, data, compliance, points: limb.surface_points(), table: OnceCell::new() };
     let nets = kinds.iter().map(|&kind| {
         let stage = trainer.stage(kind)?;
         Ok(TrainedNet { kind, stage })
     });
-    Ok(TrainedNets {
-        nets: nets.collect::<Result<_, HapdefError>>()?,
-    })
+    Ok(TrainedNets { nets: nets.collect::<Result<_, HapdefError>>()? })
 }
 
 /// Trains nets; the compliance table is read when the first net wants samples drawn.
@@ -155,9 +143,7 @@ impl Trainer<'_> {
             };
             let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
-                return Err(HapdefError::Stopped {
-                    stage: format!("training {}", kind.name()),
-                });
+                return Err(HapdefError::Stopped { stage: format!("training {}", kind.name()) });
             }
             Ok(record(kind, n_samples, &info, &net))
         })

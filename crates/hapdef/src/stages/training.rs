@@ -56,19 +56,13 @@ impl Training<'_> {
         samples: &mut dyn BatchSource,
         validation: &mut dyn BatchSource,
     ) -> Result<(TrainInfo, Net), HapdefError> {
-        train_in_modes(
-            self.dir,
-            rank,
-            scales,
-            samples,
-            |checkpoint, scales, modes, samples| {
-                self.run.say(&format!(
-                    "{rank} modes of the outputs leave out {:.3} % of their squares",
-                    modes.left_out() * 100.0
-                ));
-                self.fit(checkpoint, scales, samples, &mut modes.source(validation))
-            },
-        )
+        train_in_modes(self.dir, rank, scales, samples, |checkpoint, scales, modes, samples| {
+            self.run.say(&format!(
+                "{rank} modes of the outputs leave out {:.3} % of their squares",
+                modes.left_out() * 100.0
+            ));
+            self.fit(checkpoint, scales, samples, &mut modes.source(validation))
+        })
     }
 
     fn fit(
@@ -82,11 +76,7 @@ impl Training<'_> {
         let bar = run.progress.training(&self.kind.name(), params.steps);
         let mut go_on = |progress: &Progress| {
             bar.set(progress.step, state(progress));
-            if run.stopping() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            if run.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let validation = Some(validation);
         if checkpoint.exists() {

@@ -118,13 +118,7 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
 /// [`HapdefError::Calibration`] when it can't be used.
 pub fn calibration_in_use(run: &Run, limb: &Limb) -> Result<Option<String>, HapdefError> {
     let path = run.scene.estimator.superposition().calibration;
-    path.map(|path| {
-        Ok(summary(&Calibration::read(
-            &run.scene_dir.join(path),
-            limb,
-        )?))
-    })
-    .transpose()
+    path.map(|path| Ok(summary(&Calibration::read(&run.scene_dir.join(path), limb)?))).transpose()
 }
 
 /// What a calibration rests on, without its arrays.

@@ -168,10 +168,7 @@ impl Calibration {
     /// # Errors
     /// [`HapdefError::Calibration`] when it can't be read, or is of another form, limb or layout.
     pub fn read(path: &Path, limb: &Limb) -> Result<Self, HapdefError> {
-        let refused = |what: String| HapdefError::Calibration {
-            path: path.to_path_buf(),
-            what,
-        };
+        let refused = |what: String| HapdefError::Calibration { path: path.to_path_buf(), what };
         let bytes = read_bytes(path).map_err(|e| refused(e.to_string()))?;
         let read: Self =
             serde_json::from_slice(&bytes).map_err(|e| refused(format!("no calibration: {e}")))?;
@@ -184,16 +181,8 @@ impl Calibration {
         let checks = [
             ("version", VERSION as usize, read.version as usize),
             ("n_gauges", n_gauges, read.n_gauges),
-            (
-                "adjoint_ue_per_n",
-                n_values * n_gauges,
-                read.adjoint_ue_per_n.len(),
-            ),
-            (
-                "site_error",
-                read.n_sites * n_gauges * n_gauges,
-                read.site_error.len(),
-            ),
+            ("adjoint_ue_per_n", n_values * n_gauges, read.adjoint_ue_per_n.len()),
+            ("site_error", read.n_sites * n_gauges * n_gauges, read.site_error.len()),
         ];
         for (name, expected, found) in checks {
             if expected != found {
@@ -221,10 +210,7 @@ impl Calibration {
 
     /// [`Calibration::site_error`] in double precision.
     pub(super) fn site_error(&self) -> Vec<f64> {
-        self.site_error
-            .iter()
-            .map(|value| f64::from(*value))
-            .collect()
+        self.site_error.iter().map(|value| f64::from(*value)).collect()
     }
 
     /// The estimator on this map.
@@ -250,12 +236,7 @@ impl Calibration {
             ..NoiseParams::uniform(self.n_gauges, spec.noise_ue)
         };
         let params = estimator_params(scene);
-        Ok(ContactEstimator::new(
-            Arc::new(map),
-            Arc::new(sites),
-            noise,
-            params,
-        )?)
+        Ok(ContactEstimator::new(Arc::new(map), Arc::new(sites), noise, params)?)
     }
 }
 
@@ -285,11 +266,7 @@ fn hash_of(presses: &[Press]) -> String {
     for press in presses {
         hasher.update(&(press.point.face() as u64).to_le_bytes());
         let numbers = press.point.bary();
-        for value in numbers
-            .iter()
-            .chain([&press.force_n])
-            .chain(&press.readings)
-        {
+        for value in numbers.iter().chain([&press.force_n]).chain(&press.readings) {
             hasher.update(&value.to_le_bytes());
         }
     }

@@ -104,24 +104,12 @@ pub fn chain_stages(run: &Run, limb: &Limb) -> Result<ChainStages, HapdefError> 
     let rig = rig(run, limb, &compliance)?;
     let data = datasets(run, limb, &compliance, &rig)?;
     let n_sets = data.simulated.len();
-    let kinds = [
-        NetKind::Transfer,
-        NetKind::Reconstruction { n_sets },
-        NetKind::Sensitivity,
-    ];
+    let kinds = [NetKind::Transfer, NetKind::Reconstruction { n_sets }, NetKind::Sensitivity];
     let nets = train_kinds(run, limb, &compliance, &data, &kinds)?;
-    Ok(ChainStages {
-        compliance,
-        rig,
-        data,
-        nets,
-    })
+    Ok(ChainStages { compliance, rig, data, nets })
 }
 
 fn paper_chain(run: &Run, limb: &Limb) -> Result<PaperChain, HapdefError> {
     let ChainStages { data, nets, .. } = chain_stages(run, limb)?;
-    Ok(PaperChain::new(
-        trained_chain(run, limb, &data, &nets)?,
-        run.scene.contact.max_contacts,
-    ))
+    Ok(PaperChain::new(trained_chain(run, limb, &data, &nets)?, run.scene.contact.max_contacts))
 }

@@ -52,10 +52,7 @@ impl<'a> FineLimb<'a> {
         params: &UncertainParams,
     ) -> Result<ResponseMap, HapdefError> {
         let faces = self.mesh.boundary().faces;
-        let anywhere = GaugeParams {
-            max_lost_share: 1.0,
-            ..self.limb.gauge_params
-        };
+        let anywhere = GaugeParams { max_lost_share: 1.0, ..self.limb.gauge_params };
         let place = |site| GaugeStrain::with_params(&self.mesh, &faces, site, &anywhere);
         let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
         let elastic = ElasticParams {
@@ -64,9 +61,7 @@ impl<'a> FineLimb<'a> {
         };
         let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.gauge_response(&gauges)?;
         let under_point = node_values(&self.skin.nodes, &response);
-        let tip = ResponseParams {
-            tip_radius_m: params.tip_radius_m,
-        };
+        let tip = ResponseParams { tip_radius_m: params.tip_radius_m };
         let under_tip =
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
         let skin = touchable_skin(self.limb)?;

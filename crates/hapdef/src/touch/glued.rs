@@ -60,11 +60,7 @@ impl<W: Glued> Gauges<'_, W> {
         let (up, steps_up) = self.moved(motion, step);
         let (down, steps_down) = self.moved(motion, -step);
         let (up, down) = (self.wall.fields(&up)?, self.wall.fields(&down)?);
-        let spans: Vec<f64> = steps_up
-            .iter()
-            .zip(&steps_down)
-            .map(|(a, b)| a + b)
-            .collect();
+        let spans: Vec<f64> = steps_up.iter().zip(&steps_down).map(|(a, b)| a + b).collect();
         let slope = |(i, (up, down)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
             (up - down) / spans[i % spans.len()].max(f64::MIN_POSITIVE)
         };
@@ -86,14 +82,8 @@ impl<W: Glued> Gauges<'_, W> {
 fn moved_site(site: &GaugeSite, gauge: &GaugeStrain, motion: Motion, step: f64) -> GaugeSite {
     let across = gauge.normal().cross(&gauge.axis());
     match motion {
-        Motion::Along => GaugeSite {
-            position: site.position + gauge.axis() * step,
-            ..*site
-        },
-        Motion::Across => GaugeSite {
-            position: site.position + across * step,
-            ..*site
-        },
+        Motion::Along => GaugeSite { position: site.position + gauge.axis() * step, ..*site },
+        Motion::Across => GaugeSite { position: site.position + across * step, ..*site },
         Motion::Turn => GaugeSite {
             axis: Rotation3::from_axis_angle(&Unit::new_normalize(gauge.normal()), step)
                 * site.axis,

@@ -166,22 +166,17 @@ impl Places {
         let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
         let chosen = farthest_nodes(&limb.mesh, &nodes, params.n_positions);
         let along = Unit::new_normalize(Vector3::from(run.scene.geometry.axis.direction));
-        let mut places = Self {
-            gauges: Vec::new(),
-            placed: Vec::new(),
-            n_own: limb.gauges.len(),
-            n_refused: 0,
-        };
+        let mut places =
+            Self { gauges: Vec::new(), placed: Vec::new(), n_own: limb.gauges.len(), n_refused: 0 };
         for node in &chosen {
             let position = limb.mesh.position(*node).map(to_micrometres);
             for i in 0..params.n_axes {
                 let turn = std::f64::consts::PI * i as f64 / params.n_axes as f64;
                 match gauge_at(limb, run, position, &along, turn, params.margin_m) {
                     Some(gauge) => {
-                        places.placed.push(PlacedGauge {
-                            position_m: position,
-                            axis: gauge.axis(),
-                        });
+                        places
+                            .placed
+                            .push(PlacedGauge { position_m: position, axis: gauge.axis() });
                         places.gauges.push(gauge);
                     }
                     None => places.n_refused += 1,
@@ -198,10 +193,7 @@ impl Places {
         }
         for (gauge, site) in limb.gauges.iter().zip(&limb.sites) {
             places.gauges.push(gauge.clone());
-            places.placed.push(PlacedGauge {
-                position_m: site.position,
-                axis: gauge.axis(),
-            });
+            places.placed.push(PlacedGauge { position_m: site.position, axis: gauge.axis() });
         }
         Ok(places)
     }
@@ -269,8 +261,5 @@ fn gauge_at(
             .is_some_and(|moved| moved.normal().dot(&gauge.normal()) > SAME_WALL)
     };
     let [ahead, across] = sides(&gauge);
-    [ahead, -ahead, across, -across]
-        .into_iter()
-        .all(fits)
-        .then_some(gauge)
+    [ahead, -ahead, across, -across].into_iter().all(fits).then_some(gauge)
 }

@@ -41,12 +41,7 @@ pub(super) fn choose_layouts(
         let score = placement_score(candidates, chosen, &asked)?;
         let gauges = chosen.iter().map(|c| places.placed[*c]).collect();
         let name = name.to_owned();
-        study.layouts.push(ScoredLayout {
-            name,
-            gauges,
-            score,
-            elapsed_s,
-        });
+        study.layouts.push(ScoredLayout { name, gauges, score, elapsed_s });
         Ok(())
     };
     let own: Vec<usize> = places.own().collect();
@@ -86,11 +81,7 @@ fn by_count(
             let asked = placement_params(places, params, n_gauges);
             let chosen = method(candidates, &asked)?;
             let score = placement_score(candidates, &chosen, &asked)?;
-            all.push(CountedLayout {
-                name,
-                n_gauges,
-                score,
-            });
+            all.push(CountedLayout { name, n_gauges, score });
         }
     }
     Ok(all)
@@ -105,10 +96,7 @@ fn random_median(
     let start = Instant::now();
     let mut scores = Vec::with_capacity(params.n_random);
     for i in 0..params.n_random.max(1) as u64 {
-        let drawn = PlacementParams {
-            seed: params.seed.wrapping_add(i),
-            ..asked.clone()
-        };
+        let drawn = PlacementParams { seed: params.seed.wrapping_add(i), ..asked.clone() };
         let chosen = place_random(candidates, &drawn)?;
         scores.push(placement_score(candidates, &chosen, asked)?);
     }

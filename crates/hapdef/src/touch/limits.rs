@@ -88,13 +88,10 @@ pub fn limits(map: ResponseMap, request: &LimitsRequest) -> Result<LimitsReport,
             Some(point) => pairs.bound(&[*point])?,
             None => None,
         };
-        let (metres, newtons) = bound.map_or((f64::INFINITY, f64::INFINITY), |b| {
-            (b.position_sd_m, b.force_sd_n)
-        });
+        let (metres, newtons) =
+            bound.map_or((f64::INFINITY, f64::INFINITY), |b| (b.position_sd_m, b.force_sd_n));
         let is_usable = metres <= request.carried.usable_sd_m;
-        report
-            .blind_nodes
-            .extend(Some(node).filter(|_| !is_usable && point.is_some()));
+        report.blind_nodes.extend(Some(node).filter(|_| !is_usable && point.is_some()));
         report.single_m.push(metres);
         report.single_n.push(newtons);
         let pair = match point {

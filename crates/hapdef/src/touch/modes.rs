@@ -60,10 +60,7 @@ impl UncertainResponse {
         let (response, _) = model.gauge_response(gauges)?;
         let skin = TouchedSkin::new(limb, params.tip_radius_m)?;
         let on_skin = |adjoint: &[Vector3<f64>]| skin.map(gauges.len(), adjoint);
-        let solid = Solid {
-            limb,
-            model: &model,
-        };
+        let solid = Solid { limb, model: &model };
         let stiffness = solid.stiffness_modes(&response, params.n_stiffness)?;
         let map = if params.refinements == 0 {
             on_skin(&skin_values(limb, &response))?
@@ -72,13 +69,8 @@ impl UncertainResponse {
         };
         Ok(Self {
             map,
-            gauge_modes: Gauges {
-                wall: &solid,
-                sites,
-                on_solid: gauges,
-                on_wall: gauges,
-            }
-            .modes(|adjoint| on_skin(adjoint))?,
+            gauge_modes: Gauges { wall: &solid, sites, on_solid: gauges, on_wall: gauges }
+                .modes(|adjoint| on_skin(adjoint))?,
             stiffness_modes: stiffness
                 .iter()
                 .map(|adjoint| on_skin(adjoint))
@@ -107,13 +99,8 @@ impl UncertainResponse {
         let on_skin = |adjoint: &[Vector3<f64>]| skin.map(gauges.len(), adjoint);
         Ok(Self {
             map: on_skin(&shell.fields(&on_shell)?)?,
-            gauge_modes: Gauges {
-                wall: &shell,
-                sites,
-                on_solid: gauges,
-                on_wall: &on_shell,
-            }
-            .modes(|adjoint| on_skin(adjoint))?,
+            gauge_modes: Gauges { wall: &shell, sites, on_solid: gauges, on_wall: &on_shell }
+                .modes(|adjoint| on_skin(adjoint))?,
             stiffness_modes: Vec::new(),
         })
     }
@@ -124,16 +111,10 @@ impl UncertainResponse {
         let gauge_sds = [PRIOR_SHIFT_M, PRIOR_SHIFT_M, PRIOR_TURN_RAD];
         let of_gauges = self.gauge_modes.iter().zip(gauge_sds);
         let of_limb = self.stiffness_modes.iter();
-        let each = of_gauges.map(|(map, prior_sd)| ModeMap {
-            map,
-            scope: ModeScope::EachGauge,
-            prior_sd,
-        });
-        let shared = of_limb.map(|map| ModeMap {
-            map,
-            scope: ModeScope::Shared,
-            prior_sd: PRIOR_STIFFNESS,
-        });
+        let each =
+            of_gauges.map(|(map, prior_sd)| ModeMap { map, scope: ModeScope::EachGauge, prior_sd });
+        let shared =
+            of_limb.map(|map| ModeMap { map, scope: ModeScope::Shared, prior_sd: PRIOR_STIFFNESS });
         each.chain(shared).collect()
     }
 }
@@ -201,10 +182,7 @@ impl Solid<'_> {
                 let gauges = k * n_gauges..(k + 1) * n_gauges;
                 gauges.map(move |load| (load, node))
             };
-            nodes
-                .flat_map(at)
-                .map(|(load, node)| solved.displacement(load, node) * 1e6)
-                .collect()
+            nodes.flat_map(at).map(|(load, node)| solved.displacement(load, node) * 1e6).collect()
         };
         Ok((0..centres.len()).map(mode).collect())
     }
@@ -256,9 +234,7 @@ fn element_forces(
         for (gauge, forces) in forces.iter_mut().enumerate() {
             let field = response.field(GaugeId::from_index(gauge));
             let force = |i: usize, c: usize| {
-                (0..30)
-                    .map(|j| k[3 * i + c][j] * field[element[j / 3].index()][j % 3])
-                    .sum::<f64>()
+                (0..30).map(|j| k[3 * i + c][j] * field[element[j / 3].index()][j % 3]).sum::<f64>()
             };
             forces.extend((0..10).map(|i| Vector3::from_fn(|c, _| force(i, c))));
         }

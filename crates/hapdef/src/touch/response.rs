@@ -77,9 +77,7 @@ impl TouchedSkin {
         adjoint: &[Vector3<f64>],
     ) -> Result<ResponseMap, HapdefError> {
         let skin = self.skin.clone();
-        Ok(ResponseMap::under_tips(
-            skin, n_gauges, adjoint, &self.tips,
-        )?)
+        Ok(ResponseMap::under_tips(skin, n_gauges, adjoint, &self.tips)?)
     }
 }
 

@@ -19,9 +19,7 @@ pub fn superposition(
     map: ResponseMap,
 ) -> Result<Superposition, HapdefError> {
     let settings = estimator_settings(scene, spec);
-    Ok(Superposition::new(
-        settings.estimator(Arc::new(map), Vec::new())?,
-    ))
+    Ok(Superposition::new(settings.estimator(Arc::new(map), Vec::new())?))
 }
 
 /// The scene's section as the runtime has it, for a map that was not calibrated.

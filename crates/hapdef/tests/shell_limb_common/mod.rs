@@ -7,9 +7,7 @@ use nalgebra::Point3;
 
 /// A file of the bundled limb.
 pub fn fixture(file: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/shin")
-        .join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(file)
 }
 
 /// A surface in metres.
@@ -34,27 +32,12 @@ pub fn tube(length_m: f64) -> SurfaceMesh {
     let mut quad = |[a, b, c, d]: [u32; 4]| triangles.extend([[a, b, c], [a, c, d]]);
     for k in 0..n_around {
         for i in 0..n_along {
-            quad([
-                at(0, i, k),
-                at(0, i, k + 1),
-                at(0, i + 1, k + 1),
-                at(0, i + 1, k),
-            ]);
-            quad([
-                at(1, i, k),
-                at(1, i + 1, k),
-                at(1, i + 1, k + 1),
-                at(1, i, k + 1),
-            ]);
+            quad([at(0, i, k), at(0, i, k + 1), at(0, i + 1, k + 1), at(0, i + 1, k)]);
+            quad([at(1, i, k), at(1, i + 1, k), at(1, i + 1, k + 1), at(1, i, k + 1)]);
         }
         quad([at(0, 0, k), at(1, 0, k), at(1, 0, k + 1), at(0, 0, k + 1)]);
         let top = n_along;
-        quad([
-            at(0, top, k),
-            at(0, top, k + 1),
-            at(1, top, k + 1),
-            at(1, top, k),
-        ]);
+        quad([at(0, top, k), at(0, top, k + 1), at(1, top, k + 1), at(1, top, k)]);
     }
     SurfaceMesh::new(vertices, triangles).unwrap()
 }

@@ -40,10 +40,7 @@ pub(crate) fn pair_search_and_friction_change_no_single_contact() {
         let readings: Vec<f64> = map.normal(&point).iter().map(|g| 20.0 * g).collect();
         run.scene.contact.max_contacts = 4;
         let full = estimate(&run, &spec, &map, &readings);
-        let barely = SuperpositionSpec {
-            friction: 1e-12,
-            ..spec.clone()
-        };
+        let barely = SuperpositionSpec { friction: 1e-12, ..spec.clone() };
         let rubbed = estimate(&run, &barely, &map, &readings);
         run.scene.contact.max_contacts = 1;
         let lean = estimate(&run, &spec, &map, &readings);
@@ -87,10 +84,7 @@ pub(crate) fn the_test_for_a_touch_changes_no_contact() {
     let limb = loaded(&run);
     let map = Arc::new(response_map(&limb, run.scene.contact.tip_radius_m, 2).unwrap());
     let [tested, always] = [EstimatorParams::default().touch_p, 1.0].map(|touch_p| {
-        let params = EstimatorParams {
-            touch_p,
-            ..EstimatorParams::default()
-        };
+        let params = EstimatorParams { touch_p, ..EstimatorParams::default() };
         let sites = Arc::new(ScanSites::farthest(map.skin(), 400).unwrap());
         let noise = NoiseParams::uniform(map.n_gauges(), 1.0);
         ContactEstimator::new(map.clone(), sites, noise, params).unwrap()

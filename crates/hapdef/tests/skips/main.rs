@@ -18,14 +18,7 @@ use rates::MACHINE;
 
 fn run_of(scene: &str, out: &Path) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
-    Run::new(
-        &path.join(scene),
-        Profile::quick(),
-        out,
-        2,
-        Progress::silent(),
-    )
-    .unwrap()
+    Run::new(&path.join(scene), Profile::quick(), out, 2, Progress::silent()).unwrap()
 }
 
 fn loaded(run: &Run) -> Limb {
@@ -66,11 +59,7 @@ fn every_step_left_out_is_a_skip_with_a_proof() {
         change(&mut run.scene);
         let steps = plan(&run, &loaded(&run), &MACHINE).unwrap().steps;
         for step in &steps {
-            assert_eq!(
-                step.skip.is_some(),
-                step.state == StepState::Skipped,
-                "{step:?}"
-            );
+            assert_eq!(step.skip.is_some(), step.state == StepState::Skipped, "{step:?}");
         }
         let skips: Vec<Skip> = steps.iter().filter_map(|step| step.skip).collect();
         skips

@@ -14,10 +14,8 @@ use crate::{loaded, run_of};
 const ROUNDING: f64 = 1e-8;
 
 fn solved(limb: &Limb) -> ElasticModel {
-    let params = ElasticParams {
-        n_threads: 2,
-        ..ElasticParams::new(limb.material, limb.clamped.clone())
-    };
+    let params =
+        ElasticParams { n_threads: 2, ..ElasticParams::new(limb.material, limb.clamped.clone()) };
     ElasticModel::build(&limb.mesh, &params).unwrap()
 }
 
@@ -122,18 +120,10 @@ pub(crate) fn a_calibration_leaves_out_the_response_and_changes_no_contact() {
     let press = |face: usize| {
         let point = SkinPoint::new(map.skin(), face, [0.5, 0.3, 0.2]).unwrap();
         let readings = map.normal(&point).iter().map(|g| 20.4 * g).collect();
-        Press {
-            point,
-            force_n: 20.0,
-            readings,
-        }
+        Press { point, force_n: 20.0, readings }
     };
     let presses: Vec<Press> = (0..30).map(|i| press(47 * i)).collect();
-    let quality = PressQuality {
-        noise_ue: 1.0,
-        position_sd_m: 0.0,
-        force_sd_n: 0.0,
-    };
+    let quality = PressQuality { noise_ue: 1.0, position_sd_m: 0.0, force_sd_n: 0.0 };
     let (fitted, _) = Calibration::fit(&run, &limb, &presses, &quality, 200).unwrap();
     fitted.write(&out.path().join("calibration.json")).unwrap();
     let solved = fitted.estimator(&run.scene, &spec, &limb).unwrap();

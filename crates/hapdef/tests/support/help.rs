@@ -12,10 +12,7 @@ fn check<C: Parser>(command: &mut Command, name: &str) {
     let help = command.render_long_help().to_string();
     assert!(help.contains("Example"), "{}", command.get_name());
     for example in help.lines().map(str::trim) {
-        let Some(rest) = example
-            .strip_prefix(name)
-            .filter(|rest| rest.starts_with(' '))
-        else {
+        let Some(rest) = example.strip_prefix(name).filter(|rest| rest.starts_with(' ')) else {
             continue;
         };
         let words = rest.split_whitespace().take_while(|word| *word != "|");

@@ -88,12 +88,7 @@ pub fn scene_with(folder: &Path, change: impl FnOnce(&mut Value)) -> PathBuf {
 
 impl Program {
     pub fn start(scene: &Path, words: &[&str], port: u16) -> Self {
-        Self::start_by(
-            Command::new(env!("CARGO_BIN_EXE_hapdef")),
-            scene,
-            words,
-            port,
-        )
+        Self::start_by(Command::new(env!("CARGO_BIN_EXE_hapdef")), scene, words, port)
     }
 
     /// Its files end after so many bytes, as on a disk that is full.
@@ -121,9 +116,7 @@ impl Program {
         let url = lines.find_map(|line| Some(line.ok()?.strip_prefix("live page: ")?.to_owned()));
         let url = url.expect("the page's address");
         std::thread::spawn(move || {
-            lines
-                .map_while(Result::ok)
-                .for_each(|line| println!("program: {line}"));
+            lines.map_while(Result::ok).for_each(|line| println!("program: {line}"));
         });
         Self { child, url }
     }
@@ -140,12 +133,8 @@ impl Program {
         let stream = TcpStream::connect(&address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let (socket, _) = tungstenite::client(format!("ws://{address}/live"), stream).unwrap();
-        let mut page = Page {
-            socket,
-            hello: Value::Null,
-            device: Value::Null,
-            surface: Vec::new(),
-        };
+        let mut page =
+            Page { socket, hello: Value::Null, device: Value::Null, surface: Vec::new() };
         page.say(&json!({"cmd": "hello", "token": TOKEN}));
         while page.surface.is_empty() {
             match page.socket.read().unwrap() {
@@ -175,9 +164,7 @@ impl Drop for Program {
 
 impl Page {
     pub fn say(&mut self, message: &Value) {
-        self.socket
-            .send(Message::text(message.to_string()))
-            .unwrap();
+        self.socket.send(Message::text(message.to_string())).unwrap();
     }
 
     /// A node of the surface and the normal there.

@@ -56,12 +56,7 @@ impl Compute {
             return;
         };
         conditioning.take_raw(&to.raw_ue, device);
-        let Conditioning {
-            conditioner,
-            out,
-            raw_ue,
-            ..
-        } = conditioning;
+        let Conditioning { conditioner, out, raw_ue, .. } = conditioning;
         if let Err(error) = conditioner.step_into(raw_ue, to.temperature, out) {
             // lengths are those of the device; said all the same
             self.counts.device_fault = Some(error.to_string().into());
@@ -126,10 +121,7 @@ impl Compute {
             period_s: device.period_s,
             tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
             rails: device.rails_ue(),
-            coarse: device
-                .steps_ue()
-                .map(|step| step > self.setup.noise_ue)
-                .collect(),
+            coarse: device.steps_ue().map(|step| step > self.setup.noise_ue).collect(),
             ..given
         };
         let noise = TareNoise::new(params.gauge_sd.clone(), params.tare_frames);
@@ -157,9 +149,5 @@ impl Compute {
 }
 
 fn health_of_number(value: f64) -> GaugeHealth {
-    if value.is_finite() {
-        GaugeHealth::Good
-    } else {
-        GaugeHealth::NotFinite
-    }
+    if value.is_finite() { GaugeHealth::Good } else { GaugeHealth::NotFinite }
 }

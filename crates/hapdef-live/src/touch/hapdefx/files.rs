@@ -73,10 +73,7 @@ impl Hapdefx {
         let views = [
             (POINTS, TensorView::new(f64s, vec![n, 3], &points)?),
             (N_NEIGHBOURS, TensorView::new(u32s, vec![n], &rows)?),
-            (
-                NEIGHBOURS,
-                TensorView::new(u32s, vec![neighbours.len() / 4], &neighbours)?,
-            ),
+            (NEIGHBOURS, TensorView::new(u32s, vec![neighbours.len() / 4], &neighbours)?),
             (FLOOR, TensorView::new(Dtype::F32, vec![1], &floor)?),
         ];
         serialize(views, None)
@@ -91,9 +88,7 @@ struct Places<'a> {
 impl<'a> Places<'a> {
     fn open(bytes: &'a [u8]) -> Result<Self, LiveError> {
         let tensors = SafeTensors::deserialize(bytes);
-        Ok(Self {
-            tensors: tensors.map_err(|e| refused(format!("{PLACES}: {e}")))?,
-        })
+        Ok(Self { tensors: tensors.map_err(|e| refused(format!("{PLACES}: {e}")))? })
     }
 
     fn graph(&self) -> Result<KMaxGraph, LiveError> {
@@ -130,8 +125,5 @@ impl<'a> Places<'a> {
 }
 
 fn refused(what: String) -> LiveError {
-    LiveError::NotABundle {
-        file: "the paper's chain".to_owned(),
-        what,
-    }
+    LiveError::NotABundle { file: "the paper's chain".to_owned(), what }
 }

@@ -73,12 +73,7 @@ impl Hapdefx {
         check("nodes of k-Max", n_surface, graph.n_nodes())?;
         check("F_S's inputs", 4, spec(&nets.sensitivity).0)?;
         check("F_S's outputs", 1, spec(&nets.sensitivity).1)?;
-        Ok(Self {
-            nets,
-            graph,
-            points_m,
-            floor_um,
-        })
+        Ok(Self { nets, graph, points_m, floor_um })
     }
 
     /// Numbers in: the gauges.
@@ -112,9 +107,7 @@ impl Hapdefx {
             &mut scratch.nets,
             &mut scratch.virtual_um,
         )?;
-        self.nets
-            .reconstruction
-            .forward_batch(&scratch.virtual_um, &mut scratch.nets, map_um)?;
+        self.nets.reconstruction.forward_batch(&scratch.virtual_um, &mut scratch.nets, map_um)?;
         Ok(())
     }
 
@@ -129,9 +122,7 @@ impl Hapdefx {
         scratch: &mut HapdefxScratch,
         map_um: &mut [f32],
     ) -> Result<(), LiveError> {
-        self.nets
-            .reconstruction
-            .forward_batch(virtual_um, &mut scratch.nets, map_um)?;
+        self.nets.reconstruction.forward_batch(virtual_um, &mut scratch.nets, map_um)?;
         Ok(())
     }
 
@@ -144,17 +135,14 @@ impl Hapdefx {
         map_um: &[f32],
         scratch: &mut HapdefxScratch,
     ) -> Result<Vec<FoundContact>, LiveError> {
-        self.graph
-            .peaks(map_um, self.floor_um, &mut scratch.peaks)?;
+        self.graph.peaks(map_um, self.floor_um, &mut scratch.peaks)?;
         let mut found = Vec::with_capacity(scratch.peaks.len());
         for peak in &scratch.peaks {
             let position_m = self.points_m[peak.node];
             let [x, y, z] = position_m.map(|v| v as f32);
             let mut force_n = [0.0];
             let features = [peak.value, x, y, z];
-            self.nets
-                .sensitivity
-                .forward(&features, &mut scratch.nets, &mut force_n)?;
+            self.nets.sensitivity.forward(&features, &mut scratch.nets, &mut force_n)?;
             found.push(FoundContact {
                 node: peak.node,
                 position_m,
@@ -189,13 +177,7 @@ impl Hapdefx {
 }
 
 fn scored(found: &[FoundContact]) -> Vec<Candidate> {
-    found
-        .iter()
-        .map(|c| Candidate {
-            node: c.node,
-            score: c.force_n as f32,
-        })
-        .collect()
+    found.iter().map(|c| Candidate { node: c.node, score: c.force_n as f32 }).collect()
 }
 
 fn pick(found: &[FoundContact], chosen: &[Candidate]) -> Vec<FoundContact> {
@@ -207,9 +189,5 @@ fn check(what: &'static str, expected: usize, found: usize) -> Result<(), LiveEr
     if expected == found {
         return Ok(());
     }
-    Err(LiveError::Chain {
-        what,
-        expected,
-        found,
-    })
+    Err(LiveError::Chain { what, expected, found })
 }

@@ -32,8 +32,7 @@ impl PaperChain {
     }
 
     fn find(&mut self, touch: &mut Touch) -> Result<(), LiveError> {
-        self.chain
-            .maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
+        self.chain.maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
         let candidates = self.chain.candidates(&self.map_um, &mut self.scratch)?;
         let found = self.chain.top(&candidates, self.max_contacts);
         let contacts = found.iter().map(|contact| TouchContact {

@@ -53,18 +53,12 @@ fn pairs([a, b, c, d]: [__m256i; 4]) -> [[__m256i; 2]; 2] {
 #[inline]
 fn products([first, last]: [[__m256i; 2]; 2], word: i32) -> [__m256i; 2] {
     let [a, b, c, d] = word.to_le_bytes().map(i32::from);
-    let (ab, cd) = (
-        _mm256_set1_epi32(a | b << 16),
-        _mm256_set1_epi32(c | d << 16),
-    );
+    let (ab, cd) = (_mm256_set1_epi32(a | b << 16), _mm256_set1_epi32(c | d << 16));
     let [low, high] = [0, 1].map(|half| {
         let first = _mm256_madd_epi16(first[half], ab);
         _mm256_add_epi32(first, _mm256_madd_epi16(last[half], cd))
     });
-    [
-        _mm256_permute2x128_si256::<0x20>(low, high),
-        _mm256_permute2x128_si256::<0x31>(low, high),
-    ]
+    [_mm256_permute2x128_si256::<0x20>(low, high), _mm256_permute2x128_si256::<0x31>(low, high)]
 }
 
 #[target_feature(enable = "avx2")]
@@ -95,10 +89,7 @@ fn splat(value: f32) -> Vector {
 #[target_feature(enable = "avx2,fma")]
 #[inline]
 fn fma(a: Vector, b: Vector, c: Vector) -> Vector {
-    [
-        _mm256_fmadd_ps(a[0], b[0], c[0]),
-        _mm256_fmadd_ps(a[1], b[1], c[1]),
-    ]
+    [_mm256_fmadd_ps(a[0], b[0], c[0]), _mm256_fmadd_ps(a[1], b[1], c[1])]
 }
 
 #[target_feature(enable = "avx2")]
@@ -114,12 +105,7 @@ fn f32_line(line: &F32Line) -> Vector {
 fn words(line: &Bf16Line) -> [__m256i; 2] {
     let [a, b] = halves(&line.0);
     // SAFETY: half a line is 32 readable bytes, aligned to 32.
-    unsafe {
-        [
-            _mm256_load_si256(a.as_ptr().cast()),
-            _mm256_load_si256(b.as_ptr().cast()),
-        ]
-    }
+    unsafe { [_mm256_load_si256(a.as_ptr().cast()), _mm256_load_si256(b.as_ptr().cast())] }
 }
 
 #[target_feature(enable = "avx2")]
@@ -137,10 +123,7 @@ fn bf16_low(line: &Bf16Line) -> Vector {
 fn bf16_high(line: &Bf16Line) -> Vector {
     let [a, b] = words(line);
     let mask = _mm256_set1_epi32(0xffff_0000_u32 as i32);
-    [
-        _mm256_castsi256_ps(_mm256_and_si256(a, mask)),
-        _mm256_castsi256_ps(_mm256_and_si256(b, mask)),
-    ]
+    [_mm256_castsi256_ps(_mm256_and_si256(a, mask)), _mm256_castsi256_ps(_mm256_and_si256(b, mask))]
 }
 
 #[target_feature(enable = "avx2")]
@@ -149,16 +132,9 @@ fn int8_quarter<const Q: usize>(line: &Int8Line) -> Vector {
     let eighths = line.0.as_chunks::<8>().0;
     let (a, b) = (&eighths[2 * Q], &eighths[2 * Q + 1]);
     // SAFETY: an eighth of a line is 8 readable bytes; this load needs no alignment.
-    let (a, b) = unsafe {
-        (
-            _mm_loadl_epi64(a.as_ptr().cast()),
-            _mm_loadl_epi64(b.as_ptr().cast()),
-        )
-    };
-    [
-        _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(a)),
-        _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(b)),
-    ]
+    let (a, b) =
+        unsafe { (_mm_loadl_epi64(a.as_ptr().cast()), _mm_loadl_epi64(b.as_ptr().cast())) };
+    [_mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(a)), _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(b))]
 }
 
 #[target_feature(enable = "avx2")]

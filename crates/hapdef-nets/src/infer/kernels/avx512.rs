@@ -137,10 +137,7 @@ fn bf16_low(line: &Bf16Line) -> Vector {
 fn bf16_high(line: &Bf16Line) -> Vector {
     // SAFETY: a line is 64 readable bytes, aligned to 64.
     let words = unsafe { _mm512_load_si512(line.0.as_ptr().cast()) };
-    _mm512_castsi512_ps(_mm512_and_si512(
-        words,
-        _mm512_set1_epi32(0xffff_0000_u32 as i32),
-    ))
+    _mm512_castsi512_ps(_mm512_and_si512(words, _mm512_set1_epi32(0xffff_0000_u32 as i32)))
 }
 
 #[target_feature(enable = "avx512f")]

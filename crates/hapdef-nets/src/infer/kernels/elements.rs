@@ -91,10 +91,7 @@ fn end(
         Some(Activation::Relu) => {
             let extent = end_by(ending.bias, values, sum, |z| z.max(0.0));
             let is_signed = false;
-            Extent {
-                is_signed,
-                ..extent
-            }
+            Extent { is_signed, ..extent }
         }
         Some(Activation::Tanh) => end_by(ending.bias, values, sum, crate::activation::tanh),
         None => end_by(ending.bias, values, sum, |z| z),

@@ -86,22 +86,13 @@ impl<'a> ActiveBytes<'a> {
         let [low, high] = self.bytes.map(|bytes| bytes.chunks(4 * n_fours));
         let rows = self.rows.chunks(4 * n_fours);
         let parts = rows.zip(low.zip(high));
-        parts.map(|(rows, (low, high))| Self {
-            rows,
-            bytes: [low, high],
-        })
+        parts.map(|(rows, (low, high))| Self { rows, bytes: [low, high] })
     }
 }
 
 impl SimdLevel {
     /// All levels, least first.
-    const ALL: [Self; 5] = [
-        Self::Portable,
-        Self::Neon,
-        Self::Avx2,
-        Self::Avx512,
-        Self::Avx512Vnni,
-    ];
+    const ALL: [Self; 5] = [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512, Self::Avx512Vnni];
 
     /// The best that this processor has.
     pub fn best() -> Self {
@@ -168,10 +159,7 @@ impl Isa {
         if level.is_available() {
             return Ok(Self(level));
         }
-        Err(NetsError::Simd {
-            asked: level,
-            best: SimdLevel::best(),
-        })
+        Err(NetsError::Simd { asked: level, best: SimdLevel::best() })
     }
 
     /// `out = Wᵀ x` over the active inputs; a result per output of the panels.
@@ -218,11 +206,7 @@ impl Isa {
         ending: Ending<'_>,
         values: &mut [Sixteen<f32>],
     ) -> Extent {
-        dispatch!(
-            self,
-            finish_bytes::<P>(sums, bytes, ending, values),
-            finish_bytes
-        )
+        dispatch!(self, finish_bytes::<P>(sums, bytes, ending, values), finish_bytes)
     }
 
     /// Whole numbers of `P` bytes for `x`, which `extent` is of.

@@ -44,12 +44,7 @@ fn f32_line(line: &F32Line) -> Vector {
     let [a, b, c, d] = quarters(&line.0);
     // SAFETY: each is four readable numbers.
     unsafe {
-        [
-            vld1q_f32(a.as_ptr()),
-            vld1q_f32(b.as_ptr()),
-            vld1q_f32(c.as_ptr()),
-            vld1q_f32(d.as_ptr()),
-        ]
+        [vld1q_f32(a.as_ptr()), vld1q_f32(b.as_ptr()), vld1q_f32(c.as_ptr()), vld1q_f32(d.as_ptr())]
     }
 }
 

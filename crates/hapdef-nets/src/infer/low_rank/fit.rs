@@ -51,12 +51,7 @@ impl LowRank {
         let n_out = original.bias.len();
         let is_last = layer + 1 == net.mlp().layers().len();
         let unit: Vec<f64> = match is_last {
-            true => net
-                .output_scale()
-                .std()
-                .iter()
-                .map(|&s| f64::from(s))
-                .collect(),
+            true => net.output_scale().std().iter().map(|&s| f64::from(s)).collect(),
             false => vec![1.0; n_out],
         };
         let mut sums = sums_of(net, layer, x)?;
@@ -149,11 +144,7 @@ fn left_out(rows: &Rows, modes: &Rows) -> f64 {
         all += dot(row, row);
         kept += modes.iter().map(|mode| dot(mode, row).powi(2)).sum::<f64>();
     }
-    if all > 0.0 {
-        (1.0 - kept / all).max(0.0)
-    } else {
-        0.0
-    }
+    if all > 0.0 { (1.0 - kept / all).max(0.0) } else { 0.0 }
 }
 
 /// Sums `W a + b` of layer `layer` for raw samples `x`, one row each.
@@ -180,18 +171,14 @@ fn scaled_rows(layer: &Layer, unit: &[f64]) -> Layer {
     let weights = layer.weights.chunks_exact(n_in).zip(unit);
     let bias = layer.bias.iter().zip(unit);
     Layer {
-        weights: weights
-            .flat_map(|(row, &u)| row.iter().map(move |&w| scaled(w, u)))
-            .collect(),
+        weights: weights.flat_map(|(row, &u)| row.iter().map(move |&w| scaled(w, u))).collect(),
         bias: bias.map(|(&b, &u)| scaled(b, u)).collect(),
     }
 }
 
 fn layer_of(mlp: &Mlp, layer: usize) -> Result<&Layer, NetsError> {
     let n_layers = mlp.layers().len();
-    mlp.layers()
-        .get(layer)
-        .ok_or(NetsError::NoSuchLayer { layer, n_layers })
+    mlp.layers().get(layer).ok_or(NetsError::NoSuchLayer { layer, n_layers })
 }
 
 fn check_rank(rank: usize, most: usize) -> Result<(), NetsError> {

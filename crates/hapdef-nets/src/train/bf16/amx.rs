@@ -62,10 +62,7 @@ impl Tiles {
     pub(super) fn multiply(&self, mut target: Target<'_>, a: &[LeftGroup], b: &[RightGroup]) {
         if target.is_whole() {
             let at = &mut target.rows[target.at..];
-            assert!(
-                at.len() >= (TILE_ROWS - 1) * target.columns + TILE_COLUMNS,
-                "room for a tile"
-            );
+            assert!(at.len() >= (TILE_ROWS - 1) * target.columns + TILE_COLUMNS, "room for a tile");
             // SAFETY: the assertion says that 16 rows of 48 sums, a row of the result apart, lie
             // within the slice.
             unsafe { self.add(at.as_mut_ptr(), target.columns, target.is_first, a, b) }
@@ -74,13 +71,7 @@ impl Tiles {
             target.read(&mut tile);
             // SAFETY: a tile is 16 rows of 48 sums.
             unsafe {
-                self.add(
-                    tile.as_mut_ptr().cast(),
-                    TILE_COLUMNS,
-                    target.is_first,
-                    a,
-                    b,
-                );
+                self.add(tile.as_mut_ptr().cast(), TILE_COLUMNS, target.is_first, a, b);
             }
             target.write(&tile);
         }

@@ -89,12 +89,7 @@ fn add(target: Target<'_>, a: &[LeftGroup], first: usize, b: &[RightGroup]) {
     }
     let rows = target.rows.chunks_exact_mut(target.columns);
     for (row, sums) in rows.zip(sums) {
-        for (lanes, sum) in row[columns.clone()]
-            .as_chunks_mut::<16>()
-            .0
-            .iter_mut()
-            .zip(sums)
-        {
+        for (lanes, sum) in row[columns.clone()].as_chunks_mut::<16>().0.iter_mut().zip(sums) {
             // SAFETY: `lanes` are 16 numbers, which is what the store writes.
             unsafe { _mm512_storeu_ps(lanes.as_mut_ptr(), sum) }
         }

@@ -100,11 +100,8 @@ impl Bf16Unit {
         columns: usize,
         out: &mut [f32],
     ) {
-        let product = Product {
-            left: &left.groups[first_row / TILE_ROWS * left.n_groups..],
-            right,
-            columns,
-        };
+        let product =
+            Product { left: &left.groups[first_row / TILE_ROWS * left.n_groups..], right, columns };
         match self {
             Self::Tiles(_, amx) => amx.with_tiles(|tiles| {
                 product.write(out, |target, a, b| tiles.multiply(target, a, b));

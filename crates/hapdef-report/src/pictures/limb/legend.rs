@@ -79,11 +79,8 @@ impl Legend<'_> {
         let top = TITLE_PX + 24;
         let height = (self.size_px[1] - 48).min(MAX_BAR_PX);
         let box_px = f64::from(height) / f64::from(N_BOXES);
-        let mut svg = format!(
-            "<text x=\"{left}\" y=\"{}\">{}</text>",
-            top - 12,
-            escape(self.value_label)
-        );
+        let mut svg =
+            format!("<text x=\"{left}\" y=\"{}\">{}</text>", top - 12, escape(self.value_label));
         for k in 0..N_BOXES {
             let [r, g, b] = viridis(1.0 - f64::from(k) / f64::from(N_BOXES - 1));
             let y = f64::from(top) + f64::from(k) * box_px;
@@ -121,10 +118,7 @@ impl Legend<'_> {
 fn round_length(most: f64) -> f64 {
     let power = 10_f64.powf(most.log10().floor());
     let steps = [5.0, 2.0, 1.0].map(|step| step * power);
-    steps
-        .into_iter()
-        .find(|step| *step <= most)
-        .unwrap_or(power)
+    steps.into_iter().find(|step| *step <= most).unwrap_or(power)
 }
 
 #[cfg(test)]

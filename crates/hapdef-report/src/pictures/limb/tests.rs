@@ -19,10 +19,7 @@ fn sphere(radius_m: f64, n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<f64>) {
     let triangles = (0..n * n)
         .flat_map(|k| {
             let (i, j) = (k / n, k % n);
-            [
-                [at(i, j), at(i + 1, j), at(i, j + 1)],
-                [at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)],
-            ]
+            [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)]]
         })
         .collect();
     let values = positions.iter().map(|p| p[0]).collect();
@@ -30,12 +27,7 @@ fn sphere(radius_m: f64, n: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<f64>) {
 }
 
 fn draw(mesh: &(Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<f64>), params: &RenderParams) -> Pixmap {
-    let picture = LimbPicture {
-        positions: &mesh.0,
-        triangles: &mesh.1,
-        values: &mesh.2,
-        ..EMPTY
-    };
+    let picture = LimbPicture { positions: &mesh.0, triangles: &mesh.1, values: &mesh.2, ..EMPTY };
     drawn(&picture, params)
 }
 
@@ -77,17 +69,11 @@ fn a_sphere_lights_its_disc() {
         }
     }
     let expected = std::f64::consts::PI * 188.0 * 188.0;
-    assert!(
-        (lit / expected - 1.0).abs() < 0.02,
-        "{lit} px lit, {expected} expected"
-    );
+    assert!((lit / expected - 1.0).abs() < 0.02, "{lit} px lit, {expected} expected");
     assert_eq!(rgb(&pixmap, 15, 15), [255; 3], "the corner stays white");
     let (left, right) = (rgb(&pixmap, 30, 200), rgb(&pixmap, 370, 200));
     assert!(left[2] > left[1], "violet at the left: {left:?}");
-    assert!(
-        right[1] > right[2] && right[0] > right[2],
-        "yellow at the right: {right:?}"
-    );
+    assert!(right[1] > right[2] && right[0] > right[2], "yellow at the right: {right:?}");
 }
 
 /// Two parallel squares: the one nearer to the viewer is seen, from either side; a NaN is grey.
@@ -104,56 +90,27 @@ fn the_nearer_surface_hides_the_other() {
         range: Some([0.0, 1.0]),
         ..RenderParams::default()
     };
-    let back = RenderParams {
-        azimuth_rad: std::f64::consts::PI,
-        ..front
-    };
+    let back = RenderParams { azimuth_rad: std::f64::consts::PI, ..front };
     let values = [[0.0; 4], [1.0; 4]].concat();
     let mesh = (positions.clone(), triangles.clone(), values);
-    let (seen_front, seen_back) = (
-        rgb(&draw(&mesh, &front), 64, 64),
-        rgb(&draw(&mesh, &back), 64, 64),
-    );
+    let (seen_front, seen_back) =
+        (rgb(&draw(&mesh, &front), 64, 64), rgb(&draw(&mesh, &back), 64, 64));
     assert!(seen_front[1] > 150, "yellow from +z: {seen_front:?}");
     assert!(seen_back[1] < 20, "violet from −z: {seen_back:?}");
-    let grey = rgb(
-        &draw(&(positions, triangles, vec![f64::NAN; 8]), &front),
-        64,
-        64,
-    );
-    assert!(
-        grey[0] == grey[1] && grey[1] == grey[2] && grey[0] < 250,
-        "{grey:?}"
-    );
+    let grey = rgb(&draw(&(positions, triangles, vec![f64::NAN; 8]), &front), 64, 64);
+    assert!(grey[0] == grey[1] && grey[1] == grey[2] && grey[0] < 250, "{grey:?}");
 }
 
 #[test]
 fn markers_show_where_they_lie_and_fade_when_hidden() {
     let mesh = sphere(1.0, 24);
-    let params = RenderParams {
-        azimuth_rad: 0.0,
-        elevation_rad: 0.0,
-        ..RenderParams::default()
-    };
+    let params = RenderParams { azimuth_rad: 0.0, elevation_rad: 0.0, ..RenderParams::default() };
     let ring_colour = |z: f64| {
-        let markers = [LimbMarker {
-            position: [0.0, 0.0, z],
-            mark: Mark::True,
-        }];
+        let markers = [LimbMarker { position: [0.0, 0.0, z], mark: Mark::True }];
         let (positions, triangles, values) = (&mesh.0, &mesh.1, &mesh.2);
-        let picture = LimbPicture {
-            positions,
-            triangles,
-            values,
-            markers: &markers,
-            ..EMPTY
-        };
+        let picture = LimbPicture { positions, triangles, values, markers: &markers, ..EMPTY };
         let pixmap = drawn(&picture, &params);
-        rgb(
-            &pixmap,
-            (params.width_px - BAR_PX) / 2 + 10,
-            params.height_px / 2,
-        )
+        rgb(&pixmap, (params.width_px - BAR_PX) / 2 + 10, params.height_px / 2)
     };
     let (seen, hidden) = (ring_colour(1.0), ring_colour(-1.0));
     assert!(seen[0] > 200 && seen[1] < 60, "{seen:?}");
@@ -163,52 +120,25 @@ fn markers_show_where_they_lie_and_fade_when_hidden() {
 #[test]
 fn bad_pictures_are_refused() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    let good = LimbPicture {
-        positions: &positions,
-        triangles: &[[0, 1, 2]],
-        values: &[0.0; 3],
-        ..EMPTY
-    };
+    let good =
+        LimbPicture { positions: &positions, triangles: &[[0, 1, 2]], values: &[0.0; 3], ..EMPTY };
     let params = RenderParams::default();
     let draw = |picture, params| limb_row_svg(&[(picture, params)]);
     assert!(draw(good, params).is_ok());
-    let short = LimbPicture {
-        values: &[0.0; 2],
-        ..good
-    };
-    assert!(matches!(
-        draw(short, params),
-        Err(ReportError::Argument(ArgumentError::Shape { .. }))
-    ));
-    let index = LimbPicture {
-        triangles: &[[0, 1, 3]],
-        ..good
-    };
+    let short = LimbPicture { values: &[0.0; 2], ..good };
+    assert!(matches!(draw(short, params), Err(ReportError::Argument(ArgumentError::Shape { .. }))));
+    let index = LimbPicture { triangles: &[[0, 1, 3]], ..good };
     let error = draw(index, params).unwrap_err();
     assert!(
         matches!(
             error,
-            ReportError::Argument(ArgumentError::Index {
-                index: 3,
-                position: 2,
-                len: 3,
-                ..
-            })
+            ReportError::Argument(ArgumentError::Index { index: 3, position: 2, len: 3, .. })
         ),
         "{error}"
     );
-    let empty = LimbPicture {
-        triangles: &[],
-        ..good
-    };
-    assert!(matches!(
-        draw(empty, params),
-        Err(ReportError::TooFew { .. })
-    ));
-    let huge = RenderParams {
-        width_px: 100_000,
-        ..params
-    };
+    let empty = LimbPicture { triangles: &[], ..good };
+    assert!(matches!(draw(empty, params), Err(ReportError::TooFew { .. })));
+    let huge = RenderParams { width_px: 100_000, ..params };
     assert!(matches!(
         draw(good, huge),
         Err(ReportError::Argument(ArgumentError::Parameter { .. }))
@@ -220,22 +150,15 @@ fn bad_pictures_are_refused() {
 #[test]
 fn a_row_says_what_it_shows_and_how_large_it_is() {
     let (positions, triangles, values) = sphere(0.05, 12);
-    let picture = LimbPicture {
-        positions: &positions,
-        triangles: &triangles,
-        values: &values,
-        ..EMPTY
-    };
+    let picture =
+        LimbPicture { positions: &positions, triangles: &triangles, values: &values, ..EMPTY };
     let params = RenderParams {
         width_px: 400 + BAR_PX,
         height_px: 400,
         range: Some([0.0, 8.0]),
         ..RenderParams::default()
     };
-    let plain = LimbPicture {
-        value_label: "",
-        ..picture
-    };
+    let plain = LimbPicture { value_label: "", ..picture };
     let svg = limb_row_svg(&[(picture, params), (plain, params)]).unwrap();
     let document = roxmltree::Document::parse(&svg).unwrap();
     let all = |name: &'static str| {

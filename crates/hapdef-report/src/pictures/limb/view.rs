@@ -32,19 +32,11 @@ impl View {
         let right = axes(-sin_a, cos_a, 0.0);
         let up = axes(-sin_e * cos_a, -sin_e * sin_a, cos_e);
         let front = axes(cos_e * cos_a, cos_e * sin_a, sin_e);
-        let drawn = || {
-            picture
-                .triangles
-                .iter()
-                .flatten()
-                .map(|n| &picture.positions[*n as usize])
-        };
+        let drawn = || picture.triangles.iter().flatten().map(|n| &picture.positions[*n as usize]);
         let extent = |axis: &[f64; 3]| {
             drawn()
                 .map(|p| dot(p, axis))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                    (l.min(v), h.max(v))
-                })
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
         };
         let (x, y) = (extent(&right), extent(&up));
         let (w, h) = (x.1 - x.0, y.1 - y.0);
@@ -75,19 +67,12 @@ impl View {
     /// Brightness of a facet, 0.5 to 1, both sides alike: lit from the viewer's upper right.
     pub(super) fn light(&self, [a, b, c]: [[f64; 3]; 3]) -> f64 {
         let (u, v) = (sub(&b, &a), sub(&c, &a));
-        let normal = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
+        let normal =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let length = dot(&normal, &normal).sqrt();
         let sun: [f64; 3] =
             std::array::from_fn(|k| 0.8 * self.front[k] + 0.36 * self.right[k] + 0.48 * self.up[k]);
-        if length > 0.0 {
-            0.5 + 0.5 * dot(&normal, &sun).abs() / length
-        } else {
-            1.0
-        }
+        if length > 0.0 { 0.5 + 0.5 * dot(&normal, &sun).abs() / length } else { 1.0 }
     }
 }
 

@@ -55,11 +55,7 @@ impl Modes {
         matmul(modes.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
         let row = |k: usize| (0..width).map(move |j| (k, j));
         let modes = (0..order.len()).flat_map(row).map(|at| modes[at] as f32);
-        Ok(Self {
-            standardiser,
-            modes: modes.collect(),
-            left_out: 1.0 - kept / total,
-        })
+        Ok(Self { standardiser, modes: modes.collect(), left_out: 1.0 - kept / total })
     }
 
     /// Numbers of a map.
@@ -79,9 +75,7 @@ impl Modes {
         let modes = MatRef::from_row_major_slice(&self.modes, n, width).transpose();
         let mut out = vec![0.0; maps.len() / width * n];
         let blocks = out.par_chunks_mut(ROWS * n);
-        blocks
-            .zip(maps.par_chunks(ROWS * width))
-            .for_each(|(out, maps)| product(maps, modes, out));
+        blocks.zip(maps.par_chunks(ROWS * width)).for_each(|(out, maps)| product(maps, modes, out));
         Ok(out)
     }
 
@@ -91,9 +85,7 @@ impl Modes {
         let modes = MatRef::from_row_major_slice(&self.modes, n, width);
         let mut maps = vec![0.0; coefficients.len() / n * width];
         let blocks = maps.par_chunks_mut(ROWS * width);
-        blocks
-            .zip(coefficients.par_chunks(ROWS * n))
-            .for_each(|(maps, c)| product(c, modes, maps));
+        blocks.zip(coefficients.par_chunks(ROWS * n)).for_each(|(maps, c)| product(c, modes, maps));
         self.standardiser.invert(&mut maps)?;
         Ok(maps)
     }
@@ -132,9 +124,7 @@ mod tests {
         assert_eq!(modes.n(), 3, "the maps have three patterns");
         assert!(modes.left_out < 1e-9, "{}", modes.left_out);
         let others = maps(80);
-        let back = modes
-            .decode(&modes.encode(others.clone()).unwrap())
-            .unwrap();
+        let back = modes.decode(&modes.encode(others.clone()).unwrap()).unwrap();
         for (back, map) in back.iter().zip(&others) {
             assert!((back - map).abs() < 1e-3, "{back} {map}");
         }

@@ -102,9 +102,7 @@ impl Trainer<'_> {
             let net = keep(fit_outputs(self.run, &name, &of, scaled, spec, open)?);
             by_modes.push((target, net, modes));
         }
-        let vectors = by_modes
-            .iter()
-            .find(|(target, ..)| *target == Target::Vector);
+        let vectors = by_modes.iter().find(|(target, ..)| *target == Target::Vector);
         let (_, _, modes) = vectors.context("no modes of the map of vectors")?;
         let open = || self.map_samples(Inputs::Vectors, Some((Target::Vector, modes)));
         let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
@@ -115,9 +113,8 @@ impl Trainer<'_> {
             keep(self.transfer("F_T to vectors", |all| self.truth.virtual_vectors(all))?);
         let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
         stages.push(stage);
-        let (transfer, stage) = self.transfer("F_T on superposed presses", |all| {
-            self.truth.virtual_gauges(all)
-        })?;
+        let (transfer, stage) =
+            self.transfer("F_T on superposed presses", |all| self.truth.virtual_gauges(all))?;
         stages.push(stage);
         let (on_predicted, stage) = self.on_predicted()?;
         stages.push(stage);
@@ -149,10 +146,7 @@ impl Trainer<'_> {
     fn map_samples(&self, inputs: Inputs, by: Option<(Target, &Modes)>) -> Result<MemorySource> {
         let (mut x, mut y) = (vec![], vec![]);
         let mut n_in = 0;
-        for (set, stage) in SampleSet::open_all(self.data)?
-            .iter_mut()
-            .zip(&self.data.simulated)
-        {
+        for (set, stage) in SampleSet::open_all(self.data)?.iter_mut().zip(&self.data.simulated) {
             let mut presses = Presses::open(stage)?;
             n_in = set.n_virtual * inputs.per_gauge();
             for rows in blocks(set.split.train.clone(), BLOCK) {
@@ -262,9 +256,7 @@ impl Trainer<'_> {
                 let maps = maps_of(&mut presses, rows.clone())?;
                 let drawn = presses.drawn(rows.clone())?;
                 let truth = presses.truth(rows)?;
-                let each = maps
-                    .chunks_exact(presses.n_surface)
-                    .zip(drawn.iter().zip(&truth));
+                let each = maps.chunks_exact(presses.n_surface).zip(drawn.iter().zip(&truth));
                 for (map, (drawn, truth)) in each {
                     let (place, force_n) = *truth.first().context("a press of no contact")?;
                     x.push(map[drawn[0].node]);
@@ -274,13 +266,6 @@ impl Trainer<'_> {
             }
             Ok(MemorySource::new(4, 1, x, y)?)
         };
-        fit(
-            self.run,
-            name,
-            of,
-            brief,
-            |_, _| MlpSpec::sensitivity(),
-            open,
-        )
+        fit(self.run, name, of, brief, |_, _| MlpSpec::sensitivity(), open)
     }
 }

@@ -84,28 +84,17 @@ mod tests {
 
     fn grid() -> Vec<Point3<f64>> {
         let at = |i: i32, j: i32| Point3::new(f64::from(i) * 2e-3, f64::from(j) * 2e-3, 0.01);
-        (-4..=4)
-            .flat_map(|i| (-4..=4).map(move |j| at(i, j)))
-            .collect()
+        (-4..=4).flat_map(|i| (-4..=4).map(move |j| at(i, j))).collect()
     }
 
     #[test]
     fn the_top_of_a_quadratic_is_found_and_a_saddle_is_left() {
         let points = grid();
         let across = vec![Vector3::z(); points.len()];
-        let refiner = Refiner {
-            points: &points,
-            across: &across,
-        };
-        let node = points
-            .iter()
-            .position(|p| p.xy().coords.norm() < 1e-9)
-            .unwrap();
+        let refiner = Refiner { points: &points, across: &across };
+        let node = points.iter().position(|p| p.xy().coords.norm() < 1e-9).unwrap();
         let field = |f: fn(f64, f64) -> f64| -> Vec<f32> {
-            points
-                .iter()
-                .map(|p| f(p.x * 1e3, p.y * 1e3) as f32)
-                .collect()
+            points.iter().map(|p| f(p.x * 1e3, p.y * 1e3) as f32).collect()
         };
         let top = field(|x, y| 90.0 - (x - 0.4).powi(2) - 2.0 * (y + 0.7).powi(2) - 0.3 * x * y);
         let found = refiner.peak(&top, node);
@@ -119,9 +108,6 @@ mod tests {
         assert_eq!(refiner.peak(&saddle, node), [0.0, 0.0, 0.01]);
         let far = field(|x, y| -(x - 9.0).powi(2) - y * y);
         let found = refiner.peak(&far, node);
-        assert!(
-            (found[0] - 2e-3).abs() < 1e-9,
-            "no farther than a node: {found:?}"
-        );
+        assert!((found[0] - 2e-3).abs() < 1e-9, "no farther than a node: {found:?}");
     }
 }

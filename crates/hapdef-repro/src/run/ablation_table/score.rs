@@ -78,12 +78,7 @@ impl Tests {
             simulated.extend(frames(stage, test, MOST_SIMULATED, false)?);
         }
         let timed = single.iter().flat_map(Frames::one_by_one);
-        Ok(Self {
-            timed: timed.take(N_TIMED).collect(),
-            single,
-            double,
-            simulated,
-        })
+        Ok(Self { timed: timed.take(N_TIMED).collect(), single, double, simulated })
     }
 
     /// What a row is worth.
@@ -194,9 +189,7 @@ fn frames(
         for &row in block {
             let rows = row..row + 1;
             if has_readings {
-                frames
-                    .readings
-                    .extend(presses.read("readings", rows.clone())?);
+                frames.readings.extend(presses.read("readings", rows.clone())?);
             }
             let virtual_um = presses.read("virtual_gauges", rows.clone())?;
             frames.virtual_um.extend(virtual_um);

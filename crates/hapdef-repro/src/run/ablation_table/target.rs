@@ -48,9 +48,7 @@ impl Target {
         match self {
             Self::Vector => {
                 let vectors = maps.as_chunks::<3>().0.iter();
-                vectors
-                    .map(|[x, y, z]| (x * x + y * y + z * z).sqrt())
-                    .collect()
+                vectors.map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect()
             }
             _ => maps,
         }
@@ -133,17 +131,11 @@ mod tests {
 
     #[test]
     fn parts_and_vectors_add_up_and_magnitudes_do_not() {
-        let rows = [
-            [3.0, 0.0, 4.0, 0.0, 1.0, 0.0],
-            [-3.0, 0.0, 1.0, 2.0, 0.0, 0.0],
-        ];
+        let rows = [[3.0, 0.0, 4.0, 0.0, 1.0, 0.0], [-3.0, 0.0, 1.0, 2.0, 0.0, 0.0]];
         let metres: Vec<f64> = rows.concat().iter().map(|v| v * 1e-6).collect();
         let table = ComplianceTable::new(2, 2, &metres);
         let directions = [Vector3::z(), Vector3::x()];
-        let maps = TrueMaps {
-            table: &table,
-            directions: &directions,
-        };
+        let maps = TrueMaps { table: &table, directions: &directions };
         let press = |node| DrawnContact { node, force_n: 1.0 };
         let presses = [vec![press(0)], vec![press(1)], vec![press(0), press(1)]];
         let adds_up = |target: Target| {
@@ -157,12 +149,7 @@ mod tests {
         assert!(!adds_up(Target::Magnitude));
         let vectors = Target::Vector.field(maps.of(Target::Vector, &presses));
         let magnitudes = maps.of(Target::Magnitude, &presses);
-        assert!(
-            vectors
-                .iter()
-                .zip(&magnitudes)
-                .all(|(a, b)| (a - b).abs() < 1e-6)
-        );
+        assert!(vectors.iter().zip(&magnitudes).all(|(a, b)| (a - b).abs() < 1e-6));
         assert_eq!(maps.of(Target::Normal, &presses)[..2], [4.0, 0.0]);
     }
 
@@ -170,10 +157,7 @@ mod tests {
     fn vectors_of_virtual_gauges_add_up() {
         let metres = [1.0, 2.0, 3.0, -3.0, 0.0, 4.0].map(|um| um * 1e-6);
         let table = ComplianceTable::new(1, 2, &metres);
-        let maps = TrueMaps {
-            table: &table,
-            directions: &[Vector3::z()],
-        };
+        let maps = TrueMaps { table: &table, directions: &[Vector3::z()] };
         let press = |force_n| DrawnContact { node: 0, force_n };
         let presses = [vec![press(1.0)], vec![press(1.0), press(2.0)]];
         let found = maps.virtual_vectors(&presses);

@@ -41,12 +41,7 @@ pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
         log_y: false,
         groups: vec!["position, mm".into(), "force, N".into()],
         series: singles.direct.iter().map(|m| m.name.clone()).collect(),
-        panels: vec![BarPanel {
-            title: "single contacts".into(),
-            values,
-            paper: vec![],
-            spread,
-        }],
+        panels: vec![BarPanel { title: "single contacts".into(), values, paper: vec![], spread }],
     };
     let caption = "Figure 4A: mean errors on single test presses of the rig, straight from \
                    readings; error bars: standard deviation over presses.";
@@ -110,10 +105,7 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
         );
         anyhow::Ok(Figure::lines(file, caption, &chart)?)
     };
-    Ok(vec![
-        chart(0, "figure5a_single.svg", "single")?,
-        chart(1, "figure5a_double.svg", "double")?,
-    ])
+    Ok(vec![chart(0, "figure5a_single.svg", "single")?, chart(1, "figure5a_double.svg", "double")?])
 }
 
 /// Errors of the ablations on single presses against the force.
@@ -157,11 +149,8 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
     if frames.is_empty() {
         return Ok(vec![]);
     }
-    let names = [
-        "lenient, both contacts",
-        "one-to-one, varied contact",
-        "one-to-one, held contact",
-    ];
+    let names =
+        ["lenient, both contacts", "one-to-one, varied contact", "one-to-one, held contact"];
     let mut errors: [Vec<(f64, ContactPair)>; 3] = Default::default();
     for frame in frames {
         let found = scored(&choose(chain, frame, Rule::TopWithSpread)?);
@@ -211,6 +200,5 @@ fn binned(
         *sum = (sum.0 + 1.0, sum.1 + value(pair));
     }
     let bins = sums.iter().enumerate().filter(|(_, sum)| sum.0 > 0.0);
-    bins.map(|(i, (n, sum))| ((i as f64 + 0.5) * width, sum / n))
-        .collect()
+    bins.map(|(i, (n, sum))| ((i as f64 + 0.5) * width, sum / n)).collect()
 }

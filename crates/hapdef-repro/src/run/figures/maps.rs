@@ -10,21 +10,13 @@ use super::surface::{Panel, Surface, marks};
 /// Figures that show the limb from two sides: what stands above, and where the viewer stands, rad.
 const SIDES: [(&str, f64); 2] = [
     ("seen from 30°", std::f64::consts::FRAC_PI_6),
-    (
-        "seen from 210°",
-        std::f64::consts::FRAC_PI_6 + std::f64::consts::PI,
-    ),
+    ("seen from 210°", std::f64::consts::FRAC_PI_6 + std::f64::consts::PI),
 ];
 
 /// Figure 3: displacement for the same force everywhere.
 pub(super) fn rigidity(surface: &Surface, um_per_n: &[f64]) -> Result<Vec<Figure>> {
-    let panel = |title| Panel {
-        title,
-        label: "µm per N",
-        values: um_per_n,
-        range: None,
-        marks: &[],
-    };
+    let panel =
+        |title| Panel { title, label: "µm per N", values: um_per_n, range: None, marks: &[] };
     Ok(vec![
         surface.renders(
             "rigidity-limb.svg",
@@ -48,13 +40,8 @@ pub(super) fn patches(surface: &Surface, limb: &Limb) -> Result<Vec<Figure>> {
     let mut shown = marks(nodes, Mark::Dot);
     let centres = limb.sites.iter().map(|site| site.position.coords.into());
     shown.extend(marks(centres, Mark::Gauge));
-    let panel = |title| Panel {
-        title,
-        label: "",
-        values: &grey,
-        range: Some([0.0, 1.0]),
-        marks: &shown,
-    };
+    let panel =
+        |title| Panel { title, label: "", values: &grey, range: Some([0.0, 1.0]), marks: &shown };
     Ok(vec![
         surface.renders(
             "figure5b-limb.svg",
@@ -78,11 +65,7 @@ pub(super) fn example(surface: &Surface, example: &Example) -> Result<Vec<Figure
     let candidates = marks(example.candidates.iter().map(|c| c.position_m), Mark::Dot);
     let picked = marks(example.picked.iter().map(|c| c.position_m), Mark::Found);
     let all: Vec<LimbMarker> = [&truth[..], &candidates, &picked].concat();
-    let largest = example
-        .truth_um
-        .iter()
-        .copied()
-        .fold(f64::MIN_POSITIVE, f64::max);
+    let largest = example.truth_um.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let panel = |title: &'static str, values, marks| Panel {
         title,
         label: "µm",

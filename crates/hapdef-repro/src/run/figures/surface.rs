@@ -78,23 +78,18 @@ impl Surface {
         panels: &[Panel<'_>],
     ) -> Result<Figure> {
         let points = self.unroll(&self.positions)?;
-        let markers: Vec<Vec<UnrolledMarker>> = panels
-            .iter()
-            .map(|panel| self.unrolled_marks(panel.marks))
-            .collect::<Result<_>>()?;
-        let figures = panels
-            .iter()
-            .zip(&markers)
-            .map(|(panel, markers)| Unrolled {
-                title: panel.title,
-                value_label: panel.label,
-                points: &points,
-                values: panel.values,
-                range: panel.range,
-                markers,
-                arrows: &[],
-                arrow_names: &[],
-            });
+        let markers: Vec<Vec<UnrolledMarker>> =
+            panels.iter().map(|panel| self.unrolled_marks(panel.marks)).collect::<Result<_>>()?;
+        let figures = panels.iter().zip(&markers).map(|(panel, markers)| Unrolled {
+            title: panel.title,
+            value_label: panel.label,
+            points: &points,
+            values: panel.values,
+            range: panel.range,
+            markers,
+            arrows: &[],
+            arrow_names: &[],
+        });
         let figures: Vec<_> = figures.collect();
         Ok(Figure::unrolled(file, caption, &figures)?)
     }
@@ -102,17 +97,12 @@ impl Surface {
     fn unrolled_marks(&self, marks: &[LimbMarker]) -> Result<Vec<UnrolledMarker>> {
         let at: Vec<[f64; 3]> = marks.iter().map(|mark| mark.position).collect();
         let at = self.unroll(&at)?;
-        let marker = |(at, mark): ([f64; 2], &LimbMarker)| UnrolledMarker {
-            at,
-            mark: mark.mark,
-        };
+        let marker = |(at, mark): ([f64; 2], &LimbMarker)| UnrolledMarker { at, mark: mark.mark };
         Ok(at.into_iter().zip(marks).map(marker).collect())
     }
 }
 
 /// Marks of one kind.
 pub(super) fn marks(positions: impl Iterator<Item = [f64; 3]>, mark: Mark) -> Vec<LimbMarker> {
-    positions
-        .map(|position| LimbMarker { position, mark })
-        .collect()
+    positions.map(|position| LimbMarker { position, mark }).collect()
 }

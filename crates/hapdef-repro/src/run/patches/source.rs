@@ -18,11 +18,7 @@ pub(super) struct Patches<'a> {
 
 impl<'a> Patches<'a> {
     pub(super) fn new(table: &'a ComplianceTable, n_gauges: usize, size: usize) -> Self {
-        Self {
-            table,
-            n_gauges,
-            size,
-        }
+        Self { table, n_gauges, size }
     }
 
     /// Virtual gauges in all.
@@ -46,18 +42,16 @@ impl<'a> Patches<'a> {
     fn superpose(&self, presses: &[&Vec<DrawnContact>], virtual_um: &mut [f32], maps: &mut [f32]) {
         let wide = self.table.n_virtual() / self.n_gauges;
         let rows = virtual_um.par_chunks_mut(self.width());
-        rows.zip(maps.par_chunks_mut(self.table.n_surface()))
-            .zip(presses)
-            .for_each_init(
-                || (self.table.scratch(), vec![0.0; self.table.n_virtual()]),
-                |(scratch, all), ((virtual_um, map), contacts)| {
-                    self.table.superpose(contacts, scratch, map, all);
-                    let patches = all.chunks_exact(wide);
-                    for (out, patch) in virtual_um.chunks_exact_mut(self.size).zip(patches) {
-                        out.copy_from_slice(&patch[..self.size]);
-                    }
-                },
-            );
+        rows.zip(maps.par_chunks_mut(self.table.n_surface())).zip(presses).for_each_init(
+            || (self.table.scratch(), vec![0.0; self.table.n_virtual()]),
+            |(scratch, all), ((virtual_um, map), contacts)| {
+                self.table.superpose(contacts, scratch, map, all);
+                let patches = all.chunks_exact(wide);
+                for (out, patch) in virtual_um.chunks_exact_mut(self.size).zip(patches) {
+                    out.copy_from_slice(&patch[..self.size]);
+                }
+            },
+        );
     }
 }
 

@@ -10,12 +10,7 @@ use super::super::chain::forward;
 /// From readings to virtual gauges.
 pub(super) enum Transfer {
     Linear(LinearRegression),
-    Nearest {
-        knn: Knn,
-        standardiser: Standardiser,
-        y: Vec<f32>,
-        width: usize,
-    },
+    Nearest { knn: Knn, standardiser: Standardiser, y: Vec<f32>, width: usize },
     Net(Net),
 }
 
@@ -45,12 +40,7 @@ impl Transfer {
                 linear.predict(readings, &mut out)?;
                 Ok(out)
             }
-            Self::Nearest {
-                knn,
-                standardiser,
-                y,
-                width,
-            } => {
+            Self::Nearest { knn, standardiser, y, width } => {
                 let mut x = readings.to_vec();
                 standardiser.apply(&mut x)?;
                 let found = knn.neighbours(&x, &KnnParams::default())?;

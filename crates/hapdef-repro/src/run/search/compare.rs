@@ -20,19 +20,8 @@ pub(crate) struct CompareArgs {
 /// Fits every searched method with both settings, with the budget of its trials, and scores them.
 pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
     let prepared = prepare(&args.scene, args.patch)?;
-    let header = [
-        "method",
-        "settings",
-        "from",
-        "trials",
-        "tested on",
-        "error",
-        "force, N",
-    ];
-    let mut table = TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: Vec::new(),
-    };
+    let header = ["method", "settings", "from", "trials", "tested on", "error", "force, N"];
+    let mut table = TextTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
     for method in SearchMethod::ALL {
         let place = folder(&args.scene, &prepared.run, method);
         let Some((_, trials)) = found_trials(&place)? else {
@@ -55,17 +44,9 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
          budget of its trials. Error: µm of map or virtual gauges, mm of contacts.\n\n{}",
         table.to_markdown()
     );
-    let path = args
-        .scene
-        .out
-        .join(&prepared.run.scene.name)
-        .join("search/comparison.md");
+    let path = args.scene.out.join(&prepared.run.scene.name).join("search/comparison.md");
     write(&path, &text)?;
-    println!(
-        "{}\n{}",
-        crate::run::summary::terminal_table(&table),
-        path.display()
-    );
+    println!("{}\n{}", crate::run::summary::terminal_table(&table), path.display());
     Ok(())
 }
 
@@ -77,10 +58,7 @@ fn scored(
     (from, values, n_trials): (&str, &KnobValues, usize),
 ) -> Result<Vec<Vec<TextCell>>> {
     let run = &prepared.run;
-    run.say(&format!(
-        "{} with the settings of the {from}",
-        method.name()
-    ));
+    run.say(&format!("{} with the settings of the {from}", method.name()));
     let learner = method.learner(values, &budget(&args.scene, run, method))?;
     let fitted = data.fit(&learner, values, &|| run.stopping())?;
     let row = |(name, rows): &(String, super::data::Rows)| {

@@ -106,12 +106,7 @@ impl MethodData {
     }
 
     fn with_presses(mut self, prepared: &Prepared, with_tests: bool) -> Result<Self> {
-        let stage = &prepared
-            .done
-            .data
-            .as_ref()
-            .context("no datasets")?
-            .rig_single;
+        let stage = &prepared.done.data.as_ref().context("no datasets")?.rig_single;
         self.keys = stage.key.clone();
         let mut reader = DatasetReader::open(&samples_path(stage))?;
         let split = Split::of(reader.n())?;
@@ -146,11 +141,7 @@ impl MethodData {
             let places = places.chunks_exact(3).zip(&forces);
             places.flat_map(|(p, f)| [p[0], p[1], p[2], *f]).collect()
         };
-        Ok(Rows {
-            x: read("readings")?,
-            y,
-            n,
-        })
+        Ok(Rows { x: read("readings")?, y, n })
     }
 
     /// Fits a method to the training samples.
@@ -161,12 +152,7 @@ impl MethodData {
         stop: &dyn Fn() -> bool,
     ) -> Result<Fitted, ReproError> {
         let (x, n_inputs) = self.inputs(&self.train.x, values);
-        let samples = Samples {
-            x: &x,
-            n_inputs,
-            y: &self.train.y,
-            n_outputs: self.n_outputs,
-        };
+        let samples = Samples { x: &x, n_inputs, y: &self.train.y, n_outputs: self.n_outputs };
         learner.fit(&samples, stop)
     }
 
@@ -228,10 +214,9 @@ enum ErrorSums {
 impl ErrorSums {
     fn new(method: SearchMethod, width: usize) -> Self {
         match method {
-            SearchMethod::Direct | SearchMethod::Svr => Self::Contact {
-                distance_m: 0.0,
-                force_n: 0.0,
-            },
+            SearchMethod::Direct | SearchMethod::Svr => {
+                Self::Contact { distance_m: 0.0, force_n: 0.0 }
+            }
             _ => Self::Map(MapErrorSum::new(width)),
         }
     }
@@ -239,10 +224,7 @@ impl ErrorSums {
     fn add(&mut self, truth: &[f32], found: &[f32]) {
         match self {
             Self::Map(sum) => sum.add(truth, found),
-            Self::Contact {
-                distance_m,
-                force_n,
-            } => {
+            Self::Contact { distance_m, force_n } => {
                 for (y, z) in truth.chunks_exact(4).zip(found.chunks_exact(4)) {
                     let square = |i: usize| f64::from(y[i] - z[i]).powi(2);
                     *distance_m += (0..3).map(square).sum::<f64>().sqrt();
@@ -254,17 +236,10 @@ impl ErrorSums {
 
     fn finish(&self, n: usize) -> MethodError {
         match self {
-            Self::Map(sum) => MethodError {
-                main: sum.finish().mean_abs_um,
-                force_n: None,
-            },
-            Self::Contact {
-                distance_m,
-                force_n,
-            } => MethodError {
-                main: distance_m / n as f64 * 1e3,
-                force_n: Some(force_n / n as f64),
-            },
+            Self::Map(sum) => MethodError { main: sum.finish().mean_abs_um, force_n: None },
+            Self::Contact { distance_m, force_n } => {
+                MethodError { main: distance_m / n as f64 * 1e3, force_n: Some(force_n / n as f64) }
+            }
         }
     }
 }

@@ -90,15 +90,9 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
     let header = header(&prepared, method, &budget, &data)?;
     let knobs = method.knobs(prepared.max_patch);
     let (mut log, mut trials) = TrialLog::open(&path, &header)?;
-    run.say(&format!(
-        "{}: {} trials are there",
-        path.display(),
-        trials.len()
-    ));
+    run.say(&format!("{}: {} trials are there", path.display(), trials.len()));
     let start = Instant::now();
-    let limit = args
-        .minutes
-        .map(|m| Duration::from_secs_f64(m.max(0.0) * 60.0));
+    let limit = args.minutes.map(|m| Duration::from_secs_f64(m.max(0.0) * 60.0));
     for index in args.shard.indices(args.trials) {
         if trials.iter().any(|trial| trial.index == index) {
             continue;
@@ -139,17 +133,10 @@ pub(crate) fn prepare(args: &SceneArgs, patch: PatchArg) -> Result<Prepared> {
     run.scene.gauges.patch_nodes = patch.max_patch;
     run.set_seed(run.scene.seed)?;
     let limb = Limb::load(&run.scene, &run.scene_dir).with_context(|| {
-        format!(
-            "patches of {} virtual gauges; --max-patch asks for fewer",
-            patch.max_patch
-        )
+        format!("patches of {} virtual gauges; --max-patch asks for fewer", patch.max_patch)
     })?;
     let done = Pipeline::run(&run, &limb, Until::Dataset)?;
-    Ok(Prepared {
-        run,
-        done,
-        max_patch: patch.max_patch,
-    })
+    Ok(Prepared { run, done, max_patch: patch.max_patch })
 }
 
 /// What a trial may spend.
@@ -158,27 +145,18 @@ pub(crate) fn budget(args: &SceneArgs, run: &Run, method: SearchMethod) -> Trial
         SearchMethod::Reconstruction => args.steps.unwrap_or(MAP_STEPS),
         _ => args.other_steps.unwrap_or(SMALL_STEPS),
     };
-    TrialBudget {
-        steps: steps as u64,
-        n_svr: run.profile.n_svr,
-        seed: run.scene.seed,
-    }
+    TrialBudget { steps: steps as u64, n_svr: run.profile.n_svr, seed: run.scene.seed }
 }
 
 /// Where a method's search lies.
 pub(crate) fn folder(args: &SceneArgs, run: &Run, method: SearchMethod) -> PathBuf {
-    args.out
-        .join(&run.scene.name)
-        .join("search")
-        .join(method.name())
+    args.out.join(&run.scene.name).join("search").join(method.name())
 }
 
 /// Writes a file whole or not at all.
 pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
-    hapdef_mesh::atomic_write(path, |file| {
-        std::io::Write::write_all(file, text.as_bytes())
-    })
-    .with_context(|| format!("writing {}", path.display()))
+    hapdef_mesh::atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))
+        .with_context(|| format!("writing {}", path.display()))
 }
 
 /// What a method's trials rest on.
@@ -224,11 +202,7 @@ fn try_point(
     let outcome = match fitted {
         Ok(fitted) => {
             let error = data.error(&fitted, &values, &data.validation)?;
-            error
-                .main
-                .is_finite()
-                .then_some(error.main)
-                .ok_or_else(|| "no finite error".to_owned())
+            error.main.is_finite().then_some(error.main).ok_or_else(|| "no finite error".to_owned())
         }
         Err(ReproError::Stopped) => {
             let stage = format!("trial {index}");

@@ -12,10 +12,7 @@ use super::world::{InverseWorld, SD, add_noise};
 use crate::ReproError;
 
 const METHOD: &str = "calibration";
-const HONEST: (&str, f64) = (
-    "map error over the larger of that before and the one told",
-    1.2,
-);
+const HONEST: (&str, f64) = ("map error over the larger of that before and the one told", 1.2);
 const REFUSED: (&str, f64) = ("refused", 0.0);
 
 /// Makes presses worse.
@@ -25,23 +22,10 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     let spoilt: [(&str, usize, f64, Spoil); 9] = [
         ("150 good presses", 150, 0.0, |_, _, _| ()),
         ("the fewest presses, 2 per gauge", 20, 0.0, |_, _, _| ()),
-        (
-            "half of the presses with another's readings",
-            150,
-            0.0,
-            swap_half,
-        ),
-        (
-            "half of the presses with 10 × the force",
-            150,
-            0.0,
-            |_, presses, _| {
-                presses
-                    .iter_mut()
-                    .step_by(2)
-                    .for_each(|p| p.force_n *= 10.0);
-            },
-        ),
+        ("half of the presses with another's readings", 150, 0.0, swap_half),
+        ("half of the presses with 10 × the force", 150, 0.0, |_, presses, _| {
+            presses.iter_mut().step_by(2).for_each(|p| p.force_n *= 10.0);
+        }),
         ("presses 20 mm off, told 0", 150, 0.0, move_all),
         ("presses 20 mm off, told 20 mm", 150, 0.02, move_all),
         ("all readings zero", 150, 0.0, |_, presses, _| {
@@ -51,30 +35,19 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             let each = presses.iter_mut().flat_map(|p| &mut p.readings);
             each.for_each(|y| *y *= 1e6);
         }),
-        (
-            "all readings of one gauge negated",
-            150,
-            0.0,
-            |_, presses, _| {
-                presses.iter_mut().for_each(|p| p.readings[3] *= -1.0);
-            },
-        ),
+        ("all readings of one gauge negated", 150, 0.0, |_, presses, _| {
+            presses.iter_mut().for_each(|p| p.readings[3] *= -1.0);
+        }),
     ];
     for (extreme, n, told_m, spoil) in spoilt {
         let w = world.clone();
-        all.push(case(
-            METHOD,
-            extreme,
-            HONEST,
-            StabilityWanted::Either,
-            move || {
-                let mut rng = w.rng(61);
-                let mut presses = draw(&w, n, &mut rng);
-                spoil(&w, &mut presses, &mut rng);
-                let (fitted, before) = (fit(&w, &presses, told_m)?, error(&w, &w.map));
-                Ok(error(&w, &fitted.map) / before.max(fitted.info.relative_error))
-            },
-        ));
+        all.push(case(METHOD, extreme, HONEST, StabilityWanted::Either, move || {
+            let mut rng = w.rng(61);
+            let mut presses = draw(&w, n, &mut rng);
+            spoil(&w, &mut presses, &mut rng);
+            let (fitted, before) = (fit(&w, &presses, told_m)?, error(&w, &w.map));
+            Ok(error(&w, &fitted.map) / before.max(fitted.info.relative_error))
+        }));
     }
     refusals(all, world);
 }
@@ -89,61 +62,32 @@ fn refusals(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
                 press.readings = w.readings(&[(point, press.force_n)]);
             }
         }),
-        (
-            "a reading of NaN",
-            "press 7, gauge 2",
-            60,
-            |_, presses, _| {
-                presses[7].readings[2] = f64::NAN;
-            },
-        ),
-        (
-            "an infinite reading",
-            "press 7, gauge 2",
-            60,
-            |_, presses, _| {
-                presses[7].readings[2] = f64::INFINITY;
-            },
-        ),
-        (
-            "a force of 0",
-            "press 3 has a force of 0 N",
-            60,
-            |_, presses, _| {
-                presses[3].force_n = 0.0;
-            },
-        ),
+        ("a reading of NaN", "press 7, gauge 2", 60, |_, presses, _| {
+            presses[7].readings[2] = f64::NAN;
+        }),
+        ("an infinite reading", "press 7, gauge 2", 60, |_, presses, _| {
+            presses[7].readings[2] = f64::INFINITY;
+        }),
+        ("a force of 0", "press 3 has a force of 0 N", 60, |_, presses, _| {
+            presses[3].force_n = 0.0;
+        }),
     ];
     for (extreme, words, n, spoil) in spoilt {
         let w = world.clone();
-        all.push(case(
-            METHOD,
-            extreme,
-            REFUSED,
-            StabilityWanted::saying(words),
-            move || {
-                let mut rng = w.rng(61);
-                let mut presses = draw(&w, n, &mut rng);
-                spoil(&w, &mut presses, &mut rng);
-                fit(&w, &presses, 0.0)?;
-                Ok(1.0)
-            },
-        ));
+        all.push(case(METHOD, extreme, REFUSED, StabilityWanted::saying(words), move || {
+            let mut rng = w.rng(61);
+            let mut presses = draw(&w, n, &mut rng);
+            spoil(&w, &mut presses, &mut rng);
+            fit(&w, &presses, 0.0)?;
+            Ok(1.0)
+        }));
     }
 }
 
 fn fit(world: &InverseWorld, presses: &[Press], told_m: f64) -> Result<Calibrated, ReproError> {
-    let params = CalibrationParams {
-        position_sd_m: told_m,
-        ..CalibrationParams::new(vec![SD; world.n()])
-    };
-    Ok(Calibrated::fit(
-        &world.map,
-        &world.sites,
-        &[],
-        presses,
-        &params,
-    )?)
+    let params =
+        CalibrationParams { position_sd_m: told_m, ..CalibrationParams::new(vec![SD; world.n()]) };
+    Ok(Calibrated::fit(&world.map, &world.sites, &[], presses, &params)?)
 }
 
 /// The limb that is pressed: gains off by 3 %, and a smooth change of 5 %.
@@ -161,11 +105,7 @@ fn draw(world: &InverseWorld, n: usize, rng: &mut ChaCha8Rng) -> Vec<Press> {
         let force_n = rng.random_range(5.0..34.0);
         let mut readings: Vec<f64> = truth(world, &point).iter().map(|g| g * force_n).collect();
         add_noise(&mut readings, SD, rng);
-        Press {
-            point,
-            force_n,
-            readings,
-        }
+        Press { point, force_n, readings }
     };
     (0..n).map(press).collect()
 }
@@ -195,8 +135,6 @@ fn move_all(world: &InverseWorld, presses: &mut [Press], rng: &mut ChaCha8Rng) {
         let turn = rng.random_range(0.0..std::f64::consts::TAU);
         let [a, b] = skin.tangents(&press.point);
         let far = (a * turn.cos() + b * turn.sin()) * 0.02;
-        press.point = skin
-            .walk(&press.point, &far, hapdef_inverse::AtWall::Slide)
-            .point;
+        press.point = skin.walk(&press.point, &far, hapdef_inverse::AtWall::Slide).point;
     }
 }

@@ -12,10 +12,7 @@ const N: usize = 10;
 const PERIOD_S: f64 = 1e-3;
 
 /// The tare's mean of 200 frames and the row's own of 500 leave 0.08.
-const KEPT: (&str, f64) = (
-    "µε that live gauges miss of a contact; bad ones are not live",
-    0.5,
-);
+const KEPT: (&str, f64) = ("µε that live gauges miss of a contact; bad ones are not live", 0.5);
 const TOUCHED: usize = 1000;
 const N_FRAMES: usize = 3000;
 
@@ -30,39 +27,25 @@ pub(super) fn cases(all: &mut Vec<Case>, seed: u64) {
         ("four gauges saturated while touched", 1.0, |i, g| {
             (i >= TOUCHED && g < 4).then_some(500.0)
         }),
-        ("four gauges saturated from the start", 1.0, |_, g| {
-            (g < 4).then_some(-500.0)
-        }),
+        ("four gauges saturated from the start", 1.0, |_, g| (g < 4).then_some(-500.0)),
         ("seven gauges saturated while touched", 1.0, |i, g| {
             (i >= TOUCHED && g < 7).then_some(500.0)
         }),
-        ("three gauges repeat a value from the start", 1.0, |_, g| {
-            (g < 3).then_some(17.0)
-        }),
+        ("three gauges repeat a value from the start", 1.0, |_, g| (g < 3).then_some(17.0)),
         ("three gauges repeat a value while touched", 1.0, |i, g| {
             (i >= TOUCHED && g < 3).then_some(17.0)
         }),
-        ("one gauge NaN from frame 500 on", 1.0, |i, g| {
-            (i >= 500 && g == 2).then_some(f64::NAN)
-        }),
+        ("one gauge NaN from frame 500 on", 1.0, |i, g| (i >= 500 && g == 2).then_some(f64::NAN)),
         ("one gauge infinite from frame 500 on", 1.0, |i, g| {
             (i >= 500 && g == 2).then_some(f64::INFINITY)
         }),
-        ("one gauge NaN from the start", 1.0, |_, g| {
-            (g == 2).then_some(f64::NAN)
-        }),
+        ("one gauge NaN from the start", 1.0, |_, g| (g == 2).then_some(f64::NAN)),
     ];
     for (extreme, told, fault) in of {
-        all.push(case(
-            METHOD,
-            extreme,
-            KEPT,
-            StabilityWanted::Either,
-            move || {
-                let (missed, _) = play(seed, told, fault)?;
-                Ok(missed)
-            },
-        ));
+        all.push(case(METHOD, extreme, KEPT, StabilityWanted::Either, move || {
+            let (missed, _) = play(seed, told, fault)?;
+            Ok(missed)
+        }));
     }
     frozen(all, seed);
     broken(all, seed);
@@ -72,32 +55,20 @@ pub(super) fn cases(all: &mut Vec<Case>, seed: u64) {
 fn frozen(all: &mut Vec<Case>, seed: u64) {
     let holds = ("gauges that are still live", 0.0);
     let extreme = "all gauges repeat their values from frame 500 on";
-    all.push(case(
-        METHOD,
-        extreme,
-        holds,
-        StabilityWanted::Either,
-        move || {
-            let (_, out) = play(seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
-            Ok(out.live.iter().filter(|live| **live).count() as f64)
-        },
-    ));
+    all.push(case(METHOD, extreme, holds, StabilityWanted::Either, move || {
+        let (_, out) = play(seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
+        Ok(out.live.iter().filter(|live| **live).count() as f64)
+    }));
 }
 
 /// A value beyond any converter, without limits told: refused or masked, never passed on.
 fn broken(all: &mut Vec<Case>, seed: u64) {
     let holds = ("readings that are not finite", 0.0);
-    all.push(case(
-        METHOD,
-        "one gauge at 1e300",
-        holds,
-        StabilityWanted::Either,
-        move || {
-            let (_, out) = play(seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
-            let numbers = out.readings.iter().chain(&out.baseline_sd);
-            Ok(numbers.filter(|v| !v.is_finite()).count() as f64)
-        },
-    ));
+    all.push(case(METHOD, "one gauge at 1e300", holds, StabilityWanted::Either, move || {
+        let (_, out) = play(seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
+        let numbers = out.readings.iter().chain(&out.baseline_sd);
+        Ok(numbers.filter(|v| !v.is_finite()).count() as f64)
+    }));
 }
 
 /// Three seconds, touched after the first: what live gauges miss of the contact on average over the
@@ -122,20 +93,16 @@ fn play(seed: u64, told: f64, fault: Fault) -> Result<(f64, Conditioned), ReproE
         }
         conditioner.step_into(&raw, None, &mut out)?;
         if index >= N_FRAMES - 500 {
-            sums.iter_mut()
-                .zip(&out.readings)
-                .for_each(|(s, r)| *s += r / 500.0);
+            sums.iter_mut().zip(&out.readings).for_each(|(s, r)| *s += r / 500.0);
         }
     }
     if out.phase == TouchPhase::Taring {
         return Err(ReproError::Taring { frames: N_FRAMES });
     }
-    let missed = (0..N)
-        .filter(|&g| out.live[g])
-        .map(|g| match fault(N_FRAMES - 1, g) {
-            Some(_) => f64::INFINITY,
-            None => (sums[g] - contact(g)).abs(),
-        });
+    let missed = (0..N).filter(|&g| out.live[g]).map(|g| match fault(N_FRAMES - 1, g) {
+        Some(_) => f64::INFINITY,
+        None => (sums[g] - contact(g)).abs(),
+    });
     Ok((missed.fold(0.0, f64::max), out))
 }
 

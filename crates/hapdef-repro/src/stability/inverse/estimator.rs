@@ -139,9 +139,8 @@ fn over_pairs(
         true => spread(&world.rim()),
         false => world.draw(N_PAIRS, 0.0, &mut world.rng(31)),
     };
-    let pairs = starts
-        .into_iter()
-        .filter_map(|start| Some([start, world.beside(&start, gap_mm * 1e-3)?]));
+    let pairs =
+        starts.into_iter().filter_map(|start| Some([start, world.beside(&start, gap_mm * 1e-3)?]));
     let one = |truth: [SkinPoint; 2]| {
         let y = world.readings(&[(truth[0], FORCES_N[0]), (truth[1], FORCES_N[1])]);
         let Some(found) = sure(&estimator, &y)? else {
@@ -159,32 +158,21 @@ fn spread(points: &[SkinPoint]) -> Vec<SkinPoint> {
 }
 
 fn borders(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
-    for (extreme, at_clamp) in [
-        ("20 N on the free rim", false),
-        ("20 N on the clamped border", true),
-    ] {
+    for (extreme, at_clamp) in
+        [("20 N on the free rim", false), ("20 N on the clamped border", true)]
+    {
         let w = world.clone();
-        all.push(case(
-            METHOD,
-            extreme,
-            IN_SDS,
-            StabilityWanted::Either,
-            move || {
-                let estimator = w.estimator(SD)?;
-                let rim = w.rim();
-                let n = rim.len().min(20);
-                let part = if at_clamp {
-                    &rim[..n]
-                } else {
-                    &rim[rim.len() - n..]
-                };
-                let one = |point: &SkinPoint| {
-                    let truth = (*point, 20.0);
-                    single_sds(&w, &estimator, truth, &w.readings(&[truth]))
-                };
-                worst(part.iter().map(one))
-            },
-        ));
+        all.push(case(METHOD, extreme, IN_SDS, StabilityWanted::Either, move || {
+            let estimator = w.estimator(SD)?;
+            let rim = w.rim();
+            let n = rim.len().min(20);
+            let part = if at_clamp { &rim[..n] } else { &rim[rim.len() - n..] };
+            let one = |point: &SkinPoint| {
+                let truth = (*point, 20.0);
+                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
+            };
+            worst(part.iter().map(one))
+        }));
     }
 }
 
@@ -192,20 +180,14 @@ fn forces(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     for exponent in -3..=5 {
         let w = world.clone();
         let extreme = format!("a force of 1e{exponent} N");
-        all.push(case(
-            METHOD,
-            extreme,
-            IN_SDS,
-            StabilityWanted::Either,
-            move || {
-                let estimator = w.estimator(SD)?;
-                let one = |point| {
-                    let truth = (point, 10.0_f64.powi(exponent));
-                    single_sds(&w, &estimator, truth, &w.readings(&[truth]))
-                };
-                worst(w.draw(12, 0.0, &mut w.rng(32)).into_iter().map(one))
-            },
-        ));
+        all.push(case(METHOD, extreme, IN_SDS, StabilityWanted::Either, move || {
+            let estimator = w.estimator(SD)?;
+            let one = |point| {
+                let truth = (point, 10.0_f64.powi(exponent));
+                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
+            };
+            worst(w.draw(12, 0.0, &mut w.rng(32)).into_iter().map(one))
+        }));
     }
 }
 
@@ -213,35 +195,24 @@ fn noises(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     type Share = fn(Answers) -> f64;
     // with noise told too small hardly any answer is sure, and those by chance
     let told: [(_, _, _, Share); 2] = [
-        (
-            "10 × too small",
-            0.1,
-            SURE_AND_WRONG,
-            Answers::sure_and_wrong_share,
-        ),
+        ("10 × too small", 0.1, SURE_AND_WRONG, Answers::sure_and_wrong_share),
         ("10 × too large", 10.0, WRONG, Answers::wrong_share),
     ];
     for (words, told, holds, share) in told {
         for k in 0..=2 {
             let w = world.clone();
             let extreme = format!("noise told {words}, {k} contacts of 20 N");
-            all.push(case(
-                METHOD,
-                extreme,
-                holds,
-                StabilityWanted::Either,
-                move || {
-                    let mut rng = w.rng(33 + k as u64);
-                    let frames = (0..N_NOISY_FRAMES).map(|_| {
-                        let truth = w.draw(k, 0.02, &mut rng);
-                        let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
-                        let mut y = w.readings(&contacts);
-                        add_noise(&mut y, SD, &mut rng);
-                        (truth, y)
-                    });
-                    Ok(share(answers(&w, &w.estimator(told * SD)?, frames)?))
-                },
-            ));
+            all.push(case(METHOD, extreme, holds, StabilityWanted::Either, move || {
+                let mut rng = w.rng(33 + k as u64);
+                let frames = (0..N_NOISY_FRAMES).map(|_| {
+                    let truth = w.draw(k, 0.02, &mut rng);
+                    let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
+                    let mut y = w.readings(&contacts);
+                    add_noise(&mut y, SD, &mut rng);
+                    (truth, y)
+                });
+                Ok(share(answers(&w, &w.estimator(told * SD)?, frames)?))
+            }));
         }
     }
 }
@@ -262,22 +233,16 @@ fn bad_readings(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         let w = world.clone();
         let holds = ("at most 5 % of the answers are sure", 0.05);
         let extreme = format!("random readings of {size:.0e} µε");
-        all.push(case(
-            METHOD,
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let mut rng = w.rng(37);
-                let nowhere = (0..N_FRAMES).map(|_| {
-                    let mut y = vec![0.0; w.n()];
-                    add_noise(&mut y, size, &mut rng);
-                    (vec![w.sites.points()[0]; 9], y)
-                });
-                let estimator = w.estimator(SD)?;
-                let sure = nowhere.filter(|(_, y)| sure(&estimator, y).is_ok());
-                Ok(sure.count() as f64 / N_FRAMES as f64)
-            },
-        ));
+        all.push(case(METHOD, extreme, holds, StabilityWanted::Either, move || {
+            let mut rng = w.rng(37);
+            let nowhere = (0..N_FRAMES).map(|_| {
+                let mut y = vec![0.0; w.n()];
+                add_noise(&mut y, size, &mut rng);
+                (vec![w.sites.points()[0]; 9], y)
+            });
+            let estimator = w.estimator(SD)?;
+            let sure = nowhere.filter(|(_, y)| sure(&estimator, y).is_ok());
+            Ok(sure.count() as f64 / N_FRAMES as f64)
+        }));
     }
 }

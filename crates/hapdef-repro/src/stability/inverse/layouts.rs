@@ -21,9 +21,7 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         ("one gauge, all alike", |_| (0, 1.0)),
         ("one gauge blind", |i| (i, if i == 4 { 0.0 } else { 1.0 })),
         ("half of the gauges blind", |i| (i, (i % 2) as f64)),
-        ("all but three gauges blind", |i| {
-            (i, f64::from(u8::from(i % 4 == 0)))
-        }),
+        ("all but three gauges blind", |i| (i, f64::from(u8::from(i % 4 == 0)))),
         ("gains 1e-6 … 1e6, noise the same", |i| (i, gain(i))),
     ];
     for (extreme, of) in of {
@@ -37,13 +35,9 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
         ));
         let w = world.clone();
         let extreme = format!("{extreme}; 2 × 20 N");
-        all.push(case(
-            METHOD,
-            extreme,
-            WRONG,
-            StabilityWanted::Either,
-            move || doubles(&w.regauged(of)?),
-        ));
+        all.push(case(METHOD, extreme, WRONG, StabilityWanted::Either, move || {
+            doubles(&w.regauged(of)?)
+        }));
     }
     blind(all, world);
     gains(all, world);
@@ -99,74 +93,56 @@ fn gains(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     let w = world.clone();
     let holds = ("mm that the answer differs from that with gains of 1", 1e-3);
     let extreme = "gains 1e-6 … 1e6, noise alike; 20 N";
-    all.push(case(
-        METHOD,
-        extreme,
-        holds,
-        StabilityWanted::Result,
-        move || {
-            let changed = w.regauged(|i| (i, gain(i)))?;
-            let noise = NoiseParams {
-                gauge_sd: (0..w.n()).map(|i| SD * gain(i)).collect(),
-                ..NoiseParams::uniform(w.n(), SD)
+    all.push(case(METHOD, extreme, holds, StabilityWanted::Result, move || {
+        let changed = w.regauged(|i| (i, gain(i)))?;
+        let noise = NoiseParams {
+            gauge_sd: (0..w.n()).map(|i| SD * gain(i)).collect(),
+            ..NoiseParams::uniform(w.n(), SD)
+        };
+        let (plain, other) = (w.estimator(SD)?, changed.estimator_with(noise)?);
+        let mut rng = w.rng(43);
+        let one = |point: SkinPoint| {
+            let mut y = w.readings(&[(point, 20.0)]);
+            add_noise(&mut y, SD, &mut rng);
+            let scaled: Vec<f64> = y.iter().enumerate().map(|(i, y)| y * gain(i)).collect();
+            let (Some(a), Some(b)) = (sure(&plain, &y)?, sure(&other, &scaled)?) else {
+                return Ok(f64::NAN);
             };
-            let (plain, other) = (w.estimator(SD)?, changed.estimator_with(noise)?);
-            let mut rng = w.rng(43);
-            let one = |point: SkinPoint| {
-                let mut y = w.readings(&[(point, 20.0)]);
-                add_noise(&mut y, SD, &mut rng);
-                let scaled: Vec<f64> = y.iter().enumerate().map(|(i, y)| y * gain(i)).collect();
-                let (Some(a), Some(b)) = (sure(&plain, &y)?, sure(&other, &scaled)?) else {
-                    return Ok(f64::NAN);
-                };
-                if a.contacts.len() != b.contacts.len() {
-                    return Ok(f64::INFINITY);
-                }
-                let pairs = a.contacts.iter().zip(&b.contacts);
-                let far = pairs.map(|(a, b)| (a.position_m - b.position_m).norm() * 1e3);
-                Ok(far.fold(0.0, f64::max))
-            };
-            let points = w.draw(12, 0.0, &mut w.rng(44));
-            worst(points.into_iter().map(one))
-        },
-    ));
+            if a.contacts.len() != b.contacts.len() {
+                return Ok(f64::INFINITY);
+            }
+            let pairs = a.contacts.iter().zip(&b.contacts);
+            let far = pairs.map(|(a, b)| (a.position_m - b.position_m).norm() * 1e3);
+            Ok(far.fold(0.0, f64::max))
+        };
+        let points = w.draw(12, 0.0, &mut w.rng(44));
+        worst(points.into_iter().map(one))
+    }));
 }
 
 fn dead(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     for n_live in [3, 4, 6] {
         let w = world.clone();
         let extreme = format!("all gauges but {n_live} dead; 20 N");
-        all.push(case(
-            METHOD,
-            extreme,
-            WRONG,
-            StabilityWanted::Either,
-            move || {
-                let live: Vec<bool> = (0..w.n()).map(|i| i < n_live).collect();
-                let mut rng = w.rng(45);
-                let frames = (0..40).map(|_| {
-                    let truth = w.draw(1, 0.0, &mut rng);
-                    let mut y = w.readings(&[(truth[0], 20.0)]);
-                    add_noise(&mut y, SD, &mut rng);
-                    y[n_live..].fill(f64::NAN);
-                    (truth, y)
-                });
-                Ok(answers(&w, &w.estimator(SD)?.masked(&live)?, frames)?.wrong_share())
-            },
-        ));
+        all.push(case(METHOD, extreme, WRONG, StabilityWanted::Either, move || {
+            let live: Vec<bool> = (0..w.n()).map(|i| i < n_live).collect();
+            let mut rng = w.rng(45);
+            let frames = (0..40).map(|_| {
+                let truth = w.draw(1, 0.0, &mut rng);
+                let mut y = w.readings(&[(truth[0], 20.0)]);
+                add_noise(&mut y, SD, &mut rng);
+                y[n_live..].fill(f64::NAN);
+                (truth, y)
+            });
+            Ok(answers(&w, &w.estimator(SD)?.masked(&live)?, frames)?.wrong_share())
+        }));
     }
     let w = world.clone();
     let wanted = StabilityWanted::saying("2 gauges are alive");
     let holds = ("two gauges are refused", 0.0);
-    all.push(case(
-        METHOD,
-        "all gauges but 2 dead",
-        holds,
-        wanted,
-        move || {
-            let live: Vec<bool> = (0..w.n()).map(|i| i < 2).collect();
-            w.estimator(SD)?.masked(&live)?;
-            Ok(1.0)
-        },
-    ));
+    all.push(case(METHOD, "all gauges but 2 dead", holds, wanted, move || {
+        let live: Vec<bool> = (0..w.n()).map(|i| i < 2).collect();
+        w.estimator(SD)?.masked(&live)?;
+        Ok(1.0)
+    }));
 }

@@ -34,31 +34,21 @@ pub(super) fn cases(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
             y[3..].fill(f64::NAN);
         }),
         ("20 N, every 50th frame of 1e9", SD, 20.0, |i, y| {
-            y.iter_mut()
-                .for_each(|y| *y = if i % 50 == 0 { 1e9 } else { *y });
+            y.iter_mut().for_each(|y| *y = if i % 50 == 0 { 1e9 } else { *y });
         }),
-        (
-            "20 N, after 1000 frames of noise of 1e6",
-            SD,
-            20.0,
-            |i, y| {
-                let wave = |g: usize| 1e6 * ((g + 1) as f64 * 0.7 * i as f64).sin();
-                let is_garbage = i < 1000;
-                y.iter_mut()
-                    .enumerate()
-                    .for_each(|(g, y)| *y += if is_garbage { wave(g) } else { 0.0 });
-            },
-        ),
+        ("20 N, after 1000 frames of noise of 1e6", SD, 20.0, |i, y| {
+            let wave = |g: usize| 1e6 * ((g + 1) as f64 * 0.7 * i as f64).sin();
+            let is_garbage = i < 1000;
+            y.iter_mut()
+                .enumerate()
+                .for_each(|(g, y)| *y += if is_garbage { wave(g) } else { 0.0 });
+        }),
     ];
     for (extreme, told, force_n, change) in plays {
         let w = world.clone();
-        all.push(case(
-            METHOD,
-            extreme,
-            FOUND,
-            StabilityWanted::Either,
-            move || held(&w, told, force_n, change),
-        ));
+        all.push(case(METHOD, extreme, FOUND, StabilityWanted::Either, move || {
+            held(&w, told, force_n, change)
+        }));
     }
     quiet(all, world);
     garbage(all, world);
@@ -75,9 +65,7 @@ fn step(
     let frame = tracker.step(y, None)?.clone();
     let mut outcome = SearchOutcome::default();
     let is_asked = match tracker.wanted_search() {
-        Some(request) => request
-            .run(estimator, scratch, &mut outcome)
-            .map(|()| true)?,
+        Some(request) => request.run(estimator, scratch, &mut outcome).map(|()| true)?,
         None => false,
     };
     if is_asked {
@@ -114,74 +102,52 @@ fn held(world: &InverseWorld, told: f64, force_n: f64, change: Change) -> Result
 
 /// Nothing touches.
 fn quiet(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
-    for (words, told) in [
-        ("right", 1.0),
-        ("10 × too large", 10.0),
-        ("10 × too small", 0.1),
-    ] {
+    for (words, told) in [("right", 1.0), ("10 × too large", 10.0), ("10 × too small", 0.1)] {
         let w = world.clone();
-        let holds = (
-            "at most 1 % of the frames have a contact and are sure",
-            0.01,
-        );
+        let holds = ("at most 1 % of the frames have a contact and are sure", 0.01);
         let extreme = format!("nothing touches, noise told {words}");
-        all.push(case(
-            METHOD,
-            extreme,
-            holds,
-            StabilityWanted::Either,
-            move || {
-                let estimator = w.estimator(told * SD)?;
-                let mut scratch = estimator.scratch();
-                let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
-                let (mut rng, mut n_wrong) = (w.rng(52), 0);
-                for _ in 0..2000 {
-                    let mut y = vec![0.0; w.n()];
-                    add_noise(&mut y, SD, &mut rng);
-                    let found = step(&estimator, &mut scratch, &mut tracker, &y)?;
-                    let is_sure = !matches!(found.verdict, Verdict::NotIdentifiable(_));
-                    n_wrong += usize::from(is_sure && !found.contacts.is_empty());
-                }
-                Ok(n_wrong as f64 / 2000.0)
-            },
-        ));
+        all.push(case(METHOD, extreme, holds, StabilityWanted::Either, move || {
+            let estimator = w.estimator(told * SD)?;
+            let mut scratch = estimator.scratch();
+            let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+            let (mut rng, mut n_wrong) = (w.rng(52), 0);
+            for _ in 0..2000 {
+                let mut y = vec![0.0; w.n()];
+                add_noise(&mut y, SD, &mut rng);
+                let found = step(&estimator, &mut scratch, &mut tracker, &y)?;
+                let is_sure = !matches!(found.verdict, Verdict::NotIdentifiable(_));
+                n_wrong += usize::from(is_sure && !found.contacts.is_empty());
+            }
+            Ok(n_wrong as f64 / 2000.0)
+        }));
     }
 }
 
 /// Noise whose size jumps by up to twelve decades.
 fn garbage(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     let w = world.clone();
-    let holds = (
-        "numbers are finite; work of a frame over what is allowed",
-        1.0,
-    );
+    let holds = ("numbers are finite; work of a frame over what is allowed", 1.0);
     let extreme = "noise of 1e-3 … 1e9, another size every 97 frames";
-    all.push(case(
-        METHOD,
-        extreme,
-        holds,
-        StabilityWanted::Result,
-        move || {
-            let estimator = w.estimator(SD)?;
-            let params = TrackerParams::default();
-            let mut tracker = ContactTracker::new(&estimator, params)?;
-            let (mut rng, mut size, mut most) = (w.rng(53), 1.0, 0);
-            for index in 0..4000 {
-                if index % 97 == 0 {
-                    size = 10.0_f64.powf(rng.random_range(-3.0..9.0));
-                }
-                let mut y = vec![0.0; w.n()];
-                add_noise(&mut y, size, &mut rng);
-                let found = tracker.step(&y, None)?;
-                if !is_finite(found) {
-                    return Ok(f64::NAN);
-                }
-                let info = &found.info;
-                most = most.max(info.n_trials + info.n_pair_rows + 8 * info.n_scans);
+    all.push(case(METHOD, extreme, holds, StabilityWanted::Result, move || {
+        let estimator = w.estimator(SD)?;
+        let params = TrackerParams::default();
+        let mut tracker = ContactTracker::new(&estimator, params)?;
+        let (mut rng, mut size, mut most) = (w.rng(53), 1.0, 0);
+        for index in 0..4000 {
+            if index % 97 == 0 {
+                size = 10.0_f64.powf(rng.random_range(-3.0..9.0));
             }
-            Ok(most as f64 / params.steps_per_frame as f64)
-        },
-    ));
+            let mut y = vec![0.0; w.n()];
+            add_noise(&mut y, size, &mut rng);
+            let found = tracker.step(&y, None)?;
+            if !is_finite(found) {
+                return Ok(f64::NAN);
+            }
+            let info = &found.info;
+            most = most.max(info.n_trials + info.n_pair_rows + 8 * info.n_scans);
+        }
+        Ok(most as f64 / params.steps_per_frame as f64)
+    }));
 }
 
 fn is_finite(found: &TrackedFrame) -> bool {
@@ -208,21 +174,15 @@ fn refusals(all: &mut Vec<Case>, world: &Arc<InverseWorld>) {
     }
     let w = world.clone();
     let holds = ("refused, or all numbers finite", 0.0);
-    all.push(case(
-        METHOD,
-        "a reading of 1e300",
-        holds,
-        StabilityWanted::Either,
-        move || {
-            let estimator = w.estimator(SD)?;
-            let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
-            let mut n_bad = 0;
-            for index in 0..500 {
-                let mut y = vec![0.0; w.n()];
-                y[7] = if index > 200 { 1e300 } else { 0.0 };
-                n_bad += usize::from(!is_finite(tracker.step(&y, None)?));
-            }
-            Ok(n_bad as f64)
-        },
-    ));
+    all.push(case(METHOD, "a reading of 1e300", holds, StabilityWanted::Either, move || {
+        let estimator = w.estimator(SD)?;
+        let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
+        let mut n_bad = 0;
+        for index in 0..500 {
+            let mut y = vec![0.0; w.n()];
+            y[7] = if index > 200 { 1e300 } else { 0.0 };
+            n_bad += usize::from(!is_finite(tracker.step(&y, None)?));
+        }
+        Ok(n_bad as f64)
+    }));
 }

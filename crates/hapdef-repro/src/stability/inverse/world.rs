@@ -48,12 +48,7 @@ impl InverseWorld {
         seed: u64,
     ) -> Result<Self, ReproError> {
         let sites = ScanSites::farthest(map.skin(), N_SITES)?;
-        Ok(Self {
-            map: Arc::new(map),
-            sites: Arc::new(sites),
-            clamped_m,
-            seed,
-        })
+        Ok(Self { map: Arc::new(map), sites: Arc::new(sites), clamped_m, seed })
     }
 
     pub(super) fn n(&self) -> usize {
@@ -229,14 +224,10 @@ pub(super) fn is_unseen(y: &[f64]) -> bool {
 }
 
 /// What the wrong ones of the sure answers must be, and of all frames.
-pub(super) const WRONG: (&str, f64) = (
-    "at most 5 % of the sure answers are wrong in count or by over 10 mm",
-    0.05,
-);
-pub(super) const SURE_AND_WRONG: (&str, f64) = (
-    "at most 1 % of the frames are sure and wrong in count or by over 10 mm",
-    0.01,
-);
+pub(super) const WRONG: (&str, f64) =
+    ("at most 5 % of the sure answers are wrong in count or by over 10 mm", 0.05);
+pub(super) const SURE_AND_WRONG: (&str, f64) =
+    ("at most 1 % of the frames are sure and wrong in count or by over 10 mm", 0.01);
 
 /// Answers to frames of contacts.
 #[derive(Clone, Copy, Debug, Default)]

@@ -25,71 +25,19 @@ struct World {
     jump: (u64, i64),
 }
 
-const PLAIN: World = World {
-    drift_ppm: 0.0,
-    jitter_ns: 1_000_000,
-    device_0_us: 0,
-    jump: (u64::MAX, 0),
-};
+const PLAIN: World =
+    World { drift_ppm: 0.0, jitter_ns: 1_000_000, device_0_us: 0, jump: (u64::MAX, 0) };
 
 pub(super) fn cases(seed: u64) -> Vec<Case> {
     let worlds: [(&str, World); 8] = [
-        (
-            "the device runs 500 ppm fast",
-            World {
-                drift_ppm: 500.0,
-                ..PLAIN
-            },
-        ),
-        (
-            "the device runs 500 ppm slow",
-            World {
-                drift_ppm: -500.0,
-                ..PLAIN
-            },
-        ),
-        (
-            "frames up to 20 ms late",
-            World {
-                jitter_ns: 20_000_000,
-                ..PLAIN
-            },
-        ),
-        (
-            "no jitter at all",
-            World {
-                jitter_ns: 0,
-                ..PLAIN
-            },
-        ),
-        (
-            "the device's time begins at 2⁶³ µs",
-            World {
-                device_0_us: 1 << 63,
-                ..PLAIN
-            },
-        ),
-        (
-            "the device's time passes 2⁶⁴ µs",
-            World {
-                device_0_us: u64::MAX - 9_000_000,
-                ..PLAIN
-            },
-        ),
-        (
-            "the device's time jumps an hour ahead",
-            World {
-                jump: (5000, 3_600_000_000),
-                ..PLAIN
-            },
-        ),
-        (
-            "the device's time jumps 3 s back",
-            World {
-                jump: (5000, -3_000_000),
-                ..PLAIN
-            },
-        ),
+        ("the device runs 500 ppm fast", World { drift_ppm: 500.0, ..PLAIN }),
+        ("the device runs 500 ppm slow", World { drift_ppm: -500.0, ..PLAIN }),
+        ("frames up to 20 ms late", World { jitter_ns: 20_000_000, ..PLAIN }),
+        ("no jitter at all", World { jitter_ns: 0, ..PLAIN }),
+        ("the device's time begins at 2⁶³ µs", World { device_0_us: 1 << 63, ..PLAIN }),
+        ("the device's time passes 2⁶⁴ µs", World { device_0_us: u64::MAX - 9_000_000, ..PLAIN }),
+        ("the device's time jumps an hour ahead", World { jump: (5000, 3_600_000_000), ..PLAIN }),
+        ("the device's time jumps 3 s back", World { jump: (5000, -3_000_000), ..PLAIN }),
     ];
     let mut all = Vec::new();
     for (extreme, world) in worlds {
@@ -98,25 +46,10 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
             let world = Rc::clone(&world);
             move || Ok(figure(world.measured(seed)))
         };
-        let error = (
-            "µs from the true time of a frame, 99 %, once settled",
-            500.0,
-        );
+        let error = ("µs from the true time of a frame, 99 %, once settled", 500.0);
         let order = ("frames whose time goes back", 0.0);
-        all.push(case(
-            "clock",
-            extreme,
-            error,
-            Wanted,
-            of(|(error, _)| error),
-        ));
-        all.push(case(
-            "clock",
-            extreme,
-            order,
-            Wanted,
-            of(|(_, n_back)| n_back),
-        ));
+        all.push(case("clock", extreme, error, Wanted, of(|(error, _)| error)));
+        all.push(case("clock", extreme, order, Wanted, of(|(_, n_back)| n_back)));
     }
     all
 }

@@ -20,10 +20,7 @@ pub(super) fn cases() -> Vec<Case> {
         all.push(case(
             "compliance",
             format!("{size_m_per_n:e} m/N"),
-            (
-                "the largest displacement of 10 N read back, relative error",
-                1e-6,
-            ),
+            ("the largest displacement of 10 N read back, relative error", 1e-6),
             Wanted,
             move || {
                 let back = in_folder(|path| {
@@ -42,11 +39,7 @@ pub(super) fn cases() -> Vec<Case> {
             Wanted,
             move || {
                 let table = table(USUAL_M_PER_N);
-                Ok(worst_error(
-                    &table,
-                    USUAL_M_PER_N,
-                    &[(0, force_n), (3, force_n)],
-                ))
+                Ok(worst_error(&table, USUAL_M_PER_N, &[(0, force_n), (3, force_n)]))
             },
         ));
     }
@@ -77,15 +70,9 @@ fn refusals() -> [Case; 5] {
         )
     };
     [
-        refused("an entry is NaN", "NaN", |path| {
-            spoilt(path, |rows| rows[7] = f64::NAN)
-        }),
-        refused("an entry is beyond 32 bits", "inf", |path| {
-            spoilt(path, |rows| rows[7] = 1e39)
-        }),
-        refused("the file's last byte is missing", "", |path| {
-            cut(path, 0.999)
-        }),
+        refused("an entry is NaN", "NaN", |path| spoilt(path, |rows| rows[7] = f64::NAN)),
+        refused("an entry is beyond 32 bits", "inf", |path| spoilt(path, |rows| rows[7] = 1e39)),
+        refused("the file's last byte is missing", "", |path| cut(path, 0.999)),
         refused("half the file is missing", "", |path| cut(path, 0.5)),
         refused("the table of another limb", "expected 6 loads", |path| {
             table(USUAL_M_PER_N).write(path)?;
@@ -106,10 +93,8 @@ fn table(size_m_per_n: f64) -> ComplianceTable {
 }
 
 fn largest_m(table: &ComplianceTable, contacts: &[(usize, f64)]) -> f64 {
-    let contacts: Vec<DrawnContact> = contacts
-        .iter()
-        .map(|&(node, force_n)| DrawnContact { node, force_n })
-        .collect();
+    let contacts: Vec<DrawnContact> =
+        contacts.iter().map(|&(node, force_n)| DrawnContact { node, force_n }).collect();
     let mut scratch = table.scratch();
     let vectors = table.vectors(&contacts, &mut scratch).iter().flatten();
     vectors.fold(0.0, |most: f64, u| most.max(u.abs()))

@@ -9,16 +9,7 @@ use crate::ReproError;
 use crate::stability::row::{Case, case};
 
 /// Values at the ends of what 32 bits hold.
-const ENDS: [f32; 8] = [
-    f32::MAX,
-    f32::MIN,
-    f32::MIN_POSITIVE,
-    1e-45,
-    -1e-45,
-    0.0,
-    -0.0,
-    1.0,
-];
+const ENDS: [f32; 8] = [f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 0.0, -0.0, 1.0];
 
 const N_ROWS: usize = 6;
 
@@ -67,31 +58,15 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn refusals() -> [Case; 6] {
     let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        case(
-            "dataset",
-            extreme,
-            ("it is refused", 0.0),
-            StabilityWanted::saying(words),
-            run,
-        )
+        case("dataset", extreme, ("it is refused", 0.0), StabilityWanted::saying(words), run)
     };
     [
-        refused("a value is NaN", "NaN", || {
-            in_folder(|path| write(path, &[1.0, f32::NAN]))
-        }),
-        refused("a value is infinite", "inf", || {
-            in_folder(|path| write(path, &[f32::INFINITY]))
-        }),
-        refused("the file's second half is missing", "", || {
-            in_folder(|path| cut(path, 0.5))
-        }),
-        refused("the file's last byte is missing", "", || {
-            in_folder(|path| cut(path, 0.999))
-        }),
+        refused("a value is NaN", "NaN", || in_folder(|path| write(path, &[1.0, f32::NAN]))),
+        refused("a value is infinite", "inf", || in_folder(|path| write(path, &[f32::INFINITY]))),
+        refused("the file's second half is missing", "", || in_folder(|path| cut(path, 0.5))),
+        refused("the file's last byte is missing", "", || in_folder(|path| cut(path, 0.999))),
         refused("the file is empty", "", || in_folder(|path| cut(path, 0.0))),
-        refused("four samples to be split", "4", || {
-            Ok(Split::of(4)?.n() as f64)
-        }),
+        refused("four samples to be split", "4", || Ok(Split::of(4)?.n() as f64)),
     ]
 }
 

@@ -40,13 +40,7 @@ pub(super) fn cases() -> Vec<Case> {
     };
     let none = "peaks";
     all.extend([
-        field(
-            "a field of NaN",
-            none,
-            0.0,
-            || vec![f32::NAN; SIDE * SIDE],
-            0.0,
-        ),
+        field("a field of NaN", none, 0.0, || vec![f32::NAN; SIDE * SIDE], 0.0),
         field("a field of 0", none, 0.0, || vec![0.0; SIDE * SIDE], 0.0),
         field("a floor of NaN", none, 0.0, || hills(1.0), f32::NAN),
         field(
@@ -74,19 +68,11 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn refusals() -> [Case; 4] {
     let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        case(
-            "k-Max",
-            extreme,
-            ("it is refused", 0.0),
-            StabilityWanted::saying(words),
-            run,
-        )
+        case("k-Max", extreme, ("it is refused", 0.0), StabilityWanted::saying(words), run)
     };
     [
         refused("one point", "1 points", || graph_of(&[[0.0; 3]])),
-        refused("a point is NaN", "point 1", || {
-            graph_of(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]])
-        }),
+        refused("a point is NaN", "point 1", || graph_of(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]])),
         refused("a radius of 0", "radius", || {
             Ok(KMaxParams::spanning_radius(&plate(GAP_M), 0.0)?.k_neighbours as f64)
         }),
@@ -126,9 +112,7 @@ fn peaks(gap_m: f64, field: &[f32], floor: f32) -> Result<Vec<Peak>, ReproError>
 
 fn wrong_peaks(gap_m: f64, field: &[f32], floor: f32) -> Result<f64, ReproError> {
     let found = peaks(gap_m, field, floor)?;
-    let missing = HILLS
-        .iter()
-        .filter(|top| found.iter().all(|p| p.node != **top));
+    let missing = HILLS.iter().filter(|top| found.iter().all(|p| p.node != **top));
     let further = found.iter().filter(|p| !HILLS.contains(&p.node));
     Ok((missing.count() + further.count()) as f64)
 }

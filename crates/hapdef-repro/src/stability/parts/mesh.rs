@@ -24,10 +24,7 @@ pub(super) fn cases() -> Vec<Case> {
         all.push(case(
             "mesh",
             format!("elements {stretch:e} times longer than wide"),
-            (
-                "its volume grows with the length, relative error",
-                ROUND_OFF,
-            ),
+            ("its volume grows with the length, relative error", ROUND_OFF),
             Wanted,
             move || volume_error(|p| Point3::new(p.x * stretch, p.y, p.z), stretch),
         ));
@@ -56,27 +53,17 @@ pub(super) fn cases() -> Vec<Case> {
 /// Meshes that are none.
 fn refusals() -> [Case; 5] {
     let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        case(
-            "mesh",
-            extreme,
-            ("it is refused", 0.0),
-            StabilityWanted::saying(words),
-            run,
-        )
+        case("mesh", extreme, ("it is refused", 0.0), StabilityWanted::saying(words), run)
     };
     [
-        refused("a coordinate is NaN", "NaN", || {
-            with_nodes(|nodes| nodes[7].x = f64::NAN)
-        }),
+        refused("a coordinate is NaN", "NaN", || with_nodes(|nodes| nodes[7].x = f64::NAN)),
         refused("a coordinate is infinite", "inf", || {
             with_nodes(|nodes| nodes[7].y = f64::INFINITY)
         }),
         refused("turned inside out", "volume", || {
             with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = -p.z))
         }),
-        refused("flat", "volume", || {
-            with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))
-        }),
+        refused("flat", "volume", || with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))),
         refused("an element names a node that is not there", "node", || {
             let mesh = block(|p| p)?;
             let mut elements = mesh.elements().to_vec();
@@ -104,9 +91,7 @@ fn relative(value: f64, expected: f64) -> f64 {
 
 fn volume(mesh: &Tet10Mesh) -> f64 {
     let n = mesh.elements().len();
-    (0..n)
-        .map(|e| tet10::volume(&mesh.element_positions(e)))
-        .sum()
+    (0..n).map(|e| tet10::volume(&mesh.element_positions(e))).sum()
 }
 
 /// A cube of 0.1 m with straight edges, mapped.

@@ -37,23 +37,15 @@ pub(super) fn cases() -> Vec<Case> {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 0x55;
     }));
-    all.extend(pair(
-        "1 MB of zeros in the middle".to_owned(),
-        1.0,
-        |bytes| {
-            let middle = bytes.len() / 2;
-            bytes.splice(middle..middle, vec![0; 1 << 20]);
-        },
-    ));
+    all.extend(pair("1 MB of zeros in the middle".to_owned(), 1.0, |bytes| {
+        let middle = bytes.len() / 2;
+        bytes.splice(middle..middle, vec![0; 1 << 20]);
+    }));
     let refused = |extreme: &str, change: fn(&mut Vec<u8>)| {
         let must_hold = ("it is refused", 0.0);
-        case(
-            "recorder",
-            extreme,
-            must_hold,
-            StabilityWanted::saying("record"),
-            move || Ok(f64::from(damaged(change)?.n_right)),
-        )
+        case("recorder", extreme, must_hold, StabilityWanted::saying("record"), move || {
+            Ok(f64::from(damaged(change)?.n_right))
+        })
     };
     all.extend([
         refused("an empty file", Vec::clear),
@@ -67,10 +59,7 @@ pub(super) fn cases() -> Vec<Case> {
 /// Nothing wrong is saved, and no more is lost than a chunk around the damage.
 fn pair(extreme: String, left: f64, change: impl Fn(&mut Vec<u8>) + Copy + 'static) -> [Case; 2] {
     let wrong = ("frames saved that are wrong or out of order", 0.0);
-    let lost = (
-        "share of the frames lost that the file still had",
-        CHUNK_SHARE,
-    );
+    let lost = ("share of the frames lost that the file still had", CHUNK_SHARE);
     [
         case("recorder", extreme.clone(), wrong, Wanted, move || {
             Ok(f64::from(damaged(change)?.n_wrong))
@@ -118,15 +107,9 @@ fn recorded(path: &Path) -> Result<(), ReproError> {
         source.poll(Duration::ZERO, &mut |message| messages.push(message));
     }
     let replay = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
-    let params = AcquireParams {
-        ring_len: N_FRAMES as usize + 100,
-        ..AcquireParams::default()
-    };
+    let params = AcquireParams { ring_len: N_FRAMES as usize + 100, ..AcquireParams::default() };
     let (_acquisition, mut receivers) = acquire(replay, params)?;
-    let params = RecordParams {
-        min_free_bytes: 1 << 20,
-        ..RecordParams::default()
-    };
+    let params = RecordParams { min_free_bytes: 1 << 20, ..RecordParams::default() };
     let recorder = record(receivers.remove(0), path, params)?;
     while recorder.stats().n_frames < u64::from(N_FRAMES) {
         std::thread::sleep(Duration::from_millis(2));
@@ -137,22 +120,12 @@ fn recorded(path: &Path) -> Result<(), ReproError> {
 
 fn saved(path: &Path) -> Result<Saved, ReproError> {
     let mut recording = Recording::open(path)?;
-    let (mut saved, mut next) = (
-        Saved {
-            n_wrong: 0,
-            n_right: 0,
-        },
-        0,
-    );
+    let (mut saved, mut next) = (Saved { n_wrong: 0, n_right: 0 }, 0);
     while let Some(record) = recording.next_record()? {
         if let Content::Message(Message::Frame(frame)) = record.content {
             let own = (0..N_CHANNELS).map(|c| sample(frame.seq, c));
             let is_right = frame.seq >= next && frame.bits().iter().copied().eq(own);
-            *if is_right {
-                &mut saved.n_right
-            } else {
-                &mut saved.n_wrong
-            } += 1;
+            *if is_right { &mut saved.n_right } else { &mut saved.n_wrong } += 1;
             next = frame.seq + 1;
         }
     }

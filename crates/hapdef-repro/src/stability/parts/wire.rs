@@ -27,38 +27,16 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
     let damages = [
         ("1 bit in 10,000 flips", Fault::BitFlips { rate: 1e-4 }),
         ("1 bit in 100 flips", Fault::BitFlips { rate: 1e-2 }),
-        (
-            "1 byte in 1,000 vanishes",
-            Fault::DroppedBytes { rate: 1e-3 },
-        ),
-        (
-            "1 byte in 1,000 comes twice",
-            Fault::DuplicatedBytes { rate: 1e-3 },
-        ),
-        (
-            "bursts of 64 random bytes",
-            Fault::Bursts {
-                rate: 1e-4,
-                len: 64,
-            },
-        ),
-        (
-            "holes of 5,000 bytes",
-            Fault::Holes {
-                rate: 1e-5,
-                len: 5000,
-            },
-        ),
+        ("1 byte in 1,000 vanishes", Fault::DroppedBytes { rate: 1e-3 }),
+        ("1 byte in 1,000 comes twice", Fault::DuplicatedBytes { rate: 1e-3 }),
+        ("bursts of 64 random bytes", Fault::Bursts { rate: 1e-4, len: 64 }),
+        ("holes of 5,000 bytes", Fault::Holes { rate: 1e-5, len: 5000 }),
     ];
     let mut all = Vec::new();
     for (extreme, fault) in damages {
-        all.push(case(
-            "decoder",
-            extreme,
-            ("wrong frames", 0.0),
-            Wanted,
-            move || Ok(through(fault, 64, 0, seed)?.n_wrong as f64),
-        ));
+        all.push(case("decoder", extreme, ("wrong frames", 0.0), Wanted, move || {
+            Ok(through(fault, 64, 0, seed)?.n_wrong as f64)
+        }));
         let unaccounted = ("frames up to the last seen that are in no count", 0.0);
         all.push(case("decoder", extreme, unaccounted, Wanted, move || {
             let heard = through(fault, 64, 0, seed)?;
@@ -78,13 +56,9 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
             Ok((u64::from(N_PACKETS) - heard.n_right + heard.n_wrong + heard.n_lost) as f64)
         }));
     }
-    all.push(case(
-        "decoder",
-        "10 MB of random bytes",
-        ("frames", 0.0),
-        Wanted,
-        move || noise(seed),
-    ));
+    all.push(case("decoder", "10 MB of random bytes", ("frames", 0.0), Wanted, move || {
+        noise(seed)
+    }));
     all.push(case(
         "decoder",
         "as many channels as may be, samples at the ends of 32 bits",
@@ -124,15 +98,8 @@ fn through(fault: Fault, piece: usize, first: u32, seed: u64) -> Result<Heard, R
         decoder.push(bytes, &mut |event| {
             if let Event::Data(data) = event {
                 let seq = data.header.seq;
-                let is_right = data
-                    .bits(0)
-                    .enumerate()
-                    .all(|(c, bits)| bits == sample(seq, c));
-                *if is_right {
-                    &mut heard.n_right
-                } else {
-                    &mut heard.n_wrong
-                } += 1;
+                let is_right = data.bits(0).enumerate().all(|(c, bits)| bits == sample(seq, c));
+                *if is_right { &mut heard.n_right } else { &mut heard.n_wrong } += 1;
                 let from = *first_seen.get_or_insert(seq);
                 heard.n_seen = u64::from(seq.wrapping_sub(from)) + 1;
             }

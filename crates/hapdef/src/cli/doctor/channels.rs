@@ -84,10 +84,7 @@ fn rate(seen: &Seen) -> Check {
     let n_scans = seen.hello.as_ref().map_or(1, |h| u64::from(h.n_scans));
     let n = (seen.n_frames as u64 + seen.n_lost * n_scans).saturating_sub(1);
     let hz = n as f64 / (span_ns as f64 * 1e-9).max(1e-9);
-    let announced = seen
-        .hello
-        .as_ref()
-        .map_or(0.0, |h| f64::from(h.rate_mhz) * 1e-3);
+    let announced = seen.hello.as_ref().map_or(0.0, |h| f64::from(h.rate_mhz) * 1e-3);
     if announced <= 0.0 {
         return Check::ok("rate", format!("{hz:.1} Hz; the device announces none"));
     }
@@ -112,11 +109,7 @@ fn losses(seen: &Seen) -> Check {
     let of = lost + seen.stats.losses.n_delivered;
     let share = lost as f64 / of.max(1) as f64;
     let fix = "shorter cable, no hub, another USB port; on a serial line check the baud";
-    if share > 0.01 {
-        Check::bad("losses", found, fix)
-    } else {
-        Check::warn("losses", found, fix)
-    }
+    if share > 0.01 { Check::bad("losses", found, fix) } else { Check::warn("losses", found, fix) }
 }
 
 /// Whether the channels are the scene's gauges.
@@ -125,10 +118,7 @@ fn layout(seen: &Seen, gauges: &[String]) -> Check {
     if n_bridges != gauges.len() {
         return Check::bad(
             "gauges",
-            format!(
-                "{n_bridges} bridge channels, the scene has {}",
-                gauges.len()
-            ),
+            format!("{n_bridges} bridge channels, the scene has {}", gauges.len()),
             "wire a gauge to each channel in the scene's order, mark the others as unused in the \
              firmware, or correct gauges.sites",
         );
@@ -150,11 +140,7 @@ fn layout(seen: &Seen, gauges: &[String]) -> Check {
             "is the order right? hapdef doctor --press-check tells",
         );
     }
-    let how = if channels.is_sorted() {
-        "as in the scene"
-    } else {
-        "found by their names"
-    };
+    let how = if channels.is_sorted() { "as in the scene" } else { "found by their names" };
     Check::ok("gauges", format!("{n_bridges}, {how}"))
 }
 
@@ -213,14 +199,10 @@ fn is_still(seen: &Seen, channel: usize) -> bool {
 fn still(seen: &Seen, channel: usize, name: &str) -> Check {
     let found = format!("always {}", seen.channels[channel].low);
     let others = seen.bridges().filter(|&i| !is_still(seen, i));
-    let mut spans: Vec<f64> = others
-        .map(|i| seen.channels[i].high - seen.channels[i].low)
-        .collect();
+    let mut spans: Vec<f64> =
+        others.map(|i| seen.channels[i].high - seen.channels[i].low).collect();
     spans.sort_unstable_by(f64::total_cmp);
-    if spans
-        .get(spans.len() / 2)
-        .is_some_and(|span| *span <= FEW_STEPS)
-    {
+    if spans.get(spans.len() / 2).is_some_and(|span| *span <= FEW_STEPS) {
         return Check::warn(
             name,
             found,
@@ -272,44 +254,28 @@ mod tests {
         let samples: Vec<[i32; 3]> = (0..100).map(|i| [i % 2, 0, i % 3 - 1]).collect();
         let checks = each_channel(&seen(&samples, 1000));
         assert_eq!(checks[0].state, State::Warn, "{}", checks[0]);
-        assert!(
-            checks[0].to_string().contains("press-check"),
-            "{}",
-            checks[0]
-        );
+        assert!(checks[0].to_string().contains("press-check"), "{}", checks[0]);
         assert_eq!(checks[1].state, State::Ok);
     }
 
     #[test]
     fn a_converter_of_fewer_bits_saturates_where_the_device_says_so() {
-        let samples: Vec<[i32; 3]> = (0..200)
-            .map(|i| [i % 7, (40 * i).min(2047), i % 5])
-            .collect();
+        let samples: Vec<[i32; 3]> = (0..200).map(|i| [i % 7, (40 * i).min(2047), i % 5]).collect();
         let mut seen = seen(&samples, 1000);
         assert_eq!(each_channel(&seen).len(), 1);
         seen.n_flagged = 148;
-        let words: Vec<String> = each_channel(&seen)
-            .iter()
-            .map(ToString::to_string)
-            .collect();
+        let words: Vec<String> = each_channel(&seen).iter().map(ToString::to_string).collect();
         assert!(words[0].contains("say that one is saturated"), "{words:?}");
         seen.saturated = 2;
         let checks = each_channel(&seen);
         assert_eq!(checks.len(), 2);
         assert!(checks[0].name.contains("G1"), "{}", checks[0]);
-        assert!(
-            checks[0].found.contains("at most 148 of 200"),
-            "{}",
-            checks[0]
-        );
+        assert!(checks[0].found.contains("at most 148 of 200"), "{}", checks[0]);
     }
 
     #[test]
     fn a_line_at_the_top_of_12_bits_is_saturated_not_dead() {
-        let mut seen = Seen {
-            hello: Some(Arc::new(Hello::of_lines(2))),
-            ..Seen::default()
-        };
+        let mut seen = Seen { hello: Some(Arc::new(Hello::of_lines(2))), ..Seen::default() };
         for i in 0..100 {
             let frame = Frame::new(i, SampleFormat::U16, [4095, (i % 9) as i32 + 1]);
             seen.take(&Message::Frame(frame));

@@ -45,12 +45,7 @@ impl Check {
     }
 
     fn new(name: &str, state: State, found: impl Into<String>, fix: Option<String>) -> Self {
-        Self {
-            name: name.to_owned(),
-            state,
-            found: found.into(),
-            fix,
-        }
+        Self { name: name.to_owned(), state, found: found.into(), fix }
     }
 }
 

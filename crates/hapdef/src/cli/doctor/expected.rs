@@ -50,9 +50,7 @@ impl Expected {
             let chosen = points.iter().zip(&gaps).filter(|(_, gap)| **gap <= reach_m);
             chosen.map(|(point, _)| map.normal(point)).collect()
         };
-        Self {
-            near: gauges.iter().map(near).collect(),
-        }
+        Self { near: gauges.iter().map(near).collect() }
     }
 
     /// The gauge whose channel reads what `gauge` should, pressed near it: itself, unless `readings`
@@ -67,8 +65,7 @@ impl Expected {
         let own = left_by(gauge);
         let others = (0..readings.len()).map(|other| (other, left_by(other)));
         let best = others.min_by(|a, b| a.1.total_cmp(&b.1));
-        best.filter(|(_, least)| own > CLEARLY * least)
-            .map_or(gauge, |(other, _)| other)
+        best.filter(|(_, least)| own > CLEARLY * least).map_or(gauge, |(other, _)| other)
     }
 }
 
@@ -109,9 +106,7 @@ mod tests {
         let readings: Vec<Vec<f64>> = places
             .iter()
             .map(|place| {
-                let (point, _) = real
-                    .nearest(&(place + nalgebra::Vector3::y() * 3e-3))
-                    .unwrap();
+                let (point, _) = real.nearest(&(place + nalgebra::Vector3::y() * 3e-3)).unwrap();
                 let mut readings = vec![0.0; n];
                 real.add_strain_ue(&point, &(real.inward(&point) * 15.0), &mut readings);
                 readings
@@ -137,10 +132,7 @@ mod tests {
                 assert!(of_a || of_b, "{a} and {b}: {answers:?}");
                 n_told += usize::from(of_a) + usize::from(of_b);
                 let others = right.iter().filter(|i| ![a, b].contains(i));
-                assert!(
-                    others.into_iter().all(|&i| answers[i] == i),
-                    "{a} and {b}: {answers:?}"
-                );
+                assert!(others.into_iter().all(|&i| answers[i] == i), "{a} and {b}: {answers:?}");
             }
         }
         assert_eq!(n_told, n * (n - 1) - 2);

@@ -75,10 +75,8 @@ pub(crate) fn run(args: &DoctorArgs) -> Result<()> {
         if args.press_check {
             let ask = |text: &str| eprintln!("{text}");
             let expected = args.scene.as_deref().filter(|_| gauges.is_some());
-            let known = Known {
-                expected: expected.map(Expected::read).transpose()?,
-                names: gauges,
-            };
+            let known =
+                Known { expected: expected.map(Expected::read).transpose()?, names: gauges };
             checks.extend(press::checks(source, args.patience, &known, &stop, &ask)?);
         }
     }

@@ -13,9 +13,7 @@ pub(super) fn checks(source: Option<&SourceArg>) -> Vec<Check> {
     let mut checks: Vec<Check> = ports.iter().map(|port| permission(&port.stable)).collect();
     if let Some(SourceArg::Serial { device, .. } | SourceArg::Csv { device, .. }) = source {
         let path = Path::new(device);
-        let is_listed = ports
-            .iter()
-            .any(|port| port.stable == path || port.device == path);
+        let is_listed = ports.iter().any(|port| port.stable == path || port.device == path);
         if !is_listed {
             checks.push(permission(path));
         }

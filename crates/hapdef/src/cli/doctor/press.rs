@@ -84,10 +84,7 @@ fn by_model(seen: &Seen, gauge: &str, expected: usize, answered: usize) -> Check
     }
     Check::bad(
         &name,
-        format!(
-            "channel {answered} ({}) reads what {expected} should",
-            seen.name(answered)
-        ),
+        format!("channel {answered} ({}) reads what {expected} should", seen.name(answered)),
         "swap the two wires or the gauges' order in the scene; press again right at the gauge",
     )
 }
@@ -102,10 +99,7 @@ fn by_size(seen: &Seen, gauge: &str, expected: usize, answer: &Answer) -> Check 
     }
     Check::warn(
         &name,
-        format!(
-            "channel {channel} ({}) answered most, not {expected}",
-            seen.name(channel)
-        ),
+        format!("channel {channel} ({}) answered most, not {expected}", seen.name(channel)),
         "press again right at the gauge; name the scene or the bundle, too, which know what a press there \
          does to each gauge",
     )
@@ -131,12 +125,8 @@ struct Limb<'a> {
 
 impl<'a> Limb<'a> {
     fn at_rest(receiver: &'a mut Receiver, patience: Duration) -> Result<Self> {
-        let mut limb = Self {
-            receiver,
-            seen: Seen::default(),
-            channels: Vec::new(),
-            rest: Vec::new(),
-        };
+        let mut limb =
+            Self { receiver, seen: Seen::default(), channels: Vec::new(), rest: Vec::new() };
         let start = Instant::now();
         let mut values: Vec<Vec<f64>> = Vec::new();
         let mut end = None;
@@ -152,9 +142,8 @@ impl<'a> Limb<'a> {
         }
         limb.channels = limb.seen.bridges().collect();
         let n_channels = values.iter().map(Vec::len).min().unwrap_or(0);
-        limb.rest = (0..n_channels)
-            .map(|i| mean_and_sd(values.iter().map(|frame| frame[i])))
-            .collect();
+        limb.rest =
+            (0..n_channels).map(|i| mean_and_sd(values.iter().map(|frame| frame[i]))).collect();
         Ok(limb)
     }
 
@@ -276,10 +265,7 @@ mod tests {
         let ask = |text: &str| asked.lock().unwrap().push(text.to_owned());
         let never = AtomicBool::new(false);
         let patience = Duration::from_secs(5);
-        let known = Known {
-            names: Some(names.map(str::to_owned).to_vec()),
-            expected: None,
-        };
+        let known = Known { names: Some(names.map(str::to_owned).to_vec()), expected: None };
         let checks = checks(&source, patience, &known, &never, &ask).unwrap();
         (checks, asked.into_inner().unwrap())
     }
@@ -291,11 +277,7 @@ mod tests {
     #[test]
     fn a_channel_that_answers_most_for_another_is_told() {
         let (checks, asked) = checked([0, 2, 2], ["toe", "shin", "knee"]);
-        assert_eq!(
-            states(&checks),
-            [State::Ok, State::Warn, State::Ok],
-            "{checks:?}"
-        );
+        assert_eq!(states(&checks), [State::Ok, State::Warn, State::Ok], "{checks:?}");
         assert!(checks[1].found.contains("channel 2 (G2)"), "{}", checks[1]);
         assert_eq!(asked.len(), 3);
     }

@@ -94,13 +94,7 @@ impl Seen {
 
 impl Default for Span {
     fn default() -> Self {
-        Self {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-            n_low: 0,
-            n_high: 0,
-            not_finite: None,
-        }
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY, n_low: 0, n_high: 0, not_finite: None }
     }
 }
 

@@ -63,11 +63,7 @@ impl Packets {
     /// The answer to a PING.
     pub(super) fn pong(&mut self, host_ns: u64, out: &mut Vec<u8>) {
         let (t_rx_us, t_us) = (self.t_us, self.t_us);
-        let pong = Pong {
-            host_ns,
-            t_rx_us,
-            t_us,
-        };
+        let pong = Pong { host_ns, t_rx_us, t_us };
         self.encoder.pong(pong, out);
     }
 
@@ -102,8 +98,7 @@ impl Packets {
         self.scans.clear();
         self.t_us = first.t_device_us;
         self.encoder.set_seq(first.seq);
-        self.encoder
-            .data(&hello, first.t_device_us, first.flags, &self.samples, out)?;
+        self.encoder.data(&hello, first.t_device_us, first.flags, &self.samples, out)?;
         Ok(())
     }
 }

@@ -98,11 +98,7 @@ impl TcpWire {
         let listener = TcpListener::bind(address)
             .with_context(|| format!("{address}: listening; is the port taken?"))?;
         listener.set_nonblocking(true)?;
-        Ok(Self {
-            listener,
-            host: None,
-            is_new: false,
-        })
+        Ok(Self { listener, host: None, is_new: false })
     }
 
     fn accept(&mut self) {

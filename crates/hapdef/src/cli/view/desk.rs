@@ -73,10 +73,7 @@ impl Desk {
                 std::thread::sleep(LOOK);
             }
         };
-        Self {
-            stop,
-            thread: Some(std::thread::spawn(attend)),
-        }
+        Self { stop, thread: Some(std::thread::spawn(attend)) }
     }
 }
 
@@ -193,9 +190,7 @@ impl Attendant {
                 self.control.tare();
                 self.handle.say("Taring: touch nothing");
             }
-            ViewCommand::Press {
-                point_m, force_n, ..
-            } => {
+            ViewCommand::Press { point_m, force_n, .. } => {
                 if let Some(hand) = &mut self.hand {
                     hand.press(point_m, force_n);
                 }

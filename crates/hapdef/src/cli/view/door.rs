@@ -41,9 +41,7 @@ impl Door {
     pub(super) fn open_with(&self, program: &Path) -> Result<()> {
         let mut command = Command::new(program);
         let child = command.arg(&self.path).stdin(Stdio::null()).spawn();
-        child
-            .map(drop)
-            .with_context(|| format!("--view-with: starting {}", program.display()))
+        child.map(drop).with_context(|| format!("--view-with: starting {}", program.display()))
     }
 }
 
@@ -63,10 +61,7 @@ mod tests {
         let folder = root.path().join("not/there yet");
         let door = Door::new(&folder, "http://127.0.0.1:1/#token=ab").unwrap();
         let text = std::fs::read_to_string(&door.path).unwrap();
-        assert!(
-            text.contains("url=http://127.0.0.1:1/#token=ab\""),
-            "{text}"
-        );
+        assert!(text.contains("url=http://127.0.0.1:1/#token=ab\""), "{text}");
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;

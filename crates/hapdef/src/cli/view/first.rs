@@ -37,12 +37,7 @@ struct Step {
 
 impl First {
     pub(crate) fn new(params: FirstParams) -> Self {
-        let step = |name, what| Step {
-            name,
-            what,
-            frame: None,
-            is_told: false,
-        };
+        let step = |name, what| Step { name, what, frame: None, is_told: false };
         Self {
             params,
             steps: [
@@ -70,8 +65,7 @@ impl First {
             step.is_told = true;
             let elapsed_s = self.params.start.elapsed().as_secs_f64();
             let rounded_s = (100.0 * elapsed_s).round() / 100.0;
-            self.params
-                .tell(|log| Ok(log.value(step.name, rounded_s, "s")?))?;
+            self.params.tell(|log| Ok(log.value(step.name, rounded_s, "s")?))?;
         }
         Ok(())
     }
@@ -80,9 +74,7 @@ impl First {
 impl Drop for First {
     fn drop(&mut self) {
         for step in self.steps.iter().filter(|step| !step.is_told) {
-            let told = self
-                .params
-                .tell(|log| Ok(log.skipped(step.name, step.what)?));
+            let told = self.params.tell(|log| Ok(log.skipped(step.name, step.what)?));
             if let Err(error) = told {
                 let _ = writeln!(std::io::stderr(), "{}: {error:#}", step.name);
             }
@@ -110,12 +102,7 @@ mod tests {
     use hapdef_report::MetricRecord;
 
     fn page(last_drawn: u64) -> ClientInfo {
-        ClientInfo {
-            n_sent: 9,
-            n_taken: 9,
-            last_drawn,
-            n_skipped: 0,
-        }
+        ClientInfo { n_sent: 9, n_taken: 9, last_drawn, n_skipped: 0 }
     }
 
     #[test]

@@ -47,11 +47,7 @@ impl Sim {
         let (link, port) = memory_link();
         let (tell, truth) = truth_line();
         let rig = spawn_rig(device, port, RunParams::default(), tell)?;
-        let sim = Self {
-            limb: real,
-            play,
-            rig,
-        };
+        let sim = Self { limb: real, play, rig };
         let source = StreamSource::new(link, StreamParams::default());
         Ok(((Box::new(source), truth), sim))
     }
@@ -108,11 +104,7 @@ impl Hand {
     }
 
     fn by_itself(&mut self) -> Vec<Pressed> {
-        let t_s = self
-            .start
-            .get_or_insert_with(Instant::now)
-            .elapsed()
-            .as_secs_f64();
+        let t_s = self.start.get_or_insert_with(Instant::now).elapsed().as_secs_f64();
         self.contacts.clear();
         self.sim.play.at(t_s, &self.sim.limb, &mut self.contacts);
         let pressed = |contact: &TrueContact| Pressed {

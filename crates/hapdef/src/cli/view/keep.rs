@@ -39,11 +39,7 @@ pub(super) fn stem(scene: &str) -> String {
 
 impl Keep {
     pub(super) fn new(folder: &Path, scene: &str, gauges: Vec<String>) -> Self {
-        Self {
-            folder: folder.to_owned(),
-            scene: scene.to_owned(),
-            gauges,
-        }
+        Self { folder: folder.to_owned(), scene: scene.to_owned(), gauges }
     }
 
     /// A name for a recording, in a folder that is there.
@@ -99,12 +95,8 @@ impl Shown {
         if self.frames.back().is_some_and(|(last_s, _)| t_s < *last_s) {
             self.frames.clear();
         }
-        let mut place = if self.frames.len() == N_SHOWN {
-            self.frames.pop_front()
-        } else {
-            None
-        }
-        .unwrap_or_else(|| (t_s, LiveFrame::new(frame.raw_ue.len())));
+        let mut place = if self.frames.len() == N_SHOWN { self.frames.pop_front() } else { None }
+            .unwrap_or_else(|| (t_s, LiveFrame::new(frame.raw_ue.len())));
         place.0 = t_s;
         place.1.copy_from(frame);
         self.frames.push_back(place);
@@ -120,15 +112,13 @@ impl Shown {
         };
         let off = |frame: &&(f64, LiveFrame)| (frame.0 - t_s).abs();
         let nearest = self.frames.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-        nearest
-            .filter(|frame| off(frame) <= SAME_FRAME_S)
-            .with_context(|| {
-                let (from_s, to_s) = (oldest.0, newest.0);
-                format!(
-                    "the frame at {t_s:.2} s is not there any more, frames from {from_s:.2} s to \
+        nearest.filter(|frame| off(frame) <= SAME_FRAME_S).with_context(|| {
+            let (from_s, to_s) = (oldest.0, newest.0);
+            format!(
+                "the frame at {t_s:.2} s is not there any more, frames from {from_s:.2} s to \
                      {to_s:.2} s are: go on, and keep the next sooner"
-                )
-            })
+            )
+        })
     }
 }
 
@@ -141,10 +131,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("not/there/yet");
         let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()]);
-        let device = DeviceState {
-            is_simulated: true,
-            fault: Some("no port".into()),
-        };
+        let device = DeviceState { is_simulated: true, fault: Some("no port".into()) };
         let mut shown = Shown::default();
         assert!(shown.at(None).is_err());
         for seq in 0..2500_u32 {
@@ -160,9 +147,7 @@ mod tests {
         }
         let then = shown.at(Some(40.001)).unwrap();
         for n in 1..3 {
-            let path = keep
-                .snapshot(then, &device, Some(Path::new("x.mcap")))
-                .unwrap();
+            let path = keep.snapshot(then, &device, Some(Path::new("x.mcap"))).unwrap();
             assert_eq!(path, folder.join(format!("my-shin-snapshot-{n}.json")));
             let text = std::fs::read_to_string(&path).unwrap();
             let value: Value = serde_json::from_str(&text).unwrap();

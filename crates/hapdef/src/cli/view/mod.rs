@@ -139,20 +139,14 @@ impl ViewArgs {
         out: &Path,
     ) -> Result<View> {
         let force_n = run.scene.contact.force_range_n[1];
-        let press = PressOffer {
-            default_n: 0.4 * force_n,
-            max_n: force_n,
-        };
+        let press = PressOffer { default_n: 0.4 * force_n, max_n: force_n };
         let picture = picture::of_scene(run, limb)?;
         View::start(self, picture, (origin, press), out)
     }
 
     /// The page with a bundle's skin.
     pub(crate) fn of_bundle(&self, bundle: &Bundle, origin: Origin, out: &Path) -> Result<View> {
-        let press = PressOffer {
-            default_n: 1.0,
-            max_n: 1.0,
-        };
+        let press = PressOffer { default_n: 1.0, max_n: 1.0 };
         View::start(self, picture::of_bundle(bundle), (origin, press), out)
     }
 }
@@ -181,10 +175,7 @@ impl View {
         let keep = Keep::new(&folder, &picture.title, gauges.collect());
         let handle = ViewServer::start(params, picture)?;
         let shared = Shared::default();
-        let device = DeviceState {
-            is_simulated: origin == Origin::Sim,
-            fault: None,
-        };
+        let device = DeviceState { is_simulated: origin == Origin::Sim, fault: None };
         handle.set_device(&device);
         lock(&shared.newest).device = device;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
@@ -194,34 +185,22 @@ impl View {
             Ok(door)
         };
         let door = args.view_with.as_ref().map(open).transpose()?;
-        Ok(Self {
-            handle,
-            surface,
-            keep,
-            door,
-            shared: Arc::new(shared),
-        })
+        Ok(Self { handle, surface, keep, door, shared: Arc::new(shared) })
     }
 
     /// Where frames go.
     pub(crate) fn sink(&self, is_recorded: bool) -> ViewSink {
-        ViewSink {
-            pusher: self.handle.pusher(),
-            shared: Arc::clone(&self.shared),
-            is_recorded,
-        }
+        ViewSink { pusher: self.handle.pusher(), shared: Arc::clone(&self.shared), is_recorded }
     }
 
     /// Solves the limb's deformation, or reads it where it was solved, beside everything else; the
     /// page shows it from then on.
     pub(crate) fn solve_deformation(&self, run: Run, limb: Limb) {
         let (shared, pusher) = (Arc::clone(&self.shared), self.handle.pusher());
-        std::thread::spawn(
-            move || match hapdef::stages::compliance_table(&run, &limb) {
-                Ok(table) => drop(shared.table.set(table)),
-                Err(error) => pusher.say(&format!("no deformation: {error}")),
-            },
-        );
+        std::thread::spawn(move || match hapdef::stages::compliance_table(&run, &limb) {
+            Ok(table) => drop(shared.table.set(table)),
+            Err(error) => pusher.say(&format!("no deformation: {error}")),
+        });
     }
 
     /// Tells the page.

@@ -48,9 +48,7 @@ impl Surface {
         };
         shown.extend(drawn.moves_with.iter().map(|around| {
             let part = |axis: usize| {
-                let parts = around
-                    .iter()
-                    .map(|&(i, w)| w * f64::from(of_nodes[i][axis]));
+                let parts = around.iter().map(|&(i, w)| w * f64::from(of_nodes[i][axis]));
                 parts.sum::<f64>() as f32
             };
             [part(0), part(1), part(2)]
@@ -62,9 +60,7 @@ impl Surface {
         let near = self.index.k_nearest(point, 3);
         let weight = |node: usize| 1.0 / ((self.points[node] - point).norm() + 1e-6);
         let sum: f64 = near.iter().map(|&node| weight(node)).sum();
-        near.into_iter()
-            .map(|node| (node, weight(node) / sum))
-            .collect()
+        near.into_iter().map(|node| (node, weight(node) / sum)).collect()
     }
 }
 
@@ -123,10 +119,7 @@ fn boundary(limb: &Limb) -> LimbPicture {
         .faces
         .iter()
         .flat_map(|face| parts(face.nodes.map(|node: FeNodeId| place[node.index()])));
-    LimbPicture {
-        triangles: faces.collect(),
-        ..drawn_points(&points, &normals)
-    }
+    LimbPicture { triangles: faces.collect(), ..drawn_points(&points, &normals) }
 }
 
 /// A bundle's skin.
@@ -155,10 +148,7 @@ pub(super) fn of_bundle(bundle: &Bundle) -> (LimbPicture, Surface) {
 
 fn drawn_points(points: &[Point3<f64>], normals: &[Vector3<f64>]) -> LimbPicture {
     LimbPicture {
-        vertices_m: points
-            .iter()
-            .map(|p| p.coords.map(|c| c as f32).into())
-            .collect(),
+        vertices_m: points.iter().map(|p| p.coords.map(|c| c as f32).into()).collect(),
         normals: normals.iter().map(|n| n.map(|c| c as f32).into()).collect(),
         ..LimbPicture::default()
     }
@@ -172,9 +162,7 @@ fn parts([a, b, c, ab, bc, ca]: [u32; 6]) -> [[u32; 3]; 4] {
 /// Where most of the skin looks, turned by 40° so that arrows are seen from the side.
 fn view_from(normals: &[Vector3<f64>], axis: &Vector3<f64>) -> Option<[f64; 3]> {
     let sum: Vector3<f64> = normals.iter().sum();
-    let across = axis
-        .try_normalize(0.0)
-        .map_or(sum, |axis| sum - axis * axis.dot(&sum));
+    let across = axis.try_normalize(0.0).map_or(sum, |axis| sum - axis * axis.dot(&sum));
     let facing = across.try_normalize(1e-6 * normals.len() as f64)?;
     let side = axis.cross(&facing);
     let (sin, cos) = 40_f64.to_radians().sin_cos();

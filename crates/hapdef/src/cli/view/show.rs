@@ -135,9 +135,7 @@ impl Show {
     fn take_touch(&mut self, touch: &Touch) {
         let contacts = touch.contacts.iter().enumerate();
         self.shown.contacts.clear();
-        self.shown
-            .contacts
-            .extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
+        self.shown.contacts.extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
         self.shown.alternatives.clear();
         for (probability, other) in probable(&touch.alternatives) {
             let marks = other.contacts().enumerate();

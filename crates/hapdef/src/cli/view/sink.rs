@@ -34,9 +34,7 @@ impl Newest {
             self.device.fault = None;
         }
         self.n_frames += 1;
-        self.frame
-            .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
-            .copy_from(frame);
+        self.frame.get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len())).copy_from(frame);
     }
 
     fn take_link(&mut self, state: &LinkState) {
@@ -48,11 +46,7 @@ impl Newest {
     }
 
     fn take_health(&mut self, health: &Arc<Health>) {
-        if let Some(fault) = health
-            .reader_fault
-            .as_ref()
-            .or(health.device_fault.as_ref())
-        {
+        if let Some(fault) = health.reader_fault.as_ref().or(health.device_fault.as_ref()) {
             self.device.fault = Some(fault.to_string());
         }
         self.health = Some(Arc::clone(health));
@@ -107,9 +101,7 @@ mod tests {
     use super::*;
 
     fn away() -> LinkState {
-        LinkState::Away(LinkFault::Disconnected {
-            name: "/dev/limb".to_owned(),
-        })
+        LinkState::Away(LinkFault::Disconnected { name: "/dev/limb".to_owned() })
     }
 
     #[track_caller]

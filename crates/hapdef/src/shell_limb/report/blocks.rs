@@ -36,10 +36,7 @@ fn verdict(comparison: &ShellComparison) -> Block {
                 .into(),
         ),
         None if comparison.coarser_solid.is_some() => (false, "the shell is good here".into()),
-        None => (
-            false,
-            "the shell is good here, as far as this solid is fine enough".into(),
-        ),
+        None => (false, "the shell is good here, as far as this solid is fine enough".into()),
     };
     Block::Verdict { text, warns }
 }
@@ -49,23 +46,11 @@ fn medians(comparison: &ShellComparison) -> TextTable {
     if let Some(coarser) = &comparison.coarser_solid {
         rows.extend(rows_of("solid, edges twice as long", coarser));
     }
-    table(
-        &[
-            "from the solid",
-            "median %",
-            "worst %",
-            "overall %",
-            "ratio, median",
-        ],
-        rows,
-    )
+    table(&["from the solid", "median %", "worst %", "overall %", "ratio, median"], rows)
 }
 
 fn rows_of(who: &str, answered: &Answered) -> Vec<Vec<String>> {
-    let of = [
-        ("gauge strain", &answered.readings),
-        ("displacement", &answered.tip),
-    ];
+    let of = [("gauge strain", &answered.readings), ("displacement", &answered.tip)];
     let row = |(what, d): (&str, &Differences)| {
         let percent = |share: f64| format!("{:.1}", 100.0 * share);
         vec![
@@ -103,9 +88,7 @@ fn limb(comparison: &ShellComparison) -> LimbView {
     let tip = ["displacement under the tip", "displacement"];
     let readings = ["gauge strain, all gauges", "gauge strain"];
     let rows = [(&maps.tip, "µm/N", tip), (&maps.readings, "µε/N", readings)];
-    let maps = rows
-        .into_iter()
-        .flat_map(|(fields, unit, names)| maps_of(fields, unit, names));
+    let maps = rows.into_iter().flat_map(|(fields, unit, names)| maps_of(fields, unit, names));
     let gauges = comparison.gauges.iter().map(|g| g.position_m);
     LimbView::new(skin, maps.collect(), gauges.collect())
 }
@@ -128,13 +111,7 @@ fn maps_of(fields: &[Vec<f64>; 3], unit: &str, [answer, short]: [&str; 2]) -> [L
     [
         map(format!("{answer}: solid"), solid, unit, 1.0, most),
         map(format!("{answer}: shell"), shell, unit, 1.0, most),
-        map(
-            format!("{short}: shell from solid"),
-            difference,
-            "%",
-            100.0,
-            far,
-        ),
+        map(format!("{short}: shell from solid"), difference, "%", 100.0, far),
     ]
 }
 
@@ -151,13 +128,7 @@ fn gauges(comparison: &ShellComparison) -> TextTable {
         ]
     };
     table(
-        &[
-            "gauge",
-            "at, mm",
-            "solid µε/N",
-            "shell µε/N",
-            "difference %",
-        ],
+        &["gauge", "at, mm", "solid µε/N", "shell µε/N", "difference %"],
         comparison.gauges.iter().enumerate().map(row),
     )
 }

@@ -76,10 +76,7 @@ impl ShellLimb {
         let [length, width] = params.gauge_size_m.map(mm);
         let mut facts = vec![
             ("surface", source.file.clone()),
-            (
-                "wall",
-                format!("{wall}; the skin is its {} side", info.wall.side),
-            ),
+            ("wall", format!("{wall}; the skin is its {} side", info.wall.side)),
             ("edges", mm(info.wall.target_edge_m)),
             (
                 "mount",
@@ -98,24 +95,15 @@ impl ShellLimb {
                     params.material.poissons_ratio()
                 ),
             ),
-            (
-                "shell",
-                format!("{:?}, {} nodes", params.kind, info.model.n_nodes).to_lowercase(),
-            ),
-            (
-                "gauges",
-                format!("{} of {length} × {width}", info.gauges.len()),
-            ),
+            ("shell", format!("{:?}, {} nodes", params.kind, info.model.n_nodes).to_lowercase()),
+            ("gauges", format!("{} of {length} × {width}", info.gauges.len())),
             ("tip", format!("{} radius", mm(params.tip_radius_m))),
         ];
         if let Some(scene) = &source.scene {
             facts.push(("scene", scene.file.clone()));
         }
         facts.push(("thin wall", self.thin_wall().to_string()));
-        let named = |(name, text): (&str, String)| NamedText {
-            name: name.into(),
-            text,
-        };
+        let named = |(name, text): (&str, String)| NamedText { name: name.into(), text };
         facts.into_iter().map(named).collect()
     }
 }
@@ -128,10 +116,7 @@ fn origin(source: &ReportSource, comparisons: &[ShellComparison]) -> Origin {
         .into_iter()
         .chain(scene.map(|scene| ("scene", &scene.file_hash)))
         .chain(decks.map(|hash| ("deck", hash)));
-    let named = |(name, text): (&str, &String)| NamedText {
-        name: name.into(),
-        text: text.clone(),
-    };
+    let named = |(name, text): (&str, &String)| NamedText { name: name.into(), text: text.clone() };
     Origin {
         scene: scene.map_or_else(String::new, |scene| scene.file.clone()),
         made: MetricContext::here(0),
@@ -158,19 +143,14 @@ fn left_out(comparison: &ShellComparison) -> Vec<SkippedStage> {
     }
     if comparison.coarser_solid.is_none() {
         let reason = "there is no other mesh of that solid to compare it with";
-        skipped.push(skip(
-            "how far the solid itself is from converged".into(),
-            reason,
-        ));
+        skipped.push(skip("how far the solid itself is from converged".into(), reason));
     }
     skipped
 }
 
 fn figures(source: &ReportSource, facts: &[NamedText], comparisons: &[ShellComparison]) -> Value {
-    let parameters: serde_json::Map<String, Value> = facts
-        .iter()
-        .map(|fact| (fact.name.clone(), json!(fact.text)))
-        .collect();
+    let parameters: serde_json::Map<String, Value> =
+        facts.iter().map(|fact| (fact.name.clone(), json!(fact.text))).collect();
     let recommendations: Vec<_> = comparisons.iter().map(|c| c.recommendation()).collect();
     json!({
         "source": source,
