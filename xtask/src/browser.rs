@@ -22,11 +22,8 @@ pub(crate) fn test() -> Result<()> {
     if wish()? == "skip" {
         return Ok(());
     }
-    let mut command = cargo(&["test", "--release"]);
-    for test in ["browser", "browser_looks", "browser_reads", "live_browser"] {
-        command.args(["--test", test]);
-    }
-    command.args(["--", "--nocapture"]);
+    let mut command = cargo(&["test", "--release", "--test", "it"]);
+    command.args(["--", "browser", "--nocapture"]);
     run(command.env("HAPDEF_BROWSER", "require"))
 }
 

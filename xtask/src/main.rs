@@ -195,7 +195,7 @@ fn run(task: Task) -> Result<()> {
 }
 
 #[cfg(test)]
-#[path = "../../crates/hapdef/tests/support/help.rs"]
+#[path = "../../crates/hapdef/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<()> {
 
 /// A client of the live server that does not read for a minute.
 fn stalled_client() -> Command {
-    let words = ["test", "--quiet", "--release", "--test", "stalled_client"];
+    let words = ["test", "--quiet", "--release", "--test", "it", "--", "stalled_client"];
     let mut command = cargo(&words);
     command.env("HAPDEF_SOAK", "1");
     command

@@ -103,7 +103,7 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
 }
 
 /// Scenes at random; failing ones are left beside the results, for
-/// crates/hapdef/tests/scene_search.json.
+/// crates/hapdef/tests/it/scene_search.json.
 fn scenes(args: &StabilityArgs) -> Result<()> {
     let mut command = Command::new(release_example("scenes")?);
     if let Some(minutes) = args.minutes {

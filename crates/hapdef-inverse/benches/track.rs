@@ -1,7 +1,7 @@
 //! Time of one frame while contacts are held, updates included; 800 sites, 10 gauges.
 #![allow(missing_docs, reason = "criterion's macros")]
 
-#[path = "../tests/world/mod.rs"]
+#[path = "../tests/it/world/mod.rs"]
 mod world;
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -3,7 +3,7 @@
 //! `cargo run --release --example accuracy -- [n_frames] [noise_ue] [n_gauges]`
 #![allow(clippy::print_stdout, reason = "a table is what it is for")]
 
-#[path = "../tests/world/mod.rs"]
+#[path = "../tests/it/world/mod.rs"]
 mod world;
 
 use std::time::Instant;

@@ -6,7 +6,7 @@
 //! factor solves the same loads and the solutions are compared; with `auto` the model chooses.
 #![allow(clippy::print_stdout, reason = "a program that prints what it measures")]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 #[allow(unused_imports, reason = "shared with the tests")]
 mod common;
 

@@ -3,7 +3,7 @@
 //! `cargo run --release --example view_demo [PORT [SECONDS]]`
 #![expect(clippy::print_stdout, reason = "says where the page is")]
 
-#[path = "../tests/support/synthetic.rs"]
+#[path = "../tests/it/support/synthetic.rs"]
 mod synthetic;
 
 use std::error::Error;

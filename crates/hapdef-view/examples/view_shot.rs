@@ -7,7 +7,7 @@
 
 #![expect(clippy::print_stdout, reason = "says what the script gives")]
 
-#[path = "../tests/support/chrome.rs"]
+#[path = "../tests/it/support/chrome.rs"]
 #[expect(dead_code, reason = "the browser tests use the rest")]
 mod chrome;
 

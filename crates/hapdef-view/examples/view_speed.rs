@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "a measurement that prints")]
 
-#[path = "../tests/support/chrome.rs"]
+#[path = "../tests/it/support/chrome.rs"]
 #[expect(dead_code, reason = "the browser tests use the rest")]
 mod chrome;
 

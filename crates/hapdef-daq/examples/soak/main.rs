@@ -12,7 +12,7 @@ mod kill;
 mod metrics;
 mod proc;
 mod stream;
-#[path = "../../tests/support/mod.rs"]
+#[path = "../../tests/it/support/mod.rs"]
 mod support;
 mod wire;
 

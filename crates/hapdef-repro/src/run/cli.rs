@@ -140,7 +140,7 @@ pub(super) struct CheckResultsArgs {
 }
 
 #[cfg(test)]
-#[path = "../../../hapdef/tests/support/help.rs"]
+#[path = "../../../hapdef/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
 }
 
 #[cfg(test)]
-#[path = "../../../hapdef/tests/support/help.rs"]
+#[path = "../../../hapdef/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::mutate::mutated;
-use crate::targets::Target;
+use super::mutate::mutated;
+use super::targets::Target;
 
 /// Longest time for one input; the program ends with the input saved when one takes longer.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -5,8 +5,8 @@ use hapdef_inverse::{Contact, ContactEstimate, InverseError, SkinPoint, Verdict}
 use hapdef_live::LiveError;
 use nalgebra::{DMatrix, DVector};
 
-use crate::pressed::{Press, Pressed, chi2, chi2_misfit, chi2_touch};
-use crate::trial::Trial;
+use super::pressed::{Press, Pressed, chi2, chi2_misfit, chi2_touch};
+use super::trial::Trial;
 
 /// Standard deviations that a sure answer may be off, and the least that counts: m, and a share of
 /// the force.

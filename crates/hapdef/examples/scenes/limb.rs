@@ -11,7 +11,7 @@ use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain};
 use nalgebra::{Point3, Rotation3, Vector3};
 use serde_json::{Value, json};
 
-use crate::trial::Trial;
+use super::trial::Trial;
 
 /// Turns about the limb's axis in which gauges are tried, the golden section of a whole one each.
 const MAX_TURNS: usize = 12;

@@ -35,7 +35,7 @@ struct Args {
     /// Seed of the first scene; the next has the next.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Failing scenes are written to this file, in the form of tests/scene_search.json.
+    /// Failing scenes are written to this file, in the form of tests/it/scene_search.json.
     #[arg(long, default_value = "target/hapdef/scenes.json")]
     failures: PathBuf,
     /// Figures are added to this file.

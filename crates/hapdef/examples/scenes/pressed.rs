@@ -12,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::limb::prepared;
-use crate::trial::{Place, Trial};
+use super::limb::prepared;
+use super::trial::{Place, Trial};
 
 /// Young's modulus of the forward solves, Pa: displacements go with 1/E, so that the modulus of the
 /// scene comes in by that law alone.

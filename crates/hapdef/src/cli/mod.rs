@@ -164,7 +164,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
 }
 
 #[cfg(test)]
-#[path = "../../tests/support/help.rs"]
+#[path = "../../tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

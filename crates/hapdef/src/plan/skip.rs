@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Work that is left out because nothing that the scene wants needs it. `tests/skips` proves of each
+/// Work that is left out because nothing that the scene wants needs it. `tests/it/skips` proves of each
 /// that the result that is wanted stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

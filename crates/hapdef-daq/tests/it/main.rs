@@ -1,0 +1,19 @@
+//! The integration tests of hapdef-daq: one program.
+
+mod examples;
+mod firmware;
+mod hdp1;
+mod hdp1_faults;
+mod hdp1_laws;
+mod other_device;
+mod player;
+mod python_mcap;
+mod realtime;
+mod receivers;
+mod record;
+mod record_names;
+mod record_survival;
+mod serial_pty;
+mod sources;
+mod support;
+mod tokio_ports;

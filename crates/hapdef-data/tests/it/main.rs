@@ -1,0 +1,4 @@
+//! The integration tests of hapdef-data: one program.
+
+mod dataset;
+mod standardiser;

@@ -1,0 +1,101 @@
+//! Placement keeps its constraints and beats chance.
+
+use crate::world;
+
+use hapdef_inverse::{
+    Candidates, InverseError, LimitParams, NoiseParams, PlacementParams, carried_contacts,
+    exchange, place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours,
+    place_pca_qr, place_random, placement_score, single_bounds,
+};
+use nalgebra::Point3;
+use world::World;
+
+/// Candidates are the gauges of a world with many.
+fn candidates() -> Candidates {
+    let world = World::new(120, 150, 3);
+    let points = world.sites.points();
+    let at = |p| (world.map.normal(p), world.map.normal_gradient(p));
+    let values: Vec<_> = points.iter().map(at).collect();
+    let place = |g: &world::Gauge| {
+        let (s, c) = g.angle.sin_cos();
+        Point3::new(world::RADIUS_M * c, g.height_m, world::RADIUS_M * s)
+    };
+    let responses =
+        (0..120).flat_map(|c| values.iter().map(move |(g, [u, v])| [g[c], u[c], v[c]])).collect();
+    Candidates {
+        positions_m: world.gauges.iter().map(place).collect(),
+        sites_m: world.sites.positions().to_vec(),
+        responses,
+        allowed: (0..120).map(|c| c % 7 != 0).collect(),
+    }
+}
+
+#[test]
+fn constraints_hold_and_greedy_beats_chance() {
+    let candidates = candidates();
+    let params = PlacementParams { mounted: vec![1], ..PlacementParams::new(8, 5.0) };
+    let greedy = place_greedy(&candidates, &params).unwrap();
+    let better = exchange(&candidates, &greedy, &params).unwrap();
+    let qr = place_pca_qr(&candidates, &params).unwrap();
+    let others = [
+        place_nearest_neighbours(&candidates, &params).unwrap(),
+        place_entropy(&candidates, &params).unwrap(),
+        place_mutual_information(&candidates, &params).unwrap(),
+    ];
+    for layout in [&greedy, &better, &qr].into_iter().chain(&others) {
+        assert_eq!((layout.len(), layout[0]), (8, 1), "{layout:?}");
+        for (i, a) in layout.iter().enumerate() {
+            assert!(i == 0 || candidates.allowed[*a]);
+            for b in &layout[..i] {
+                let gap = candidates.positions_m[*a] - candidates.positions_m[*b];
+                assert!(gap.norm() >= params.min_spacing_m, "{a} and {b}");
+            }
+        }
+    }
+    let score = |layout: &[usize]| placement_score(&candidates, layout, &params).unwrap();
+    let mut chance: Vec<f64> = (0..15)
+        .map(|seed| {
+            let drawn = PlacementParams { seed, ..params.clone() };
+            score(&place_random(&candidates, &drawn).unwrap()).single_mean_m
+        })
+        .collect();
+    chance.sort_by(f64::total_cmp);
+    let found = score(&greedy);
+    assert!(
+        found.single_mean_m < chance[1],
+        "greedy {:.2e}, chance {:.2e} to {:.2e}",
+        found.single_mean_m,
+        chance[0],
+        chance[14]
+    );
+    assert!(score(&better).pair_p95_m <= found.pair_p95_m);
+    for other in others {
+        assert!(found.single_mean_m < score(&other).single_mean_m);
+    }
+}
+
+#[test]
+fn too_wide_a_spacing_is_refused() {
+    let params = PlacementParams { min_spacing_m: 0.2, ..PlacementParams::new(3, 5.0) };
+    let error = place_greedy(&candidates(), &params).unwrap_err();
+    assert!(matches!(error, InverseError::Length { found: 1, .. }), "{error}");
+}
+
+/// The bound falls with the number of gauges, and with it grows what the layout carries.
+#[test]
+fn more_gauges_carry_more_contacts() {
+    let mut last = (f64::INFINITY, 0);
+    for n_gauges in [6, 10, 16] {
+        let world = World::new(n_gauges, 200, 3);
+        let estimator = world.estimator(NoiseParams::uniform(n_gauges, 2.0), Default::default());
+        let bounds = single_bounds(&estimator, 10.0).unwrap();
+        let sds = bounds.iter().flatten().map(|b| b.position_sd_m);
+        let mean = sds.sum::<f64>() / bounds.len() as f64;
+        let carried = carried_contacts(&estimator, &LimitParams::default()).unwrap();
+        assert_eq!(carried.len(), (n_gauges / 3).min(hapdef_inverse::MAX_CONTACTS));
+        let n_carried = carried.iter().filter(|c| c.is_carried).count();
+        assert!(mean < last.0 && n_carried >= last.1, "{n_gauges}: {mean} {n_carried}");
+        last = (mean, n_carried);
+    }
+    assert!(last.1 >= 3, "{}", last.1);
+}

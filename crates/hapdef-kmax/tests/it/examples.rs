@@ -1,0 +1,5 @@
+//! The examples, whose figures are pinned.
+
+#[path = "../../examples/two_bumps.rs"]
+#[allow(dead_code, reason = "its main and what it prints")]
+mod two_bumps;

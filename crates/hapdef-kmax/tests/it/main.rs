@@ -1,0 +1,5 @@
+//! The integration tests of hapdef-kmax: one program.
+#![cfg(feature = "points")]
+
+mod examples;
+mod laws;

@@ -1,0 +1,25 @@
+//! The integration tests of hapdef-mesh: one program.
+
+mod authors_limb;
+mod deck_ansys;
+mod deck_inp;
+mod deck_write;
+mod examples;
+mod extrude;
+mod gltf_buffers;
+mod gltf_common;
+mod gltf_corpus;
+mod gltf_fuzz;
+mod gltf_hostile;
+mod gltf_limbs;
+mod gltf_scene;
+mod gltf_write;
+mod remesh;
+mod self_intersection;
+mod shell_limbs;
+mod shell_solid;
+mod shin;
+mod solid_common;
+mod solid_mesh;
+mod surface_common;
+mod wall;

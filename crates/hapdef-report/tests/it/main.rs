@@ -1,0 +1,5 @@
+//! The integration tests of hapdef-report: one program.
+
+mod browser;
+mod figures;
+mod page;

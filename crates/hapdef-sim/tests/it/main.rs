@@ -1,0 +1,17 @@
+//! The integration tests of hapdef-sim: one program.
+
+mod authors_limb;
+mod common;
+mod conditioning;
+mod convergence;
+mod element;
+mod examples;
+mod gauges;
+mod iterative;
+mod loads;
+mod shell_element;
+mod shell_model;
+mod statics;
+mod supports;
+mod ties;
+mod wanted_rows;

@@ -1,0 +1,7 @@
+//! What several tests share.
+
+pub mod chrome;
+pub mod look;
+pub mod page;
+pub mod pixels;
+pub mod synthetic;
