@@ -5,20 +5,20 @@ use nalgebra::Vector3;
 use crate::basis::{self, N_CUBIC};
 use crate::dense::add_scaled;
 use crate::node_gradient::{Neighbourhood, gradient_weights};
-use crate::quarters::{self, N_PARTS, Quarters};
 use crate::skin::Skin;
 use crate::skin_point::{Frame, SkinPoint};
+use crate::subdivided_faces::{self, N_PARTS, SubdividedFaces};
 
 /// Control values by face. On six-node faces they are the nodal values and the field is the
-/// quadratic one of the elements, or that of the four quarters of a face, each with six values of its
+/// quadratic one of the elements, or that of the four parts of a subdivided face, each with six values of its
 /// own. On three-node faces they are those of a cubic Bézier triangle
 /// whose edges follow the nodal gradients, and whose middle keeps quadratics exact (Farin, Curves
 /// and Surfaces for CAGD, 5th ed., section 17.3; the scheme of PN triangles, Vlachos et al. 2001).
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolant {
-    /// Of faces, or of their quarters.
+    /// Of faces, or of their four parts.
     rows_of_face: Vec<[u32; N_CUBIC]>,
-    is_in_quarters: bool,
+    is_subdivided: bool,
     n_basis: usize,
     n_rows: usize,
     /// Three-node faces only: weights of nodal values in the edges' control values.
@@ -47,7 +47,7 @@ impl Interpolant {
             };
             return Self {
                 rows_of_face: (0..skin.n_faces()).map(rows).collect(),
-                is_in_quarters: false,
+                is_subdivided: false,
                 n_basis: 6,
                 n_rows: skin.n_nodes(),
                 edges: Vec::new(),
@@ -56,20 +56,20 @@ impl Interpolant {
         Self::cubic(skin)
     }
 
-    /// Values on the quarters of six-node faces.
-    pub(crate) fn in_quarters(quarters: &Quarters) -> Self {
+    /// Values on subdivided six-node faces.
+    pub(crate) fn subdivided(faces: &SubdividedFaces) -> Self {
         let rows = |rows: &[u32; 6]| std::array::from_fn(|i| if i < 6 { rows[i] } else { 0 });
         Self {
-            rows_of_face: quarters.rows_of_part.iter().map(rows).collect(),
-            is_in_quarters: true,
+            rows_of_face: faces.rows_of_part.iter().map(rows).collect(),
+            is_subdivided: true,
             n_basis: 6,
-            n_rows: quarters.points.len(),
+            n_rows: faces.points.len(),
             edges: Vec::new(),
         }
     }
 
-    pub(crate) fn is_in_quarters(&self) -> bool {
-        self.is_in_quarters
+    pub(crate) fn is_subdivided(&self) -> bool {
+        self.is_subdivided
     }
 
     fn cubic(skin: &Skin) -> Self {
@@ -103,7 +103,7 @@ impl Interpolant {
         Self {
             n_rows: first_middle + rows_of_face.len(),
             rows_of_face,
-            is_in_quarters: false,
+            is_subdivided: false,
             n_basis: N_CUBIC,
             edges,
         }
@@ -142,8 +142,8 @@ impl Interpolant {
         if self.n_basis == N_CUBIC {
             return basis::cubic(bary);
         }
-        if self.is_in_quarters {
-            return widened(&basis::quadratic(&quarters::part_of(bary).1));
+        if self.is_subdivided {
+            return widened(&basis::quadratic(&subdivided_faces::part_of(bary).1));
         }
         widened(&basis::quadratic(bary))
     }
@@ -151,8 +151,8 @@ impl Interpolant {
     pub(crate) fn weights(&self, bary: &[f64; 3], frame: &Frame) -> Weights {
         let by_parent = if self.n_basis == N_CUBIC {
             basis::cubic_gradient(bary)
-        } else if self.is_in_quarters {
-            quarters::gradient(bary).map(|row| widened(&row))
+        } else if self.is_subdivided {
+            subdivided_faces::gradient(bary).map(|row| widened(&row))
         } else {
             basis::quadratic_gradient(bary).map(|row| widened(&row))
         };
@@ -196,8 +196,8 @@ impl Interpolant {
 
     #[inline]
     fn rows_at(&self, point: &SkinPoint) -> &[u32; N_CUBIC] {
-        if self.is_in_quarters {
-            let (part, _) = quarters::part_of(&point.bary());
+        if self.is_subdivided {
+            let (part, _) = subdivided_faces::part_of(&point.bary());
             return &self.rows_of_face[N_PARTS * point.face() + part];
         }
         &self.rows_of_face[point.face()]

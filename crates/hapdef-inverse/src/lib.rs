@@ -28,11 +28,11 @@ mod node_gradient;
 mod noise;
 mod patch;
 mod placement;
-mod quarters;
 mod response;
 mod sites;
 mod skin;
 mod skin_point;
+mod subdivided_faces;
 mod tracker;
 mod walk;
 

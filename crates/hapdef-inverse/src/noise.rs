@@ -29,7 +29,7 @@ pub struct ModelError {
     pub tip_ring_m: f64,
     /// A covariance for each scan site `[n_sites, n_gauges, n_gauges]`, per N²; empty for none.
     pub per_site: Vec<f64>,
-    /// What the covariance of a contact's place is multiplied by when it is told. It changes no
+    /// What the covariance of a contact's place is multiplied by when it is reported. It changes no
     /// search, no count and no verdict.
     pub place_factor: f64,
 }

@@ -8,9 +8,9 @@ use crate::dense::padded;
 use crate::error::{InverseError, check_finite, check_length};
 use crate::interpolant::Interpolant;
 use crate::patch::TipMeans;
-use crate::quarters::Quarters;
 use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
+use crate::subdivided_faces::SubdividedFaces;
 
 /// How nodal values become a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,20 +76,20 @@ impl ResponseMap {
         })
     }
 
-    /// The map from values on the quarters of six-node faces: at [`Skin::quarter_points`] readings per
+    /// The map from values on subdivided six-node faces: at [`Skin::subdivided_points`] readings per
     /// newton in each direction `[n_points, n_gauges]`, tips being in them. For a response that varies
     /// more than the faces' own nodes can tell, as it does within millimetres of a gauge.
     ///
     /// # Errors
     /// [`InverseError`] for a wrong length, a value that is not finite, a skin of three-node faces.
-    pub fn from_quarters(
+    pub fn from_subdivided(
         skin: Skin,
         n_gauges: usize,
         adjoint: &[Vector3<f64>],
     ) -> Result<Self, InverseError> {
         check_length("the nodes of a face", 6, skin.n_face_nodes())?;
-        let quarters = Quarters::new(&skin);
-        let points = &quarters.points;
+        let faces = SubdividedFaces::new(&skin);
+        let points = &faces.points;
         check_length("the adjoint fields", points.len() * n_gauges, adjoint.len())?;
         check_gauges(n_gauges)?;
         let vector = as_rows(adjoint, n_gauges)?;
@@ -98,7 +98,7 @@ impl ResponseMap {
             n_gauges,
             normal: against(&normals, &vector, n_gauges),
             vector,
-            interpolant: Interpolant::in_quarters(&quarters),
+            interpolant: Interpolant::subdivided(&faces),
             skin,
         })
     }
@@ -106,7 +106,7 @@ impl ResponseMap {
     /// The map that has these values as its [`ResponseMap::nodal`].
     ///
     /// # Errors
-    /// As [`ResponseMap::from_nodal`] and [`ResponseMap::from_quarters`].
+    /// As [`ResponseMap::from_nodal`] and [`ResponseMap::from_subdivided`].
     pub fn from_values(
         skin: Skin,
         n_gauges: usize,
@@ -115,25 +115,25 @@ impl ResponseMap {
         if values.len() == skin.n_nodes() * n_gauges {
             return Self::from_nodal(skin, n_gauges, values, &ResponseParams::default());
         }
-        Self::from_quarters(skin, n_gauges, values)
+        Self::from_subdivided(skin, n_gauges, values)
     }
 
-    /// Where [`ResponseMap::nodal`] has its values: the nodes of the skin, or its quarters' points.
+    /// Where [`ResponseMap::nodal`] has its values: the nodes of the skin, or the points of its subdivided faces.
     #[must_use]
     pub fn value_positions(&self) -> Vec<Point3<f64>> {
-        if !self.interpolant.is_in_quarters() {
+        if !self.interpolant.is_subdivided() {
             return self.skin.nodes().to_vec();
         }
-        let points = self.skin.quarter_points();
+        let points = self.skin.subdivided_points();
         points.iter().map(|point| self.skin.position(point)).collect()
     }
 
     /// Outward normals there.
     fn value_normals(&self) -> Vec<Vector3<f64>> {
-        if !self.interpolant.is_in_quarters() {
+        if !self.interpolant.is_subdivided() {
             return self.skin.normals().to_vec();
         }
-        let points = self.skin.quarter_points();
+        let points = self.skin.subdivided_points();
         points.iter().map(|point| self.skin.normal(point)).collect()
     }
 
@@ -170,11 +170,11 @@ impl ResponseMap {
 
     /// Rows for normal forces and for those along x, y, z at the values of `other`, a map of the same skin.
     fn rows_like(&self, other: &Self) -> [Cow<'_, [f64]>; 2] {
-        if self.interpolant.is_in_quarters() || !other.interpolant.is_in_quarters() {
+        if self.interpolant.is_subdivided() || !other.interpolant.is_subdivided() {
             return [Cow::Borrowed(&self.normal), Cow::Borrowed(&self.vector)];
         }
         let width = padded(self.n_gauges);
-        let points = self.skin.quarter_points();
+        let points = self.skin.subdivided_points();
         let at = |rows: &[f64], width: usize| -> Cow<'_, [f64]> {
             let row = |point: &SkinPoint| {
                 let weights = self.interpolant.value_weights(&point.bary());
@@ -251,7 +251,7 @@ impl ResponseMap {
 
     /// Readings per newton along x, y and z at every node of the skin `[n_nodes, n_gauges]`: what
     /// [`ResponseMap::from_nodal`] makes the same map of, with a tip of 0 as this one's is in it; of a
-    /// map in quarters, at [`Skin::quarter_points`], for [`ResponseMap::from_quarters`].
+    /// map on subdivided faces, at [`Skin::subdivided_points`], for [`ResponseMap::from_subdivided`].
     #[must_use]
     pub fn nodal(&self) -> Vec<Vector3<f64>> {
         let width = 3 * padded(self.n_gauges);
@@ -263,7 +263,7 @@ impl ResponseMap {
     /// Values of [`ResponseMap::nodal`] for a gauge.
     #[must_use]
     pub fn n_values(&self) -> usize {
-        if self.interpolant.is_in_quarters() {
+        if self.interpolant.is_subdivided() {
             self.normal.len() / padded(self.n_gauges)
         } else {
             self.skin.n_nodes()

@@ -6,8 +6,8 @@ use nalgebra::{Point3, Vector3};
 
 use crate::basis::NODES;
 use crate::error::{InverseError, check_finite, check_length};
-use crate::quarters::Quarters;
 use crate::skin_point::SkinPoint;
+use crate::subdivided_faces::SubdividedFaces;
 
 /// The faces of a skin, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
@@ -280,16 +280,16 @@ impl Skin {
         a.angle(&b)
     }
 
-    /// The points at which a map on the quarters of the faces has its values: the nodes, then on each
+    /// The points at which a map on subdivided faces has its values: the nodes, then on each
     /// edge a quarter from either end, and three within each face.
     ///
     /// None on a skin of three-node faces.
     #[must_use]
-    pub fn quarter_points(&self) -> Vec<SkinPoint> {
+    pub fn subdivided_points(&self) -> Vec<SkinPoint> {
         if !self.is_quadratic {
             return Vec::new();
         }
-        Quarters::new(self).points
+        SubdividedFaces::new(self).points
     }
 
     /// The skin point of a node, on the first face that has it and may be entered.

@@ -185,7 +185,7 @@ impl<S: MessageSink> RosEncoder<S> {
 fn alternative(other: &input::Alternative) -> Alternative {
     let contacts = other.contacts.iter();
     Alternative {
-        delta_evidence: other.delta_evidence,
+        delta_evidence: other.delta_cost,
         positions: contacts.clone().map(|(place, _)| (*place).into()).collect(),
         forces: contacts.map(|(_, force_n)| *force_n).collect(),
     }

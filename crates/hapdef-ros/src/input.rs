@@ -32,7 +32,7 @@ pub struct Contacts {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Alternative {
     /// How much worse it is: −2 ln evidence less that of the reported contacts.
-    pub delta_evidence: f64,
+    pub delta_cost: f64,
     /// Its contacts: where on the skin, m, and normal force, N.
     pub contacts: Vec<([f64; 3], f64)>,
 }

@@ -16,7 +16,7 @@ pub(crate) struct Given<'a> {
     pub(crate) problem: &'a Problem<'a>,
     /// Where the map has values, and the map around those `[n_values, n_gauges]`.
     pub(crate) values: &'a (Vec<Point3<f64>>, Vec<Around>),
-    /// Scan sites, where the error is told.
+    /// Scan sites, where the error is reported.
     pub(crate) at_sites: &'a Places,
     pub(crate) params: &'a CalibrationParams,
 }
@@ -31,7 +31,7 @@ pub(crate) struct Corrected {
 }
 
 impl Given<'_> {
-    /// The map corrected by the presses `rows` of the samples; errors of later presses are told for the
+    /// The map corrected by the presses `rows` of the samples; errors of later presses are predicted for the
     /// first `cuts` of them.
     pub(crate) fn correct(
         &self,
@@ -62,11 +62,11 @@ impl Given<'_> {
             let sizes: Vec<Amplitude> = sizes.collect();
             let at = |(node, x): (usize, &Point3<f64>)| {
                 let size = kernel.amplitude(around[node * m + gauge], mean_square);
-                let told = |(place, &i): (usize, &usize)| {
+                let correction = |(place, &i): (usize, &usize)| {
                     let distance_2 = (x - samples.places.positions[i]).norm_squared();
                     alpha[place] * kernel.covariance(size, sizes[place], distance_2)
                 };
-                solution.rows.iter().enumerate().map(told).sum::<f64>()
+                solution.rows.iter().enumerate().map(correction).sum::<f64>()
             };
             nodes.iter().enumerate().map(at).collect::<Vec<f64>>()
         });

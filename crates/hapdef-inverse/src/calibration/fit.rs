@@ -27,7 +27,7 @@ const N_ROUNDS: usize = 3;
 
 impl Calibrated {
     /// Corrects `map` by `presses`; `modes` say how it may differ, gains are a mode of their own.
-    /// The error of the result is told at `sites`.
+    /// The error of the result is reported at `sites`.
     ///
     /// Time grows with the cube of the number of presses, and memory with its square:
     /// [`CalibrationParams::max_presses`].
@@ -165,7 +165,7 @@ fn info(
     }
 }
 
-/// Errors of later presses as told from the first ones, the modes as found from all.
+/// Errors of later presses as predicted from the first ones, the modes as found from all.
 fn curve(samples: &Samples, solution: &Solution) -> Vec<CurvePoint> {
     let m = samples.n_gauges();
     let n_cuts = solution.fits.first().map_or(0, |fit| fit.cuts.len());
@@ -175,8 +175,8 @@ fn curve(samples: &Samples, solution: &Solution) -> Vec<CurvePoint> {
         for (gauge, fit) in solution.fits.iter().enumerate() {
             let errors = &fit.cuts[k];
             for (place, y) in errors.of_y.iter().enumerate() {
-                let told = solution.modes.theta[gauge].iter().zip(&errors.of_columns);
-                let e = y - told.map(|(t, h)| t * h[place]).sum::<f64>();
+                let predicted = solution.modes.theta[gauge].iter().zip(&errors.of_columns);
+                let e = y - predicted.map(|(t, h)| t * h[place]).sum::<f64>();
                 error += e * e;
                 all += samples.response[solution.rows[cut + place] * m + gauge].powi(2);
             }

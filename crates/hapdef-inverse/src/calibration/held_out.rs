@@ -1,4 +1,4 @@
-//! How large the told regions have to be: contacts found where presses were that the map has not seen.
+//! How large the reported regions have to be: contacts found where presses were that the map has not seen.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ const N_PARTS: usize = 10;
 const N_HELD_OUT: usize = 300;
 
 impl Calibrated {
-    /// How often a fit to `n_presses` is repeated without a part of them, to see how large the told
+    /// How often a fit to `n_presses` is repeated without a part of them, to see how large the reported
     /// regions have to be.
     #[must_use]
     pub fn n_refits(n_presses: usize) -> usize {
@@ -33,7 +33,7 @@ impl Calibrated {
     }
 }
 
-/// The factor of a place's covariance with which the told 95 % regions hold 95 % of presses that
+/// The factor of a place's covariance with which the reported 95 % regions hold 95 % of presses that
 /// neither the map nor its error know of (split conformal prediction: the ⌈.95 (n + 1)⌉-th smallest
 /// squared distance; Vovk, Gammerman & Shafer, Algorithmic Learning in a Random World, 2005, chapter
 /// 2). The kernels are those of all presses. Answers that say that they are not identifiable count for

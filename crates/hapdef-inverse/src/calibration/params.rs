@@ -56,7 +56,7 @@ pub struct CalibrationParams {
     pub reject_p: f64,
     /// Places proposed for the next presses.
     pub n_next: usize,
-    /// Whether presses are held out to see how large the told regions have to be, which repeats the fit
+    /// Whether presses are held out to see how large the reported regions have to be, which repeats the fit
     /// up to ten times; else [`crate::ModelError::place_factor`] is 1.
     pub holds_out: bool,
     /// Threads; the result does not depend on it.

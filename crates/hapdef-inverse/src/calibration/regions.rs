@@ -50,7 +50,7 @@ impl LeftOutPress {
     }
 
     /// Squared distance of the place found from the true one in its own standard deviations, to
-    /// first order, if the map's error were `factor` times as told; none where the place is open.
+    /// first order, if the map's error were `factor` times as reported; none where the place is open.
     fn distance_2(&self, factor: f64) -> Option<f64> {
         let m = self.error.len();
         let mut s: Vec<f64> = self.map_error.iter().map(|c| factor * c).collect();
@@ -103,7 +103,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Presses whose errors are three times as large as told: the factor is nine.
+    /// Presses whose errors are three times as large as reported: the factor is nine.
     #[test]
     fn a_variance_too_small_is_found() {
         let m = 6;

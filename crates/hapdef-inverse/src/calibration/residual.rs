@@ -16,7 +16,7 @@ pub(crate) struct GaugeFit {
     pub(crate) gram: Vec<f64>,
     /// Hᵀ C⁻¹ y `[n_columns]`.
     pub(crate) rhs: Vec<f64>,
-    /// Errors of the presses after the first `cut` as told from those: of y and of each column.
+    /// Errors of the presses after the first `cut` as predicted from those: of y and of each column.
     pub(crate) cuts: Vec<CutErrors>,
     pub(crate) at_sites: Option<AtSites>,
 }
@@ -183,9 +183,9 @@ fn at_sites(
             let prior = kernel.covariance(size(s), size(r), d_2);
             covariance[s * n_sites + r] = prior - dot(row(s), row(r));
         }
-        let told = |c: usize| dot(row(s), t.row(t.n + 1 + c));
+        let predicted = |c: usize| dot(row(s), t.row(t.n + 1 + c));
         let here = sites.columns_of(s, gauge).iter().enumerate();
-        columns.extend(here.map(|(c, h)| h - told(c)));
+        columns.extend(here.map(|(c, h)| h - predicted(c)));
     }
     AtSites {
         variance: (0..n_sites).map(|s| covariance[s * n_sites + s].max(0.0)).collect(),

@@ -255,8 +255,8 @@ impl Samples {
         for gauge in 0..m {
             let press = |i: usize| {
                 let response = self.response[i * m + gauge];
-                let told = response - self.residual[i * m + gauge];
-                (told != 0.0).then(|| (response / told, told.abs()))
+                let predicted = response - self.residual[i * m + gauge];
+                (predicted != 0.0).then(|| (response / predicted, predicted.abs()))
             };
             let mut ratios: Vec<(f64, f64)> = (0..self.len()).filter_map(press).collect();
             ratios.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -74,9 +74,9 @@ impl Solution {
         };
         for i in 0..alpha.len() {
             let w: Vec<f64> = (0..n_columns).map(|c| fit.alpha_h[c][i]).collect();
-            let told = quadratic_form(&self.modes.covariance[gauge], &w);
+            let explained = quadratic_form(&self.modes.covariance[gauge], &w);
             let precision = fit.inverse_diagonal[i];
-            let precision = (precision - told).max(1e-3 * precision);
+            let precision = (precision - explained).max(1e-3 * precision);
             out.error.push(alpha[i] / precision);
             out.variance.push(1.0 / precision);
         }

@@ -37,7 +37,7 @@ pub struct Conditioned {
 
 /// Takes tare, drift, temperature and creep off raw readings and masks bad gauges.
 ///
-/// A contact whose readings grow more slowly than baselines are allowed to walk can't be told from
+/// A contact whose readings grow more slowly than baselines are allowed to walk can't be distinguished from
 /// drift and is learned.
 #[derive(Clone, Debug)]
 pub struct Conditioner {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::chi_square::upper_tail;
 use crate::error::InverseError;
-use crate::estimator::capacity::n_told;
+use crate::estimator::effective_rank::effective_rank;
 use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
 use crate::estimator::output::{ContactEstimate, EstimateInfo};
 use crate::estimator::refine::Refiner;
@@ -21,8 +21,8 @@ pub struct ContactEstimator {
     pub(crate) model: Model,
     pub(crate) noise: NoiseParams,
     pub(crate) params: EstimatorParams,
-    /// Directions of the readings that tell something.
-    pub(crate) n_told: usize,
+    /// Directions in which contacts move the readings beyond the noise.
+    pub(crate) effective_rank: usize,
 }
 
 impl ContactEstimator {
@@ -81,7 +81,7 @@ impl ContactEstimator {
         model.max_force_n = params.max_force_n;
         let (map, sites) = (&model.map, &model.sites);
         let estimator = Self {
-            n_told: n_told(map, sites, &noise, &model.live, params.force_scale_n),
+            effective_rank: effective_rank(map, sites, &noise, &model.live, params.force_scale_n),
             model,
             noise,
             params,
@@ -106,7 +106,7 @@ impl ContactEstimator {
     #[must_use]
     pub fn most_contacts(&self) -> usize {
         let wanted = self.params.known_count.unwrap_or(self.params.max_contacts);
-        wanted.min((self.n_told / 3).max(1))
+        wanted.min((self.effective_rank / 3).max(1))
     }
 
     /// Buffers for [`ContactEstimator::estimate_into`].

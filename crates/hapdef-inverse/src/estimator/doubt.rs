@@ -1,15 +1,15 @@
-//! Whether more noise than was told, and fewer contacts, would explain a frame as well.
+//! Whether more noise than was assumed, and fewer contacts, would explain a frame as well.
 
 use crate::estimator::explanation::Explanation;
 
-/// What is believed of the noise: the logarithm of its true size over the one told has a Cauchy
+/// What is believed of the noise: the logarithm of its true size over the one assumed has a Cauchy
 /// distribution of this half width, so that factors of two are rare and of ten not impossible.
 const LN_HALF_WIDTH: f64 = 0.3;
 
-/// −2 ln evidence of `e` on `m` gauges if the noise and the map's error were s times what was told,
+/// −2 ln evidence of `e` on `m` gauges if the noise and the map's error were s times what was assumed,
 /// s² = χ²/ν the most likely with ν degrees of freedom, and 1 at least: χ² falls by s², ln det S and
 /// the Occam factor follow, and s has its own prior. Infinite without a degree of freedom.
-pub(crate) fn evidence_with_more_noise(e: &Explanation, m: usize) -> f64 {
+pub(crate) fn cost_with_more_noise(e: &Explanation, m: usize) -> f64 {
     let n_unknowns = 3 * e.n;
     if m <= n_unknowns {
         return f64::INFINITY;
@@ -30,9 +30,9 @@ mod tests {
     #[test]
     fn doubt_pays_only_where_the_residual_is_large() {
         let explained = |chi2: f64| Explanation { chi2, ..Explanation::new(&[]) };
-        assert_eq!(evidence_with_more_noise(&explained(9.0), 10), 9.0);
-        let (told, doubted) = (1000.0, evidence_with_more_noise(&explained(1000.0), 10));
+        assert_eq!(cost_with_more_noise(&explained(9.0), 10), 9.0);
+        let (assumed, doubted) = (1000.0, cost_with_more_noise(&explained(1000.0), 10));
         // 10 + 10 ln 100 + 2 ln (1 + (ln 10 / 0.3)²)
-        assert!((doubted - 64.243).abs() < 1e-2, "{doubted} of {told}");
+        assert!((doubted - 64.243).abs() < 1e-2, "{doubted} of {assumed}");
     }
 }

@@ -46,7 +46,7 @@ impl Explanation {
     /// −2 ln evidence by Laplace's method, up to a constant (MacKay, Information Theory, Inference
     /// and Learning Algorithms, 2003, chapter 28): misfit, Occam factor, and the n! names that
     /// the same contacts can be given.
-    pub(crate) fn evidence(&self) -> f64 {
+    pub(crate) fn cost(&self) -> f64 {
         self.misfit() + self.occam - 2.0 * self.ln_names()
     }
 

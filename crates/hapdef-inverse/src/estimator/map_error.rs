@@ -8,7 +8,7 @@ use crate::sites::ScanSites;
 use crate::skin_point::SkinPoint;
 use crate::walk::AtWall;
 
-/// Points of the ring that a wider tip is told from.
+/// Points of the ring that a wider tip is estimated from.
 const N_RING: u32 = 12;
 
 /// The map's error per N² at each site for the live gauges `[n_sites, m, m]`; empty if exact.
@@ -127,10 +127,10 @@ mod tests {
         let middle = SkinPoint::trusted(2 * (N / 2 * N + N / 2), [1.0, 0.0, 0.0]);
         let change = wide.normal(&middle)[0] - own.normal(&middle)[0];
         let ring_m = tip_ring_m(wide_m, own_m);
-        let told = smeared_less_own(&own, &middle, ring_m)[0];
+        let expected = smeared_less_own(&own, &middle, ring_m)[0];
         // (r² − r₀²)/16 of the Laplacian, 6e4
         assert!((change.abs() - 0.045).abs() < 1e-3, "{change}");
-        assert!((told / change - 1.0).abs() < 1e-2, "{told} and {change}");
+        assert!((expected / change - 1.0).abs() < 1e-2, "{expected} and {change}");
         assert!(tip_ring_m(own_m, wide_m) == 0.0);
     }
 }

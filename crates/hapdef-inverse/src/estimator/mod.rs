@@ -1,8 +1,8 @@
 //! Contacts from one frame of readings.
 
-mod capacity;
 mod contact_estimator;
 mod doubt;
+mod effective_rank;
 mod explanation;
 mod forces;
 mod grow;

@@ -109,7 +109,7 @@ impl Model {
     }
 
     /// Turns the covariance of places and forces `[n, n]`, three numbers a contact with its force last,
-    /// into what is told.
+    /// into what is reported.
     pub(crate) fn tell(&self, covariance: &mut [f64], n: usize) {
         let scale = |p: usize| match p % 3 {
             2 => 1.0,

@@ -32,8 +32,8 @@ impl Contact {
     pub fn distance_2(&self, skin: &Skin, truth: &Point3<f64>, truth_sd_m: f64) -> Option<f64> {
         let off = truth - self.position_m;
         let off = Vector2::from(skin.tangents(&self.point).map(|t| t.dot(&off)));
-        let told = self.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let covariance = told + Matrix2::identity() * truth_sd_m.powi(2);
+        let reported = self.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        let covariance = reported + Matrix2::identity() * truth_sd_m.powi(2);
         Some((off.transpose() * covariance.try_inverse()? * off)[(0, 0)])
     }
 }
@@ -74,7 +74,7 @@ pub struct RunnerUp {
     pub delta_chi2: f64,
     /// −2 ln evidence less the best's; below 0 only for another number of contacts that the
     /// count's margin rejects.
-    pub delta_evidence: f64,
+    pub delta_cost: f64,
 }
 
 impl RunnerUp {
@@ -105,7 +105,7 @@ pub enum WhyNot {
     /// contact may touch: nothing is left to check them by, and other contacts would explain the
     /// readings as well.
     Unchecked,
-    /// Fewer contacts and more noise than was told explain the readings nearly as well.
+    /// Fewer contacts and more noise than was assumed explain the readings nearly as well.
     Noise,
 }
 

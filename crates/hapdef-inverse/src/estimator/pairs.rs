@@ -2,7 +2,7 @@
 
 use crate::estimator::Model;
 
-/// Squared sine below which two atoms are too alike to be told apart on the scan.
+/// Squared sine below which two atoms are too alike to be distinguished on the scan.
 const LEAST_SINE_2: f32 = 1e-4;
 
 /// Pairs looked at together.

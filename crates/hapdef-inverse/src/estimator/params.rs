@@ -57,7 +57,7 @@ pub struct EstimatorParams {
     pub runner_up_delta: f64,
     /// Different explanations within this of the best tie with it.
     pub tie_delta: f64,
-    /// Contacts are believed if fewer of them with more noise than was told are worse by this in
+    /// Contacts are believed if fewer of them with more noise than was assumed are worse by this in
     /// −2 ln evidence; −∞ trusts the noise.
     pub noise_delta: f64,
 }

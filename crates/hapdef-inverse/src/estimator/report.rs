@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::estimator::doubt::evidence_with_more_noise;
+use crate::estimator::doubt::cost_with_more_noise;
 use crate::estimator::explanation::Explanation;
 use crate::estimator::output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
 use crate::estimator::refine::Refiner;
@@ -60,7 +60,7 @@ pub(crate) fn report(
     tell(estimator, out);
 }
 
-/// Covariances as they are told, once everything has been judged by what they are.
+/// Covariances as they are reported, once everything has been judged by what they are.
 fn tell(estimator: &ContactEstimator, out: &mut ContactEstimate) {
     let model = &estimator.model;
     for contact in &mut out.contacts {
@@ -81,7 +81,7 @@ fn choose(
     let enough = good.map(|e| e.n).min().unwrap_or(usize::MAX);
     let cost = |e: &Explanation| {
         let beyond = e.n.saturating_sub(enough) as f64;
-        e.evidence() + params.count_margin * e.n as f64 + params.settle_margin * beyond
+        e.cost() + params.count_margin * e.n as f64 + params.settle_margin * beyond
     };
     let most = estimator.most_contacts();
     // where a contact's force vanishes fewer are left than asked for
@@ -147,9 +147,9 @@ fn set_runner_ups(
     let (params, skin) = (&estimator.params, estimator.model.skin());
     out.runner_ups.clear();
     for e in found {
-        let delta_evidence = e.evidence() - best.evidence();
+        let delta_cost = e.cost() - best.cost();
         let is_far = |other: &Explanation| !e.is_same(other, skin, params.distinct_m);
-        if delta_evidence > params.runner_up_delta || best.n == 0 || !is_far(best) {
+        if delta_cost > params.runner_up_delta || best.n == 0 || !is_far(best) {
             continue;
         }
         let new = RunnerUp {
@@ -157,7 +157,7 @@ fn set_runner_ups(
             points: e.points,
             forces: e.forces,
             delta_chi2: e.chi2 - best.chi2,
-            delta_evidence,
+            delta_cost,
         };
         let twin = out.runner_ups.iter_mut().find(|other| {
             let mut explained = Explanation::new(other.points());
@@ -165,12 +165,12 @@ fn set_runner_ups(
             !is_far(&explained)
         });
         match twin {
-            Some(twin) if new.delta_evidence < twin.delta_evidence => *twin = new,
+            Some(twin) if new.delta_cost < twin.delta_cost => *twin = new,
             Some(_) => {}
             None => out.runner_ups.push(new),
         }
     }
-    out.runner_ups.sort_unstable_by(|a, b| a.delta_evidence.total_cmp(&b.delta_evidence));
+    out.runner_ups.sort_unstable_by(|a, b| a.delta_cost.total_cmp(&b.delta_cost));
 }
 
 fn verdict(
@@ -185,7 +185,7 @@ fn verdict(
         largest.sqrt() > OPEN_SHARE * prior_sd_m
     };
     let params = &estimator.params;
-    let ties = |other: &RunnerUp| other.delta_evidence.abs() <= params.tie_delta;
+    let ties = |other: &RunnerUp| other.delta_cost.abs() <= params.tie_delta;
     if out.p_value < params.misfit_p {
         Verdict::NotIdentifiable(WhyNot::Misfit)
     } else if best.n == 0 {
@@ -221,7 +221,7 @@ impl ContactEstimator {
     fn is_checked(&self, n: usize) -> bool {
         let params = &self.params;
         let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
-        self.n_told >= 3 * n + spare_numbers(is_last)
+        self.effective_rank >= 3 * n + spare_numbers(is_last)
     }
 }
 
@@ -241,6 +241,6 @@ fn is_noise(
 ) -> bool {
     let m = estimator.model.m;
     let fewer = found.iter().chain([untouched]).filter(|e| e.n < best.n);
-    let mut doubted = fewer.map(|e| evidence_with_more_noise(e, m));
-    doubted.any(|evidence| evidence - best.evidence() < estimator.params.noise_delta)
+    let mut doubted = fewer.map(|e| cost_with_more_noise(e, m));
+    doubted.any(|cost| cost - best.cost() < estimator.params.noise_delta)
 }

@@ -4,7 +4,7 @@ use crate::dense::{cholesky, dot};
 use crate::estimator::Model;
 use crate::estimator::explanation::MAX_CONTACTS;
 
-/// Squared sine of the angle to the held atoms below which a site can't be told from them.
+/// Squared sine of the angle to the held atoms below which a site can't be distinguished from them.
 const LEAST_SINE_2: f32 = 1e-4;
 
 /// Sites looked at together.

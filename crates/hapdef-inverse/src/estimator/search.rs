@@ -103,7 +103,7 @@ impl ContactEstimator {
         scratch.bases.clear();
         let less = scratch.found.iter().filter(|e| e.n + 1 == n);
         scratch.bases.extend(less);
-        scratch.bases.sort_unstable_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+        scratch.bases.sort_unstable_by(|a, b| a.cost().total_cmp(&b.cost()));
         scratch.bases.truncate(params.n_bases);
         if n == 3 {
             let free = params.n_bases.saturating_sub(scratch.bases.len());

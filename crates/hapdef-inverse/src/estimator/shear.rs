@@ -245,13 +245,13 @@ impl Problem<'_> {
         });
         let covariance = scaled.cholesky().map_or_else(|| DMatrix::identity(n, n), |l| l.inverse());
         let entry = |i: usize, j: usize| prior(i) * prior(j) * covariance[(i, j)];
-        let (skin, told) = (self.estimator.model.skin(), self.estimator.model.place_factor);
+        let (skin, place_factor) = (self.estimator.model.skin(), self.estimator.model.place_factor);
         let contact = |i: usize| ShearContact {
             point: state.points[i],
             position_m: skin.position(&state.points[i]),
             force_vector_n: state.forces[i],
             position_covariance_m2: std::array::from_fn(|p| {
-                std::array::from_fn(|q| told * entry(N * i + p, N * i + q))
+                std::array::from_fn(|q| place_factor * entry(N * i + p, N * i + q))
             }),
             force_covariance_n2: Matrix3::from_fn(|p, q| entry(N * i + 2 + p, N * i + 2 + q)),
         };

@@ -3,11 +3,11 @@
 use crate::error::InverseError;
 use crate::placement::{Candidates, PlacementParams, no_place};
 
-/// Sites whose readings are nearest, that a place is told by.
+/// Sites whose readings are nearest, that a place is estimated from.
 const N_NEAREST: usize = 3;
 
 /// Gauges chosen one by one, each the candidate that leaves the least mean error when every site is
-/// told by the other sites with the nearest readings: the distance to the mean of their places (the
+/// estimated from the other sites with the nearest readings: the distance to the mean of their places (the
 /// way of Sun and Martius, Optimal placement of strain gauges, with sites in place of samples). The
 /// mounted ones come first.
 ///

@@ -11,7 +11,7 @@ const LENGTH_M: f64 = 0.03;
 const NUGGET: f64 = 1e-3;
 
 /// Gauges at the places of greatest entropy given those before: each the one whose reading is least
-/// told by the chosen ones (Shewry and Wynn 1987). The covariance of two places on the wall is
+/// predicted by the chosen ones (Shewry and Wynn 1987). The covariance of two places on the wall is
 /// Matérn's with smoothness 5/2 of their distance in space, which is positive definite on any
 /// surface, as one of geodesic distances is not. Of a place with several axes the first is taken;
 /// the mounted gauges come first.
@@ -100,12 +100,12 @@ fn factored(places: &[Point3<f64>], of: &[usize]) -> Result<Vec<f64>, InverseErr
     Err(InverseError::NotPositiveDefinite { what })
 }
 
-/// Variances of readings at all places given those at the places `told` `[n_places]`.
-fn variances(places: &[Point3<f64>], told: &[usize]) -> Result<Vec<f64>, InverseError> {
-    let l = factored(places, told)?;
+/// Variances of readings at all places given those at the places `known` `[n_places]`.
+fn variances(places: &[Point3<f64>], known: &[usize]) -> Result<Vec<f64>, InverseError> {
+    let l = factored(places, known)?;
     let at = |x: &Point3<f64>| {
-        let mut k: Vec<f64> = told.iter().map(|&p| covariance(&places[p], x)).collect();
-        solve_lower(&l, told.len(), &mut k);
+        let mut k: Vec<f64> = known.iter().map(|&p| covariance(&places[p], x)).collect();
+        solve_lower(&l, known.len(), &mut k);
         1.0 + NUGGET - k.iter().map(|v| v * v).sum::<f64>()
     };
     Ok(places.iter().map(at).collect())

@@ -1,9 +1,9 @@
 //! Full searches: when one is wanted, and what becomes of its outcome.
 
-use crate::tracker::belief::Slot;
-use crate::tracker::follow::{ContactTracker, Mode, Whose};
+use crate::tracker::detection::mobile_force;
+use crate::tracker::follow::{ContactTracker, HypothesisRef, Mode};
 use crate::tracker::frame::ContactId;
-use crate::tracker::inquiry::mobile_force;
+use crate::tracker::hypothesis::Track;
 use crate::tracker::search::{SearchOutcome, SearchRequest};
 
 /// A search that found nothing better is asked for again after so many times the frames that
@@ -46,22 +46,22 @@ impl ContactTracker {
         let (Some(stay), Some(new)) = (self.hypotheses.copy(0), self.hypotheses.copy(0)) else {
             return false;
         };
-        self.settle(Whose::Candidate(stay), 0);
+        self.settle(HypothesisRef::Candidate(stay), 0);
         self.hypotheses.candidates[new].n = 0;
         self.before.copy_from(&self.hypotheses.candidates[new]);
         let first_id = self.next_id;
         for contact in found {
             let id = self.name_at(new, contact.position_m);
-            let mut slot = Slot::new(id, contact.point, self.frame.index);
-            slot.force_n = contact.force_n;
-            self.hypotheses.candidates[new].push(&self.model, slot);
+            let mut track = Track::new(id, contact.point, self.frame.index);
+            track.force_n = contact.force_n;
+            self.hypotheses.candidates[new].push(&self.model, track);
         }
-        self.settle(Whose::Candidate(new), N_TRIALS);
+        self.settle(HypothesisRef::Candidate(new), N_TRIALS);
         let fits = &self.hypotheses.fits;
-        let is_better = fits[new].evidence < fits[stay].evidence - self.params.birth_margin;
+        let is_better = fits[new].cost < fits[stay].cost - self.params.birth_margin;
         self.pair_birth.stop();
         if is_better {
-            self.hypotheses.fits[stay].evidence = f64::INFINITY;
+            self.hypotheses.fits[stay].cost = f64::INFINITY;
             self.hypotheses.take(&self.model, new, 0.0);
             self.trace = [mobile_force(self.hypotheses.best()); 2];
             let age = self.gathered.n_frames;
@@ -82,7 +82,7 @@ impl ContactTracker {
     fn hold_or_start_over(&mut self) {
         let is_moving = self.hypotheses.best().n_mobile() > 0;
         if !is_moving {
-            self.mode = Mode::Quiet { deaf: 0 };
+            self.mode = Mode::Quiet { holdoff: 0 };
         }
     }
 
@@ -90,14 +90,14 @@ impl ContactTracker {
     /// yet, or a new one.
     fn name_at(&mut self, new: usize, x: nalgebra::Point3<f64>) -> ContactId {
         let skin = self.model.skin();
-        let taken = self.hypotheses.candidates[new].slots();
+        let taken = self.hypotheses.candidates[new].tracks();
         let nearest = self
             .hypotheses
             .best()
-            .slots()
+            .tracks()
             .iter()
-            .filter(|slot| taken.iter().all(|other| other.id != slot.id))
-            .map(|slot| (slot.id, (skin.position(&slot.point) - x).norm()))
+            .filter(|track| taken.iter().all(|other| other.id != track.id))
+            .map(|track| (track.id, (skin.position(&track.point) - x).norm()))
             .filter(|(_, gap)| *gap <= SAME_M)
             .min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map_or_else(

@@ -2,8 +2,8 @@
 
 use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
-use crate::tracker::belief::Belief;
 use crate::tracker::frame::Phase;
+use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::locate::MAX_CROSSINGS;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;
@@ -39,34 +39,35 @@ impl Filter {
         }
     }
 
-    /// S = 1 + H P Hᵀ and the atoms of `belief` for `forces` into `metric`, P Hᵀ into the buffers;
+    /// S = 1 + H P Hᵀ and the atoms of `hypothesis` for `forces` into `metric`, P Hᵀ into the buffers;
     /// H of contact i is Aᵢ (∂₁g, ∂₂g, 1).
     pub(super) fn weigh(
         &mut self,
-        belief: &Belief,
+        hypothesis: &Hypothesis,
         forces: &[f64; MAX_CONTACTS],
         metric: &mut Metric,
     ) {
-        self.weigh_beside(belief, forces, 0.0, metric);
+        self.weigh_beside(hypothesis, forces, 0.0, metric);
     }
 
     /// The same with the map's error for a contact anywhere of force `newcomer_n`.
     pub(super) fn weigh_beside(
         &mut self,
-        belief: &Belief,
+        hypothesis: &Hypothesis,
         forces: &[f64; MAX_CONTACTS],
         newcomer_n: f64,
         metric: &mut Metric,
     ) {
-        let (width, m, d) = (belief.width, metric.m, belief.d);
-        for a in 0..belief.n * d {
-            let row = &belief.p[a * belief.stride..a * belief.stride + belief.n * d];
+        let (width, m, d) = (hypothesis.width, metric.m, hypothesis.d);
+        for a in 0..hypothesis.n * d {
+            let row =
+                &hypothesis.p[a * hypothesis.stride..a * hypothesis.stride + hypothesis.n * d];
             let t = &mut self.t[a * width..(a + 1) * width];
             t.fill(0.0);
             for (i, state) in row.chunks_exact(d).enumerate() {
                 let force = forces[i];
                 for (slope, p) in
-                    belief.slopes[2 * i * width..].chunks_exact(width).zip(&state[..2])
+                    hypothesis.slopes[2 * i * width..].chunks_exact(width).zip(&state[..2])
                 {
                     add_scaled(t, force * p, slope);
                 }
@@ -78,15 +79,15 @@ impl Filter {
         self.s.fill(0.0);
         for g in 0..m {
             let row = &mut self.s[g * m..(g + 1) * m];
-            for (i, &force) in forces[..belief.n].iter().enumerate() {
+            for (i, &force) in forces[..hypothesis.n].iter().enumerate() {
                 let mut add = |state: usize, weight: f64| {
                     let t = &self.t[(i * d + state) * width..(i * d + state + 1) * width];
                     for (s, t) in row.iter_mut().zip(t) {
                         *s += weight * t;
                     }
                 };
-                add(0, force * belief.slopes[2 * i * width + g]);
-                add(1, force * belief.slopes[(2 * i + 1) * width + g]);
+                add(0, force * hypothesis.slopes[2 * i * width + g]);
+                add(1, force * hypothesis.slopes[(2 * i + 1) * width + g]);
                 if d > 2 {
                     add(2 + g, force);
                 }
@@ -97,47 +98,47 @@ impl Filter {
             *s += newcomer_n * newcomer_n * c;
         }
         metric.set_covariance(&self.s);
-        metric.set_atoms(&belief.atoms, belief.n);
+        metric.set_atoms(&hypothesis.atoms, hypothesis.n);
     }
 
-    /// Learns from the frame `z`, whose forces are about `scale` times those of `belief`: an
+    /// Learns from the frame `z`, whose forces are about `scale` times those of `hypothesis`: an
     /// extended Kalman update with the forces left free (a flat prior, which projects their atoms
     /// out of the innovation). Contacts that move are held from now on, their places known no
     /// better than `prior_sd_m` before.
     pub(super) fn update(
         &mut self,
         model: &Model,
-        belief: &mut Belief,
+        hypothesis: &mut Hypothesis,
         z: &[f64],
         scale: f64,
         prior_sd_m: f64,
         metric: &mut Metric,
     ) -> Solved {
-        for i in 0..belief.n {
-            if belief.slots[i].is_mobile() {
-                belief.slots[i].phase = Phase::Held;
-                belief.slots[i].slide = None;
-                for a in i * belief.d..i * belief.d + 2 {
-                    belief.p[a * belief.stride + a] = prior_sd_m * prior_sd_m;
+        for i in 0..hypothesis.n {
+            if hypothesis.tracks[i].is_mobile() {
+                hypothesis.tracks[i].phase = Phase::Held;
+                hypothesis.tracks[i].slide = None;
+                for a in i * hypothesis.d..i * hypothesis.d + 2 {
+                    hypothesis.p[a * hypothesis.stride + a] = prior_sd_m * prior_sd_m;
                 }
             }
         }
-        self.weigh(belief, &belief.forces().map(|a| a * scale), metric);
+        self.weigh(hypothesis, &hypothesis.forces().map(|a| a * scale), metric);
         let guess = metric.solve(z).forces;
-        self.weigh(belief, &guess, metric);
+        self.weigh(hypothesis, &guess, metric);
         let solved = metric.solve(z);
-        self.learn(belief, &solved, metric);
-        for i in 0..belief.n {
-            self.apply(model, belief, i);
+        self.learn(hypothesis, &solved, metric);
+        for i in 0..hypothesis.n {
+            self.apply(model, hypothesis, i);
         }
-        belief.set_forces(&solved.forces, scale);
-        belief.score += solved.chi2 + metric.log_det + metric.log_det_atoms();
+        hypothesis.set_forces(&solved.forces, scale);
+        hypothesis.data_cost += solved.chi2 + metric.log_det + metric.log_det_atoms();
         solved
     }
 
     /// dx and the new covariance.
-    fn learn(&mut self, belief: &mut Belief, solved: &Solved, metric: &Metric) {
-        let (width, m, n) = (belief.width, metric.m, belief.n * belief.d);
+    fn learn(&mut self, hypothesis: &mut Hypothesis, solved: &Solved, metric: &Metric) {
+        let (width, m, n) = (hypothesis.width, metric.m, hypothesis.n * hypothesis.d);
         let n_basis = metric.span(&solved.forces, &mut self.basis);
         for a in 0..n {
             let row = &mut self.t[a * width..(a + 1) * width];
@@ -152,52 +153,53 @@ impl Filter {
             let mine = &self.t[a * width..(a + 1) * width];
             for b in 0..=a {
                 let less = dot(mine, &self.t[b * width..(b + 1) * width]);
-                let p = belief.p[a * belief.stride + b] - less;
-                belief.p[a * belief.stride + b] = p;
-                belief.p[b * belief.stride + a] = p;
+                let p = hypothesis.p[a * hypothesis.stride + b] - less;
+                hypothesis.p[a * hypothesis.stride + b] = p;
+                hypothesis.p[b * hypothesis.stride + a] = p;
             }
         }
     }
 
-    fn apply(&self, model: &Model, belief: &mut Belief, i: usize) {
-        let (d, width) = (belief.d, belief.width);
+    fn apply(&self, model: &Model, hypothesis: &mut Hypothesis, i: usize) {
+        let (d, width) = (hypothesis.d, hypothesis.width);
         let change = &self.change[i * d..(i + 1) * d];
-        let delta = &mut belief.delta[i * width..(i + 1) * width];
+        let delta = &mut hypothesis.delta[i * width..(i + 1) * width];
         for (delta, change) in delta.iter_mut().zip(&change[2..]) {
             *delta += change;
         }
-        let [t1, t2] = belief.tangents[i];
+        let [t1, t2] = hypothesis.tangents[i];
         let step = t1 * change[0] + t2 * change[1];
         let point = model
             .skin()
-            .walk_at_most(&belief.slots[i].point, &step, AtWall::Slide, MAX_CROSSINGS)
+            .walk_at_most(&hypothesis.tracks[i].point, &step, AtWall::Slide, MAX_CROSSINGS)
             .point;
-        belief.carry(model, i, point);
+        hypothesis.carry(model, i, point);
     }
 
-    /// Covariances of places and forces of the held contacts of `belief` for frames with its forces,
+    /// Covariances of places and forces of the held contacts of `hypothesis` for frames with its forces,
     /// and `metric` for them.
-    pub(super) fn refresh(&mut self, belief: &mut Belief, metric: &mut Metric) {
-        self.weigh(belief, &belief.forces(), metric);
-        let (n, width, d) = (belief.n, belief.width, belief.d);
+    pub(super) fn refresh(&mut self, hypothesis: &mut Hypothesis, metric: &mut Metric) {
+        self.weigh(hypothesis, &hypothesis.forces(), metric);
+        let (n, width, d) = (hypothesis.n, hypothesis.width, hypothesis.d);
         let mut forces = [0.0; MAX_CONTACTS * MAX_CONTACTS];
-        self.set_force_noise(belief, metric);
+        self.set_force_noise(hypothesis, metric);
         let is_known = metric.force_covariance(&mut forces);
         for i in 0..n {
-            let slot = &mut belief.slots[i];
-            if slot.is_mobile() {
+            let track = &mut hypothesis.tracks[i];
+            if track.is_mobile() {
                 continue;
             }
-            slot.covariance[(2, 2)] = if is_known { forces[i * n + i] } else { f64::MAX };
+            track.covariance[(2, 2)] = if is_known { forces[i * n + i] } else { f64::MAX };
             for p in 0..2 {
                 let row = &mut self.t[(i * d + p) * width..(i * d + p + 1) * width];
                 solve_lower(&metric.l, metric.m, &mut row[..metric.m]);
                 let cross: f64 =
                     (0..n).map(|j| -dot(row, metric.atom(j)) * forces[j * n + i]).sum();
-                slot.covariance[(p, 2)] = cross;
-                slot.covariance[(2, p)] = cross;
+                track.covariance[(p, 2)] = cross;
+                track.covariance[(2, p)] = cross;
                 for q in 0..2 {
-                    slot.covariance[(p, q)] = belief.p[(i * d + p) * belief.stride + i * d + q];
+                    track.covariance[(p, q)] =
+                        hypothesis.p[(i * d + p) * hypothesis.stride + i * d + q];
                 }
             }
         }
@@ -205,8 +207,8 @@ impl Filter {
 
     /// What the noise alone does to forces in one frame: the diagonal of G L⁻¹ L⁻ᵀ Gᵀ with
     /// G = (hᵀh)⁻¹ hᵀ, h the atoms whitened by S = L Lᵀ.
-    fn set_force_noise(&mut self, belief: &mut Belief, metric: &Metric) {
-        let (n, width, m) = (belief.n, belief.width, metric.m);
+    fn set_force_noise(&mut self, hypothesis: &mut Hypothesis, metric: &Metric) {
+        let (n, width, m) = (hypothesis.n, hypothesis.width, metric.m);
         let mut covariance = [0.0; MAX_CONTACTS * MAX_CONTACTS];
         if !metric.force_covariance(&mut covariance) {
             return;
@@ -219,7 +221,7 @@ impl Filter {
             }
             solve_upper(&metric.l, m, &mut row[..m]);
             let variance: f64 = (0..m).filter(|&g| self.live[g]).map(|g| row[g] * row[g]).sum();
-            belief.slots[i].force_noise_n = variance.sqrt();
+            hypothesis.tracks[i].force_noise_n = variance.sqrt();
         }
     }
 }

@@ -4,9 +4,9 @@ use nalgebra::Point3;
 
 use crate::chi_square::upper_tail;
 use crate::estimator::{Contact, Verdict, WhyNot, spare_numbers};
-use crate::tracker::belief::Slot;
 use crate::tracker::follow::{ContactTracker, Mode};
 use crate::tracker::frame::TrackedContact;
+use crate::tracker::hypothesis::Track;
 
 /// A place is open if its standard deviation exceeds this share of the skin's.
 const OPEN_SHARE: f64 = 0.5;
@@ -23,12 +23,12 @@ impl ContactTracker {
         let best = self.hypotheses.best_mut();
         let mut n_released = 0;
         for i in (0..best.n).rev() {
-            let slot = &mut best.slots[i];
-            let sd = slot.covariance[(2, 2)].sqrt();
-            let is_weak = slot.force_n < least_n || (slot.force_n < 3.0 * sd && sd < 1.0);
-            slot.n_weak = if is_weak { slot.n_weak + 1 } else { slot.n_weak.saturating_sub(2) };
-            if slot.n_weak >= patience {
-                self.frame.released.push(slot.id);
+            let track = &mut best.tracks[i];
+            let sd = track.covariance[(2, 2)].sqrt();
+            let is_weak = track.force_n < least_n || (track.force_n < 3.0 * sd && sd < 1.0);
+            track.n_weak = if is_weak { track.n_weak + 1 } else { track.n_weak.saturating_sub(2) };
+            if track.n_weak >= patience {
+                self.frame.released.push(track.id);
                 best.remove(i);
                 n_released += 1;
             }
@@ -43,7 +43,7 @@ impl ContactTracker {
         if self.hypotheses.best().n_mobile() == 0
             && matches!(self.mode, Mode::Growing { .. } | Mode::Sliding { .. })
         {
-            self.mode = Mode::Quiet { deaf: 0 };
+            self.mode = Mode::Quiet { holdoff: 0 };
         }
         self.pair_birth.stop();
         self.gathered.clear();
@@ -54,16 +54,16 @@ impl ContactTracker {
     fn average(&mut self) {
         let most = self.params.force_frames;
         let best = self.hypotheses.best_mut();
-        let slots = &mut best.slots[..best.n];
-        let is_steady = slots.iter().all(|slot| {
-            let (mean, n) = slot.steady;
-            let sd = slot.force_noise_n * (1.0 + 1.0 / n.max(1) as f64).sqrt();
-            n > 0 && (slot.force_n - mean).abs() <= STEADY_SDS * sd
+        let tracks = &mut best.tracks[..best.n];
+        let is_steady = tracks.iter().all(|track| {
+            let (mean, n) = track.steady;
+            let sd = track.force_noise_n * (1.0 + 1.0 / n.max(1) as f64).sqrt();
+            n > 0 && (track.force_n - mean).abs() <= STEADY_SDS * sd
         });
-        for slot in slots {
-            let (mean, n) = if is_steady { slot.steady } else { (0.0, 0) };
+        for track in tracks {
+            let (mean, n) = if is_steady { track.steady } else { (0.0, 0) };
             let n = (n + 1).min(most);
-            slot.steady = (mean + (slot.force_n - mean) / n as f64, n);
+            track.steady = (mean + (track.force_n - mean) / n as f64, n);
         }
     }
 
@@ -73,34 +73,34 @@ impl ContactTracker {
         let (frame, model) = (&mut self.frame, &self.model);
         let skin = model.skin();
         frame.contacts.clear();
-        for slot in best.slots() {
-            let mut covariance = slot.covariance;
+        for track in best.tracks() {
+            let mut covariance = track.covariance;
             model.tell(covariance.as_mut_slice(), 3);
             let contact = Contact {
-                point: slot.point,
-                position_m: skin.position(&slot.point),
-                force_n: slot.steady.0,
-                force_vector_n: -skin.normal(&slot.point) * slot.steady.0,
+                point: track.point,
+                position_m: skin.position(&track.point),
+                force_n: track.steady.0,
+                force_vector_n: -skin.normal(&track.point) * track.steady.0,
                 covariance,
             };
             frame.contacts.push(TrackedContact {
-                id: slot.id,
-                phase: slot.phase,
-                age_frames: frame.index.saturating_sub(slot.born),
+                id: track.id,
+                phase: track.phase,
+                age_frames: frame.index.saturating_sub(track.born),
                 contact,
             });
         }
         frame.contacts.sort_unstable_by_key(|contact| contact.id);
         for (g, &gauge) in model.live.iter().enumerate() {
             let explained: f64 =
-                (0..best.n).map(|i| best.slots[i].force_n * best.atoms[i * best.width + g]).sum();
+                (0..best.n).map(|i| best.tracks[i].force_n * best.atoms[i * best.width + g]).sum();
             let is_read = self.work.filter.live[g];
             let left = readings[gauge] - explained * model.l[g * model.m + g];
             frame.residual[gauge] = if is_read { left } else { 0.0 };
         }
         frame.p_value = upper_tail(frame.chi2, frame.n_dof);
         frame.n_runner_ups = self.hypotheses.n_alive() - 1;
-        frame.info.is_inquiry = matches!(self.mode, Mode::Inquiry { .. });
+        frame.info.is_detecting = matches!(self.mode, Mode::DetectionWindow { .. });
         self.frame.verdict = self.verdict();
     }
 
@@ -110,12 +110,12 @@ impl ContactTracker {
     pub fn runner_ups(
         &self,
     ) -> impl Iterator<Item = (f64, impl Iterator<Item = (Point3<f64>, f64)>)> {
-        let best = self.hypotheses.best().total();
+        let best = self.hypotheses.best().cost();
         let skin = self.model.skin();
         self.hypotheses.others().iter().map(move |other| {
-            let slots = other.slots().iter();
-            let contacts = slots.map(move |slot| (skin.position(&slot.point), slot.force_n));
-            (other.total() - best, contacts)
+            let tracks = other.tracks().iter();
+            let contacts = tracks.map(move |track| (skin.position(&track.point), track.force_n));
+            (other.cost() - best, contacts)
         })
     }
 
@@ -127,8 +127,8 @@ impl ContactTracker {
     fn verdict(&self) -> Verdict {
         let contacts = &self.frame.contacts;
         let skin_sd_m = self.skin_sd_m();
-        let open = |slot: &Slot| {
-            let p = &slot.covariance;
+        let open = |track: &Track| {
+            let p = &track.covariance;
             let (a, b, d) = (p[(0, 0)], p[(0, 1)], p[(1, 1)]);
             let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
             largest.sqrt() > OPEN_SHARE * skin_sd_m
@@ -137,7 +137,7 @@ impl ContactTracker {
             Verdict::NotIdentifiable(WhyNot::Misfit)
         } else if contacts.is_empty() {
             Verdict::Untouched
-        } else if self.hypotheses.best().slots().iter().any(open) {
+        } else if self.hypotheses.best().tracks().iter().any(open) {
             Verdict::NotIdentifiable(WhyNot::SingularInformation)
         } else if !self.is_checked() {
             Verdict::NotIdentifiable(WhyNot::Unchecked)
@@ -148,7 +148,7 @@ impl ContactTracker {
         }
     }
 
-    /// Whether two contacts are where one is told as well as two: one that grows by kilonewtons a frame
+    /// Whether two contacts are where the readings fit one as well as two: one that grows by kilonewtons a frame
     /// is, before its place is exact, explained best by two beside it.
     fn are_two_in_one_place(&self) -> bool {
         let place = |c: &TrackedContact| c.contact.position_m;

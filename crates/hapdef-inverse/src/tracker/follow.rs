@@ -6,12 +6,12 @@ use crate::chi_square::tail_point;
 use crate::error::{InverseError, check_length};
 use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict};
 use crate::noise::NoiseParams;
-use crate::tracker::belief::Belief;
 use crate::tracker::filter::Filter;
 use crate::tracker::frame::{TrackInfo, TrackedFrame};
 use crate::tracker::gathered::Gathered;
 use crate::tracker::hypotheses::Hypotheses;
-use crate::tracker::locate::{Fit, Locator, Target, Workshop};
+use crate::tracker::hypothesis::Hypothesis;
+use crate::tracker::locate::{Fit, Locator, Refiner, Target};
 use crate::tracker::metric::Metric;
 use crate::tracker::pair_birth::PairBirth;
 use crate::tracker::params::TrackerParams;
@@ -37,7 +37,7 @@ pub struct ContactTracker {
     pub(super) mode: Mode,
     pub(super) hypotheses: Hypotheses,
     /// The best hypothesis before the contacts that move came or began to.
-    pub(super) before: Belief,
+    pub(super) before: Hypothesis,
     pub(super) gathered: Gathered,
     /// Of the best hypothesis, for every frame.
     pub(super) metric: Metric,
@@ -68,19 +68,19 @@ pub struct ContactTracker {
 /// What the tracker is busy with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mode {
-    /// All contacts are held; alarms are not heard for `deaf` frames.
-    Quiet { deaf: usize },
-    /// The residual was too large `age` frames ago.
-    Inquiry { age: usize },
+    /// All contacts are held; alarms are held off for `holdoff` frames.
+    Quiet { holdoff: usize },
+    /// The residual was too large `age` frames ago: what is new is being decided.
+    DetectionWindow { age: usize },
     /// A contact has come `age` frames ago.
     Growing { age: usize },
     /// A contact slides, `still` blocks in a row not far.
     Sliding { age: usize, still: usize },
 }
 
-/// Whose contacts are refined.
+/// The hypothesis whose contacts are refined.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Whose {
+pub(super) enum HypothesisRef {
     Best,
     Candidate(usize),
 }
@@ -111,7 +111,7 @@ impl ContactTracker {
         let noise = NoiseParams { typical_force_n: 1e-9, ..estimator.noise.clone() };
         let model = Model::new(from.map.clone(), from.sites.clone(), &noise, &live)?;
         let (m, width) = (model.m, model.width);
-        let empty = Belief::new(&model);
+        let empty = Hypothesis::new(&model);
         let frame = TrackedFrame {
             index: 0,
             contacts: Vec::with_capacity(MAX_CONTACTS),
@@ -133,7 +133,7 @@ impl ContactTracker {
         };
         Ok(Self {
             settings: estimator.params,
-            mode: Mode::Quiet { deaf: 0 },
+            mode: Mode::Quiet { holdoff: 0 },
             hypotheses: Hypotheses::new(&empty, params.n_hypotheses),
             gathered: Gathered::new(width),
             metric: Metric::new(m, width),
@@ -179,8 +179,8 @@ impl ContactTracker {
         self.recent.add(&self.model, readings, &self.z, &self.work.filter.live);
         self.recent.judge(is_alarm);
         match self.mode {
-            Mode::Quiet { deaf } => self.hold(is_alarm, deaf),
-            Mode::Inquiry { age } => self.inquire(age + 1),
+            Mode::Quiet { holdoff } => self.hold(is_alarm, holdoff),
+            Mode::DetectionWindow { age } => self.detect(age + 1),
             Mode::Growing { age } => self.grow(age + 1, is_alarm),
             Mode::Sliding { age, still } => self.slide(age + 1, still, is_alarm),
         }
@@ -204,7 +204,7 @@ impl ContactTracker {
         self.hypotheses.clear();
         self.gathered.clear();
         self.pair_birth.stop();
-        self.mode = Mode::Quiet { deaf: 0 };
+        self.mode = Mode::Quiet { holdoff: 0 };
         self.recent.forgive();
         self.refresh();
     }
@@ -264,16 +264,16 @@ impl ContactTracker {
         self.work.filter.refresh(best, &mut self.metric);
     }
 
-    /// Refines `whose` mobile contacts on the frame gathered by about `n` trial steps.
-    pub(super) fn settle(&mut self, whose: Whose, n: usize) -> Fit {
-        let n_mobile = match whose {
-            Whose::Best => self.hypotheses.best().n_mobile(),
-            Whose::Candidate(c) => self.hypotheses.candidates[c].n_mobile(),
+    /// Refines `which`'s mobile contacts on the frame gathered by about `n` trial steps.
+    pub(super) fn settle(&mut self, which: HypothesisRef, n: usize) -> Fit {
+        let n_mobile = match which {
+            HypothesisRef::Best => self.hypotheses.best().n_mobile(),
+            HypothesisRef::Candidate(c) => self.hypotheses.candidates[c].n_mobile(),
         };
         let end = self.spend(n * n_mobile);
         let scale = self.gathered.frame(&mut self.work.z);
         let target = Target { z: &self.work.z, scale };
-        let mut workshop = Workshop {
+        let mut refiner = Refiner {
             model: &self.model,
             params: &self.settings,
             filter: &mut self.work.filter,
@@ -281,17 +281,17 @@ impl ContactTracker {
             locator: &mut self.work.locator,
             n_trials: 0,
         };
-        let belief = match whose {
-            Whose::Best => self.hypotheses.best_mut(),
-            Whose::Candidate(c) => &mut self.hypotheses.candidates[c],
+        let hypothesis = match which {
+            HypothesisRef::Best => self.hypotheses.best_mut(),
+            HypothesisRef::Candidate(c) => &mut self.hypotheses.candidates[c],
         };
-        let fit = workshop.settle(belief, &target, end);
-        let n_trials = workshop.n_trials;
+        let fit = refiner.settle(hypothesis, &target, end);
+        let n_trials = refiner.n_trials;
         self.steps_left += end.saturating_sub(n_trials);
         self.frame.info.n_trials += n_trials;
-        if let Whose::Candidate(c) = whose {
+        if let HypothesisRef::Candidate(c) = which {
             let handicap = self.hypotheses.candidates[c].handicap;
-            self.hypotheses.fits[c] = Fit { evidence: fit.evidence + handicap, ..fit };
+            self.hypotheses.fits[c] = Fit { cost: fit.cost + handicap, ..fit };
         }
         fit
     }

@@ -43,7 +43,7 @@ pub struct TrackInfo {
     /// Updates of the held contacts' places and map errors.
     pub n_updates: usize,
     /// Whether a new contact or a slide was being looked for.
-    pub is_inquiry: bool,
+    pub is_detecting: bool,
     /// Whether a contact that has come or slides was refined.
     pub is_refined: bool,
     /// Contacts born in this frame.

@@ -2,10 +2,10 @@
 
 use crate::chi_square::upper_tail;
 use crate::estimator::MAX_CONTACTS;
-use crate::tracker::belief::Slot;
-use crate::tracker::follow::{ContactTracker, Mode, Whose};
+use crate::tracker::detection::{N_BASES, SCAN_STEPS, mobile_force};
+use crate::tracker::follow::{ContactTracker, HypothesisRef, Mode};
 use crate::tracker::frame::{ContactId, Phase};
-use crate::tracker::inquiry::{N_BASES, SCAN_STEPS, mobile_force};
+use crate::tracker::hypothesis::Track;
 use crate::tracker::locate::MAX_CROSSINGS;
 use crate::walk::AtWall;
 
@@ -68,7 +68,7 @@ impl ContactTracker {
                 return;
             }
         } else if (is_alarm || age.is_multiple_of(STRIDE)) && !self.pair_birth.is_ready() {
-            self.settle(Whose::Best, N_TRIALS);
+            self.settle(HypothesisRef::Best, N_TRIALS);
             self.refresh();
         }
         let is_alarm = is_alarm && self.solve();
@@ -90,7 +90,7 @@ impl ContactTracker {
     /// `n_frames`: the hypotheses there are, the best places of a new scan, slides.
     pub(super) fn compare(&mut self, n_frames: usize) {
         let best = self.hypotheses.best();
-        let mobile = best.slots().iter().find(|slot| slot.is_mobile());
+        let mobile = best.tracks().iter().find(|track| track.is_mobile());
         let n_mobile = best.n_mobile();
         let Some(&mobile) = mobile else {
             return;
@@ -98,7 +98,7 @@ impl ContactTracker {
         self.hypotheses.begin();
         for j in 0..self.hypotheses.n_alive() {
             if let Some(c) = self.hypotheses.copy(j) {
-                self.settle(Whose::Candidate(c), N_TRIALS);
+                self.settle(HypothesisRef::Candidate(c), N_TRIALS);
             }
         }
         if n_mobile == 1 {
@@ -114,19 +114,19 @@ impl ContactTracker {
     }
 
     /// Candidates from the contacts there were before `mobile` moved.
-    fn propose_again(&mut self, mobile: &Slot, n_frames: usize) {
-        let newcomer = Slot::new(ContactId(self.next_id), mobile.point, self.frame.index);
+    fn propose_again(&mut self, mobile: &Track, n_frames: usize) {
+        let newcomer = Track::new(ContactId(self.next_id), mobile.point, self.frame.index);
         if mobile.phase == Phase::Born {
             for j in 0..self.hypotheses.n_alive().min(N_BASES) {
                 self.propose_elsewhere(j, mobile);
             }
         }
         if let Some(base) = self.hypotheses.add(&self.before) {
-            let now = self.hypotheses.candidates[0].slots;
+            let now = self.hypotheses.candidates[0].tracks;
             let forces_now = &now[..self.hypotheses.candidates[0].n];
-            for slot in &mut self.hypotheses.candidates[base].slots {
-                let same = forces_now.iter().find(|other| other.id == slot.id);
-                slot.force_n = same.map_or(slot.force_n, |other| other.force_n);
+            for track in &mut self.hypotheses.candidates[base].tracks {
+                let same = forces_now.iter().find(|other| other.id == track.id);
+                track.force_n = same.map_or(track.force_n, |other| other.force_n);
             }
             if mobile.phase != Phase::Born && self.before.n < self.most_contacts() {
                 self.propose_births(base, newcomer);
@@ -138,9 +138,9 @@ impl ContactTracker {
     }
 
     /// Candidates with the contact `mobile` of candidate `from` in other places.
-    fn propose_elsewhere(&mut self, from: usize, mobile: &Slot) {
-        let slots = self.hypotheses.candidates[from].slots();
-        let Some(i) = slots.iter().position(|slot| slot.id == mobile.id) else {
+    fn propose_elsewhere(&mut self, from: usize, mobile: &Track) {
+        let tracks = self.hypotheses.candidates[from].tracks();
+        let Some(i) = tracks.iter().position(|track| track.id == mobile.id) else {
             return;
         };
         if let Some(base) = self.hypotheses.copy_candidate(from) {
@@ -151,9 +151,9 @@ impl ContactTracker {
 
     /// Candidates that start around the place of `mobile` where it does not explain the frames well:
     /// the map's slope jumps at edges of faces, and steps downhill may end at a kink.
-    fn propose_hops(&mut self, mobile: &Slot, n_frames: usize) {
-        let from = self.hypotheses.candidates[0].slots().iter();
-        let Some(i) = from.clone().position(|slot| slot.id == mobile.id) else {
+    fn propose_hops(&mut self, mobile: &Track, n_frames: usize) {
+        let from = self.hypotheses.candidates[0].tracks().iter();
+        let Some(i) = from.clone().position(|track| track.id == mobile.id) else {
             return;
         };
         let n_dof = self.n_live.saturating_sub(self.hypotheses.candidates[0].n + 2);
@@ -163,7 +163,7 @@ impl ContactTracker {
         }
         let spacings = HOP_SPACINGS[n_frames.trailing_zeros() as usize % 2];
         let distance_m = spacings * self.model.sites.spacing_m();
-        let point = self.hypotheses.candidates[0].slots[i].point;
+        let point = self.hypotheses.candidates[0].tracks[i].point;
         let [t1, t2] = self.model.skin().tangents(&point);
         for turn in 0..N_DIRECTIONS {
             let angle = f64::from(turn) / f64::from(N_DIRECTIONS) * std::f64::consts::TAU;
@@ -173,15 +173,15 @@ impl ContactTracker {
             let Some(c) = self.hypotheses.copy_candidate(0) else {
                 return;
             };
-            self.hypotheses.candidates[c].slots[i].point = walk.point;
-            self.settle(Whose::Candidate(c), N_TRIALS);
+            self.hypotheses.candidates[c].tracks[i].point = walk.point;
+            self.settle(HypothesisRef::Candidate(c), N_TRIALS);
         }
     }
 
     /// Follows what `mobile`, the contact that moved before, has turned out to be.
-    fn change_mode(&mut self, mobile: &Slot) {
+    fn change_mode(&mut self, mobile: &Track) {
         let best = self.hypotheses.best();
-        let Some(&now) = best.slots().iter().find(|slot| slot.is_mobile()) else {
+        let Some(&now) = best.tracks().iter().find(|track| track.is_mobile()) else {
             return;
         };
         let force_n = mobile_force(best);
@@ -202,7 +202,7 @@ impl ContactTracker {
     /// Looks for two contacts at once where those that came do not explain the frames gathered, and
     /// never did.
     fn consider_pairs(&mut self, age: usize) {
-        let fit = self.settle(Whose::Best, 0);
+        let fit = self.settle(HypothesisRef::Best, 0);
         let best = self.hypotheses.best();
         let n_mobile = best.n_mobile();
         let n_dof = self.n_live.saturating_sub(best.n + 2 * n_mobile);
@@ -242,13 +242,13 @@ impl ContactTracker {
 
     /// Holds all contacts that move, and learns from the frames gathered.
     pub(super) fn hold_mobile(&mut self) {
-        for belief in self.hypotheses.alive_mut() {
-            belief.set_score(belief.handicap);
-            belief.handicap = 0.0;
+        for hypothesis in self.hypotheses.alive_mut() {
+            hypothesis.set_cost(hypothesis.handicap);
+            hypothesis.handicap = 0.0;
         }
         self.learn();
         self.gathered.clear();
         self.n_stuck = 0;
-        self.mode = Mode::Quiet { deaf: 0 };
+        self.mode = Mode::Quiet { holdoff: 0 };
     }
 }

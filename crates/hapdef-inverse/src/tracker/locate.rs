@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::dense::{add_scaled, cholesky, dot, inverse, log_det};
 use crate::estimator::{EstimatorParams, MAX_CONTACTS, MAX_UNKNOWNS, Model, non_negative, solved};
 use crate::skin_point::SkinPoint;
-use crate::tracker::belief::Belief;
 use crate::tracker::filter::Filter;
+use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::metric::Metric;
 use crate::walk::AtWall;
 
@@ -38,12 +38,12 @@ pub(super) struct Target<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
     pub(super) chi2: f64,
-    /// −2 ln evidence by Laplace's method.
-    pub(super) evidence: f64,
+    /// −2 ln evidence by Laplace's method: smaller is better.
+    pub(super) cost: f64,
 }
 
 impl Fit {
-    pub(super) const NONE: Self = Self { chi2: f64::INFINITY, evidence: f64::INFINITY };
+    pub(super) const NONE: Self = Self { chi2: f64::INFINITY, cost: f64::INFINITY };
 }
 
 /// Buffers of a refinement.
@@ -69,7 +69,7 @@ struct Guess {
 }
 
 /// What a refinement works with.
-pub(super) struct Workshop<'a> {
+pub(super) struct Refiner<'a> {
     pub(super) model: &'a Model,
     pub(super) params: &'a EstimatorParams,
     pub(super) filter: &'a mut Filter,
@@ -92,63 +92,63 @@ impl Locator {
     }
 }
 
-impl Workshop<'_> {
-    /// Moves the mobile contacts of `belief` downhill on `target` until trial steps times contacts come to `max_trials`
+impl Refiner<'_> {
+    /// Moves the mobile contacts of `hypothesis` downhill on `target` until trial steps times contacts come to `max_trials`
     /// (Levenberg–Marquardt, forces of all contacts solved again at each point) and sets all
     /// forces.
     pub(super) fn settle(
         &mut self,
-        belief: &mut Belief,
+        hypothesis: &mut Hypothesis,
         target: &Target<'_>,
         max_trials: usize,
     ) -> Fit {
         let end = self.n_trials + max_trials;
         let mut fit = Fit::NONE;
         for _ in 0..N_ROUNDS {
-            let before = belief.forces();
-            let guess = self.descend(belief, target, end);
-            let is_same = (0..belief.n).all(|i| {
+            let before = hypothesis.forces();
+            let guess = self.descend(hypothesis, target, end);
+            let is_same = (0..hypothesis.n).all(|i| {
                 let (old, new) = (before[i], guess.forces[i] / target.scale);
                 (old - new).abs() <= FORCE_CHANGE * new.max(old)
             });
-            self.keep(belief, &guess, target.scale);
-            fit = self.judge(belief, &guess, target);
-            if is_same || belief.d == 2 {
+            self.keep(hypothesis, &guess, target.scale);
+            fit = self.judge(hypothesis, &guess, target);
+            if is_same || hypothesis.d == 2 {
                 break;
             }
         }
         fit
     }
 
-    fn descend(&mut self, belief: &mut Belief, target: &Target<'_>, end: usize) -> Guess {
-        for i in 0..belief.n {
-            if belief.slots[i].is_mobile() {
-                belief.set_map_error(self.model, i);
+    fn descend(&mut self, hypothesis: &mut Hypothesis, target: &Target<'_>, end: usize) -> Guess {
+        for i in 0..hypothesis.n {
+            if hypothesis.tracks[i].is_mobile() {
+                hypothesis.set_map_error(self.model, i);
             }
         }
-        let forces = belief.forces().map(|a| a * target.scale);
-        self.filter.weigh(belief, &forces, self.metric);
-        let width = belief.width;
-        for i in 0..belief.n {
+        let forces = hypothesis.forces().map(|a| a * target.scale);
+        self.filter.weigh(hypothesis, &forces, self.metric);
+        let width = hypothesis.width;
+        for i in 0..hypothesis.n {
             let at = (3 * i + 2) * width;
             self.locator.rows[at..at + width].copy_from_slice(self.metric.atom(i));
         }
         self.locator.z.copy_from_slice(target.z);
         self.metric.whiten(&mut self.locator.z);
-        let points = std::array::from_fn(|i| belief.slots[i].point);
-        let mut best = self.evaluate(belief, &points, target.scale);
-        self.linearise(belief, &best, target.scale);
-        if belief.n_mobile() == 0 {
+        let points = std::array::from_fn(|i| hypothesis.tracks[i].point);
+        let mut best = self.evaluate(hypothesis, &points, target.scale);
+        self.linearise(hypothesis, &best, target.scale);
+        if hypothesis.n_mobile() == 0 {
             return best;
         }
         let mut damping = 1e-3;
-        while self.n_trials + belief.n_mobile() <= end {
+        while self.n_trials + hypothesis.n_mobile() <= end {
             let before = best.cost;
-            let trial = self.trial(belief, &best, target.scale, damping);
-            self.n_trials += belief.n_mobile();
+            let trial = self.trial(hypothesis, &best, target.scale, damping);
+            self.n_trials += hypothesis.n_mobile();
             if trial.cost < best.cost {
                 best = trial;
-                self.linearise(belief, &best, target.scale);
+                self.linearise(hypothesis, &best, target.scale);
                 damping = f64::max(damping * 0.1, 1e-9);
                 if before - best.cost <= 1e-4 * (1.0 + best.cost) {
                     break;
@@ -162,8 +162,8 @@ impl Workshop<'_> {
         best
     }
 
-    fn trial(&mut self, belief: &Belief, from: &Guess, scale: f64, damping: f64) -> Guess {
-        let n = 3 * belief.n;
+    fn trial(&mut self, hypothesis: &Hypothesis, from: &Guess, scale: f64, damping: f64) -> Guess {
+        let n = 3 * hypothesis.n;
         let mut a = self.locator.a;
         let stiffest = (0..n).map(|p| a[p * (n + 1)]).fold(0.0, f64::max);
         for p in 0..n {
@@ -172,7 +172,7 @@ impl Workshop<'_> {
         }
         let step = solved(&a, &self.locator.b, n);
         let mut points = from.points;
-        for i in (0..belief.n).filter(|&i| belief.slots[i].is_mobile()) {
+        for i in (0..hypothesis.n).filter(|&i| hypothesis.tracks[i].is_mobile()) {
             let [t1, t2] = self.locator.tangents[i];
             let along = t1 * step[3 * i] + t2 * step[3 * i + 1];
             let shrink = (self.params.max_step_m / along.norm().max(f64::MIN_POSITIVE)).min(1.0);
@@ -181,17 +181,17 @@ impl Workshop<'_> {
                 .walk_at_most(&points[i], &(along * shrink), AtWall::Slide, MAX_CROSSINGS)
                 .point;
         }
-        self.evaluate(belief, &points, scale)
+        self.evaluate(hypothesis, &points, scale)
     }
 
     fn evaluate(
         &mut self,
-        belief: &Belief,
+        hypothesis: &Hypothesis,
         points: &[SkinPoint; MAX_CONTACTS],
         scale: f64,
     ) -> Guess {
-        let (n, width) = (belief.n, belief.width);
-        for i in (0..n).filter(|&i| belief.slots[i].is_mobile()) {
+        let (n, width) = (hypothesis.n, hypothesis.width);
+        for i in (0..n).filter(|&i| hypothesis.tracks[i].is_mobile()) {
             self.fill_rows(&points[i], i);
         }
         let rows = &self.locator.rows;
@@ -237,11 +237,11 @@ impl Workshop<'_> {
     }
 
     /// JᵀJ and Jᵀr; contacts that stay have no say in their places.
-    fn linearise(&mut self, belief: &Belief, at: &Guess, scale: f64) {
+    fn linearise(&mut self, hypothesis: &Hypothesis, at: &Guess, scale: f64) {
         let prior = self.prior_information(scale);
-        let (n, width) = (3 * belief.n, belief.width);
+        let (n, width) = (3 * hypothesis.n, hypothesis.width);
         let Locator { rows, r, a, b, .. } = &mut *self.locator;
-        let is_free = |q: usize| q % 3 == 2 || belief.slots[q / 3].is_mobile();
+        let is_free = |q: usize| q % 3 == 2 || hypothesis.tracks[q / 3].is_mobile();
         let weight = |q: usize| if q % 3 == 2 { 1.0 } else { at.forces[q / 3] };
         let row = |q: usize| &rows[q * width..(q + 1) * width];
         for p in 0..n {
@@ -267,22 +267,22 @@ impl Workshop<'_> {
         }
     }
 
-    fn keep(&self, belief: &mut Belief, guess: &Guess, scale: f64) {
-        for i in 0..belief.n {
-            if belief.slots[i].is_mobile() {
-                belief.slots[i].point = guess.points[i];
-                belief.linearise(self.model, i);
+    fn keep(&self, hypothesis: &mut Hypothesis, guess: &Guess, scale: f64) {
+        for i in 0..hypothesis.n {
+            if hypothesis.tracks[i].is_mobile() {
+                hypothesis.tracks[i].point = guess.points[i];
+                hypothesis.linearise(self.model, i);
             }
         }
-        belief.set_forces(&guess.forces, scale);
+        hypothesis.set_forces(&guess.forces, scale);
     }
 
-    /// Evidence at `guess`, and covariances of the mobile contacts.
-    fn judge(&mut self, belief: &mut Belief, guess: &Guess, target: &Target<'_>) -> Fit {
-        let n = 3 * belief.n;
+    /// Cost at `guess`, and covariances of the mobile contacts.
+    fn judge(&mut self, hypothesis: &mut Hypothesis, guess: &Guess, target: &Target<'_>) -> Fit {
+        let n = 3 * hypothesis.n;
         let skin_sd_m = (self.model.skin().area_m2() / std::f64::consts::TAU).sqrt();
         let force_sd = self.params.force_scale_n * target.scale;
-        let slides = belief.slots.map(|slot| slot.slide);
+        let slides = hypothesis.tracks.map(|track| track.slide);
         let prior = |q: usize| match (q % 3, slides[q / 3]) {
             (2, _) => force_sd,
             (_, Some((_, sd_m))) => sd_m,
@@ -291,29 +291,29 @@ impl Workshop<'_> {
         let mut l = [0.0; SIZE];
         for p in 0..n {
             for q in 0..n {
-                let is_fixed = p == q && p % 3 != 2 && !belief.slots[p / 3].is_mobile();
+                let is_fixed = p == q && p % 3 != 2 && !hypothesis.tracks[p / 3].is_mobile();
                 let unit = if p == q { 1.0 } else { 0.0 };
                 let information = if is_fixed { 0.0 } else { self.locator.a[p * n + q] };
                 l[p * n + q] = unit + prior(p) * prior(q) * information;
             }
         }
-        let mut evidence = guess.cost + self.metric.log_det;
-        for force in &guess.forces[..belief.n] {
+        let mut cost = guess.cost + self.metric.log_det;
+        for force in &guess.forces[..hypothesis.n] {
             let beyond = force / target.scale / self.params.max_force_n - 1.0;
-            evidence += (beyond.max(0.0) / BEYOND_SD).powi(2);
+            cost += (beyond.max(0.0) / BEYOND_SD).powi(2);
         }
-        for slot in belief.slots() {
-            if let Some((from, sd_m)) = slot.slide {
-                let gone = self.model.skin().position(&slot.point) - from;
-                evidence += gone.norm_squared() / (sd_m * sd_m);
+        for track in hypothesis.tracks() {
+            if let Some((from, sd_m)) = track.slide {
+                let gone = self.model.skin().position(&track.point) - from;
+                cost += gone.norm_squared() / (sd_m * sd_m);
             }
         }
         if cholesky(&mut l[..n * n], n, 0.0) {
-            evidence += log_det(&l, n);
+            cost += log_det(&l, n);
             let mut inverted = [0.0; SIZE];
             inverse(&l, n, &mut inverted[..n * n]);
-            for i in 0..belief.n {
-                if !belief.slots[i].is_mobile() {
+            for i in 0..hypothesis.n {
+                if !hypothesis.tracks[i].is_mobile() {
                     continue;
                 }
                 let unit = |p: usize| if p == 2 { 1.0 / target.scale } else { 1.0 };
@@ -322,11 +322,11 @@ impl Workshop<'_> {
                     prior(p0) * prior(q0) * inverted[p0 * n + q0] * unit(p) * unit(q)
                 };
                 let covariance = Matrix3::from_fn(entry);
-                belief.slots[i].covariance = covariance;
+                hypothesis.tracks[i].covariance = covariance;
             }
         } else {
-            evidence = f64::INFINITY;
+            cost = f64::INFINITY;
         }
-        Fit { chi2: guess.chi2, evidence }
+        Fit { chi2: guess.chi2, cost }
     }
 }

@@ -1,7 +1,7 @@
 //! Contacts followed from frame to frame.
 
 mod adopt;
-mod belief;
+mod detection;
 mod filter;
 mod finish;
 mod follow;
@@ -9,7 +9,7 @@ mod frame;
 mod gathered;
 mod growth;
 mod hypotheses;
-mod inquiry;
+mod hypothesis;
 mod locate;
 mod metric;
 mod pair_birth;

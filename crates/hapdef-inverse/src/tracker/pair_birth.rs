@@ -1,11 +1,11 @@
 //! Two contacts that came at once: all pairs of sites, the best refined, spread over frames.
 
 use crate::estimator::Model;
-use crate::tracker::belief::{Belief, Slot};
-use crate::tracker::follow::{ContactTracker, Whose};
+use crate::tracker::detection::mobile_force;
+use crate::tracker::follow::{ContactTracker, HypothesisRef};
 use crate::tracker::frame::ContactId;
-use crate::tracker::inquiry::mobile_force;
-use crate::tracker::locate::{Fit, Target, Workshop};
+use crate::tracker::hypothesis::{Hypothesis, Track};
+use crate::tracker::locate::{Fit, Refiner, Target};
 use crate::tracker::scan::{PairJob, SiteScan};
 
 /// Pairs that are refined.
@@ -25,10 +25,10 @@ const N_FINAL_TRIALS: usize = 10;
 pub(super) struct PairBirth {
     job: PairJob,
     /// The contacts beside which the pair came.
-    base: Belief,
-    trial: Belief,
+    base: Hypothesis,
+    trial: Hypothesis,
     /// The best pairs so far, best first.
-    finalists: Vec<Belief>,
+    finalists: Vec<Hypothesis>,
     fits: [Fit; N_FINALISTS],
     next: usize,
     /// The frame searched.
@@ -37,7 +37,7 @@ pub(super) struct PairBirth {
 }
 
 impl PairBirth {
-    pub(super) fn new(model: &Model, empty: &Belief) -> Self {
+    pub(super) fn new(model: &Model, empty: &Hypothesis) -> Self {
         Self {
             job: PairJob::new(model),
             base: empty.clone(),
@@ -64,7 +64,7 @@ impl PairBirth {
     }
 
     /// Takes what `scan` projected beside `base`.
-    pub(super) fn prepare(&mut self, base: &Belief, scan: &SiteScan) {
+    pub(super) fn prepare(&mut self, base: &Hypothesis, scan: &SiteScan) {
         if !self.is_active() {
             self.base.copy_from(base);
             self.job.prepare(scan);
@@ -81,8 +81,8 @@ impl PairBirth {
 
     /// Puts the trial among the finalists if it is good enough.
     fn rank(&mut self, fit: Fit) {
-        let place = self.fits.partition_point(|f| f.evidence <= fit.evidence);
-        if place == N_FINALISTS || !fit.evidence.is_finite() {
+        let place = self.fits.partition_point(|f| f.cost <= fit.cost);
+        if place == N_FINALISTS || !fit.cost.is_finite() {
             return;
         }
         self.fits[place..].rotate_right(1);
@@ -125,11 +125,11 @@ impl ContactTracker {
         pair_birth.trial.copy_from(&pair_birth.base);
         for site in pair.sites {
             let point = model.sites.points()[site];
-            let slot = Slot::new(ContactId(0), point, self.frame.index);
-            pair_birth.trial.push(model, slot);
+            let track = Track::new(ContactId(0), point, self.frame.index);
+            pair_birth.trial.push(model, track);
         }
         let target = Target { z: &pair_birth.z, scale: pair_birth.scale };
-        let mut workshop = Workshop {
+        let mut refiner = Refiner {
             model,
             params: &self.settings,
             filter: &mut self.work.filter,
@@ -137,8 +137,8 @@ impl ContactTracker {
             locator: &mut self.work.locator,
             n_trials: 0,
         };
-        let fit = workshop.settle(&mut pair_birth.trial, &target, 2 * N_TRIALS);
-        let n_trials = workshop.n_trials;
+        let fit = refiner.settle(&mut pair_birth.trial, &target, 2 * N_TRIALS);
+        let n_trials = refiner.n_trials;
         pair_birth.rank(fit);
         self.frame.info.n_trials += n_trials;
         self.spend(n_trials);
@@ -147,18 +147,18 @@ impl ContactTracker {
     /// The best pairs against what there is, on all frames so far.
     fn finish_pairs(&mut self) {
         let best = self.hypotheses.best();
-        let Some(&first) = best.slots().iter().find(|slot| slot.is_mobile()) else {
+        let Some(&first) = best.tracks().iter().find(|track| track.is_mobile()) else {
             return;
         };
-        let second = best.slots().iter().filter(|slot| slot.is_mobile()).nth(1);
-        let second = second.map_or(ContactId(self.next_id), |slot| slot.id);
+        let second = best.tracks().iter().filter(|track| track.is_mobile()).nth(1);
+        let second = second.map_or(ContactId(self.next_id), |track| track.id);
         self.hypotheses.begin();
         let Some(stay) = self.hypotheses.copy(0) else {
             return;
         };
-        self.settle(Whose::Candidate(stay), N_TRIALS);
+        self.settle(HypothesisRef::Candidate(stay), N_TRIALS);
         for k in 0..N_FINALISTS {
-            if !self.pair_birth.fits[k].evidence.is_finite() {
+            if !self.pair_birth.fits[k].cost.is_finite() {
                 break;
             }
             let Some(c) = self.hypotheses.add(&self.pair_birth.finalists[k]) else {
@@ -166,15 +166,15 @@ impl ContactTracker {
             };
             let candidate = &mut self.hypotheses.candidates[c];
             let n = candidate.n;
-            for (slot, id) in candidate.slots[n - 2..n].iter_mut().zip([first.id, second]) {
-                (slot.id, slot.born) = (id, first.born);
+            for (track, id) in candidate.tracks[n - 2..n].iter_mut().zip([first.id, second]) {
+                (track.id, track.born) = (id, first.born);
             }
-            self.settle(Whose::Candidate(c), N_FINAL_TRIALS);
+            self.settle(HypothesisRef::Candidate(c), N_FINAL_TRIALS);
         }
-        let stay = self.hypotheses.fits[stay].evidence;
+        let stay = self.hypotheses.fits[stay].cost;
         let n_mobile = self.hypotheses.best().n_mobile();
         let margin = if n_mobile == 1 { self.params.birth_margin } else { 0.0 };
-        let better = |&c: &usize| c > 0 && self.hypotheses.fits[c].evidence < stay - margin;
+        let better = |&c: &usize| c > 0 && self.hypotheses.fits[c].cost < stay - margin;
         if let Some(winner) = self.hypotheses.winner().filter(better) {
             let delta = self.params.hypothesis_delta;
             self.hypotheses.take(&self.model, winner, delta);

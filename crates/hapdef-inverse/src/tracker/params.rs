@@ -16,12 +16,12 @@ pub struct TrackerParams {
     pub frame_period_s: f64,
     /// Frames averaged for one update of the held contacts' places and map errors.
     pub block_frames: usize,
-    /// A frame whose residual is less probable than this starts an inquiry: has a contact come, or
+    /// A frame whose residual is less probable than this opens a detection window: has a contact come, or
     /// one slid?
     pub alarm_p: f64,
-    /// Frames since the alarm after which an inquiry first decides; it looks again after twice, four
+    /// Frames since the alarm after which a detection window first decides; it looks again after twice, four
     /// and eight times as many, and then drops the alarm.
-    pub inquiry_frames: usize,
+    pub detection_frames: usize,
     /// What a new contact or a slide has to improve −2 ln evidence by.
     pub birth_margin: f64,
     /// A contact that has come is held when its force is steady, and at the latest after so many
@@ -63,7 +63,7 @@ impl Default for TrackerParams {
             frame_period_s: 1e-3,
             block_frames: 8,
             alarm_p: 1e-5,
-            inquiry_frames: 3,
+            detection_frames: 3,
             birth_margin: 12.0,
             settle_frames: 120,
             pair_p: 1e-4,
@@ -91,7 +91,7 @@ impl TrackerParams {
             ("frame_period_s", self.frame_period_s),
             ("force_frames", self.force_frames as f64),
             ("block_frames", self.block_frames as f64),
-            ("inquiry_frames", self.inquiry_frames as f64),
+            ("detection_frames", self.detection_frames as f64),
             ("settle_frames", self.settle_frames as f64),
             ("release_frames", self.release_frames as f64),
             ("slide_m_per_s", self.slide_m_per_s),

@@ -1,10 +1,10 @@
 //! A contact that moves over the skin, followed until it stays.
 
-use crate::tracker::belief::Slot;
-use crate::tracker::follow::{ContactTracker, Mode, Whose};
+use crate::tracker::detection::{SCAN_STEPS, mobile_force};
+use crate::tracker::follow::{ContactTracker, HypothesisRef, Mode};
 use crate::tracker::frame::Phase;
 use crate::tracker::growth::SCANS;
-use crate::tracker::inquiry::{SCAN_STEPS, mobile_force};
+use crate::tracker::hypothesis::Track;
 
 /// What is left of the frames gathered after each frame.
 const KEEP: f64 = 0.8;
@@ -49,8 +49,8 @@ impl ContactTracker {
         self.frame.info.is_refined = true;
         self.mode = Mode::Sliding { age, still };
         let further_m = self.params.slide_m_per_s * self.params.frame_period_s;
-        for slot in &mut self.hypotheses.best_mut().slots {
-            if let Some((_, sd_m)) = &mut slot.slide {
+        for track in &mut self.hypotheses.best_mut().tracks {
+            if let Some((_, sd_m)) = &mut track.slide {
                 *sd_m += further_m;
             }
         }
@@ -62,7 +62,7 @@ impl ContactTracker {
         } else if age.is_multiple_of(HOP_FRAMES) {
             self.hop();
         } else {
-            self.settle(Whose::Best, N_TRIALS);
+            self.settle(HypothesisRef::Best, N_TRIALS);
             self.refresh();
         }
         let is_alarm = is_alarm && self.solve();
@@ -90,19 +90,19 @@ impl ContactTracker {
     /// faces, and steps downhill may end at a kink.
     fn hop(&mut self) {
         let best = self.hypotheses.best();
-        let moving = (0..best.n).find(|&i| best.slots[i].phase == Phase::Sliding);
+        let moving = (0..best.n).find(|&i| best.tracks[i].phase == Phase::Sliding);
         let Some(i) = moving.filter(|_| self.spend(SCAN_STEPS) == SCAN_STEPS) else {
             return;
         };
-        let slot = self.hypotheses.best().slots[i];
+        let track = self.hypotheses.best().tracks[i];
         self.hypotheses.begin();
         let (Some(stay), Some(base)) = (self.hypotheses.copy(0), self.hypotheses.copy(0)) else {
             return;
         };
-        self.settle(Whose::Candidate(stay), N_TRIALS);
+        self.settle(HypothesisRef::Candidate(stay), N_TRIALS);
         self.hypotheses.candidates[base].remove(i);
-        self.scan_beside(base, slot.force_n);
-        let x = self.model.skin().position(&slot.point);
+        self.scan_beside(base, track.force_n);
+        let x = self.model.skin().position(&track.point);
         let reach_m = HOP_SPACINGS * self.model.sites.spacing_m();
         let far = |y: &nalgebra::Point3<f64>| (y - x).norm() > reach_m;
         for (gain, y) in self.work.scan.gains.iter_mut().zip(self.model.sites.positions()) {
@@ -114,8 +114,8 @@ impl ContactTracker {
                 break;
             };
             let point = self.model.sites.points()[self.work.scan.peaks[k].site];
-            self.hypotheses.candidates[c].push(&self.model, Slot { point, ..slot });
-            self.settle(Whose::Candidate(c), N_TRIALS);
+            self.hypotheses.candidates[c].push(&self.model, Track { point, ..track });
+            self.settle(HypothesisRef::Candidate(c), N_TRIALS);
         }
         if let Some(winner) = self.hypotheses.winner() {
             self.hypotheses.take(&self.model, winner, 0.0);
@@ -127,9 +127,9 @@ impl ContactTracker {
     fn come_to_rest(&mut self) {
         let best = self.hypotheses.best_mut();
         for i in 0..best.n {
-            if best.slots[i].phase == Phase::Sliding {
-                best.slots[i].phase = Phase::Born;
-                best.slots[i].slide = None;
+            if best.tracks[i].phase == Phase::Sliding {
+                best.tracks[i].phase = Phase::Born;
+                best.tracks[i].slide = None;
                 self.before.copy_from(best);
                 self.before.remove(i);
             }
@@ -143,9 +143,9 @@ impl ContactTracker {
     /// Where the sliding contact is, and its standard deviation, m.
     fn sliding(&self) -> Option<(nalgebra::Point3<f64>, f64)> {
         let best = self.hypotheses.best();
-        let slot = best.slots().iter().find(|s| s.phase == Phase::Sliding)?;
-        let c = &slot.covariance;
+        let track = best.tracks().iter().find(|s| s.phase == Phase::Sliding)?;
+        let c = &track.covariance;
         let sd_m = (c[(0, 0)] + c[(1, 1)]).sqrt();
-        Some((self.model.skin().position(&slot.point), sd_m))
+        Some((self.model.skin().position(&track.point), sd_m))
     }
 }

@@ -28,7 +28,7 @@ fn gains_are_recovered() {
     assert!(after < 0.2 * before, "{before} {after}");
 }
 
-/// A gain that the prior of 3 % does not expect is told.
+/// A gain that the prior of 3 % does not expect is reported.
 #[test]
 fn a_gain_beyond_its_prior_is_flagged() {
     let world = world();
@@ -48,9 +48,9 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
         .flat_map(|x| (0..N_GAUGES).map(move |g| field(x) * (1.0 + 0.2 * g as f64)))
         .collect();
     let mode = ResponseMap::from_nodal(skin.clone(), N_GAUGES, &adjoint, &params).unwrap();
-    let points = skin.quarter_points();
+    let points = skin.subdivided_points();
     let values: Vec<_> = points.iter().flat_map(|p| world.map.vector(p)).collect();
-    let in_quarters = Arc::new(ResponseMap::from_quarters(skin, N_GAUGES, &values).unwrap());
+    let subdivided = Arc::new(ResponseMap::from_subdivided(skin, N_GAUGES, &values).unwrap());
     let mut presses = Limb::plain().presses(&world, 150, 0.1, 2);
     for press in &mut presses {
         let h = mode.normal(&press.point);
@@ -58,7 +58,7 @@ fn a_mode_is_recovered_and_changes_vectors_too() {
     }
     let modes = [ModeMap { map: &mode, scope: ModeScope::Shared, prior_sd: 1.0 }];
     let params = CalibrationParams::new(vec![0.1; N_GAUGES]);
-    for map in [&world.map, &in_quarters] {
+    for map in [&world.map, &subdivided] {
         let fitted = Calibrated::fit(map, &world.sites, &modes, &presses, &params).unwrap();
         let found = fitted.info.mode_coefficients[0][0];
         assert!((found - 0.4).abs() < 0.02, "{found}");
@@ -89,7 +89,7 @@ fn the_residual_is_learned_and_its_error_falls_with_the_presses() {
 }
 
 #[test]
-fn the_told_error_is_that_of_other_presses() {
+fn the_reported_error_is_that_of_other_presses() {
     let world = world();
     let limb = Limb { warp: 0.1, ..Limb::plain() };
     let fitted = fit(&world, &limb.presses(&world, 300, 1.0, 4), &params()).unwrap();
@@ -105,9 +105,9 @@ fn the_told_error_is_that_of_other_presses() {
     }
     let mean = squares / f64::from(n);
     assert!((0.4..2.5).contains(&mean), "mean square of standardised errors {mean}");
-    let told = fitted.info.relative_error;
+    let reported = fitted.info.relative_error;
     let found = limb.error(&world, &fitted.map);
-    assert!(found < 1.3 * told, "told {told}, found {found}");
+    assert!(found < 1.3 * reported, "reported {reported}, found {found}");
 }
 
 #[test]
@@ -149,12 +149,12 @@ fn errors_of_the_press_position_are_allowed_for() {
         let readings = press.readings.clone();
         *press = Press::at_position(skin, &x, 0.01, press.force_n, readings).unwrap();
     }
-    let told =
+    let declared =
         CalibrationParams { position_sd_m: 1e-3, ..CalibrationParams::new(vec![0.2; N_GAUGES]) };
-    let untold = CalibrationParams::new(vec![0.2; N_GAUGES]);
-    let with = limb.error(&world, &fit(&world, &presses, &told).unwrap().map);
-    let without = limb.error(&world, &fit(&world, &presses, &untold).unwrap().map);
-    assert!(with < without, "told {with}, untold {without}");
+    let undeclared = CalibrationParams::new(vec![0.2; N_GAUGES]);
+    let with = limb.error(&world, &fit(&world, &presses, &declared).unwrap().map);
+    let without = limb.error(&world, &fit(&world, &presses, &undeclared).unwrap().map);
+    assert!(with < without, "declared {with}, undeclared {without}");
     assert!(with < limb.error(&world, &world.map), "{with}");
 }
 

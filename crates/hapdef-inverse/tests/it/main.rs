@@ -2,13 +2,13 @@
 
 mod calibration;
 mod conditioning;
+mod confidence_regions;
 mod examples;
 mod limb;
 mod placement;
 mod recovery;
 mod response;
 mod stability;
-mod told_regions;
 mod tracking;
 mod tracking_allocations;
 mod world;

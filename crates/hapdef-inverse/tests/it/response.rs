@@ -73,9 +73,9 @@ fn cubics_are_exact_for_quadratics_on_a_plane() {
 /// Half the spacing of the values with faces of the same size: an error that falls with its third power
 /// falls to an eighth, and both maps are the same at the nodes.
 #[test]
-fn quarters_have_an_eighth_of_the_error() {
+fn subdivided_faces_have_an_eighth_of_the_error() {
     let world = World::on(barrel(28, 22, true), 10, 20, 3);
-    let fine = world.in_quarters();
+    let fine = world.subdivided();
     let skin = world.map.skin();
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let (mut coarse_2, mut fine_2) = (0.0, 0.0);
@@ -98,27 +98,27 @@ fn quarters_have_an_eighth_of_the_error() {
 }
 
 #[test]
-fn a_map_in_quarters_is_made_again_of_its_values_and_refused_with_fewer() {
+fn a_map_on_subdivided_faces_is_made_again_of_its_values_and_refused_with_fewer() {
     let world = World::on(barrel(8, 6, true), 4, 20, 3);
-    let map = world.in_quarters();
+    let map = world.subdivided();
     let (skin, values) = (map.skin().clone(), map.nodal());
     let again = ResponseMap::from_values(skin.clone(), 4, &values).unwrap();
     assert_eq!(again.nodal(), values);
-    assert_eq!(again.n_values(), skin.quarter_points().len());
+    assert_eq!(again.n_values(), skin.subdivided_points().len());
     let refused = ResponseMap::from_values(skin, 4, &values[4..]);
     assert!(matches!(refused, Err(InverseError::Length { .. })));
     let linear = World::on(barrel(8, 6, false), 4, 20, 3);
     let skin = linear.map.skin().clone();
-    assert!(skin.quarter_points().is_empty());
-    assert!(ResponseMap::from_quarters(skin, 4, &values).is_err());
+    assert!(skin.subdivided_points().is_empty());
+    assert!(ResponseMap::from_subdivided(skin, 4, &values).is_err());
 }
 
 #[test]
 fn the_gradient_is_the_derivative_along_the_skin() {
-    for (is_quadratic, has_quarters) in [(true, false), (true, true), (false, false)] {
+    for (is_quadratic, is_fine) in [(true, false), (true, true), (false, false)] {
         let mut world = World::on(barrel(20, 16, is_quadratic), 10, 50, 3);
-        if has_quarters {
-            world.map = std::sync::Arc::new(world.in_quarters());
+        if is_fine {
+            world.map = std::sync::Arc::new(world.subdivided());
         }
         let skin = world.map.skin();
         let mut rng = ChaCha8Rng::seed_from_u64(5);

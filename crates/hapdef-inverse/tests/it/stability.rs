@@ -29,7 +29,7 @@ fn check_numbers(e: &ContactEstimate) {
     assert!(e.joint_covariance.iter().all(|v| v.is_finite()));
     assert!(e.residual.iter().all(|v| v.is_finite()));
     assert!(e.chi2.is_finite() && e.chi2 >= 0.0 && (0.0..=1.0).contains(&e.p_value));
-    assert!(e.runner_ups.iter().all(|r| r.delta_evidence.is_finite()));
+    assert!(e.runner_ups.iter().all(|r| r.delta_cost.is_finite()));
     let if_two = e.if_two.iter().flat_map(|t| [t.force_sd_n, t.position_sd_m]);
     assert!(if_two.into_iter().all(|sd| sd.is_finite() && sd >= 0.0));
 }
@@ -227,9 +227,9 @@ fn only_gauges_that_tell_something_count() {
     assert_eq!(verdict, Verdict::NotIdentifiable(WhyNot::Misfit));
 }
 
-/// With noise ten times as told nothing that is said surely is wrong.
+/// With noise ten times as assumed nothing that is said surely is wrong.
 #[test]
-fn answers_under_more_noise_than_told_are_not_sure() {
+fn answers_under_more_noise_than_assumed_are_not_sure() {
     let world = World::new(10, 300, 5);
     let estimator = world.estimator(NoiseParams::uniform(10, 0.1), EstimatorParams::default());
     let mut rng = ChaCha8Rng::seed_from_u64(10);
@@ -271,10 +271,11 @@ fn one_gauge_ten_times_identifies_nothing() {
 }
 
 #[test]
-fn noise_told_ten_times_wrong() {
+fn noise_assumed_ten_times_wrong() {
     let world = World::new(10, 300, 5);
-    for told in [0.1, 10.0] {
-        let estimator = world.estimator(NoiseParams::uniform(10, told), EstimatorParams::default());
+    for assumed in [0.1, 10.0] {
+        let estimator =
+            world.estimator(NoiseParams::uniform(10, assumed), EstimatorParams::default());
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         for k in 0..=3 {
             let points = world.draw_points(k, 0.012, &mut rng);

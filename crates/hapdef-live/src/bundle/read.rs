@@ -173,12 +173,12 @@ impl<'a> Parts<'a> {
     }
 
     /// `shape` ends with the three coordinates.
-    /// A map with a value at each node, or at each point of the quarters of six-node faces.
+    /// A map with a value at each node, or at each point of subdivided six-node faces.
     fn map(&self, name: &str, skin: &Skin, n_gauges: usize) -> Result<ResponseMap, LiveError> {
         let found = self.part(name)?.shape().first().copied();
-        let in_quarters = skin.quarter_points().len();
-        let n_values = match found == Some(in_quarters) {
-            true => in_quarters,
+        let subdivided = skin.subdivided_points().len();
+        let n_values = match found == Some(subdivided) {
+            true => subdivided,
             false => skin.n_nodes(),
         };
         let shape = [n_values, n_gauges, 3];

@@ -66,7 +66,8 @@ struct QualityLine {
 
 #[derive(Serialize)]
 struct AlternativeLine {
-    delta_evidence: f64,
+    #[serde(rename = "delta_evidence")]
+    delta_cost: f64,
     contacts: Vec<([f64; 3], f64)>,
 }
 
@@ -182,7 +183,7 @@ impl<'a> Line<'a> {
             n_alternatives: quality.n_alternatives,
         });
         let alternatives = touch.alternatives.iter().map(|other| AlternativeLine {
-            delta_evidence: other.delta_evidence,
+            delta_cost: other.delta_cost,
             contacts: other.contacts().map(|(x, force_n)| (x.coords.into(), force_n)).collect(),
         });
         Self {

@@ -177,7 +177,7 @@ pub struct TouchQuality {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alternative {
     /// −2 ln evidence less the best's.
-    pub delta_evidence: f64,
+    pub delta_cost: f64,
     n_contacts: usize,
     positions_m: [Point3<f64>; MAX_CONTACTS],
     forces_n: [f64; MAX_CONTACTS],
@@ -279,12 +279,9 @@ impl TouchQuality {
 impl Alternative {
     /// An explanation by contacts, (m, N) each; those beyond [`MAX_CONTACTS`] are left out.
     #[must_use]
-    pub fn new(
-        delta_evidence: f64,
-        contacts: impl IntoIterator<Item = (Point3<f64>, f64)>,
-    ) -> Self {
+    pub fn new(delta_cost: f64, contacts: impl IntoIterator<Item = (Point3<f64>, f64)>) -> Self {
         let mut alternative = Self {
-            delta_evidence,
+            delta_cost,
             n_contacts: 0,
             positions_m: [Point3::origin(); MAX_CONTACTS],
             forces_n: [0.0; MAX_CONTACTS],

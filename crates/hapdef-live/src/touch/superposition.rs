@@ -82,7 +82,7 @@ impl Superposition {
         if wanted.alternatives {
             let others = estimate.runner_ups.iter().map(|other| {
                 let places = other.points().iter().map(|point| skin.position(point));
-                Alternative::new(other.delta_evidence, places.zip(other.forces_n().iter().copied()))
+                Alternative::new(other.delta_cost, places.zip(other.forces_n().iter().copied()))
             });
             touch.alternatives.extend(others);
         }

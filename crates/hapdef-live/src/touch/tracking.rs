@@ -154,8 +154,7 @@ impl Tracking {
             let others = self.tracker.runner_ups();
             let others = others.map(|(delta, contacts)| Alternative::new(delta, contacts));
             touch.alternatives.extend(others);
-            let by_delta =
-                |a: &Alternative, b: &Alternative| a.delta_evidence.total_cmp(&b.delta_evidence);
+            let by_delta = |a: &Alternative, b: &Alternative| a.delta_cost.total_cmp(&b.delta_cost);
             touch.alternatives.sort_unstable_by(by_delta);
         }
         touch.quality = Some(TouchQuality {

@@ -84,9 +84,9 @@ fn followed_contacts_have_alternatives() {
         tracking.estimate(&readings, &mut touch).unwrap();
         let others = &touch.alternatives;
         assert_eq!(others.len(), touch.quality.unwrap().n_alternatives);
-        assert!(others.is_sorted_by(|a, b| a.delta_evidence <= b.delta_evidence));
+        assert!(others.is_sorted_by(|a, b| a.delta_cost <= b.delta_cost));
         for other in others {
-            assert!(other.delta_evidence.is_finite());
+            assert!(other.delta_cost.is_finite());
             let mut contacts = other.contacts();
             assert!(contacts.len() > 0 && contacts.all(|(_, force_n)| force_n >= 0.0));
         }

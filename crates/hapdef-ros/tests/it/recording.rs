@@ -77,7 +77,7 @@ fn other_explanations_come_back() {
         let read = list.alternatives.iter().map(|other| {
             let places = other.positions.iter().map(|p| [p.x, p.y, p.z]);
             hapdef_ros::Alternative {
-                delta_evidence: other.delta_evidence,
+                delta_cost: other.delta_evidence,
                 contacts: places.zip(other.forces.iter().copied()).collect(),
             }
         });

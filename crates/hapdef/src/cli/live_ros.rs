@@ -236,7 +236,7 @@ fn contacts(touch: &Touch, seq: u32, stamp_ns: u64) -> Contacts {
 fn alternative(other: &Alternative) -> hapdef_ros::Alternative {
     let contacts = other.contacts();
     hapdef_ros::Alternative {
-        delta_evidence: other.delta_evidence,
+        delta_cost: other.delta_cost,
         contacts: contacts.map(|(at, force_n)| (at.coords.into(), force_n)).collect(),
     }
 }

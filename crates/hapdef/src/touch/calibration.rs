@@ -59,7 +59,7 @@ pub struct Calibration {
     /// Scan sites at which the error is told, spread over the skin.
     pub n_sites: usize,
     /// Reading per newton along x, y, z `[n_values, n_gauges]`, µε/N, at the nodes of the surface or at the
-    /// [`hapdef_inverse::Skin::quarter_points`] of its faces, to six digits; the tip is in it.
+    /// [`hapdef_inverse::Skin::subdivided_points`] of its faces, to six digits; the tip is in it.
     pub adjoint_ue_per_n: Vec<[f32; 3]>,
     /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
     pub site_error: Vec<f32>,
@@ -173,9 +173,9 @@ impl Calibration {
         let read: Self =
             serde_json::from_slice(&bytes).map_err(|e| refused(format!("no calibration: {e}")))?;
         let (n_nodes, n_gauges) = (limb.n_surface_nodes(), limb.gauges.len());
-        let in_quarters = touchable_skin(limb)?.quarter_points().len();
-        let n_values = match read.adjoint_ue_per_n.len() == in_quarters * n_gauges {
-            true => in_quarters,
+        let subdivided = touchable_skin(limb)?.subdivided_points().len();
+        let n_values = match read.adjoint_ue_per_n.len() == subdivided * n_gauges {
+            true => subdivided,
             false => n_nodes,
         };
         let checks = [

@@ -41,7 +41,7 @@ impl<'a> FineLimb<'a> {
         Ok(fine)
     }
 
-    /// The map of gauges at `sites` on the quarters of the limb's own skin: the tip is averaged over the finer one. A gauge
+    /// The map of gauges at `sites` on the subdivided faces of the limb's own skin: the tip is averaged over the finer one. A gauge
     /// that fits the limb's own wall is read here where it lies on the finer one.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl<'a> FineLimb<'a> {
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
         let skin = touchable_skin(self.limb)?;
         let own = self.rows_at(&skin, &under_tip, gauges.len());
-        Ok(ResponseMap::from_quarters(skin, gauges.len(), &own)?)
+        Ok(ResponseMap::from_subdivided(skin, gauges.len(), &own)?)
     }
 
     fn as_skin(&self) -> Result<Skin, HapdefError> {
@@ -81,14 +81,14 @@ impl<'a> FineLimb<'a> {
         )?)
     }
 
-    /// The rows of the finer skin's nodes at the quarters' points of the limb's own skin, which are nodes of
+    /// The rows of the finer skin's nodes at the subdivided faces' points of the limb's own skin, which are nodes of
     /// every refined one.
     fn rows_at(&self, skin: &Skin, rows: &[Vector3<f64>], n_gauges: usize) -> Vec<Vector3<f64>> {
         let position = |node: &FeNodeId| self.mesh.position(*node).coords.into();
         let nodes = self.skin.nodes.iter().enumerate();
         let nodes = nodes.map(|(i, node)| GeomWithData::new(position(node), i));
         let nodes: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(nodes.collect());
-        let points = skin.quarter_points();
+        let points = skin.subdivided_points();
         let mut found = Vec::with_capacity(points.len() * n_gauges);
         for point in points {
             let nearest = nodes.nearest_neighbor(skin.position(&point).coords.into());

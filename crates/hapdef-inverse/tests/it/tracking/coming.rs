@@ -8,18 +8,18 @@ fn noise_alone_is_never_a_contact() {
         let world = World::new(10, 400, 3);
         let mut tracker = tracker(&world, relative, TrackerParams::default());
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let (mut n_born, mut n_inquiries) = (0, 0);
+        let (mut n_born, mut n_detecting) = (0, 0);
         for _ in 0..20_000 {
             let y = frame(&world, &[], SD, &mut rng);
             let found = tracker.step(&y, None).unwrap();
             n_born += found.info.n_born;
-            n_inquiries += usize::from(found.info.is_inquiry);
+            n_detecting += usize::from(found.info.is_detecting);
         }
-        assert_eq!(n_born, 0, "{n_inquiries} frames of inquiry");
+        assert_eq!(n_born, 0, "{n_detecting} frames of detection");
     }
 }
 
-/// Beside a press whose noise is twice what was told ghosts are born, the fewer the more force a contact
+/// Beside a press whose noise is twice what was assumed ghosts are born, the fewer the more force a contact
 /// must have to be held.
 #[test]
 fn what_is_too_weak_to_be_held_is_not_born() {
@@ -104,7 +104,7 @@ fn a_pair_that_comes_beside_held_contacts_is_found() {
     assert!(n_good + 1 >= n_scenes, "{n_good} of {n_scenes} scenes");
 }
 
-/// A press of twice the largest force is told all the same: nothing else explains it.
+/// A press of twice the largest force is reported all the same: nothing else explains it.
 #[test]
 fn a_force_beyond_the_largest_is_followed_where_nothing_else_explains_it() {
     let world = World::new(10, 600, 5);

@@ -54,17 +54,17 @@ impl World {
         Self { gauges, map: Arc::new(map), sites: Arc::new(sites) }
     }
 
-    /// The gauges' formulas on the quarters of the skin's six-node faces.
-    pub fn in_quarters(&self) -> ResponseMap {
+    /// The gauges' formulas on the subdivided six-node faces of the skin.
+    pub fn subdivided(&self) -> ResponseMap {
         let skin = self.map.skin();
-        let points = skin.quarter_points();
+        let points = skin.subdivided_points();
         let values = points.iter().flat_map(|point| {
             let x = skin.position(point);
             let gauges = self.gauges.iter();
             gauges.map(|gauge| gauge.response(&x)).collect::<Vec<_>>()
         });
         let values: Vec<_> = values.collect();
-        ResponseMap::from_quarters(skin.clone(), self.gauges.len(), &values).unwrap()
+        ResponseMap::from_subdivided(skin.clone(), self.gauges.len(), &values).unwrap()
     }
 
     pub fn estimator(&self, noise: NoiseParams, params: EstimatorParams) -> ContactEstimator {

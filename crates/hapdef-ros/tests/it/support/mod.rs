@@ -64,7 +64,7 @@ pub fn alternative(k: u32, seed: u64) -> Alternative {
         ([0.1 * n(0), 0.1 * n(1), 0.1 * n(2)], 3.0 + n(3))
     });
     Alternative {
-        delta_evidence: f64::from(k) + 0.7 + 0.1 * number(seed),
+        delta_cost: f64::from(k) + 0.7 + 0.1 * number(seed),
         contacts: contacts.collect(),
     }
 }

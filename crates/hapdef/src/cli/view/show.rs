@@ -185,7 +185,7 @@ impl Show {
 /// The other explanations that are worth showing, with how probable they are beside the best one and
 /// each other: exp(−Δ/2), Δ in −2 ln evidence.
 fn probable(others: &[Alternative]) -> impl Iterator<Item = (f64, &Alternative)> {
-    let weight = |other: &Alternative| (-0.5 * other.delta_evidence).exp();
+    let weight = |other: &Alternative| (-0.5 * other.delta_cost).exp();
     let sum = 1.0 + others.iter().map(weight).sum::<f64>();
     let others = others.iter().map(move |other| (weight(other) / sum, other));
     let others = others.filter(|(probability, _)| *probability >= LEAST_PROBABILITY);
@@ -244,8 +244,8 @@ mod tests {
         }
     }
 
-    fn other(delta_evidence: f64) -> Alternative {
-        Alternative::new(delta_evidence, [(Point3::origin(), 1.0)])
+    fn other(delta_cost: f64) -> Alternative {
+        Alternative::new(delta_cost, [(Point3::origin(), 1.0)])
     }
 
     #[test]

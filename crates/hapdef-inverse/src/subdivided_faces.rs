@@ -34,14 +34,14 @@ const POINTS: [[u8; 3]; 15] = [
 const PARTS: [[usize; 6]; N_PARTS] =
     [[0, 3, 5, 6, 12, 11], [1, 4, 3, 8, 13, 7], [2, 5, 4, 10, 14, 9], [3, 4, 5, 13, 14, 12]];
 
-/// The points at which a map on the quarters of a skin's faces has its values, the skin's nodes first.
-pub(crate) struct Quarters {
+/// The points at which a map on the subdivided faces of a skin has its values, the skin's nodes first.
+pub(crate) struct SubdividedFaces {
     pub(crate) points: Vec<SkinPoint>,
     /// Points of each part `[n_faces × N_PARTS]`.
     pub(crate) rows_of_part: Vec<[u32; 6]>,
 }
 
-impl Quarters {
+impl SubdividedFaces {
     pub(crate) fn new(skin: &Skin) -> Self {
         let mut points = vec![SkinPoint::trusted(0, [1.0, 0.0, 0.0]); skin.n_nodes()];
         let mut on_edges = BTreeMap::new();

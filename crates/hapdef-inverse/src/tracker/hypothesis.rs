@@ -8,7 +8,7 @@ use crate::tracker::frame::{ContactId, Phase};
 
 /// A contact of a hypothesis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
+pub(super) struct Track {
     pub(super) id: ContactId,
     pub(super) point: SkinPoint,
     pub(super) phase: Phase,
@@ -26,7 +26,7 @@ pub(super) struct Slot {
     pub(super) slide: Option<(Point3<f64>, f64)>,
 }
 
-impl Slot {
+impl Track {
     pub(super) fn new(id: ContactId, point: SkinPoint, born: u64) -> Self {
         Self {
             slide: None,
@@ -52,9 +52,9 @@ impl Slot {
 /// joint over the contacts. A contact that moves has u known and δ as the map's error says: its
 /// place is searched, not filtered.
 #[derive(Clone, Debug)]
-pub(super) struct Belief {
+pub(super) struct Hypothesis {
     pub(super) n: usize,
-    pub(super) slots: [Slot; MAX_CONTACTS],
+    pub(super) tracks: [Track; MAX_CONTACTS],
     /// States of a contact: 2, and one for each gauge where the map has errors.
     pub(super) d: usize,
     pub(super) stride: usize,
@@ -69,21 +69,21 @@ pub(super) struct Belief {
     pub(super) slopes: Vec<f64>,
     pub(super) tangents: [[Vector3<f64>; 2]; MAX_CONTACTS],
     /// −2 ln of how probable the frames so far are, up to what all hypotheses share.
-    pub(super) score: f64,
-    /// The most that the forces' prior has added to that, Σ (A/σ)².
-    pub(super) strain: f64,
+    pub(super) data_cost: f64,
+    /// The most that the forces' prior has added to that, Σ (A/σ)² with the prior's σ.
+    pub(super) prior_penalty: f64,
     /// What it was behind the best hypothesis when the contacts that move came.
     pub(super) handicap: f64,
 }
 
-impl Belief {
+impl Hypothesis {
     pub(super) fn new(model: &Model) -> Self {
         let d = 2 + if model.base.is_some() { model.m } else { 0 };
         let stride = MAX_CONTACTS * d;
         let nowhere = SkinPoint::trusted(0, [1.0, 0.0, 0.0]);
         Self {
             n: 0,
-            slots: [Slot::new(ContactId(0), nowhere, 0); MAX_CONTACTS],
+            tracks: [Track::new(ContactId(0), nowhere, 0); MAX_CONTACTS],
             d,
             stride,
             width: model.width,
@@ -92,8 +92,8 @@ impl Belief {
             atoms: vec![0.0; MAX_CONTACTS * model.width],
             slopes: vec![0.0; 2 * MAX_CONTACTS * model.width],
             tangents: [[Vector3::zeros(); 2]; MAX_CONTACTS],
-            score: 0.0,
-            strain: 0.0,
+            data_cost: 0.0,
+            prior_penalty: 0.0,
             handicap: 0.0,
         }
     }
@@ -101,10 +101,10 @@ impl Belief {
     pub(super) fn copy_from(&mut self, other: &Self) {
         let (n, width) = (other.n, self.width);
         self.n = n;
-        self.slots = other.slots;
+        self.tracks = other.tracks;
         self.tangents = other.tangents;
-        self.score = other.score;
-        self.strain = other.strain;
+        self.data_cost = other.data_cost;
+        self.prior_penalty = other.prior_penalty;
         self.handicap = other.handicap;
         for (mine, theirs, each) in [
             (&mut self.delta, &other.delta, width),
@@ -116,41 +116,41 @@ impl Belief {
         }
     }
 
-    /// −2 ln of how probable it is.
-    pub(super) fn total(&self) -> f64 {
-        self.score + self.strain
+    /// −2 ln of how probable it is: smaller is better.
+    pub(super) fn cost(&self) -> f64 {
+        self.data_cost + self.prior_penalty
     }
 
-    pub(super) fn set_score(&mut self, total: f64) {
-        (self.score, self.strain) = (total, 0.0);
+    pub(super) fn set_cost(&mut self, cost: f64) {
+        (self.data_cost, self.prior_penalty) = (cost, 0.0);
     }
 
-    pub(super) fn slots(&self) -> &[Slot] {
-        &self.slots[..self.n]
+    pub(super) fn tracks(&self) -> &[Track] {
+        &self.tracks[..self.n]
     }
 
     pub(super) fn n_mobile(&self) -> usize {
-        self.slots().iter().filter(|slot| slot.is_mobile()).count()
+        self.tracks().iter().filter(|track| track.is_mobile()).count()
     }
 
     pub(super) fn forces(&self) -> [f64; MAX_CONTACTS] {
-        std::array::from_fn(|i| if i < self.n { self.slots[i].force_n } else { 0.0 })
+        std::array::from_fn(|i| if i < self.n { self.tracks[i].force_n } else { 0.0 })
     }
 
     pub(super) fn set_forces(&mut self, forces: &[f64; MAX_CONTACTS], scale: f64) {
-        for (slot, force) in self.slots[..self.n].iter_mut().zip(forces) {
-            slot.force_n = force / scale;
+        for (track, force) in self.tracks[..self.n].iter_mut().zip(forces) {
+            track.force_n = force / scale;
         }
     }
 
     /// Adds a contact that moves.
-    pub(super) fn push(&mut self, model: &Model, slot: Slot) {
+    pub(super) fn push(&mut self, model: &Model, track: Track) {
         if self.n == MAX_CONTACTS {
             return;
         }
         let i = self.n;
         self.n += 1;
-        self.slots[i] = slot;
+        self.tracks[i] = track;
         self.forget(model, i);
     }
 
@@ -168,13 +168,13 @@ impl Belief {
         self.linearise(model, i);
     }
 
-    /// The map's error at contact `i` as the map tells it.
+    /// The map's error at contact `i` as the map reports it.
     pub(super) fn set_map_error(&mut self, model: &Model, i: usize) {
         if self.d == 2 {
             return;
         }
         let m = model.m;
-        let error = model.error_at(&self.slots[i].point);
+        let error = model.error_at(&self.tracks[i].point);
         let first = i * self.d + 2;
         for (a, row) in error.chunks_exact(m).enumerate() {
             let at = (first + a) * self.stride + first;
@@ -185,7 +185,7 @@ impl Belief {
     /// Atom and slopes of contact `i` where it is.
     pub(super) fn linearise(&mut self, model: &Model, i: usize) {
         let width = self.width;
-        let point = &self.slots[i].point;
+        let point = &self.tracks[i].point;
         let frame = model.skin().frame(point);
         let weights = model.interpolant().weights(&point.bary(), &frame);
         let (rows, interpolant) = (model.rows(), model.interpolant());
@@ -214,7 +214,7 @@ impl Belief {
         self.delta.copy_within((i + 1) * width..end, i * width);
         self.atoms.copy_within((i + 1) * width..end, i * width);
         self.slopes.copy_within(2 * (i + 1) * width..2 * end, 2 * i * width);
-        self.slots.copy_within(i + 1..self.n, i);
+        self.tracks.copy_within(i + 1..self.n, i);
         self.tangents.copy_within(i + 1..self.n, i);
         self.n -= 1;
     }
@@ -222,7 +222,7 @@ impl Belief {
     /// Moves contact `i` to `point`, its tangents' covariance with it.
     pub(super) fn carry(&mut self, model: &Model, i: usize, point: SkinPoint) {
         let old = self.tangents[i];
-        self.slots[i].point = point;
+        self.tracks[i].point = point;
         self.linearise(model, i);
         let new = self.tangents[i];
         let turn = |p: usize, q: usize| new[p].dot(&old[q]);

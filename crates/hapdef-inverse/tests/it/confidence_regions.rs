@@ -22,9 +22,9 @@ fn estimator(world: &World, fitted: &Calibrated, place_factor: f64) -> ContactEs
     ContactEstimator::new(map, sites, noise, params).unwrap()
 }
 
-/// Of 600 presses that no calibration has seen, 92 to 98 % lie in the regions that are told as 95 %.
+/// Of 600 presses that no calibration has seen, 92 to 98 % lie in the regions that are reported as 95 %.
 #[test]
-fn told_regions_hold_presses_that_were_not_seen() {
+fn confidence_regions_hold_presses_that_were_not_seen() {
     let world = limb::world();
     let limb = Limb { warp: 0.15, ..Limb::plain() };
     let fitted = fit(&world, &limb.presses(&world, 300, 1.0, 3), &params()).unwrap();
@@ -45,7 +45,7 @@ fn told_regions_hold_presses_that_were_not_seen() {
 }
 
 #[test]
-fn a_factor_of_places_changes_only_what_is_told() {
+fn a_factor_of_places_changes_only_what_is_reported() {
     let world = limb::world();
     let limb = Limb::plain();
     let fitted = fit(&world, &limb.presses(&world, 150, 1.0, 1), &params()).unwrap();

@@ -1,18 +1,18 @@
-//! How many unknowns the live gauges can tell.
+//! How many unknowns the live gauges can determine.
 
 use crate::dense::{add_scaled, dot, padded};
 use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
 
-/// A direction of the readings tells something where a contact moves the readings by this many
+/// A direction of the readings counts where a contact moves the readings by this many
 /// standard deviations of the noise along it.
 const SEEN_SDS: f64 = 3.0;
 
-/// Directions of the readings of the gauges `live` that contacts of `force_n` are told by: readings
+/// Directions in which contacts of `force_n` move the readings of the gauges `live`: readings
 /// at the scan sites in units of the noise, the longest taken and taken out of all others, until
-/// none is longer than three. Blind gauges tell nothing, and twins no more than one of them.
-pub(crate) fn n_told(
+/// none is longer than three. Blind gauges add nothing, and twins no more than one of them.
+pub(crate) fn effective_rank(
     map: &ResponseMap,
     sites: &ScanSites,
     noise: &NoiseParams,
