@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result, anyhow};
 
-use crate::pipeline::DEMO_LIVE;
+use crate::fixtures::DEMO_LIVE;
 use crate::tool::{cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.

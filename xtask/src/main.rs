@@ -16,6 +16,8 @@ mod fixtures;
 mod frontier;
 mod fuzz;
 mod live;
+#[path = "../../crates/hapdef-daq/examples/soak/metrics.rs"]
+mod metrics;
 mod pictures;
 mod pipeline;
 mod python;

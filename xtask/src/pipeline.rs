@@ -7,6 +7,7 @@ use std::time::{Instant, SystemTime};
 use anyhow::Result;
 
 use crate::browser;
+use crate::fixtures::DEMO_LIVE;
 use crate::tool::{release_binary, root, shown, status};
 
 /// Arguments of the tasks that run the pipeline.
@@ -58,9 +59,6 @@ fn live(args: &PipelineArgs) -> Result<()> {
     }
     finish(command.args(&args.rest))
 }
-
-/// The bundled limb, calibrated by presses of its rig: what `demo --live` shows.
-pub(crate) const DEMO_LIVE: &str = "fixtures/shin/demo.json";
 
 /// What puts the virtual limb, the bundled one without a scene, on the live page, and opens that.
 pub(crate) fn live_command(

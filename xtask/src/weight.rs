@@ -2,8 +2,6 @@
 
 mod build;
 mod layers;
-#[path = "../../crates/hapdef-daq/examples/soak/metrics.rs"]
-mod metrics;
 mod table;
 
 use std::fs;
@@ -11,6 +9,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 
+use crate::metrics;
 use crate::tool::{results, root};
 
 use build::Built;
