@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::basis::NODES;
+use crate::basis::{self, NODES};
 use crate::error::{InverseError, check_finite, check_length};
-use crate::skin_point::SkinPoint;
-use crate::subdivided_faces::SubdividedFaces;
 
 /// The faces of a skin, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
@@ -172,6 +170,30 @@ impl Skin {
         NODES[3..].iter().map(at).sum::<f64>() / 6.0
     }
 
+    /// ∂x/∂ξ × ∂x/∂η, m².
+    pub(crate) fn area_vector(&self, face: u32, bary: &[f64; 3]) -> Vector3<f64> {
+        let [a, b] = self.by_parent(face, bary);
+        a.cross(&b)
+    }
+
+    /// ∂x/∂ξ, ∂x/∂η, m.
+    pub(crate) fn by_parent(&self, face: u32, bary: &[f64; 3]) -> [Vector3<f64>; 2] {
+        let nodes = self.face(face);
+        let at = |i: usize| self.nodes()[nodes[i] as usize].coords;
+        if !self.is_quadratic() {
+            let origin = at(0);
+            return [at(1) - origin, at(2) - origin];
+        }
+        let weights = basis::quadratic_gradient(bary);
+        let mut sums = [Vector3::zeros(); 2];
+        for i in 0..6 {
+            let x = at(i);
+            sums[0] += x * weights[0][i];
+            sums[1] += x * weights[1][i];
+        }
+        sums
+    }
+
     fn check(&self, params: &SkinParams) -> Result<(), InverseError> {
         let fold = params.max_fold_rad;
         if !(fold > 0.0 && fold <= std::f64::consts::PI) {
@@ -278,33 +300,6 @@ impl Skin {
         let a = self.area_vector(face as u32, &NODES[3 + edge]);
         let b = self.area_vector(other as u32, &NODES[3 + its_edge]);
         a.angle(&b)
-    }
-
-    /// The points at which a map on subdivided faces has its values: the nodes, then on each
-    /// edge a quarter from either end, and three within each face.
-    ///
-    /// None on a skin of three-node faces.
-    #[must_use]
-    pub fn subdivided_points(&self) -> Vec<SkinPoint> {
-        if !self.is_quadratic {
-            return Vec::new();
-        }
-        SubdividedFaces::new(self).points
-    }
-
-    /// The skin point of a node, on the first face that has it and may be entered.
-    #[must_use]
-    pub fn node_points(&self) -> Vec<Option<SkinPoint>> {
-        let mut points = vec![None; self.n_nodes()];
-        for face in (0..self.n_faces()).rev() {
-            if self.forbidden[face] {
-                continue;
-            }
-            for (&node, b) in self.face_nodes(face).iter().zip(&NODES) {
-                points[node as usize] = Some(SkinPoint::trusted(face as u32, *b));
-            }
-        }
-        points
     }
 }
 

@@ -177,6 +177,21 @@ impl Skin {
         self.frame(point).tangents
     }
 
+    /// The skin point of a node, on the first face that has it and may be entered.
+    #[must_use]
+    pub fn node_points(&self) -> Vec<Option<SkinPoint>> {
+        let mut points = vec![None; self.n_nodes()];
+        for face in (0..self.n_faces()).rev() {
+            if self.is_forbidden(face) {
+                continue;
+            }
+            for (&node, b) in self.face_nodes(face).iter().zip(&basis::NODES) {
+                points[node as usize] = Some(SkinPoint::trusted(face as u32, *b));
+            }
+        }
+        points
+    }
+
     pub(crate) fn n_face_nodes(&self) -> usize {
         if self.is_quadratic() { 6 } else { 3 }
     }
@@ -192,29 +207,6 @@ impl Skin {
 
     pub(crate) fn frame(&self, point: &SkinPoint) -> Frame {
         Frame::new(self.by_parent(point.face, &point.bary))
-    }
-
-    /// ∂x/∂ξ × ∂x/∂η, m².
-    pub(crate) fn area_vector(&self, face: u32, bary: &[f64; 3]) -> Vector3<f64> {
-        let [a, b] = self.by_parent(face, bary);
-        a.cross(&b)
-    }
-
-    fn by_parent(&self, face: u32, bary: &[f64; 3]) -> [Vector3<f64>; 2] {
-        let nodes = self.face(face);
-        let at = |i: usize| self.nodes()[nodes[i] as usize].coords;
-        if !self.is_quadratic() {
-            let origin = at(0);
-            return [at(1) - origin, at(2) - origin];
-        }
-        let weights = basis::quadratic_gradient(bary);
-        let mut sums = [Vector3::zeros(); 2];
-        for i in 0..6 {
-            let x = at(i);
-            sums[0] += x * weights[0][i];
-            sums[1] += x * weights[1][i];
-        }
-        sums
     }
 
     /// Whether `point` lies on an edge that no walk crosses and `step` points over it: the edge's

@@ -75,6 +75,20 @@ impl SubdividedFaces {
     }
 }
 
+impl Skin {
+    /// The points at which a map on subdivided faces has its values: the nodes, then on each
+    /// edge a quarter from either end, and three within each face.
+    ///
+    /// None on a skin of three-node faces.
+    #[must_use]
+    pub fn subdivided_points(&self) -> Vec<SkinPoint> {
+        if !self.is_quadratic() {
+            return Vec::new();
+        }
+        SubdividedFaces::new(self).points
+    }
+}
+
 fn added(points: &mut Vec<SkinPoint>, point: SkinPoint) -> u32 {
     points.push(point);
     points.len() as u32 - 1

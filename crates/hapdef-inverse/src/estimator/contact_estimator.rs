@@ -1,19 +1,15 @@
-//! Finds the contacts behind readings: what is asked from outside.
+//! The estimator: what it is made of, and how many contacts it looks for.
 
 use std::sync::Arc;
 
 use crate::chi_square::upper_tail;
 use crate::error::InverseError;
 use crate::estimator::effective_rank::effective_rank;
-use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
-use crate::estimator::output::{ContactEstimate, EstimateInfo};
-use crate::estimator::refine::Refiner;
-use crate::estimator::report::report;
+use crate::estimator::explanation::Explanation;
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 use crate::noise::NoiseParams;
 use crate::response::ResponseMap;
 use crate::sites::ScanSites;
-use crate::skin_point::SkinPoint;
 
 /// Finds the contacts behind readings.
 #[derive(Clone, Debug)]
@@ -115,98 +111,6 @@ impl ContactEstimator {
         EstimatorScratch::new(&self.model)
     }
 
-    /// The contacts behind `readings` `[n_gauges]`, tared, in the unit of the map.
-    ///
-    /// # Errors
-    /// [`InverseError::Length`]; [`InverseError::Reading`] naming a live gauge whose reading is not
-    /// finite.
-    pub fn estimate(&self, readings: &[f64]) -> Result<ContactEstimate, InverseError> {
-        let mut estimate = ContactEstimate::default();
-        self.estimate_into(readings, &mut self.scratch(), &mut estimate)?;
-        Ok(estimate)
-    }
-
-    /// The same into `estimate`, without allocating once `scratch` and `estimate` have been used
-    /// for such a frame. A scratch of another estimator is replaced.
-    ///
-    /// # Errors
-    /// As [`ContactEstimator::estimate`].
-    pub fn estimate_into(
-        &self,
-        readings: &[f64],
-        scratch: &mut EstimatorScratch,
-        estimate: &mut ContactEstimate,
-    ) -> Result<(), InverseError> {
-        self.begin(readings, scratch)?;
-        let mut info = EstimateInfo::default();
-        let untouched = self.untouched(scratch);
-        let is_count_known = self.params.known_count.is_some();
-        if is_count_known || upper_tail(untouched.chi2, self.model.m) < self.params.touch_p {
-            for n in 1..=self.most_contacts() {
-                self.search(n, scratch, &mut info);
-                info.most_contacts = n;
-                let is_any_good = |p: f64, found: &[Explanation]| {
-                    found.iter().any(|e| e.n == n && self.is_good(e, p))
-                };
-                if n == 1 && !is_any_good(self.params.accept_p, &scratch.found) {
-                    self.search_wider(scratch, &mut info);
-                }
-                if !is_count_known && is_any_good(self.enough_p(n), &scratch.found) {
-                    break;
-                }
-            }
-        }
-        report(self, readings, &untouched, scratch, &mut info, estimate);
-        Ok(())
-    }
-
-    /// Contacts that start at `points` and only move downhill: no scan, no count. For following
-    /// contacts from frame to frame, and for asking what readings say about a given place.
-    ///
-    /// # Errors
-    /// As [`ContactEstimator::estimate`]; [`InverseError::TooManyContacts`] if the live gauges don't
-    /// carry as many.
-    pub fn refine_into(
-        &self,
-        readings: &[f64],
-        points: &[SkinPoint],
-        scratch: &mut EstimatorScratch,
-        estimate: &mut ContactEstimate,
-    ) -> Result<(), InverseError> {
-        let (found, most) = (points.len(), (self.model.m / 3).min(MAX_CONTACTS));
-        if found > most {
-            return Err(InverseError::TooManyContacts { found, most });
-        }
-        self.begin(readings, scratch)?;
-        let untouched = self.untouched(scratch);
-        let mut start = Explanation::new(points);
-        let mut refiner = Refiner {
-            model: &self.model,
-            params: &self.params,
-            linear: &mut scratch.linear,
-            n_steps: 0,
-        };
-        refiner.weigh(&mut start);
-        refiner.settle(&mut start);
-        let mut info = EstimateInfo {
-            n_refined: 1,
-            n_steps: refiner.n_steps,
-            most_contacts: found,
-            ..EstimateInfo::default()
-        };
-        scratch.found.push(start);
-        report(self, readings, &untouched, scratch, &mut info, estimate);
-        Ok(())
-    }
-
-    fn begin(&self, readings: &[f64], scratch: &mut EstimatorScratch) -> Result<(), InverseError> {
-        if !scratch.fits(&self.model) {
-            *scratch = self.scratch();
-        }
-        scratch.found.clear();
-        self.model.whiten(readings, &mut scratch.linear.z)
-    }
-
     pub(crate) fn p_value(&self, e: &Explanation) -> f64 {
         upper_tail(e.chi2, self.model.m.saturating_sub(3 * e.n))
     }
@@ -214,12 +118,5 @@ impl ContactEstimator {
     /// Whether no force is beyond what is possible.
     pub(crate) fn is_believed(&self, e: &Explanation) -> bool {
         e.forces[..e.n].iter().all(|&a| a <= self.params.max_force_n)
-    }
-
-    fn untouched(&self, scratch: &mut EstimatorScratch) -> Explanation {
-        let mut none = Explanation::new(&[]);
-        scratch.linear.set_covariance(&self.model, &mut none);
-        scratch.linear.evaluate(&self.model, &mut none);
-        none
     }
 }

@@ -3,6 +3,7 @@
 mod contact_estimator;
 mod doubt;
 mod effective_rank;
+mod estimate;
 mod explanation;
 mod forces;
 mod grow;

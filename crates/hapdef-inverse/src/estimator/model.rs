@@ -110,7 +110,7 @@ impl Model {
 
     /// Turns the covariance of places and forces `[n, n]`, three numbers a contact with its force last,
     /// into what is reported.
-    pub(crate) fn tell(&self, covariance: &mut [f64], n: usize) {
+    pub(crate) fn scale_places(&self, covariance: &mut [f64], n: usize) {
         let scale = |p: usize| match p % 3 {
             2 => 1.0,
             _ => self.place_factor.sqrt(),

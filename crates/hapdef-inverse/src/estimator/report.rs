@@ -57,16 +57,16 @@ pub(crate) fn report(
         }
         verdict => verdict,
     };
-    tell(estimator, out);
+    scale_places(estimator, out);
 }
 
 /// Covariances as they are reported, once everything has been judged by what they are.
-fn tell(estimator: &ContactEstimator, out: &mut ContactEstimate) {
+fn scale_places(estimator: &ContactEstimator, out: &mut ContactEstimate) {
     let model = &estimator.model;
     for contact in &mut out.contacts {
-        model.tell(contact.covariance.as_mut_slice(), 3);
+        model.scale_places(contact.covariance.as_mut_slice(), 3);
     }
-    model.tell(&mut out.joint_covariance, 3 * out.contacts.len());
+    model.scale_places(&mut out.joint_covariance, 3 * out.contacts.len());
 }
 
 /// The best explanation of each count, and of these the one with the best evidence, each further
@@ -217,7 +217,7 @@ impl ContactEstimator {
         }
     }
 
-    /// Whether the gauges tell enough to check `n` contacts by.
+    /// Whether the gauges measure enough to check `n` contacts by.
     fn is_checked(&self, n: usize) -> bool {
         let params = &self.params;
         let is_last = n >= params.known_count.unwrap_or(params.max_contacts);
@@ -225,7 +225,7 @@ impl ContactEstimator {
     }
 }
 
-/// Numbers that the gauges have to tell beyond the contacts' unknowns, to check them by: two, and where
+/// Numbers that the gauges have to measure beyond the contacts' unknowns, to check them by: two, and where
 /// they are not the last that may touch, a further contact's unknowns, without which many a set with
 /// one more reads as some set of them.
 pub(crate) fn spare_numbers(is_last: bool) -> usize {

@@ -4,9 +4,11 @@ use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
 use crate::tracker::frame::Phase;
 use crate::tracker::hypothesis::Hypothesis;
-use crate::tracker::locate::MAX_CROSSINGS;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;
+
+/// Edges that a step crosses at most.
+pub(super) const MAX_CROSSINGS: usize = 24;
 
 /// Variance of a gauge that is not read, in units of its noise.
 const UNREAD: f64 = 1e14;

@@ -11,6 +11,13 @@ const N_CANDIDATES: usize = 28;
 /// The best hypothesis has to be beaten by this in −2 ln evidence.
 const SWITCH_MARGIN: f64 = 2.0;
 
+/// A hypothesis that is kept or a candidate.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum HypothesisRef {
+    Best,
+    Candidate(usize),
+}
+
 /// Hypotheses, the best first, and candidates with how they explain the frame gathered.
 #[derive(Clone, Debug)]
 pub(super) struct Hypotheses {
@@ -48,6 +55,20 @@ impl Hypotheses {
 
     pub(super) fn best_mut(&mut self) -> &mut Hypothesis {
         &mut self.all[0]
+    }
+
+    pub(super) fn get(&self, which: HypothesisRef) -> &Hypothesis {
+        match which {
+            HypothesisRef::Best => self.best(),
+            HypothesisRef::Candidate(c) => &self.candidates[c],
+        }
+    }
+
+    pub(super) fn get_mut(&mut self, which: HypothesisRef) -> &mut Hypothesis {
+        match which {
+            HypothesisRef::Best => self.best_mut(),
+            HypothesisRef::Candidate(c) => &mut self.candidates[c],
+        }
     }
 
     pub(super) fn alive_mut(&mut self) -> &mut [Hypothesis] {

@@ -133,6 +133,12 @@ impl Hypothesis {
         self.tracks().iter().filter(|track| track.is_mobile()).count()
     }
 
+    /// Forces of the contacts that move, together.
+    pub(super) fn mobile_force(&self) -> f64 {
+        let mobile = self.tracks().iter().filter(|track| track.is_mobile());
+        mobile.map(|track| track.force_n).sum()
+    }
+
     pub(super) fn forces(&self) -> [f64; MAX_CONTACTS] {
         std::array::from_fn(|i| if i < self.n { self.tracks[i].force_n } else { 0.0 })
     }

@@ -5,15 +5,12 @@ use nalgebra::{Matrix3, Vector3};
 use crate::dense::{add_scaled, cholesky, dot, inverse, log_det};
 use crate::estimator::{EstimatorParams, MAX_CONTACTS, MAX_UNKNOWNS, Model, non_negative, solved};
 use crate::skin_point::SkinPoint;
-use crate::tracker::filter::Filter;
+use crate::tracker::filter::{Filter, MAX_CROSSINGS};
 use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::metric::Metric;
 use crate::walk::AtWall;
 
 const SIZE: usize = MAX_UNKNOWNS * MAX_UNKNOWNS;
-
-/// Edges that a step crosses at most.
-pub(super) const MAX_CROSSINGS: usize = 24;
 
 /// Rounds in which the covariance is set anew from the forces.
 const N_ROUNDS: usize = 2;

@@ -1,48 +1,38 @@
-//! The tracker: what happens in every frame.
+//! What every state works with: the model, the hypotheses, the frames gathered, and the frame's answer.
 
-use nalgebra::Point3;
-
-use crate::chi_square::tail_point;
+use crate::chi_square::{tail_point, upper_tail};
 use crate::error::{InverseError, check_length};
 use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict};
 use crate::noise::NoiseParams;
 use crate::tracker::filter::Filter;
 use crate::tracker::frame::{TrackInfo, TrackedFrame};
 use crate::tracker::gathered::Gathered;
-use crate::tracker::hypotheses::Hypotheses;
+use crate::tracker::hypotheses::{Hypotheses, HypothesisRef};
 use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::locate::{Fit, Locator, Refiner, Target};
 use crate::tracker::metric::Metric;
 use crate::tracker::pair_birth::PairBirth;
 use crate::tracker::params::TrackerParams;
-use crate::tracker::recent::Recent;
 use crate::tracker::scan::SiteScan;
 
 /// A whitened reading beyond this is none.
 const LARGEST: f64 = 1e100;
 
-/// Follows contacts from frame to frame: births, holds, slides, releases.
-///
-/// In every frame the forces of the contacts there are solved again, 0 or more, and the residual is
-/// tested. Held contacts' places and the map's errors there sharpen as frames add up (an extended
-/// Kalman filter, the map's error at each contact a constant state of its own); where the residual
-/// says that something is new, a contact more, a slide and an alternative hypothesis compete by
-/// evidence. Whatever happens, the work in one frame is bounded by
-/// [`TrackerParams::steps_per_frame`], and nothing is allocated.
+/// What every state works with.
 #[derive(Clone, Debug)]
-pub struct ContactTracker {
+pub(super) struct Workspace {
     pub(super) model: Model,
     pub(super) settings: EstimatorParams,
     pub(super) params: TrackerParams,
-    pub(super) mode: Mode,
     pub(super) hypotheses: Hypotheses,
     /// The best hypothesis before the contacts that move came or began to.
     pub(super) before: Hypothesis,
     pub(super) gathered: Gathered,
     /// Of the best hypothesis, for every frame.
     pub(super) metric: Metric,
-    pub(super) work: Work,
+    pub(super) buffers: Buffers,
     pub(super) pair_birth: PairBirth,
+    /// The frame, whitened by the noise `[width]`.
     pub(super) z: Vec<f64>,
     /// χ² beyond which a frame alarms, by degrees of freedom.
     alarms: Vec<f64>,
@@ -50,44 +40,13 @@ pub struct ContactTracker {
     pub(super) next_id: u64,
     pub(super) steps_left: usize,
     /// Whether the best hypothesis changed in this frame, so that its forces have to be solved again.
-    is_changed: bool,
-    /// Whether a full search was adopted since the last frame.
-    pub(super) is_adopted: bool,
-    /// Forces of the contacts that have come, averaged over a few frames and over more.
-    pub(super) trace: [f64; 2],
-    /// Whether the contacts that move have explained what was gathered of late.
-    pub(super) was_good: bool,
-    /// Frames, of late, that alarmed although the contacts that move were refined.
-    pub(super) n_stuck: usize,
-    /// Where a contact that slides was a while ago, m.
-    pub(super) anchor_m: Point3<f64>,
-    pub(super) recent: Recent,
+    pub(super) is_changed: bool,
     pub(super) frame: TrackedFrame,
-}
-
-/// What the tracker is busy with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mode {
-    /// All contacts are held; alarms are held off for `holdoff` frames.
-    Quiet { holdoff: usize },
-    /// The residual was too large `age` frames ago: what is new is being decided.
-    DetectionWindow { age: usize },
-    /// A contact has come `age` frames ago.
-    Growing { age: usize },
-    /// A contact slides, `still` blocks in a row not far.
-    Sliding { age: usize, still: usize },
-}
-
-/// The hypothesis whose contacts are refined.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum HypothesisRef {
-    Best,
-    Candidate(usize),
 }
 
 /// Buffers that everything uses in turn.
 #[derive(Clone, Debug)]
-pub(super) struct Work {
+pub(super) struct Buffers {
     pub(super) filter: Filter,
     pub(super) locator: Locator,
     pub(super) metric: Metric,
@@ -96,13 +55,12 @@ pub(super) struct Work {
     pub(super) z: Vec<f64>,
 }
 
-impl ContactTracker {
-    /// A tracker on the map, sites, noise and live gauges of `estimator`.
-    ///
-    /// # Errors
-    /// [`InverseError`] for unusable parameters.
-    pub fn new(estimator: &ContactEstimator, params: TrackerParams) -> Result<Self, InverseError> {
-        params.check()?;
+impl Workspace {
+    /// On the map, sites, noise and live gauges of `estimator`.
+    pub(super) fn new(
+        estimator: &ContactEstimator,
+        params: TrackerParams,
+    ) -> Result<Self, InverseError> {
         let from = &estimator.model;
         let n_gauges = from.map.n_gauges();
         let mut live = vec![false; n_gauges];
@@ -124,7 +82,7 @@ impl ContactTracker {
             n_runner_ups: 0,
             info: TrackInfo::default(),
         };
-        let work = Work {
+        let buffers = Buffers {
             filter: Filter::new(&model, empty.stride),
             locator: Locator::new(&model),
             metric: Metric::new(m, width),
@@ -133,83 +91,30 @@ impl ContactTracker {
         };
         Ok(Self {
             settings: estimator.params,
-            mode: Mode::Quiet { holdoff: 0 },
             hypotheses: Hypotheses::new(&empty, params.n_hypotheses),
             gathered: Gathered::new(width),
             metric: Metric::new(m, width),
             pair_birth: PairBirth::new(&model, &empty),
             before: empty,
-            work,
+            buffers,
             z: vec![0.0; width],
             alarms: (0..=m).map(|n| tail_point(params.alarm_p, n)).collect(),
             n_live: m,
             next_id: 0,
             steps_left: 0,
             is_changed: false,
-            is_adopted: false,
-            trace: [0.0; 2],
-            n_stuck: 0,
-            was_good: false,
-            anchor_m: Point3::origin(),
-            recent: Recent::new(n_gauges, width),
             frame,
             params,
             model,
         })
     }
 
-    /// Takes the next frame: `readings` `[n_gauges]`, tared, in the unit of the map. Gauges that are
-    /// not `live` `[n_gauges]` and readings that are not finite are left out of this frame.
-    ///
-    /// # Errors
-    /// [`InverseError::Length`]; [`InverseError::TooFewGauges`] with fewer than three read. The
-    /// tracker is as it was before.
-    pub fn step(
+    /// Takes the readings of a frame; whether other gauges are read than in the frame before.
+    pub(super) fn read(
         &mut self,
         readings: &[f64],
         live: Option<&[bool]>,
-    ) -> Result<&TrackedFrame, InverseError> {
-        self.read(readings, live)?;
-        self.steps_left = self.params.steps_per_frame;
-        self.frame.info =
-            TrackInfo { is_adopted: std::mem::take(&mut self.is_adopted), ..TrackInfo::default() };
-        self.frame.released.clear();
-        let is_alarm = self.solve();
-        self.is_changed = false;
-        self.recent.add(&self.model, readings, &self.z, &self.work.filter.live);
-        self.recent.judge(is_alarm);
-        match self.mode {
-            Mode::Quiet { holdoff } => self.hold(is_alarm, holdoff),
-            Mode::DetectionWindow { age } => self.detect(age + 1),
-            Mode::Growing { age } => self.grow(age + 1, is_alarm),
-            Mode::Sliding { age, still } => self.slide(age + 1, still, is_alarm),
-        }
-        self.release();
-        if self.is_changed {
-            self.solve();
-        }
-        self.report(readings);
-        self.frame.index += 1;
-        Ok(&self.frame)
-    }
-
-    /// What the last frame gave.
-    #[must_use]
-    pub fn last(&self) -> &TrackedFrame {
-        &self.frame
-    }
-
-    /// Lets all contacts go and forgets what was learnt; names go on.
-    pub fn reset(&mut self) {
-        self.hypotheses.clear();
-        self.gathered.clear();
-        self.pair_birth.stop();
-        self.mode = Mode::Quiet { holdoff: 0 };
-        self.recent.forgive();
-        self.refresh();
-    }
-
-    fn read(&mut self, readings: &[f64], live: Option<&[bool]>) -> Result<(), InverseError> {
+    ) -> Result<bool, InverseError> {
         check_length("the readings", self.model.map.n_gauges(), readings.len())?;
         if let Some(live) = live {
             check_length("the mask of live gauges", readings.len(), live.len())?;
@@ -227,18 +132,17 @@ impl ContactTracker {
         let mut is_changed = false;
         for (g, gauge) in gauges() {
             let is_read = is_read(g, gauge);
-            is_changed |= self.work.filter.live[g] != is_read;
-            self.work.filter.live[g] = is_read;
+            is_changed |= self.buffers.filter.live[g] != is_read;
+            self.buffers.filter.live[g] = is_read;
             self.z[g] = if is_read { value(g, gauge) } else { 0.0 };
         }
         self.n_live = n_live;
         if is_changed {
             self.gathered.clear();
             self.pair_birth.stop();
-            self.recent.start_over();
             self.refresh();
         }
-        Ok(())
+        Ok(is_changed)
     }
 
     /// Forces, χ² and p of the frame for the best hypothesis; whether the residual alarms.
@@ -248,7 +152,7 @@ impl ContactTracker {
         let n_dof = self.n_live.saturating_sub(best.n);
         if solved.chi2 > self.alarms[n_dof] && best.n > 0 {
             // places and map errors weigh more where forces have grown
-            self.work.filter.weigh(best, &solved.forces, &mut self.metric);
+            self.buffers.filter.weigh(best, &solved.forces, &mut self.metric);
             solved = self.metric.solve(&self.z);
         }
         best.set_forces(&solved.forces, 1.0);
@@ -261,30 +165,24 @@ impl ContactTracker {
     pub(super) fn refresh(&mut self) {
         self.is_changed = true;
         let best = self.hypotheses.best_mut();
-        self.work.filter.refresh(best, &mut self.metric);
+        self.buffers.filter.refresh(best, &mut self.metric);
     }
 
     /// Refines `which`'s mobile contacts on the frame gathered by about `n` trial steps.
     pub(super) fn settle(&mut self, which: HypothesisRef, n: usize) -> Fit {
-        let n_mobile = match which {
-            HypothesisRef::Best => self.hypotheses.best().n_mobile(),
-            HypothesisRef::Candidate(c) => self.hypotheses.candidates[c].n_mobile(),
-        };
+        let n_mobile = self.hypotheses.get(which).n_mobile();
         let end = self.spend(n * n_mobile);
-        let scale = self.gathered.frame(&mut self.work.z);
-        let target = Target { z: &self.work.z, scale };
+        let scale = self.gathered.frame(&mut self.buffers.z);
+        let target = Target { z: &self.buffers.z, scale };
         let mut refiner = Refiner {
             model: &self.model,
             params: &self.settings,
-            filter: &mut self.work.filter,
-            metric: &mut self.work.metric,
-            locator: &mut self.work.locator,
+            filter: &mut self.buffers.filter,
+            metric: &mut self.buffers.metric,
+            locator: &mut self.buffers.locator,
             n_trials: 0,
         };
-        let hypothesis = match which {
-            HypothesisRef::Best => self.hypotheses.best_mut(),
-            HypothesisRef::Candidate(c) => &mut self.hypotheses.candidates[c],
-        };
+        let hypothesis = self.hypotheses.get_mut(which);
         let fit = refiner.settle(hypothesis, &target, end);
         let n_trials = refiner.n_trials;
         self.steps_left += end.saturating_sub(n_trials);
@@ -294,6 +192,45 @@ impl ContactTracker {
             self.hypotheses.fits[c] = Fit { cost: fit.cost + handicap, ..fit };
         }
         fit
+    }
+
+    /// Updates every hypothesis with the frames gathered; contacts that moved are held from now on.
+    pub(super) fn learn(&mut self) {
+        let scale = self.gathered.frame(&mut self.buffers.z);
+        let time_s = self.gathered.n_frames as f64 * self.params.frame_period_s;
+        let drift = self.params.drift_m_per_sqrt_s.powi(2) * time_s;
+        let prior_sd_m = self.skin_sd_m();
+        let buffers = &mut self.buffers;
+        for hypothesis in self.hypotheses.alive_mut() {
+            if hypothesis.n == 0 {
+                continue;
+            }
+            for i in 0..hypothesis.n {
+                for a in i * hypothesis.d..i * hypothesis.d + 2 {
+                    hypothesis.p[a * hypothesis.stride + a] += drift;
+                }
+            }
+            let metric = &mut buffers.metric;
+            let model = &self.model;
+            buffers.filter.update(model, hypothesis, &buffers.z, scale, prior_sd_m, metric);
+            let size_2: f64 = hypothesis.forces().iter().map(|a| a * a).sum();
+            let prior_penalty = size_2 / self.settings.force_scale_n.powi(2);
+            hypothesis.prior_penalty = hypothesis.prior_penalty.max(prior_penalty);
+            self.frame.info.n_updates += 1;
+        }
+        let delta = self.params.hypothesis_delta;
+        self.frame.info.is_switched |= self.hypotheses.prune(&self.model, delta);
+        self.refresh();
+    }
+
+    /// Holds all contacts that move, and learns from the frames gathered.
+    pub(super) fn hold_mobile(&mut self) {
+        for hypothesis in self.hypotheses.alive_mut() {
+            hypothesis.set_cost(hypothesis.handicap);
+            hypothesis.handicap = 0.0;
+        }
+        self.learn();
+        self.gathered.clear();
     }
 
     /// Takes at most `n` steps from the frame's budget.
@@ -307,5 +244,15 @@ impl ContactTracker {
     /// comes.
     pub(super) fn most_contacts(&self) -> usize {
         self.params.max_contacts.min(self.n_live.saturating_sub(2))
+    }
+
+    /// Whether χ² is too large for a frame in which `n` unknowns were fitted.
+    pub(super) fn is_odd(&self, chi2: f64, n: usize) -> bool {
+        upper_tail(chi2, self.n_live.saturating_sub(n)) < self.params.alarm_p
+    }
+
+    /// Standard deviation of a place anywhere on the skin, m.
+    pub(super) fn skin_sd_m(&self) -> f64 {
+        (self.model.skin().area_m2() / std::f64::consts::TAU).sqrt()
     }
 }
