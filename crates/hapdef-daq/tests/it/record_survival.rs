@@ -78,7 +78,9 @@ fn child_command(path: &Path, limit_blocks: Option<u32>) -> Command {
     let limit = limit_blocks.map_or(String::new(), |n| format!("trap '' XFSZ; ulimit -f {n};"));
     command
         .arg("-c")
-        .arg(format!("{limit} exec \"$0\" --exact child --nocapture --test-threads 1"))
+        .arg(format!(
+            "{limit} exec \"$0\" --exact record_survival::child --nocapture --test-threads 1"
+        ))
         .arg(std::env::current_exe().unwrap())
         .env("HAPDEF_CHILD_RECORDS", path)
         .stdout(Stdio::piped())

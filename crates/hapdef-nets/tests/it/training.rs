@@ -203,7 +203,7 @@ fn hash(mlp: &Mlp) -> u64 {
 fn the_number_of_threads_changes_no_bit() {
     let weights = |threads: &str| {
         let output = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "trained_weights_are_finite_and_moved", "--nocapture"])
+            .args(["--exact", "training::trained_weights_are_finite_and_moved", "--nocapture"])
             .env("RAYON_NUM_THREADS", threads)
             .output()
             .unwrap();
