@@ -1,19 +1,18 @@
-//! What CI runs, in the order in which it is likely to fail.
+//! What CI runs: what compiles beside what does not fill both cores, what claims a time alone.
 
 use std::process::Command;
+use std::sync::Mutex;
 use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
-use crate::tool::{cargo, metadata, root, run, run_quietly, shown};
+use crate::test::Tests;
+use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
-    browser, docs, first_minute, fixtures, frontier, python, readers, repro, soak, stability, tidy,
+    docs, first_minute, fixtures, frontier, fuzz, metrics, python, repro, soak, stability, tidy,
     verify, weight,
 };
-
-/// Property tests draw the same cases in every run of CI; a plain `cargo test` draws new ones.
-const PROPTEST_SEED: &str = "20190715";
 
 /// Features that the programs are built without, which clippy and the docs cover, too.
 const WITH_MORE: &str = "hapdef/foxglove,hapdef/zenoh";
@@ -21,81 +20,145 @@ const WITH_MORE: &str = "hapdef/foxglove,hapdef/zenoh";
 /// Crates that are not checked alone: nothing stands on xtask, and the wheel is hapdef-py alone.
 const NOT_ALONE: [&str; 2] = ["xtask", "hapdef-py"];
 
+/// Arguments of `ci`.
+#[derive(clap::Args)]
+pub(crate) struct CiArgs {
+    /// The slow sweeps, too: hours of damage and of scenes at random, new cases of every property.
+    #[arg(long)]
+    nightly: bool,
+}
+
+/// `cargo xtask ci`: prints how long every step took, also when one has failed.
+pub(crate) fn run_everything(args: &CiArgs) -> Result<()> {
+    let start = Instant::now();
+    let steps = Steps::default();
+    let result = run_all(&steps, args.nightly);
+    steps.print();
+    let wall_s = start.elapsed().as_secs_f64();
+    metrics::report(&[("ci.wall_s", wall_s, "s")], 0, Some(&results().join("metrics.json")));
+    result
+}
+
 /// Runs every check; stops at the first that fails.
-fn run_all() -> Result<Vec<(String, f64)>> {
-    let mut times = Vec::new();
-    step(&mut times, "format", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
-    step(&mut times, "tidy", tidy::run)?;
-    step(&mut times, "weight", weight::check_table)?;
-    step(&mut times, "clippy", || {
-        let words = ["clippy", "--workspace", "--all-targets", "--features"];
-        run(cargo(&words).args([WITH_MORE, "--", "-D", "warnings"]))
-    })?;
-    step(&mut times, "docs", || {
-        let words = ["doc", "--workspace", "--no-deps", "--features", WITH_MORE];
-        let mut command = cargo(&words);
-        command.arg("--document-private-items");
-        run(command.env("RUSTDOCFLAGS", "-D warnings"))
-    })?;
-    step(&mut times, "tests", || {
-        let words = ["test", "--release", "--no-fail-fast"];
-        let mut command = cargo(&words);
-        command.env("PROPTEST_RNG_SEED", PROPTEST_SEED);
-        run(command.env("HAPDEF_BROWSER", browser::wish()?))
-    })?;
-    step(&mut times, "tests of network servers", || {
-        let words = ["test", "--package", "hapdef-ros", "--features"];
-        run(cargo(&words).arg("foxglove,zenoh"))
-    })?;
-    step(&mut times, "soak --short", soak::short)?;
+fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
+    steps.run("format", || run(&mut cargo(&["fmt", "--all", "--check"])))?;
+    steps.run("tidy", tidy::run)?;
+    steps.run("weight", weight::check_table)?;
+    let (tests, wheel) = beside(
+        || {
+            let tests = steps.run("build of the tests", || Tests::build(is_nightly))?;
+            Ok((tests, steps.run("build of the wheel", python::build_wheel)?))
+        },
+        || steps.run("clippy", clippy),
+    )?;
+    beside(
+        || {
+            steps.run("tests", || tests.shared())?;
+            steps.run("tests of documentation", || tests.documentation())
+        },
+        || {
+            steps.run("docs", rustdoc)?;
+            steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))
+        },
+    )?;
+    steps.run("tests that claim a time", || tests.timed())?;
+    steps.run("tests of network servers", || run(&mut servers(&["--", "foxglove", "zenoh"])))?;
+    steps.run("soak --short", soak::short)?;
+    steps.run("demo --live", first_minute::check)?;
+    beside(
+        || {
+            steps.run("verification table", verify::check)?;
+            steps.run("stability tables", stability::check)?;
+            steps.run("limits page", frontier::check)?;
+            steps.run("fixtures", || fixtures::make(true))?;
+            steps.run("demo --quick", quick_demo)
+        },
+        || {
+            steps.run("each crate alone", crates_alone)?;
+            steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))
+        },
+    )?;
+    steps.run("commands of the docs", docs::run_commands)?;
+    if is_nightly {
+        steps.run("soak", soak::long)?;
+        steps.run("fuzz", fuzz::nightly)?;
+        steps.run("scenes at random", stability::nightly)?;
+    }
+    Ok(())
+}
+
+/// Two series of steps at a time: programs, and what compiles in another folder than theirs.
+fn beside<T: Send>(
+    first: impl FnOnce() -> Result<T>,
+    second: impl FnOnce() -> Result<()> + Send,
+) -> Result<T> {
     thread::scope(|scope| {
-        // The tables leave half of the second core idle, and what compiles here is not what they run.
-        let alone = scope.spawn(crates_alone);
-        step(&mut times, "verification table", verify::check)?;
-        step(&mut times, "stability tables", stability::check)?;
-        step(&mut times, "limits page", frontier::check)?;
-        let wait = || alone.join().unwrap_or_else(|_| bail!("panicked"));
-        step(&mut times, "each crate alone, begun with the tables", wait)
-    })?;
-    step(&mut times, "fixtures", || fixtures::make(true))?;
-    step(&mut times, "demo --quick", quick_demo)?;
-    step(&mut times, "demo --live", first_minute::check)?;
-    step(&mut times, "python", python::check)?;
-    step(&mut times, "readers", readers::check)?;
-    step(&mut times, "commands of the docs", docs::run_commands)?;
-    Ok(times)
+        let second = scope.spawn(second);
+        let first = first();
+        let second = second.join().unwrap_or_else(|_| bail!("panicked"));
+        let value = first?;
+        second.map(|()| value)
+    })
+}
+
+fn clippy() -> Result<()> {
+    let words = ["clippy", "--workspace", "--all-targets", "--features"];
+    run_quietly(without_debug(cargo(&words).args([WITH_MORE, "--", "-D", "warnings"])))
+}
+
+fn rustdoc() -> Result<()> {
+    let words = ["doc", "--workspace", "--no-deps", "--features", WITH_MORE];
+    let mut command = cargo(&words);
+    command.arg("--document-private-items");
+    run_quietly(without_debug(command.env("RUSTDOCFLAGS", "-D warnings")))
+}
+
+/// The tests of hapdef-ros with the servers that a plain build leaves out.
+fn servers(words: &[&str]) -> Command {
+    let mut command = cargo(&["test", "--package", "hapdef-ros", "--features"]);
+    command.args(["foxglove,zenoh", "--lib", "--test", "it"]);
+    without_debug(command.args(words));
+    command
 }
 
 /// Checks that each crate needs no feature that another one turns on.
 fn crates_alone() -> Result<()> {
     for package in crates()? {
         let words = ["check", "--package", &package, "--no-default-features"];
-        run_quietly(cargo(&words).env("RUSTFLAGS", ""))?;
+        run_quietly(without_debug(&mut cargo(&words)))?;
     }
     Ok(())
 }
 
-/// `cargo xtask ci`.
-pub(crate) fn run_everything() -> Result<()> {
-    let start = Instant::now();
-    let times = run_all()?;
-    for (name, seconds) in &times {
-        println!("{seconds:8.1} s  {name}");
-    }
-    println!("{:8.1} s  all", start.elapsed().as_secs_f64());
-    Ok(())
+/// Without debug information: nobody debugs what is built here, and what one of these commands compiles the
+/// others take.
+fn without_debug(command: &mut Command) -> &mut Command {
+    command.env("CARGO_PROFILE_DEV_DEBUG", "0")
 }
 
-fn step(
-    times: &mut Vec<(String, f64)>,
-    name: &str,
-    check: impl FnOnce() -> Result<()>,
-) -> Result<()> {
-    eprintln!("── {name}");
-    let start = Instant::now();
-    check().with_context(|| format!("ci step {name:?}"))?;
-    times.push((name.to_owned(), start.elapsed().as_secs_f64()));
-    Ok(())
+/// Names and seconds of the steps, in the order in which they ended.
+#[derive(Default)]
+struct Steps(Mutex<Vec<(String, f64)>>);
+
+impl Steps {
+    fn run<T>(&self, name: &str, check: impl FnOnce() -> Result<T>) -> Result<T> {
+        eprintln!("── {name}");
+        let start = Instant::now();
+        let value = check().with_context(|| format!("ci step {name:?}"))?;
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("── {name}: done in {seconds:.1} s");
+        if let Ok(mut times) = self.0.lock() {
+            times.push((name.to_owned(), seconds));
+        }
+        Ok(value)
+    }
+
+    fn print(&self) {
+        let Ok(times) = self.0.lock() else { return };
+        for (name, seconds) in times.iter() {
+            println!("{seconds:8.1} s  {name}");
+        }
+    }
 }
 
 /// Names of the crates that are checked alone.

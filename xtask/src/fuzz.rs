@@ -5,7 +5,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{release_example, results};
+use crate::tool::{day, release_example, results};
 
 /// Arguments of `fuzz`.
 #[derive(clap::Args)]
@@ -24,8 +24,22 @@ pub(crate) struct FuzzArgs {
     seed: u64,
 }
 
+/// Each target in the nightly run of CI, minutes.
+const NIGHTLY_MINUTES: f64 = 2.0;
+
 /// `cargo xtask fuzz`.
 pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
+    finish(&mut command(args)?)
+}
+
+/// Every target, with other damage on each day.
+pub(crate) fn nightly() -> Result<()> {
+    let (minutes, seed) = (Some(NIGHTLY_MINUTES), day());
+    let args = FuzzArgs { seconds: 0.0, minutes, target: None, seed };
+    crate::tool::run(&mut command(&args)?)
+}
+
+fn command(args: &FuzzArgs) -> Result<Command> {
     let mut command = Command::new(release_example("fuzz")?);
     let seconds = args.minutes.map_or(args.seconds, |minutes| 60.0 * minutes);
     command.args(["--seconds", &seconds.to_string()]);
@@ -35,5 +49,5 @@ pub(crate) fn run(args: &FuzzArgs) -> Result<()> {
     }
     command.arg("--failures").arg(results().join("fuzz"));
     command.arg("--metrics").arg(results().join("metrics.json"));
-    finish(&mut command)
+    Ok(command)
 }

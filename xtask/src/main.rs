@@ -21,12 +21,12 @@ mod metrics;
 mod pictures;
 mod pipeline;
 mod python;
-mod readers;
 mod repro;
 mod rig;
 mod search;
 mod soak;
 mod stability;
+mod test;
 mod tidy;
 mod tool;
 mod verify;
@@ -45,7 +45,7 @@ use crate::pipeline::{DemoArgs, PipelineArgs};
     name = "cargo xtask",
     after_help = "Example:\n  cargo xtask demo --quick\n  \
     cargo xtask demo --scene fixtures/shin/scene.json\n  \
-    cargo xtask demo --live\n  cargo xtask ci"
+    cargo xtask demo --live\n  cargo xtask test"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -72,9 +72,12 @@ enum Task {
     /// Everything up to the scores of the trained nets.
     #[command(after_help = "Example:\n  cargo xtask eval --quick")]
     Eval(PipelineArgs),
-    /// What CI runs: format, lints, tests, docs, each crate alone, layering, a quick demo.
-    #[command(after_help = "Example:\n  cargo xtask ci")]
-    Ci,
+    /// Every unit, integration and documentation test.
+    #[command(after_help = "Example:\n  cargo xtask test")]
+    Test,
+    /// What CI runs: the tests, format, lints, docs, each crate alone, tables, pages, the wheel, a quick demo.
+    #[command(after_help = "Examples:\n  cargo xtask ci\n  cargo xtask ci --nightly")]
+    Ci(ci::CiArgs),
     /// Is the elasticity solver right: the verification table, or one deck.
     #[command(after_help = "Examples:\n  cargo xtask verify\n  cargo xtask verify -- --only \
         solid.le10\n  cargo xtask verify --deck fixtures/shin/shin.inp.gz")]
@@ -173,7 +176,8 @@ fn run(task: Task) -> Result<()> {
         Task::Dataset(args) => pipeline::stage("dataset", &args),
         Task::Train(args) => pipeline::stage("train", &args),
         Task::Eval(args) => pipeline::stage("eval", &args),
-        Task::Ci => ci::run_everything(),
+        Task::Test => test::run_all(),
+        Task::Ci(args) => ci::run_everything(&args),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Compare(args) => compare::run(&args),

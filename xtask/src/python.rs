@@ -21,27 +21,43 @@ const CRATE: &str = "crates/hapdef-py";
 /// What the docs say of it.
 const PAGE: &str = "docs/python.md";
 
-/// `cargo xtask python`; without Python, or outside CI without a network, it says so and does nothing.
+/// A wheel, and the Python that it was built for.
+pub(crate) struct Wheel {
+    python: String,
+    path: PathBuf,
+}
+
+/// `cargo xtask python`.
 pub(crate) fn check() -> Result<()> {
+    build_wheel()?.as_ref().map_or(Ok(()), test_wheel)
+}
+
+/// The wheel; without Python, or outside CI without a network, none, and it says so.
+pub(crate) fn build_wheel() -> Result<Option<Wheel>> {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     if let Err(reason) = usable(&python) {
-        println!("skipped: {reason}");
-        return Ok(());
+        println!("wheel skipped: {reason}");
+        return Ok(None);
     }
     let folder = target_dir()?.join("python");
     let tools = match tools(&python, &folder.join("tools")) {
         Ok(tools) => tools,
         Err(error) if std::env::var("CI").is_ok_and(|ci| ci == "true") => return Err(error),
         Err(error) => {
-            println!("skipped: pip has no maturin here: {error:#}");
-            return Ok(());
+            println!("wheel skipped: pip has no maturin here: {error:#}");
+            return Ok(None);
         }
     };
-    let wheel = build(&tools, &folder)?;
-    println!("wheel: {}", wheel.display());
-    let python = environment(&python, &folder.join("venv"), true)?;
-    let wheel = wheel.to_string_lossy().into_owned();
-    install(&python, &[&format!("{wheel}[notebook,dask]"), "mypy>=1.11"])?;
+    let path = build(&tools, &folder)?;
+    println!("wheel: {}", path.display());
+    Ok(Some(Wheel { python, path }))
+}
+
+/// Installs the wheel in a clean environment and runs its tests, stub, notebook and example.
+pub(crate) fn test_wheel(wheel: &Wheel) -> Result<()> {
+    let python = environment(&wheel.python, &target_dir()?.join("python/venv"), true)?;
+    let path = wheel.path.to_string_lossy();
+    install(&python, &[&format!("{path}[notebook,dask]"), "mypy>=1.11"])?;
     println!("installed for {}", python.display());
     let program = release_binary("hapdef")?;
     let ours = |folder: &Path, words: &[&str]| -> Result<()> {

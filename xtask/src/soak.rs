@@ -51,6 +51,12 @@ pub(crate) fn short() -> Result<()> {
     run_tool(&mut command(&args)?)
 }
 
+/// The long form, as the nightly run of CI has it, whose tests have had the stalled client.
+pub(crate) fn long() -> Result<()> {
+    let args = SoakArgs { short: false, seed: 1, scene: None, rest: Vec::new() };
+    run_tool(&mut command(&args)?)
+}
+
 /// Builds the program and says how it is started.
 fn command(args: &SoakArgs) -> Result<Command> {
     let mut command = Command::new(release_example("soak")?);

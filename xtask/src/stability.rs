@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
-use crate::tool::{release_binary, release_example, results, root};
+use crate::tool::{day, release_binary, release_example, results, root};
 
 /// Arguments of `stability`.
 #[derive(clap::Args)]
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<()> {
         return all(args);
     };
     let Some(table) = part.table() else {
-        return scenes(args);
+        return finish(&mut scenes(args.minutes, args.seed)?);
     };
     let mut command = table.with_files(args)?;
     if args.json {
@@ -102,19 +102,29 @@ fn refuse_strangers(args: &StabilityArgs) -> Result<()> {
     Ok(())
 }
 
+/// Scenes at random in the nightly run of CI, minutes.
+const NIGHTLY_MINUTES: f64 = 20.0;
+
 /// Scenes at random; failing ones are left beside the results, for
 /// crates/hapdef/tests/it/scene_search.json.
-fn scenes(args: &StabilityArgs) -> Result<()> {
+fn scenes(minutes: Option<f64>, seed: Option<u64>) -> Result<Command> {
     let mut command = Command::new(release_example("scenes")?);
-    if let Some(minutes) = args.minutes {
+    if let Some(minutes) = minutes {
         command.args(["--minutes", &minutes.to_string()]);
     }
-    if let Some(seed) = args.seed {
+    if let Some(seed) = seed {
         command.args(["--seed", &seed.to_string()]);
     }
     command.arg("--failures").arg(results().join("scenes.json"));
     command.arg("--metrics").arg(results().join("metrics.json"));
-    finish(&mut command)
+    Ok(command)
+}
+
+/// Scenes at random, others on each day.
+pub(crate) fn nightly() -> Result<()> {
+    // Seeds count up from the first one: those of two days are far apart.
+    let seed = 100_000 * day();
+    crate::tool::run(&mut scenes(Some(NIGHTLY_MINUTES), Some(seed))?)
 }
 
 /// Every layer; then all rows as one table, and which parts failed.

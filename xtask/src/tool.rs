@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
+use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail};
 
@@ -87,6 +88,12 @@ pub(crate) fn metadata() -> Result<serde_json::Value> {
         .output()
         .context("starting cargo metadata")?;
     serde_json::from_slice(&output.stdout).context("reading cargo metadata")
+}
+
+/// Days since 1970: the seed of what is drawn anew every night.
+pub(crate) fn day() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0, |since| since.as_secs() / 86_400)
 }
 
 /// The command line as a person would type it.
