@@ -29,11 +29,14 @@ const SMALLER: [(&str, &str); 12] = [
     ),
     ("cargo xtask bench inverse", "cargo xtask bench inverse -- --scripts 2 --pairs 10"),
     (
-        "cargo xtask search --quick --method lr --trials 20",
-        "cargo xtask search --quick --method lr --trials 2",
+        "cargo hapdef-repro search fixtures/shin/scene.json --profile quick --method lr --trials 20",
+        "cargo hapdef-repro search fixtures/shin/scene.json --profile quick --method lr --trials 2",
     ),
-    ("cargo xtask search compare --quick", "cargo xtask search compare --quick"),
-    ("cargo xtask tactile", "cargo xtask tactile -- --steps 100 --svr-presses 200"),
+    (
+        "cargo hapdef-repro search-compare fixtures/shin/scene.json --profile quick",
+        "cargo hapdef-repro search-compare fixtures/shin/scene.json --profile quick",
+    ),
+    ("cargo hapdef-repro tactile", "cargo hapdef-repro tactile --steps 100 --svr-presses 200"),
     (
         "cargo hapdef calibrate fixtures/shin/placed.json target/live-presses.csv \
          target/live-calibration.json --live virtual --presses 24",
@@ -200,11 +203,11 @@ mod tests {
 
     #[test]
     fn a_long_command_is_run_in_small() {
-        let text = "```sh (an hour)\ncargo xtask tactile   # remark\nhapdef b\n```\n";
+        let text = "```sh (an hour)\ncargo hapdef-repro tactile   # remark\nhapdef b\n```\n";
         let [small] = commands(text)[..] else {
             panic!("{:?}", commands(text));
         };
-        assert!(small.starts_with("cargo xtask tactile -- --steps"), "{small}");
+        assert!(small.starts_with("cargo hapdef-repro tactile --steps"), "{small}");
     }
 
     #[test]

@@ -9,7 +9,6 @@ mod bench_nets;
 mod browser;
 mod ci;
 mod compare;
-mod design;
 mod docs;
 mod first_minute;
 mod fixtures;
@@ -22,8 +21,6 @@ mod pictures;
 mod pipeline;
 mod python;
 mod repro;
-mod rig;
-mod search;
 mod soak;
 mod stability;
 mod test;
@@ -37,7 +34,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::pipeline::{DemoArgs, PipelineArgs};
+use crate::pipeline::DemoArgs;
 
 /// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
 #[derive(Parser)]
@@ -63,15 +60,6 @@ enum Task {
         after_help = "Examples:\n  cargo xtask repro --quick\n  cargo xtask repro --full --write"
     )]
     Repro(repro::ReproArgs),
-    /// The limb's compliance and the datasets only.
-    #[command(after_help = "Example:\n  cargo xtask dataset --quick")]
-    Dataset(PipelineArgs),
-    /// Everything up to the trained nets.
-    #[command(after_help = "Example:\n  cargo xtask train --quick")]
-    Train(PipelineArgs),
-    /// Everything up to the scores of the trained nets.
-    #[command(after_help = "Example:\n  cargo xtask eval --quick")]
-    Eval(PipelineArgs),
     /// Every unit, integration and documentation test.
     #[command(after_help = "Example:\n  cargo xtask test")]
     Test,
@@ -97,25 +85,10 @@ enum Task {
         nets --quick\n  cargo xtask frontier inverse"
     )]
     Frontier(frontier::FrontierArgs),
-    /// What a scene's gauges can tell about contacts: bounds on the limb, blind spots.
-    #[command(after_help = "Example:\n  cargo xtask limits -- --noise-ue 1")]
-    Limits(design::DesignArgs),
-    /// Where on the inner wall to put gauges.
-    #[command(after_help = "Example:\n  cargo xtask place -- --gauges 12 --noise-ue 1")]
-    Place(design::DesignArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
     #[command(after_help = "Examples:\n  cargo xtask stability\n  cargo xtask stability inverse \
         --seed 1\n  cargo xtask stability scenes --minutes 10 --seed 1")]
     Stability(stability::StabilityArgs),
-    /// Settings of a net or a baseline by Bayesian optimisation.
-    #[command(
-        after_help = "Examples:\n  cargo xtask search --quick --method lr --trials 20\n  cargo \
-        xtask search compare --quick"
-    )]
-    Search(search::SearchArgs),
-    /// The baselines and a net on a real tactile skin that nobody here built.
-    #[command(after_help = "Example:\n  cargo xtask tactile -- --steps 100 --svr-presses 200")]
-    Tactile(search::TactileArgs),
     /// Damaged inputs for every reader; ends with exit code 1 if one panics.
     #[command(after_help = "Example:\n  cargo xtask fuzz --minutes 10")]
     Fuzz(fuzz::FuzzArgs),
@@ -124,12 +97,6 @@ enum Task {
         after_help = "Examples:\n  cargo xtask soak --short\n  cargo xtask soak -- --seconds 600 --kills 200"
     )]
     Soak(soak::SoakArgs),
-    /// The virtual limb as a device on a port: a pseudo-terminal, or TCP.
-    #[command(
-        after_help = "Examples:\n  cargo xtask rig -- --link target/limb --seconds 2\n  cargo \
-        xtask rig -- --tcp 127.0.0.1:0 --seconds 2"
-    )]
-    Rig(rig::RigArgs),
     /// The live page in a headless Chromium, which it installs as root: its tests.
     #[command(after_help = "Example:\n  cargo xtask browser")]
     Browser,
@@ -173,23 +140,15 @@ fn run(task: Task) -> Result<()> {
     match task {
         Task::Demo(args) => pipeline::demo(&args),
         Task::Repro(args) => repro::repro(&args),
-        Task::Dataset(args) => pipeline::stage("dataset", &args),
-        Task::Train(args) => pipeline::stage("train", &args),
-        Task::Eval(args) => pipeline::stage("eval", &args),
         Task::Test => test::run_all(),
         Task::Ci(args) => ci::run_everything(&args),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
-        Task::Limits(args) => design::run("limits", &args),
-        Task::Place(args) => design::run("place", &args),
         Task::Stability(args) => stability::run(&args),
-        Task::Search(args) => search::run(&args),
-        Task::Tactile(args) => search::tactile(&args),
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
-        Task::Rig(args) => rig::run(&args),
         Task::Browser => browser::test(),
         Task::Pictures(args) => pictures::run_some(&args),
         Task::Python => python::check(),

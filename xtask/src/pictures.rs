@@ -134,13 +134,13 @@ const SHOTS: [Shot; 14] = [
     Shot {
         name: "limits",
         page: "shin/limits.html",
-        made_by: "cargo xtask limits",
+        made_by: "cargo hapdef limits fixtures/shin/scene.json",
         part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {
         name: "place",
         page: "shin/placement.html",
-        made_by: "cargo xtask place",
+        made_by: "cargo hapdef place fixtures/shin/scene.json",
         part: Part::From("figure", FIGURE_SIZE),
     },
     Shot {

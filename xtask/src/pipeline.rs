@@ -95,12 +95,6 @@ fn report(args: &PipelineArgs) -> Result<()> {
     Ok(())
 }
 
-/// One stage and what it needs.
-pub(crate) fn stage(verb: &str, args: &PipelineArgs) -> Result<()> {
-    let hapdef = release_binary("hapdef")?;
-    finish(Command::new(hapdef).arg(verb).args(common(args)))
-}
-
 /// Hands the program's own exit code on: it has said what is wrong.
 pub(crate) fn finish(command: &mut Command) -> Result<()> {
     let status = status(command)?;
