@@ -19,6 +19,7 @@ mod calibration;
 mod chi_square;
 mod conditioning;
 mod dense;
+mod effort;
 mod error;
 mod estimator;
 mod interpolant;
@@ -41,6 +42,7 @@ pub use calibration::{
     LEAST_PRESSES, ModeMap, ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
 pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
+pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{
     CHI2_95, Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams,

@@ -1,5 +1,6 @@
-//! Knobs of the estimator.
+//! Parameters of the estimator.
 
+use crate::effort::Effort;
 use crate::error::{InverseError, check_not_negative, check_positive};
 
 /// How hard to search and when to believe.
@@ -63,9 +64,18 @@ pub struct EstimatorParams {
 }
 
 impl Default for EstimatorParams {
-    /// Effort for a cold pair of a few milliseconds on 800 sites.
+    /// [`Effort::Usual`].
     fn default() -> Self {
-        Self {
+        Self::of(Effort::Usual)
+    }
+}
+
+impl EstimatorParams {
+    /// The parameters of a search of that effort, on [`Effort::n_sites`] sites: the usual ones but for
+    /// what [`EstimatorParams::searched_with`] sets.
+    #[must_use]
+    pub fn of(effort: Effort) -> Self {
+        let usual = Self {
             max_contacts: 4,
             known_count: None,
             touch_p: 1e-3,
@@ -90,11 +100,22 @@ impl Default for EstimatorParams {
             runner_up_delta: 9.0,
             tie_delta: 1.0,
             noise_delta: 6.0,
-        }
+        };
+        usual.searched_with(effort)
     }
-}
 
-impl EstimatorParams {
+    /// The same with as many starts, bases, finalists and hops as `effort` takes: these decide how
+    /// long a search of two contacts and more takes, and how often it misses the best explanation.
+    #[must_use]
+    pub fn searched_with(self, effort: Effort) -> Self {
+        let (n_starts, n_finalists, n_hops) = match effort {
+            Effort::Fast => (30, 4, 0),
+            Effort::Usual => (150, 16, 1),
+            Effort::Thorough => (600, 64, 2),
+        };
+        Self { n_starts, n_bases: 2 * n_starts, n_finalists, n_hops, ..self }
+    }
+
     pub(crate) fn check(&self) -> Result<(), InverseError> {
         let most = super::MAX_CONTACTS;
         let found = self.known_count.unwrap_or(1).max(self.max_contacts);

@@ -1,5 +1,6 @@
-//! Knobs of the tracker.
+//! Parameters of the tracker.
 
+use crate::effort::Effort;
 use crate::error::{InverseError, check_not_negative, check_positive};
 use crate::estimator::MAX_CONTACTS;
 
@@ -55,8 +56,22 @@ pub struct TrackerParams {
 }
 
 impl Default for TrackerParams {
-    /// For 1,000 frames a second.
+    /// [`Effort::Usual`].
     fn default() -> Self {
+        Self::of(Effort::Usual)
+    }
+}
+
+impl TrackerParams {
+    /// For 1,000 frames a second: the usual parameters, with the work of a frame and the hypotheses
+    /// that are kept as the effort says.
+    #[must_use]
+    pub fn of(effort: Effort) -> Self {
+        let (steps_per_frame, n_hypotheses) = match effort {
+            Effort::Fast => (60, 2),
+            Effort::Usual => (100, 4),
+            Effort::Thorough => (400, 8),
+        };
         Self {
             force_frames: 16,
             max_contacts: 4,
@@ -72,16 +87,14 @@ impl Default for TrackerParams {
             slide_m_per_s: 0.1,
             drift_m_per_sqrt_s: 1e-4,
             min_gap_m: 0.006,
-            n_hypotheses: 4,
+            n_hypotheses,
             hypothesis_delta: 16.0,
-            steps_per_frame: 100,
+            steps_per_frame,
             search_frames: 64,
             misfit_p: 1e-6,
         }
     }
-}
 
-impl TrackerParams {
     pub(crate) fn check(&self) -> Result<(), InverseError> {
         let (found, most) = (self.max_contacts, MAX_CONTACTS);
         if found == 0 || found > most {

@@ -39,7 +39,7 @@ struct Point {
     on_front: bool,
 }
 
-/// How hard is searched.
+/// How hard is searched: the efforts that the estimator names, and others around them.
 pub(crate) struct Effort {
     pub(crate) name: &'static str,
     pub(crate) n_sites: usize,
@@ -48,19 +48,23 @@ pub(crate) struct Effort {
 
 /// What of the search an effort sets.
 enum Knobs {
-    Usual,
+    Named(hapdef_inverse::Effort),
     Set { n_starts: usize, n_finalists: usize, n_hops: usize },
 }
 
 /// Every effort, the least first.
 pub(crate) const EFFORTS: [Effort; 6] = [
     effort("least", 200, 10, 2, 0),
-    effort("small", 400, 30, 4, 0),
+    named("small", hapdef_inverse::Effort::Fast),
     effort("less", 800, 60, 8, 0),
-    Effort { name: "usual", n_sites: 800, knobs: Knobs::Usual },
+    named("usual", hapdef_inverse::Effort::Usual),
     effort("more", 800, 300, 32, 2),
-    effort("most", 1200, 600, 64, 2),
+    named("most", hapdef_inverse::Effort::Thorough),
 ];
+
+const fn named(name: &'static str, effort: hapdef_inverse::Effort) -> Effort {
+    Effort { name, n_sites: effort.n_sites(), knobs: Knobs::Named(effort) }
+}
 
 const fn effort(
     name: &'static str,
@@ -77,7 +81,7 @@ impl Effort {
     /// The usual knobs with those that this effort sets.
     pub(crate) fn params(&self, usual: EstimatorParams) -> EstimatorParams {
         match self.knobs {
-            Knobs::Usual => usual,
+            Knobs::Named(effort) => usual.searched_with(effort),
             Knobs::Set { n_starts, n_finalists, n_hops } => {
                 EstimatorParams { n_starts, n_finalists, n_hops, n_bases: 2 * n_starts, ..usual }
             }

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a tracker that refuses a frame fails the test")]
 
 mod coming;
+mod efforts;
 mod holding;
 use crate::world;
 
