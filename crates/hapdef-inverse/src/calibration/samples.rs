@@ -13,7 +13,7 @@ use crate::skin_point::SkinPoint;
 /// Presses without which no calibration is tried.
 pub const LEAST_PRESSES: usize = 12;
 
-/// A cause this many standard deviations of its prior away is worth a warning.
+/// A cause this many standard deviations of its prior away is worth a warning: by chance one of 16,000 is.
 const BEYOND_SDS: f64 = 4.0;
 
 /// Readings over the map's that a coarse mesh or a wrong stiffness may explain.

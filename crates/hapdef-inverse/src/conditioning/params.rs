@@ -2,7 +2,7 @@
 
 use crate::error::{InverseError, check_length, check_not_negative, check_positive};
 
-/// Knobs of a [`crate::Conditioner`]. Readings in one unit throughout.
+/// Parameters of a [`crate::Conditioner`]. Readings in one unit throughout.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConditionerParams {
     /// Standard deviation of each gauge's noise in a frame `[n_gauges]`, quantisation included.

@@ -6,7 +6,8 @@ use crate::response::ResponseMap;
 use crate::sites::ScanSites;
 
 /// A direction of the readings counts where a contact moves the readings by this many
-/// standard deviations of the noise along it.
+/// standard deviations of the noise along it: blind gauges and twins otherwise vouch for contacts that
+/// nothing checks. At three noise alone explains such a movement in 0.3 % of the frames.
 const SEEN_SDS: f64 = 3.0;
 
 /// Directions in which contacts of `force_n` move the readings of the gauges `live`: readings

@@ -8,10 +8,12 @@ use crate::estimator::normal_equations::{Linear, MAX_UNKNOWNS};
 use crate::estimator::{EstimatorParams, Model};
 use crate::walk::AtWall;
 
-/// Trials of one step, each with more damping.
+/// Trials of one step, each with more damping: each takes up to ten times more, so that the last is a
+/// short step straight downhill, and where that fails the descent has ended.
 const MAX_TRIALS: usize = 6;
 
-/// Rounds in which the map's error is set anew from the forces.
+/// Rounds in which the map's error is set anew from the forces: it grows with them, and they change
+/// with it.
 const N_ROUNDS: usize = 3;
 
 const SIZE: usize = MAX_UNKNOWNS * MAX_UNKNOWNS;

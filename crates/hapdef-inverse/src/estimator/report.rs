@@ -9,10 +9,12 @@ use crate::estimator::refine::Refiner;
 use crate::estimator::shared::if_two;
 use crate::estimator::{ContactEstimator, EstimatorScratch};
 
-/// A place is open if its standard deviation exceeds this share of the prior's.
+/// A place is open if its standard deviation exceeds this share of the prior's, which is that of a place
+/// anywhere on the skin: the readings then leave more than half of what was unknown.
 const OPEN_SHARE: f64 = 0.5;
 
-/// Numbers beyond the contacts' unknowns that check them.
+/// Numbers beyond the contacts' unknowns that check them. With none or one many a pair reads, to the
+/// noise, as contacts elsewhere, and nothing in the frame says so (docs/contacts.md, When an answer is sure).
 const LEAST_SPARE: usize = 2;
 
 /// Puts the answer together from `scratch.found`.

@@ -10,10 +10,12 @@ use crate::tracker::search::SearchOutcome;
 use crate::tracker::state::{Growing, State};
 use crate::tracker::workspace::Workspace;
 
-/// Trial steps with which an outcome is brought to the tracker's own covariances.
+/// Trial steps with which an outcome is brought to the tracker's own covariances: it was found from other
+/// frames, averaged, with the map's error in the noise.
 const N_TRIALS: usize = 24;
 
-/// A contact found within this of one that was there has its name, m.
+/// A contact found within this of one that was there has its name, m: places may be
+/// wrong where a search is wanted, so this is wide beside their usual error of tenths of a millimetre.
 const SAME_M: f64 = 0.015;
 
 /// Takes the contacts of `outcome` if they explain the latest frames better than the best hypothesis;

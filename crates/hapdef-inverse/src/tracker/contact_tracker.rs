@@ -16,7 +16,7 @@ use crate::tracker::workspace::Workspace;
 use crate::tracker::{detection, growing, holding, sliding};
 
 /// A search that found nothing better is asked for again after so many times the frames that
-/// made it wanted.
+/// made it wanted: the next would find the same, and a search takes milliseconds of a core.
 const PATIENCE: usize = 8;
 
 /// Follows contacts from frame to frame: births, holds, slides, releases.

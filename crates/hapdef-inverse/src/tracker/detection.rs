@@ -8,10 +8,13 @@ use crate::tracker::sliding;
 use crate::tracker::state::{DetectionWindow, Growing, Holding, State};
 use crate::tracker::workspace::Workspace;
 
-/// Frames in which alarms are held off after a detection window without result.
+/// Frames in which alarms are held off after a detection window without result: a residual that nothing
+/// explains would open the next one at once, and its scans would take every frame's budget. Two of the
+/// usual blocks, in which held contacts learn from the frames that don't alarm.
 const N_HOLDOFF: usize = 16;
 
-/// The last decision of a window is made after so many times the frames of the first.
+/// The last decision of a window is made after so many times the frames of the first, on an eighth of its
+/// noise variance: what is not decided then is left to the mean of a block.
 const LAST_LOOK: usize = 8;
 
 /// Gathers frames since the alarm, and decides when there are enough.

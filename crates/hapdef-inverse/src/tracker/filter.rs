@@ -10,7 +10,8 @@ use crate::walk::AtWall;
 /// Edges that a step crosses at most.
 pub(super) const MAX_CROSSINGS: usize = 24;
 
-/// Variance of a gauge that is not read, in units of its noise.
+/// Variance of a gauge that is not read, in units of its noise: it counts for nothing, and its rows and
+/// columns stay where they are, so that nothing is allocated when gauges come and go.
 const UNREAD: f64 = 1e14;
 
 /// Buffers of an update.

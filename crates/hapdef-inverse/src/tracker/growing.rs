@@ -10,13 +10,15 @@ use crate::tracker::sliding;
 use crate::tracker::state::{Growing, State};
 use crate::tracker::workspace::Workspace;
 
-/// Least weight of a frame, N.
+/// Least weight of a frame, N: the force is the weight, and frames in which none is solved would
+/// leave a sum without any.
 const LEAST_WEIGHT: f64 = 0.05;
 
-/// Frames between refinements.
+/// Frames between refinements: a place changes little between, and each takes a share of the budget.
 const STRIDE: usize = 4;
 
-/// The earliest age at which a contact is held.
+/// The earliest age at which a contact is held: a force whose slow average has seen two of its own lengths,
+/// sixteen frames each, has come to rest.
 const LEAST_AGE: usize = 32;
 
 /// A force is steady if its averages differ by less than this share …
@@ -29,10 +31,12 @@ const STEADY_N: f64 = 0.05;
 /// that came at the same time.
 const GOOD_AGE: usize = 16;
 
-/// What is not explained stays open for so many times the usual frames.
+/// What is not explained stays open for so many times the usual frames: to hold it makes its wrong places
+/// known ones, but the tracker can't wait for ever.
 const OPEN_FACTOR: usize = 4;
 
-/// Alarms in a row after which refining is not enough.
+/// Alarms in a row after which refining is not enough, where the frames were explained before: something
+/// else has come, and only held contacts let it be looked for.
 const N_STUCK: usize = 3;
 
 pub(super) fn step(mut now: Growing, work: &mut Workspace, is_alarm: bool) -> State {

@@ -5,10 +5,12 @@ use crate::tracker::frame::ContactId;
 use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::locate::Fit;
 
-/// Candidates at most: alternatives, peaks, slides.
+/// Candidates at most: alternatives, peaks, slides. Room for all that one decision proposes with the usual
+/// hypotheses; what finds none is left out.
 const N_CANDIDATES: usize = 28;
 
-/// The best hypothesis has to be beaten by this in −2 ln evidence.
+/// The best hypothesis has to be beaten by this in −2 ln evidence, odds of e to 1: two that are alike
+/// would else take turns, and what is reported would jump between them.
 const SWITCH_MARGIN: f64 = 2.0;
 
 /// A hypothesis that is kept or a candidate.

@@ -5,7 +5,8 @@ use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::locate::Fit;
 use crate::tracker::scan::{PairJob, SiteScan};
 
-/// Pairs that are refined again at the end.
+/// Pairs that are refined again at the end, on all frames gathered since: the right one
+/// need not be the first on the frame that was searched.
 pub(super) const N_FINALISTS: usize = 4;
 
 /// A search for pairs that goes on from frame to frame.

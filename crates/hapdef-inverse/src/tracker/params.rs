@@ -73,24 +73,38 @@ impl TrackerParams {
             Effort::Thorough => (400, 8),
         };
         Self {
+            // a quarter of one frame's noise
             force_frames: 16,
             max_contacts: 4,
             frame_period_s: 1e-3,
             block_frames: 8,
+            // noise alone opens a window every 100 s
             alarm_p: 1e-5,
+            // decisions after 3, 6, 12 and 24 frames, each on half the noise variance of the one before
             detection_frames: 3,
+            // odds of e⁶ = 400 to 1 beyond what a place and a force cost as unknowns: each alarm is decided
+            // up to four times, with three places for each hypothesis and every slide as candidates, and a
+            // contact that is none stays until it is weak
             birth_margin: 12.0,
+            // a force that is never steady must not keep places from sharpening
             settle_frames: 120,
+            // milder than an alarm: it only starts a search, whose pairs have to win by `birth_margin`
             pair_p: 1e-4,
+            // Beside a press whose noise is twice what was assumed ghosts come, the fewer the more force is
+            // asked (`what_is_too_weak_to_be_held_is_not_born`).
             release_force_n: 0.3,
+            // 8 ms with hardly any force
             release_frames: 8,
             slide_m_per_s: 0.1,
             drift_m_per_sqrt_s: 1e-4,
             min_gap_m: 0.006,
             n_hypotheses,
+            // odds of e⁸ = 3,000 to 1: what a few frames make that unlikely, later ones don't bring back
             hypothesis_delta: 16.0,
             steps_per_frame,
+            // longer than a detection window and its hold-off together, 40 frames: those come first
             search_frames: 64,
+            // one frame in a million is a misfit by noise alone
             misfit_p: 1e-6,
         }
     }

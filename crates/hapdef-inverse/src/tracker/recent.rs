@@ -3,7 +3,7 @@
 use crate::estimator::Model;
 use crate::tracker::gathered::Gathered;
 
-/// Frames averaged for a full search.
+/// Frames averaged for a full search: a quarter of one frame's noise, and none older than twice as many.
 const N_RECENT: usize = 16;
 
 /// The last frames, for a full search.

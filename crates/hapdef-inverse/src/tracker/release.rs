@@ -11,6 +11,7 @@ pub(super) fn release(now: State, work: &mut Workspace) -> State {
     for i in (0..best.n).rev() {
         let track = &mut best.tracks[i];
         let sd = track.covariance[(2, 2)].sqrt();
+        // with a deviation of 1 N and more a force that is not seen may still be one
         let is_weak = track.force_n < least_n || (track.force_n < 3.0 * sd && sd < 1.0);
         track.n_weak = if is_weak { track.n_weak + 1 } else { track.n_weak.saturating_sub(2) };
         if track.n_weak >= patience {

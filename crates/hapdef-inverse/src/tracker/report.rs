@@ -6,13 +6,16 @@ use crate::tracker::frame::TrackedContact;
 use crate::tracker::hypothesis::Track;
 use crate::tracker::workspace::Workspace;
 
-/// A place is open if its standard deviation exceeds this share of the skin's.
+/// A place is open if its standard deviation exceeds this share of the skin's: the frames so far then
+/// leave more than half of what was unknown.
 const OPEN_SHARE: f64 = 0.5;
 
-/// Unknowns of a place.
+/// Unknowns of a place. Three live gauges and one followed contact leave nothing to check it by: it was
+/// sure 75 mm off without this count.
 const PLACE_UNKNOWNS: usize = 2;
 
-/// A force is steady within so many standard deviations.
+/// A force is steady within so many standard deviations: noise alone starts the average anew in 0.3 % of
+/// the frames.
 const STEADY_SDS: f64 = 3.0;
 
 pub(super) fn report(work: &mut Workspace, readings: &[f64], is_detecting: bool) {

@@ -7,7 +7,8 @@ use crate::tracker::metric::Metric;
 /// Sites looked at together.
 const LANES: usize = 16;
 
-/// Share of the largest squared length below which a site counts as blind.
+/// Share of the largest squared length below which a site counts as blind: its length is less
+/// than a ten-thousandth of the longest, and what it explains mostly rounding of f32.
 const BLIND_SHARE: f32 = 1e-8;
 
 /// Atoms of the sites, projected beside contacts that are there already.
