@@ -91,7 +91,7 @@ fn row(k: usize, n_frames: usize, noise_ue: f64, n_gauges: usize) -> String {
     )
 }
 
-/// Time this program has run on a core, µs; 0 where the system does not tell.
+/// Time this program has run on a core, µs; 0 where the system does not say.
 fn cpu_us() -> f64 {
     let text = std::fs::read_to_string("/proc/self/schedstat").unwrap_or_default();
     let ns = text.split_whitespace().next().and_then(|w| w.parse().ok());

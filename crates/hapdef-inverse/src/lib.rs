@@ -9,7 +9,7 @@
 //! follows contacts from frame to frame in bounded time. [`single_bounds`],
 //! [`joint_bounds`] and [`carried_contacts`] are the limits of a layout; [`place_greedy`] and
 //! [`exchange`] choose one. [`Calibrated::fit`] corrects a map by presses of known place and force and
-//! tells its error; a [`Conditioner`] takes tare, drift, temperature and creep off raw readings and
+//! estimates its error; a [`Conditioner`] takes tare, drift, temperature and creep off raw readings and
 //! masks bad gauges.
 //!
 //! Everything comes and goes as arrays: this crate knows nothing of files, ports or nets.

@@ -1,4 +1,4 @@
-//! What a layout can tell: Fisher information and Cramér–Rao bounds.
+//! What a layout can measure: Fisher information and Cramér–Rao bounds.
 
 use crate::dense::{cholesky, inverse, log_det};
 use crate::error::{InverseError, check_positive};

@@ -78,7 +78,7 @@ impl ResponseMap {
 
     /// The map from values on subdivided six-node faces: at [`Skin::subdivided_points`] readings per
     /// newton in each direction `[n_points, n_gauges]`, tips being in them. For a response that varies
-    /// more than the faces' own nodes can tell, as it does within millimetres of a gauge.
+    /// more than the faces' own nodes can represent, as it does within millimetres of a gauge.
     ///
     /// # Errors
     /// [`InverseError`] for a wrong length, a value that is not finite, a skin of three-node faces.

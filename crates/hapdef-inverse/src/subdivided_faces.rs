@@ -1,4 +1,4 @@
-//! Six-node faces cut into four, for maps that vary more than the faces' nodes can tell.
+//! Six-node faces cut into four, for maps that vary more than the faces' nodes can represent.
 
 use std::collections::BTreeMap;
 

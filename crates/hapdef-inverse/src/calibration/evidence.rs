@@ -25,7 +25,7 @@ pub(crate) fn choose_kernels(
 ) -> Vec<Kernel> {
     by_gauge(problem.samples.n_gauges(), problem.n_threads, |gauge| {
         let mean_square = problem.mean_squares[gauge];
-        let rows = &telling(problem, gauge, rows, params.n_evidence);
+        let rows = &informative(problem, gauge, rows, params.n_evidence);
         let evidence = |kernel: &Kernel| {
             log_evidence(problem.samples, gauge, rows, kernel, mean_square)
                 .unwrap_or(f64::NEG_INFINITY)
@@ -60,7 +60,7 @@ fn steps(params: &CalibrationParams) -> [Step<'_>; 5] {
 
 /// `n` of the presses `rows` at most: half of them are the first ones, and half those where the gauge's
 /// map varies most.
-fn telling(problem: &Problem<'_>, gauge: usize, rows: &[usize], n: usize) -> Vec<usize> {
+fn informative(problem: &Problem<'_>, gauge: usize, rows: &[usize], n: usize) -> Vec<usize> {
     let (first, others) = rows.split_at((n / 2).min(rows.len()));
     let mut others = others.to_vec();
     let variance = |row: &usize| problem.samples.places.around(*row, gauge).variance;

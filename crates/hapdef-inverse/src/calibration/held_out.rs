@@ -12,7 +12,7 @@ use crate::estimator::{CHI2_95, ContactEstimator, EstimatorParams, Verdict};
 use crate::noise::{ModelError, NoiseParams};
 use crate::sites::ScanSites;
 
-/// Numbers of presses for which some are held out: fewer don't tell a quantile of 95 %, and more know
+/// Numbers of presses for which some are held out: fewer don't determine a quantile of 95 %, and more know
 /// so little of each other that the left-out ones of the fit itself suffice.
 const N_PRESSES: std::ops::RangeInclusive<usize> = 40..=1000;
 

@@ -24,7 +24,7 @@ pub struct ModeMap<'a> {
     pub prior_sd: f64,
 }
 
-/// Knobs of [`crate::Calibrated::fit`].
+/// Parameters of [`crate::Calibrated::fit`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationParams {
     /// Standard deviation of each gauge's noise in a press `[n_gauges]`, in the unit of the

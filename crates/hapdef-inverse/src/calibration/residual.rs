@@ -31,7 +31,7 @@ pub(crate) struct CutErrors {
 pub(crate) struct AtSites {
     /// Variance of the process given the presses `[n_sites]`.
     pub(crate) variance: Vec<f64>,
-    /// Columns less what the presses tell of them `[n_sites, n_columns]`.
+    /// Columns less what the presses predict of them `[n_sites, n_columns]`.
     pub(crate) columns: Vec<f64>,
     /// Covariance of the process given the presses `[n_sites, n_sites]`, lower half.
     pub(crate) covariance: Vec<f64>,

@@ -101,7 +101,7 @@ pub enum WhyNot {
     TiedExplanations,
     /// Even as many contacts as may be do not explain the readings.
     Misfit,
-    /// The contacts take all that the gauges tell, or all but one number, or two where a further
+    /// The contacts take all that the gauges measure, or all but one number, or two where a further
     /// contact may touch: nothing is left to check them by, and other contacts would explain the
     /// readings as well.
     Unchecked,
@@ -141,7 +141,7 @@ pub struct ContactEstimate {
     /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N, of the
     /// linearised problem: where it says a millimetre or more, its 95 % regions hold less.
     pub joint_covariance: Vec<f64>,
-    /// Of each contact, where the live gauges and the knobs leave room for a further one; else empty.
+    /// Of each contact, where the live gauges and the parameters leave room for a further one; else empty.
     pub if_two: Vec<IfTwo>,
     /// Other explanations within the margin, the best first.
     pub runner_ups: Vec<RunnerUp>,

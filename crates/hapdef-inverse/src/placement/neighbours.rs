@@ -53,7 +53,7 @@ fn add(candidates: &Candidates, c: usize, gaps: &mut [f32]) {
     }
 }
 
-/// Mean error over the sites with candidate `c` besides what `gaps` tells.
+/// Mean error over the sites with candidate `c` besides what `gaps` gives.
 fn mean_error_m(candidates: &Candidates, c: usize, gaps: &[f32]) -> f64 {
     let g = readings(candidates, c);
     let mut sum = 0.0;

@@ -25,7 +25,7 @@ pub fn place_entropy(
     choose(candidates, params, variances)
 }
 
-/// Gauges at the places that tell most about all the others (mutual information; Krause, Singh and
+/// Gauges at the places that say most about all the others (mutual information; Krause, Singh and
 /// Guestrin, Journal of Machine Learning Research 9, 2008, algorithm 1): each the one of greatest
 /// variance given the chosen ones over that given all the rest. Covariance as for
 /// [`place_entropy`].

