@@ -73,7 +73,7 @@ struct Shared {
 }
 
 /// One receiver, seen from the reader's thread.
-struct Outlet {
+struct RingWriter {
     ring: Producer<Message>,
     unparker: Unparker,
     backlog: VecDeque<Message>,
@@ -110,14 +110,14 @@ pub fn acquire(
         stats: ArcSwap::default(),
     });
     let pairs = (0..params.n_receivers).map(|_| pair(params.ring_len.max(1), &shared));
-    let (outlets, receivers): (Vec<_>, Vec<_>) = pairs.unzip();
+    let (writers, receivers): (Vec<_>, Vec<_>) = pairs.unzip();
     let theirs = Arc::clone(&shared);
     let thread = std::thread::Builder::new()
         .name("hapdef-reader".to_owned())
         .spawn(move || {
-            let unparkers = outlets.iter().map(|outlet| outlet.unparker.clone());
+            let unparkers = writers.iter().map(|writer| writer.unparker.clone());
             let ending = Ending { unparkers: unparkers.collect(), shared: theirs };
-            read(source, params, outlets, &ending.shared);
+            read(source, params, writers, &ending.shared);
         })
         .map_err(|source| DaqError::Thread { source })?;
     let thread = Some(thread);
@@ -213,11 +213,11 @@ impl Drop for Ending {
     }
 }
 
-fn pair(ring_len: usize, shared: &Arc<Shared>) -> (Outlet, Receiver) {
+fn pair(ring_len: usize, shared: &Arc<Shared>) -> (RingWriter, Receiver) {
     let (producer, consumer) = RingBuffer::new(ring_len);
     let parker = Parker::new();
     let dropped = Arc::<Dropped>::default();
-    let outlet = Outlet {
+    let writer = RingWriter {
         ring: producer,
         unparker: parker.unparker().clone(),
         backlog: VecDeque::with_capacity(N_BACKLOG),
@@ -226,13 +226,13 @@ fn pair(ring_len: usize, shared: &Arc<Shared>) -> (Outlet, Receiver) {
         dropped: Arc::clone(&dropped),
     };
     let receiver = Receiver { ring: consumer, parker, shared: Arc::clone(shared), dropped };
-    (outlet, receiver)
+    (writer, receiver)
 }
 
 fn read(
     mut source: impl FrameSource,
     params: AcquireParams,
-    mut outlets: Vec<Outlet>,
+    mut writers: Vec<RingWriter>,
     shared: &Shared,
 ) {
     let fault = params.realtime_priority.and_then(|p| crate::realtime::enter(p).err());
@@ -248,13 +248,13 @@ fn read(
     publish(&source);
     while !shared.stop.load(Ordering::Acquire) {
         let status = source.poll(POLL, &mut |message| {
-            for outlet in &mut outlets {
-                outlet.push(message.clone());
+            for writer in &mut writers {
+                writer.push(message.clone());
             }
         });
-        for outlet in &mut outlets {
-            outlet.push_waiting();
-            outlet.unparker.unpark();
+        for writer in &mut writers {
+            writer.push_waiting();
+            writer.unparker.unpark();
         }
         if published.elapsed() >= Duration::from_millis(100) {
             published = Instant::now();
@@ -265,31 +265,31 @@ fn read(
         }
     }
     publish(&source);
-    offer_the_rest(&mut outlets);
+    offer_the_rest(&mut writers);
 }
 
 /// Gives receivers time to make room for what waits; what does not go is counted.
-fn offer_the_rest(outlets: &mut [Outlet]) {
+fn offer_the_rest(writers: &mut [RingWriter]) {
     let deadline = Instant::now() + LAST_OFFER;
     loop {
         let mut n_waiting = 0;
-        for outlet in &mut *outlets {
-            let is_done = outlet.push_waiting() || outlet.ring.is_abandoned();
+        for writer in &mut *writers {
+            let is_done = writer.push_waiting() || writer.ring.is_abandoned();
             n_waiting += usize::from(!is_done);
-            outlet.unparker.unpark();
+            writer.unparker.unpark();
         }
         if n_waiting == 0 || Instant::now() >= deadline {
             break;
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    for outlet in outlets {
-        let n_left = outlet.backlog.len() as u64;
-        outlet.dropped.n_events.fetch_add(n_left, Ordering::Relaxed);
+    for writer in writers {
+        let n_left = writer.backlog.len() as u64;
+        writer.dropped.n_events.fetch_add(n_left, Ordering::Relaxed);
     }
 }
 
-impl Outlet {
+impl RingWriter {
     fn push(&mut self, message: Message) {
         if !self.push_waiting() {
             return self.no_room(message);

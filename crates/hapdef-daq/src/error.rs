@@ -65,7 +65,7 @@ pub enum DaqError {
         /// Bytes that have to be free.
         needed_bytes: u64,
     },
-    /// A file that must not be overwritten is in the way.
+    /// A file of that name exists and must not be overwritten.
     #[error("{path}: is there already, {remedy}")]
     AlreadyThere {
         /// The file.

@@ -6,7 +6,7 @@ use rstar::primitives::GeomWithData;
 use crate::error::KMaxError;
 use crate::graph::{Adjacency, KMaxGraph};
 
-/// Knobs of [`KMaxGraph::new`].
+/// Parameters of [`KMaxGraph::new`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KMaxParams {
     /// How many nearest nodes each node is compared with (1 ≤ k < number of points).

@@ -55,10 +55,10 @@ pub struct Health {
     pub n_contacts: usize,
     /// Why gauges don't count, as of the last frame `[n_gauges]`.
     pub gauges: Vec<GaugeHealth>,
-    /// Noise of each gauge that is reckoned with, µε: what was told, or what the tare measured where
+    /// Noise of each gauge that is used, µε: the assumed one, or what the tare measured where
     /// that is surely larger; empty before the first tare `[n_gauges]`.
     pub noise_ue: Vec<f64>,
-    /// Gauges that were measured to be noisier than told.
+    /// Gauges that were measured to be noisier than assumed.
     pub n_noisier: usize,
     /// Times of this second.
     pub second: StageTimes,
@@ -151,7 +151,7 @@ impl Display for Health {
         if self.n_noisier > 0 {
             let most_ue = self.noise_ue.iter().copied().fold(0.0, f64::max);
             let n = self.n_noisier;
-            write!(f, " · {n} gauges noisier than told, up to {most_ue:.2} µε")?;
+            write!(f, " · {n} gauges noisier than assumed, up to {most_ue:.2} µε")?;
         }
         if self.n_restarts + self.n_reconnects > 0 {
             let (restarts, back) = (self.n_restarts, self.n_reconnects);

@@ -53,7 +53,7 @@ pub trait Sink: Send {
     }
 }
 
-/// The clients of a sink, for whoever tells how it is doing.
+/// The clients of a sink, for the health line.
 pub type Clients = Arc<Mutex<Vec<ClientHealth>>>;
 
 /// How a sink is given frames.

@@ -14,10 +14,10 @@ pub enum ArgumentError {
         /// Values it has.
         found: usize,
     },
-    /// A knob lies outside the range that it is defined for.
+    /// A parameter lies outside the range that it is defined for.
     #[error("{what} = {value}: must be {expected}")]
     Parameter {
-        /// The knob.
+        /// The parameter.
         what: &'static str,
         /// The value given.
         value: f64,

@@ -1,4 +1,4 @@
-//! Knobs of the simulated hardware; each perturbation has its own seed.
+//! Parameters of the simulated hardware; each perturbation has its own seed.
 
 /// A smooth relative variation over the limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub struct ElectronicsParams {
 pub struct RigParams {
     /// Times the nominal limb's mesh is refined uniformly before it is solved.
     pub refinements: u32,
-    /// How far from the nominal skin a press may be told, m: it goes to the nearest point, as it
+    /// How far from the nominal skin a press may be given, m: it goes to the nearest point, as it
     /// must where places come from another mesh of the limb. `None` takes places as they are.
     pub max_off_skin_m: Option<f64>,
     /// Variation of Young's modulus.

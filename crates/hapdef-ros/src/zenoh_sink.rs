@@ -1,4 +1,4 @@
-//! Messages on the topics of ROS 2, by way of rmw_zenoh.
+//! Messages on the topics of ROS 2 by rmw_zenoh.
 
 use zenoh::Wait;
 use zenoh::liveliness::LivelinessToken;

@@ -1,6 +1,6 @@
 //! Where readings come from.
 
-/// What the page tells of the device that readings come from; a page that comes later is told, too.
+/// What the page shows of the device that readings come from; a page opened later receives it, too.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceState {
     /// Whether the readings are simulated.

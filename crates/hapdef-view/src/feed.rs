@@ -47,7 +47,7 @@ pub(crate) struct Feed {
 #[derive(Default)]
 struct Pressed {
     by: Option<Arc<ClientStats>>,
-    /// The press has ended, and nobody could be told yet.
+    /// The press has ended, and could not be reported yet.
     owes_release: bool,
 }
 
@@ -184,7 +184,7 @@ impl Feed {
         pressed.owes_release = pressed.owes_release && !self.release();
     }
 
-    /// Whether nobody has to be told of the release any more.
+    /// Whether the release has been reported.
     fn release(&self) -> bool {
         let sent = self.commands.try_send(ViewCommand::Release);
         !matches!(sent, Err(TrySendError::Full(_)))

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn it_listens_on_loopback_if_not_told_otherwise() {
+    fn it_listens_on_loopback_by_default() {
         let bind = ViewParams::default().bind;
         assert!(bind.ip().is_loopback(), "{bind}");
     }

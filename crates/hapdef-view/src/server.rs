@@ -94,7 +94,7 @@ impl ViewServer {
 
 impl ViewHandle {
     /// Hands on a frame: each page gets the newest when it is ready for one. Never waits for a page;
-    /// costs a copy of the frame. Its number, by which [`ClientInfo::last_drawn`] tells that it was drawn.
+    /// costs a copy of the frame. Its number, by which [`ClientInfo::last_drawn`] reports that it was drawn.
     ///
     /// # Errors
     /// [`ViewError::FrameShape`], [`ViewError::ContactNumber`] when the frame does not fit the picture.
@@ -113,7 +113,7 @@ impl ViewHandle {
         self.pusher.say(text);
     }
 
-    /// Tells of the device: pages that are open, and those that come later.
+    /// Sends the device's state: to pages that are open, and those that come later.
     pub fn set_device(&self, state: &DeviceState) {
         self.pusher.feed.set_device(state);
     }

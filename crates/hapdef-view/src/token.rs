@@ -24,7 +24,7 @@ impl Token {
         Ok(Self(bytes))
     }
 
-    /// Whether `text` is this token, in a time that does not tell how much of it was right.
+    /// Whether `text` is this token, in a time that does not depend on how much of it is right.
     pub(crate) fn is(&self, text: &str) -> bool {
         let expected = self.to_string();
         if text.len() != expected.len() {

@@ -255,16 +255,19 @@ mod tests {
 
     #[test]
     fn device_is_as_the_docs_say() {
-        let told = |is_simulated, fault: Option<&str>| -> serde_json::Value {
+        let message = |is_simulated, fault: Option<&str>| -> serde_json::Value {
             let fault = fault.map(str::to_owned);
             let text = device(&DeviceState { is_simulated, fault });
             serde_json::from_str(&text).unwrap()
         };
         assert_eq!(
-            told(true, Some("no port")),
+            message(true, Some("no port")),
             json!({"type": "device", "simulated": true, "fault": "no port"})
         );
-        assert_eq!(told(false, None), json!({"type": "device", "simulated": false, "fault": null}));
+        assert_eq!(
+            message(false, None),
+            json!({"type": "device", "simulated": false, "fault": null})
+        );
     }
 
     #[test]

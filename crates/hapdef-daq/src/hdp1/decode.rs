@@ -62,7 +62,7 @@ pub struct Decoder {
 #[derive(Clone, Debug, Default)]
 struct State {
     hello: Option<Hello>,
-    /// None after a restart that only a DATA packet told of.
+    /// None after a restart that only a DATA packet reported.
     boot_id: Option<u32>,
     sequence: Sequence,
     rejected: RejectedCounts,

@@ -238,7 +238,7 @@ impl Hello {
     }
 
     /// Lowest and highest count that can come; none of real numbers. A converter of fewer bits than the
-    /// format saturates before, which only its own flag and STATUS tell.
+    /// format saturates before, which only its own flag and STATUS report.
     #[must_use]
     pub fn count_range(&self) -> Option<[f64; 2]> {
         use SampleFormat as F;

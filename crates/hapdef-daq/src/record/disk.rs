@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disk_that_fails_is_told_at_once_and_the_file_can_be_read() {
+    fn a_disk_that_fails_is_reported_at_once_and_the_file_can_be_read() {
         const EIO: i32 = 5;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.mcap");

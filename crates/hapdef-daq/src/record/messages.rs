@@ -6,7 +6,7 @@ use crate::{DaqError, Message};
 
 /// The messages of a recording with their times on the wall clock, ns. Packets that are missing because
 /// the file is damaged are added to the next frame's `n_lost_before`; damage and a file that can't be
-/// read on are told in the end, as [`Message::Link`].
+/// read on are reported at the end, as [`Message::Link`].
 pub(crate) struct Messages {
     recording: Recording,
     /// Number of the last frame's packet, unless the device started anew since.

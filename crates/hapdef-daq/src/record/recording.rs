@@ -142,7 +142,7 @@ impl Recording {
     }
 
     /// The messages of the sources, for a replay. Packets that are missing because the file is damaged
-    /// are among the next frame's `n_lost_before`; in the end [`Message::Link`] tells of damage, and
+    /// are among the next frame's `n_lost_before`; in the end [`Message::Link`] reports damage, and
     /// of a file that can't be read on.
     pub fn messages(self) -> impl Iterator<Item = Message> + Send {
         Messages::new(self).map(|(_, message)| message)

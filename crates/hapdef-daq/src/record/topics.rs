@@ -9,7 +9,7 @@ use crate::hdp1::{FrameFlags, Hello, SampleFormat, Status};
 use crate::{Frame, Message};
 
 /// A topic. Its number is the channel's and the schema's, in every recording the same, so that
-/// messages can be told apart even where the definitions are damaged.
+/// messages can be distinguished even where the definitions are damaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
     /// Readings.

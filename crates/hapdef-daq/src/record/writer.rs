@@ -75,7 +75,7 @@ pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<R
     record_by(receiver, path, params, File::sync_data)
 }
 
-/// The same with another way of waiting for the disk.
+/// The same with another method of waiting for the disk.
 pub(super) fn record_by(
     receiver: Receiver,
     path: &Path,

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::{Link, LinkFault};
 
-/// Bytes that wait to be read at most, each way; more are dropped, as a driver does.
+/// Bytes that wait to be read at most, in each direction; more are dropped, as a driver does.
 const CAPACITY: usize = 1 << 16;
 
 /// The host's end.

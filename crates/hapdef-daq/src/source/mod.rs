@@ -97,7 +97,7 @@ pub struct SourceStats {
     pub clock_residual_us: Option<f64>,
 }
 
-/// A link that carries bytes both ways.
+/// A link that carries bytes in both directions.
 pub trait Link: Send {
     /// Opens it, or opens it again.
     ///

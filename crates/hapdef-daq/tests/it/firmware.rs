@@ -171,7 +171,7 @@ fn a_stopped_sketch_goes_on_to_say_what_it_is_once_a_second() {
 }
 
 #[test]
-fn a_host_that_opens_the_port_is_told_first_what_sends_and_nothing_old() {
+fn a_host_that_opens_the_port_hears_first_what_sends_and_nothing_old() {
     let Some(bytes) = sketch(&[]) else { return };
     let mut decoder = Decoder::new();
     let mut said = Vec::new();
@@ -183,9 +183,10 @@ fn a_host_that_opens_the_port_is_told_first_what_sends_and_nothing_old() {
     });
     assert_eq!((bytes[0], said[0]), (0, None));
     // Opened again at 4.3 s.
-    let is_told = |w: &[Option<u32>]| matches!(w, [Some(4098..=4101), None, Some(4299..=4301)]);
+    let is_announced =
+        |w: &[Option<u32>]| matches!(w, [Some(4098..=4101), None, Some(4299..=4301)]);
     let hellos: Vec<usize> = (0..said.len()).filter(|&i| said[i].is_none()).collect();
-    assert!(said.windows(3).any(is_told), "{hellos:?}");
+    assert!(said.windows(3).any(is_announced), "{hellos:?}");
     let n_ends = bytes.windows(2).filter(|pair| *pair == [0, 0]).count();
     assert_eq!(n_ends, 1, "a 0x00 of its own at 4.3 s");
 }

@@ -289,7 +289,7 @@ fn a_lost_zero_between_two_packets_loses_neither() {
     assert!(matches!(decoder.rejected().n_damaged, 1));
 }
 
-/// Readings are told by the HELLO that describes them, or not at all; they count as lost.
+/// Readings are scaled by the HELLO that describes them or refused; refused ones count as lost.
 #[test]
 fn data_of_another_schema_or_number_of_channels_is_refused() {
     let hello = golden_hello();

@@ -9,9 +9,9 @@ use hapdef_daq::source::{FrameSource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{Frame, Message};
 use support::Device;
 
-/// The same boot id, and a clock of its own: told as a restart, and nothing counts as lost.
+/// The same boot id, and a clock of its own: reported as a restart, and nothing counts as lost.
 #[test]
-fn it_is_told_and_nothing_counts_as_lost() {
+fn it_is_reported_and_nothing_counts_as_lost() {
     let (link, device) = memory_link();
     let mut source = StreamSource::new(link, StreamParams::default());
     source.poll(Duration::ZERO, &mut |_| {});

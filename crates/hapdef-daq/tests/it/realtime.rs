@@ -32,8 +32,8 @@ fn real_time_is_given_or_the_refusal_says_what_to_do() {
         }
         Some(fault) => {
             assert!(!has_fifo, "{fault}");
-            let is_told = fault.contains("raise rtprio") || fault.contains("build on Linux");
-            assert!(is_told, "{fault}");
+            let has_advice = fault.contains("raise rtprio") || fault.contains("build on Linux");
+            assert!(has_advice, "{fault}");
         }
     }
 }

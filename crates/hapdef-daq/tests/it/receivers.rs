@@ -24,8 +24,8 @@ fn everything(receiver: &mut Receiver, pause: Duration) -> Vec<Message> {
     std::iter::from_fn(|| receiver.recv(Duration::from_secs(5))).collect()
 }
 
-/// Packets lost on the link and frames dropped, as the frames tell.
-fn told(messages: &[Message]) -> (u64, u64, u64) {
+/// Packets lost on the link and frames dropped, as the frames report them.
+fn counts(messages: &[Message]) -> (u64, u64, u64) {
     let (mut n, mut n_lost, mut n_dropped) = (0, 0, 0);
     for message in messages {
         if let Message::Frame(frame) = message {
@@ -64,7 +64,7 @@ impl FrameSource for Pausing {
 }
 
 #[test]
-fn what_was_lost_before_a_dropped_frame_is_told_by_the_next() {
+fn what_was_lost_before_a_dropped_frame_is_reported_by_the_next() {
     // Every third packet is lost on the link; the ring has room for 10.
     let source = Pausing {
         messages: (0..100).map(|i| frame(3 * i / 2, u32::from(i % 2 == 0))).collect(),
@@ -72,7 +72,7 @@ fn what_was_lost_before_a_dropped_frame_is_told_by_the_next() {
     };
     let (acquisition, mut receivers) = acquire(source, params(10)).unwrap();
     let messages = everything(&mut receivers[0], Duration::from_millis(200));
-    let (n, n_lost, n_dropped) = told(&messages);
+    let (n, n_lost, n_dropped) = counts(&messages);
     assert_eq!((n, n_dropped, n_lost), (11, 90, 57));
     assert_eq!(receivers[0].n_dropped(), 90);
     assert!(!acquisition.stop().is_panicked);

@@ -195,7 +195,7 @@ fn bad_beginnings_are_refused() {
     assert!(matches!(nowhere.map(|_| ()), Err(DaqError::File { .. })));
 }
 
-/// A cable that is pulled, seven packets that nobody hears, and a reset: the file tells of both.
+/// A cable that is pulled, seven packets that nobody hears, and a reset: the file records both.
 #[test]
 fn gaps_and_restarts_are_in_the_recording() {
     let folder = tempfile::tempdir().unwrap();

@@ -119,7 +119,7 @@ fn a_replay_counts_what_damage_has_taken() {
 }
 
 #[test]
-fn what_is_gone_before_the_first_frame_is_told_as_unknown() {
+fn what_is_gone_before_the_first_frame_is_reported_as_unknown() {
     let folder = tempfile::tempdir().unwrap();
     let path = broken_off(folder.path());
     let first = std::fs::read(&path).unwrap();

@@ -18,7 +18,7 @@ use support::Device;
 use support::recorded::{check_frames, frames, params};
 
 #[test]
-fn a_device_that_is_full_is_told_at_once() {
+fn a_device_that_is_full_is_reported_at_once() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink("/dev/full", folder.path().join("x.partial.mcap")).unwrap();
     let nothing = ReplaySource::new("nothing", std::iter::empty(), 1.0);
@@ -132,7 +132,7 @@ fn kill_9_loses_nothing_older_than_150_ms() {
 }
 
 #[test]
-fn a_full_disk_is_told_and_the_file_can_be_read() {
+fn a_full_disk_is_reported_and_the_file_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("full.mcap");
     // 300 blocks of 512 bytes: about 0.7 s of recording.
@@ -150,7 +150,7 @@ fn a_full_disk_is_told_and_the_file_can_be_read() {
     let got = frames(&partial);
     check_frames(&got, got.len());
     assert!(!got.is_empty());
-    // Everything but the last second before the fault was told.
+    // Everything but the last second before the fault was reported.
     assert!(got.len() as u32 + 1000 >= fault_ms, "{} {fault_ms}", got.len());
     let bytes = std::fs::read(&partial).unwrap();
     let read = mcap::MessageStream::new(&bytes).unwrap();

@@ -127,7 +127,7 @@ fn what_is_missed_while_unplugged_is_counted() {
 }
 
 #[test]
-fn a_reset_is_told_and_time_goes_on() {
+fn a_reset_is_reported_and_time_goes_on() {
     let (link, device) = memory_link();
     let mut source = StreamSource::new(link, StreamParams::default());
     poll(&mut source);

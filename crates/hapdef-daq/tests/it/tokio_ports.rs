@@ -59,7 +59,7 @@ async fn play(master: &OwnedFd, nth: u32) -> u32 {
     for n in 0..1000 {
         let mut bytes = Vec::new();
         device.tick(&mut bytes);
-        // The last one tells that those before it are missing.
+        // The last one shows that those before it are missing.
         if n > 0 && n % nth == 0 && n < 999 {
             n_left_out += 1;
         } else {

@@ -1,4 +1,4 @@
-//! Datasets: what is written is what is read, and damage is told.
+//! Datasets: what is written is what is read, and damage is reported.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -176,7 +176,7 @@ fn reading_past_the_end_or_into_a_wrong_slice_is_refused() {
 }
 
 #[test]
-fn every_way_of_cutting_a_file_is_told() {
+fn every_cut_of_a_file_is_reported() {
     let (_folder, path) = folder_and_path();
     write_example(&path);
     let whole = fs::read(&path).unwrap();
@@ -193,7 +193,7 @@ fn every_way_of_cutting_a_file_is_told() {
 }
 
 #[test]
-fn foreign_bytes_and_foreign_shapes_are_told() {
+fn foreign_bytes_and_foreign_shapes_are_reported() {
     let (_folder, path) = folder_and_path();
     fs::write(&path, b"NUMPY is another format altogether").unwrap();
     assert!(matches!(DatasetReader::open(&path), Err(DataError::Header { .. })));
@@ -206,7 +206,7 @@ fn foreign_bytes_and_foreign_shapes_are_told() {
 }
 
 #[test]
-fn a_nan_that_crept_into_the_file_is_told_with_its_place() {
+fn a_nan_that_crept_into_the_file_is_reported_with_its_place() {
     let (_folder, path) = folder_and_path();
     write_example(&path);
     let mut bytes = fs::read(&path).unwrap();

@@ -4,7 +4,7 @@ use hapdef_daq::hdp1::{Channel, ChannelKind};
 
 use crate::error::LiveError;
 
-/// Letters of a gauge's name that a device tells.
+/// Letters of a gauge's name that a device reports.
 const N_LETTERS: usize = 4;
 
 /// Channels of the gauges called `names`, in their order: by name if each has a bridge of its own that

@@ -13,7 +13,7 @@ use hapdef_inverse::TouchPhase;
 
 use super::counts::Counts;
 use super::device::Device;
-use super::outlet::Outlet;
+use super::sink_worker::SinkWorker;
 use super::stages::{Stage, Stages};
 use super::{LiveGauge, LiveParams, Shared};
 use crate::frame::LiveFrame;
@@ -45,7 +45,7 @@ pub(super) struct Compute {
     setup: Setup,
     acquisition: Acquisition,
     receiver: Receiver,
-    outlets: Vec<Outlet>,
+    workers: Vec<SinkWorker>,
     shared: Arc<Shared>,
     device: Option<Device>,
     conditioning: Option<Conditioning>,
@@ -56,7 +56,7 @@ pub(super) struct Compute {
     second_ns: u64,
     n_before: u64,
     /// A refusal of this second was put into words already.
-    is_refusal_told: bool,
+    is_refusal_reported: bool,
 }
 
 impl Compute {
@@ -64,7 +64,7 @@ impl Compute {
         setup: Setup,
         acquisition: Acquisition,
         receiver: Receiver,
-        outlets: Vec<Outlet>,
+        workers: Vec<SinkWorker>,
         shared: Arc<Shared>,
     ) -> Self {
         let start_ns = setup.params.clock.now_ns();
@@ -73,7 +73,7 @@ impl Compute {
             setup,
             acquisition,
             receiver,
-            outlets,
+            workers,
             shared,
             device: None,
             conditioning: None,
@@ -82,7 +82,7 @@ impl Compute {
             start_ns,
             second_ns: start_ns,
             n_before: 0,
-            is_refusal_told: false,
+            is_refusal_reported: false,
         }
     }
 
@@ -106,7 +106,7 @@ impl Compute {
             }
         }
         self.tell_health();
-        self.outlets.iter_mut().for_each(Outlet::end);
+        self.workers.iter_mut().for_each(SinkWorker::end);
     }
 
     fn message(&mut self, message: Message) {
@@ -152,8 +152,8 @@ impl Compute {
         self.estimate();
         let done_ns = self.now_ns();
         self.frame.t_done_ns = done_ns;
-        for outlet in &mut self.outlets {
-            outlet.frame(&self.frame, &self.shared.stop);
+        for worker in &mut self.workers {
+            worker.frame(&self.frame, &self.shared.stop);
         }
         let end_ns = self.now_ns();
         let stages = &mut self.stages;
@@ -208,7 +208,7 @@ impl Compute {
         if let Err(error) = estimator.estimate_frame(&frame, &mut to.touch) {
             to.touch.clear();
             self.counts.n_refused += 1;
-            if !std::mem::replace(&mut self.is_refusal_told, true) {
+            if !std::mem::replace(&mut self.is_refusal_reported, true) {
                 self.counts.last_refusal = Some(error.to_string().into());
             }
         }
@@ -235,14 +235,14 @@ impl Compute {
     /// Frames of `device` come from now on; the same one with the same schema keeps its tare.
     fn prepare(&mut self, device: Device, is_same: bool) -> Result<(), String> {
         if let Some(estimator) = &mut self.setup.estimator {
-            let told = estimator.set_frame_period(device.period_s);
-            told.map_err(|error| error.to_string())?;
+            let accepted = estimator.set_frame_period(device.period_s);
+            accepted.map_err(|error| error.to_string())?;
         }
         if !is_same {
-            let least_ue = self.told_noise_ue(&device);
+            let least_ue = self.assumed_noise_ue(&device);
             if let Some(estimator) = &mut self.setup.estimator {
-                let told = estimator.set_least_noise(&least_ue);
-                told.map_err(|error| error.to_string())?;
+                let accepted = estimator.set_least_noise(&least_ue);
+                accepted.map_err(|error| error.to_string())?;
             }
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
@@ -259,7 +259,7 @@ impl Compute {
     }
 
     fn tell(&mut self, event: &LiveEvent) {
-        self.outlets.iter_mut().for_each(|outlet| outlet.event(event));
+        self.workers.iter_mut().for_each(|worker| worker.event(event));
     }
 
     fn tell_health(&mut self) {
@@ -281,12 +281,12 @@ impl Compute {
             gauges: self.frame.gauges.clone(),
             second,
             total,
-            sinks: self.outlets.iter().map(Outlet::health).collect(),
+            sinks: self.workers.iter().map(SinkWorker::health).collect(),
             ..Health::default()
         };
         self.counts.fill(&mut health);
         (self.second_ns, self.n_before) = (now_ns, self.counts.n_frames);
-        self.is_refusal_told = false;
+        self.is_refusal_reported = false;
         let health = Arc::new(health);
         self.shared.set_health(Arc::clone(&health));
         self.tell(&LiveEvent::Health(health));

@@ -5,7 +5,7 @@ mod compute;
 mod counts;
 mod device;
 mod noise;
-mod outlet;
+mod sink_worker;
 mod source;
 mod stages;
 
@@ -23,7 +23,7 @@ use crate::bundle::Bundle;
 use crate::error::{LiveError, check_not_negative, check_positive};
 use crate::health::Health;
 use crate::runtime::compute::{Compute, Setup};
-use crate::runtime::outlet::{Outlet, SinkThread};
+use crate::runtime::sink_worker::{SinkThread, SinkWorker};
 use crate::runtime::source::{InFlight, LiveSource};
 use crate::sink::{Sink, Wants};
 use crate::touch::TouchEstimator;
@@ -42,12 +42,12 @@ pub struct LiveParams {
     pub noise_ue: Option<f64>,
     /// Frames per second of a device that doesn't say.
     pub rate_hz: f64,
-    /// Knobs of conditioning; noise, period, tare and rails in it are replaced. Its defaults if
+    /// Parameters of conditioning; noise, period, tare and rails in it are replaced. Its defaults if
     /// `None`.
     pub conditioning: Option<ConditionerParams>,
     /// Time from the sample instant to the contacts beyond which a frame counts as late.
     pub deadline: Duration,
-    /// The frames' times are those of a recording: how long frames waited can't be told.
+    /// The frames' times are those of a recording: how long frames waited is unknown.
     pub is_recorded: bool,
     /// For recordings as fast as they go: nothing is left out, and the source waits for the slowest
     /// sink.
@@ -205,11 +205,12 @@ impl LiveBuilder {
             ring_len: InFlight::ring_len(params.is_lossless, params.ring_len),
             realtime_priority: params.realtime_priority,
         };
-        let mut outlets = Vec::with_capacity(self.sinks.len());
+        let mut workers = Vec::with_capacity(self.sinks.len());
         let mut sinks = Vec::with_capacity(self.sinks.len());
         for (index, sink) in self.sinks.into_iter().enumerate() {
-            let (outlet, thread) = Outlet::start(sink, n_gauges.unwrap_or(0), params.is_lossless)?;
-            outlets.push(outlet);
+            let (worker, thread) =
+                SinkWorker::start(sink, n_gauges.unwrap_or(0), params.is_lossless)?;
+            workers.push(worker);
             sinks.extend(thread.map(|thread| (index, thread)));
         }
         let source = LiveSource::new(self.source, in_flight);
@@ -225,7 +226,7 @@ impl LiveBuilder {
             wants,
             source_name,
         };
-        let compute = Compute::new(setup, acquisition, receiver, outlets, Arc::clone(&shared));
+        let compute = Compute::new(setup, acquisition, receiver, workers, Arc::clone(&shared));
         let compute = spawn("hapdef-compute", move || compute.run())?;
         Ok(Live { shared, compute: Some(compute), sinks, receivers, is_lossless })
     }

@@ -1,6 +1,6 @@
 //! The noise of the gauges, measured while they are tared.
 
-/// A measured standard deviation is larger than what was told if it exceeds that by so many times
+/// A measured standard deviation is larger than assumed if it exceeds that by so many times
 /// its own standard deviation, 1/√(2(n − 1)) of it.
 const SURE_SDS: f64 = 3.0;
 
@@ -8,8 +8,8 @@ const SURE_SDS: f64 = 3.0;
 pub(super) struct TareNoise {
     /// Frames of a tare.
     n_wanted: usize,
-    /// What was told `[n_gauges]`, µε.
-    told_ue: Vec<f64>,
+    /// Assumed standard deviation `[n_gauges]`, µε.
+    assumed_ue: Vec<f64>,
     n: usize,
     mean_ue: Vec<f64>,
     square_ue2: Vec<f64>,
@@ -17,11 +17,11 @@ pub(super) struct TareNoise {
 }
 
 impl TareNoise {
-    pub(super) fn new(told_ue: Vec<f64>, n_wanted: usize) -> Self {
-        let zeros = vec![0.0; told_ue.len()];
+    pub(super) fn new(assumed_ue: Vec<f64>, n_wanted: usize) -> Self {
+        let zeros = vec![0.0; assumed_ue.len()];
         Self {
             n_wanted,
-            told_ue,
+            assumed_ue,
             n: 0,
             mean_ue: zeros.clone(),
             square_ue2: zeros.clone(),
@@ -50,22 +50,22 @@ impl TareNoise {
         self.n == self.n_wanted
     }
 
-    /// Standard deviation of each gauge where it is surely larger than told, else 0 `[n_gauges]`, µε.
+    /// Standard deviation of each gauge where it is surely larger than assumed, else 0 `[n_gauges]`, µε.
     pub(super) fn larger_ue(&mut self) -> &[f64] {
         let n_free = self.n.saturating_sub(1) as f64;
         let factor = 1.0 + SURE_SDS / (2.0 * n_free).sqrt();
         for (gauge, larger) in self.larger_ue.iter_mut().enumerate() {
             let sd = (self.square_ue2[gauge] / n_free).sqrt();
-            let is_larger = n_free > 0.0 && sd > self.told_ue[gauge] * factor;
+            let is_larger = n_free > 0.0 && sd > self.assumed_ue[gauge] * factor;
             *larger = if is_larger { sd } else { 0.0 };
         }
         &self.larger_ue
     }
 
-    /// The larger of what was told and `larger_ue` `[n_gauges]`, µε.
+    /// The larger of the assumed noise and `larger_ue` `[n_gauges]`, µε.
     pub(super) fn to_use_ue(&self) -> Vec<f64> {
-        let pairs = self.told_ue.iter().zip(&self.larger_ue);
-        pairs.map(|(told, larger)| told.max(*larger)).collect()
+        let pairs = self.assumed_ue.iter().zip(&self.larger_ue);
+        pairs.map(|(assumed, larger)| assumed.max(*larger)).collect()
     }
 }
 

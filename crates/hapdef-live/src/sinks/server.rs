@@ -23,12 +23,12 @@ const MAX_CLIENTS: usize = 8;
 const N_QUEUED: usize = 1024;
 
 /// Sends every frame as a line of JSON to all clients. A client that is too slow misses whole lines
-/// and is told how many in an event line; the others miss nothing.
+/// and receives their number in an event line; the others miss nothing.
 pub struct JsonServer {
     address: String,
     listener: Listener,
     clients: Vec<Client>,
-    told: Clients,
+    health: Clients,
     line: Vec<u8>,
 }
 
@@ -41,7 +41,7 @@ enum Listener {
 struct Client {
     stream: Box<dyn Write + Send>,
     waiting: Vec<u8>,
-    /// Lines left out since it was last told.
+    /// Lines left out since the last such event line.
     n_left_out: u64,
     health: ClientHealth,
 }
@@ -58,7 +58,7 @@ impl JsonServer {
             address: listener.address().unwrap_or_else(|| address.to_owned()),
             listener,
             clients: Vec::new(),
-            told: Clients::default(),
+            health: Clients::default(),
             line: Vec::with_capacity(4096),
         })
     }
@@ -82,11 +82,11 @@ impl JsonServer {
         }
     }
 
-    /// For whoever tells how it is doing.
-    fn tell(&self) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        told.clear();
-        told.extend(self.clients.iter().map(|client| client.health.clone()));
+    /// Publishes the state of the clients for the health line.
+    fn publish_health(&self) {
+        let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
+        health.clear();
+        health.extend(self.clients.iter().map(|client| client.health.clone()));
     }
 
     fn send(&mut self) {
@@ -112,7 +112,7 @@ impl Sink for JsonServer {
     }
 
     fn clients(&self) -> Option<Clients> {
-        Some(Arc::clone(&self.told))
+        Some(Arc::clone(&self.health))
     }
 
     fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
@@ -130,7 +130,7 @@ impl Sink for JsonServer {
         if event_line(event, &mut self.line)? {
             self.send();
         }
-        self.tell();
+        self.publish_health();
         Ok(())
     }
 }
@@ -140,8 +140,8 @@ impl Client {
     fn add(&mut self, line: &[u8]) {
         if self.n_left_out > 0 && self.waiting.len() < MAX_WAITING / 2 {
             let n = std::mem::take(&mut self.n_left_out);
-            let told = format!("{{\"event\":\"left_out\",\"text\":\"{n} lines\"}}\n");
-            self.waiting.extend_from_slice(told.as_bytes());
+            let event = format!("{{\"event\":\"left_out\",\"text\":\"{n} lines\"}}\n");
+            self.waiting.extend_from_slice(event.as_bytes());
         }
         let has_room = self.n_left_out == 0 && self.waiting.len() + line.len() <= MAX_WAITING;
         if has_room {

@@ -51,7 +51,7 @@ pub trait TouchEstimator: Send {
     /// Forgets what earlier frames said: the stream begins anew.
     fn start_over(&mut self) {}
 
-    /// Is told the time between frames, s, before the first of a device.
+    /// Sets the time between frames, s, before the first of a device.
     ///
     /// # Errors
     /// [`LiveError`] for a time that can't be used.
@@ -59,7 +59,7 @@ pub trait TouchEstimator: Send {
         Ok(())
     }
 
-    /// Is told of each device, and after each tare, how large the noise of each gauge is at least
+    /// Sets, for each device and after each tare, how large the noise of each gauge is at least
     /// `[n_gauges]`, µε, the converter's included. An estimator that weighs readings by their noise
     /// takes the larger of this and what it was made with, where they differ by more than 1 %.
     ///
@@ -116,7 +116,7 @@ pub struct TouchWanted {
     pub alternatives: bool,
 }
 
-/// What one frame tells.
+/// The result of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Touch {
     /// The contacts: the strongest first, of an estimator that follows them the oldest first.

@@ -17,7 +17,7 @@ pub struct SuperpositionSettings {
     pub noise_ue: f64,
     /// Relative error of the map; 0 where its error is given site by site.
     pub map_error: f64,
-    /// Factor of a place's told covariance, from a calibration; 1 without one and in older bundles.
+    /// Factor by which a calibration scales a position's estimated covariance, from a calibration; 1 without one and in older bundles.
     #[serde(default = "unchanged")]
     pub place_factor: f64,
     /// Largest friction coefficient of what touches.

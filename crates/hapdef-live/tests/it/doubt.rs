@@ -1,4 +1,4 @@
-//! What is not sure: noise that is larger than told, explanations beside the best.
+//! What is not sure: noise that is larger than assumed, explanations beside the best.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
@@ -26,7 +26,7 @@ fn pressed(world: &World, n: usize, noise_ue: f64) -> Vec<Vec<f64>> {
     (0..n).map(frame).collect()
 }
 
-/// Tares in 400 frames and follows contacts with an estimator that was told 1 µε.
+/// Tares in 400 frames and follows contacts with an estimator that assumes 1 µε.
 fn found(world: &World, noise_ue: f64) -> (Vec<Touch>, Health) {
     let readings = pressed(world, 800, noise_ue);
     let source = ReplaySource::new("memory", messages(&readings).into_iter(), 0.0);
@@ -52,7 +52,7 @@ fn found(world: &World, noise_ue: f64) -> (Vec<Touch>, Health) {
 }
 
 #[test]
-fn noise_that_is_larger_than_told_is_measured_and_reckoned_with() {
+fn noise_that_is_larger_than_assumed_is_measured_and_reckoned_with() {
     let world = World::new(N_GAUGES, 400, 5);
     let force_sd_n = |touches: &[Touch]| {
         let [contact] = &touches[799].contacts[..] else { panic!("{:?}", touches[799]) };
@@ -65,7 +65,7 @@ fn noise_that_is_larger_than_told_is_measured_and_reckoned_with() {
     let (touches, health) = found(&world, 5.0);
     assert_eq!(health.n_noisier, N_GAUGES, "{health}");
     assert!(health.noise_ue.iter().all(|sd| (sd - 5.0).abs() < 1.0));
-    assert!(health.to_string().contains("noisier than told"), "{health}");
+    assert!(health.to_string().contains("noisier than assumed"), "{health}");
     let n_false = touches[..600].iter().filter(|t| !t.contacts.is_empty());
     assert_eq!(n_false.count(), 0);
     let noisy_sd_n = force_sd_n(&touches);

@@ -13,7 +13,7 @@ pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 /// Grid lines.
 const FAINT: RGBColor = RGBColor(225, 225, 225);
 
-/// Told apart by the colour-blind: Okabe & Ito, Color Universal Design, 2008.
+/// Distinguishable for the colour-blind: Okabe & Ito, Color Universal Design, 2008.
 const SERIES: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_scale_starts_at_zero_unless_told() {
+    fn colour_scale_starts_at_zero_by_default() {
         assert_eq!(colour_range(None, &[2.0, f64::NAN, 5.0]).unwrap(), [0.0, 5.0]);
         assert_eq!(colour_range(None, &[-2.0, 5.0]).unwrap(), [-2.0, 5.0]);
         assert_eq!(colour_range(None, &[]).unwrap(), [0.0, 1.0]);

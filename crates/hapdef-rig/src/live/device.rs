@@ -279,7 +279,7 @@ impl RigDevice {
         self.truth.seq = self.encoder.seq();
         self.truth.t_device_us = self.t_device_us();
         self.truth.t_s = t_s;
-        // STATUS tells of those since the last one.
+        // STATUS reports those since the last one.
         self.status.saturated |= self.electronics.saturated();
         self.status.temperature_centi_c = (celsius * 100.0).round() as i16;
         let uptime_s = (self.n_samples - self.n_before_boot) as f64 / self.params.rate_hz;

@@ -111,10 +111,10 @@ fn a_damaged_wire_delivers_nothing_wrong_and_every_loss_is_counted() {
         assert_eq!(n_wrong.count(), 0, "{faults:?}");
         let (first, last) = (heard.frames[0].1.seq, heard.frames[heard.frames.len() - 1].1.seq);
         let n_missing = u64::from(last - first + 1) - heard.frames.len() as u64;
-        let told = heard.frames[1..].iter();
-        let n_told: u64 = told.map(|(_, f)| u64::from(f.n_lost_before)).sum();
+        let frames = heard.frames[1..].iter();
+        let n_reported: u64 = frames.map(|(_, f)| u64::from(f.n_lost_before)).sum();
         assert!(n_missing > 0, "{faults:?}: nothing was hit");
-        assert_eq!(n_told, n_missing, "{faults:?}");
+        assert_eq!(n_reported, n_missing, "{faults:?}");
     }
 }
 
@@ -175,7 +175,7 @@ fn a_seed_gives_the_same_bytes_again() {
 }
 
 #[test]
-fn a_hand_presses_and_lets_go_and_the_device_stops_when_told() {
+fn a_hand_presses_and_lets_go_and_the_device_stops_when_reported() {
     let mut device = device(None, RigDeviceParams::default(), 5);
     let handle = device.press_handle();
     let mut out = Vec::new();

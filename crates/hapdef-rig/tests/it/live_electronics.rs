@@ -137,7 +137,7 @@ fn a_quarter_bridge_bends() {
 }
 
 #[test]
-fn the_ends_of_the_range_hold_and_are_told() {
+fn the_ends_of_the_range_hold_and_are_reported() {
     let mut params = quiet();
     params.converter.adc_bits = 12;
     let mut chain = chain(params, 2);

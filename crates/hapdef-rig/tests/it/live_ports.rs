@@ -54,7 +54,7 @@ fn frames(messages: &[Message]) -> impl Iterator<Item = &Frame> {
     })
 }
 
-/// Numbers rise, what is missing is told, and every frame is as it was sent.
+/// Numbers rise, what is missing is counted, and every frame is as it was sent.
 #[track_caller]
 fn check(messages: &[Message], at_least: usize) {
     let expected = expected(4000);

@@ -37,10 +37,10 @@ struct Scene {
     _one: MutexGuard<'static, ()>,
 }
 
-/// A thread that pushes frames and keeps what it is told.
+/// A thread that pushes frames and keeps the commands it receives.
 struct Feed {
     url: String,
-    told: Arc<Mutex<Vec<ViewCommand>>>,
+    commands: Arc<Mutex<Vec<ViewCommand>>>,
     n_pushed: Arc<AtomicU64>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<ViewHandle>>,
@@ -50,30 +50,30 @@ impl Feed {
     fn start(params: ViewParams) -> Self {
         let view = serve(params);
         let url = view.url().to_owned();
-        let told = Arc::new(Mutex::new(Vec::new()));
+        let commands = Arc::new(Mutex::new(Vec::new()));
         let stop = Arc::new(AtomicBool::new(false));
         let n_pushed = Arc::new(AtomicU64::new(0));
-        let (heard, ended) = (Arc::clone(&told), Arc::clone(&stop));
+        let (heard, ended) = (Arc::clone(&commands), Arc::clone(&stop));
         let counted = Arc::clone(&n_pushed);
         let thread = std::thread::spawn(move || {
             push_until(&view, &heard, &counted, &ended);
             view
         });
-        Self { url, told, n_pushed, stop, thread: Some(thread) }
+        Self { url, commands, n_pushed, stop, thread: Some(thread) }
     }
 
-    fn told(&self) -> Vec<ViewCommand> {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    fn commands(&self) -> Vec<ViewCommand> {
+        self.commands.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Waits for a command.
     fn hears(&self, wanted: impl Fn(&ViewCommand) -> bool) -> ViewCommand {
         let start = Instant::now();
         loop {
-            if let Some(command) = self.told().into_iter().find(&wanted) {
+            if let Some(command) = self.commands().into_iter().find(&wanted) {
                 return command;
             }
-            assert!(start.elapsed() < Duration::from_secs(20), "only heard {:?}", self.told());
+            assert!(start.elapsed() < Duration::from_secs(20), "only heard {:?}", self.commands());
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -98,7 +98,7 @@ impl Drop for Feed {
 
 fn push_until(
     view: &ViewHandle,
-    told: &Mutex<Vec<ViewCommand>>,
+    commands: &Mutex<Vec<ViewCommand>>,
     n_pushed: &AtomicU64,
     stop: &AtomicBool,
 ) {
@@ -109,7 +109,7 @@ fn push_until(
     while !stop.load(Ordering::Relaxed) {
         for command in view.commands().try_iter() {
             touches = after(touches, command);
-            told.lock().unwrap_or_else(PoisonError::into_inner).push(command);
+            commands.lock().unwrap_or_else(PoisonError::into_inner).push(command);
         }
         synthetic::show(&picture, &touches, start.elapsed().as_secs_f64(), &mut frame);
         n_pushed.store(view.push(&frame).unwrap(), Ordering::Relaxed);
@@ -225,7 +225,7 @@ fn buttons_command(scene: &mut Scene) {
     click(scene, "snapshot");
     scene.feed.hears(|c| matches!(c, ViewCommand::Snapshot { t_s: Some(_) }));
     let n_tares =
-        |scene: &Scene| scene.feed.told().iter().filter(|c| **c == ViewCommand::Tare).count();
+        |scene: &Scene| scene.feed.commands().iter().filter(|c| **c == ViewCommand::Tare).count();
     assert_eq!(n_tares(scene), 1);
     scene.chrome.key("t", "KeyT").unwrap();
     let start = Instant::now();

@@ -1,4 +1,4 @@
-//! What the page tells those who read it, in a headless Chromium: where readings come from, texts that stay in
+//! What the page says to those who read it, in a headless Chromium: where readings come from, texts that stay in
 //! place, keys that are left to the browser, names of files, all of it on a phone; how a limb is bent and coloured,
 //! and what goes with it.
 //!
@@ -196,8 +196,8 @@ fn exaggeration_bends_the_limb_and_a_map_colours_it() {
     look.do_it("const e = document.getElementById('exaggerate'); e.value = 1 / 3; e.oninput()");
     // 18 µm a newton, five newtons, ten times.
     look.until(&format!("Math.abs({farthest} - 0.0009) < 0.00005"));
-    let told = "document.getElementById('exaggerate').ariaValueText";
-    look.is(told, &json!("×10"));
+    let shown = "document.getElementById('exaggerate').ariaValueText";
+    look.is(shown, &json!("×10"));
     look.do_it("e.value = 1; e.oninput()");
     // A thousand times that is more than there is room for: three tenths of the limb's radius.
     look.do_it(
@@ -209,7 +209,7 @@ fn exaggeration_bends_the_limb_and_a_map_colours_it() {
             Math.hypot(...hapdefView.node(i).map((x, k) => x - box[k]))))",
     );
     look.until(&format!("Math.abs({farthest} / radius - 0.3) < 0.02"));
-    look.until(&format!("/^×[0-9]+ at most$/.test({told})"));
+    look.until(&format!("/^×[0-9]+ at most$/.test({shown})"));
     let outside = "Array.from({ length: hapdefView.nodes }, (_, i) => hapdefView.drawnNode(i))
         .filter((p) => hapdefView.pickable(p) === false).length";
     look.is(outside, &json!(0));

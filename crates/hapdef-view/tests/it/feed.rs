@@ -160,7 +160,7 @@ fn a_press_does_not_end_with_another_page() {
 }
 
 #[test]
-fn what_a_page_drew_is_told_by_its_number() {
+fn what_a_page_drew_is_reported_by_its_number() {
     let view = serve(params());
     let mut socket = connect(view.address().port());
     greet(&mut socket, None);
@@ -192,7 +192,7 @@ fn what_is_said_reaches_the_page() {
 }
 
 #[test]
-fn a_page_is_told_of_the_device_however_late_it_comes() {
+fn a_page_learns_of_the_device_however_late_it_comes() {
     let view = serve(params());
     let port = view.address().port();
     let mut early = connect(port);
@@ -201,14 +201,14 @@ fn a_page_is_told_of_the_device_however_late_it_comes() {
     assert_eq!(device["fault"], serde_json::Value::Null);
     let mut state = DeviceState { is_simulated: true, fault: Some("unplugged".to_owned()) };
     view.set_device(&state);
-    let told = next_text(&mut early);
+    let first = next_text(&mut early);
     let (_, late) = greet_with_device(&mut connect(port), None);
-    for told in [told, late] {
-        assert_eq!(told["type"], "device");
-        assert_eq!(told["simulated"], true);
-        assert_eq!(told["fault"], "unplugged");
+    for text in [first, late] {
+        assert_eq!(text["type"], "device");
+        assert_eq!(text["simulated"], true);
+        assert_eq!(text["fault"], "unplugged");
     }
-    // What is known already is not told again.
+    // What is known already is not sent again.
     view.set_device(&state);
     state.fault = None;
     view.set_device(&state);

@@ -79,7 +79,7 @@ impl Compute {
         }
     }
 
-    /// Noise of the tare that is surely larger than what was told counts from now on.
+    /// Noise of the tare that is surely larger than assumed counts from now on.
     fn take_noise(&mut self) {
         let Some(conditioning) = &mut self.conditioning else {
             return;
@@ -87,20 +87,20 @@ impl Compute {
         let larger_ue = conditioning.noise.larger_ue();
         self.counts.n_noisier = larger_ue.iter().filter(|sd| **sd > 0.0).count();
         self.counts.noise_ue = conditioning.noise.to_use_ue();
-        let told = match &mut self.setup.estimator {
+        let accepted = match &mut self.setup.estimator {
             Some(estimator) => estimator.set_least_noise(&self.counts.noise_ue),
             None => Ok(()),
         };
         let conditioner = &mut conditioning.conditioner;
-        let taken = told.and_then(|()| Ok(conditioner.set_gauge_sd(&self.counts.noise_ue)?));
+        let taken = accepted.and_then(|()| Ok(conditioner.set_gauge_sd(&self.counts.noise_ue)?));
         if let Err(error) = taken {
             self.counts.device_fault = Some(error.to_string().into());
         }
     }
 
-    /// Noise that is told before any is measured: what was said, and step²/12 for the converter's step
+    /// Noise that is assumed before any is measured: what was declared, and step²/12 for the converter's step
     /// `[n_gauges]`, µε.
-    pub(super) fn told_noise_ue(&self, device: &Device) -> Vec<f64> {
+    pub(super) fn assumed_noise_ue(&self, device: &Device) -> Vec<f64> {
         let sd = |step_ue: f64| self.setup.noise_ue.hypot(step_ue / 12.0_f64.sqrt());
         device.steps_ue().map(sd).collect()
     }
@@ -117,7 +117,7 @@ impl Compute {
         let defaults = || ConditionerParams::new(Vec::new(), device.period_s);
         let given = params.conditioning.clone().unwrap_or_else(defaults);
         let params = ConditionerParams {
-            gauge_sd: self.told_noise_ue(device),
+            gauge_sd: self.assumed_noise_ue(device),
             period_s: device.period_s,
             tare_frames: (params.tare_s / device.period_s).round().max(1.0) as usize,
             rails: device.rails_ue(),

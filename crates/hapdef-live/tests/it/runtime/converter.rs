@@ -1,4 +1,4 @@
-//! What the estimator is told of a converter's steps.
+//! The noise of a converter's steps reaches the estimator.
 
 use std::sync::Arc;
 
@@ -10,11 +10,11 @@ use super::stand_ins::Asked;
 use crate::support::{N_GAUGES, hello, messages};
 
 /// Rounding to steps of h adds h²/12 to the variance (W. R. Bennett, Bell Syst. Tech. J. 27, 1948); the
-/// estimator is told when the device is known, and again what the tare measures beyond that.
+/// estimator receives when the device is known, and again what the tare measures beyond that.
 #[test]
 fn the_converters_step_counts_as_noise() {
     const STEP_UE: f32 = 4.0;
-    let told = 1.0_f64.hypot(f64::from(STEP_UE) / 12.0_f64.sqrt());
+    let assumed = 1.0_f64.hypot(f64::from(STEP_UE) / 12.0_f64.sqrt());
     let mut stream = messages(&vec![vec![0.0; N_GAUGES]; 400]);
     let mut coarse = hello(N_GAUGES);
     coarse.channels.iter_mut().for_each(|c| c.scale = STEP_UE);
@@ -45,7 +45,7 @@ fn the_converters_step_counts_as_noise() {
     live.wait().unwrap();
     let least_ue = asked.least_ue.lock().unwrap();
     assert_eq!(least_ue.len(), 2, "{least_ue:?}");
-    assert_eq!(least_ue[0], [told; N_GAUGES]);
+    assert_eq!(least_ue[0], [assumed; N_GAUGES]);
     assert!((least_ue[1][3] - 20.0).abs() < 0.1, "{least_ue:?}");
-    assert!((0..N_GAUGES).all(|g| g == 3 || least_ue[1][g] == told));
+    assert!((0..N_GAUGES).all(|g| g == 3 || least_ue[1][g] == assumed));
 }

@@ -58,7 +58,7 @@ fn what_no_sink_wants_is_not_computed() {
     assert_eq!(run(Wants::ALL), (100, 100, Some(all)));
 }
 
-/// Frames whose contacts come too late are counted, and the time of the stage that took it is told.
+/// Frames whose contacts come too late are counted, and the time of the stage that took it is reported.
 #[test]
 fn a_slow_estimator_misses_the_deadline() {
     let world = World::new(N_GAUGES, 400, 5);
@@ -135,7 +135,7 @@ fn a_stalled_sink_holds_up_nobody() {
     }
 }
 
-/// A slow sink is told exactly how many frames it has not seen, and what was lost among them.
+/// A slow sink receives the exact number of frames it has not seen, and what was lost among them.
 #[test]
 fn skipped_frames_are_counted_with_their_losses() {
     let world = World::new(N_GAUGES, 400, 5);
@@ -281,7 +281,7 @@ fn another_device_is_refused_in_words() {
 }
 
 #[test]
-fn it_stops_at_once_and_tares_again_when_told() {
+fn it_stops_at_once_and_tares_again_on_command() {
     let probe = Probe { wants: Wants::TARED, ..Probe::new(Delivery::Queue(1024), |_| Ok(())) };
     let (events, is_finished) = (Arc::clone(&probe.events), Arc::clone(&probe.is_finished));
     let params = LiveParams { tare_s: 0.05, ..LiveParams::default() };

@@ -15,7 +15,7 @@ pub(crate) struct Asked {
     pub(crate) n: Arc<AtomicUsize>,
     pub(crate) n_over: Arc<AtomicUsize>,
     pub(crate) wanted: Arc<Mutex<Vec<TouchWanted>>>,
-    /// What it is told of noise, µε.
+    /// Noise levels that it was given, µε.
     pub(crate) least_ue: Arc<Mutex<Vec<Vec<f64>>>>,
     /// How long it takes for a frame.
     pub(crate) takes: Duration,
@@ -54,7 +54,7 @@ impl TouchEstimator for Asked {
 
 type OnFrame = dyn FnMut(&LiveFrame) -> Result<(), AnyError> + Send;
 
-/// A sink that does what a test wants and keeps what it is told.
+/// A sink that does what a test wants and keeps what it receives.
 pub(crate) struct Probe {
     pub(crate) wants: Wants,
     pub(crate) delivery: Delivery,

@@ -297,15 +297,16 @@ impl Drop for Running {
 /// The address that the browser prints; a thread reads what else it says.
 fn devtools_url(child: &mut Child) -> Result<String, Fault> {
     let stderr = child.stderr.take().ok_or("no stderr")?;
-    let (tell, told) = channel();
+    let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let lines = BufReader::new(stderr).lines().map_while(Result::ok);
         for line in lines {
             if let Some(url) = line.strip_prefix("DevTools listening on ") {
-                let _ = tell.send(url.trim().to_owned());
+                let _ = sender.send(url.trim().to_owned());
             }
         }
     });
-    told.recv_timeout(PATIENCE)
+    receiver
+        .recv_timeout(PATIENCE)
         .map_err(|_| "the browser ended, or said nothing, before it listened".into())
 }

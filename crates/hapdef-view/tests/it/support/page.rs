@@ -78,7 +78,7 @@ pub fn greet(socket: &mut Socket, token: Option<&str>) -> Value {
     greet_with_device(socket, token).0
 }
 
-/// The same with what is told of the device.
+/// The same with the device's state.
 pub fn greet_with_device(socket: &mut Socket, token: Option<&str>) -> (Value, Value) {
     say(socket, &serde_json::json!({"cmd": "hello", "token": token}).to_string());
     let hello = next_text(socket);

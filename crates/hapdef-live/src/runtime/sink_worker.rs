@@ -25,7 +25,7 @@ const NAP: Duration = Duration::from_millis(100);
 const LOOK: Duration = Duration::from_micros(50);
 
 /// A sink, seen from the computing thread.
-pub(super) struct Outlet {
+pub(super) struct SinkWorker {
     path: Path,
     wants: Wants,
     events: Option<SyncSender<LiveEvent>>,
@@ -78,7 +78,7 @@ struct Counts {
     end: AtomicBool,
 }
 
-impl Outlet {
+impl SinkWorker {
     /// Starts the sink's thread, unless it is called directly.
     pub(super) fn start(
         sink: Box<dyn Sink>,
@@ -90,7 +90,7 @@ impl Outlet {
         let frame = || Box::new(LiveFrame::new(n_gauges));
         let (path, inlet) = match sink.delivery() {
             Delivery::Direct => {
-                let outlet = Self {
+                let worker = Self {
                     path: Path::Direct(sink),
                     wants,
                     events: None,
@@ -98,7 +98,7 @@ impl Outlet {
                     counts,
                     is_lossless,
                 };
-                return Ok((outlet, None));
+                return Ok((worker, None));
             }
             Delivery::Latest => latest(&frame),
             Delivery::Queue(len) => queue(len.max(1), &frame),
@@ -107,7 +107,7 @@ impl Outlet {
         let in_thread = Arc::clone(&counts);
         let thread_name = format!("sink {name}");
         let handle = spawn(&thread_name, move || run(sink, inlet, &theirs, &in_thread))?;
-        let outlet = Self {
+        let worker = Self {
             path,
             wants,
             events: Some(events),
@@ -115,7 +115,7 @@ impl Outlet {
             counts: Arc::clone(&counts),
             is_lossless,
         };
-        Ok((outlet, Some(SinkThread { handle, counts })))
+        Ok((worker, Some(SinkThread { handle, counts })))
     }
 
     /// Hands a frame over; waits for nobody unless the runtime is lossless and does not `stop`.
