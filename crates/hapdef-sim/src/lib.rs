@@ -12,78 +12,49 @@
 //! Knows nothing of networks, ports or scenes. SI units throughout, f64 throughout. Results are the
 //! same bit for bit on any number of threads, and every solution comes with its residual.
 
-mod analysis;
-mod assembly;
-mod compliance;
-mod condition;
-mod dissection;
-mod elastic_model;
-mod element;
-mod element_rounding;
-mod elements;
-mod error;
-mod export;
-mod extended;
-mod factor;
-mod factor_estimate;
-mod front;
-mod gauge;
-mod gauge_response;
-mod iterative;
-mod load;
-mod mass;
-mod material;
-mod null_space;
-mod ordering;
-mod panel;
-mod parts;
-mod patch_load;
-mod patch_stress;
-mod product;
-mod quadrature;
-mod rigid_modes;
-mod rigidity;
-mod shell;
-mod solve;
-mod solve_block;
-mod solve_info;
-mod stress;
-mod structure;
-mod supports;
-mod thermal_load;
-mod triangular;
-mod unknowns;
-mod wall;
-mod wanted;
+pub mod elements;
 
-pub use assembly::StiffnessExtremes;
-pub use compliance::{Compliance, ComplianceParams, Residuals};
-pub use dissection::Ordering;
-pub use elastic_model::{ElasticModel, ElasticParams, FactorInfo, Motion};
-pub use element::{ElementMatrix, InvertedPoint, space_gradients, stiffness, strain};
+pub mod shell;
+
+pub mod loads;
+
+pub mod supports;
+
+pub mod gauges;
+
+pub mod system;
+
+pub mod factor;
+
+pub mod iterative;
+
+pub mod model;
+
+mod error;
+
+pub use elements::{
+    ElementMatrix, InvertedPoint, IsotropicMaterial, MassProperties, MaterialRegion,
+    element_mass_kg, nodal_stress, patch_stress, space_gradients, stiffness, strain, stress,
+};
 pub use error::SimError;
-pub use export::StiffnessMatrix;
-pub use factor_estimate::FactorEstimate;
-pub use gauge::{GaugeParams, GaugeSite, GaugeStrain};
-pub use gauge_response::GaugeResponse;
+pub use factor::Ordering;
+pub use gauges::{GaugeParams, GaugeResponse, GaugeSite, GaugeStrain};
 pub use iterative::{
     ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
     SolverKind,
 };
-pub use load::NodalLoad;
-pub use mass::{MassProperties, element_mass_kg};
-pub use material::IsotropicMaterial;
-pub use patch_load::PressedSkin;
-pub use patch_stress::patch_stress;
-pub use rigid_modes::{FloatingBody, RigidMotion};
+pub use loads::{NodalLoad, PressedSkin};
+pub use model::{
+    Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorEstimate, FactorInfo, Motion,
+    Residuals, SolveInfo, SolveParams, StiffnessMatrix,
+};
 pub use shell::{
     ShellElementMatrix, ShellElementProblem, ShellGaugeStrain, ShellKind, ShellMesh,
     ShellMeshParams, ShellParams, ShellResultants, ShellStrain, shell_pressure_load,
     shell_stiffness, shell_traction_load,
 };
-pub use solve_info::{SolveInfo, SolveParams};
-pub use stress::{nodal_stress, stress};
 pub use supports::{
-    Foundation, FoundationFaces, HeldMotion, Hold, MaterialRegion, RigidInsert, Supports,
-    SymmetryPlane,
+    FloatingBody, Foundation, FoundationFaces, HeldMotion, Hold, RigidInsert, RigidMotion,
+    Supports, SymmetryPlane,
 };
+pub use system::StiffnessExtremes;

@@ -7,7 +7,7 @@
 use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::assembly::BlockMatrix;
+use crate::system::assembly::BlockMatrix;
 
 /// Block rows that one task handles.
 const ROWS: usize = 512;

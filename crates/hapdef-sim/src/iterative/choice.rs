@@ -9,7 +9,7 @@ use faer::sparse::linalg::cholesky::simplicial;
 use super::IterativeParams;
 use super::multigrid::MultigridInfo;
 use crate::SimError;
-use crate::assembly::BlockPattern;
+use crate::system::assembly::BlockPattern;
 
 /// How the systems of a model are solved.
 #[derive(Clone, Copy, Debug, PartialEq)]

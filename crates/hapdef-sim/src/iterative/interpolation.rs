@@ -4,8 +4,8 @@ use hapdef_mesh::{FeNodeId, TET10_EDGES};
 use nalgebra::{Matrix3, Matrix4, Point3, Vector4};
 
 use super::bsr::{Block, Bsr};
-use crate::elements::Elements;
-use crate::unknowns::{Link, Unknowns};
+use crate::elements::element_set::Elements;
+use crate::supports::unknowns::{Link, Unknowns};
 
 /// A mid-side node takes its weights from the corners of an element only if the magnitudes sum to
 /// no more than this; else it takes the mean of its two ends. A straight edge has 1.

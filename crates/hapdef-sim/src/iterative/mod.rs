@@ -23,10 +23,12 @@ mod tests;
 mod vectors;
 
 pub use choice::{ChoiceReason, SolverChoice, SolverInfo, SolverKind};
+pub use hierarchy::MultigridParams;
 use interpolation::CornerInterpolation;
+pub use multigrid::MultigridInfo;
 use multigrid::{Multigrid, NearNull};
-pub use multigrid::{MultigridInfo, MultigridParams};
 use near_null::rigid_modes;
 pub use pcg::IterativeParams;
+pub(crate) use pcg::{Measure, Reached, WIDEST};
 pub(crate) use plan::SolverPlan;
-pub(crate) use solver::{Iterative, Solver, solve_loads};
+pub(crate) use solver::{Iterative, Solver};

@@ -4,32 +4,10 @@ use std::time::Instant;
 
 use super::aggregate::Modes;
 use super::bsr::Bsr;
-use super::hierarchy::{BadPivot, Coarser, Level, Sizes, Solid, smoother};
+use super::hierarchy::{BadPivot, Coarser, Level, MultigridParams, Sizes, Solid, smoother};
 use super::interpolation::CornerInterpolation;
 use crate::SimError;
-use crate::assembly::BlockMatrix;
-
-/// How the levels are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MultigridParams {
-    /// Nodes i and j are strongly coupled if ‖Kᵢⱼ‖ > strength · √(‖Kᵢᵢ‖ ‖Kⱼⱼ‖); halved on each level
-    /// (Vaněk, Mandel and Brezina 1996, section 5.1: 0.08).
-    pub strength: f64,
-    /// Degree of the Chebyshev smoother on the finest level of ten-node tetrahedra.
-    pub fine_degree: usize,
-    /// Degree of the Chebyshev smoother on the levels under it.
-    pub degree: usize,
-    /// Largest over smallest eigenvalue that the smoothers are made for.
-    pub spread: f64,
-    /// A level of no more equations than this is factored densely.
-    pub dense_below: usize,
-}
-
-impl Default for MultigridParams {
-    fn default() -> Self {
-        Self { strength: 0.08, fine_degree: 3, degree: 2, spread: 20.0, dense_below: 900 }
-    }
-}
+use crate::system::assembly::BlockMatrix;
 
 /// The levels of a multigrid preconditioner.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::aggregate::Modes;
-use crate::unknowns::{Link, Unknowns};
+use crate::supports::unknowns::{Link, Unknowns};
 
 /// Three translations, and three rotations about the middle of the nodes in units of their extent,
 /// at each place; what a symmetry plane holds is zero.
@@ -12,7 +12,7 @@ pub(crate) fn rigid_modes(positions: &[Point3<f64>], unknowns: &Unknowns) -> Vec
     let centre: Vector3<f64> = positions.iter().map(|p| p.coords / n).sum();
     let distances = positions.iter().map(|p| (p.coords - centre).norm());
     let extent = distances.fold(f64::MIN_POSITIVE, f64::max);
-    let modes = |owner: &crate::unknowns::Owner| {
+    let modes = |owner: &crate::supports::unknowns::Owner| {
         let at = positions[owner.node.index()].coords;
         let own = match unknowns.translation(owner.node) {
             Link::Tied { arm, .. } => at - arm,

@@ -1,6 +1,7 @@
 //! Preconditioned conjugate gradients on up to eight right-hand sides side by side.
 
-use super::multigrid::{Multigrid, MultigridParams};
+use super::hierarchy::MultigridParams;
+use super::multigrid::Multigrid;
 use super::ritz::extreme_ritz_values;
 use super::vectors::{add_scaled, dot, scale_and_add, scaled_max};
 use crate::SolveParams;

@@ -9,10 +9,10 @@ use super::{
     SolverInfo, SolverKind, rigid_modes,
 };
 use crate::SimError;
-use crate::assembly::{BlockMatrix, BlockPattern};
-use crate::elements::Elements;
-use crate::factor::{Analysis, Factor};
-use crate::unknowns::Unknowns;
+use crate::elements::element_set::Elements;
+use crate::factor::cholesky::{Analysis, Factor};
+use crate::supports::unknowns::Unknowns;
+use crate::system::assembly::{BlockMatrix, BlockPattern};
 
 /// The solver chosen for a pattern, and what it takes from there.
 #[derive(Debug)]

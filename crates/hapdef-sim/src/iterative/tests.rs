@@ -7,13 +7,13 @@ use nalgebra::Point3;
 
 use super::aggregate::Modes;
 use super::bsr::Bsr;
-use super::multigrid::{Multigrid, MultigridParams, NearNull};
-use super::{CornerInterpolation, rigid_modes, smoother};
-use crate::assembly::{BlockMatrix, BlockPattern, assemble};
-use crate::elements::{Elements, SolidElements};
-use crate::ordering::{Cliques, NodeGraph};
-use crate::supports::Held;
-use crate::unknowns::Unknowns;
+use super::multigrid::{Multigrid, NearNull};
+use super::{CornerInterpolation, MultigridParams, rigid_modes, smoother};
+use crate::elements::element_set::{Elements, SolidElements};
+use crate::factor::ordering::{Cliques, NodeGraph};
+use crate::supports::conditions::Held;
+use crate::supports::unknowns::Unknowns;
+use crate::system::assembly::{BlockMatrix, BlockPattern, assemble};
 use crate::{IsotropicMaterial, SimError, Supports};
 
 /// A bar of unit cubes along x, each cut in six ten-node tetrahedra about its main diagonal.

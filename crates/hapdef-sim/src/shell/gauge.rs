@@ -7,9 +7,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::patch::{PatchPoint, ShellPatch};
 use super::{ShellKind, ShellMesh, ShellStrain};
-use crate::gauge::{axes, check_lost, check_site, footprint};
-use crate::gauge_response::GaugeResponse;
-use crate::patch_load::unit;
+use crate::gauges::response::GaugeResponse;
+use crate::gauges::strain_gauge::{axes, check_lost, check_site, footprint};
+use crate::loads::patch::unit;
 use crate::{
     ElasticModel, GaugeParams, GaugeSite, IsotropicMaterial, Motion, NodalLoad, SimError, SolveInfo,
 };

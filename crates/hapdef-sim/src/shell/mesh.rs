@@ -5,9 +5,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::facet::{Facet, MIN_COS};
 use super::quadrature::centroid;
-use crate::load::check_node;
-use crate::parts::DisjointSets;
-use crate::patch_load::unit;
+use crate::elements::parts::DisjointSets;
+use crate::loads::nodal::check_node;
+use crate::loads::patch::unit;
 use crate::{SimError, SymmetryPlane};
 
 /// How a shell mesh is read.

@@ -6,7 +6,7 @@ use hapdef_mesh::FeNodeId;
 use nalgebra::{Point3, Vector3};
 
 use super::{ShellMesh, shell_pressure_load, shell_traction_load};
-use crate::patch_load::{Tip, check_tip, unit};
+use crate::loads::patch::{Tip, check_tip, unit};
 use crate::{NodalLoad, SimError};
 
 impl ShellMesh {

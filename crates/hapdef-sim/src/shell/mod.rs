@@ -27,12 +27,14 @@ mod mesh;
 mod mesh_load;
 mod model;
 mod patch;
+mod problem;
 mod quadrature;
 mod recovery;
 
-pub use element::{ShellElementMatrix, ShellElementProblem, ShellKind, shell_stiffness};
+pub use element::{ShellElementMatrix, ShellKind, shell_stiffness};
 pub use gauge::ShellGaugeStrain;
 pub use load::{shell_pressure_load, shell_traction_load};
 pub use mesh::{ShellMesh, ShellMeshParams};
 pub use model::ShellParams;
+pub use problem::ShellElementProblem;
 pub use recovery::{ShellResultants, ShellStrain};

@@ -8,10 +8,10 @@ use nalgebra::Point3;
 
 use super::{ShellKind, ShellMesh, shell_stiffness};
 use crate::SolverChoice;
-use crate::elastic_model::thread_pool;
-use crate::elements::Elements;
-use crate::parts::DisjointSets;
-use crate::structure::Structure;
+use crate::elements::element_set::Elements;
+use crate::elements::parts::DisjointSets;
+use crate::model::elastic_model::thread_pool;
+use crate::model::structure::Structure;
 use crate::{ElasticModel, IsotropicMaterial, SimError, Supports};
 
 /// What an elastic shell model is made of.

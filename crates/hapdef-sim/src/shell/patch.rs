@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::ShellMesh;
-use crate::wall::nearest_on_triangle;
+use crate::gauges::wall::nearest_on_triangle;
 
 /// A triangle belongs to the patch only if its normal is within 60° of the normal at the gauge.
 const MIN_NORMAL_AGREEMENT: f64 = 0.5;

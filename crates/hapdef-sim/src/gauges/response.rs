@@ -1,0 +1,80 @@
+//! What gauges read for a force anywhere, by one adjoint solve per gauge.
+
+use hapdef_mesh::GaugeId;
+use nalgebra::Vector3;
+
+use crate::model::solve::{Extent, solve_all};
+use crate::model::solve_info::{SolveInfo, SolveParams};
+use crate::{ElasticModel, GaugeStrain, NodalLoad, SimError};
+
+/// Readings of all gauges for a unit force at any FE node in any direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GaugeResponse {
+    n_fe_nodes: usize,
+    fields: Vec<Vector3<f64>>,
+}
+
+impl GaugeResponse {
+    /// Gauges.
+    #[must_use]
+    pub fn n_gauges(&self) -> usize {
+        self.fields.len().checked_div(self.n_fe_nodes).unwrap_or(0)
+    }
+
+    /// The adjoint field of `gauge` `[n_fe_nodes]`: strain per newton for a force in each direction.
+    ///
+    /// # Panics
+    /// If `gauge` is not one of the gauges.
+    #[must_use]
+    pub fn field(&self, gauge: GaugeId) -> &[Vector3<f64>] {
+        let first = gauge.index() * self.n_fe_nodes;
+        &self.fields[first..first + self.n_fe_nodes]
+    }
+
+    /// The reading of `gauge` under `load`: strain.
+    ///
+    /// # Panics
+    /// If `gauge` is not one of the gauges, or `load` names a node the mesh does not have.
+    #[must_use]
+    pub fn reading(&self, gauge: GaugeId, load: &NodalLoad) -> f64 {
+        let field = self.field(gauge);
+        load.forces_n.iter().map(|(node, force)| force.dot(&field[node.index()])).sum()
+    }
+}
+
+impl ElasticModel {
+    /// The response of `gauges` to a force anywhere, by one adjoint solve per gauge: K is symmetric,
+    /// so the reading cᵀ K⁻¹ f is (K⁻¹ c) · f.
+    ///
+    /// # Errors
+    /// As [`ElasticModel::solve`].
+    pub fn gauge_response(
+        &self,
+        gauges: &[GaugeStrain],
+    ) -> Result<(GaugeResponse, SolveInfo), SimError> {
+        let loads: Vec<NodalLoad> = gauges.iter().map(GaugeStrain::as_load).collect();
+        self.adjoint_response(&loads)
+    }
+
+    /// The response of functionals given as loads.
+    pub(crate) fn adjoint_response(
+        &self,
+        loads: &[NodalLoad],
+    ) -> Result<(GaugeResponse, SolveInfo), SimError> {
+        let n_fe_nodes = self.info().n_fe_nodes;
+        let mut fields = vec![Vector3::zeros(); loads.len() * n_fe_nodes];
+        let info = solve_all(
+            self,
+            loads,
+            &SolveParams::default(),
+            Extent::Full,
+            |block| (0..block.loads.len()).map(|column| block.field(column)).collect::<Vec<_>>(),
+            |block, solved| {
+                for (&gauge, field) in block.iter().zip(&solved) {
+                    fields[gauge * n_fe_nodes..(gauge + 1) * n_fe_nodes].copy_from_slice(field);
+                }
+            },
+        )?;
+        Ok((GaugeResponse { n_fe_nodes, fields }, info))
+    }
+}
