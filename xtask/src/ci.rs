@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use crate::test::Tests;
 use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
-    docs, first_minute, fixtures, frontier, fuzz, metrics, python, repro, soak, stability, tidy,
+    docs, first_minute, fixtures, frontier, fuzz, metrics, python, repro, robustness, soak, tidy,
     verify, weight,
 };
 
@@ -68,7 +68,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     beside(
         || {
             steps.run("verification table", verify::check)?;
-            steps.run("stability tables", stability::check)?;
+            steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
             steps.run("demo --quick", quick_demo)
@@ -82,7 +82,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     if is_nightly {
         steps.run("soak", soak::long)?;
         steps.run("fuzz", fuzz::nightly)?;
-        steps.run("scenes at random", stability::nightly)?;
+        steps.run("scenes at random", robustness::nightly)?;
     }
     Ok(())
 }

@@ -21,8 +21,8 @@ mod pictures;
 mod pipeline;
 mod python;
 mod repro;
+mod robustness;
 mod soak;
-mod stability;
 mod test;
 mod tidy;
 mod tool;
@@ -86,9 +86,12 @@ enum Task {
     )]
     Frontier(frontier::FrontierArgs),
     /// Is a solver ever silently wrong: its extremes, against known solutions.
-    #[command(after_help = "Examples:\n  cargo xtask stability\n  cargo xtask stability inverse \
-        --seed 1\n  cargo xtask stability scenes --minutes 10 --seed 1")]
-    Stability(stability::StabilityArgs),
+    #[command(
+        alias = "stability",
+        after_help = "Examples:\n  cargo xtask robustness\n  cargo xtask robustness inverse \
+            --seed 1\n  cargo xtask robustness scenes --minutes 10 --seed 1"
+    )]
+    Robustness(robustness::RobustnessArgs),
     /// Damaged inputs for every reader; ends with exit code 1 if one panics.
     #[command(after_help = "Example:\n  cargo xtask fuzz --minutes 10")]
     Fuzz(fuzz::FuzzArgs),
@@ -146,7 +149,7 @@ fn run(task: Task) -> Result<()> {
         Task::Bench(args) => bench::run(&args),
         Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
-        Task::Stability(args) => stability::run(&args),
+        Task::Robustness(args) => robustness::run(&args),
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Browser => browser::test(),

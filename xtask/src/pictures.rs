@@ -104,31 +104,31 @@ const SHOTS: [Shot; 14] = [
     Shot {
         name: "stability",
         page: "stability/report.html",
-        made_by: "cargo xtask stability",
+        made_by: "cargo xtask robustness",
         part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-fe",
         page: "stability-fe/report.html",
-        made_by: "cargo xtask stability fe",
+        made_by: "cargo xtask robustness fe",
         part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-nets",
         page: "stability-nets/report.html",
-        made_by: "cargo xtask stability nets",
+        made_by: "cargo xtask robustness nets",
         part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-inverse",
         page: "stability-inverse/report.html",
-        made_by: "cargo xtask stability inverse",
+        made_by: "cargo xtask robustness inverse",
         part: Part::From("body", PAGE_SIZE),
     },
     Shot {
         name: "stability-parts",
         page: "stability-parts/report.html",
-        made_by: "cargo xtask stability parts",
+        made_by: "cargo xtask robustness parts",
         part: Part::From("body", PAGE_SIZE),
     },
     Shot {

@@ -5,7 +5,7 @@
 //! - [`Page`]: one HTML file without anything from outside; [`LimbView`] is a limb on it, from four sides
 //!   and to be turned.
 //! - [`Report`] and [`write_report`]: the same results as page, Markdown and JSON.
-//! - [`StabilityCase`], [`StabilityDocument`]: tables of methods at their extremes.
+//! - [`robustness`]: tables of methods at their extremes.
 //! - [`Origin`]: by what and from what results were made, for pages that are no report.
 //! - [`MetricLog`]: figures as `METRIC:name:value:unit` lines and in a JSON file.
 //!
@@ -18,7 +18,7 @@ mod origin;
 mod page;
 mod pictures;
 mod report;
-mod stability;
+pub mod robustness;
 mod text;
 
 pub use argument::{ArgumentError, check_len};
@@ -34,9 +34,5 @@ pub use pictures::{
 pub use report::{
     Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, seconds_text,
     write_report, write_text,
-};
-pub use stability::{
-    StabilityCase, StabilityDocument, StabilityRefusal, StabilityVerdict, StabilityWanted,
-    log_stability, magnitude_text, stability_counts,
 };
 pub use text::{TextCell, TextTable, cell_text, escape_html};

@@ -25,6 +25,14 @@ pub struct NamedText {
     pub text: String,
 }
 
+impl NamedText {
+    /// The hash of a text.
+    #[must_use]
+    pub fn hash_of(name: &str, text: &str) -> Self {
+        Self { name: name.into(), text: blake3::hash(text.as_bytes()).to_hex().to_string() }
+    }
+}
+
 /// A stage that ran.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageTime {

@@ -14,8 +14,8 @@
 mod baselines;
 mod error;
 mod report;
+mod robustness;
 mod search;
-mod stability;
 mod tables;
 mod tactile;
 
@@ -25,14 +25,13 @@ pub use baselines::{
 };
 pub use error::ReproError;
 pub use report::{Golden, GoldenValue, check_results, results_markdown};
+pub use robustness::{
+    INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
+};
 pub use search::{
     Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
     TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
     propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
-};
-pub use stability::{
-    INVERSE_DOCUMENT, InverseWorld, NETS_DOCUMENT, PARTS_DOCUMENT, StabilityFigure, StabilityRow,
-    inverse_rows, nets_rows, parts_rows, stability_line,
 };
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,

@@ -3,7 +3,7 @@
 //!
 //! - [`Case`]: one problem, its reference with the source, and the target it is judged by.
 //! - [`run_cases`]: solves cases and judges them, giving a [`Report`].
-//! - [`stability_rows`]: the solver at extremes, the table of docs/stability-fe.md.
+//! - [`robustness_rows`]: the solver at extremes, the table of docs/stability-fe.md.
 //! - [`all_cases`]: the table of docs/verification.md.
 //!
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
@@ -18,10 +18,10 @@ mod error;
 mod inputs;
 pub mod meshes;
 mod page;
+mod robustness;
 mod run;
 mod shell;
 mod solid;
-mod stability;
 mod table;
 
 pub use case::{Case, KnownMiss, Measured, Reference, Target};
@@ -30,9 +30,7 @@ pub use check::differences;
 pub use deck::{DeckFigures, KnownFigures, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
-pub use page::{stability_page, verification_page};
+pub use page::verification_page;
+pub use robustness::{ROBUSTNESS_TABLE, robustness_rows};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
-pub use stability::{
-    STABILITY_DOCUMENT, StabilityFigures, StabilityRow, stability_line, stability_rows,
-};
 pub use table::{markdown, people_table};

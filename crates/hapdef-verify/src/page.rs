@@ -1,14 +1,13 @@
-//! The rows as a report with a page: docs/verification.md and docs/stability-fe.md to look at.
+//! The rows as a report with a page: docs/verification.md to look at.
 
 use hapdef_report::{
-    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, StabilityCase,
-    TextCell, TextTable, stability_counts,
+    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, TextCell,
+    TextTable,
 };
 use serde_json::Value;
 
-use crate::stability::STABILITY_DOCUMENT;
 use crate::table::{against, error, markdown, target, value};
-use crate::{CaseReport, Report, StabilityRow, Verdict};
+use crate::{CaseReport, Report, Verdict};
 
 /// A problem is plotted where an element was tried on at least so many meshes.
 const PLOTTED_MESHES: usize = 3;
@@ -39,29 +38,9 @@ pub fn verification_page(
         }],
         figures: convergence(report)?,
         skipped: not_run(report),
-        hashes: vec![hash("table", &markdown(report))],
+        hashes: vec![NamedText::hash_of("table", &markdown(report))],
         ..hapdef_report::Report::default()
     })
-}
-
-/// The rows of the solver at its extremes; `data` is for machines.
-#[must_use]
-pub fn stability_page(rows: &[StabilityRow], data: Value) -> hapdef_report::Report {
-    hapdef_report::Report {
-        title: "The elasticity solver at its extremes".into(),
-        facts: stability_counts(rows),
-        tables: vec![ReportTable {
-            title: "Rows".into(),
-            note:
-                "Error: the largest of a displacement over the largest displacement. Bound: what \
-                   the solver says that it is at most."
-                    .into(),
-            text: stability_table(rows),
-            data,
-        }],
-        hashes: vec![hash("table", &STABILITY_DOCUMENT.markdown(rows))],
-        ..hapdef_report::Report::default()
-    }
 }
 
 /// Cases that were not run, and why.
@@ -73,10 +52,6 @@ fn not_run(report: &Report) -> Vec<SkippedStage> {
         _ => None,
     });
     skipped.collect()
-}
-
-fn hash(name: &str, text: &str) -> NamedText {
-    NamedText { name: name.into(), text: blake3::hash(text.as_bytes()).to_hex().to_string() }
 }
 
 fn facts(counts: &[(&str, usize)]) -> Vec<NamedText> {
@@ -124,34 +99,6 @@ fn cases_table(report: &Report) -> TextTable {
         header: header.map(str::to_owned).to_vec(),
         rows: report.cases.iter().map(row).collect(),
     }
-}
-
-fn stability_table(rows: &[StabilityRow]) -> TextTable {
-    let header =
-        ["case", "extreme", "path", "equations", "error", "bound", "condition", "said", "verdict"];
-    let row = |row: &StabilityRow| {
-        let figures = row.outcome.as_ref().ok();
-        let short = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.1e}"));
-        let said = match &row.outcome {
-            Ok(_) => row.said().to_owned(),
-            Err(refusal) => refusal.text.clone(),
-        };
-        cells(
-            [
-                row.case.into(),
-                row.extreme.clone(),
-                row.path.into(),
-                figures.map_or(String::new(), |f| f.n_equations.to_string()),
-                short(figures.map(|f| f.error)),
-                short(figures.map(|f| f.bound())),
-                short(figures.and_then(|f| f.info.condition)),
-                said,
-                row.verdict().word().into(),
-            ],
-            (!row.is_failed()).then_some(8),
-        )
-    };
-    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
 }
 
 /// Cells of a row; the one at `strong` stands out.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use hapdef::SceneArgs;
 
-use super::{search, stability, stability_all, tactile};
+use super::{robustness, search, tactile};
 use crate::bench::{BenchNetsArgs, FrontierArgs};
 use crate::compare::{BenchInverseArgs, CompareArgs, FrontierInverseArgs};
 use crate::frontier::ChainFrontierArgs;
@@ -47,20 +47,27 @@ pub(super) enum Command {
         --profile quick")]
     SearchCompare(search::CompareArgs),
     /// Nets and baselines with data and settings at their extremes.
-    #[command(after_help = "Example:\n  hapdef-repro stability --check docs/stability-nets.md")]
-    Stability(stability::StabilityArgs),
+    #[command(
+        alias = "stability",
+        after_help = "Example:\n  hapdef-repro robustness --check docs/stability-nets.md"
+    )]
+    Robustness(robustness::TableArgs),
     /// Contacts by superposition with frames, layouts and presses at their extremes.
-    #[command(after_help = "Example:\n  hapdef-repro stability-inverse fixtures/shin/placed.json \
-        --check docs/stability-inverse.md")]
-    StabilityInverse(stability::InverseArgs),
+    #[command(
+        alias = "stability-inverse",
+        after_help = "Example:\n  hapdef-repro robustness-inverse fixtures/shin/placed.json \
+            --check docs/stability-inverse.md"
+    )]
+    RobustnessInverse(robustness::InverseArgs),
     /// Meshes, datasets, k-Max, decoder, clock and recordings at their extremes.
     #[command(
-        after_help = "Example:\n  hapdef-repro stability-parts --check docs/stability-parts.md"
+        alias = "stability-parts",
+        after_help = "Example:\n  hapdef-repro robustness-parts --check docs/stability-parts.md"
     )]
-    StabilityParts(stability::StabilityArgs),
+    RobustnessParts(robustness::TableArgs),
     /// The tables of all layers at their extremes as one, and what they come to
-    #[command(after_help = "Example:\n  hapdef-repro stability-all")]
-    StabilityAll(stability_all::AllArgs),
+    #[command(alias = "stability-all", after_help = "Example:\n  hapdef-repro robustness-all")]
+    RobustnessAll(robustness::AllArgs),
     /// Times of the networks on one core, against ONNX Runtime and PyTorch where Python has them.
     #[command(after_help = "Example:\n  hapdef-repro bench-nets --skip-trained --rounds 2")]
     BenchNets(BenchNetsArgs),

@@ -14,12 +14,11 @@ mod frames;
 mod patches;
 mod presses;
 mod ridge;
+mod robustness;
 pub(crate) mod samples;
 pub(crate) mod scores;
 mod search;
 mod singles;
-mod stability;
-mod stability_all;
 pub(crate) mod summary;
 mod svr;
 mod table1;
@@ -53,10 +52,10 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Search(args) => search::search(args),
         Command::SearchMerge(args) => search::merge(args),
         Command::SearchCompare(args) => search::compare(args),
-        Command::Stability(args) => stability::run(args),
-        Command::StabilityInverse(args) => stability::run_inverse(args),
-        Command::StabilityParts(args) => stability::run_parts(args),
-        Command::StabilityAll(args) => stability_all::run(args),
+        Command::Robustness(args) => robustness::run_nets(args),
+        Command::RobustnessInverse(args) => robustness::run_inverse(args),
+        Command::RobustnessParts(args) => robustness::run_parts(args),
+        Command::RobustnessAll(args) => robustness::run_all(args),
         Command::BenchNets(args) => bench::run(args),
         Command::FrontierNets(args) => bench::run_frontier(args),
         Command::Frontier(args) => frontier::run(args),

@@ -6,7 +6,7 @@ use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::bench::{self, BenchOptions};
 
-use super::context::FiguresArgs;
+use super::context::MetricsArgs;
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -27,7 +27,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
-    figures: FiguresArgs,
+    output: MetricsArgs,
 }
 
 /// Measures and prints.
@@ -39,6 +39,6 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     }
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
     bench::run(&args.deck, &options, &mut log)?;
-    log.append_to(&args.figures.metrics)?;
+    log.append_to(&args.output.metrics)?;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Where figures and pages go.
+//! Where metrics and pages go.
 
 use std::io::Stdout;
 use std::path::{Path, PathBuf};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use hapdef_report::{MetricLog, Report, write_report};
 
-/// Where figures go.
+/// Where metrics go.
 #[derive(clap::Args)]
-pub(crate) struct FiguresArgs {
+pub(crate) struct MetricsArgs {
     /// Where metrics are appended.
     #[arg(long, env = "HAPDEF_METRICS", default_value = "target/hapdef/metrics.json")]
     pub(crate) metrics: PathBuf,

@@ -6,7 +6,7 @@ use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{DeckFigures, KnownFigures, read_displacements};
 
-use super::context::FiguresArgs;
+use super::context::MetricsArgs;
 
 /// Arguments of `deck`.
 #[derive(clap::Args)]
@@ -32,7 +32,7 @@ pub(crate) struct DeckArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
-    figures: FiguresArgs,
+    output: MetricsArgs,
 }
 
 /// Solves the deck and prints its figures beside those that are known.
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
     }
     println!("largest |u|  {:.9e} m", figures.largest_u_m);
     displacement(args, &figures, &known, &mut log)?;
-    log.append_to(&args.figures.metrics)?;
+    log.append_to(&args.output.metrics)?;
     Ok(())
 }
 

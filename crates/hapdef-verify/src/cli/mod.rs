@@ -3,7 +3,7 @@
 mod bench;
 mod context;
 mod deck;
-mod stability;
+mod robustness;
 mod verify;
 
 use anyhow::Result;
@@ -29,8 +29,8 @@ enum Task {
     #[command(after_help = "Example:\n  hapdef-verify bench --skip-large")]
     Bench(bench::BenchArgs),
     /// Tries the solver at its extremes: accurate to its bound, or a clear error.
-    #[command(after_help = "Example:\n  hapdef-verify stability fe")]
-    Stability(stability::StabilityArgs),
+    #[command(alias = "stability", after_help = "Example:\n  hapdef-verify robustness fe")]
+    Robustness(robustness::RobustnessArgs),
     /// Solves a deck's own load and compares it with known figures.
     #[command(after_help = "Example:\n  hapdef-verify deck fixtures/shin/shin.inp.gz")]
     Deck(deck::DeckArgs),
@@ -41,7 +41,7 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
     match &cli.task {
         Task::Verify(args) => verify::run(args),
         Task::Bench(args) => bench::run(args).map(|()| true),
-        Task::Stability(args) => stability::run(args),
+        Task::Robustness(args) => robustness::run(args),
         Task::Deck(args) => deck::run(args).map(|()| true),
     }
 }

@@ -10,7 +10,7 @@ use hapdef_verify::{
     Report, Verdict, all_cases, differences, markdown, people_table, run_cases, verification_page,
 };
 
-use super::context::{FiguresArgs, write_page};
+use super::context::{MetricsArgs, write_page};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -31,7 +31,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[command(flatten)]
-    figures: FiguresArgs,
+    output: MetricsArgs,
 }
 
 /// Solves, prints and judges; false where a row missed its target.
@@ -58,7 +58,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
     }
     let log = metrics(args, &report)?;
     let page = verification_page(&report, data)?;
-    write_page(page, &log, &args.figures.metrics, "verify")?;
+    write_page(page, &log, &args.output.metrics, "verify")?;
     Ok(agrees(args, &report)? && report.n_failed() == 0)
 }
 
@@ -115,6 +115,6 @@ fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdo
         Some((_, error)) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,
         _ => log.skipped("verify.worst_rel_err", "no row has an error that is a number")?,
     }
-    log.append_to(&args.figures.metrics)?;
+    log.append_to(&args.output.metrics)?;
     Ok(log)
 }

@@ -1,4 +1,4 @@
 //! The integration tests of hapdef-verify: one program.
 
+mod robustness;
 mod shell_patch;
-mod stability;

@@ -1,4 +1,4 @@
-//! Looks for scenes that are silently wrong, seed after seed: `cargo xtask stability scenes`.
+//! Looks for scenes that are silently wrong, seed after seed: `cargo xtask robustness scenes`.
 //!
 //!     cargo run --release --example scenes -- --minutes 5 --seed 1
 #![expect(clippy::print_stdout, reason = "a program that prints")]

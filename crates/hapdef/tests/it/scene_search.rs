@@ -1,7 +1,7 @@
 //! A search for scenes that are silently wrong: geometry, material, gauges, noise, presses at random,
 //! the readings solved forwards. Whatever the scene, there is a typed error that it deserves, an
 //! answer that says that it is not sure, or every press that the readings show where and as strong as
-//! the answer claims. `cargo xtask stability scenes` searches on with other seeds; scenes that once
+//! the answer claims. `cargo xtask robustness scenes` searches on with other seeds; scenes that once
 //! failed are in `scene_search.json` and are tried here again.
 #![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 

@@ -1,0 +1,211 @@
+//! Rows as metrics, page and file; the rows of several tables as one page.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::column::Column;
+use super::document::{Table, page_table};
+use super::row::{Row, Verdict};
+use crate::error::ReportError;
+use crate::metrics::{MetricContext, MetricLog};
+use crate::report::{NamedText, Report, ReportTable, write_report, write_text};
+
+/// The rows and their origin, beside a table's page.
+const ROWS_FILE: &str = "rows.json";
+
+/// Columns of all tables as one.
+const ALL: [Column; 7] = [
+    Column::Layer,
+    Column::LayerCase,
+    Column::Extreme,
+    Column::MustHold,
+    Column::MeasuredOfLimit,
+    Column::Said,
+    Column::Verdict,
+];
+
+/// What rows rest on besides the code that makes them.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// The scene's name; empty without one.
+    pub scene: String,
+    /// Hashes of what is read.
+    pub hashes: Vec<NamedText>,
+}
+
+/// Where rows go.
+#[derive(Clone, Copy, Debug)]
+pub struct Outputs<'a> {
+    /// The metrics' file; pages are in folders beside it.
+    pub metrics: &'a Path,
+    /// Where the table is written.
+    pub write: Option<&'a Path>,
+    /// The file that the table is compared with.
+    pub check: Option<&'a Path>,
+}
+
+/// What came of a table.
+#[derive(Clone, Debug, Default)]
+pub struct Published {
+    /// The page.
+    pub page: PathBuf,
+    /// Where the file and fresh rows disagree, one sentence each.
+    pub differences: Vec<String>,
+    /// Rows that are wrong or not what was expected.
+    pub n_failed: usize,
+}
+
+/// Rows, and by what they were made.
+#[derive(Serialize, Deserialize)]
+struct Made {
+    context: MetricContext,
+    scene: String,
+    hashes: Vec<(String, String)>,
+    rows: Vec<Row>,
+}
+
+impl Table {
+    /// Prints and keeps the metrics, writes the page and the table, and compares the table.
+    ///
+    /// # Errors
+    /// Files that can't be read or written.
+    pub fn publish<W: Write>(
+        &self,
+        rows: &[Row],
+        inputs: Inputs,
+        (out, context): (W, MetricContext),
+        outputs: Outputs<'_>,
+    ) -> Result<Published, ReportError> {
+        let text = self.markdown(rows);
+        let mut hashes = inputs.hashes;
+        hashes.push(NamedText::hash_of("table", &text));
+        let seed = context.seed;
+        let made = Made {
+            context: context.clone(),
+            scene: inputs.scene.clone(),
+            hashes: hashes.iter().map(|hash| (hash.name.clone(), hash.text.clone())).collect(),
+            rows: rows.to_vec(),
+        };
+        let report = Report {
+            title: self.title.into(),
+            scene: inputs.scene,
+            seed,
+            facts: counts(rows),
+            tables: vec![table(self.note, self.columns, rows)],
+            hashes,
+            ..Report::default()
+        };
+        let folder = outputs.metrics.with_file_name(self.folder);
+        let page = publish(rows, report, MetricLog::new(out, context), outputs.metrics, &folder)?;
+        let path = folder.join(ROWS_FILE);
+        let json = serde_json::to_string_pretty(&made).map_err(ReportError::json(&path))?;
+        write_text(&path, &json)?;
+        if let Some(path) = outputs.write {
+            write_text(path, &text)?;
+        }
+        let differences = match outputs.check {
+            Some(path) => {
+                let committed =
+                    std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
+                self.differences(&text, &committed)
+            }
+            None => Vec::new(),
+        };
+        Ok(Published { page, differences, n_failed: n_failed(rows) })
+    }
+}
+
+/// The rows of the tables in `folders`, published before beside the metrics' file, as one page in
+/// `folder`. Metrics carry the largest of their seeds.
+///
+/// # Errors
+/// Files that can't be read or written.
+pub fn publish_all<W: Write>(
+    folders: &[&str],
+    folder: &str,
+    out: W,
+    metrics: &Path,
+) -> Result<Published, ReportError> {
+    let (mut rows, mut facts, mut hashes, mut seed) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for part in folders {
+        let made = read(&metrics.with_file_name(part).join(ROWS_FILE))?;
+        let context = made.context;
+        seed = seed.max(context.seed);
+        let of_scene = match made.scene.as_str() {
+            "" => String::new(),
+            scene => format!(" on {scene}"),
+        };
+        let text = format!(
+            "{} rows{of_scene}, seed {}, commit {}, {}",
+            made.rows.len(),
+            context.seed,
+            context.commit,
+            context.time
+        );
+        facts.push(NamedText { name: (*part).into(), text });
+        let own = made.hashes.into_iter();
+        hashes.extend(own.map(|(name, text)| NamedText { name: format!("{part}: {name}"), text }));
+        rows.extend(made.rows);
+    }
+    let table = table("Measured: the metric, of the most that it may be.", &ALL, &rows);
+    hashes.push(NamedText::hash_of("table", &table.text.to_markdown()));
+    let report = Report {
+        title: "Robustness of every layer".into(),
+        seed,
+        facts,
+        tables: vec![table],
+        hashes,
+        ..Report::default()
+    };
+    let log = MetricLog::new(out, MetricContext::here(seed));
+    let page = publish(&rows, report, log, metrics, &metrics.with_file_name(folder))?;
+    Ok(Published { page, n_failed: n_failed(&rows), ..Published::default() })
+}
+
+/// Logs how many rows there are, failed, and are silently wrong; writes the page.
+fn publish<W: Write>(
+    rows: &[Row],
+    mut report: Report,
+    mut log: MetricLog<W>,
+    metrics: &Path,
+    folder: &Path,
+) -> Result<PathBuf, ReportError> {
+    let n_wrong = Verdict::SilentlyWrong.count(rows);
+    log.value("stability.rows", rows.len() as f64, "1")?;
+    log.value("stability.failed", n_failed(rows) as f64, "1")?;
+    log.value("stability.silently_wrong", n_wrong as f64, "1")?;
+    log.append_to(metrics)?;
+    report.metrics = log.records().to_vec();
+    Ok(write_report(folder, &report)?.pop().unwrap_or_default())
+}
+
+fn n_failed(rows: &[Row]) -> usize {
+    rows.iter().filter(|row| row.failed).count()
+}
+
+/// How many rows have which verdict.
+fn counts(rows: &[Row]) -> Vec<NamedText> {
+    let count = |verdict: Verdict| NamedText {
+        name: verdict.word().to_owned(),
+        text: verdict.count(rows).to_string(),
+    };
+    Verdict::ALL.map(count).to_vec()
+}
+
+fn table(note: &str, columns: &[Column], rows: &[Row]) -> ReportTable {
+    ReportTable {
+        title: "Rows".into(),
+        note: note.into(),
+        text: page_table(columns, rows),
+        data: Value::Array(rows.iter().map(Row::json).collect()),
+    }
+}
+
+fn read(path: &Path) -> Result<Made, ReportError> {
+    let text = std::fs::read(path)
+        .map_err(ReportError::io("`cargo xtask robustness` writes it; reading", path))?;
+    serde_json::from_slice(&text).map_err(ReportError::json(path))
+}

@@ -1,0 +1,248 @@
+//! Contacts in bad places, of bad sizes, in bad frames.
+
+use hapdef_report::robustness::Expected;
+use std::sync::Arc;
+
+use hapdef_inverse::{ContactEstimate, IfTwo, SkinPoint};
+
+use super::super::table::{Trial, trial};
+use super::world::{
+    Answers, InverseWorld, SD, SURE_AND_WRONG, WRONG, add_noise, answers, is_unseen, single_sds,
+    sure, worst,
+};
+use crate::ReproError;
+
+const METHOD: &str = "estimator";
+const IN_SDS: (&str, f64) = ("sure answers are one contact within 5 sd", 5.0);
+const N_FRAMES: usize = 40;
+
+/// Enough to tell a share of 5 % from one of 8 %.
+const N_NOISY_FRAMES: usize = 400;
+
+const N_PAIRS: usize = 24;
+
+/// No answer on two merging contacts has to be nearer than this to half their gap, m.
+const LEAST_FAR_M: f64 = 3e-3;
+
+pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    merging(all, world);
+    borders(all, world);
+    forces(all, world);
+    noises(all, world);
+    bad_readings(all, world);
+}
+
+/// Two contacts of 10 and 12 N ever nearer, anywhere and on the rim, where the limb is held included.
+/// Where one explains the readings of two, its answer has to say what it is worth if it is two. A contact
+/// that alone would not be seen at all is not asked for.
+fn merging(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    let metrics: [((&str, f64), Metric); 2] = [
+        (
+            (
+                "forces sum to those felt within 5 sd (one contact: its sd if it is two), 1 % each at least",
+                5.0,
+            ),
+            |m| (m.sum_n - m.felt_n).abs() / m.sum_sd_n.max(0.22),
+        ),
+        (
+            (
+                "half the gap and 3 mm or 5 sd from a contact felt to the nearest found (one contact: its sd if it is two), \
+                 in parts of 3 mm or 5 sd",
+                1.0,
+            ),
+            |m| m.far,
+        ),
+    ];
+    for gap_mm in [20.0, 10.0, 7.0, 5.0, 1.0, 1e-3, 1e-6, 0.0] {
+        for (place, is_rim) in [("", false), (" on the rim", true)] {
+            let extreme = format!("two contacts {gap_mm} mm apart{place}");
+            for (holds, metric) in metrics {
+                let w = world.clone();
+                let run = move || over_pairs(&w, gap_mm, is_rim, metric);
+                let expected = Expected::Either;
+                all.push(trial(METHOD, extreme.clone(), holds, expected, run));
+            }
+        }
+    }
+}
+
+/// What a row measures.
+type Metric = fn(&Merged) -> f64;
+
+/// Forces of the two contacts, N.
+const FORCES_N: [f64; 2] = [10.0, 12.0];
+
+/// What is found of those of two contacts that are felt.
+struct Merged {
+    /// Sum of their forces.
+    felt_n: f64,
+    /// The largest distance of one of them to the nearest found beyond half the gap, in parts of 3 mm or
+    /// of 5 of the found one's standard deviations, whichever is more.
+    far: f64,
+    /// Sum of the forces found, and its standard deviation.
+    sum_n: f64,
+    sum_sd_n: f64,
+}
+
+impl Merged {
+    fn of(world: &InverseWorld, truth: &[SkinPoint; 2], found: &ContactEstimate) -> Self {
+        let felt = felt(world, truth);
+        let if_two = match found.if_two.as_slice() {
+            [one] => *one,
+            _ => IfTwo::default(),
+        };
+        let half_m = world.gap_m(&truth[0], &truth[1]) / 2.0;
+        let far = |point: &SkinPoint| {
+            let x = world.map.skin().position(point);
+            let parts = found.contacts.iter().map(|c| {
+                let own_sd_m = (c.covariance[(0, 0)] + c.covariance[(1, 1)]).sqrt();
+                let allowed_m = LEAST_FAR_M.max(5.0 * own_sd_m.max(if_two.position_sd_m));
+                ((c.position_m - x).norm() - half_m) / allowed_m
+            });
+            parts.fold(f64::INFINITY, f64::min)
+        };
+        let n = found.contacts.len();
+        let forces = || (0..n).map(|i| 3 * i + 2);
+        let covariance = |i: usize| forces().map(move |j| found.joint_covariance[3 * n * i + j]);
+        let own_sd_n = forces().flat_map(covariance).sum::<f64>().sqrt();
+        Self {
+            felt_n: felt.iter().map(|(_, force_n)| force_n).sum(),
+            far: felt.iter().map(|(p, _)| far(p)).fold(0.0, f64::max),
+            sum_n: found.contacts.iter().map(|c| c.force_n).sum(),
+            sum_sd_n: own_sd_n.max(if_two.force_sd_n),
+        }
+    }
+}
+
+/// Those of the two contacts that alone move the gauges by more than their noise, as one on the clamp
+/// itself may not; both if only both together do.
+fn felt(world: &InverseWorld, truth: &[SkinPoint; 2]) -> Vec<(SkinPoint, f64)> {
+    let pressed: Vec<_> = truth.iter().copied().zip(FORCES_N).collect();
+    let is_felt = |contact: &(SkinPoint, f64)| !is_unseen(&world.readings(&[*contact]));
+    let alone: Vec<_> = pressed.iter().copied().filter(is_felt).collect();
+    if alone.is_empty() && !is_unseen(&world.readings(&pressed)) {
+        return pressed;
+    }
+    alone
+}
+
+/// The worst over pairs of a metric; the skin bends, and a pair is left out where its contacts are
+/// nearer than three quarters of the gap.
+fn over_pairs(
+    world: &InverseWorld,
+    gap_mm: f64,
+    is_rim: bool,
+    metric: Metric,
+) -> Result<f64, ReproError> {
+    let estimator = world.estimator(SD)?;
+    let starts = match is_rim {
+        true => spread(&world.rim()),
+        false => world.draw(N_PAIRS, 0.0, &mut world.rng(31)),
+    };
+    let pairs =
+        starts.into_iter().filter_map(|start| Some([start, world.beside(&start, gap_mm * 1e-3)?]));
+    let one = |truth: [SkinPoint; 2]| {
+        let y = world.readings(&[(truth[0], FORCES_N[0]), (truth[1], FORCES_N[1])]);
+        let Some(found) = sure(&estimator, &y)? else {
+            return Ok(f64::NAN);
+        };
+        Ok(metric(&Merged::of(world, &truth, &found)))
+    };
+    worst(pairs.map(one))
+}
+
+/// Some of the points, evenly.
+fn spread(points: &[SkinPoint]) -> Vec<SkinPoint> {
+    let stride = points.len().div_ceil(N_PAIRS).max(1);
+    points.iter().copied().step_by(stride).collect()
+}
+
+fn borders(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    for (extreme, at_clamp) in
+        [("20 N on the free rim", false), ("20 N on the clamped border", true)]
+    {
+        let w = world.clone();
+        all.push(trial(METHOD, extreme, IN_SDS, Expected::Either, move || {
+            let estimator = w.estimator(SD)?;
+            let rim = w.rim();
+            let n = rim.len().min(20);
+            let part = if at_clamp { &rim[..n] } else { &rim[rim.len() - n..] };
+            let one = |point: &SkinPoint| {
+                let truth = (*point, 20.0);
+                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
+            };
+            worst(part.iter().map(one))
+        }));
+    }
+}
+
+fn forces(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    for exponent in -3..=5 {
+        let w = world.clone();
+        let extreme = format!("a force of 1e{exponent} N");
+        all.push(trial(METHOD, extreme, IN_SDS, Expected::Either, move || {
+            let estimator = w.estimator(SD)?;
+            let one = |point| {
+                let truth = (point, 10.0_f64.powi(exponent));
+                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
+            };
+            worst(w.draw(12, 0.0, &mut w.rng(32)).into_iter().map(one))
+        }));
+    }
+}
+
+fn noises(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    type Share = fn(Answers) -> f64;
+    // with noise assumed too small hardly any answer is sure, and those by chance
+    let assumed: [(_, _, _, Share); 2] = [
+        ("10 × too small", 0.1, SURE_AND_WRONG, Answers::sure_and_wrong_share),
+        ("10 × too large", 10.0, WRONG, Answers::wrong_share),
+    ];
+    for (words, assumed, holds, share) in assumed {
+        for k in 0..=2 {
+            let w = world.clone();
+            let extreme = format!("noise assumed {words}, {k} contacts of 20 N");
+            all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
+                let mut rng = w.rng(33 + k as u64);
+                let frames = (0..N_NOISY_FRAMES).map(|_| {
+                    let truth = w.draw(k, 0.02, &mut rng);
+                    let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
+                    let mut y = w.readings(&contacts);
+                    add_noise(&mut y, SD, &mut rng);
+                    (truth, y)
+                });
+                Ok(share(answers(&w, &w.estimator(assumed * SD)?, frames)?))
+            }));
+        }
+    }
+}
+
+fn bad_readings(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+    let holds = ("the gauge is named", 0.0);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+        let w = world.clone();
+        let expected = Expected::saying("the reading of gauge 7");
+        let extreme = format!("a reading of {bad:e}");
+        all.push(trial(METHOD, extreme, holds, expected, move || {
+            let mut y = vec![SD; w.n()];
+            y[7] = bad;
+            Ok(w.estimator(SD)?.estimate(&y)?.chi2)
+        }));
+    }
+    for size in [1e2, 1e4, 1e8] {
+        let w = world.clone();
+        let holds = ("at most 5 % of the answers are sure", 0.05);
+        let extreme = format!("random readings of {size:.0e} µε");
+        all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
+            let mut rng = w.rng(37);
+            let nowhere = (0..N_FRAMES).map(|_| {
+                let mut y = vec![0.0; w.n()];
+                add_noise(&mut y, size, &mut rng);
+                (vec![w.sites.points()[0]; 9], y)
+            });
+            let estimator = w.estimator(SD)?;
+            let sure = nowhere.filter(|(_, y)| sure(&estimator, y).is_ok());
+            Ok(sure.count() as f64 / N_FRAMES as f64)
+        }));
+    }
+}

@@ -1,0 +1,130 @@
+//! The table of displacements per newton: on disk, and superposed.
+
+use std::path::Path;
+
+use hapdef::{ComplianceTable, DrawnContact};
+use hapdef_report::robustness::Expected::{self, Result as Wanted};
+
+use crate::ReproError;
+use crate::robustness::table::{Trial, trial};
+
+/// Surface nodes; there is a virtual gauge besides.
+const N: usize = 5;
+
+/// A usual displacement per newton, m/N.
+const USUAL_M_PER_N: f64 = 1e-5;
+
+pub(super) fn trials() -> Vec<Trial> {
+    let mut all = Vec::new();
+    for size_m_per_n in [1e-30, 1e-12, 1e3] {
+        all.push(trial(
+            "compliance",
+            format!("{size_m_per_n:e} m/N"),
+            ("the largest displacement of 10 N read back, relative error", 1e-6),
+            Wanted,
+            move || {
+                let back = in_folder(|path| {
+                    table(size_m_per_n).write(path)?;
+                    Ok(ComplianceTable::read(path, N)?)
+                })?;
+                Ok(worst_error(&back, size_m_per_n, &[(0, 10.0)]))
+            },
+        ));
+    }
+    for force_n in [1e-6, 1e6] {
+        all.push(trial(
+            "compliance",
+            format!("two forces of {force_n:e} N"),
+            ("their displacement, relative error", 1e-6),
+            Wanted,
+            move || {
+                let table = table(USUAL_M_PER_N);
+                Ok(worst_error(&table, USUAL_M_PER_N, &[(0, force_n), (3, force_n)]))
+            },
+        ));
+    }
+    all.push(trial(
+        "compliance",
+        "1e6 N and 1e-3 N at one node",
+        ("what the smaller adds to the larger, relative error", 1e-6),
+        Wanted,
+        || {
+            let table = table(USUAL_M_PER_N);
+            let [both, large, small] = [&[(2, 1e6), (2, 1e-3)][..], &[(2, 1e6)], &[(2, 1e-3)]]
+                .map(|contacts| largest_m(&table, contacts));
+            Ok(((both - large) / small - 1.0).abs())
+        },
+    ));
+    all.extend(refusals());
+    all
+}
+
+fn refusals() -> [Trial; 5] {
+    let refused = |extreme: &str, words, run: fn(&Path) -> Result<ComplianceTable, ReproError>| {
+        trial("compliance", extreme, ("it is refused", 0.0), Expected::saying(words), move || {
+            Ok(in_folder(run)?.n_surface() as f64)
+        })
+    };
+    [
+        refused("an entry is NaN", "NaN", |path| spoilt(path, |rows| rows[7] = f64::NAN)),
+        refused("an entry is beyond 32 bits", "inf", |path| spoilt(path, |rows| rows[7] = 1e39)),
+        refused("the file's last byte is missing", "", |path| cut(path, 0.999)),
+        refused("half the file is missing", "", |path| cut(path, 0.5)),
+        refused("the table of another limb", "expected 6 loads", |path| {
+            table(USUAL_M_PER_N).write(path)?;
+            Ok(ComplianceTable::read(path, N + 1)?)
+        }),
+    ]
+}
+
+/// Rows `[N, N + 1, 3]`, m/N: no two alike, none beyond `size_m_per_n`.
+fn rows(size_m_per_n: f64) -> Vec<f64> {
+    let n = N * (N + 1) * 3;
+    let each = (0..n).map(|i| size_m_per_n * (1.0 - i as f64 / (2 * n) as f64));
+    each.collect()
+}
+
+fn table(size_m_per_n: f64) -> ComplianceTable {
+    ComplianceTable::new(N, N + 1, &rows(size_m_per_n))
+}
+
+fn largest_m(table: &ComplianceTable, contacts: &[(usize, f64)]) -> f64 {
+    let contacts: Vec<DrawnContact> =
+        contacts.iter().map(|&(node, force_n)| DrawnContact { node, force_n }).collect();
+    let mut scratch = table.scratch();
+    let vectors = table.vectors(&contacts, &mut scratch).iter().flatten();
+    vectors.fold(0.0, |most: f64, u| most.max(u.abs()))
+}
+
+/// Of the largest displacement under `contacts`, against sums of 64 bits.
+fn worst_error(table: &ComplianceTable, size_m_per_n: f64, contacts: &[(usize, f64)]) -> f64 {
+    let (rows, width) = (rows(size_m_per_n), (N + 1) * 3);
+    let exact = (0..width).map(|i| {
+        let parts = contacts.iter().map(|(node, f)| f * rows[node * width + i]);
+        parts.sum::<f64>()
+    });
+    let exact = exact.fold(0.0, |most: f64, u| most.max(u.abs()));
+    (largest_m(table, contacts) / exact - 1.0).abs()
+}
+
+fn spoilt(path: &Path, spoil: fn(&mut [f64])) -> Result<ComplianceTable, ReproError> {
+    let mut rows = rows(USUAL_M_PER_N);
+    spoil(&mut rows);
+    ComplianceTable::new(N, N + 1, &rows).write(path)?;
+    Ok(ComplianceTable::read(path, N)?)
+}
+
+/// Reads a file of which only a share is left.
+fn cut(path: &Path, share: f64) -> Result<ComplianceTable, ReproError> {
+    table(USUAL_M_PER_N).write(path)?;
+    let bytes = std::fs::read(path).map_err(ReproError::Folder)?;
+    let n_left = (share * bytes.len() as f64) as usize;
+    std::fs::write(path, &bytes[..n_left]).map_err(ReproError::Folder)?;
+    Ok(ComplianceTable::read(path, N)?)
+}
+
+/// What `work` makes of a path in a folder that is gone afterwards.
+fn in_folder<T>(work: impl Fn(&Path) -> Result<T, ReproError>) -> Result<T, ReproError> {
+    let folder = tempfile::tempdir().map_err(ReproError::Folder)?;
+    work(&folder.path().join("compliance.safetensors"))
+}
