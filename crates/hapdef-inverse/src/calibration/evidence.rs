@@ -9,7 +9,8 @@ use crate::calibration::solution::{Problem, by_gauge};
 pub(crate) const FIRST: Kernel =
     Kernel { length_m: 0.012, size: 0.2, floor: 0.03, steep_length_m: 0.005, steep_size: 0.05 };
 
-/// Sizes and floors that are tried.
+/// Sizes and floors that are tried, of the map's own size: from half a percent to nearly all of it by
+/// factors of two or so.
 const SIZES: [f64; 8] = [0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8];
 const FLOORS: [f64; 5] = [1e-4, 1e-3, 1e-2, 0.1, 1.0];
 const STEEP_SIZES: [f64; 8] = [0.0, 0.01, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8];

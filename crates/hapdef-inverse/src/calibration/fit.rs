@@ -22,7 +22,7 @@ use crate::sites::ScanSites;
 /// Parts of the presses at which the learning curve is taken.
 const CUTS: [f64; 4] = [0.125, 0.25, 0.5, 0.75];
 
-/// Rounds of choosing kernels and rejecting presses.
+/// Rounds of choosing kernels and rejecting presses: bad presses spoil the kernels by which they are judged.
 const N_ROUNDS: usize = 3;
 
 impl Calibrated {

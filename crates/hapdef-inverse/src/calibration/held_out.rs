@@ -16,7 +16,8 @@ use crate::sites::ScanSites;
 /// so little of each other that the left-out ones of the fit itself suffice.
 const N_PRESSES: std::ops::RangeInclusive<usize> = 40..=1000;
 
-/// Parts into which the presses are divided; each in turn is held out, until so many presses were.
+/// Parts into which the presses are divided; each in turn is held out, until so many presses were. A fit to
+/// nine tenths is nearly as good as one to all, and the 95 % quantile of 300 errors has 15 beyond it.
 const N_PARTS: usize = 10;
 const N_HELD_OUT: usize = 300;
 

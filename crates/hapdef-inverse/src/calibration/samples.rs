@@ -10,16 +10,18 @@ use crate::error::{InverseError, check_length, check_not_negative};
 use crate::response::ResponseMap;
 use crate::skin_point::SkinPoint;
 
-/// Presses without which no calibration is tried.
+/// Presses without which no calibration is tried: fewer leave hardly a neighbour to check any of them by.
 pub const LEAST_PRESSES: usize = 12;
 
 /// A cause this many standard deviations of its prior away is worth a warning: by chance one of 16,000 is.
 const BEYOND_SDS: f64 = 4.0;
 
-/// Readings over the map's that a coarse mesh or a wrong stiffness may explain.
+/// Readings over the map's that a coarse mesh or a wrong stiffness may explain. Beyond, a unit, a sign or
+/// a channel is wrong, and a fit would hide it in the gains.
 const SCALES: [f64; 2] = [0.05, 20.0];
 
-/// The presses' extent is at least this share of the skin's.
+/// The presses' extent is at least this share of the skin's: presses in one spot would leave a map that
+/// says it is calibrated, and is so only there.
 const LEAST_EXTENT: f64 = 0.1;
 
 /// The modes as columns, scaled so that every coefficient has a prior of unit variance.

@@ -8,7 +8,8 @@ use crate::calibration::samples::{Places, Samples};
 use crate::calibration::solution::{LeftOut, Solution};
 use crate::response::ResponseMap;
 
-/// Presses around a site whose errors count there.
+/// Presses around a site whose errors count there: the process's own variance is the same everywhere but
+/// for the map's size, and the error is not.
 const N_AROUND: usize = 24;
 
 /// Weight of the gauge's overall scale among them, half of theirs: the mean square of 24 errors alone

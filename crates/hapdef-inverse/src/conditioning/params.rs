@@ -57,20 +57,29 @@ impl ConditionerParams {
         Self {
             gauge_sd,
             period_s,
+            // a fourteenth of one frame's noise
             tare_frames: 200,
             drift_sd: 0.02,
             temperature_sd: 0.0,
             creep_sd: 0.0,
             creep_time_s: 1.0,
+            // one frame in a million touches by noise alone; between the two probabilities nothing changes,
+            // so that a contact at the threshold does not come and go with the noise
             touch_p: 1e-6,
             release_p: 1e-3,
             release_frames: 20,
+            // contacts an eighth as strong as one frame shows are seen in these …
             slow_frames: 64,
+            // … and are not in the baseline yet when they are
             lag_frames: 200,
             rails: Vec::new(),
             coarse: Vec::new(),
+            // a gauge that hardly answers repeats values, too: only beside another that clearly moves is
+            // it dead
             stuck_frames: 100,
             moved_sds: 20.0,
+            // a contact moves several gauges; one that jumps alone for longer is believed, since it may be
+            // a press that only it feels
             spike_sds: 12.0,
             spike_frames: 2,
             recover_frames: 100,

@@ -6,7 +6,8 @@ use crate::dense::{cholesky, inverse, solve_lower};
 use crate::error::InverseError;
 use crate::placement::{Candidates, PlacementParams, no_place};
 
-/// Correlation length of what gauges read, m, and the noise's part of the variance.
+/// Correlation length of what gauges read, m, and the noise's part of the variance, without which places
+/// nearer than a fraction of the length make the covariance singular.
 const LENGTH_M: f64 = 0.03;
 const NUGGET: f64 = 1e-3;
 
