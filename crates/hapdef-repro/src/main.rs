@@ -6,7 +6,6 @@ mod bench;
 mod compare;
 mod frontier;
 mod run;
-mod target;
 
 use std::process::ExitCode;
 

@@ -1,5 +1,6 @@
 //! Position and force errors of many contacts in a few numbers.
 
+use hapdef_bench::stats::{quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 use crate::scoring::ContactPair;
@@ -35,29 +36,18 @@ impl ContactStats {
         if n == 0 {
             return Self { n_expected, ..Self::default() };
         }
-        let mut distances: Vec<f64> = pairs.iter().map(|p| p.position_error_m).collect();
-        distances.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| distances[((n - 1) as f64 * share).round() as usize] * 1e3;
+        let distances = sorted(pairs.iter().map(|p| p.position_error_m));
         let far = distances.iter().filter(|d| **d > FAR_M).count();
         Self {
             n,
             n_expected,
             mean_mm: distances.iter().sum::<f64>() / n as f64 * 1e3,
-            median_mm: at(0.5),
-            p90_mm: at(0.9),
+            median_mm: quantile(&distances, 0.5) * 1e3,
+            p90_mm: quantile(&distances, 0.9) * 1e3,
             share_beyond_10mm: far as f64 / n as f64,
             mean_n: pairs.iter().map(|p| p.force_error_n.abs()).sum::<f64>() / n as f64,
         }
     }
-}
-
-/// The value at share `q` of the sorted `values`, the nearest one; infinite if there are none.
-pub(crate) fn quantile(values: &[f64], q: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let last = sorted.len().saturating_sub(1) as f64;
-    let place = (last * q).round() as usize;
-    sorted.get(place).copied().unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use anyhow::Result;
+use hapdef_bench::stats::{sorted, upper_quantile};
 use serde::Serialize;
 
 /// Runs before the clock starts, in every round: caches fill as they would at run time.
@@ -55,13 +56,8 @@ impl Times {
 
     /// Of all rounds.
     pub(super) fn quantiles(&self) -> Quantiles {
-        let mut sorted = self.micros.clone();
-        sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let index = (share * sorted.len() as f64) as usize;
-            sorted.get(index.min(sorted.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
-        };
-        Quantiles { p50_us: at(0.5), p99_us: at(0.99) }
+        let rising = sorted(self.micros.iter().copied());
+        Quantiles { p50_us: upper_quantile(&rising, 0.5), p99_us: upper_quantile(&rising, 0.99) }
     }
 }
 

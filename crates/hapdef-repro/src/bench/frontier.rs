@@ -13,7 +13,7 @@ use hapdef_report::{
 use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
 use crate::run::facts;
-use crate::run::summary::terminal_table;
+use hapdef_bench::terminal_table;
 
 /// Arguments of `frontier-nets`.
 #[derive(Args, Clone, Debug)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use hapdef_bench::{Column, or_dash, table, terminal_table};
 use hapdef_nets::infer::{InferParams, InferScratch, LowRank, Precision, PreparedNet};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch};
 use hapdef_report::MetricLog;
@@ -47,7 +48,7 @@ struct Chain {
 /// Times every path, prints the table, logs the metrics.
 pub(super) fn run(args: &BenchNetsArgs, log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
     let (rows, missing) = measure(args)?;
-    println!("{}", table(&rows));
+    println!("{}", terminal_table(&table(&COLUMNS, &rows)));
     hapdef::write_json(&args.out.join("bench-nets-inference.json"), &rows)?;
     log_metrics(log, &rows, &missing)
 }
@@ -222,32 +223,15 @@ impl Row {
     }
 }
 
-fn table(rows: &[Row]) -> comfy_table::Table {
-    let mut table = comfy_table::Table::new();
-    let header = [
-        "F_T + F_R, one frame, one core",
-        "p50, µs",
-        "p99, µs",
-        "error",
-        "MB read",
-        "floor, µs",
-        "p50 / floor",
-    ];
-    table.load_style(comfy_table::presets::NOTHING).set_header(header);
-    for row in rows {
-        let text = |value: Option<String>| value.unwrap_or_else(|| "–".into());
-        table.add_row([
-            row.path.clone(),
-            format!("{:.0}", row.times.p50_us),
-            format!("{:.0}", row.times.p99_us),
-            text(row.relative_error.map(|e| format!("{e:.1e}"))),
-            text(row.weight_bytes.map(|b| format!("{:.2}", b as f64 * 1e-6))),
-            text(row.floor_us.map(|f| format!("{f:.0}"))),
-            text(row.floor_ratio().map(|r| format!("{r:.2}"))),
-        ]);
-    }
-    table
-}
+const COLUMNS: [Column<Row>; 7] = [
+    Column::new("F_T + F_R, one frame, one core", |r| r.path.clone()),
+    Column::new("p50, µs", |r| format!("{:.0}", r.times.p50_us)),
+    Column::new("p99, µs", |r| format!("{:.0}", r.times.p99_us)),
+    Column::new("error", |r| or_dash(r.relative_error.map(|e| format!("{e:.1e}")))),
+    Column::new("MB read", |r| or_dash(r.weight_bytes.map(|b| format!("{:.2}", b as f64 * 1e-6)))),
+    Column::new("floor, µs", |r| or_dash(r.floor_us.map(|f| format!("{f:.0}")))),
+    Column::new("p50 / floor", |r| or_dash(r.floor_ratio().map(|r| format!("{r:.2}")))),
+];
 
 fn log_metrics(log: &mut MetricLog<std::io::Stdout>, rows: &[Row], missing: &str) -> Result<()> {
     let row = |start: &str| rows.iter().find(|row| row.path.starts_with(start));

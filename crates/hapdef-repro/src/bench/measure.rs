@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{Limb, Pipeline, Run, Until};
+use hapdef_bench::pareto_front;
 use hapdef_nets::Scratch;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
 use serde::Serialize;
@@ -193,27 +194,14 @@ fn point((variant, errors): (&Variant, Errors)) -> Point {
 
 fn mark_fronts(points: &mut [Point]) {
     let whole = |p: &Point| !matches!(p.family, Family::Part | Family::Peer);
-    let of_map: Vec<_> = points
-        .iter()
-        .map(|p| Some((p.times.p50_us, p.errors.map_um.filter(|_| whole(p))?)))
-        .collect();
-    let of_contacts: Vec<_> = points
-        .iter()
-        .map(|p| Some((p.times.p50_us, p.errors.contact_mm.filter(|_| whole(p))?)))
-        .collect();
-    for (i, point) in points.iter_mut().enumerate() {
-        point.on_map_front = is_on_front(&of_map, i);
-        point.on_contact_front = is_on_front(&of_contacts, i);
-    }
-}
-
-/// Whether no other place is at least as good in both and better in one.
-fn is_on_front(places: &[Option<(f64, f64)>], i: usize) -> bool {
-    let Some((time, error)) = places[i] else {
-        return false;
+    let front = |error: fn(&Errors) -> Option<f64>| {
+        let error = |p: &Point| error(&p.errors).filter(|_| whole(p)).unwrap_or(f64::NAN);
+        pareto_front(&points.iter().map(|p| [p.times.p50_us, error(p)]).collect::<Vec<_>>())
     };
-    let beats = |&(t, e): &(f64, f64)| t <= time && e <= error && (t < time || e < error);
-    !places.iter().flatten().any(beats)
+    let (of_map, of_contacts) = (front(|e| e.map_um), front(|e| e.contact_mm));
+    for (point, is_on) in points.iter_mut().zip(of_map.into_iter().zip(of_contacts)) {
+        (point.on_map_front, point.on_contact_front) = is_on;
+    }
 }
 
 /// The fastest reduced way within 10 % of the whole f32 net's contact error; without any, that of
@@ -229,23 +217,4 @@ pub(super) fn best_reduced(points: &[Point]) -> Result<(&Point, f64)> {
     let fastest = within.min_by(|a, b| a.0.times.p50_us.total_cmp(&b.0.times.p50_us));
     let least = reduced.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     fastest.or(least).copied().context("no reduced net found a contact")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_front_is_what_nothing_beats() {
-        let places = [
-            Some((10.0, 5.0)),
-            Some((20.0, 4.0)),
-            Some((15.0, 5.0)),
-            None,
-            Some((30.0, 4.5)),
-            Some((10.0, 5.0)),
-        ];
-        let front: Vec<bool> = (0..places.len()).map(|i| is_on_front(&places, i)).collect();
-        assert_eq!(front, [true, true, false, false, false, true]);
-    }
 }

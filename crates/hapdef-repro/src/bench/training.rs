@@ -7,6 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use hapdef_bench::stats::median;
 use hapdef_nets::train::{MemorySource, Progress, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
 use hapdef_report::MetricLog;
@@ -45,7 +46,8 @@ pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Resul
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     for batch in BATCHES {
         let rates = rates(&pool, &mut torch, &spec, batch)?;
-        let [torch_f32, torch_bf16, own_f32, own_mixed] = rates.each_ref().map(|r| median(r));
+        let [torch_f32, torch_bf16, own_f32, own_mixed] =
+            rates.each_ref().map(|r| median(r.iter().copied()));
         let ratio = |own: &[f64]| median_ratio(own, &rates[0]);
         let name = |text: &str| match batch {
             1024 => format!("nets.{text}"),
@@ -109,16 +111,9 @@ fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64, precision: TrainPrecisi
     }
 }
 
-fn median(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
 /// Median over the rounds of the ratio within a round.
 fn median_ratio(own: &[f64], torch: &[f64]) -> f64 {
-    let ratios: Vec<f64> = own.iter().zip(torch).map(|(own, torch)| own / torch).collect();
-    median(&ratios)
+    median(own.iter().zip(torch).map(|(own, torch)| own / torch))
 }
 
 /// PyTorch in a Python that takes steps when told to.

@@ -1,10 +1,10 @@
 //! Rows of contacts that come one after another and are followed.
 
 use anyhow::Result;
+use hapdef_bench::stats::sorted;
 
 use super::cells::Map;
 use super::run::{Bench, Measured};
-use super::score::sorted;
 use super::sequence::{Followed, Script};
 use super::world::Draw;
 
@@ -43,7 +43,7 @@ pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Resu
         measured.add(name, &followed.score);
         times_us.extend(followed.times_us);
     }
-    measured.tracking_us = sorted(times_us.into_iter());
+    measured.tracking_us = sorted(times_us);
     Ok(())
 }
 

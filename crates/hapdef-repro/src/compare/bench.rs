@@ -8,6 +8,7 @@ use clap::Args;
 use hapdef::scene::Scene;
 use hapdef::touch::{estimator_params, response_map};
 use hapdef::{Limb, SceneArgs};
+use hapdef_bench::stats::{median, quantile, sorted};
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
     ResponseMap, ScanSites, TrackerParams,
@@ -16,7 +17,6 @@ use hapdef_report::MetricLog;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::cells;
-use super::score::{at, sorted};
 use super::sequence::Script;
 use super::world::{Draw, TrueContact};
 use crate::allocations::allocations;
@@ -61,10 +61,10 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
         frames.push(presses.frames(&script, &mut draw));
     }
     let tracked = track(&estimator, &TrackerParams::default(), &frames)?;
-    let times = sorted(tracked.times_us.into_iter());
-    log.value("inverse.track_p50_us", at(&times, 0.5), "µs")?;
-    log.value("inverse.track_p99_us", at(&times, 0.99), "µs")?;
-    log.value("inverse.frame_max_us", at(&times, 0.9999), "µs")?;
+    let times = sorted(tracked.times_us.iter().copied());
+    log.value("inverse.track_p50_us", quantile(&times, 0.5), "µs")?;
+    log.value("inverse.track_p99_us", quantile(&times, 0.99), "µs")?;
+    log.value("inverse.frame_max_us", quantile(&times, 0.9999), "µs")?;
     let drawn = cells::sets(&mut draw, args.pairs, 2, [[5.0, 34.0]; 4], [0.012, f64::MAX], 0.0);
     let cold_ms = cold_pair_ms(&estimator, &presses, &drawn, &mut draw)?;
     log.value("inverse.cold_pair_ms", cold_ms, "ms")?;
@@ -169,5 +169,5 @@ fn cold_pair_ms(
         estimator.estimate_into(&readings, &mut scratch, &mut estimate)?;
         times_ms.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    Ok(at(&sorted(times_ms.into_iter()), 0.5))
+    Ok(median(times_ms))
 }

@@ -6,13 +6,14 @@ use hapdef::touch::{
     LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
 };
 use hapdef::{Limb, Run, SceneArgs};
+use hapdef_bench::stats::{mean, quantile};
 use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams, tip_ring_m};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::arrivals;
 use super::cells::{self, Map};
 use super::paper::{PaperPipeline, Ranking, VirtualGauges};
-use super::score::{Row, Score, at, mean};
+use super::score::{Row, Score};
 use super::tables;
 use super::world::{Draw, Frame, World, map_refinements};
 
@@ -355,5 +356,5 @@ pub(super) fn time_vs_paper(measured: &Measured) -> Option<f64> {
     let rows = measured.rows.iter().filter(|r| r.name.starts_with("paper"));
     let times: Vec<f64> = rows.map(|r| r.p50_us).collect();
     let paper_us = mean(times.iter().copied());
-    (!times.is_empty()).then(|| paper_us / at(&measured.tracking_us, 0.5))
+    (!times.is_empty()).then(|| paper_us / quantile(&measured.tracking_us, 0.5))
 }

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
+use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
 use serde::Serialize;
 
@@ -131,8 +132,8 @@ impl Score {
             n_frames: self.n_frames,
             gospa_mm: self.gospa_m * 1e3 / self.n_true.max(1) as f64,
             mean_mm: mean(mm.iter().copied()),
-            median_mm: at(&mm, 0.5),
-            p90_mm: at(&mm, 0.9),
+            median_mm: quantile(&mm, 0.5),
+            p90_mm: quantile(&mm, 0.9),
             within10_pct: share(near.count(), self.n_true),
             mean_n: mean(self.pairs.iter().map(|p| p.force_error_n.abs())),
             missed_pct: share(self.n_missed, self.n_true),
@@ -141,8 +142,8 @@ impl Score {
             clean_pct: share(self.n_clean, self.n_frames),
             unsure_pct: share(self.n_unsure, self.n_frames),
             coverage95_pct: (self.n_regions > 0).then(|| share(self.n_inside, self.n_regions)),
-            p50_us: at(&times, 0.5),
-            p99_us: at(&times, 0.99),
+            p50_us: quantile(&times, 0.5),
+            p99_us: quantile(&times, 0.99),
             within_mm: (1..=N_CURVE)
                 .map(|k| (k * mm.len()).div_ceil(N_CURVE))
                 .filter_map(|n| Some((share(n, self.n_true), *mm.get(n.checked_sub(1)?)?)))
@@ -155,24 +156,6 @@ impl Score {
         let (inside, all) = (self.n_inside + other.n_inside, self.n_regions + other.n_regions);
         (all > 0).then(|| inside as f64 / all as f64 * 100.0)
     }
-}
-
-pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0), |(sum, n), v| (sum + v, n + 1));
-    sum / f64::from(n.max(1))
-}
-
-pub(crate) fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values
-}
-
-/// The value at share `q` of sorted values; NaN if there are none.
-pub(crate) fn at(sorted: &[f64], q: f64) -> f64 {
-    let last = sorted.len().saturating_sub(1) as f64;
-    let place = (last * q).round() as usize;
-    sorted.get(place).copied().unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

@@ -4,16 +4,17 @@ use std::path::Path;
 
 use anyhow::Result;
 use hapdef::Run;
+use hapdef_bench::stats::quantile;
 use hapdef_report::{
     Figure, LineChart, MetricLog, NamedText, Report, ReportTable, Series, SkippedStage, TextCell,
     TextTable, write_report,
 };
 
 use super::run::{Measured, double_vs_paper, time_vs_paper};
-use super::score::{Row, at};
+use super::score::Row;
 use super::targets;
 use crate::run::facts;
-use crate::run::summary::terminal_table;
+use hapdef_bench::terminal_table;
 
 const NOTE: &str = "Simulated: readings come from the scene's rig, another and perturbed mesh, with \
     noise and converter. Contacts are matched one to one; errors are those of matched contacts, \
@@ -154,15 +155,15 @@ fn facts_of(run: &Run, test_seed: u64, measured: &Measured) -> Vec<NamedText> {
             "presses and frames {test_seed}, on which nothing was tuned; the rig's are the scene's"
         ),
     ));
-    let quantile = |q| at(&measured.tracking_us, q);
+    let share_us = |q| quantile(&measured.tracking_us, q);
     facts.push(named(
         "tracking",
         format!(
             "{} frames of {:.1} µs (median), {:.0} µs (99 %), {:.0} µs (99.99 %)",
             measured.tracking_us.len(),
-            quantile(0.5),
-            quantile(0.99),
-            quantile(0.9999)
+            share_us(0.5),
+            share_us(0.99),
+            share_us(0.9999)
         ),
     ));
     facts

@@ -5,7 +5,7 @@ use hapdef_report::ReportTable;
 
 use super::run::{Measured, double_vs_paper, time_vs_paper};
 use super::score::Row;
-use crate::target::{Target, Wanted, target_table};
+use hapdef_bench::{Target, Wanted, target_table};
 
 /// A figure of a row.
 type OfRow = (&'static str, &'static str, Wanted, fn(&Row) -> f64);
@@ -71,7 +71,7 @@ pub(super) fn table(measured: &Measured) -> Result<ReportTable> {
     ]);
     let note = "Found: matched within 10 mm. Clean: every contact within 10 mm of a true one, and none else. \
                 Asked of a map calibrated with 3,000 presses where no number is said, ten gauges, 1 µε.";
-    target_table(&targets, note)
+    Ok(target_table(&targets, note)?)
 }
 
 const fn at_most(row: &'static str, what: &'static str, most: f64, of: fn(&Row) -> f64) -> OfRow {

@@ -9,7 +9,7 @@ use super::point::Family;
 use super::tables::tables;
 use super::{ChainFrontierArgs, Measured, limits, planned};
 use crate::run::facts;
-use crate::run::summary::terminal_table;
+use hapdef_bench::terminal_table;
 
 /// Prints the figures and writes `frontier/` under the scene's folder.
 pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Result<()> {

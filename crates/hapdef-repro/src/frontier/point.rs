@@ -1,11 +1,13 @@
 //! What was measured of a way, and how ways are ranked.
 
+use hapdef_bench::pareto_front;
+use hapdef_bench::stats::mean;
 use serde::{Deserialize, Serialize};
 
 use super::lab::Design;
 use super::times::FrameTimes;
 use super::way::{Knows, Way};
-use crate::compare::score::{Row, mean};
+use crate::compare::score::Row;
 
 /// A way from readings to contacts with its errors and its times.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -101,14 +103,12 @@ pub(super) fn error_mm(point: &Point) -> f64 {
 /// For each point whether no other that knows the same before is at least as good in time and error
 /// and better in one.
 pub(super) fn on_front(points: &[Point]) -> Vec<bool> {
-    let beats = |a: &Point, b: &Point| {
-        let (ta, tb) = (a.frame.p50_us, b.frame.p50_us);
-        let (ea, eb) = (error_mm(a), error_mm(b));
-        let is_same_problem = a.family.knows() == b.family.knows();
-        is_same_problem && ta <= tb && ea <= eb && (ta < tb || ea < eb)
+    let front_of = |knows: Knows| {
+        let error = |p: &Point| if p.family.knows() == knows { error_mm(p) } else { f64::NAN };
+        pareto_front(&points.iter().map(|p| [p.frame.p50_us, error(p)]).collect::<Vec<_>>())
     };
-    let is_front = |p: &Point| !points.iter().any(|other| beats(other, p));
-    points.iter().map(is_front).collect()
+    let fronts = front_of(Knows::Nothing).into_iter().zip(front_of(Knows::Before));
+    fronts.map(|(searched, followed)| searched || followed).collect()
 }
 
 /// The point of a family of least error among those whose 99 % quantile is within `budget_us`, if

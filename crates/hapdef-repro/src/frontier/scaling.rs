@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::Run;
+use hapdef_bench::stats::median;
 use hapdef_inverse::{
     ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap, ResponseParams,
     ScanSites, TrackerParams,
@@ -17,7 +18,6 @@ use nalgebra::Vector3;
 use super::growth::Growth;
 use super::tube::Tube;
 use crate::compare::bench::{Presses, track};
-use crate::compare::score::{at, sorted};
 use crate::compare::sequence::Script;
 use crate::compare::world::Draw;
 
@@ -134,7 +134,7 @@ fn batches(run: &Run) -> Result<Growth> {
             alone.install(|| net.forward_batch(&x, &mut scratch, &mut y))?;
             times.push(start.elapsed().as_secs_f64() * 1e6);
         }
-        points.push((batch as f64, at(&sorted(times.into_iter()), 0.5)));
+        points.push((batch as f64, median(times)));
     }
     Ok(Growth::new("frames through F_R together, f32, µs", "frames", "batch_exponent", "1", points))
 }
@@ -212,6 +212,6 @@ impl Solved {
         let n_last = frames.first().map_or(0, Vec::len) / (2 * n_contacts + 2);
         let of_scripts = tracked.times_us.chunks(tracked.times_us.len() / N_SCRIPTS);
         let last = of_scripts.flat_map(|times| &times[times.len() - n_last..]);
-        Ok(at(&sorted(last.copied()), 0.5))
+        Ok(median(last.copied()))
     }
 }

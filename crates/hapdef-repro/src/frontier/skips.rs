@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use hapdef::stages::compliance_table;
 use hapdef::touch::{response_map, superposition};
 use hapdef::{Limb, Run};
+use hapdef_bench::stats::median;
 use hapdef_inverse::{Contact, ContactEstimate, ContactEstimator, ContactTracker, TrackerParams};
 use serde::Serialize;
 
@@ -14,7 +15,6 @@ use super::error::FrontierError;
 use super::lab::Lab;
 use super::made_anew;
 use super::way::Way;
-use crate::compare::score::{at, sorted};
 use crate::compare::sequence::Script;
 use crate::compare::world::Frame;
 
@@ -195,7 +195,6 @@ impl Both {
     }
 
     fn compared(self) -> Compared {
-        let median = |times: Vec<f64>| at(&sorted(times.into_iter()), 0.5);
         Compared {
             full_us: median(self.full_us),
             contacts_us: median(self.contacts_us),
@@ -222,7 +221,7 @@ fn designs(run: &Run, limb: &Limb, folder: &Path) -> Result<[f64; 2]> {
         times_s[1].push(start.elapsed().as_secs_f64());
     }
     std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
-    Ok(times_s.map(|times| at(&sorted(times.into_iter()), 0.5)))
+    Ok(times_s.map(|times| median(times)))
 }
 
 /// A response and an estimator on it, not calibrated.

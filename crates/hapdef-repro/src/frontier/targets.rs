@@ -5,7 +5,7 @@ use hapdef_report::ReportTable;
 
 use super::scaling::{ADJOINT, FACTOR, FRAME_GAUGES, FRAME_NODES};
 use super::{Measured, planned};
-use crate::target::{Target, Wanted, target_table};
+use hapdef_bench::{Target, Wanted, target_table};
 
 /// Exponents of times with what they grow with, by their metrics.
 const EXPONENTS: [(&str, &str, Wanted); 4] = [
@@ -19,7 +19,7 @@ const EXPONENTS: [(&str, &str, Wanted); 4] = [
 pub(super) fn table(measured: &Measured) -> Result<ReportTable> {
     let note = "Times faster: the same scene with everything it may want over the same with single contacts \
                 alone, as further below; a followed frame with the displacement of the whole skin.";
-    target_table(&targets(measured), note)
+    Ok(target_table(&targets(measured), note)?)
 }
 
 fn targets(measured: &Measured) -> Vec<Target> {

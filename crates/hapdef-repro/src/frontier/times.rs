@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use hapdef_bench::stats::{quantile, sorted};
 use hapdef_inverse::ContactEstimate;
 use serde::{Deserialize, Serialize};
 
 use super::lab::Ready;
-use crate::compare::score::{at, sorted};
 use crate::compare::world::Frame;
 
 /// Frames of a round in which the usual way is timed, too.
@@ -63,7 +63,7 @@ impl Rounds {
     pub(super) fn times(&self) -> FrameTimes {
         let all = sorted(self.own.iter().flatten().copied());
         let (medians, tails) = (quantiles(&self.own, 0.5), quantiles(&self.own, 0.99));
-        let (p50_us, p99_us) = (at(&medians, 0.5), at(&all, 0.99));
+        let (p50_us, p99_us) = (quantile(&medians, 0.5), quantile(&all, 0.99));
         FrameTimes {
             n: all.len(),
             p50_us,
@@ -71,7 +71,7 @@ impl Rounds {
             p99_us,
             p99_spread: range(&tails) / p99_us,
             slowest_us: self.slowest_us,
-            usual_us: at(&quantiles(&self.usual, 0.5), 0.5),
+            usual_us: quantile(&quantiles(&self.usual, 0.5), 0.5),
         }
     }
 }
@@ -106,7 +106,7 @@ pub(super) fn search_times_us(ready: &Ready, frames: &[Frame]) -> Result<Vec<f64
 
 /// The same quantile of every round, rising.
 fn quantiles(rounds: &[Vec<f64>], q: f64) -> Vec<f64> {
-    sorted(rounds.iter().map(|round| at(&sorted(round.iter().copied()), q)))
+    sorted(rounds.iter().map(|round| quantile(&sorted(round.iter().copied()), q)))
 }
 
 /// Last minus first of rising values.

@@ -4,6 +4,7 @@ use std::io::Stdout;
 
 use anyhow::Result;
 use hapdef::Pipeline;
+use hapdef_bench::terminal_table;
 use hapdef_report::{MetricLog, Report, TextTable};
 use hapdef_repro::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 
@@ -93,13 +94,4 @@ fn print_claims(text: &TextTable) {
             println!("  {}: {}; {}", metric.text, fate.text, reason.text);
         }
     }
-}
-
-pub(crate) fn terminal_table(text: &TextTable) -> comfy_table::Table {
-    let mut table = comfy_table::Table::new();
-    table.load_style(comfy_table::presets::NOTHING).set_header(&text.header);
-    for row in &text.rows {
-        table.add_row(row.iter().map(|cell| cell.text.as_str()));
-    }
-    table
 }

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
     for ((run, order), which) in runs.iter().zip(&orders).zip([0, 1]) {
         score_run(args, run, order, which, &mut table, &mut log)?;
     }
-    println!("\n{}", super::summary::terminal_table(&table));
+    println!("\n{}", hapdef_bench::terminal_table(&table));
     log.append_to(&args.metrics)?;
     Ok(())
 }

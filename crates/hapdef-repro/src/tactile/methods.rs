@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_nets::{Activation, TrainParams};
 
 use super::runs::TactileRun;
@@ -141,14 +142,13 @@ pub fn tactile_scores(
     let (fit, validation) = train.split_at(train.len() * 4 / 5);
     let settings = method.settings(params);
     let score = |is_chosen: bool, learner: &Learner, start: Instant| {
-        let mut distances = tactile_distances_mm(run, learner, train, test)?;
-        distances.sort_unstable_by(f64::total_cmp);
+        let distances = sorted(tactile_distances_mm(run, learner, train, test)?);
         Ok::<_, ReproError>(TactileScore {
             method,
             settings: in_words(learner, train.len()),
             is_chosen,
-            mean_mm: mean(&distances),
-            median_mm: distances[distances.len() / 2],
+            mean_mm: mean(distances.iter().copied()),
+            median_mm: quantile(&distances, 0.5),
             n_train: train.len(),
             n_test: test.len(),
             elapsed_s: start.elapsed().as_secs_f64(),
@@ -158,7 +158,7 @@ pub fn tactile_scores(
     let start = Instant::now();
     let mut best = (f64::INFINITY, &settings[0]);
     for learner in &settings {
-        let error_mm = mean(&tactile_distances_mm(run, learner, fit, validation)?);
+        let error_mm = mean(tactile_distances_mm(run, learner, fit, validation)?);
         if error_mm < best.0 {
             best = (error_mm, learner);
         }
@@ -193,10 +193,6 @@ pub fn tactile_distances_mm(
 
 fn rows(all: &[f32], width: usize, picked: &[usize]) -> Vec<f32> {
     picked.iter().flat_map(|row| &all[row * width..(row + 1) * width]).copied().collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn in_words(learner: &Learner, n_train: usize) -> String {

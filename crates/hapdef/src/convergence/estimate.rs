@@ -1,5 +1,6 @@
 //! Errors of a sequence of meshes, by Richardson extrapolation.
 
+use hapdef_bench::stats::{median, quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 use super::MeshLevel;
@@ -59,16 +60,15 @@ pub(super) fn estimate(
         steps.iter().map(|step| step.iter().map(|d| d / (1.0 - shrink)).collect()).collect();
     let last = errors[errors.len() - 1].iter().map(|e| e * shrink).collect();
     errors.push(last);
-    let mut ratios: Vec<f64> =
-        values[0].iter().zip(finest).map(|(coarse, fine)| norm(fine) / norm(coarse)).collect();
-    ratios.sort_by(f64::total_cmp);
+    let ratios =
+        sorted(values[0].iter().zip(finest).map(|(coarse, fine)| norm(fine) / norm(coarse)));
     QuantityEstimate {
         quantity,
         order_observed: observed.is_some(),
         order,
-        median_ratio: ratios[ratios.len() / 2],
+        median_ratio: quantile(&ratios, 0.5),
         ratio_range: [ratios[0], ratios[ratios.len() - 1]],
-        median_error: errors.iter().map(|e| median(e)).collect(),
+        median_error: errors.iter().map(|e| median(e.iter().copied())).collect(),
         worst_error: errors.iter().map(|e| largest(e)).collect(),
     }
 }
@@ -96,18 +96,12 @@ fn observed_order(steps: &[Vec<f64>]) -> Option<f64> {
     let [.., before, last] = steps else {
         return None;
     };
-    let order = (median(before) / median(last)).log2();
+    let order = (median(before.iter().copied()) / median(last.iter().copied())).log2();
     order.is_finite().then(|| order.clamp(ORDER_RANGE[0], ORDER_RANGE[1]))
 }
 
 fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 fn largest(values: &[f64]) -> f64 {

@@ -1,5 +1,6 @@
 //! What was found and made on the way from a surface to gauge readings.
 
+use hapdef_bench::stats;
 use hapdef_mesh::SurfaceDefects;
 use serde::Serialize;
 
@@ -190,20 +191,16 @@ impl SurfaceCounts {
 
 /// 0, 25, 50, 75 and 100 % of the values are at most this, nearest ranks; zeros without values.
 pub(super) fn quartiles(values: impl IntoIterator<Item = f64>) -> [f64; 5] {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    [0.0, 0.25, 0.5, 0.75, 1.0].map(|q| of_rank(&sorted, q))
+    let rising = stats::sorted(values);
+    [0.0, 0.25, 0.5, 0.75, 1.0].map(|q| or_zero(stats::quantile(&rising, q), &rising))
 }
 
 /// The share `q` of the values is at most this, nearest rank; 0 without values.
 pub(super) fn quantile(values: impl IntoIterator<Item = f64>, q: f64) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    of_rank(&sorted, q)
+    let rising = stats::sorted(values);
+    or_zero(stats::quantile(&rising, q), &rising)
 }
 
-fn of_rank(sorted: &[f64], q: f64) -> f64 {
-    let last = sorted.len().saturating_sub(1);
-    let rank = (q * last as f64).round() as usize;
-    sorted.get(rank).copied().unwrap_or(0.0)
+fn or_zero(quantile: f64, rising: &[f64]) -> f64 {
+    if rising.is_empty() { 0.0 } else { quantile }
 }

@@ -1,5 +1,6 @@
 //! Stage: factor the limb once, solve one right-hand side per surface node.
 
+use hapdef_bench::stats;
 use hapdef_mesh::GaugeId;
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
 use serde_json::{Value, json};
@@ -61,7 +62,7 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             "peak_rss_gib": peak_rss_gib(),
             "adjoint_s": adjoint.elapsed_s,
             "median_best_gauge_ue_per_n": median_best_gauge(&response, &loads, limb.gauges.len()),
-            "median_self_compliance_um_per_n": median(table.self_compliance_um_per_n()),
+            "median_self_compliance_um_per_n": stats::median(table.self_compliance_um_per_n()),
         }))
     })
 }
@@ -103,7 +104,7 @@ fn median_best_gauge(
             .map(|g| response.reading(GaugeId::from_index(g), load).abs() * 1e6)
             .fold(0.0_f64, f64::max)
     };
-    median(loads.iter().map(best).collect())
+    stats::median(loads.iter().map(best))
 }
 
 /// Most memory the process has held so far, GiB; none where the system does not tell.
@@ -112,9 +113,4 @@ fn peak_rss_gib() -> Option<f64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kib: f64 = line.split_whitespace().next()?.parse().ok()?;
     Some(kib / f64::from(1 << 20))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use hapdef_bench::stats;
 use hapdef_inverse::{
     Candidates, InverseError, PlacementParams, PlacementScore, exchange, place_entropy,
     place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
@@ -10,7 +11,6 @@ use hapdef_inverse::{
 
 use super::layout::{CountedLayout, LayoutParams, LayoutStudy, Places, ScoredLayout};
 use crate::error::HapdefError;
-use crate::stats::quantile;
 
 /// Chooses gauges among candidates.
 type Method = fn(&Candidates, &PlacementParams) -> Result<Vec<usize>, InverseError>;
@@ -100,8 +100,7 @@ fn random_median(
         let chosen = place_random(candidates, &drawn)?;
         scores.push(placement_score(candidates, &chosen, asked)?);
     }
-    let median =
-        |of: fn(&PlacementScore) -> f64| quantile(&scores.iter().map(of).collect::<Vec<_>>(), 0.5);
+    let median = |of: fn(&PlacementScore) -> f64| stats::median(scores.iter().map(of));
     Ok(ScoredLayout {
         name: format!("random, median of {}", scores.len()),
         gauges: Vec::new(),

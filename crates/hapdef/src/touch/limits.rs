@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use hapdef_bench::stats;
 use hapdef_inverse::{
     Carried, ContactBound, ContactEstimator, EstimatorParams, LimitParams, NoiseParams,
     ResponseMap, ScanSites, SkinPoint, carried_contacts, joint_bounds,
@@ -10,7 +11,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::HapdefError;
-use crate::stats::quantile;
 
 /// Draws of a second contact for each that is wanted, before a small skin gives up.
 const MAX_TRIES: usize = 50;
@@ -49,14 +49,20 @@ impl LimitsReport {
     /// Quantile of the finite and infinite single bounds, m.
     #[must_use]
     pub fn single_quantile_m(&self, q: f64) -> f64 {
-        quantile(&self.single_m, q)
+        bound_quantile(&self.single_m, q)
     }
 
     /// The same of the pair bounds, m.
     #[must_use]
     pub fn pair_quantile_m(&self, q: f64) -> f64 {
-        quantile(&self.pair_m, q)
+        bound_quantile(&self.pair_m, q)
     }
+}
+
+/// The bound at share `q` of all; infinite if there are none.
+fn bound_quantile(bounds_m: &[f64], q: f64) -> f64 {
+    let rising = stats::sorted(bounds_m.iter().copied());
+    if rising.is_empty() { f64::INFINITY } else { stats::quantile(&rising, q) }
 }
 
 /// The bounds of a response map in µε/N at every node of its skin.
@@ -134,6 +140,6 @@ impl Pairs<'_> {
                 found.push(bound.map_or(f64::INFINITY, |b| b.position_sd_m));
             }
         }
-        Ok(quantile(&found, 0.5))
+        Ok(bound_quantile(&found, 0.5))
     }
 }

@@ -8,6 +8,7 @@ use hapdef::{
     ContactPair, ContactStats, DrawnContact, MapError, MapErrorSum, ScoredContact, Stage,
     score_lenient, score_one_to_one,
 };
+use hapdef_bench::stats::median;
 use hapdef_data::Split;
 use serde::{Deserialize, Serialize};
 
@@ -118,8 +119,7 @@ impl Tests {
             way.contacts(&field, n_surface, 1)?;
             times.push(start.elapsed().as_secs_f64());
         }
-        times.sort_by(f64::total_cmp);
-        Ok(times.get(times.len() / 2).copied().unwrap_or(f64::NAN))
+        Ok(median(times))
     }
 
     fn contacts(&self, way: &Way<'_>, truth: &TrueMaps<'_>, all: &[Frames]) -> Result<Scores> {

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
+use hapdef_bench::stats::mean_and_sd;
 use hapdef_report::{BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow};
 
 use super::super::frames::Frame;
@@ -16,14 +17,6 @@ const N_ARROWS: usize = 24;
 /// Bins of the varied force in figures 9B and 9C.
 const N_BINS: usize = 8;
 
-/// Mean and standard deviation.
-fn mean_and_spread(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
-    (mean, variance.sqrt())
-}
-
 /// Errors of SVR, k-NN and FNN on single presses.
 pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
     let (mut values, mut spread) = (vec![], vec![]);
@@ -31,7 +24,7 @@ pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
         let errors: Vec<ContactPair> = singles.errors(method).into_iter().flatten().collect();
         let mm: Vec<f64> = errors.iter().map(|e| e.position_error_m * 1e3).collect();
         let newtons: Vec<f64> = errors.iter().map(|e| e.force_error_n.abs()).collect();
-        let cells = [mean_and_spread(&mm), mean_and_spread(&newtons)];
+        let cells = [mean_and_sd(&mm), mean_and_sd(&newtons)];
         values.push(cells.map(|c| Some(c.0)).to_vec());
         spread.push(cells.map(|c| Some(c.1)).to_vec());
     }

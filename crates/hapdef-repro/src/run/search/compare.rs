@@ -46,7 +46,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
     );
     let path = args.scene.out.join(&prepared.run.scene.name).join("search/comparison.md");
     write(&path, &text)?;
-    println!("{}\n{}", crate::run::summary::terminal_table(&table), path.display());
+    println!("{}\n{}", hapdef_bench::terminal_table(&table), path.display());
     Ok(())
 }
 

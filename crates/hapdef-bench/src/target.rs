@@ -1,30 +1,37 @@
 //! What figures should be, and whether they are.
 
-use anyhow::Result;
 use hapdef_report::{ReportTable, TextCell, TextTable};
 use serde::Serialize;
 
 /// A figure and the least or most that it should be.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Target {
-    pub(crate) what: &'static str,
-    pub(crate) wanted: Wanted,
+pub struct Target {
+    /// The figure in words, with its unit.
+    pub what: &'static str,
+    /// What it should be.
+    pub wanted: Wanted,
     /// None where it was not measured.
-    pub(crate) measured: Option<f64>,
+    pub measured: Option<f64>,
 }
 
 /// What a figure should be.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) enum Wanted {
+pub enum Wanted {
+    /// This or more.
     AtLeast(f64),
+    /// This or less.
     AtMost(f64),
+    /// In this range, its ends included.
     Between(f64, f64),
     /// An exponent within a tenth of zero.
     Flat,
 }
 
 /// The figures beside what they should be.
-pub(crate) fn target_table(targets: &[Target], note: &str) -> Result<ReportTable> {
+///
+/// # Errors
+/// A figure that JSON can't hold.
+pub fn target_table(targets: &[Target], note: &str) -> Result<ReportTable, serde_json::Error> {
     let header = ["", "should be", "is", ""];
     Ok(ReportTable {
         title: "What was asked for".into(),
@@ -38,7 +45,9 @@ pub(crate) fn target_table(targets: &[Target], note: &str) -> Result<ReportTable
 }
 
 impl Wanted {
-    fn is_met(self, figure: f64) -> bool {
+    /// Whether a figure is what it should be.
+    #[must_use]
+    pub fn is_met(self, figure: f64) -> bool {
         match self {
             Self::AtLeast(least) => figure >= least,
             Self::AtMost(most) => figure <= most,

@@ -1,0 +1,79 @@
+//! Tables from columns, and tables on a terminal.
+
+use hapdef_report::{TextCell, TextTable};
+
+/// A column: its header, and what stands in it of a row.
+pub struct Column<R> {
+    /// Its name.
+    pub header: &'static str,
+    /// The cell of a row.
+    pub cell: fn(&R) -> String,
+}
+
+impl<R> Column<R> {
+    /// A column of any text.
+    pub const fn new(header: &'static str, cell: fn(&R) -> String) -> Self {
+        Self { header, cell }
+    }
+}
+
+/// One row of cells for each of `rows`.
+#[must_use]
+pub fn table<'a, R: 'a>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'a R>) -> TextTable {
+    let cells = |row: &R| columns.iter().map(|c| TextCell::plain((c.cell)(row))).collect();
+    TextTable {
+        header: columns.iter().map(|c| c.header.to_owned()).collect(),
+        rows: rows.into_iter().map(cells).collect(),
+    }
+}
+
+/// Rows of plain texts under a header.
+#[must_use]
+pub fn text_table<const N: usize>(
+    header: [&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> TextTable {
+    TextTable {
+        header: header.map(str::to_owned).to_vec(),
+        rows: rows.into_iter().map(|cells| cells.map(TextCell::plain).to_vec()).collect(),
+    }
+}
+
+/// The value, or a dash where there is none.
+#[must_use]
+pub fn or_dash(value: Option<String>) -> String {
+    value.unwrap_or_else(|| "–".to_owned())
+}
+
+/// A table for a terminal: columns of equal width, a line for the header and each row.
+#[must_use]
+pub fn terminal_table(table: &TextTable) -> String {
+    let mut lines: Vec<Vec<String>> = vec![table.header.clone()];
+    lines.extend(table.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect()));
+    for cell in lines.iter_mut().flatten() {
+        *cell = cell.replace('\n', " ");
+    }
+    let n_columns = lines.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |i: usize| lines.iter().filter_map(|l| l.get(i)).map(|c| c.chars().count()).max();
+    let widths: Vec<usize> = (0..n_columns).map(|i| width(i).unwrap_or(0)).collect();
+    let line = |cells: &Vec<String>| {
+        let padded = cells.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} "));
+        padded.collect::<String>().trim_end().to_owned()
+    };
+    lines.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_line_up() {
+        let columns: [Column<(&str, f64)>; 2] = [
+            Column::new("what", |row| row.0.to_owned()),
+            Column::new("µm", |row| format!("{:.1}", row.1)),
+        ];
+        let table = table(&columns, &[("one", 1.0), ("twenty", 20.0)]);
+        assert_eq!(terminal_table(&table), " what    µm\n one     1.0\n twenty  20.0");
+    }
+}
