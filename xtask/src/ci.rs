@@ -52,10 +52,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         || steps.run("clippy", clippy),
     )?;
     beside(
-        || {
-            steps.run("tests", || tests.shared())?;
-            steps.run("tests of documentation", || tests.documentation())
-        },
+        || steps.run("tests", || tests.untimed()),
         || {
             steps.run("docs", rustdoc)?;
             steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 
-use crate::tool::{cargo, results, run, target_dir};
+use crate::tool::{cargo, results, run, run_quietly, target_dir};
 use crate::{browser, metrics, python};
 
 /// Modules of the crates' integration tests that claim how soon something happens, how much arrives in
@@ -53,7 +53,7 @@ pub(crate) struct Tests {
 pub(crate) fn run_all() -> Result<()> {
     let start = Instant::now();
     let tests = Tests::build(false)?;
-    let passes = [tests.shared(), tests.timed(), tests.documentation()];
+    let passes = [tests.untimed(), tests.timed()];
     let wall_s = start.elapsed().as_secs_f64();
     metrics::report(&[("test.wall_s", wall_s, "s")], 0, Some(&results().join("metrics.json")));
     let failed: Vec<String> =
@@ -77,29 +77,32 @@ impl Tests {
         })
     }
 
-    /// Unit tests, and the integration tests that claim no time.
-    pub(crate) fn shared(&self) -> Result<()> {
-        run(self.with_environment(&mut cargo(&[
-            "test",
-            "--release",
-            "--no-fail-fast",
-            "--lib",
-            "--bins",
-        ])))?;
-        let mut command = integration();
-        command.args(TIMED.iter().flat_map(|module| ["--skip", module]));
-        run(self.with_environment(&mut command))
+    /// Everything that claims no time: integration tests, and beside them, since they seldom fill both cores,
+    /// unit tests and the examples of the documentation.
+    pub(crate) fn untimed(&self) -> Result<()> {
+        thread::scope(|scope| {
+            let others = scope.spawn(|| self.units_and_examples());
+            let mut command = integration();
+            command.args(TIMED.iter().flat_map(|module| ["--skip", module]));
+            let integration = run(self.with_environment(&mut command));
+            let others = others.join().unwrap_or_else(|_| bail!("panicked"));
+            integration.and(others)
+        })
+    }
+
+    fn units_and_examples(&self) -> Result<()> {
+        for targets in [&["--lib", "--bins"][..], &["--doc"]] {
+            let mut command = cargo(&["test", "--release", "--no-fail-fast"]);
+            run_quietly(self.with_environment(command.args(targets)))?;
+            println!("cargo test {}: ok", targets.join(" "));
+        }
+        Ok(())
     }
 
     /// The integration tests that want the machine for themselves.
     pub(crate) fn timed(&self) -> Result<()> {
         let mut command = integration();
         run(self.with_environment(command.args(TIMED).args(["--test-threads", "1"])))
-    }
-
-    /// The examples of the libraries' documentation.
-    pub(crate) fn documentation(&self) -> Result<()> {
-        run(self.with_environment(&mut cargo(&["test", "--release", "--no-fail-fast", "--doc"])))
     }
 
     /// Says in a command's environment what the tests find and how long they take.

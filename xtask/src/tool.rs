@@ -31,8 +31,8 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
 pub(crate) fn run_quietly(command: &mut Command) -> Result<()> {
     let output = command.output().with_context(|| format!("starting {}", shown(command)))?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        bail!("{} ended with {}:\n{said}", shown(command), output.status);
+        let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+        bail!("{} ended with {}:\n{out}{err}", shown(command), output.status);
     }
     Ok(())
 }

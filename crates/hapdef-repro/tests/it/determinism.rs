@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 
 use hapdef_mesh::{ShinParams, shin, write_inp};
 use serde_json::{Value, json};
@@ -73,9 +74,11 @@ fn collect(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) {
 #[test]
 fn one_seed_one_result_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = scene(folder.path());
-    let one = results(&scene, "1");
-    let two = results(&scene, "2");
+    let scene = &scene(folder.path());
+    let [one, two] = thread::scope(|scope| {
+        let [one, two] = ["1", "2"].map(|threads| scope.spawn(move || results(scene, threads)));
+        [one, two].map(|run| run.join().unwrap())
+    });
     assert!(one.len() >= 16, "found {:?}", one.keys());
     assert!(one.keys().eq(two.keys()), "{:?} against {:?}", one.keys(), two.keys());
     for (name, bytes) in &one {
