@@ -13,7 +13,9 @@
 
 mod argument;
 mod error;
+mod figure;
 mod metrics;
+mod named_text;
 mod origin;
 mod page;
 mod pictures;

@@ -1,6 +1,5 @@
 //! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
 
-mod figure;
 mod markdown;
 
 use std::io::Write;
@@ -9,29 +8,13 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
-pub use self::figure::{Figure, FigureContent};
 use crate::argument::ArgumentError;
 use crate::error::ReportError;
+pub use crate::figure::{Figure, FigureContent};
 use crate::metrics::{MetricContext, MetricOutcome, MetricRecord};
+pub use crate::named_text::NamedText;
 use crate::page::{Block, LimbView, Page};
 use crate::text::{TextCell, TextTable};
-
-/// A name and what it stands for.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct NamedText {
-    /// The name.
-    pub name: String,
-    /// What it stands for.
-    pub text: String,
-}
-
-impl NamedText {
-    /// The hash of a text.
-    #[must_use]
-    pub fn hash_of(name: &str, text: &str) -> Self {
-        Self { name: name.into(), text: blake3::hash(text.as_bytes()).to_hex().to_string() }
-    }
-}
 
 /// A stage that ran.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -16,6 +16,7 @@ mod field;
 #[cfg(feature = "live")]
 pub mod live;
 mod misplace;
+mod nominal_limb;
 mod params;
 mod prober;
 mod real_limb;
@@ -24,6 +25,7 @@ mod warp;
 pub use electronics::Electronics;
 pub use error::RigError;
 pub use field::SmoothField;
+pub use nominal_limb::NominalLimb;
 pub use params::{ElectronicsParams, GainParams, MisplacementParams, RigParams, VariationParams};
 pub use prober::{DoublePressParams, Press, SinglePressParams, double_presses, single_presses};
-pub use real_limb::{NominalLimb, RealLimb, RealLimbInfo};
+pub use real_limb::{RealLimb, RealLimbInfo};

@@ -7,8 +7,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::RigError;
+use crate::nominal_limb::NominalLimb;
 use crate::params::MisplacementParams;
-use crate::real_limb::NominalLimb;
 
 /// Directions tried before a gauge is refused.
 const N_DIRECTIONS: usize = 64;

@@ -5,10 +5,7 @@ use std::time::Instant;
 use hapdef_mesh::{
     ClosestPoint, FeNodeId, GaugeId, MeshError, SkinRegion, Tet10Mesh, refine_unfolded,
 };
-use hapdef_sim::{
-    ElasticModel, ElasticParams, FactorInfo, GaugeParams, GaugeResponse, GaugeSite,
-    IsotropicMaterial, PressedSkin, SolveInfo,
-};
+use hapdef_sim::{ElasticModel, ElasticParams, FactorInfo, GaugeResponse, PressedSkin, SolveInfo};
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,26 +13,9 @@ use rand_chacha::ChaCha8Rng;
 use crate::error::RigError;
 use crate::field::SmoothField;
 use crate::misplace::misplaced_gauges;
+use crate::nominal_limb::NominalLimb;
 use crate::params::{GainParams, RigParams};
 use crate::warp::vary_thickness;
-
-/// The limb as it is drawn, before anything is perturbed.
-pub struct NominalLimb<'a> {
-    /// The training side's mesh, or another one of the same limb.
-    pub mesh: &'a Tet10Mesh,
-    /// Nodes held fast.
-    pub clamped: &'a [FeNodeId],
-    /// Nominal material.
-    pub material: IsotropicMaterial,
-    /// Nominal gauge sites.
-    pub gauges: &'a [GaugeSite],
-    /// How much of a gauge may miss the wall.
-    pub gauge_params: GaugeParams,
-    /// The touchable skin.
-    pub skin: &'a SkinRegion,
-    /// Radius of the probing tip, m.
-    pub tip_radius_m: f64,
-}
 
 /// What building the rig's limb took.
 #[derive(Clone, Debug)]

@@ -1,7 +1,6 @@
 //! One page: what it is sent, what it says.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 
@@ -12,6 +11,7 @@ use futures_util::{SinkExt, StreamExt};
 use tokio::sync::mpsc;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
+use crate::client_stats::ClientStats;
 use crate::command::{PageMessage, ViewCommand};
 use crate::feed::{Feed, Place};
 use crate::wire::Hello;
@@ -20,63 +20,12 @@ use crate::wire::Hello;
 const HELLO_TIME: Duration = Duration::from_secs(3);
 /// Between frames: 60 a second at most.
 const FRAME_TIME: Duration = Duration::from_micros(16_667);
-/// Frames on their way to a page that it has not taken.
-const MAX_ON_THE_WAY: u64 = 3;
 /// Answers that wait for a page that does not read.
 const MAX_ANSWERS: usize = 16;
 /// Pings in the time for which a page may answer nothing.
 const PINGS: u32 = 3;
 /// Close code of a page without the token where one is needed.
 const CLOSE_TOKEN: u16 = 4401;
-
-/// What one page was sent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ClientInfo {
-    /// Frames sent.
-    pub n_sent: u64,
-    /// Frames that the page says it took, to draw them or the next.
-    pub n_taken: u64,
-    /// Number of the frame that the page says it drew last, 0: none.
-    pub last_drawn: u64,
-    /// Frames replaced by newer ones before they were sent.
-    pub n_skipped: u64,
-}
-
-/// Counts of one page.
-#[derive(Default)]
-pub(crate) struct ClientStats {
-    n_before: u64,
-    n_sent: AtomicU64,
-    n_taken: AtomicU64,
-    last_drawn: AtomicU64,
-}
-
-impl ClientStats {
-    pub(crate) fn info(&self, n_pushed: u64) -> ClientInfo {
-        let n_sent = self.n_sent.load(Ordering::Relaxed);
-        ClientInfo {
-            n_sent,
-            n_taken: self.n_taken.load(Ordering::Relaxed),
-            last_drawn: self.last_drawn.load(Ordering::Relaxed).min(n_pushed),
-            n_skipped: (n_pushed - self.n_before).saturating_sub(n_sent),
-        }
-    }
-
-    fn has_room(&self) -> bool {
-        let n_taken = self.n_taken.load(Ordering::Relaxed);
-        self.n_sent.load(Ordering::Relaxed) < n_taken + MAX_ON_THE_WAY
-    }
-
-    /// One more was taken, never more than were sent; `drawn` is the number of the last one drawn.
-    fn took(&self, drawn: Option<u64>) {
-        let n_sent = self.n_sent.load(Ordering::Relaxed);
-        let n_taken = self.n_taken.load(Ordering::Relaxed);
-        self.n_taken.store((n_taken + 1).min(n_sent), Ordering::Relaxed);
-        if let Some(drawn) = drawn {
-            self.last_drawn.store(drawn, Ordering::Relaxed);
-        }
-    }
-}
 
 /// Serves one page until it leaves.
 pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
@@ -89,10 +38,7 @@ pub(crate) async fn serve(place: Place, mut socket: WebSocket) {
         let _ = timeout(HELLO_TIME, socket.send(Message::Close(Some(close)))).await;
         return;
     }
-    let stats = Arc::new(ClientStats {
-        n_before: feed.n_pushed().saturating_sub(1),
-        ..ClientStats::default()
-    });
+    let stats = Arc::new(ClientStats::new(feed.n_pushed().saturating_sub(1)));
     feed.enter(&stats);
     let (sink, stream) = socket.split();
     let (answers, answered) = mpsc::channel(MAX_ANSWERS);
@@ -217,7 +163,7 @@ impl Page<'_> {
         }
         if let Some(frame) = self.feed.frame_after(seen.frame) {
             seen.frame = frame.seq;
-            self.stats.n_sent.fetch_add(1, Ordering::Relaxed);
+            self.stats.sent();
             sink.send(Message::Binary(frame.value.clone())).await?;
         }
         Ok(())

@@ -8,7 +8,7 @@ use std::time::Duration;
 use arc_swap::{ArcSwap, ArcSwapOption};
 use axum::body::Bytes;
 
-use crate::client::{ClientInfo, ClientStats};
+use crate::client_stats::{ClientInfo, ClientStats};
 use crate::command::ViewCommand;
 use crate::device::DeviceState;
 use crate::error::ViewError;

@@ -12,6 +12,7 @@
 
 mod assets;
 mod client;
+mod client_stats;
 mod command;
 mod device;
 mod ellipse;
@@ -25,7 +26,7 @@ mod server;
 mod token;
 mod wire;
 
-pub use client::ClientInfo;
+pub use client_stats::ClientInfo;
 pub use command::ViewCommand;
 pub use device::DeviceState;
 pub use ellipse::semi_axes;

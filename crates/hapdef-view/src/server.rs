@@ -17,7 +17,8 @@ use tokio::sync::oneshot;
 use tokio::time::interval;
 
 use crate::assets;
-use crate::client::{self, ClientInfo};
+use crate::client;
+use crate::client_stats::ClientInfo;
 use crate::command::ViewCommand;
 use crate::device::DeviceState;
 use crate::error::ViewError;

@@ -15,6 +15,15 @@ pub(crate) struct Messages {
     is_over: bool,
 }
 
+impl Recording {
+    /// The messages of the sources, for a replay. Packets that are missing because the file is damaged
+    /// are among the next frame's `n_lost_before`; in the end [`Message::Link`] reports damage, and
+    /// of a file that can't be read on.
+    pub fn messages(self) -> impl Iterator<Item = Message> + Send {
+        Messages::new(self).map(|(_, message)| message)
+    }
+}
+
 impl Messages {
     pub(crate) fn new(recording: Recording) -> Self {
         Self { recording, last_seq: None, last_ns: 0, is_over: false }

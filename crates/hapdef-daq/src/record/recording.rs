@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::further::{Definitions, TopicDef};
-use super::messages::Messages;
 use super::scan::{ChunkScanner, DamageInfo, next_record};
 use super::topics::{Topic, read_device, read_frame};
 use crate::{DaqError, Message};
@@ -139,13 +138,6 @@ impl Recording {
             self.take_records();
         }
         Ok(self.records.pop_front())
-    }
-
-    /// The messages of the sources, for a replay. Packets that are missing because the file is damaged
-    /// are among the next frame's `n_lost_before`; in the end [`Message::Link`] reports damage, and
-    /// of a file that can't be read on.
-    pub fn messages(self) -> impl Iterator<Item = Message> + Send {
-        Messages::new(self).map(|(_, message)| message)
     }
 
     /// How whole the file is, as far as it was read.

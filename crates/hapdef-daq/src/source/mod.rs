@@ -6,6 +6,7 @@ mod low_latency;
 mod memory;
 #[cfg(feature = "serial")]
 mod ports;
+mod protocol;
 mod reader;
 mod replay;
 #[cfg(feature = "serial")]
@@ -23,10 +24,11 @@ pub use fault::{LinkFault, LinkState};
 pub use memory::{MemoryDevice, MemoryLink, memory_link};
 #[cfg(feature = "serial")]
 pub use ports::{PortInfo, permission_remedy, serial_ports};
+pub use protocol::Protocol;
 pub use replay::ReplaySource;
 #[cfg(feature = "serial")]
 pub use serial::{SerialLink, SerialParams};
-pub use stream::{Protocol, StreamParams, StreamSource};
+pub use stream::{StreamParams, StreamSource};
 pub use tcp::TcpLink;
 #[cfg(feature = "tokio")]
 pub use tokio::{AsyncLink, AsyncSerial, AsyncSource, AsyncTcp};

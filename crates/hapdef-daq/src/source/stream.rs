@@ -4,21 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::session::{READ_LEN, REOPEN_NS, Session};
-use super::{FrameSource, Link, LinkFault, LinkState, SourceStats, SourceStatus};
+use super::{FrameSource, Link, LinkFault, LinkState, Protocol, SourceStats, SourceStatus};
 use crate::Message;
 use crate::clock::{HostClock, SystemClock};
-
-/// What the bytes of a link mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Protocol {
-    /// HDP1.
-    Hdp1,
-    /// Lines of that many integers, as the authors' sketch prints them (10).
-    Csv {
-        /// Integers in a line.
-        n_channels: usize,
-    },
-}
 
 /// How a link is read.
 #[derive(Clone)]

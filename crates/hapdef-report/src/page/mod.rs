@@ -13,7 +13,8 @@ use hapdef_mesh::atomic_write;
 pub use limb::{LimbMap, LimbView};
 
 use crate::ReportError;
-use crate::report::{Figure, FigureContent, NamedText};
+use crate::figure::{Figure, FigureContent};
+use crate::named_text::NamedText;
 use crate::text::{TextTable, escape_html as escape};
 
 const STYLE: &str = include_str!("page.css");
