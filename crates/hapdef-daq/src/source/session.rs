@@ -6,7 +6,8 @@ use super::{LinkState, Protocol, SourceStats};
 use crate::Message;
 use crate::hdp1::{Command, Encoder};
 
-/// Time from one attempt to open a link to the next.
+/// Time from one attempt to open a link to the next: frames have to be back within 1 s of a replug,
+/// and waiting may take no more than 5 % of a core.
 pub(crate) const REOPEN_NS: u64 = 100_000_000;
 /// Bytes read at a time.
 pub(crate) const READ_LEN: usize = 1 << 14;

@@ -4,7 +4,8 @@ use super::LinkState;
 use super::reader::Reader;
 use crate::Message;
 
-/// After that long without anything understood, the source says so.
+/// After that long without anything understood, the source says so: garbage and a wrong baud rate have
+/// to be reported within 3 s.
 const PATIENCE_NS: u64 = 2_000_000_000;
 
 #[derive(Default)]
