@@ -230,7 +230,7 @@ fn pair(ring_len: usize, shared: &Arc<Shared>) -> (RingWriter, Receiver) {
 }
 
 /// Reads on a thread that does nothing else. Where 0.5 ms of every ms are computed on the thread that
-/// reads, the median latency is 1032 µs instead of 22 µs, and the 99th percentile 6 ms.
+/// reads, the median latency is 1032 µs instead of 22 µs.
 fn read(
     mut source: impl FrameSource,
     params: AcquireParams,

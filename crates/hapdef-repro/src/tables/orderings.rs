@@ -55,7 +55,7 @@ pub fn table1_claims(tables: &[Table1]) -> Vec<Claim> {
         claim(
             "fnn_over_lr",
             "trained on I–IV, the FNN's error over LR's is no more than the paper's on I, II, III, IV",
-            ".52 / .44 / .60 / .70",
+            "0.52 / 0.44 / 0.60 / 0.70",
             fnn_over_lr_checks,
         ),
     ]
