@@ -4,75 +4,57 @@
 //! Knows nothing of forces, materials, networks or scenes. Lengths are metres throughout; a reader
 //! that meets another unit scales once, at the border.
 
-mod atomic;
-mod boundary;
-mod closest;
+pub mod surface;
+
+pub mod solid;
+
+pub mod skin;
+
+pub mod shell;
+
+pub mod gltf;
+
+pub mod deck;
+
+pub mod remesh;
+
+pub mod shin;
+
 pub mod colour;
-mod curve;
-mod deck;
+
+mod atomic;
 mod error;
-mod extrude;
-mod gltf;
 mod ids;
-mod kuhn;
-mod neighbours;
-mod patch;
-mod quality;
-mod rays;
-mod refine;
-mod refine_surface;
-mod refined;
-mod remesh;
-mod self_intersection;
-mod shell;
-mod shin;
-mod sites;
-mod skin;
-mod solid;
-mod solid_fault;
-mod surface;
-pub mod tet10;
-mod topology;
-pub mod tri6;
 mod unit;
-mod vtu;
-mod wall;
-mod weld;
 
 pub use self::gltf::{
     GltfFault, GltfInfo, GltfParams, GltfPart, GltfSurface, VertexField, read_gltf, write_glb,
 };
+pub use self::remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
+pub use self::shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use atomic::atomic_write;
-pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
-pub use closest::{Closest, ClosestPoint};
-pub use curve::FaceCurve;
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,
     write_inp,
 };
 pub use error::MeshError;
-pub use extrude::{ExtrudeParams, Extrusion, extrude};
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
-pub use kuhn::{kuhn_block, kuhn_cell, kuhn_tube};
-pub use neighbours::PointIndex;
-pub use patch::{GaugePatch, gauge_patch};
-pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
-pub use refine_surface::RefinedSurface;
-pub use refined::{RefinedSolid, is_folded, refine_unfolded};
-pub use remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
-pub use self_intersection::{Crossing, self_intersections};
 pub use shell::{
-    BodyChoice, CleanInfo, CleanParams, Defect, ShellSurface, SkinSide, SolidShell, SolidShellInfo,
-    SolidShellParams, SurfaceDefects, SurfaceFault, WallKind, clean_surface, measure_solid,
-    shell_from_solid,
+    ExtrudeParams, Extrusion, ShellSurface, SkinSide, SolidShell, SolidShellInfo, SolidShellParams,
+    WallKind, extrude, measure_solid, shell_from_solid,
 };
-pub use shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
-pub use sites::{clear_nodes, farthest_nodes};
-pub use skin::{RadialRegionParams, SkinRegion, face_positions, radial_region};
-pub use solid::{TET10_EDGES, Tet10Mesh};
-pub use solid_fault::SolidFault;
-pub use surface::{BoundingBox, SurfaceMesh};
+pub use skin::{
+    GaugePatch, OuterSkinParams, PointIndex, RadialRegionParams, SkinRegion, Wall, clear_nodes,
+    face_positions, farthest_nodes, gauge_patch, outer_skin, radial_region, wall,
+};
+pub use solid::{
+    BoundarySurface, PointField, PointValues, RefinedSolid, SolidFault, TET10_EDGES, TET10_FACES,
+    Tet10Mesh, Tri6Face, connected_faces, is_folded, kuhn_block, kuhn_cell, kuhn_tube,
+    refine_unfolded, tet10, tri6, write_vtu,
+};
+pub use surface::{
+    BodyChoice, BoundingBox, CleanInfo, CleanParams, Closest, ClosestPoint, Crossing, Defect,
+    FaceCurve, QualityReport, RefinedSurface, SLIVER_ANGLE_DEG, SurfaceDefects, SurfaceFault,
+    SurfaceMesh, WeldInfo, clean_surface, self_intersections,
+};
 pub use unit::{LengthUnit, UnitGuess};
-pub use vtu::{PointField, PointValues, write_vtu};
-pub use wall::{OuterSkinParams, Wall, outer_skin, wall};
-pub use weld::WeldInfo;

@@ -10,8 +10,8 @@ use nalgebra::Matrix3;
 
 use super::DeckFault;
 use super::ansys_blocks::Lines;
-use super::ansys_loads::{PendingLoad, Selection};
 use super::ansys_parameters::Parameters;
+use super::ansys_state::{PendingLoad, Selection};
 use super::builder::DeckBuilder;
 use super::inp_keyword::quoted;
 

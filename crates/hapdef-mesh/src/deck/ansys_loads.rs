@@ -1,43 +1,13 @@
 //! Selections, supports and loads of an ANSYS deck.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::DeckFault;
 use super::ansys::{Command, Reader, SurfaceElement};
+use super::ansys_state::{LoadKind, PendingLoad, Selection};
 use super::builder::{DeckBuilder, HELD_ALL, SurfaceLoad};
-
-/// Which nodes or elements the next command's ALL means.
-#[derive(Clone, Debug, Default)]
-pub(super) enum Selection {
-    /// Everything.
-    #[default]
-    All,
-    /// These numbers.
-    Some(BTreeSet<u32>),
-    /// A selection this reader does not follow: a command that uses it is refused.
-    Unknown,
-}
-
-/// A load as given; its value is looked up at the end, when the step's time is known.
-#[derive(Debug)]
-pub(super) struct PendingLoad {
-    line: usize,
-    targets: Vec<u32>,
-    value: String,
-    kind: LoadKind,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum LoadKind {
-    /// A displacement in the directions of these bits; it must be 0.
-    Hold(u8),
-    /// A force component.
-    Force(usize),
-    /// A force per area along an axis of the surface element's coordinate system.
-    Surface(usize),
-}
 
 /// Options of SURF154 that matter here: loads in the element's coordinate system (2 = 1) on the
 /// real, not the projected, area (11 = 2), with mid-side nodes (4 = 0). Option 7 acts only in large

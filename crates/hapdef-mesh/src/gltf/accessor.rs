@@ -1,20 +1,12 @@
 //! Accessors to positions and indices, sparse values included.
 
-use std::borrow::Cow;
-
+use gltf::json::Index;
 use gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
 
+use super::GltfFault;
+use super::source::{Source, found};
 use super::view::{Span, Use};
-use super::{GltfFault, GltfParams};
-
-/// A parsed file with the bytes of its buffers.
-pub(super) struct Source<'a> {
-    pub root: &'a Root,
-    pub buffers: &'a [Cow<'a, [u8]>],
-    pub params: &'a GltfParams,
-}
 
 impl Source<'_> {
     /// The accessor a property refers to.
@@ -144,17 +136,6 @@ impl Source<'_> {
         };
         Ok(integers(&self.gathered(&span, &place)?, component.0))
     }
-}
-
-/// The object a property refers to.
-pub(super) fn found<'a, T>(
-    list: &'a [T],
-    index: usize,
-    place: &str,
-    what: &'static str,
-) -> Result<&'a T, GltfFault> {
-    let fault = || GltfFault::Dangling { place: place.to_owned(), what, index, count: list.len() };
-    list.get(index).ok_or_else(fault)
 }
 
 /// The view an accessor reads from, if it has one.

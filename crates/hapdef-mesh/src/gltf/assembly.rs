@@ -6,11 +6,11 @@ use gltf::json::Root;
 use gltf::json::mesh::Primitive;
 use nalgebra::Point3;
 
-use super::accessor::Source;
 use super::primitive::{self, Decoded, Triangles};
 use super::scene::{self, Instance};
+use super::source::Source;
 use super::{GltfFault, GltfInfo, GltfParams, GltfPart};
-use crate::surface::{affine, linear_part};
+use crate::surface::triangles::{affine, linear_part};
 
 /// The surface while it is put together.
 pub(super) struct Assembly<'a> {

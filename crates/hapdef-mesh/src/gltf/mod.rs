@@ -8,12 +8,15 @@ mod buffers;
 mod container;
 mod document;
 mod fault;
+mod params;
 mod primitive;
 mod read;
 mod scene;
+mod source;
 mod view;
 mod write;
 
 pub use fault::GltfFault;
-pub use read::{GltfInfo, GltfParams, GltfPart, GltfSurface, read_gltf};
+pub use params::{GltfInfo, GltfParams, GltfPart};
+pub use read::{GltfSurface, read_gltf};
 pub use write::{VertexField, write_glb};

@@ -5,7 +5,8 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::GltfFault;
-use super::accessor::{Source, found, view_of};
+use super::accessor::view_of;
+use super::source::{Source, found};
 
 /// A coordinate may differ from the accessor's declared bounds by this part of the largest bound:
 /// exporters round the numbers they print.

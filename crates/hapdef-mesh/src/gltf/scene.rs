@@ -5,8 +5,8 @@ use gltf::json::{Index, Root};
 use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector3};
 
 use super::GltfFault;
-use super::accessor::found;
-use crate::surface::linear_part;
+use super::source::found;
+use crate::surface::triangles::linear_part;
 
 /// How far a rotation's norm may be from 1; exporters store it in 32 bits or less.
 const QUATERNION_SLACK: f64 = 1e-3;

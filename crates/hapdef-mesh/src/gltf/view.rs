@@ -4,7 +4,7 @@ use gltf::json::buffer::{Target, View};
 use gltf::json::validation::Checked;
 
 use super::GltfFault;
-use super::accessor::{Source, found};
+use super::source::{Source, found};
 
 /// What an accessor is read for.
 #[derive(Clone, Copy, PartialEq)]

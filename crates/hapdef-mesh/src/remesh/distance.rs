@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::SurfaceMesh;
-use crate::closest::ClosestPoint;
+use crate::surface::closest::ClosestPoint;
 
 /// The largest sampled distance between two surfaces, each way, m. The larger of the two is the
 /// Hausdorff distance as far as the samples see it.

@@ -11,8 +11,8 @@ pub use distance::{SurfaceDistance, surface_distance};
 use self::relax::{Origin, relax};
 use self::sweep::{collapse_short, flip_edges, split_long};
 use self::work::{Kind, Work};
-use crate::shell::check_manifold;
-use crate::topology::sorted_half_edges;
+use crate::surface::find_defects::check_manifold;
+use crate::surface::topology::sorted_half_edges;
 use crate::{MeshError, SurfaceFault, SurfaceMesh};
 
 /// How a surface is remeshed.

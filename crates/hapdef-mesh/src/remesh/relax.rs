@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::sweep::Ring;
 use super::work::{Kind, Work, normal};
 use crate::SurfaceMesh;
-use crate::closest::ClosestPoint;
+use crate::surface::closest::ClosestPoint;
 
 /// A vertex goes back to triangles whose normal is within 60° of its own, so that it can't land on
 /// the other side of a thin wall; a crease vertex to edges within 45° of its crease.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::topology::sorted_half_edges;
+use crate::surface::topology::sorted_half_edges;
 use crate::{MeshError, SurfaceMesh};
 
 /// How freely a vertex may move.

@@ -1,7 +1,7 @@
 //! The largest connected piece of a skin, and vertices where two fans of it touch.
 
-use super::WallKind;
-use crate::topology::bodies;
+use super::walls::WallKind;
+use crate::surface::topology::bodies;
 use crate::{MeshError, SurfaceMesh};
 
 /// The triangles of the largest piece by area of [`WallKind::Shell`], ascending; those of the other

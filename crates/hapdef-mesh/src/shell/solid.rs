@@ -1,30 +1,14 @@
 //! The shell in a closed, double-walled solid: its outer skin and the wall behind it.
 
 use super::pieces::{largest_piece, split_pinched};
-use super::walls::Walls;
-use super::{ShellSurface, SkinSide, SolidShellParams, check_closed, check_size};
-use crate::rays::FaceRays;
-use crate::self_intersection::check_uncrossed;
-use crate::shell::clean::part;
-use crate::topology::bodies;
+use super::walls::{WallKind, Walls};
+use super::{ShellSurface, SkinSide, SolidShellParams};
+use crate::skin::rays::FaceRays;
+use crate::surface::clean::part;
+use crate::surface::find_defects::{check_closed, check_size};
+use crate::surface::self_intersection::check_uncrossed;
+use crate::surface::topology::bodies;
 use crate::{MeshError, SurfaceFault, SurfaceMesh};
-
-/// What a triangle of the solid is to the shell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WallKind {
-    /// It does not see the outside.
-    Inside,
-    /// Outer skin with a wall behind it.
-    Shell,
-    /// Outer skin whose material ends at outer skin again: a solid core, or a plate.
-    SolidCore,
-    /// Outer skin without a wall parallel to it: a rim, an end, a corner.
-    NoWall,
-    /// Outer skin with a wall too thick for a shell.
-    TooThick,
-    /// A shell, but not connected with the largest piece.
-    Island,
-}
 
 /// The outer skin of a solid where it is a shell.
 #[derive(Clone, Debug, PartialEq)]

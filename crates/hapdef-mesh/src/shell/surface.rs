@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::check_manifold;
+use crate::surface::find_defects::check_manifold;
 use crate::{MeshError, SurfaceFault, SurfaceMesh};
 
 /// Where in the wall a skin lies.
@@ -144,7 +144,7 @@ pub(crate) fn steps(
     for (triangle, corners) in skin.triangles().iter().enumerate() {
         let normal = skin.area_normal_m2(triangle).try_normalize(0.0);
         let normal = normal.unwrap_or_else(Vector3::zeros);
-        let angles = crate::surface::corner_angles_rad(&skin.corners(triangle));
+        let angles = crate::surface::triangles::corner_angles_rad(&skin.corners(triangle));
         for (&v, angle) in corners.iter().zip(angles) {
             let sum = &mut sums[v as usize];
             *sum = (sum.0 + angle * normal.dot(&normals[v as usize]), sum.1 + angle);

@@ -2,9 +2,26 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::{SolidShellParams, WallKind};
+/// What a triangle of the solid is to the shell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallKind {
+    /// It does not see the outside.
+    Inside,
+    /// Outer skin with a wall behind it.
+    Shell,
+    /// Outer skin whose material ends at outer skin again: a solid core, or a plate.
+    SolidCore,
+    /// Outer skin without a wall parallel to it: a rim, an end, a corner.
+    NoWall,
+    /// Outer skin with a wall too thick for a shell.
+    TooThick,
+    /// A shell, but not connected with the largest piece.
+    Island,
+}
+
+use super::SolidShellParams;
 use crate::SurfaceMesh;
-use crate::rays::{FaceRays, cone};
+use crate::skin::rays::{FaceRays, cone};
 
 /// Every triangle of a solid, judged.
 pub(super) struct Walls {

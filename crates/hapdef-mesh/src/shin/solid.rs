@@ -46,7 +46,7 @@ pub(super) fn build(params: &ShinParams, grid: &Grid) -> Result<Built, MeshError
     let by_id: Vec<Corner> = corners.into_keys().collect();
     let skin_faces = faces_where(&mesh, &by_id, |face| is_skin(grid, face));
     let mount_faces = faces_where(&mesh, &by_id, |face| is_mount(grid, face));
-    let mount = crate::boundary::nodes_of(&mount_faces);
+    let mount = crate::solid::boundary::nodes_of(&mount_faces);
     Ok(Built { mesh, skin_faces, mount })
 }
 

@@ -1,6 +1,6 @@
 //! Uniform refinement of triangle surfaces: each triangle becomes four.
 
-use crate::curve::EdgeMiddles;
+use crate::surface::curve::EdgeMiddles;
 use crate::{FaceCurve, MeshError, ShellSurface, SkinSide, SurfaceMesh};
 
 /// A refined surface and where its new vertices come from.

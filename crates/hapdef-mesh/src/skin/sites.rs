@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::boundary::nodes_of;
+use crate::solid::boundary::nodes_of;
 use crate::{FeNodeId, PointIndex, Tet10Mesh, Tri6Face};
 
 /// The nodes of `wall_faces` that lie at least `clearance_m` from the wall's edges, ascending.

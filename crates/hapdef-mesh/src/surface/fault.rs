@@ -1,7 +1,7 @@
 //! Why a triangle surface can't become a shell, be remeshed or be extruded.
 
-use super::SurfaceDefects;
-use crate::self_intersection::{Crossing, number, places};
+use super::crossing::{Crossing, number, places};
+use super::defects::SurfaceDefects;
 
 /// What is wrong, with the numbers found. Vertices, triangles and bodies count from 0; volumes of
 /// surfaces that are not closed are what the divergence theorem gives for the triangles there are.

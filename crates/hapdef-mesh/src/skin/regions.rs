@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::boundary::nodes_of;
+use crate::solid::boundary::nodes_of;
 use crate::{BoundarySurface, FeNodeId, MeshError, SurfaceMesh, Tet10Mesh, Tri6Face, tri6};
 
 /// A part of the boundary that contacts can touch.

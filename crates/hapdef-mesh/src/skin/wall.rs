@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::rays::{FaceRays, cone};
+use crate::skin::rays::{FaceRays, cone};
 use crate::{BoundarySurface, MeshError, SkinRegion, Tet10Mesh, Tri6Face, face_positions, tri6};
 
 /// When a boundary face counts as seen from outside.

@@ -80,7 +80,7 @@ fn grid(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tet10;
+    use crate::solid::tet10;
 
     #[test]
     fn a_block_uses_every_node_and_fills_its_volume() {

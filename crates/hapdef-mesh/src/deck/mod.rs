@@ -6,6 +6,7 @@ mod ansys_blocks;
 mod ansys_loads;
 mod ansys_mesh;
 mod ansys_parameters;
+mod ansys_state;
 mod builder;
 mod fault;
 mod inp;

@@ -2,9 +2,10 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::curve::EdgeMiddles;
-use crate::self_intersection::check_uncrossed;
-use crate::shell::{check_manifold, check_thickness, steps};
+use super::surface::{check_thickness, steps};
+use crate::surface::curve::EdgeMiddles;
+use crate::surface::find_defects::check_manifold;
+use crate::surface::self_intersection::check_uncrossed;
 use crate::{
     FaceCurve, FeNodeId, MeshError, SkinSide, SurfaceFault, SurfaceMesh, TET10_EDGES, Tet10Mesh,
     tet10,

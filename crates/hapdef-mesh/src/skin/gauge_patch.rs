@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::boundary::connected_faces;
-use crate::skin::face_positions;
+use crate::skin::regions::face_positions;
+use crate::solid::boundary::connected_faces;
 use crate::{FeNodeId, MeshError, Tet10Mesh, Tri6Face, tri6};
 
 /// A face belongs to the gauge's wall only if its normal is within 60° of the normal where the
@@ -118,7 +118,7 @@ fn nearest_nodes(
     centre: &Point3<f64>,
     n: usize,
 ) -> Vec<FeNodeId> {
-    let mut nodes: Vec<(f64, FeNodeId)> = crate::boundary::nodes_of(faces)
+    let mut nodes: Vec<(f64, FeNodeId)> = crate::solid::boundary::nodes_of(faces)
         .into_iter()
         .map(|node| ((mesh.position(node) - centre).norm_squared(), node))
         .collect();

@@ -5,7 +5,7 @@ use std::fmt;
 use nalgebra::{Point3, Vector3};
 
 use crate::SurfaceMesh;
-use crate::topology::sorted_half_edges;
+use crate::surface::topology::sorted_half_edges;
 
 /// The surface that a triangle surface stands for, as far as the middles of its edges go.
 #[derive(Clone, Copy, Default)]

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use crate::self_intersection::{Crossing, number, places, self_intersections};
-use crate::surface::corner_angles_rad;
-use crate::topology::{Edges, count_bodies, count_doubled};
-use crate::weld::repeats;
+use super::crossing::{Crossing, number, places};
+use super::self_intersection::self_intersections;
+use crate::surface::topology::repeats;
+use crate::surface::topology::{Edges, count_bodies, count_doubled};
+use crate::surface::triangles::corner_angles_rad;
 use crate::{BoundingBox, SurfaceMesh, UnitGuess};
 
 /// Triangles with a smaller angle are slivers, degrees.
@@ -180,7 +181,7 @@ mod tests {
     use nalgebra::{Matrix4, Point3, Vector3};
 
     use super::*;
-    use crate::surface::tests::{cuboid, sphere};
+    use crate::surface::triangles::tests::{cuboid, sphere};
 
     fn with_triangles(mesh: &SurfaceMesh, triangles: Vec<[u32; 3]>) -> QualityReport {
         QualityReport::of(&SurfaceMesh::new(mesh.vertices().to_vec(), triangles).unwrap())

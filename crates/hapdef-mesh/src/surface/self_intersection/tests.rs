@@ -4,7 +4,8 @@ use nalgebra::{Matrix4, Vector3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::surface::tests::{cuboid, sphere};
+use crate::surface::crossing::number;
+use crate::surface::triangles::tests::{cuboid, sphere};
 
 fn tetrahedron(shift: [f64; 3]) -> SurfaceMesh {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -2,34 +2,16 @@
 
 mod pair;
 
-use nalgebra::Point3;
 use rstar::{AABB, RTree, RTreeObject};
 
-use crate::weld::repeats;
+use super::crossing::{Crossing, MOST_CROSSINGS};
+use crate::surface::topology::repeats;
 use crate::{SurfaceFault, SurfaceMesh};
 use pair::{Overlap, overlap};
 
 /// Triangles that share less than this part of the surface's longest extent only touch: a few
 /// roundings of 32-bit coordinates.
 const LEAST_LENGTH: f64 = 1e-6;
-
-/// Pairs after which the search ends: a tangle of n triangles can have n² / 2.
-const MOST_CROSSINGS: usize = 1_000_000;
-
-/// Crossings whose places are told.
-const N_TOLD: usize = 3;
-
-/// Two triangles without a common vertex that cross, or lie in one plane and overlap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
-    /// The triangles, the first with the smaller number, counted from 0.
-    pub triangles: [usize; 2],
-    /// The middle of what they share, m.
-    pub place: Point3<f64>,
-    /// How long the line is that they share, m; of an overlap in one plane the shorter of the two
-    /// triangles' longest edges.
-    pub length_m: f64,
-}
 
 /// All pairs of triangles of `mesh` that cross, by the numbers of their triangles; of a tangle the
 /// first million.
@@ -77,25 +59,6 @@ pub(crate) fn check_uncrossed(
         return Ok(());
     }
     Err(SurfaceFault::Crosses { what, crossings, advice })
-}
-
-/// How many pairs there are, in words.
-pub(crate) fn number(crossings: &[Crossing]) -> String {
-    match crossings.len() {
-        MOST_CROSSINGS => format!("at least {MOST_CROSSINGS}"),
-        n => n.to_string(),
-    }
-}
-
-/// The first places in words, mm.
-pub(crate) fn places(crossings: &[Crossing]) -> String {
-    let place = |c: &Crossing| {
-        let [x, y, z] = c.place.coords.map(|x| 1e3 * x).into();
-        format!("({x:.2}, {y:.2}, {z:.2})")
-    };
-    let told: Vec<String> = crossings.iter().take(N_TOLD).map(place).collect();
-    let more = if crossings.len() > N_TOLD { " … mm" } else { " mm" };
-    told.join(", ") + more
 }
 
 /// Whether `other` is to be tried with `one`: it comes later, shares no vertex, names none twice.

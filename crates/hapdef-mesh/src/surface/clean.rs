@@ -1,10 +1,9 @@
 //! What a caller may ask to be done to a surface before it is used: nothing happens unasked, and
 //! everything is counted.
 
-use super::SurfaceDefects;
-use crate::quality::is_flat;
-use crate::topology::bodies;
-use crate::weld::repeats;
+use super::defects::SurfaceDefects;
+use crate::surface::quality::is_flat;
+use crate::surface::topology::{bodies, repeats};
 use crate::{MeshError, SurfaceFault, SurfaceMesh};
 
 /// Which bodies (sets of triangles connected across edges) are kept.

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::Point3;
 
+use super::topology::repeats;
 use crate::{MeshError, SurfaceMesh};
 
 /// What [`SurfaceMesh::weld`] did.
@@ -58,11 +59,6 @@ impl SurfaceMesh {
         }
         Ok((SurfaceMesh::new(kept.positions, triangles)?, info))
     }
-}
-
-/// Whether a triangle names a vertex twice.
-pub(crate) fn repeats([a, b, c]: &[u32; 3]) -> bool {
-    a == b || b == c || c == a
 }
 
 /// The vertices kept so far in a grid of cells as wide as the tolerance.
@@ -122,7 +118,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::surface::tests::{cuboid, sphere};
+    use crate::surface::triangles::tests::{cuboid, sphere};
 
     /// The same triangles with three vertices of their own each.
     fn unshared(mesh: &SurfaceMesh) -> SurfaceMesh {

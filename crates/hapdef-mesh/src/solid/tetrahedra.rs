@@ -2,11 +2,9 @@
 
 use nalgebra::Point3;
 
-use crate::{BoundarySurface, FeNodeId, MeshError, SolidFault, boundary, refine};
-
-/// The mid-side nodes 4..10 of a ten-node tetrahedron and the corner pair each lies between:
-/// the order of C3D10 (CalculiX 2.20 manual, section 6.2.6) and SOLID187 (ANSYS element reference).
-pub const TET10_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+use super::tet10::TET10_EDGES;
+use super::{boundary, refine};
+use crate::{BoundarySurface, FeNodeId, MeshError, SolidFault};
 
 /// A mesh of ten-node tetrahedra with curved faces.
 ///

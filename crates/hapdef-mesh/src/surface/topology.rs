@@ -1,7 +1,10 @@
 //! Edges, connected bodies and doubled triangles of a triangle list. Sorted arrays throughout, so
 //! that results never depend on a hash order.
 
-use crate::weld::repeats;
+/// Whether a triangle names a vertex twice.
+pub(crate) fn repeats([a, b, c]: &[u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
 
 /// How the edges of a triangle list are used. Triangles that repeat a corner have no edges.
 pub(crate) struct Edges {

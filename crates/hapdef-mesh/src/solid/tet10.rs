@@ -6,7 +6,9 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::TET10_EDGES;
+/// The mid-side nodes 4..10 of a ten-node tetrahedron and the corner pair each lies between:
+/// the order of C3D10 (CalculiX 2.20 manual, section 6.2.6) and SOLID187 (ANSYS element reference).
+pub const TET10_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// Volume coordinates (L₀, L₁, L₂, L₃) of the corners at (ξ, η, ζ).
 fn volume_coordinates(r: [f64; 3]) -> [f64; 4] {
@@ -80,7 +82,7 @@ pub fn min_gauss_jacobian(nodes: &[Point3<f64>; 10]) -> f64 {
 /// The element's volume, m³, exact on the curved geometry.
 ///
 /// det J has degree 3, so the volume is summed over the four faces by the divergence theorem,
-/// V = ⅓ ∮ x · n dA, with [`crate::tri6::QUADRATURE`].
+/// V = ⅓ ∮ x · n dA, with [`crate::solid::tri6::QUADRATURE`].
 #[must_use]
 pub fn volume(nodes: &[Point3<f64>; 10]) -> f64 {
     let origin = nodes[0];
@@ -88,11 +90,12 @@ pub fn volume(nodes: &[Point3<f64>; 10]) -> f64 {
         .iter()
         .map(|local| {
             let face = local.map(|i| Point3::from(nodes[i] - origin));
-            crate::tri6::QUADRATURE
+            crate::solid::tri6::QUADRATURE
                 .iter()
                 .map(|q| {
-                    let x = crate::tri6::position(&face, q.xi, q.eta);
-                    q.weight * x.coords.dot(&crate::tri6::area_vector(&face, q.xi, q.eta)) / 3.0
+                    let x = crate::solid::tri6::position(&face, q.xi, q.eta);
+                    q.weight * x.coords.dot(&crate::solid::tri6::area_vector(&face, q.xi, q.eta))
+                        / 3.0
                 })
                 .sum::<f64>()
         })
