@@ -1,6 +1,6 @@
 //! Known crossings, and brute force by another method.
 
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::{Matrix4, Point3, Vector3};
 use proptest::prelude::*;
 
 use super::*;
