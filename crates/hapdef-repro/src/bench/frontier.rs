@@ -5,15 +5,12 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use hapdef::SceneArgs;
-use hapdef_report::{
-    Figure, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage, TextCell, TextTable,
-    write_report,
-};
+use hapdef_bench::{Column, or_dash, publish, table, terminal_table};
+use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage};
 
 use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
 use crate::run::facts;
-use hapdef_bench::terminal_table;
 
 /// Arguments of `frontier-nets`.
 #[derive(Args, Clone, Debug)]
@@ -40,12 +37,11 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(&run));
     log.value("frontier.points", points.len() as f64, "1")?;
     log_reduced(&points, &mut log)?;
-    let table = table(&points);
+    let mut by_time: Vec<&Point> = points.iter().collect();
+    by_time.sort_by(|a, b| a.times.p50_us.total_cmp(&b.times.p50_us));
+    let table = table(&COLUMNS, by_time);
     println!("{}", terminal_table(&table));
     let report = Report {
-        title: format!("hapdef: error against run time, {}", run.scene.name),
-        scene: run.scene.name.clone(),
-        facts: facts::of_run(&run),
         tables: vec![ReportTable {
             title: "Every way from readings to the map".into(),
             note: NOTE.into(),
@@ -54,19 +50,12 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
         }],
         figures: figures(&points)?,
         stages: facts::stage_times(&done, &[]),
-        metrics: log.records().to_vec(),
-        seed: run.scene.seed,
         skipped: missing_rows(&missing),
-        hashes: facts::input_hashes(&run)?,
-        ..Report::default()
+        ..facts::study(&run, "error against run time", run.scene.seed)?
     };
+    publish(&args.scene.out, "frontier-nets", report, &log)?;
     let folder = args.scene.out.join(&run.scene.name).join("frontier-nets");
-    let paths = write_report(&folder, &report)?;
     hapdef::write_json(&folder.join("frontier.json"), &points)?;
-    log.append_to(&args.scene.out.join("metrics.json"))?;
-    for path in paths.iter().rev().take(3) {
-        println!("{}", path.display());
-    }
     Ok(())
 }
 
@@ -96,46 +85,27 @@ const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one 
     contact and no map. Other programs have the same F_T and F_R, and a clock of their own, in the \
     same rounds.";
 
-fn table(points: &[Point]) -> TextTable {
-    let header = [
-        "way",
-        "p50, µs",
-        "p99, µs",
-        "MB",
-        "map, µm",
-        "contacts, mm",
-        "single, mm",
-        "double, mm",
-        "found",
-        "training, s",
-        "front",
-    ];
-    let mut sorted: Vec<&Point> = points.iter().collect();
-    sorted.sort_by(|a, b| a.times.p50_us.total_cmp(&b.times.p50_us));
-    let row = |p: &&Point| {
-        let number = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.2}"));
-        let front = match (p.on_map_front, p.on_contact_front) {
-            (true, true) => "M C",
-            (true, false) => "M",
-            (false, true) => "C",
-            (false, false) => "",
-        };
-        let cells = [
-            p.name.clone(),
-            format!("{:.0}", p.times.p50_us),
-            format!("{:.0}", p.times.p99_us),
-            number(p.bytes.map(|bytes| bytes as f64 * 1e-6)),
-            number(p.errors.map_um),
-            number(p.errors.contact_mm),
-            number(p.errors.single_mm),
-            number(p.errors.double_mm),
-            p.errors.found.map_or("–".to_owned(), |f| format!("{:.0} %", f * 100.0)),
-            p.training_s.map_or("–".to_owned(), |s| format!("{s:.1}")),
-            front.to_owned(),
-        ];
-        cells.map(TextCell::plain).to_vec()
-    };
-    TextTable { header: header.map(str::to_owned).to_vec(), rows: sorted.iter().map(row).collect() }
+const COLUMNS: [Column<Point>; 11] = [
+    Column::new("way", |p| p.name.clone()),
+    Column::new("p50, µs", |p| format!("{:.0}", p.times.p50_us)),
+    Column::new("p99, µs", |p| format!("{:.0}", p.times.p99_us)),
+    Column::new("MB", |p| two_digits(p.bytes.map(|bytes| bytes as f64 * 1e-6))),
+    Column::new("map, µm", |p| two_digits(p.errors.map_um)),
+    Column::new("contacts, mm", |p| two_digits(p.errors.contact_mm)),
+    Column::new("single, mm", |p| two_digits(p.errors.single_mm)),
+    Column::new("double, mm", |p| two_digits(p.errors.double_mm)),
+    Column::new("found", |p| or_dash(p.errors.found.map(|f| format!("{:.0} %", f * 100.0)))),
+    Column::new("training, s", |p| or_dash(p.training_s.map(|s| format!("{s:.1}")))),
+    Column::new("front", |p| match (p.on_map_front, p.on_contact_front) {
+        (true, true) => "M C".into(),
+        (true, false) => "M".into(),
+        (false, true) => "C".into(),
+        (false, false) => String::new(),
+    }),
+];
+
+fn two_digits(value: Option<f64>) -> String {
+    or_dash(value.map(|v| format!("{v:.2}")))
 }
 
 fn figures(points: &[Point]) -> Result<Vec<Figure>> {

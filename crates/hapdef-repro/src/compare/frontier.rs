@@ -6,12 +6,10 @@ use std::sync::Arc;
 use anyhow::Result;
 use clap::Args;
 use hapdef::{Limb, SceneArgs};
-use hapdef_bench::pareto_front;
 use hapdef_bench::stats::median;
+use hapdef_bench::{Column, or_dash, pareto_front, publish, table, terminal_table};
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_report::{
-    Figure, LineChart, MetricLog, Report, ReportTable, Series, TextCell, TextTable, write_report,
-};
+use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series};
 use serde::Serialize;
 
 use super::cells::Map;
@@ -20,7 +18,6 @@ use super::run::{Bench, CompareArgs};
 use super::score::Row;
 use super::world::Frame;
 use crate::run::facts;
-use hapdef_bench::terminal_table;
 
 /// Most contacts at a time.
 const MOST: usize = 4;
@@ -39,6 +36,9 @@ struct Point {
     #[serde(flatten)]
     row: Row,
     on_front: bool,
+    /// [`floor_mm`] of the frames.
+    #[serde(skip)]
+    bound_mm: Option<f64>,
 }
 
 /// How hard is searched: the efforts that the estimator names, and others around them.
@@ -102,7 +102,7 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
         true => None,
         false => Some(PaperPipeline::train(&run, &limb)?),
     };
-    let (mut points, mut floors) = (Vec::new(), Vec::new());
+    let mut points = Vec::new();
     for k in 1..=MOST {
         run.say(&format!("frames of {k} contacts"));
         let frames = bench.apart(k, 50 + k as u64)?;
@@ -113,10 +113,9 @@ pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
         if let Some(paper) = &mut paper {
             of_k.extend(bench.paper_rows(paper, &frames, VirtualGauges::Transferred)?);
         }
-        points.extend(with_front(k, of_k));
-        floors.push(floor_mm(&map, bench.params(), &frames)?);
+        points.extend(with_front(k, of_k, floor_mm(&map, bench.params(), &frames)?));
     }
-    write(scene, &run, &bench, &points, &floors)
+    write(scene, &run, &bench, &points)
 }
 
 fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame]) -> Result<Row> {
@@ -126,10 +125,10 @@ fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame
 }
 
 /// Marks the rows that no other row beats in time and GOSPA.
-fn with_front(n_contacts: usize, rows: Vec<Row>) -> Vec<Point> {
+fn with_front(n_contacts: usize, rows: Vec<Row>, bound_mm: Option<f64>) -> Vec<Point> {
     let costs: Vec<[f64; 2]> = rows.iter().map(|row| [row.p50_us, row.gospa_mm]).collect();
     let on_front = pareto_front(&costs);
-    let point = |(row, on_front)| Point { n_contacts, row, on_front };
+    let point = |(row, on_front)| Point { n_contacts, row, on_front, bound_mm };
     rows.into_iter().zip(on_front).map(point).collect()
 }
 
@@ -147,22 +146,13 @@ fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Opti
     Ok(Some(median(bounds)).filter(|b| b.is_finite()))
 }
 
-fn write(
-    scene: &SceneArgs,
-    run: &hapdef::Run,
-    bench: &Bench<'_>,
-    points: &[Point],
-    floors: &[Option<f64>],
-) -> Result<()> {
+fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Point]) -> Result<()> {
     let seed = bench.test_seed();
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(seed));
     log.value("frontier.points", points.len() as f64, "1")?;
-    let table = table(points, floors);
+    let table = table(&COLUMNS, points);
     println!("{}", terminal_table(&table));
     let report = Report {
-        title: format!("hapdef: search effort against error, {}", run.scene.name),
-        scene: run.scene.name.clone(),
-        facts: facts::of_run(run),
         tables: vec![ReportTable {
             title: "Every way from readings to contacts".into(),
             note: format!(
@@ -173,18 +163,11 @@ fn write(
             data: serde_json::to_value(points)?,
         }],
         figures: figures(points)?,
-        metrics: log.records().to_vec(),
-        seed,
-        hashes: facts::input_hashes(run)?,
-        ..Report::default()
+        ..facts::study(run, "search effort against error", seed)?
     };
+    publish(&scene.out, "frontier-inverse", report, &log)?;
     let folder = scene.out.join(&run.scene.name).join("frontier-inverse");
-    let paths = write_report(&folder, &report)?;
     hapdef::write_json(&folder.join("frontier.json"), &points)?;
-    log.append_to(&scene.out.join("metrics.json"))?;
-    for path in paths.iter().rev().take(3) {
-        println!("{}", path.display());
-    }
     Ok(())
 }
 
@@ -194,41 +177,20 @@ const NOTE: &str = "Contacts of 5 N to the strongest, 20 mm apart, matched one t
     unbiased estimate beats. GOSPA, over the number of contacts: the error where a missed or spurious \
     contact costs 10 mm. Front: no other row is as fast and as near by GOSPA, and better in one.";
 
-fn table(points: &[Point], floors: &[Option<f64>]) -> TextTable {
-    let header = [
-        "contacts",
-        "way",
-        "GOSPA, mm",
-        "mean, mm",
-        "median",
-        "90 %",
-        "beyond 10 mm",
-        "count right",
-        "p50, µs",
-        "p99, µs",
-        "bound, mm",
-        "front",
-    ];
-    let row = |p: &Point| {
-        let floor = floors.get(p.n_contacts - 1).copied().flatten();
-        let cells = [
-            p.n_contacts.to_string(),
-            p.row.name.clone(),
-            format!("{:.2}", p.row.gospa_mm),
-            format!("{:.2}", p.row.mean_mm),
-            format!("{:.2}", p.row.median_mm),
-            format!("{:.2}", p.row.p90_mm),
-            format!("{:.1} %", 100.0 - p.row.within10_pct),
-            format!("{:.1} %", p.row.count_pct),
-            format!("{:.0}", p.row.p50_us),
-            format!("{:.0}", p.row.p99_us),
-            floor.map_or("–".into(), |b| format!("{b:.2}")),
-            if p.on_front { "F".into() } else { String::new() },
-        ];
-        cells.map(TextCell::plain).to_vec()
-    };
-    TextTable { header: header.map(str::to_owned).to_vec(), rows: points.iter().map(row).collect() }
-}
+const COLUMNS: [Column<Point>; 12] = [
+    Column::new("contacts", |p| p.n_contacts.to_string()),
+    Column::new("way", |p| p.row.name.clone()),
+    Column::new("GOSPA, mm", |p| format!("{:.2}", p.row.gospa_mm)),
+    Column::new("mean, mm", |p| format!("{:.2}", p.row.mean_mm)),
+    Column::new("median", |p| format!("{:.2}", p.row.median_mm)),
+    Column::new("90 %", |p| format!("{:.2}", p.row.p90_mm)),
+    Column::new("beyond 10 mm", |p| format!("{:.1} %", 100.0 - p.row.within10_pct)),
+    Column::new("count right", |p| format!("{:.1} %", p.row.count_pct)),
+    Column::new("p50, µs", |p| format!("{:.0}", p.row.p50_us)),
+    Column::new("p99, µs", |p| format!("{:.0}", p.row.p99_us)),
+    Column::new("bound, mm", |p| or_dash(p.bound_mm.map(|mm| format!("{mm:.2}")))),
+    Column::new("front", |p| if p.on_front { "F".into() } else { String::new() }),
+];
 
 fn figures(points: &[Point]) -> Result<Vec<Figure>> {
     let series = |k: usize, is_paper: bool| {

@@ -4,13 +4,13 @@
 mod arrivals;
 pub(crate) mod bench;
 pub(crate) mod cells;
+mod figures;
 pub(crate) mod frontier;
 pub(crate) mod paper;
 mod run;
 pub(crate) mod score;
 pub(crate) mod sequence;
 mod tables;
-mod targets;
 pub(crate) mod world;
 
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};

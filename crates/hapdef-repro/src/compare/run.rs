@@ -6,6 +6,7 @@ use hapdef::touch::{
     LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
 };
 use hapdef::{Limb, Run, SceneArgs};
+use hapdef_bench::Measurements;
 use hapdef_bench::stats::{mean, quantile};
 use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams, tip_ring_m};
 use hapdef_sim::{GaugeSite, GaugeStrain};
@@ -110,8 +111,12 @@ impl Measured {
     pub(super) fn add(&mut self, name: &str, score: &Score) {
         self.rows.push(score.row(name));
     }
+}
 
-    pub(crate) fn row(&self, name: &str) -> Option<&Row> {
+impl Measurements for Measured {
+    type Row = Row;
+
+    fn row(&self, name: &str) -> Option<&Row> {
         self.rows.iter().find(|row| row.name == name)
     }
 }

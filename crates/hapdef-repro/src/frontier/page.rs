@@ -2,46 +2,38 @@
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_report::{MetricLog, NamedText, Report, SkippedStage, write_report};
+use hapdef_bench::{publish, terminal_table};
+use hapdef_report::{MetricLog, NamedText, Report, SkippedStage};
 
 use super::plots::figures;
 use super::point::Family;
 use super::tables::tables;
 use super::{ChainFrontierArgs, Measured, limits, planned};
 use crate::run::facts;
-use hapdef_bench::terminal_table;
 
 /// Prints the figures and writes `frontier/` under the scene's folder.
 pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Result<()> {
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.test_seed));
     metrics(measured, &mut log)?;
+    let study = facts::study(run, "error against run time", args.test_seed)?;
     let report = Report {
-        title: format!("hapdef: error against run time, {}", run.scene.name),
-        scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
-        seed: args.test_seed,
-        facts: facts_of(args, run, measured),
+        facts: [study.facts, facts_of(args, measured)].concat(),
         tables: tables(run, measured)?,
         figures: figures(measured)?,
-        metrics: log.records().to_vec(),
         skipped: skipped(args, measured),
-        hashes: facts::input_hashes(run)?,
-        ..Report::default()
+        ..study
     };
     for table in &report.tables {
         println!("{}\n{}", table.title, terminal_table(&table.text));
     }
+    let report = publish(&args.scene.out, "frontier", report, &log)?;
     let folder = args.scene.out.join(&run.scene.name).join("frontier");
-    let paths = write_report(&folder, &report)?;
     hapdef::write_json(&folder.join("frontier.json"), measured)?;
-    log.append_to(&args.scene.out.join("metrics.json"))?;
-    if let Some(path) = &args.write {
-        limits::write(path, args, run, &report, &measured.points)?;
+    match &args.write {
+        Some(path) => limits::write(path, args, run, &report, &measured.points),
+        None => Ok(()),
     }
-    for path in paths.iter().rev().take(3) {
-        println!("{}", path.display());
-    }
-    Ok(())
 }
 
 fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
@@ -69,29 +61,22 @@ fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<
     Ok(())
 }
 
-fn facts_of(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Vec<NamedText> {
-    let mut facts = facts::of_run(run);
+fn facts_of(args: &ChainFrontierArgs, measured: &Measured) -> Vec<NamedText> {
     let named = |name: &str, text: String| NamedText { name: name.into(), text };
-    facts.push(named(
-        "frames",
-        format!(
-            "{} of one contact and as many of two are scored, searched and followed, and at least \
-             1,000 of two timed; seed {}, on which nothing was tuned",
-            args.frames, args.test_seed
-        ),
-    ));
-    facts.push(named(
-        "budget",
-        format!(
-            "{} minutes: {} ways by superposition of {}; points that an earlier run of this program on \
-             this machine measured: {}",
-            args.minutes,
-            n_superposed(measured),
-            measured.n_ways,
-            measured.n_kept
-        ),
-    ));
-    facts
+    let frames = format!(
+        "{} of one contact and as many of two are scored, searched and followed, and at least 1,000 of \
+         two timed; seed {}, on which nothing was tuned",
+        args.frames, args.test_seed
+    );
+    let budget = format!(
+        "{} minutes: {} ways by superposition of {}; points that an earlier run of this program on this \
+         machine measured: {}",
+        args.minutes,
+        n_superposed(measured),
+        measured.n_ways,
+        measured.n_kept
+    );
+    vec![named("frames", frames), named("budget", budget)]
 }
 
 fn skipped(args: &ChainFrontierArgs, measured: &Measured) -> Vec<SkippedStage> {

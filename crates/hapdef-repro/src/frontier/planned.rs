@@ -6,7 +6,8 @@ use hapdef::scene::EstimatorSpec;
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
 use hapdef::{Limb, Profile, Run, Stage};
-use hapdef_report::{ReportTable, TextCell, TextTable};
+use hapdef_bench::{Column, or_dash};
+use hapdef_report::ReportTable;
 use serde::Serialize;
 use std::path::Path;
 
@@ -125,16 +126,14 @@ pub(super) fn worst_ratio(rows: &[Planned]) -> Option<f64> {
     judged.map(Planned::ratio).reduce(f64::max)
 }
 
+const COLUMNS: [Column<Planned>; 4] = [
+    Column::new("stage", |p| p.stage.clone()),
+    Column::new("expected, s", |p| seconds(p.predicted_s)),
+    Column::new("measured, s", |p| seconds(p.measured_s)),
+    Column::new("ratio", |p| or_dash(p.is_judged().then(|| format!("{:.2}", p.ratio())))),
+];
+
 pub(super) fn table(rows: &[Planned]) -> Result<ReportTable> {
-    let header = ["stage", "expected, s", "measured, s", "ratio"];
-    let row = |p: &Planned| {
-        let ratio = match p.is_judged() {
-            true => format!("{:.2}", p.ratio()),
-            false => "–".into(),
-        };
-        let cells = [p.stage.clone(), seconds(p.predicted_s), seconds(p.measured_s), ratio];
-        cells.map(TextCell::plain).to_vec()
-    };
     Ok(ReportTable {
         title: "What `hapdef plan` expected".into(),
         note: format!(
@@ -142,10 +141,7 @@ pub(super) fn table(rows: &[Planned]) -> Result<ReportTable> {
              nothing in the cache. Stages of less than {JUDGED_S} s have no ratio, parts of a frame have \
              one."
         ),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: rows.iter().map(row).collect(),
-        },
+        text: hapdef_bench::table(&COLUMNS, rows),
         data: serde_json::to_value(rows)?,
     })
 }

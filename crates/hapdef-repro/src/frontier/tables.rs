@@ -3,7 +3,8 @@
 use anyhow::Result;
 use hapdef::Run;
 use hapdef::scene::{RigMesh, Scene};
-use hapdef_report::{MetricContext, ReportTable, TextCell, TextTable};
+use hapdef_bench::{Column, table, text_table};
+use hapdef_report::{MetricContext, ReportTable};
 
 use super::frames::contacts_in_words;
 use super::growth::Growth;
@@ -104,8 +105,9 @@ fn recommended(points: &[Point]) -> Result<ReportTable> {
         for (budget, budget_us) in BUDGETS {
             let best = best_within(points, family, budget_us);
             let of_best = best.map_or_else(no_way, recommended_cells);
-            let cells = [frame, budget].map(str::to_owned).into_iter().chain(of_best);
-            rows.push(cells.map(TextCell::plain).collect());
+            let [way, gospa, mean, missed, clean, p99, design] = of_best;
+            let (frame, budget) = (frame.to_owned(), budget.to_owned());
+            rows.push([frame, budget, way, gospa, mean, missed, clean, p99, design]);
             data.push(best);
         }
     }
@@ -118,7 +120,7 @@ fn recommended(points: &[Point]) -> Result<ReportTable> {
              touches takes as long as its search.",
             MetricContext::here(0).machine
         ),
-        text: TextTable { header: header.map(str::to_owned).to_vec(), rows },
+        text: text_table(header, rows),
         data: serde_json::to_value(data)?,
     })
 }
@@ -142,8 +144,7 @@ fn recommended_cells(p: &Point) -> [String; 7] {
 fn skips_table(skips: &Skips) -> Result<ReportTable> {
     let header = ["", "everything", "single contacts", "times faster"];
     let row = |name: &str, full: String, lean: String, ratio: f64| {
-        let cells = [name.to_owned(), full, lean, format!("{ratio:.1}")];
-        cells.map(TextCell::plain).to_vec()
+        [name.to_owned(), full, lean, format!("{ratio:.1}")]
     };
     let frame_rows = |name: &str, both: &Compared| {
         let lean = format!("{:.2}", both.lean_us);
@@ -180,27 +181,24 @@ fn skips_table(skips: &Skips) -> Result<ReportTable> {
             skips.followed.n_single,
             skips.followed.n_equal
         ),
-        text: TextTable { header: header.map(str::to_owned).to_vec(), rows },
+        text: text_table(header, rows),
         data: serde_json::to_value(skips)?,
     })
 }
 
-fn growth_table(growths: &[Growth]) -> Result<ReportTable> {
-    let header = ["", "with", "exponent", "theory", "fitted from", "measured"];
-    let row = |g: &Growth| {
+const GROWTH: [Column<Growth>; 6] = [
+    Column::new("", |g| g.what.to_owned()),
+    Column::new("with", |g| g.with.to_owned()),
+    Column::new("exponent", |g| format!("{:.2}", g.exponent)),
+    Column::new("theory", |g| g.theory.to_owned()),
+    Column::new("fitted from", |g| format!("{:.0} to {:.0}", g.fitted[0], g.fitted[1])),
+    Column::new("measured", |g| {
         let points = g.points.iter().map(|(x, y)| format!("{x:.0}: {y:.3}"));
-        let points: Vec<String> = points.collect();
-        let [from, to] = g.fitted;
-        let cells = [
-            g.what.to_owned(),
-            g.with.to_owned(),
-            format!("{:.2}", g.exponent),
-            g.theory.to_owned(),
-            format!("{from:.0} to {to:.0}"),
-            points.join(" · "),
-        ];
-        cells.map(TextCell::plain).to_vec()
-    };
+        points.collect::<Vec<_>>().join(" · ")
+    }),
+];
+
+fn growth_table(growths: &[Growth]) -> Result<ReportTable> {
     Ok(ReportTable {
         title: "How time and memory grow".into(),
         note: "Tubes of a limb's size, one element through the wall; 10 gauges where nothing else is \
@@ -208,10 +206,7 @@ fn growth_table(growths: &[Growth]) -> Result<ReportTable> {
                Theory: nested dissection of a surface takes n^1.5 operations and n log n entries. Memory: \
                what is kept, the factor's entries and the gauges' fields at every node and on the skin."
             .into(),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: growths.iter().map(row).collect(),
-        },
+        text: table(&GROWTH, growths),
         data: serde_json::to_value(growths)?,
     })
 }

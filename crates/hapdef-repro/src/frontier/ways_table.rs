@@ -1,111 +1,89 @@
 //! Every way as a row, once for its errors and once for its times.
 
-use hapdef_report::{TextCell, TextTable};
+use hapdef_bench::{Column, or_dash, table};
+use hapdef_report::TextTable;
 
 use super::point::{Family, Point, error_mm, on_front};
 use super::way::Knows;
 
+/// A point and whether it is on its front.
+type Ranked<'a> = (&'a Point, bool);
+
+fn error_columns<'a>() -> [Column<Ranked<'a>>; 15] {
+    [
+        Column::new("way", |(p, _)| words(p, 0)),
+        Column::new("mesh", |(p, _)| words(p, 1)),
+        Column::new("gauges", |(p, _)| words(p, 2)),
+        Column::new("presses", |(p, _)| words(p, 3)),
+        Column::new("one: GOSPA, mm", |(p, _)| format!("{:.2}", p.single.gospa_mm)),
+        Column::new("N", |(p, _)| format!("{:.2}", p.single.mean_n)),
+        Column::new("clean", |(p, _)| format!("{:.0} %", p.single.clean_pct)),
+        Column::new("two: GOSPA, mm", |(p, _)| format!("{:.2}", p.double.gospa_mm)),
+        Column::new("mean, mm", |(p, _)| format!("{:.2}", p.double.mean_mm)),
+        Column::new("median", |(p, _)| format!("{:.2}", p.double.median_mm)),
+        Column::new("N", |(p, _)| format!("{:.2}", p.double.mean_n)),
+        Column::new("missed", |(p, _)| counted(p, format!("{:.1} %", p.double.missed_pct))),
+        Column::new("spurious", |(p, _)| counted(p, format!("{:.1}", p.double.spurious_pct))),
+        Column::new("clean", |(p, _)| format!("{:.0} %", p.double.clean_pct)),
+        Column::new("map, µm", |(p, _)| or_dash(p.double.map_um.map(|um| format!("{um:.2}")))),
+    ]
+}
+
+fn time_columns<'a>() -> [Column<Ranked<'a>>; 11] {
+    [
+        Column::new("way", |(p, _)| words(p, 0)),
+        Column::new("mesh", |(p, _)| words(p, 1)),
+        Column::new("gauges", |(p, _)| words(p, 2)),
+        Column::new("presses", |(p, _)| words(p, 3)),
+        Column::new("two: GOSPA, mm", |(p, _)| format!("{:.2}", error_mm(p))),
+        Column::new("p50, µs", |(p, _)| with_spread(p.frame.p50_us, p.frame.p50_spread)),
+        Column::new("p99, µs", |(p, _)| with_spread(p.frame.p99_us, p.frame.p99_spread)),
+        Column::new("slowest, µs", |(p, _)| micros(p.frame.slowest_us)),
+        Column::new("n", |(p, _)| p.frame.n.to_string()),
+        Column::new("design, s", |(p, _)| format!("{:.1}", p.design.all_s())),
+        Column::new("front", |(p, is_front)| match (is_front, p.family.knows()) {
+            (false, _) => String::new(),
+            (true, Knows::Nothing) => "S".into(),
+            (true, Knows::Before) => "F".into(),
+        }),
+    ]
+}
+
 /// Errors of the points, the least of two contacts first.
 pub(super) fn errors(points: &[Point]) -> TextTable {
-    let header = [
-        "way",
-        "mesh",
-        "gauges",
-        "presses",
-        "one: GOSPA, mm",
-        "N",
-        "clean",
-        "two: GOSPA, mm",
-        "mean, mm",
-        "median",
-        "N",
-        "missed",
-        "spurious",
-        "clean",
-        "map, µm",
-    ];
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: ranked(points).map(|(p, _)| error_cells(p)).collect(),
-    }
+    table(&error_columns(), &ranked(points))
 }
 
 /// Times of the points in the same order, and which are on a front.
 pub(super) fn times(points: &[Point]) -> TextTable {
-    let header = [
-        "way",
-        "mesh",
-        "gauges",
-        "presses",
-        "two: GOSPA, mm",
-        "p50, µs",
-        "p99, µs",
-        "slowest, µs",
-        "n",
-        "design, s",
-        "front",
-    ];
-    let rows = ranked(points).map(|(p, is_front)| time_cells(p, is_front));
-    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.collect() }
+    table(&time_columns(), &ranked(points))
 }
 
-/// Every point and whether it is on its front.
-fn ranked(points: &[Point]) -> impl Iterator<Item = (&Point, bool)> {
-    let mut marked: Vec<(&Point, bool)> = points.iter().zip(on_front(points)).collect();
+fn ranked(points: &[Point]) -> Vec<Ranked<'_>> {
+    let mut marked: Vec<Ranked<'_>> = points.iter().zip(on_front(points)).collect();
     marked.sort_by(|a, b| error_mm(a.0).total_cmp(&error_mm(b.0)));
-    marked.into_iter()
+    marked
 }
 
-fn words(p: &Point) -> [String; 4] {
+/// Search, mesh, gauges or presses of a way; of the paper's chain its name alone.
+fn words(p: &Point, i: usize) -> String {
     match &p.way {
-        Some(way) => way.words(),
-        None => [p.name.as_str(), "", "", ""].map(str::to_owned),
+        Some(way) => way.words()[i].clone(),
+        None if i == 0 => p.name.clone(),
+        None => String::new(),
     }
 }
 
-fn error_cells(p: &Point) -> Vec<TextCell> {
-    let (one, two) = (&p.single, &p.double);
-    let count = |share: String| match p.family {
+/// What depends on the number of contacts, which the paper's chain is given.
+fn counted(p: &Point, share: String) -> String {
+    match p.family {
         Family::Chain => "given".to_owned(),
         Family::Searched | Family::Followed => share,
-    };
-    let texts = [
-        format!("{:.2}", one.gospa_mm),
-        format!("{:.2}", one.mean_n),
-        format!("{:.0} %", one.clean_pct),
-        format!("{:.2}", two.gospa_mm),
-        format!("{:.2}", two.mean_mm),
-        format!("{:.2}", two.median_mm),
-        format!("{:.2}", two.mean_n),
-        count(format!("{:.1} %", two.missed_pct)),
-        count(format!("{:.1}", two.spurious_pct)),
-        format!("{:.0} %", two.clean_pct),
-        two.map_um.map_or("–".to_owned(), |um| format!("{um:.2}")),
-    ];
-    let texts = words(p).into_iter().chain(texts);
-    texts.map(TextCell::plain).collect()
+    }
 }
 
-fn time_cells(p: &Point, is_front: bool) -> Vec<TextCell> {
-    let frame = &p.frame;
-    let spread =
-        |time_us: f64, spread: f64| format!("{} ± {:.0} %", micros(time_us), 50.0 * spread);
-    let front = match (is_front, p.family.knows()) {
-        (false, _) => "",
-        (true, Knows::Nothing) => "S",
-        (true, Knows::Before) => "F",
-    };
-    let texts = [
-        format!("{:.2}", error_mm(p)),
-        spread(frame.p50_us, frame.p50_spread),
-        spread(frame.p99_us, frame.p99_spread),
-        micros(frame.slowest_us),
-        frame.n.to_string(),
-        format!("{:.1}", p.design.all_s()),
-        front.to_owned(),
-    ];
-    let texts = words(p).into_iter().chain(texts);
-    texts.map(TextCell::plain).collect()
+fn with_spread(time_us: f64, spread: f64) -> String {
+    format!("{} ± {:.0} %", micros(time_us), 50.0 * spread)
 }
 
 /// Small times with a decimal.

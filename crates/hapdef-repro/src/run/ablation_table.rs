@@ -10,10 +10,12 @@ mod ways;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{
-    ChainNets, ComplianceTable, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage, hapdefx,
+    ChainNets, ComplianceTable, ContactStats, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage,
+    hapdefx,
 };
+use hapdef_bench::{Column, or_dash, table};
 use hapdef_nets::Net;
-use hapdef_report::{ReportTable, StageTime, TextCell, TextTable};
+use hapdef_report::{ReportTable, StageTime};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -196,20 +198,6 @@ impl World<'_> {
 impl Ablations {
     /// For people.
     pub(crate) fn table(&self) -> Result<ReportTable> {
-        let header = [
-            "changed",
-            "compare with",
-            "map, µm",
-            "FVU",
-            "double: FVU",
-            "single, mm",
-            "single, N",
-            "double, lenient, mm",
-            "one-to-one, mm",
-            "one-to-one, N",
-            "found",
-            "weights, M",
-        ];
         let left_out: Vec<String> = self
             .left_out
             .iter()
@@ -228,10 +216,7 @@ impl Ablations {
                  among the times below.",
                 left_out.join(", ")
             ),
-            text: TextTable {
-                header: header.map(str::to_owned).to_vec(),
-                rows: self.rows.iter().map(cells).collect(),
-            },
+            text: table(&COLUMNS, &self.rows),
             data: serde_json::to_value(&self.rows)?,
         })
     }
@@ -247,32 +232,30 @@ impl Ablations {
     }
 }
 
-fn cells(row: &AblationRow) -> Vec<TextCell> {
-    let or_none = |value: Option<String>| value.unwrap_or_else(|| "–".into());
-    let mm = |stats: &hapdef::ContactStats| match stats.n {
-        0 => "–".to_owned(),
-        _ => format!("{:.1}", stats.mean_mm),
-    };
-    let newtons = |stats: &hapdef::ContactStats| match stats.n {
-        0 => "–".to_owned(),
-        _ => format!("{:.1}", stats.mean_n),
-    };
-    let percent = |share: f64| format!("{:.1} %", share * 100.0);
-    let found = row.single.n + row.one_to_one.map_or(0, |s| s.n);
-    let expected = row.single.n_expected + row.one_to_one.map_or(0, |s| s.n_expected);
-    let cells = [
-        row.name.clone(),
-        row.against.clone(),
-        or_none(row.simulated.map(|m| format!("{:.2}", m.mean_abs_um))),
-        or_none(row.simulated.map(|m| percent(m.fvu))),
-        or_none(row.double_map.map(|m| percent(m.fvu))),
-        mm(&row.single),
-        newtons(&row.single),
-        or_none(row.lenient.as_ref().map(mm)),
-        or_none(row.one_to_one.as_ref().map(mm)),
-        or_none(row.one_to_one.as_ref().map(newtons)),
-        format!("{found} of {expected}"),
-        format!("{:.2}", row.n_weights as f64 * 1e-6),
-    ];
-    cells.map(TextCell::plain).to_vec()
+const COLUMNS: [Column<AblationRow>; 12] = [
+    Column::new("changed", |r| r.name.clone()),
+    Column::new("compare with", |r| r.against.clone()),
+    Column::new("map, µm", |r| or_dash(r.simulated.map(|m| format!("{:.2}", m.mean_abs_um)))),
+    Column::new("FVU", |r| or_dash(r.simulated.map(|m| percent(m.fvu)))),
+    Column::new("double: FVU", |r| or_dash(r.double_map.map(|m| percent(m.fvu)))),
+    Column::new("single, mm", |r| of_found(Some(r.single), |s| s.mean_mm)),
+    Column::new("single, N", |r| of_found(Some(r.single), |s| s.mean_n)),
+    Column::new("double, lenient, mm", |r| of_found(r.lenient, |s| s.mean_mm)),
+    Column::new("one-to-one, mm", |r| of_found(r.one_to_one, |s| s.mean_mm)),
+    Column::new("one-to-one, N", |r| of_found(r.one_to_one, |s| s.mean_n)),
+    Column::new("found", |r| {
+        let found = r.single.n + r.one_to_one.map_or(0, |s| s.n);
+        let expected = r.single.n_expected + r.one_to_one.map_or(0, |s| s.n_expected);
+        format!("{found} of {expected}")
+    }),
+    Column::new("weights, M", |r| format!("{:.2}", r.n_weights as f64 * 1e-6)),
+];
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// A mean over the contacts that were found, if any was.
+fn of_found(stats: Option<ContactStats>, of: fn(&ContactStats) -> f64) -> String {
+    or_dash(stats.filter(|stats| stats.n > 0).map(|stats| format!("{:.1}", of(&stats))))
 }

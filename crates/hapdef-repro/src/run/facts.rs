@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 use hapdef::convergence::Convergence;
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
-use hapdef_report::{MetricContext, NamedText, SkippedStage, StageTime};
+use hapdef_report::{MetricContext, NamedText, Report, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
 
@@ -58,6 +58,18 @@ pub(crate) fn amounts(run: &Run) -> [NamedText; 2] {
     );
     [("samples", samples), ("training", training(profile))]
         .map(|(name, text)| NamedText { name: name.into(), text })
+}
+
+/// The page of a study over a run: its title, and what every such page has at head and tail.
+pub(crate) fn study(run: &Run, title: &str, seed: u64) -> anyhow::Result<Report> {
+    Ok(Report {
+        title: format!("hapdef: {title}, {}", run.scene.name),
+        scene: run.scene.name.clone(),
+        seed,
+        facts: of_run(run),
+        hashes: input_hashes(run)?,
+        ..Report::default()
+    })
 }
 
 /// The lines that every page over a run has.
