@@ -7,64 +7,25 @@ use crate::argument::ArgumentError;
 /// Why something could not be drawn, printed or written. Each variant carries what was found.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum ReportError {
     /// An argument of a figure, a report or a metric.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
-    /// A value is NaN or infinite.
     #[error("{what}: value {index} is {value}; every value must be finite")]
-    NotFinite {
-        /// The argument.
-        what: &'static str,
-        /// Position in the slice.
-        index: usize,
-        /// The value found.
-        value: f64,
-    },
-    /// There is less than a figure needs.
+    NotFinite { what: &'static str, index: usize, value: f64 },
     #[error("{what}: {found} values, at least {needed} are needed")]
-    TooFew {
-        /// The figure.
-        what: &'static str,
-        /// The least number that works.
-        needed: usize,
-        /// Values given.
-        found: usize,
-    },
-    /// Results that don't say from what they were made.
+    TooFew { what: &'static str, needed: usize, found: usize },
     #[error(
         "report {title:?}: no hashes; say what it was made from, such as the scene's and the deck's"
     )]
-    NoHashes {
-        /// The report's heading.
-        title: String,
-    },
-    /// A figure could not be drawn.
+    NoHashes { title: String },
     #[error("drawing {figure}: {message}")]
-    Draw {
-        /// Which figure.
-        figure: &'static str,
-        /// What the drawing library said.
-        message: String,
-    },
-    /// A file could not be read or written.
+    Draw { figure: &'static str, message: String },
     #[error("{action} {path}: {source}", path = path.display())]
-    Io {
-        /// What was being done, such as "writing".
-        action: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A file that should hold JSON of a known form holds something else.
+    Io { action: &'static str, path: PathBuf, source: std::io::Error },
     #[error("{path}: {source}; move the file away or repair it", path = path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// Where and why it does not fit.
-        source: serde_json::Error,
-    },
+    Json { path: PathBuf, source: serde_json::Error },
 }
 
 impl ReportError {
