@@ -7,7 +7,7 @@
 //! - [`Report`] and [`write_report`]: the same results as page, Markdown and JSON.
 //! - [`robustness`]: tables of methods at their extremes.
 //! - [`Origin`]: by what and from what results were made, for pages that are no report.
-//! - [`MetricLog`]: figures as `METRIC:name:value:unit` lines and in a JSON file.
+//! - [`MetricLog`]: metrics as `METRIC:name:value:unit` lines and in a JSON file.
 //!
 //! Knows nothing of how results arise. Values are drawn in the unit that the caller names.
 

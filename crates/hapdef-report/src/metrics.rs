@@ -1,4 +1,4 @@
-//! Measured figures that can be read by a machine.
+//! Metrics for machines to read.
 //!
 //! Each prints as `METRIC:name:value:unit`, or `METRIC:name:skipped:reason` where it could not
 //! be measured, and joins a JSON array of records on disk.

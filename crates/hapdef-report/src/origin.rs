@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::metrics::MetricContext;
 use crate::report::{NamedText, SkippedStage};
 
-/// What a page and a file of figures say beside the results.
+/// What a page and a file of metrics say beside the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
     /// Name of the scene; empty without one.
@@ -36,7 +36,7 @@ impl Origin {
         skipped.chain(made).chain(hashes).collect()
     }
 
-    /// The figures of an object, with these before them, under the names of `report.json`.
+    /// The fields of an object, with these before them, under the names of `report.json`.
     #[must_use]
     pub fn with(&self, figures: Value) -> Value {
         let mut all = json!({

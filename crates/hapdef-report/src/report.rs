@@ -69,7 +69,7 @@ pub struct Report {
     /// Limbs to be turned, on the page only.
     #[serde(skip)]
     pub limbs: Vec<LimbView>,
-    /// Measured figures.
+    /// Metrics.
     pub metrics: Vec<MetricRecord>,
     /// Stages that ran.
     pub stages: Vec<StageTime>,

@@ -85,7 +85,7 @@ pub struct Health {
     pub message: String,
     /// Which hardware, if it is some.
     pub hardware_id: String,
-    /// Its figures, by name.
+    /// Its values, by name.
     pub values: Vec<(String, String)>,
 }
 

@@ -180,7 +180,7 @@ pub struct DiagnosticStatus {
     pub message: String,
     /// Which hardware.
     pub hardware_id: String,
-    /// Its figures.
+    /// Its values.
     pub values: Vec<KeyValue>,
 }
 
