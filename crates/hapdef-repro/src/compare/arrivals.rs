@@ -4,8 +4,9 @@ use anyhow::Result;
 use hapdef_bench::stats::sorted;
 
 use super::cells::Map;
-use super::run::{Bench, Measured};
+use super::measured::Measured;
 use super::sequence::{Followed, Script};
+use super::setup::Bench;
 use super::world::Draw;
 
 /// Contacts of most scripts, and how far apart they are at least, m.

@@ -2,7 +2,7 @@
 
 use hapdef_bench::{Column, Figure, Goal, Metric, Wanted, or_dash};
 
-use super::run::{Measured, double_vs_paper, time_vs_paper};
+use super::measured::{Measured, double_vs_paper, time_vs_paper};
 use super::score::Row;
 
 const FEW_SINGLE: &str = "single, 300 presses";

@@ -14,8 +14,8 @@ use serde::Serialize;
 
 use super::cells::Map;
 use super::paper::{PaperPipeline, VirtualGauges};
-use super::run::{Bench, CompareArgs};
 use super::score::Row;
+use super::setup::{Bench, CompareArgs};
 use super::world::Frame;
 use crate::run::facts;
 

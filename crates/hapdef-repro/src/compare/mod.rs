@@ -6,13 +6,16 @@ pub(crate) mod bench;
 pub(crate) mod cells;
 mod figures;
 pub(crate) mod frontier;
+mod measured;
 pub(crate) mod paper;
 mod run;
 pub(crate) mod score;
 pub(crate) mod sequence;
+mod setup;
 mod tables;
 pub(crate) mod world;
 
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};
 pub(crate) use frontier::{FrontierInverseArgs, run as run_frontier};
-pub(crate) use run::{CompareArgs, N_STIFFNESS, placed_gauges, run};
+pub(crate) use run::run;
+pub(crate) use setup::{CompareArgs, N_STIFFNESS, placed_gauges};

@@ -1,207 +1,34 @@
 //! The comparison, row by row.
 
 use anyhow::Result;
-use clap::Args;
-use hapdef::touch::{
-    LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
-};
-use hapdef::{Limb, Run, SceneArgs};
-use hapdef_bench::Measurements;
-use hapdef_bench::stats::{mean, quantile};
-use hapdef_inverse::{ContactEstimator, EstimatorParams, NoiseParams, tip_ring_m};
-use hapdef_sim::{GaugeSite, GaugeStrain};
+use hapdef::Limb;
+use hapdef_inverse::{ContactEstimator, EstimatorParams, tip_ring_m};
 
 use super::arrivals;
-use super::cells::{self, Map};
-use super::paper::{PaperPipeline, Ranking, VirtualGauges};
-use super::score::{Row, Score};
+use super::cells::Map;
+use super::measured::Measured;
+use super::paper::{PaperPipeline, VirtualGauges};
+use super::score::Score;
+use super::setup::{Bench, CompareArgs, FRICTION, N_FEW, N_MORE, WIDE_TIP_M};
 use super::tables;
-use super::world::{Draw, Frame, World, map_refinements};
-
-/// Gauges of the layout for the static triple.
-const N_MORE: usize = 16;
-
-/// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
-const MARGIN_M: f64 = 1e-3;
-
-/// Presses of the calibration by few.
-const N_FEW: usize = 300;
-
-/// Largest friction coefficient of the friction row, and its tip: 8 mm across.
-const FRICTION: f64 = 0.2;
-const WIDE_TIP_M: f64 = 0.004;
 
 /// Frames on which the covariance is judged.
 const N_COVERAGE: usize = 10_000;
 
-/// Stiffness modes of a calibration.
-pub(crate) const N_STIFFNESS: usize = 32;
-
-/// Arguments of `compare`.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct CompareArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Frames of each row.
-    #[arg(long, default_value_t = 400)]
-    frames: usize,
-    /// Seed of the presses and frames; nothing was tuned on the default.
-    #[arg(long, default_value_t = 7000)]
-    test_seed: u64,
-    /// Scripts of each row of contacts that are followed.
-    #[arg(long, default_value_t = 200)]
-    scripts: usize,
-    /// Presses that the map is calibrated with where nothing else is said, 300 at least.
-    #[arg(long, default_value_t = 3000, value_parser = at_least_few)]
-    presses: usize,
-    /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
-    #[arg(long)]
-    without_paper: bool,
-}
-
-fn at_least_few(word: &str) -> Result<usize, String> {
-    let n: usize = word.parse().map_err(|_| "expected a number".to_owned())?;
-    if n < N_FEW {
-        return Err(format!("expected {N_FEW} at least"));
-    }
-    Ok(n)
-}
-
-impl CompareArgs {
-    pub(super) fn scene(&self) -> &SceneArgs {
-        &self.scene
-    }
-
-    pub(super) fn without_paper(&self) -> bool {
-        self.without_paper
-    }
-}
-
-/// Everything that was measured.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Measured {
-    pub(crate) rows: Vec<Row>,
-    pub(crate) coverage95_pct: Option<f64>,
-    pub(crate) bound_ratio: Option<f64>,
-    /// Presses that the map is calibrated with where nothing else is said.
-    pub(crate) n_presses: usize,
-    /// Relative errors of the maps at presses they were not calibrated with: with all presses,
-    /// 300, and none.
-    pub(crate) map_errors: [f64; 3],
-    /// Times of all frames of contacts that arrive one after another, µs, rising.
-    pub(crate) tracking_us: Vec<f64>,
-    /// Name of the paper's better row on doubles.
-    pub(crate) best_paper: Option<String>,
-}
-
 /// Measures, prints and writes the comparison.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
+    let run = args.scene().prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
     let mut measured = Measured { n_presses: args.presses, ..Measured::default() };
     bench.by_superposition(&mut measured)?;
-    if !args.without_paper {
+    if !args.without_paper() {
         bench.by_the_paper(&mut measured)?;
     }
-    tables::write(&run, &args.scene.out, args.test_seed, &measured)
+    tables::write(&run, &args.scene().out, args.test_seed, &measured)
 }
 
-impl Measured {
-    pub(super) fn add(&mut self, name: &str, score: &Score) {
-        self.rows.push(score.row(name));
-    }
-}
-
-impl Measurements for Measured {
-    type Row = Row;
-
-    fn row(&self, name: &str) -> Option<&Row> {
-        self.rows.iter().find(|row| row.name == name)
-    }
-}
-
-/// The rig, the training side's responses, the frames.
-pub(super) struct Bench<'a> {
-    run: &'a Run,
-    limb: &'a Limb,
-    args: &'a CompareArgs,
-    world: World,
-    ten: UncertainResponse,
-    more: UncertainResponse,
-}
-
-impl<'a> Bench<'a> {
-    pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
-        let params = UncertainParams {
-            tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: map_refinements(run),
-            n_stiffness: N_STIFFNESS,
-            n_threads: run.threads,
-        };
-        run.say("solving the response and what may change it");
-        let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
-        let (sites, gauges) = placed_gauges(run, limb, N_MORE, MARGIN_M)?;
-        let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
-        run.say("solving the simulated real limb");
-        let world = World::build(run, limb, ten.map.skin(), &sites)?;
-        Ok(Self { run, limb, args, world, ten, more })
-    }
-
-    pub(super) fn run(&self) -> &Run {
-        self.run
-    }
-
-    pub(super) fn world(&self) -> &World {
-        &self.world
-    }
-
-    pub(super) fn n_scripts(&self) -> usize {
-        self.args.scripts
-    }
-
-    pub(super) fn n_presses(&self) -> usize {
-        self.args.presses
-    }
-
-    pub(super) fn test_seed(&self) -> u64 {
-        self.args.test_seed
-    }
-
-    pub(super) fn params(&self) -> EstimatorParams {
-        estimator_params(&self.run.scene)
-    }
-
-    /// The scene's gauges, calibrated with all presses.
-    pub(super) fn calibrated(&self) -> Result<Map> {
-        self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
-    }
-
-    fn presses(&self) -> Result<Vec<Frame>> {
-        let range = self.run.scene.contact.force_range_n;
-        cells::presses(&self.world, &mut self.draw(1), self.args.presses, range)
-    }
-
-    /// Frames of a row are drawn from a seed of their own.
-    pub(super) fn draw(&self, row: u64) -> Draw<'_> {
-        Draw::new(self.ten.map.skin(), self.args.test_seed.wrapping_add(row))
-    }
-
-    fn calibrate(
-        &self,
-        response: &UncertainResponse,
-        presses: &[Frame],
-        channels: std::ops::Range<usize>,
-    ) -> Result<Map> {
-        self.run.say(&format!("calibrating with {} presses", presses.len()));
-        let steps = self.world.resolution_ue()?;
-        let noise = NoiseParams {
-            quantisation_step: steps[channels.clone()].to_vec(),
-            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
-        };
-        Map::calibrate(response, presses, channels, noise, self.run.threads)
-    }
-
+impl Bench<'_> {
     fn by_superposition(&self, measured: &mut Measured) -> Result<()> {
         let n_gauges = self.limb.gauges.len();
         let presses = self.presses()?;
@@ -276,90 +103,4 @@ impl<'a> Bench<'a> {
         }
         Ok(())
     }
-
-    /// The paper's pipeline on frames, a row for each ranking.
-    pub(super) fn paper_rows(
-        &self,
-        paper: &mut PaperPipeline,
-        frames: &[Frame],
-        of: VirtualGauges,
-    ) -> Result<Vec<Row>> {
-        let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
-        let row = |ranking: Ranking| {
-            let score = paper.score(skin, frames, n_gauges, of, ranking)?;
-            Ok(score.row(&format!("{}, {}", of.name(), ranking.name())))
-        };
-        Ranking::ALL.into_iter().map(row).collect()
-    }
-
-    fn singles(&self, n: usize) -> Result<Vec<Frame>> {
-        let strongest = self.run.scene.contact.force_range_n[1];
-        let drawn = cells::singles(&mut self.draw(11), n, [5.0, strongest]);
-        self.world.frames(drawn, 11)
-    }
-
-    fn doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
-        let n = self.args.frames;
-        let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
-        self.world.frames(drawn, 12)
-    }
-
-    fn rough_doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
-        let n = self.args.frames;
-        let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
-        self.world.frames_under(drawn, WIDE_TIP_M, 20)
-    }
-
-    /// `k` contacts of 5 N to the strongest, 20 mm apart.
-    pub(super) fn apart(&self, k: usize, row: u64) -> Result<Vec<Frame>> {
-        let forces = [[5.0, self.run.scene.contact.force_range_n[1]]; 4];
-        let n = self.args.frames;
-        let gap_m = [0.02, f64::MAX];
-        let drawn = cells::sets(&mut self.draw(row), n, k, forces, gap_m, 0.0);
-        self.world.frames(drawn, row)
-    }
-}
-
-/// `n_gauges` gauges where log-det puts them, no nearer than `margin_m` to the edges of the wall.
-pub(crate) fn placed_gauges(
-    run: &Run,
-    limb: &Limb,
-    n_gauges: usize,
-    margin_m: f64,
-) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
-    let params = LayoutParams {
-        n_gauges,
-        margin_m,
-        noise_ue: run.scene.rig.electronics.noise_ue,
-        seed: run.scene.seed,
-        compares: false,
-        other_counts: Vec::new(),
-        ..LayoutParams::default()
-    };
-    let study = study_layouts(run, limb, &params)?;
-    let mut sites = Vec::with_capacity(n_gauges);
-    let mut gauges = Vec::with_capacity(n_gauges);
-    for placed in study.layouts.last().map_or(&[][..], |layout| &layout.gauges) {
-        let site = run.scene.gauges.site(placed.position_m, placed.axis);
-        let faces = &limb.boundary.faces;
-        gauges.push(GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?);
-        sites.push(site);
-    }
-    Ok((sites, gauges))
-}
-
-/// The mean position error of the paper's pipeline with two contacts over superposition's.
-pub(super) fn double_vs_paper(measured: &Measured) -> Option<f64> {
-    let paper = measured.row(measured.best_paper.as_ref()?)?;
-    Some(paper.mean_mm / measured.row("double")?.mean_mm)
-}
-
-/// The time of a frame of the paper's pipeline over that of a followed one.
-pub(super) fn time_vs_paper(measured: &Measured) -> Option<f64> {
-    let rows = measured.rows.iter().filter(|r| r.name.starts_with("paper"));
-    let times: Vec<f64> = rows.map(|r| r.p50_us).collect();
-    let paper_us = mean(times.iter().copied());
-    (!times.is_empty()).then(|| paper_us / quantile(&measured.tracking_us, 0.5))
 }

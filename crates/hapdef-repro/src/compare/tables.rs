@@ -11,7 +11,7 @@ use hapdef_report::{
 };
 
 use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS};
-use super::run::Measured;
+use super::measured::Measured;
 use crate::run::facts;
 
 const NOTE: &str = "Simulated: readings come from the scene's rig, another and perturbed mesh, with \

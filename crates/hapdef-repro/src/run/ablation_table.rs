@@ -1,5 +1,6 @@
 //! The ablations as one table: the chain with one thing changed, a row each.
 
+mod frames;
 mod modes;
 mod nets;
 mod refine;

@@ -4,25 +4,19 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::stages::Datasets;
-use hapdef::{
-    ContactPair, ContactStats, DrawnContact, MapError, MapErrorSum, ScoredContact, Stage,
-    score_lenient, score_one_to_one,
-};
+use hapdef::{ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one};
 use hapdef_bench::stats::median;
 use hapdef_data::Split;
 use serde::{Deserialize, Serialize};
 
-use super::super::presses::Presses;
 use super::super::scores::scored;
+use super::frames::{Frames, frames};
 use super::target::TrueMaps;
 use super::ways::Way;
 
 /// Most presses of each kind on the rig, most simulated samples of each set.
 const MOST_PRESSES: usize = 400;
 const MOST_SIMULATED: usize = 100;
-
-/// Presses that pass a row together.
-const BLOCK: usize = 128;
 
 /// Frames that are timed, one by one.
 const N_TIMED: usize = 30;
@@ -33,17 +27,6 @@ pub(super) struct Tests {
     double: Vec<Frames>,
     simulated: Vec<Frames>,
     timed: Vec<Frames>,
-}
-
-/// Some presses.
-#[derive(Default)]
-pub(super) struct Frames {
-    /// `[n, n_gauges]`, µε; none if simulated.
-    pub(super) readings: Vec<f32>,
-    /// `[n, n_virtual]`, µm.
-    pub(super) virtual_um: Vec<f32>,
-    pub(super) drawn: Vec<Vec<DrawnContact>>,
-    truth: Vec<Vec<ScoredContact>>,
 }
 
 /// What a row is worth.
@@ -152,51 +135,6 @@ struct Scores {
     map: MapError,
 }
 
-impl Frames {
-    fn one_by_one(&self) -> impl Iterator<Item = Self> + '_ {
-        let n = self.drawn.len();
-        let row = move |values: &[f32], i: usize| {
-            let width = values.len() / n;
-            values[i * width..(i + 1) * width].to_vec()
-        };
-        (0..n).map(move |i| Self {
-            readings: row(&self.readings, i),
-            virtual_um: row(&self.virtual_um, i),
-            drawn: vec![self.drawn[i].clone()],
-            truth: vec![self.truth[i].clone()],
-        })
-    }
-}
-
 fn error_sum(way: &Way<'_>, truth: &TrueMaps<'_>) -> MapErrorSum {
     MapErrorSum::new(way.target().width(truth.directions.len()))
-}
-
-/// At most `most` presses, evenly apart, in blocks.
-fn frames(
-    stage: &Stage,
-    rows: impl Fn(usize) -> Result<std::ops::Range<usize>>,
-    most: usize,
-    has_readings: bool,
-) -> Result<Vec<Frames>> {
-    let mut presses = Presses::open(stage)?;
-    let rows = rows(presses.n())?;
-    let n = rows.len().min(most);
-    let chosen: Vec<usize> = (0..n).map(|i| rows.start + i * rows.len() / n).collect();
-    let mut all = vec![];
-    for block in chosen.chunks(BLOCK) {
-        let mut frames = Frames::default();
-        for &row in block {
-            let rows = row..row + 1;
-            if has_readings {
-                frames.readings.extend(presses.read("readings", rows.clone())?);
-            }
-            let virtual_um = presses.read("virtual_gauges", rows.clone())?;
-            frames.virtual_um.extend(virtual_um);
-            frames.drawn.extend(presses.drawn(rows.clone())?);
-            frames.truth.extend(presses.truth(rows)?);
-        }
-        all.push(frames);
-    }
-    Ok(all)
 }

@@ -5,9 +5,9 @@ use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
 
 use super::super::chain::{candidates, forward};
+use super::frames::Frames;
 use super::modes::Modes;
 use super::refine::Refiner;
-use super::score::Frames;
 use super::target::{Target, TrueMaps};
 
 /// From a frame to contacts.

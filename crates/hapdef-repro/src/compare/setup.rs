@@ -1,0 +1,225 @@
+//! The rig, the responses and the frames of the comparison.
+
+use anyhow::Result;
+use clap::Args;
+use hapdef::touch::{
+    LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
+};
+use hapdef::{Limb, Run, SceneArgs};
+use hapdef_inverse::{EstimatorParams, NoiseParams};
+use hapdef_sim::{GaugeSite, GaugeStrain};
+
+use super::cells::{self, Map};
+use super::paper::{PaperPipeline, Ranking, VirtualGauges};
+use super::score::Row;
+use super::world::{Draw, Frame, World, map_refinements};
+
+/// Gauges of the layout for the static triple.
+pub(super) const N_MORE: usize = 16;
+
+/// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
+const MARGIN_M: f64 = 1e-3;
+
+/// Presses of the calibration by few.
+pub(super) const N_FEW: usize = 300;
+
+/// Largest friction coefficient of the friction row, and its tip: 8 mm across.
+pub(super) const FRICTION: f64 = 0.2;
+pub(super) const WIDE_TIP_M: f64 = 0.004;
+
+/// Stiffness modes of a calibration.
+pub(crate) const N_STIFFNESS: usize = 32;
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Frames of each row.
+    #[arg(long, default_value_t = 400)]
+    pub(super) frames: usize,
+    /// Seed of the presses and frames; nothing was tuned on the default.
+    #[arg(long, default_value_t = 7000)]
+    pub(super) test_seed: u64,
+    /// Scripts of each row of contacts that are followed.
+    #[arg(long, default_value_t = 200)]
+    scripts: usize,
+    /// Presses that the map is calibrated with where nothing else is said, 300 at least.
+    #[arg(long, default_value_t = 3000, value_parser = at_least_few)]
+    pub(super) presses: usize,
+    /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
+    #[arg(long)]
+    without_paper: bool,
+}
+
+fn at_least_few(word: &str) -> Result<usize, String> {
+    let n: usize = word.parse().map_err(|_| "expected a number".to_owned())?;
+    if n < N_FEW {
+        return Err(format!("expected {N_FEW} at least"));
+    }
+    Ok(n)
+}
+
+impl CompareArgs {
+    pub(super) fn scene(&self) -> &SceneArgs {
+        &self.scene
+    }
+
+    pub(super) fn without_paper(&self) -> bool {
+        self.without_paper
+    }
+}
+
+/// The rig, the training side's responses, the frames.
+pub(super) struct Bench<'a> {
+    pub(super) run: &'a Run,
+    pub(super) limb: &'a Limb,
+    pub(super) args: &'a CompareArgs,
+    world: World,
+    pub(super) ten: UncertainResponse,
+    pub(super) more: UncertainResponse,
+}
+
+impl<'a> Bench<'a> {
+    pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
+        let params = UncertainParams {
+            tip_radius_m: run.scene.contact.tip_radius_m,
+            refinements: map_refinements(run),
+            n_stiffness: N_STIFFNESS,
+            n_threads: run.threads,
+        };
+        run.say("solving the response and what may change it");
+        let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
+        let (sites, gauges) = placed_gauges(run, limb, N_MORE, MARGIN_M)?;
+        let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
+        run.say("solving the simulated real limb");
+        let world = World::build(run, limb, ten.map.skin(), &sites)?;
+        Ok(Self { run, limb, args, world, ten, more })
+    }
+
+    pub(super) fn run(&self) -> &Run {
+        self.run
+    }
+
+    pub(super) fn world(&self) -> &World {
+        &self.world
+    }
+
+    pub(super) fn n_scripts(&self) -> usize {
+        self.args.scripts
+    }
+
+    pub(super) fn n_presses(&self) -> usize {
+        self.args.presses
+    }
+
+    pub(super) fn test_seed(&self) -> u64 {
+        self.args.test_seed
+    }
+
+    pub(super) fn params(&self) -> EstimatorParams {
+        estimator_params(&self.run.scene)
+    }
+
+    /// The scene's gauges, calibrated with all presses.
+    pub(super) fn calibrated(&self) -> Result<Map> {
+        self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
+    }
+
+    pub(super) fn presses(&self) -> Result<Vec<Frame>> {
+        let range = self.run.scene.contact.force_range_n;
+        cells::presses(&self.world, &mut self.draw(1), self.args.presses, range)
+    }
+
+    /// Frames of a row are drawn from a seed of their own.
+    pub(super) fn draw(&self, row: u64) -> Draw<'_> {
+        Draw::new(self.ten.map.skin(), self.args.test_seed.wrapping_add(row))
+    }
+
+    pub(super) fn calibrate(
+        &self,
+        response: &UncertainResponse,
+        presses: &[Frame],
+        channels: std::ops::Range<usize>,
+    ) -> Result<Map> {
+        self.run.say(&format!("calibrating with {} presses", presses.len()));
+        let steps = self.world.resolution_ue()?;
+        let noise = NoiseParams {
+            quantisation_step: steps[channels.clone()].to_vec(),
+            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
+        };
+        Map::calibrate(response, presses, channels, noise, self.run.threads)
+    }
+
+    /// The paper's pipeline on frames, a row for each ranking.
+    pub(super) fn paper_rows(
+        &self,
+        paper: &mut PaperPipeline,
+        frames: &[Frame],
+        of: VirtualGauges,
+    ) -> Result<Vec<Row>> {
+        let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
+        let row = |ranking: Ranking| {
+            let score = paper.score(skin, frames, n_gauges, of, ranking)?;
+            Ok(score.row(&format!("{}, {}", of.name(), ranking.name())))
+        };
+        Ranking::ALL.into_iter().map(row).collect()
+    }
+
+    pub(super) fn singles(&self, n: usize) -> Result<Vec<Frame>> {
+        let strongest = self.run.scene.contact.force_range_n[1];
+        let drawn = cells::singles(&mut self.draw(11), n, [5.0, strongest]);
+        self.world.frames(drawn, 11)
+    }
+
+    pub(super) fn doubles(&self) -> Result<Vec<Frame>> {
+        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
+        let n = self.args.frames;
+        let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
+        self.world.frames(drawn, 12)
+    }
+
+    pub(super) fn rough_doubles(&self) -> Result<Vec<Frame>> {
+        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
+        let n = self.args.frames;
+        let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
+        self.world.frames_under(drawn, WIDE_TIP_M, 20)
+    }
+
+    /// `k` contacts of 5 N to the strongest, 20 mm apart.
+    pub(super) fn apart(&self, k: usize, row: u64) -> Result<Vec<Frame>> {
+        let forces = [[5.0, self.run.scene.contact.force_range_n[1]]; 4];
+        let n = self.args.frames;
+        let gap_m = [0.02, f64::MAX];
+        let drawn = cells::sets(&mut self.draw(row), n, k, forces, gap_m, 0.0);
+        self.world.frames(drawn, row)
+    }
+}
+
+/// `n_gauges` gauges where log-det puts them, no nearer than `margin_m` to the edges of the wall.
+pub(crate) fn placed_gauges(
+    run: &Run,
+    limb: &Limb,
+    n_gauges: usize,
+    margin_m: f64,
+) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
+    let params = LayoutParams {
+        n_gauges,
+        margin_m,
+        noise_ue: run.scene.rig.electronics.noise_ue,
+        seed: run.scene.seed,
+        compares: false,
+        other_counts: Vec::new(),
+        ..LayoutParams::default()
+    };
+    let study = study_layouts(run, limb, &params)?;
+    let mut sites = Vec::with_capacity(n_gauges);
+    let mut gauges = Vec::with_capacity(n_gauges);
+    for placed in study.layouts.last().map_or(&[][..], |layout| &layout.gauges) {
+        let site = run.scene.gauges.site(placed.position_m, placed.axis);
+        let faces = &limb.boundary.faces;
+        gauges.push(GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?);
+        sites.push(site);
+    }
+    Ok((sites, gauges))
+}
