@@ -163,7 +163,7 @@ fn run(task: Task) -> Result<()> {
 }
 
 #[cfg(test)]
-#[path = "../../crates/hapdef/tests/it/support/help.rs"]
+#[path = "../../crates/hapdef-cli/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ impl Setup {
             profile: self.profile.clone(),
             cache: Cache::new(self.out.join("cache")),
             threads: self.threads,
-            progress: if self.is_verbose { Progress::on_stderr() } else { Progress::silent() },
+            progress: if self.is_verbose { Progress::lines() } else { Progress::silent() },
             stop: Arc::new(AtomicBool::new(false)),
         };
         run.set_seed(self.scene.seed)?;

@@ -15,5 +15,5 @@ use clap::Parser;
 static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 fn main() -> ExitCode {
-    hapdef::exit_code(run::run(&run::Cli::parse()).map_err(Into::into))
+    hapdef_cli::exit_code(run::run(&run::Cli::parse()).map_err(Into::into))
 }

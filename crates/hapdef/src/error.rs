@@ -261,9 +261,6 @@ pub enum HapdefError {
     /// The worker threads could not be started.
     #[error("starting the worker threads: {0}; try fewer with --threads")]
     Threads(rayon::ThreadPoolBuildError),
-    /// Ctrl-C could not be caught.
-    #[error("catching Ctrl-C: {0}; is there another handler in this process?")]
-    Signal(ctrlc::Error),
     /// The person stopped the run.
     #[error("stopped at {stage}; run the same command again and it goes on from there")]
     Stopped {

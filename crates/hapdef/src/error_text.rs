@@ -1,22 +1,6 @@
-//! How a program ends: an error and its causes in one line, exit code 2.
+//! An error and its causes in one line.
 
 use std::error::Error;
-use std::process::ExitCode;
-
-/// Exit code for everything that a person can correct.
-const FAILED: u8 = 2;
-
-/// The exit code of a program that ended with `result`; prints the error, if there is one.
-#[expect(clippy::print_stderr, reason = "standard error is where a program says what is wrong")]
-pub fn exit_code(result: Result<(), Box<dyn Error + Send + Sync>>) -> ExitCode {
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", error_text(error.as_ref()));
-            ExitCode::from(FAILED)
-        }
-    }
-}
 
 /// The error's text, then the texts of its causes that are not in it already.
 #[must_use]

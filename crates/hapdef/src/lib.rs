@@ -4,9 +4,9 @@
 //! [`Cache`]; [`stages`] are functions on it, each from what it needs to a cached folder.
 //! [`Hapdefx`] is the paper's chain from gauge readings to contacts.
 //!
-//! Knows nothing of the paper's tables and baselines: those are in `hapdef-repro`.
+//! Knows nothing of command lines and web pages, which are in `hapdef-cli`, nor of the paper's tables
+//! and baselines: those are in `hapdef-repro`.
 
-mod args;
 mod cache;
 mod compliance;
 pub mod convergence;
@@ -32,19 +32,18 @@ mod stats;
 pub mod touch;
 mod virtual_rig;
 
-pub use args::{ProfileName, SceneArgs};
 pub use cache::{Cache, Stage, StageRecord, write_json};
 pub use compliance::{ComplianceTable, SuperpositionScratch};
 pub use drawn_skin::DrawnSkin;
 pub use error::{HapdefError, SceneError};
-pub use error_text::{error_text, exit_code};
+pub use error_text::error_text;
 pub use hapdef_live::touch::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
 pub use hapdefx::hapdefx;
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};
 pub use pipeline::{Pipeline, Until};
 pub use profile::{OutputScale, Profile, Samples, Schedule};
-pub use progress::{Progress, TrainingBar};
+pub use progress::{Bar, Display, Progress, TrainingBar};
 pub use run::Run;
 pub use sampling::{DrawnContact, draw_contacts, draw_numbered};
 pub use scoring::{

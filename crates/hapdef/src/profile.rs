@@ -43,7 +43,7 @@ pub struct Profile {
 }
 
 /// Where an F_R's training samples come from. Validation and test samples are those of the sets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Samples {
     /// The training parts of the sets, as in the paper.
@@ -53,7 +53,7 @@ pub enum Samples {
 }
 
 /// By what the centred outputs of F_R are divided before training.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OutputScale {
     /// Each by its own deviation, as in the paper: all nodes count alike.

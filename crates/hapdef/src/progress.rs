@@ -1,51 +1,66 @@
-//! Progress on the terminal; silent bars where there is none.
+//! What a run is doing, for whoever shows it.
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use std::fmt::Debug;
+use std::sync::Arc;
 
-/// Shows what a run is doing. Bars with time left on a terminal; plain lines elsewhere.
+/// Shows what a run is doing, on a [`Display`] or nowhere.
 #[derive(Clone, Debug)]
 pub struct Progress {
-    bars: Option<MultiProgress>,
+    display: Option<Arc<dyn Display>>,
+}
+
+/// Where progress is shown: a terminal, a window, a log.
+pub trait Display: Debug + Send + Sync {
+    /// One line of text.
+    fn say(&self, text: &str);
+
+    /// A bar for work of `n_steps` steps, which goes away when it is dropped.
+    fn bar(&self, name: &str, n_steps: u64) -> Option<Box<dyn Bar>>;
+}
+
+/// A bar that is shown.
+pub trait Bar: Debug + Send + Sync {
+    /// Moves the bar and shows a text, such as the losses, beside it.
+    fn set(&self, step: u64, text: String);
 }
 
 /// Progress of one training.
 #[derive(Debug)]
-pub struct TrainingBar(Option<ProgressBar>);
+pub struct TrainingBar(Option<Box<dyn Bar>>);
+
+/// Lines on standard error.
+#[derive(Debug)]
+struct Lines;
 
 impl Progress {
-    /// Writes to standard error.
+    /// Shown on `display`.
+    pub fn on(display: impl Display + 'static) -> Self {
+        Self { display: Some(Arc::new(display)) }
+    }
+
+    /// Plain lines on standard error, without bars.
     #[must_use]
-    pub fn on_stderr() -> Self {
-        Self { bars: Some(MultiProgress::new()) }
+    pub fn lines() -> Self {
+        Self::on(Lines)
     }
 
     /// Shows nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Self { bars: None }
+        Self { display: None }
     }
 
     /// One line of text.
-    #[expect(clippy::print_stderr, reason = "standard error is where progress goes")]
     pub fn say(&self, text: &str) {
-        match &self.bars {
-            Some(bars) if bars.is_hidden() => eprintln!("{text}"),
-            Some(bars) => drop(bars.println(text)),
-            None => {}
+        if let Some(display) = &self.display {
+            display.say(text);
         }
     }
 
     /// A bar for a training of `n_steps` steps.
     #[must_use]
     pub fn training(&self, name: &str, n_steps: u64) -> TrainingBar {
-        let style = "{prefix:18} {wide_bar} {pos}/{len} {eta} left  {msg}";
-        TrainingBar(self.bars.as_ref().map(|bars| {
-            let bar = bars.add(ProgressBar::new(n_steps));
-            if let Ok(style) = ProgressStyle::with_template(style) {
-                bar.set_style(style);
-            }
-            bar.with_prefix(name.to_owned())
-        }))
+        TrainingBar(self.display.as_ref().and_then(|display| display.bar(name, n_steps)))
     }
 }
 
@@ -53,16 +68,18 @@ impl TrainingBar {
     /// Moves the bar and shows a text, such as the losses, beside it.
     pub fn set(&self, step: u64, text: String) {
         if let Some(bar) = &self.0 {
-            bar.set_position(step);
-            bar.set_message(text);
+            bar.set(step, text);
         }
     }
 }
 
-impl Drop for TrainingBar {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.0 {
-            bar.finish_and_clear();
-        }
+impl Display for Lines {
+    #[expect(clippy::print_stderr, reason = "standard error is where progress goes")]
+    fn say(&self, text: &str) {
+        eprintln!("{text}");
+    }
+
+    fn bar(&self, _: &str, _: u64) -> Option<Box<dyn Bar>> {
+        None
     }
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::SceneArgs;
 use hapdef_bench::{Column, or_dash, publish, table, terminal_table};
+use hapdef_cli::SceneArgs;
 use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage};
 
 use super::measure::{Measured, Point, best_reduced, measure};

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::{Profile, Progress, Run};
+use hapdef::{Profile, Run};
 use hapdef_report::MetricLog;
 
 use crate::run::facts;
@@ -71,7 +71,7 @@ fn reduced(args: &BenchNetsArgs) -> Result<Vec<measure::Point>> {
         true => Profile::full(),
         false => Profile::quick(),
     };
-    let progress = Progress::on_stderr();
+    let progress = hapdef_cli::on_stderr();
     let run = Run::new(&args.scene, profile, &args.out, threads, progress)?;
     Ok(measure::measure(&run, args.rounds.min(20), None)?.points)
 }

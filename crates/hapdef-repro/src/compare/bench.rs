@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use anyhow::{Result, ensure};
 use clap::Args;
+use hapdef::Limb;
 use hapdef::scene::Scene;
 use hapdef::touch::{estimator_params, response_map};
-use hapdef::{Limb, SceneArgs};
 use hapdef_bench::stats::{median, quantile, sorted};
+use hapdef_cli::SceneArgs;
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
     ResponseMap, ScanSites, TrackerParams,

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::{Limb, SceneArgs};
+use hapdef::Limb;
 use hapdef_bench::stats::median;
 use hapdef_bench::{Column, or_dash, pareto_front, publish, table, terminal_table};
+use hapdef_cli::SceneArgs;
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
 use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series};
 use serde::Serialize;

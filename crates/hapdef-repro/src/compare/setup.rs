@@ -5,7 +5,8 @@ use clap::Args;
 use hapdef::touch::{
     LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
 };
-use hapdef::{Limb, Run, SceneArgs};
+use hapdef::{Limb, Run};
+use hapdef_cli::SceneArgs;
 use hapdef_inverse::{EstimatorParams, NoiseParams};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 

@@ -29,7 +29,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use hapdef::{Cache, HapdefError, Limb, Run, SceneArgs};
+use hapdef::{Cache, HapdefError, Limb, Run};
+use hapdef_cli::SceneArgs;
 use hapdef_sim::SimError;
 use serde::Serialize;
 use serde_json::json;

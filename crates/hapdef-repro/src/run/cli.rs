@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use hapdef::SceneArgs;
+use hapdef_cli::SceneArgs;
 
 use super::{robustness, search, tactile};
 use crate::bench::{BenchNetsArgs, FrontierArgs};
@@ -147,7 +147,7 @@ pub(super) struct CheckResultsArgs {
 }
 
 #[cfg(test)]
-#[path = "../../../hapdef/tests/it/support/help.rs"]
+#[path = "../../../hapdef-cli/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

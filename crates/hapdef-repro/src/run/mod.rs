@@ -30,7 +30,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
-use hapdef::{Limb, Pipeline, Run, SceneArgs, Stage, Until};
+use hapdef::{Limb, Pipeline, Run, Stage, Until};
+use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricLog, Report, write_report, write_text};
 use hapdef_repro::{Golden, Table1, check_results, results_markdown, table1_claims};
 

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef::Progress;
 use hapdef_report::{MetricLog, TextCell, TextTable};
 use hapdef_repro::{
     TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
@@ -76,7 +75,7 @@ fn score_run(
     log: &mut MetricLog<std::io::Stdout>,
 ) -> Result<()> {
     let params = TactileParams { steps: args.steps, n_svr: args.svr_presses, seed: args.seed };
-    let (name, progress) = (["first", "second"][which], Progress::on_stderr());
+    let (name, progress) = (["first", "second"][which], hapdef_cli::on_stderr());
     let mut knn_mm = f64::NAN;
     for method in TactileMethod::ALL {
         progress.say(&format!("{name} run: {}", method.name()));

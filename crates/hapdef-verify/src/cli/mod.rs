@@ -47,7 +47,7 @@ pub(crate) fn run(cli: &Cli) -> Result<bool> {
 }
 
 #[cfg(test)]
-#[path = "../../../hapdef/tests/it/support/help.rs"]
+#[path = "../../../hapdef-cli/tests/it/support/help.rs"]
 mod help;
 
 #[cfg(test)]

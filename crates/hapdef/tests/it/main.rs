@@ -1,29 +1,17 @@
 //! The integration tests of hapdef: one program.
 
-mod bad_input;
 mod bundle;
 mod bundle_nets;
-mod calibrate_command;
-mod deck;
 mod demo_scene;
 mod examples;
 mod fuzz_short;
-mod live;
-mod live_browser;
-mod live_device;
-mod live_page;
-mod person;
 mod plan;
 mod rates;
-mod recording_commands;
 mod saturation;
 mod scene_search;
 mod session;
 mod shell_limb;
-mod shell_limb_command;
 mod shell_limb_common;
 mod shell_response;
 mod skips;
-mod support;
 mod touch;
-mod wire;

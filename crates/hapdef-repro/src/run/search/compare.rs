@@ -1,7 +1,7 @@
 //! The paper's settings beside the search's best, on test samples.
 
 use anyhow::{Result, bail};
-use hapdef::SceneArgs;
+use hapdef_cli::SceneArgs;
 use hapdef_report::{TextCell, TextTable};
 use hapdef_repro::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use hapdef::{HapdefError, Limb, Pipeline, Run, SceneArgs, Until};
+use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
+use hapdef_cli::SceneArgs;
 use hapdef_repro::{
     Knob, ReproError, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial,
     merge_trials, propose, search_figures, search_markdown, trials_text, values_in_words,

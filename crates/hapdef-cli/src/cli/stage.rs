@@ -6,7 +6,8 @@ use anyhow::Result;
 use hapdef::plan::{Machine, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
 use hapdef::touch::calibration_in_use;
-use hapdef::{DrawnSkin, Limb, Pipeline, SceneArgs, Stage, Until};
+use hapdef::{DrawnSkin, Limb, Pipeline, Stage, Until};
+use hapdef_cli::SceneArgs;
 
 /// Reads the scene and its limb and says what is there.
 pub(crate) fn check(args: &SceneArgs) -> Result<()> {

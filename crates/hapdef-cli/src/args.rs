@@ -1,19 +1,11 @@
 //! Command-line arguments that every program over a scene shares.
 
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-
+use hapdef::{HapdefError, OutputScale, Profile, Run, Samples};
 use hapdef_nets::{Loss, TrainBackend};
-
-use crate::error::HapdefError;
-use crate::profile::{OutputScale, Profile, Samples};
-use crate::progress::Progress;
-use crate::run::Run;
-
-/// Exit code of a program that a second Ctrl-C ends at once.
-const INTERRUPTED: i32 = 130;
 
 /// Fewest samples of a set: one in five is for testing, and the smallest net is trained on 60 %.
 const MIN_SAMPLES: usize = 20;
@@ -52,14 +44,14 @@ pub struct SceneArgs {
     #[arg(long, help_heading = TRAINING, value_name = "N")]
     pub output_modes: Option<usize>,
     /// By what F_R's outputs are divided in training, instead of the profile's choice.
-    #[arg(long, help_heading = TRAINING)]
+    #[arg(long, help_heading = TRAINING, value_parser = output_scales())]
     pub output_scale: Option<OutputScale>,
     /// What the training of F_R minimises, `root-mean-square` (the paper's) or `mean-of-samples`,
     /// instead of the profile's choice.
     #[arg(long, help_heading = TRAINING, value_parser = loss)]
     pub loss: Option<Loss>,
     /// Where the training samples of F_R come from, instead of the profile's choice.
-    #[arg(long, help_heading = TRAINING)]
+    #[arg(long, help_heading = TRAINING, value_parser = sources_of_samples())]
     pub samples: Option<Samples>,
     /// What trains the nets: `slices`, `candle`, or `cuda` and `cuda:1` for a GPU in a build with
     /// the feature `cuda`.
@@ -85,30 +77,34 @@ pub enum ProfileName {
     Full,
 }
 
+/// Why a run can't be prepared.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each variant's message says what it is")]
+pub enum PrepareError {
+    #[error(transparent)]
+    Run(#[from] HapdefError),
+    #[error("catching Ctrl-C: {0}; is there another handler in this process?")]
+    Signal(ctrlc::Error),
+}
+
 impl SceneArgs {
     /// Reads the scene and prepares the run; sets the threads of the whole process and lets Ctrl-C
     /// stop the run at the next step, with a checkpoint kept; a second Ctrl-C ends it at once.
     ///
     /// # Errors
     /// [`HapdefError::Scene`] when the scene is refused, [`HapdefError::Threads`] and
-    /// [`HapdefError::Signal`] when the process has its threads or its handler already.
-    pub fn prepare(&self) -> Result<Run, HapdefError> {
+    /// [`PrepareError::Signal`] when the process has its threads or its handler already.
+    pub fn prepare(&self) -> Result<Run, PrepareError> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)
             .build_global()
             .map_err(HapdefError::Threads)?;
-        let progress = Progress::on_stderr();
+        let progress = crate::on_stderr();
         let mut run = Run::new(&self.scene, self.amounts(), &self.out, self.threads, progress)?;
         if let Some(seed) = self.seed {
             run.set_seed(seed)?;
         }
-        let stop = run.stop.clone();
-        ctrlc::set_handler(move || {
-            if stop.swap(true, Ordering::Relaxed) {
-                std::process::exit(INTERRUPTED);
-            }
-        })
-        .map_err(HapdefError::Signal)?;
+        crate::stop_on_signals(run.stop.clone())?;
         Ok(run)
     }
 
@@ -136,6 +132,24 @@ impl SceneArgs {
         }
         profile
     }
+}
+
+fn sources_of_samples() -> impl TypedValueParser<Value = Samples> {
+    PossibleValuesParser::new([
+        PossibleValue::new("fixed").help("The training parts of the sets, as in the paper"),
+        PossibleValue::new("drawn")
+            .help("Drawn when needed, in equal shares of every contact count, none twice"),
+    ])
+    .map(|name| if name == "drawn" { Samples::Drawn } else { Samples::Fixed })
+}
+
+fn output_scales() -> impl TypedValueParser<Value = OutputScale> {
+    PossibleValuesParser::new([
+        PossibleValue::new("each")
+            .help("Each by its own deviation, as in the paper: all nodes count alike"),
+        PossibleValue::new("one").help("All by one deviation: micrometres count alike"),
+    ])
+    .map(|name| if name == "one" { OutputScale::One } else { OutputScale::Each })
 }
 
 fn loss(text: &str) -> Result<Loss, String> {

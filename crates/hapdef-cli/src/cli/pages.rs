@@ -40,7 +40,7 @@ pub(super) fn table<const N: usize>(
 mod tests {
     use std::path::Path;
 
-    use hapdef::{Profile, Progress};
+    use hapdef::Profile;
     use serde_json::json;
 
     use super::*;
@@ -49,7 +49,7 @@ mod tests {
     fn results_say_by_what_and_from_what_they_were_made() {
         let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/scene.json");
         let out = tempfile::tempdir().unwrap();
-        let progress = Progress::on_stderr();
+        let progress = hapdef_cli::on_stderr();
         let run = Run::new(&scene, Profile::quick(), out.path(), 1, progress).unwrap();
         let origin = origin(&run, &[("pairs", "too few")]).unwrap();
         let value = origin.with(json!({"noise_ue": 5.0}));

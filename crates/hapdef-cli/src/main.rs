@@ -1,4 +1,4 @@
-//! `hapdef`: the pipeline's stages on the command line.
+//! `hapdef`: from a limb to contacts on the command line.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod cli;
@@ -14,7 +14,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> ExitCode {
     match cli::run(&cli::Cli::parse()) {
         Err(error) if is_end_of_reader(&error) => ExitCode::SUCCESS,
-        result => hapdef::exit_code(result.map_err(Into::into)),
+        result => hapdef_cli::exit_code(result.map_err(Into::into)),
     }
 }
 

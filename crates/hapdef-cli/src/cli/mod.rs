@@ -37,7 +37,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
-use hapdef::{SceneArgs, Until};
+use hapdef::Until;
+use hapdef_cli::SceneArgs;
 
 /// A sense of touch for robot limbs from a few strain gauges.
 #[derive(Parser)]

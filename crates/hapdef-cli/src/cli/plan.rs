@@ -2,8 +2,9 @@
 
 use anyhow::Result;
 use clap::Args;
+use hapdef::Limb;
 use hapdef::plan::{Machine, MeasuredStep, Plan, PlanStep, StepState, When, plan};
-use hapdef::{Limb, SceneArgs};
+use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]

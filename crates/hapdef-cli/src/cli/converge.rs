@@ -3,7 +3,8 @@
 use anyhow::Result;
 use clap::Args;
 use hapdef::convergence::{Convergence, ConvergenceParams, Quantity, QuantityEstimate};
-use hapdef::{Limb, SceneArgs, stages};
+use hapdef::{Limb, stages};
+use hapdef_cli::SceneArgs;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  hapdef converge fixtures/shin/scene.json")]

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use hapdef::Limb;
 use hapdef::touch::{Touch, touch_estimator};
-use hapdef::{Limb, SceneArgs};
+use hapdef_cli::SceneArgs;
 use serde_json::{Value, json};
 
 #[derive(Args)]

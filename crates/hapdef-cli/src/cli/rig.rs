@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use hapdef::{Limb, Run, SceneArgs, VirtualRigParams, live_limb, random_presses, virtual_device};
+use hapdef::{Limb, Run, VirtualRigParams, live_limb, random_presses, virtual_device};
+use hapdef_cli::SceneArgs;
 use hapdef_rig::live::{
     DevicePort, LiveLimb, PressScript, PtyPort, RigFault, RunInfo, RunParams, TcpPort, TruthFrame,
     run_rig,

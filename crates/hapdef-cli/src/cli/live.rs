@@ -14,7 +14,8 @@ use hapdef::scene::Outputs;
 use hapdef::touch::{
     LiveEstimator, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
-use hapdef::{Limb, Run, SOURCE_FORMS, SceneArgs, SourceArg};
+use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
+use hapdef_cli::SceneArgs;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
+use hapdef::Limb;
 use hapdef::touch::{BundleRequest, make_bundle};
-use hapdef::{Limb, SceneArgs};
+use hapdef_cli::SceneArgs;
 use hapdef_live::Bundle;
 use hapdef_mesh::atomic_write;
 use serde_json::json;

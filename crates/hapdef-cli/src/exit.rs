@@ -1,0 +1,21 @@
+//! How a program ends: an error and its causes in one line, exit code 2.
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use hapdef::error_text;
+
+/// Exit code for everything that a person can correct.
+const FAILED: u8 = 2;
+
+/// The exit code of a program that ended with `result`; prints the error, if there is one.
+#[expect(clippy::print_stderr, reason = "standard error is where a program says what is wrong")]
+pub fn exit_code(result: Result<(), Box<dyn Error + Send + Sync>>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", error_text(error.as_ref()));
+            ExitCode::from(FAILED)
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! What the programs over a scene share: the arguments that name a scene and how to run it, progress
+//! on the terminal, the exit code.
+//!
+//! Knows nothing of what is computed: that is in `hapdef`, whose commands `main.rs` and `cli` are.
+
+mod args;
+mod exit;
+mod progress;
+mod signals;
+
+pub use args::{PrepareError, ProfileName, SceneArgs};
+pub use exit::exit_code;
+pub use progress::on_stderr;
+pub use signals::stop_on_signals;
