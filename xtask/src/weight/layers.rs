@@ -34,7 +34,7 @@ pub(super) const LAYERS: [Layers; 16] = [
     plain("rig", "hapdef-rig"),
     plain("view", "hapdef-view"),
     plain("report", "hapdef-report"),
-    plain("program", "hapdef"),
+    plain("program", "hapdef-cli"),
 ];
 
 /// What a robot builds.
