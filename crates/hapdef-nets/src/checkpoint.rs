@@ -179,6 +179,7 @@ pub fn load(path: &Path) -> Result<(Net, TrainRecord), NetsError> {
 /// Reads a checkpoint with what a training needs to go on. Fails if it has no moments.
 pub fn load_for_resume(path: &Path) -> Result<Resumable, NetsError> {
     let file = parse(path)?;
+    check_precision(path)?;
     let net = net_of(read_mlp(path, &file.spec, &file.weights_file)?, &file)?;
     let best = match &file.best_file {
         Some(name) => Some(read_mlp(path, &file.spec, name)?),
@@ -195,6 +196,33 @@ pub fn load_for_resume(path: &Path) -> Result<Resumable, NetsError> {
         moments.push(Moments { weights_m, weights_v, bias_m, bias_v });
     }
     Ok(Resumable { net, record: file.record, moments, best })
+}
+
+/// Fails where a file names a precision of the products other than f32: such a training can't go on
+/// with the same bits. Its weights are in f32 all the same, and [`load`] reads them.
+fn check_precision(path: &Path) -> Result<(), NetsError> {
+    #[derive(Deserialize)]
+    struct File {
+        record: Record,
+    }
+    #[derive(Deserialize)]
+    struct Record {
+        params: Params,
+    }
+    #[derive(Deserialize)]
+    struct Params {
+        precision: Option<String>,
+    }
+    let file: File = serde_json::from_slice(&read(path)?).map_err(invalid(path))?;
+    match file.record.params.precision {
+        Some(saved) if saved != "f32" => Err(NetsError::ResumeParams {
+            path: path.to_path_buf(),
+            name: "precision",
+            saved,
+            asked: "f32, the only precision of a training".into(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn parse(path: &Path) -> Result<CheckpointFile, NetsError> {

@@ -46,5 +46,5 @@ pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::{Loss, TrainBackend, TrainParams, TrainPrecision};
+pub use params::{Loss, TrainBackend, TrainParams};
 pub use spec::MlpSpec;

@@ -4,18 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::NetsError;
 
-/// Precision of the matrix products of a training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TrainPrecision {
-    /// 32 bits throughout.
-    F32,
-    /// Factors rounded to bfloat16 where the processor multiplies those itself (AVX-512 BF16), else
-    /// 32 bits; sums, weights and moments stay in 32 bits (P. Micikevicius et al., "Mixed Precision
-    /// Training", ICLR 2018, arXiv 1710.03740).
-    Mixed,
-}
-
 /// What does the arithmetic of a training.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -70,7 +58,6 @@ impl Loss {
 
 /// How a net is trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct TrainParams {
     /// Steps of the optimiser in all, those before a resume included.
     pub steps: u64,
@@ -91,8 +78,6 @@ pub struct TrainParams {
     /// The paper states 1e-3 for F_T, 1e-4 for F_R, 6e-4 for F_S; the authors' published code,
     /// read closely, applies next to none of it, and 0 agrees best with what they report.
     pub l2: f64,
-    /// Precision of the matrix products; weights, moments, sums and validation are in 32 bits.
-    pub precision: TrainPrecision,
     /// What does the arithmetic.
     #[serde(default)]
     pub backend: TrainBackend,
@@ -122,7 +107,6 @@ impl TrainParams {
             warmup_steps: 0,
             loss: Loss::RootMeanSquare,
             l2: 0.0,
-            precision: TrainPrecision::F32,
             backend: TrainBackend::default(),
             seed,
             checkpoint_every: 10_000,

@@ -128,13 +128,6 @@ def torch_f32(folder, layers):
     return torch.from_numpy, torch_call(torch_modules(layers))
 
 
-def torch_bf16(folder, layers):
-    import torch
-
-    prepare = lambda x: torch.from_numpy(x).bfloat16()
-    return prepare, torch_call(torch_modules(layers).bfloat16())
-
-
 def torch_int8(folder, layers):
     import torch
 
@@ -148,7 +141,6 @@ ROWS = {
     "ort f32": ("onnxruntime", onnx_f32),
     "ort int8": ("onnxruntime", onnx_int8),
     "torch f32": ("torch", torch_f32),
-    "torch bf16": ("torch", torch_bf16),
     "torch int8": ("torch", torch_int8),
 }
 

@@ -3,8 +3,8 @@
     python torch_training.py THREADS INPUTS WIDTH... OUTPUTS
 
 Builds a fully connected ReLU net, says "ready VERSION" (or "missing REASON") and answers each line
-"PRECISION BATCH STEPS" (PRECISION is f32 or bf16) with the seconds that so many steps took: draw a
-batch with replacement, forward, root mean square error, backward, fused Adam.
+"BATCH STEPS" with the seconds that so many steps took: draw a batch with replacement, forward, root
+mean square error, backward, fused Adam; all in 32 bits.
 """
 
 import sys
@@ -24,14 +24,12 @@ def prepare(torch, widths):
     return net, adam, torch.randn(n, widths[0]), torch.randn(n, widths[-1])
 
 
-def steps(torch, prepared, precision, batch, count):
+def steps(torch, prepared, batch, count):
     net, adam, x, y = prepared
     for _ in range(count):
         rows = torch.randint(len(x), (batch,))
         adam.zero_grad(set_to_none=True)
-        with torch.autocast("cpu", torch.bfloat16, enabled=precision == "bf16"):
-            found = net(x[rows])
-        loss = (found.float() - y[rows]).square().mean().sqrt()
+        loss = (net(x[rows]) - y[rows]).square().mean().sqrt()
         loss.backward()
         adam.step()
 
@@ -47,9 +45,9 @@ def main():
     prepared = prepare(torch, widths)
     print(f"ready {torch.__version__}", flush=True)
     for line in sys.stdin:
-        precision, batch, count = line.split()
+        batch, count = line.split()
         start = time.perf_counter()
-        steps(torch, prepared, precision, int(batch), int(count))
+        steps(torch, prepared, int(batch), int(count))
         print(time.perf_counter() - start, flush=True)
 
 

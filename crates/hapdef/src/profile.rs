@@ -1,6 +1,6 @@
 //! How much of everything a run makes: the paper's amounts, or a quick look.
 
-use hapdef_nets::{Loss, TrainBackend, TrainPrecision};
+use hapdef_nets::{Loss, TrainBackend};
 use serde::{Deserialize, Serialize};
 
 /// Amounts of data and training.
@@ -82,8 +82,6 @@ pub struct Schedule {
     pub loss: Loss,
     /// Weight of the L2 term on the weights.
     pub l2: f64,
-    /// Precision of the matrix products.
-    pub precision: TrainPrecision,
     /// Looks at the validation set, of 20, without a lower loss after which the training ends; 0
     /// goes on to the end. The weights with the lowest loss are kept in any case.
     pub patience: u64,
@@ -130,7 +128,6 @@ impl Profile {
                 batch: 256,
                 warmup_steps: 200,
                 loss: Loss::MeanOfSamples,
-                precision: TrainPrecision::Mixed,
                 ..schedule(24_000, 3e-3)
             },
             output_modes: 512,
@@ -152,7 +149,6 @@ fn schedule(steps: usize, learning_rate: f64) -> Schedule {
         final_learning_rate: learning_rate * 1e-2,
         loss: Loss::RootMeanSquare,
         l2: 0.0,
-        precision: TrainPrecision::F32,
         patience: 0,
     }
 }

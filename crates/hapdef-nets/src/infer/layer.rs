@@ -5,8 +5,8 @@ use crate::error::NetsError;
 use crate::mlp::Layer;
 
 use super::kernels::{ByteEnding, Ending, Isa, Sixteen};
-use super::panels::{Bf16Line, F32Line, Int8Line, Panels, bf16_lines, f32_lines, int8_lines};
-use super::quantise::{bf16_bits, quantised_weight, row_scale};
+use super::panels::{F32Line, Int8Line, Panels, f32_lines, int8_lines};
+use super::quantise::{quantised_weight, row_scale};
 use super::scratch::LayerScratch;
 
 /// Inputs beyond which an exact sum of byte products might not fit 32 bits.
@@ -29,8 +29,6 @@ pub(super) struct PreparedLayer {
 pub(super) enum Product {
     /// Weights and inputs in f32.
     F32,
-    /// Weights in bf16, inputs in f32.
-    Bf16,
     /// Weights in bytes, inputs in f32.
     Int8,
     /// Weights and inputs in bytes; sums are exact.
@@ -47,7 +45,6 @@ pub(super) enum InputBytes {
 #[derive(Debug, Clone)]
 enum Weights {
     F32(Panels<F32Line>),
-    Bf16(Panels<Bf16Line>),
     Int8(Panels<Int8Line>, Vec<Sixteen<f32>>),
     Bytes(ByteWeights),
 }
@@ -84,7 +81,6 @@ impl PreparedLayer {
         let shape = [rows.len(), n_in];
         let weights = match product {
             Product::F32 => Weights::F32(f32_lines(shape, |o, i| row(o)[i])),
-            Product::Bf16 => Weights::Bf16(bf16_lines(shape, |o, i| bf16_bits(row(o)[i]))),
             Product::Int8 | Product::Bytes(_) => {
                 let scales: Vec<f32> = (0..rows.len()).map(|o| row_scale(row(o))).collect();
                 let steps = |o: usize, i: usize| quantised_weight(row(o)[i], scales[o]);
@@ -117,7 +113,6 @@ impl PreparedLayer {
     pub(super) fn bytes(&self) -> usize {
         let lines = match &self.weights {
             Weights::F32(panels) => panels.bytes(),
-            Weights::Bf16(panels) => panels.bytes(),
             Weights::Int8(panels, scales) => panels.bytes() + size_of_val(&scales[..]),
             Weights::Bytes(weights) => {
                 let rows = size_of_val(&weights.scales[..]) + size_of_val(&weights.sums[..]);
@@ -140,11 +135,6 @@ impl PreparedLayer {
             Weights::F32(panels) => {
                 let (x, sums) = scratch.active(n_in, n_out.div_ceil(16));
                 isa.f32(panels, x, sums);
-                x.len() * panels.row_bytes()
-            }
-            Weights::Bf16(panels) => {
-                let (x, sums) = scratch.active(n_in, n_out.div_ceil(32) * 2);
-                isa.bf16(panels, x, sums);
                 x.len() * panels.row_bytes()
             }
             Weights::Int8(panels, of_rows) => {

@@ -14,8 +14,6 @@ pub(super) struct Line<T, const N: usize>(pub(super) [T; N]);
 
 /// 16 numbers: one input's weights for 16 outputs, or 16 results.
 pub(super) type F32Line = Line<f32, 16>;
-/// Two bf16 in each word: the lower half serves outputs 0 to 15 of its unit, the upper 16 to 31.
-pub(super) type Bf16Line = Line<u32, 16>;
 /// 64 whole numbers.
 pub(super) type Int8Line = Line<i8, 64>;
 /// 16 sums of whole numbers.
@@ -79,22 +77,6 @@ pub(super) fn f32_lines(
         Line(std::array::from_fn(|lane| {
             let output = unit * 16 + lane;
             if output < n_out { weight(output, input) } else { 0.0 }
-        }))
-    })
-}
-
-/// bf16: 32 outputs a unit. `weight(output, input)` gives the bits.
-pub(super) fn bf16_lines(
-    [n_out, n_in]: [usize; 2],
-    weight: impl Fn(usize, usize) -> u16,
-) -> Panels<Bf16Line> {
-    let bits = |output: usize, input: usize| {
-        if output < n_out { u32::from(weight(output, input)) } else { 0 }
-    };
-    Panels::new([n_in, n_out.div_ceil(32)], |input, unit| {
-        Line(std::array::from_fn(|lane| {
-            let output = unit * 32 + lane;
-            bits(output, input) | bits(output + 16, input) << 16
         }))
     })
 }

@@ -11,10 +11,6 @@ use super::low_rank::LowRank;
 pub enum Precision {
     /// 4 bytes a weight: the net as it is, up to the order of the sum.
     F32,
-    /// 2 bytes a weight, the upper half of an f32, rounded to nearest: each weight is off by
-    /// at most |w| / 256, an output by at most Σ |w| |x| / 256. Weights that would round
-    /// to infinity are cut instead; weights below 1e-38 are off by at most 1e-40.
-    Bf16,
     /// 1 byte a weight and one scale per row, s = max |w| / 127: an output is off by at most
     /// Σ |x| s / 2. Rows below 1e-38 are off by at most 1e-44 a weight. Activations stay f32, or
     /// where the processor adds products of bytes ([`SimdLevel::Avx512Vnni`]) become 2 bytes in every
@@ -49,13 +45,12 @@ impl InferParams {
 
 impl Precision {
     /// All of them, most bytes first.
-    pub const ALL: [Self; 4] = [Self::F32, Self::Bf16, Self::Int8Weights, Self::Int8];
+    pub const ALL: [Self; 3] = [Self::F32, Self::Int8Weights, Self::Int8];
 
     /// Name for tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::F32 => "f32",
-            Self::Bf16 => "bf16",
             Self::Int8Weights => "int8 weights",
             Self::Int8 => "int8",
         }

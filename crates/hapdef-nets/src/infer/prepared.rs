@@ -133,7 +133,6 @@ fn product(precision: Precision, level: SimdLevel, i: usize, layer: &Layer) -> P
     let fits = layer.weights.len() / layer.bias.len() <= MOST_BYTE_INPUTS;
     match precision {
         Precision::F32 => Product::F32,
-        Precision::Bf16 => Product::Bf16,
         Precision::Int8 if i > 0 => Product::Bytes(InputBytes::One),
         Precision::Int8Weights if i > 0 && has_byte_sums && fits => Product::Bytes(InputBytes::Two),
         Precision::Int8Weights | Precision::Int8 => Product::Int8,

@@ -1,21 +1,10 @@
 //! Numbers in fewer bits.
 
-/// Largest finite bf16.
-const BF16_MAX: u16 = 0x7f7f;
-
 /// Largest magnitude of a weight in one byte.
 const WEIGHT_STEPS: f32 = 127.0;
 
 /// What a signed activation's byte is shifted by.
 pub(super) const SIGNED_OFFSET: i32 = 128;
-
-/// The upper half of a finite f32, rounded to nearest, halves to even; never infinite.
-pub(super) fn bf16_bits(value: f32) -> u16 {
-    let bits = value.to_bits();
-    let even = (bits >> 16) & 1;
-    let rounded = (bits.wrapping_add(0x7fff + even) >> 16) as u16;
-    if rounded & 0x7fff > BF16_MAX { (rounded & 0x8000) | BF16_MAX } else { rounded }
-}
 
 /// The scale of a row of finite weights: its largest magnitude is 127 of it; 0 for a row of zeros.
 pub(super) fn row_scale(row: &[f32]) -> f32 {
@@ -94,10 +83,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn bf16(value: f32) -> f32 {
-        f32::from_bits(u32::from(bf16_bits(value)) << 16)
-    }
-
     /// `x` in steps of `P` bytes, and back in numbers.
     fn there_and_back<const P: usize>(x: &[f32]) -> (f64, Vec<f64>) {
         let largest = x.iter().fold(0.0f32, |m, x| m.max(x.abs()));
@@ -110,14 +95,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn bf16_is_within_its_bound(bits in any::<u32>()) {
-            let value = f32::from_bits(bits);
-            prop_assume!(value.is_finite());
-            let error = (f64::from(bf16(value)) - f64::from(value)).abs();
-            prop_assert!(error <= f64::from(value.abs()) / 256.0 + 1e-40, "{value:e} {error:e}");
-        }
-
         #[test]
         fn bytes_are_within_half_a_step(
             exponent in -150..127i32,
@@ -142,13 +119,6 @@ mod tests {
                 prop_assert!(error <= 0.5001 * f64::from(row), "{x:e} {row:e}");
             }
         }
-    }
-
-    #[test]
-    fn bf16_never_becomes_infinite() {
-        assert!(bf16(f32::MAX).is_finite() && bf16(f32::MIN).is_finite());
-        assert_eq!(bf16(-1.0), -1.0);
-        assert_eq!(bf16(0.0), 0.0);
     }
 
     #[test]

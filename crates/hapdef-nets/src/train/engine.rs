@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::optimiser::Moments;
-use crate::params::{Loss, TrainBackend, TrainParams, TrainPrecision};
+use crate::params::{Loss, TrainBackend, TrainParams};
 use crate::train::adam::AdamStep;
 #[cfg(feature = "candle")]
 use crate::train::candle_network::CandleNetwork;
@@ -28,7 +28,7 @@ impl Engine {
     ) -> Result<Self, NetsError> {
         match params.backend {
             TrainBackend::Slices => {
-                let network = Box::new(Network::new(mlp, params.precision));
+                let network = Box::new(Network::new(mlp));
                 Ok(Self::Slices(network, moments, params.loss))
             }
             #[cfg(feature = "candle")]
@@ -72,15 +72,6 @@ impl Engine {
             Self::Slices(_, moments, _) => Ok(Cow::Borrowed(moments)),
             #[cfg(feature = "candle")]
             Self::Candle(network) => Ok(Cow::Owned(network.moments()?)),
-        }
-    }
-
-    /// The precision of its products.
-    pub(super) fn precision(&self) -> TrainPrecision {
-        match self {
-            Self::Slices(network, ..) => network.precision(),
-            #[cfg(feature = "candle")]
-            Self::Candle(_) => TrainPrecision::F32,
         }
     }
 }

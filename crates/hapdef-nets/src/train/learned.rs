@@ -4,7 +4,6 @@ use crate::checkpoint::TrainRecord;
 use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::net::Net;
-use crate::params::TrainPrecision;
 use crate::train::batch::Batch;
 use crate::train::loss::sum_of_squares;
 use crate::train::network::Network;
@@ -34,7 +33,7 @@ pub(super) fn check_learned(
         return Ok(());
     }
     let varies: Vec<bool> = net.output_scale().std().iter().map(|s| *s > 0.0).collect();
-    let mut network = Network::new(mlp, TrainPrecision::F32);
+    let mut network = Network::new(mlp);
     let (mut batch, mut missed, mut spread) = (Batch::default(), 0.0, 0.0);
     let rows = some_rows(samples);
     for rows in rows.chunks(TOGETHER) {

@@ -11,8 +11,6 @@
 
 mod adam;
 mod batch;
-#[cfg_attr(not(target_arch = "x86_64"), path = "bf16/none.rs")]
-mod bf16;
 #[cfg(feature = "candle")]
 mod candle_network;
 mod clock;

@@ -9,10 +9,10 @@ use crate::activation::Activation;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
 use crate::optimiser::Moments;
-use crate::params::{Loss, TrainPrecision};
+use crate::params::Loss;
 use crate::train::adam::{Part, Update};
 use crate::train::loss::differentiate;
-use crate::train::products::{Products, ROW_BLOCK};
+use crate::train::products::{ROW_BLOCK, multiply};
 use crate::train::view::View;
 
 /// A network whose weights change in place, with room for a batch.
@@ -20,7 +20,6 @@ pub(super) struct Network {
     layers: Vec<Layer>,
     shapes: Vec<(usize, usize)>,
     activation: Activation,
-    products: Products,
     /// Output of every layer; after [`Network::forward`] the last holds the derivative of the loss
     /// by the outputs.
     outputs: Vec<Vec<f32>>,
@@ -33,23 +32,17 @@ pub(super) struct Network {
 }
 
 impl Network {
-    pub(super) fn new(mlp: &Mlp, precision: TrainPrecision) -> Self {
+    pub(super) fn new(mlp: &Mlp) -> Self {
         let shapes = mlp.spec().layer_shapes();
         Self {
             layers: mlp.layers().to_vec(),
             outputs: vec![vec![]; shapes.len()],
             shapes,
             activation: mlp.spec().activation,
-            products: Products::new(precision),
             d_input: vec![],
             d_weights: vec![],
             d_bias: vec![],
         }
-    }
-
-    /// The precision of its products.
-    pub(super) fn precision(&self) -> TrainPrecision {
-        self.products.precision()
     }
 
     /// The weights as they are now, in the architecture of `mlp`.
@@ -103,7 +96,7 @@ impl Network {
             let parts = weight_parts(layer, &mut moments[i], ROW_BLOCK * n_in);
             let gradient = &mut self.d_weights;
             let each = |g: &mut [f32], part: Part<'_>| update.weights(part, g);
-            let sums = self.products.multiply(dz_t, a, gradient, parts, each);
+            let sums = multiply(dz_t, a, gradient, parts, each);
             sum += sums.into_iter().sum::<f64>();
             if i > 0 {
                 std::mem::swap(&mut self.d_input, &mut self.outputs[i - 1]);
@@ -123,7 +116,7 @@ impl Network {
         let (dz, weights) =
             (View::new(dz, batch, n_out), View::new(&self.layers[i].weights, n_out, n_in));
         let finish = |da: &mut [f32], a: &[f32]| activation.apply_derivative(da, a);
-        self.products.multiply(dz, weights, &mut self.d_input, a, finish);
+        multiply(dz, weights, &mut self.d_input, a, finish);
     }
 
     fn layer_output(&mut self, i: usize, x: &[f32]) {
@@ -146,7 +139,7 @@ impl Network {
         let weights = View::new(&layer.weights, n_out, n_in).t();
         let blocks = (0..batch.div_ceil(ROW_BLOCK)).into_par_iter();
         let a = View::new(a, batch, n_in);
-        self.products.multiply(a, weights, z, blocks, finish);
+        multiply(a, weights, z, blocks, finish);
     }
 }
 

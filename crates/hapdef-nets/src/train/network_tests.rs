@@ -37,12 +37,8 @@ impl Update for Keep {
 }
 
 /// Loss and derivatives, weights then bias, first layer first.
-fn gradients(
-    mlp: &Mlp,
-    (x, y): (&[f32], &[f32]),
-    (precision, loss): (TrainPrecision, Loss),
-) -> (f64, Vec<Vec<f32>>) {
-    let mut network = Network::new(mlp, precision);
+fn gradients(mlp: &Mlp, (x, y): (&[f32], &[f32]), loss: Loss) -> (f64, Vec<Vec<f32>>) {
+    let mut network = Network::new(mlp);
     let loss = network.forward(loss, x, y);
     let mut found = Moments::zeros(mlp);
     network.backward(x, &mut found, &Keep);
@@ -110,7 +106,7 @@ proptest! {
         let activation = if relu { Activation::Relu } else { Activation::Tanh };
         let kind = if of_samples { Loss::MeanOfSamples } else { Loss::RootMeanSquare };
         let (mlp, x, y) = example(activation, seed);
-        let (loss, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
+        let (loss, found) = gradients(&mlp, (&x, &y), kind);
         let (expected_loss, expected) = autograd(&mlp, &x, &y, kind);
         prop_assert!((loss / expected_loss - 1.0).abs() < 1e-6, "{loss} against {expected_loss}");
         assert_close(&found, &expected, 1e-5);
@@ -126,7 +122,7 @@ proptest! {
     ) {
         let kind = if of_samples { Loss::MeanOfSamples } else { Loss::RootMeanSquare };
         let (mlp, x, y) = example(Activation::Tanh, seed);
-        let (_, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
+        let (_, found) = gradients(&mlp, (&x, &y), kind);
         let derivative = &found[2 * layer + usize::from(of_bias)];
         let index = pick.index(derivative.len());
         let loss_at = |shift: f32| {
@@ -134,7 +130,7 @@ proptest! {
             let values = if of_bias { &mut layers[layer].bias } else { &mut layers[layer].weights };
             values[index] += shift;
             let mlp = Mlp::from_layers(mlp.spec(), layers).unwrap();
-            gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind)).0
+            gradients(&mlp, (&x, &y), kind).0
         };
         let h = 4e-3;
         let difference = (loss_at(h) - loss_at(-h)) / (2.0 * f64::from(h));
@@ -150,7 +146,7 @@ proptest! {
         let (mlp, x, _) = example(activation, seed);
         let mut lean = vec![0.0; 6 * 4];
         mlp.forward_batch(&x, &mut crate::Scratch::default(), &mut lean).unwrap();
-        let mut network = Network::new(&mlp, TrainPrecision::F32);
+        let mut network = Network::new(&mlp);
         assert_close(&[network.predict(&x).to_vec()], &[lean], 1e-5);
     }
 }
@@ -158,32 +154,10 @@ proptest! {
 #[test]
 fn a_perfect_fit_has_no_gradient() {
     let (mlp, x, _) = example(Activation::Relu, 1);
-    let y = Network::new(&mlp, TrainPrecision::F32).predict(&x).to_vec();
+    let y = Network::new(&mlp).predict(&x).to_vec();
     for kind in [Loss::RootMeanSquare, Loss::MeanOfSamples] {
-        let (loss, found) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
+        let (loss, found) = gradients(&mlp, (&x, &y), kind);
         assert_eq!(loss, 0.0);
         assert!(found.iter().flatten().all(|g| *g == 0.0));
-    }
-}
-
-/// A factor rounded to bfloat16 is off by 2⁻⁹ at most. Without the switches of a ReLU the
-/// derivatives are smooth, and off by a few times that.
-#[test]
-fn mixed_precision_differs_by_its_rounding_alone() {
-    let spec =
-        MlpSpec { inputs: 57, hidden: vec![701, 97], outputs: 131, activation: Activation::Tanh };
-    let mlp = Mlp::random(&spec, 3).unwrap();
-    let values = |n: usize, phase: f32| -> Vec<f32> {
-        (0..n).map(|i| (1.7 * (i * i % 7919) as f32 + phase).sin()).collect()
-    };
-    let (x, y) = (values(75 * 57, 0.0), values(75 * 131, 1.0));
-    let kind = Loss::RootMeanSquare;
-    let (loss, mixed) = gradients(&mlp, (&x, &y), (TrainPrecision::Mixed, kind));
-    let (exact_loss, exact) = gradients(&mlp, (&x, &y), (TrainPrecision::F32, kind));
-    assert!((loss / exact_loss - 1.0).abs() < 2e-3, "{loss} against {exact_loss}");
-    for (mixed, exact) in mixed.iter().zip(&exact) {
-        let norm = |v: &mut dyn Iterator<Item = f32>| v.map(|x| x * x).sum::<f32>().sqrt();
-        let error = norm(&mut mixed.iter().zip(exact).map(|(a, b)| a - b));
-        assert!(error < 1e-2 * norm(&mut exact.iter().copied()), "{error}");
     }
 }

@@ -1,72 +1,27 @@
-//! Products of matrices, in 32 bits or in bfloat16, and what follows on their rows.
+//! Products of matrices, and what follows on their rows.
 
 use rayon::prelude::*;
 
-use crate::params::TrainPrecision;
-use crate::train::bf16::{Bf16Unit, Left, Right, TILE_ROWS};
 use crate::train::gemm32;
 use crate::train::view::View;
 
-/// Rows that one thread computes and finishes together. Blocks do not depend on the number of
-/// threads, and neither does a sum over them.
-pub(super) const ROW_BLOCK: usize = 4 * TILE_ROWS;
+/// Rows that one thread finishes together. Blocks do not depend on the number of threads, and
+/// neither does a sum over them.
+pub(super) const ROW_BLOCK: usize = 64;
 
-/// Multiplies matrices.
-pub(super) struct Products {
-    unit: Option<Bf16Unit>,
-    left: Left,
-    right: Right,
-}
-
-impl Products {
-    /// Products in the precision asked for, or in 32 bits where the processor has no other.
-    pub(super) fn new(precision: TrainPrecision) -> Self {
-        let unit = match precision {
-            TrainPrecision::F32 => None,
-            TrainPrecision::Mixed => Bf16Unit::detect(),
-        };
-        Self { unit, left: Left::default(), right: Right::default() }
-    }
-
-    /// The precision that the products have.
-    pub(super) fn precision(&self) -> TrainPrecision {
-        match self.unit {
-            Some(_) => TrainPrecision::Mixed,
-            None => TrainPrecision::F32,
-        }
-    }
-
-    /// `out`, `[left.rows, right.columns]` row-major, becomes the product. Every block of
-    /// [`ROW_BLOCK`] rows (the last may be shorter) is handed to `finish` with its item; what that
-    /// returns comes back in the order of the blocks.
-    pub(super) fn multiply<T: Send, R: Send>(
-        &mut self,
-        left: View<'_>,
-        right: View<'_>,
-        out: &mut [f32],
-        items: impl IndexedParallelIterator<Item = T>,
-        finish: impl Fn(&mut [f32], T) -> R + Sync,
-    ) -> Vec<R> {
-        assert_eq!(left.columns, right.rows, "depth of a product");
-        assert_eq!(out.len(), left.rows * right.columns, "values of a product");
-        let columns = right.columns;
-        let Some(unit) = self.unit else {
-            gemm32::multiply(left, right, out);
-            let blocks = out.par_chunks_mut(ROW_BLOCK * columns).zip(items);
-            return blocks.map(|(rows, item)| finish(rows, item)).collect();
-        };
-        unit.pack_left(&mut self.left, left);
-        unit.pack_right(&mut self.right, right.t());
-        let (left, right) = (&self.left, &self.right);
-        let blocks = out.par_chunks_mut(ROW_BLOCK * columns).zip(items);
-        blocks
-            .enumerate()
-            .map(|(i, (rows, item))| {
-                unit.multiply(left, i * ROW_BLOCK, right, columns, rows);
-                finish(rows, item)
-            })
-            .collect()
-    }
+/// `out`, `[left.rows, right.columns]` row-major, becomes the product. Every block of
+/// [`ROW_BLOCK`] rows (the last may be shorter) is handed to `finish` with its item; what that
+/// returns comes back in the order of the blocks.
+pub(super) fn multiply<T: Send, R: Send>(
+    left: View<'_>,
+    right: View<'_>,
+    out: &mut [f32],
+    items: impl IndexedParallelIterator<Item = T>,
+    finish: impl Fn(&mut [f32], T) -> R + Sync,
+) -> Vec<R> {
+    gemm32::multiply(left, right, out);
+    let blocks = out.par_chunks_mut(ROW_BLOCK * right.columns).zip(items);
+    blocks.map(|(rows, item)| finish(rows, item)).collect()
 }
 
 #[cfg(test)]
@@ -75,7 +30,7 @@ mod tests {
 
     use super::*;
 
-    /// Whole numbers from −8 to 8, which bfloat16 holds exactly.
+    /// Whole numbers from −8 to 8.
     fn whole(n: usize, seed: u64) -> Vec<f32> {
         let value = |i: u64| ((i * i + 7 * i * seed + seed) % 7919 % 17) as f32 - 8.0;
         (0..n as u64).map(value).collect()
@@ -106,16 +61,13 @@ mod tests {
             k in 1..1200usize,
             left_transposed in any::<bool>(),
             right_transposed in any::<bool>(),
-            mixed in any::<bool>(),
         ) {
             let (a, b) = (whole(m * k, 1), whole(k * n, 2));
             let left = view(&a, m, k, left_transposed);
             let right = view(&b, k, n, right_transposed);
-            let precision = if mixed { TrainPrecision::Mixed } else { TrainPrecision::F32 };
             let mut out = vec![f32::NAN; m * n];
             let blocks = (0..m.div_ceil(ROW_BLOCK)).into_par_iter();
-            let mut products = Products::new(precision);
-            let seen = products.multiply(left, right, &mut out, blocks, |rows, i| (i, rows.len()));
+            let seen = multiply(left, right, &mut out, blocks, |rows, i| (i, rows.len()));
             for i in 0..m {
                 for j in 0..n {
                     let sum: f32 = (0..k).map(|d| at(left, i, d) * at(right, d, j)).sum();

@@ -8,7 +8,7 @@ use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::net::Net;
 use crate::optimiser::Moments;
-use crate::params::{Loss, TrainParams, TrainPrecision};
+use crate::params::{Loss, TrainParams};
 use crate::train::adam::AdamStep;
 use crate::train::batch::Batch;
 use crate::train::clock::Clock;
@@ -52,8 +52,6 @@ pub struct TrainInfo {
     pub validation_loss: Option<f64>,
     /// Step whose weights are the net's: the last, or the best.
     pub kept_step: u64,
-    /// Precision of the products: 32 bits where the processor has not the one asked for.
-    pub precision: TrainPrecision,
     /// Every look at the validation set, those before a resume included.
     pub looks: Vec<Look>,
     /// Samples per second, validation and checkpoints included.
@@ -206,7 +204,6 @@ impl Run<'_> {
             train_loss: self.record.train_loss,
             validation_loss: look.map(|l| l.validation_loss),
             kept_step,
-            precision: self.engine.precision(),
             samples_per_s: clock.mean_rate(),
             elapsed_s: clock.elapsed_s(),
             looks: self.record.looks,
@@ -281,7 +278,7 @@ fn mean_loss(
     source: &mut dyn BatchSource,
     step: u64,
 ) -> Result<f64, NetsError> {
-    let mut network = Network::new(mlp, TrainPrecision::F32);
+    let mut network = Network::new(mlp);
     let (mut batch, mut sum) = (Batch::default(), LossSum::new(loss, source.n_outputs()));
     let n = source.n_samples();
     for first in (0..n).step_by(VALIDATION_BATCH) {

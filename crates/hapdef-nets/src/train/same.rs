@@ -22,7 +22,6 @@ pub(super) fn check_same(
             ("final_learning_rate", format!("{:?}", p.final_learning_rate)),
             ("warmup_steps", p.warmup_steps.to_string()),
             ("l2", p.l2.to_string()),
-            ("precision", format!("{:?}", p.precision)),
             ("backend", format!("{:?}", p.backend)),
             ("loss", format!("{:?}", p.loss)),
             ("validate_every", look.to_string()),

@@ -186,3 +186,25 @@ fn a_resume_with_other_knobs_is_refused() {
     assert_eq!(name_refused(TrainParams { loss, ..PARAMS }), "loss");
     assert_eq!(name_refused(TrainParams { steps: 40, ..PARAMS }), "steps");
 }
+
+#[test]
+fn a_checkpoint_in_another_precision_is_read_and_not_resumed() {
+    let (_folder, path) = checkpoint();
+    let mut trained = net(&[16], Activation::Relu);
+    train(&mut trained, &mut samples(500, 0.0), None, &PARAMS, Some(&path), &mut go_on).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    for (precision, is_resumed) in [("f32", true), ("mixed", false)] {
+        let params = format!("\"params\": {{ \"precision\": \"{precision}\",");
+        std::fs::write(&path, text.replacen("\"params\": {", &params, 1)).unwrap();
+        assert_eq!(load(&path).unwrap().0, trained);
+        let resumed = resume(&path, &mut samples(500, 0.0), None, &PARAMS, &mut go_on);
+        match resumed {
+            Ok(_) => assert!(is_resumed),
+            Err(NetsError::ResumeParams { name, saved, asked, .. }) => {
+                assert_eq!((name, saved.as_str(), is_resumed), ("precision", "mixed", false));
+                assert!(asked.starts_with("f32"));
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+}

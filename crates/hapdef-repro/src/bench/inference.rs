@@ -141,18 +141,16 @@ fn paths(nets: [&Net; 2], seed: u64, x: &[f32], y: &[f32]) -> Result<Vec<Chain>>
         activation: Activation::Relu,
     };
     let narrow = random(&narrow, seed)?;
-    for precision in [Precision::Bf16, Precision::Int8] {
-        let whole = InferParams::of(precision);
-        let name = |what: &str| format!("{}, {what}", precision.name());
-        let params = InferParams { wanted: Some((0..N_WANTED).collect()), ..whole.clone() };
-        let title = name(&format!("{N_WANTED} outputs"));
-        paths.push(Chain::new(title, nets, &params, x, Some(&y[..N_WANTED]))?);
-        let params = InferParams { low_rank: vec![low_rank.clone()], ..whole.clone() };
-        let title = name(&format!("rank {RANK}"));
-        paths.push(Chain::new(title, nets, &params, x, None)?);
-        let title = name("240-256-256-64-3211");
-        paths.push(Chain::new(title, [nets[0], &narrow], &whole, x, None)?);
-    }
+    let whole = InferParams::of(Precision::Int8);
+    let name = |what: &str| format!("{}, {what}", Precision::Int8.name());
+    let params = InferParams { wanted: Some((0..N_WANTED).collect()), ..whole.clone() };
+    let title = name(&format!("{N_WANTED} outputs"));
+    paths.push(Chain::new(title, nets, &params, x, Some(&y[..N_WANTED]))?);
+    let params = InferParams { low_rank: vec![low_rank.clone()], ..whole.clone() };
+    let title = name(&format!("rank {RANK}"));
+    paths.push(Chain::new(title, nets, &params, x, None)?);
+    let title = name("240-256-256-64-3211");
+    paths.push(Chain::new(title, [nets[0], &narrow], &whole, x, None)?);
     Ok(paths)
 }
 

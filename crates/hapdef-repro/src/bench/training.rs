@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use hapdef_bench::stats::median;
 use hapdef_nets::train::{MemorySource, Progress, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams};
 use hapdef_report::MetricLog;
 
 /// The script, as it was when this program was built.
@@ -46,42 +46,32 @@ pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Resul
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     for batch in BATCHES {
         let rates = rates(&pool, &mut torch, &spec, batch)?;
-        let [torch_f32, torch_bf16, own_f32, own_mixed] =
-            rates.each_ref().map(|r| median(r.iter().copied()));
-        let ratio = |own: &[f64]| median_ratio(own, &rates[0]);
+        let [torch_f32, own_f32] = rates.each_ref().map(|r| median(r.iter().copied()));
+        let [torch, own] = &rates;
         let name = |text: &str| match batch {
             1024 => format!("nets.{text}"),
             _ => format!("nets.{text}_b{batch}"),
         };
         log.value(&name("train_torch"), torch_f32, "samples/s")?;
-        log.value(&name("train_torch_bf16"), torch_bf16, "samples/s")?;
         log.value(&name("train"), own_f32, "samples/s")?;
-        log.value(&name("train_mixed"), own_mixed, "samples/s")?;
-        log.value(&name("train_vs_torch"), ratio(&rates[2]), "1")?;
-        log.value(&name("train_mixed_vs_torch"), ratio(&rates[3]), "1")?;
+        log.value(&name("train_vs_torch"), median_ratio(own, torch), "1")?;
     }
     Ok(())
 }
 
-/// Samples per second of every turn: PyTorch in 32 bits and in bfloat16, ours in 32 bits and mixed.
+/// Samples per second of every turn: PyTorch and ours, in 32 bits.
 fn rates(
     pool: &rayon::ThreadPool,
     torch: &mut Torch,
     spec: &MlpSpec,
     batch: usize,
-) -> Result<[Vec<f64>; 4]> {
+) -> Result<[Vec<f64>; 2]> {
     let steps = SAMPLES / batch as u64;
-    let own = |precision| pool.install(|| own_seconds(spec, batch, steps, precision));
-    let mut rates = [const { Vec::new() }; 4];
-    torch.seconds("f32", batch, 2)?;
-    torch.seconds("bf16", batch, 2)?;
+    let mut rates = [const { Vec::new() }; 2];
+    torch.seconds(batch, 2)?;
     for _ in 0..ROUNDS {
-        let seconds = [
-            torch.seconds("f32", batch, steps)?,
-            torch.seconds("bf16", batch, steps)?,
-            own(TrainPrecision::F32)?,
-            own(TrainPrecision::Mixed)?,
-        ];
+        let seconds =
+            [torch.seconds(batch, steps)?, pool.install(|| own_seconds(spec, batch, steps))?];
         for (rates, seconds) in rates.iter_mut().zip(seconds) {
             rates.push(SAMPLES as f64 / seconds);
         }
@@ -90,14 +80,14 @@ fn rates(
 }
 
 /// Seconds that so many steps take, the first not counted: it makes the buffers.
-fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64, precision: TrainPrecision) -> Result<f64> {
+fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64) -> Result<f64> {
     let wave = |n: usize| (0..n).map(|i| (0.37 * i as f32).sin()).collect();
     let (x, y) = (wave(N_SAMPLES * spec.inputs), wave(N_SAMPLES * spec.outputs));
     let mut samples = MemorySource::new(spec.inputs, spec.outputs, x, y)?;
     let scales = [spec.inputs, spec.outputs].map(Scale::identity);
     let [input, output] = scales;
     let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
-    let params = TrainParams { steps: steps + 1, batch, precision, ..TrainParams::paper(1) };
+    let params = TrainParams { steps: steps + 1, batch, ..TrainParams::paper(1) };
     let mut times = [None; 2];
     let mut note = |progress: &Progress| {
         let at = usize::from(progress.step > 1);
@@ -116,7 +106,7 @@ fn median_ratio(own: &[f64], torch: &[f64]) -> f64 {
     median(own.iter().zip(torch).map(|(own, torch)| own / torch))
 }
 
-/// PyTorch in a Python that takes steps when told to.
+/// PyTorch in a Python that takes steps when asked to.
 struct Torch {
     child: Child,
     to: Option<ChildStdin>,
@@ -144,9 +134,9 @@ impl Torch {
         Ok(torch)
     }
 
-    fn seconds(&mut self, precision: &str, batch: usize, steps: u64) -> Result<f64> {
+    fn seconds(&mut self, batch: usize, steps: u64) -> Result<f64> {
         let to = self.to.as_mut().context("Python's input")?;
-        writeln!(to, "{precision} {batch} {steps}").context("telling Python")?;
+        writeln!(to, "{batch} {steps}").context("asking Python")?;
         Ok(self.line()?.trim().parse()?)
     }
 

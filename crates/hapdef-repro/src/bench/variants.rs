@@ -179,19 +179,15 @@ impl Maker<'_> {
         let last = net.mlp().layers().len() - 1;
         let x = self.rows.some_inputs(N_MODE_SAMPLES);
         let most = (x.len() / self.rows.n_virtual).min(self.rows.n_surface);
-        let mut add = |name: &str, low_rank: Vec<LowRank>, precisions: &[Precision]| {
-            for &precision in precisions {
-                let params =
-                    InferParams { low_rank: low_rank.clone(), ..InferParams::of(precision) };
-                variants.push(self.fnn(name, Family::LowRank, net, &params)?);
-            }
+        let mut add = |name: &str, low_rank: Vec<LowRank>| {
+            let params = InferParams { low_rank, ..InferParams::of(Precision::Int8) };
+            variants.push(self.fnn(name, Family::LowRank, net, &params)?);
             anyhow::Ok(())
         };
-        let both = [Precision::Bf16, Precision::Int8];
         let mut of_last = None;
         for rank in RANKS.into_iter().filter(|&rank| rank <= most) {
             let (low_rank, _) = LowRank::of_samples(net, last, &x, rank)?;
-            add(&format!("FNN rank {rank}"), vec![low_rank.clone()], &both)?;
+            add(&format!("FNN rank {rank}"), vec![low_rank.clone()])?;
             of_last = Some(low_rank);
         }
         let width = net.mlp().layers()[last - 1].bias.len();
@@ -200,7 +196,7 @@ impl Maker<'_> {
         {
             let (before, _) = LowRank::of_samples(net, last - 1, &x, RANK_OF_TWO)?;
             let name = format!("FNN rank {RANK_OF_TWO}, last two layers");
-            add(&name, vec![before, of_last], &both)?;
+            add(&name, vec![before, of_last])?;
         }
         Ok(())
     }
@@ -210,7 +206,7 @@ impl Maker<'_> {
             let (net, stage) = narrow(self.run, self.data, &self.rows, hidden)?;
             let widths: Vec<String> = hidden.iter().map(ToString::to_string).collect();
             let name = format!("FNN {}", widths.join("-"));
-            for precision in [Precision::F32, Precision::Bf16, Precision::Int8] {
+            for precision in [Precision::F32, Precision::Int8] {
                 let params = InferParams::of(precision);
                 let variant = self.fnn(&name, Family::Narrow, &net, &params)?;
                 variants.push(Variant { training_s: stage.record.elapsed_s, ..variant });

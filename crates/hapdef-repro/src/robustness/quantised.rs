@@ -13,7 +13,7 @@ use crate::search::{Fitted, Learner};
 const N_ROWS: usize = 20;
 
 /// The precisions that lose something.
-const PRECISIONS: [Precision; 3] = [Precision::Bf16, Precision::Int8Weights, Precision::Int8];
+const PRECISIONS: [Precision; 2] = [Precision::Int8Weights, Precision::Int8];
 
 const IN_BOUND: (&str, f64) = ("outputs within the stated bound", 1.0);
 
@@ -227,7 +227,6 @@ fn sum_with_bound(
     for (w, (x, e)) in row.iter().map(|w| f64::from(*w)).zip(inputs) {
         let dw = match precision {
             Precision::F32 => 0.0,
-            Precision::Bf16 => w.abs() / 256.0 + 1e-40,
             Precision::Int8Weights | Precision::Int8 => largest / 254.0 + 1e-44,
         };
         let dx = e + step / 2.0;

@@ -16,7 +16,7 @@ training and 100 test samples, with one thing at an extreme, and something that 
 - measured: the metric that must not exceed the limit, to its order of magnitude; it depends on
   rounding and is not compared. `cargo xtask robustness nets` prints it in full.
 - error: RMS error on test samples over the RMS spread of their outputs; the mean has 1.
-- bf16, int8 weights, int8: the trained net, prepared for run time in that precision, against the same
+- int8 weights, int8: the trained net, prepared for run time in that precision, against the same
   weights in f64. The stated bound is that of `hapdef_nets::infer::Precision`, layer by layer.
 
 A row is `accurate` where what must hold, holds, `refused` where the method gave a typed error, and

@@ -7,7 +7,7 @@ use anyhow::Result;
 use hapdef::stages::{fit_scales, train_in_modes};
 use hapdef::{HapdefError, OutputScale, Profile, Run, Schedule, Stage};
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, TrainPrecision, load};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, load};
 use serde_json::{Value, json};
 
 const CHECKPOINT_FILE: &str = "net.json";
@@ -19,15 +19,13 @@ const BATCH: usize = 100;
 /// Steps between checkpoints.
 const CHECKPOINT_EVERY: u64 = 250;
 
-/// A short training: how many steps, from which learning rate, how precise.
+/// A short training: how many steps, from which learning rate.
 #[derive(Clone, Copy, serde::Serialize)]
 pub(crate) struct Brief {
     /// Steps.
     pub(crate) steps: usize,
     /// Learning rate at the first step; it falls to a hundredth along a cosine.
     pub(crate) learning_rate: f64,
-    /// Precision of the matrix products.
-    pub(crate) precision: TrainPrecision,
 }
 
 /// What a net's outputs are while it is trained.
@@ -57,17 +55,12 @@ impl Brief {
         Self {
             steps: (profile.reconstruction.steps / 2).clamp(1, 1500),
             learning_rate: profile.reconstruction.learning_rate,
-            precision: profile.reconstruction.precision,
         }
     }
 
     /// As long as the profile trains such a net.
     pub(crate) fn whole(schedule: &Schedule) -> Self {
-        Self {
-            steps: schedule.steps,
-            learning_rate: schedule.learning_rate,
-            precision: schedule.precision,
-        }
+        Self { steps: schedule.steps, learning_rate: schedule.learning_rate }
     }
 
     /// Half the profile's steps of F_T, at most 2,500.
@@ -75,7 +68,6 @@ impl Brief {
         Self {
             steps: (profile.transfer.steps / 2).clamp(1, 2500),
             learning_rate: profile.transfer.learning_rate,
-            precision: profile.transfer.precision,
         }
     }
 }
@@ -166,7 +158,6 @@ impl Fitting<'_> {
             batch: BATCH,
             learning_rate: brief.learning_rate,
             final_learning_rate: Some(brief.learning_rate * 1e-2),
-            precision: brief.precision,
             checkpoint_every: CHECKPOINT_EVERY,
             ..TrainParams::paper(run.scene.seed)
         };

@@ -34,5 +34,5 @@ fn every_metric_is_there_without_python() {
         row["relative_error"].as_f64().unwrap()
     };
     assert!(of("f32") < 1e-5, "{}", of("f32"));
-    assert!(of("bf16") < 2e-2 && of("int8") < 5e-2);
+    assert!(of("int8") < 5e-2);
 }

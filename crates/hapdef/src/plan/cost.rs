@@ -1,7 +1,7 @@
 //! Operations and bytes of what the stages do, and the time they take on a machine.
 
 use hapdef_inverse::Calibrated;
-use hapdef_nets::{Activation, MlpSpec, TrainPrecision};
+use hapdef_nets::{Activation, MlpSpec};
 use hapdef_sim::FactorEstimate;
 
 use super::Machine;
@@ -93,8 +93,6 @@ pub(super) fn training(net: &MlpSpec, schedule: &Schedule, machine: &Machine) ->
             Activation::Tanh => machine.train_narrow_tanh_flops_per_s,
             Activation::Relu => machine.train_narrow_relu_flops_per_s,
         }
-    } else if schedule.precision == TrainPrecision::Mixed {
-        machine.train_mixed_flops_per_s
     } else {
         machine.train_flops_per_s
     };

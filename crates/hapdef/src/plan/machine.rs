@@ -8,7 +8,7 @@ use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 use hapdef_kmax::{KMaxGraph, KMaxParams};
 use hapdef_mesh::{FeNodeId, kuhn_block};
 use hapdef_nets::train::{MemorySource, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch, TrainParams, TrainPrecision};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch, TrainParams};
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -37,8 +37,6 @@ pub struct Machine {
     pub few_solves_flops_per_s: f64,
     /// Operations of the training of a net of F_R's widths in 32 bits, 1/s.
     pub train_flops_per_s: f64,
-    /// The same in mixed precision.
-    pub train_mixed_flops_per_s: f64,
     /// The same of a net of F_T's widths, whose units are hyperbolic tangents.
     pub train_narrow_tanh_flops_per_s: f64,
     /// The same of one of F_S's widths, whose units are rectified.
@@ -116,16 +114,14 @@ impl Machine {
         let [write_bytes_per_s, read_bytes_per_s] =
             file_rates(&folder.join("machine.safetensors"))?;
         let wide = MlpSpec::reconstruction(240, 3200);
-        let in_modes = MlpSpec::reconstruction(240, 512);
-        let narrow_rate = |spec| training_rate(spec, 400, 100, TrainPrecision::F32);
+        let narrow_rate = |spec| training_rate(spec, 400, 100);
         Ok(Self {
             threads,
             elements_per_s,
             factor_flops_per_s,
             solve_flops_per_s,
             few_solves_flops_per_s,
-            train_flops_per_s: training_rate(&wide, 10, 100, TrainPrecision::F32)?,
-            train_mixed_flops_per_s: training_rate(&in_modes, 10, 256, TrainPrecision::Mixed)?,
+            train_flops_per_s: training_rate(&wide, 10, 100)?,
             train_narrow_tanh_flops_per_s: narrow_rate(&MlpSpec::transfer(10, 240))?,
             train_narrow_relu_flops_per_s: narrow_rate(&MlpSpec::sensitivity())?,
             superpose_flops_per_s: superposition_rate(threads),
@@ -173,12 +169,7 @@ fn solver_rates(threads: usize) -> Result<[f64; 4], HapdefError> {
 }
 
 /// Operations per second of `steps` steps of `batch` samples, once a few have warmed up.
-fn training_rate(
-    spec: &MlpSpec,
-    steps: u64,
-    batch: usize,
-    precision: TrainPrecision,
-) -> Result<f64, HapdefError> {
+fn training_rate(spec: &MlpSpec, steps: u64, batch: usize) -> Result<f64, HapdefError> {
     let values = |n: usize| (0..n).map(|i| (i % 17) as f32 - 8.0).collect::<Vec<_>>();
     let (n_in, n_out) = (spec.inputs, spec.outputs);
     let mut samples = MemorySource::new(n_in, n_out, values(batch * n_in), values(batch * n_out))?;
@@ -187,7 +178,6 @@ fn training_rate(
         let params = TrainParams {
             steps,
             batch,
-            precision,
             validate_every: 0,
             checkpoint_every: 0,
             ..TrainParams::paper(1)

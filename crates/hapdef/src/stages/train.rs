@@ -236,7 +236,6 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
         final_learning_rate,
         loss,
         l2,
-        precision,
         patience,
     } = schedule;
     TrainParams {
@@ -247,7 +246,6 @@ fn params(run: &Run, kind: NetKind) -> TrainParams {
         warmup_steps: warmup_steps as u64,
         loss,
         l2,
-        precision,
         backend: profile.backend,
         seed: run.scene.seed.wrapping_mul(1000).wrapping_add(stream),
         checkpoint_every: CHECKPOINT_EVERY,
@@ -266,7 +264,6 @@ fn record(kind: NetKind, n_samples: usize, info: &TrainInfo, net: &Net) -> Value
         "kept_step": info.kept_step,
         "train_loss": info.train_loss,
         "validation_loss": info.validation_loss,
-        "precision": info.precision,
         "constant_inputs": net.input_scale().constant_columns().collect::<Vec<_>>(),
         "constant_outputs": net.output_scale().constant_columns().collect::<Vec<_>>(),
         "samples_per_s": info.samples_per_s,

@@ -2,13 +2,13 @@
 
 use std::arch::x86_64::{
     __m256, __m256i, _MM_HINT_T1, _mm_load_si128, _mm_loadl_epi64, _mm_prefetch, _mm256_add_epi32,
-    _mm256_and_si256, _mm256_castsi256_ps, _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32,
-    _mm256_cvtepi32_ps, _mm256_fmadd_ps, _mm256_load_ps, _mm256_load_si256, _mm256_madd_epi16,
-    _mm256_permute2x128_si256, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32,
-    _mm256_store_ps, _mm256_store_si256, _mm256_unpackhi_epi16, _mm256_unpacklo_epi16,
+    _mm256_cvtepi8_epi16, _mm256_cvtepi8_epi32, _mm256_cvtepi32_ps, _mm256_fmadd_ps,
+    _mm256_load_ps, _mm256_load_si256, _mm256_madd_epi16, _mm256_permute2x128_si256,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_store_ps, _mm256_store_si256, _mm256_unpackhi_epi16,
+    _mm256_unpacklo_epi16,
 };
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
+use super::super::panels::{F32Line, I32Line, Int8Line, Line, Panels};
 use super::super::quantise::ByteScale;
 use super::{Active, ActiveBytes, elements};
 
@@ -98,32 +98,6 @@ fn f32_line(line: &F32Line) -> Vector {
     let [a, b] = halves(&line.0);
     // SAFETY: half a line is 32 readable bytes, aligned to 32.
     unsafe { [_mm256_load_ps(a.as_ptr()), _mm256_load_ps(b.as_ptr())] }
-}
-
-#[target_feature(enable = "avx2")]
-#[inline]
-fn words(line: &Bf16Line) -> [__m256i; 2] {
-    let [a, b] = halves(&line.0);
-    // SAFETY: half a line is 32 readable bytes, aligned to 32.
-    unsafe { [_mm256_load_si256(a.as_ptr().cast()), _mm256_load_si256(b.as_ptr().cast())] }
-}
-
-#[target_feature(enable = "avx2")]
-#[inline]
-fn bf16_low(line: &Bf16Line) -> Vector {
-    let [a, b] = words(line);
-    [
-        _mm256_castsi256_ps(_mm256_slli_epi32::<16>(a)),
-        _mm256_castsi256_ps(_mm256_slli_epi32::<16>(b)),
-    ]
-}
-
-#[target_feature(enable = "avx2")]
-#[inline]
-fn bf16_high(line: &Bf16Line) -> Vector {
-    let [a, b] = words(line);
-    let mask = _mm256_set1_epi32(0xffff_0000_u32 as i32);
-    [_mm256_castsi256_ps(_mm256_and_si256(a, mask)), _mm256_castsi256_ps(_mm256_and_si256(b, mask))]
 }
 
 #[target_feature(enable = "avx2")]

@@ -1,14 +1,13 @@
 //! 512-bit vectors.
 
 use std::arch::x86_64::{
-    __m512, __m512i, _mm_load_si128, _mm512_and_si512, _mm512_castsi512_ps, _mm512_cvtepi8_epi32,
-    _mm512_cvtepi32_ps, _mm512_dpbusd_epi32, _mm512_fmadd_ps, _mm512_load_ps, _mm512_load_si512,
-    _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_slli_epi32, _mm512_store_ps,
-    _mm512_store_si512, _mm512_unpackhi_epi8, _mm512_unpackhi_epi16, _mm512_unpacklo_epi8,
-    _mm512_unpacklo_epi16,
+    __m512, __m512i, _mm_load_si128, _mm512_cvtepi8_epi32, _mm512_cvtepi32_ps, _mm512_dpbusd_epi32,
+    _mm512_fmadd_ps, _mm512_load_ps, _mm512_load_si512, _mm512_set1_epi32, _mm512_set1_ps,
+    _mm512_setzero_si512, _mm512_store_ps, _mm512_store_si512, _mm512_unpackhi_epi8,
+    _mm512_unpackhi_epi16, _mm512_unpacklo_epi8, _mm512_unpacklo_epi16,
 };
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
+use super::super::panels::{F32Line, I32Line, Int8Line, Line, Panels};
 use super::super::quantise::ByteScale;
 use super::{Active, ActiveBytes, avx2, elements};
 
@@ -122,22 +121,6 @@ fn fma(a: Vector, b: Vector, c: Vector) -> Vector {
 fn f32_line(line: &F32Line) -> Vector {
     // SAFETY: a line is 64 readable bytes, aligned to 64.
     unsafe { _mm512_load_ps(line.0.as_ptr()) }
-}
-
-#[target_feature(enable = "avx512f")]
-#[inline]
-fn bf16_low(line: &Bf16Line) -> Vector {
-    // SAFETY: a line is 64 readable bytes, aligned to 64.
-    let words = unsafe { _mm512_load_si512(line.0.as_ptr().cast()) };
-    _mm512_castsi512_ps(_mm512_slli_epi32::<16>(words))
-}
-
-#[target_feature(enable = "avx512f")]
-#[inline]
-fn bf16_high(line: &Bf16Line) -> Vector {
-    // SAFETY: a line is 64 readable bytes, aligned to 64.
-    let words = unsafe { _mm512_load_si512(line.0.as_ptr().cast()) };
-    _mm512_castsi512_ps(_mm512_and_si512(words, _mm512_set1_epi32(0xffff_0000_u32 as i32)))
 }
 
 #[target_feature(enable = "avx512f")]

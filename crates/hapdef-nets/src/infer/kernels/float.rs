@@ -5,16 +5,12 @@
 //! fetches ahead on its own is seldom of a row that is passed over.
 
 /// Kernels over the vector operations of the module that calls it: `Vector` (16 lanes), `splat`,
-/// `fma`, `f32_line`, `bf16_low`, `bf16_high`, `int8_quarter`, `store`, `prefetch`.
+/// `fma`, `f32_line`, `int8_quarter`, `store`, `prefetch`.
 macro_rules! float_kernels {
     ($(#[$feature:meta])*) => {
         float_kernel! {
             /// `out = Wᵀ x`, weights in f32.
             $(#[$feature])* f32(F32Line), 1: f32_line
-        }
-        float_kernel! {
-            /// `out = Wᵀ x`, weights in bf16: two lines of results a unit.
-            $(#[$feature])* bf16(Bf16Line), 2: bf16_low, bf16_high
         }
         float_kernel! {
             /// `out = Wᵀ x`, weights in bytes: four lines of results a unit.

@@ -23,7 +23,7 @@ mod portable;
 
 use crate::error::NetsError;
 
-use super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Panels};
+use super::panels::{F32Line, I32Line, Int8Line, Panels};
 use super::quantise::ByteScale;
 pub(super) use elements::{ByteEnding, Ending, Extent, Sixteen};
 
@@ -165,11 +165,6 @@ impl Isa {
     /// `out = Wᵀ x` over the active inputs; a result per output of the panels.
     pub(super) fn f32(self, w: &Panels<F32Line>, x: &[Active], out: &mut [F32Line]) {
         dispatch!(self, f32(w, x, out), f32);
-    }
-
-    /// The same with weights in 16 bits.
-    pub(super) fn bf16(self, w: &Panels<Bf16Line>, x: &[Active], out: &mut [F32Line]) {
-        dispatch!(self, bf16(w, x, out), bf16);
     }
 
     /// The same with weights in bytes, in steps of their scales.

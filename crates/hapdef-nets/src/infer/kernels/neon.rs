@@ -1,12 +1,11 @@
 //! 128-bit vectors of 64-bit ARM, where they are always there.
 
 use std::arch::aarch64::{
-    float32x4_t, vandq_u32, vcvtq_f32_s32, vdupq_n_f32, vdupq_n_u32, vfmaq_f32, vget_high_s16,
-    vget_low_s16, vld1_s8, vld1q_f32, vld1q_u32, vmovl_s8, vmovl_s16, vreinterpretq_f32_u32,
-    vshlq_n_u32, vst1q_f32,
+    float32x4_t, vcvtq_f32_s32, vdupq_n_f32, vfmaq_f32, vget_high_s16, vget_low_s16, vld1_s8,
+    vld1q_f32, vmovl_s8, vmovl_s16, vst1q_f32,
 };
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
+use super::super::panels::{F32Line, I32Line, Int8Line, Line, Panels};
 use super::super::quantise::ByteScale;
 use super::{Active, ActiveBytes, elements, portable};
 
@@ -46,30 +45,6 @@ fn f32_line(line: &F32Line) -> Vector {
     unsafe {
         [vld1q_f32(a.as_ptr()), vld1q_f32(b.as_ptr()), vld1q_f32(c.as_ptr()), vld1q_f32(d.as_ptr())]
     }
-}
-
-#[target_feature(enable = "neon")]
-#[inline]
-fn bf16_low(line: &Bf16Line) -> Vector {
-    let mut out = splat(0.0);
-    for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
-        // SAFETY: four readable words.
-        let words = unsafe { vld1q_u32(words.as_ptr()) };
-        *out = vreinterpretq_f32_u32(vshlq_n_u32::<16>(words));
-    }
-    out
-}
-
-#[target_feature(enable = "neon")]
-#[inline]
-fn bf16_high(line: &Bf16Line) -> Vector {
-    let mut out = splat(0.0);
-    for (out, words) in out.iter_mut().zip(quarters(&line.0)) {
-        // SAFETY: four readable words.
-        let words = unsafe { vld1q_u32(words.as_ptr()) };
-        *out = vreinterpretq_f32_u32(vandq_u32(words, vdupq_n_u32(0xffff_0000)));
-    }
-    out
 }
 
 #[target_feature(enable = "neon")]

@@ -1,6 +1,6 @@
 //! Any processor, by what the compiler makes of plain loops.
 
-use super::super::panels::{Bf16Line, F32Line, I32Line, Int8Line, Line, Panels};
+use super::super::panels::{F32Line, I32Line, Int8Line, Line, Panels};
 use super::super::quantise::ByteScale;
 use super::{Active, ActiveBytes, elements};
 
@@ -45,16 +45,6 @@ fn fma(a: Vector, b: Vector, c: Vector) -> Vector {
 #[inline]
 fn f32_line(line: &F32Line) -> Vector {
     line.0
-}
-
-#[inline]
-fn bf16_low(line: &Bf16Line) -> Vector {
-    line.0.map(|word| f32::from_bits(word << 16))
-}
-
-#[inline]
-fn bf16_high(line: &Bf16Line) -> Vector {
-    line.0.map(|word| f32::from_bits(word & 0xffff_0000))
 }
 
 #[inline]

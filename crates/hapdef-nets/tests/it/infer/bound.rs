@@ -27,7 +27,6 @@ pub(crate) fn with_bound(net: &Net, precision: Precision, x: &[f32]) -> Vec<(f64
                     let w = f64::from(w);
                     let dw = match precision {
                         Precision::F32 => 0.0,
-                        Precision::Bf16 => w.abs() / 256.0 + 1e-40,
                         _ => row_max / 254.0 + 1e-44,
                     };
                     let dx = e + step / 2.0;

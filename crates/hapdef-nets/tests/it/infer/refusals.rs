@@ -47,7 +47,7 @@ fn what_the_net_lacks_is_refused() {
     let mut layers = net.mlp().layers().to_vec();
     layers[1].weights[0] = f32::NAN;
     let broken = net_of(net.mlp().spec(), layers);
-    assert!(PreparedNet::new(&broken, &InferParams::of(Precision::Bf16)).is_err());
+    assert!(PreparedNet::new(&broken, &InferParams::of(Precision::Int8)).is_err());
     if let Some(&missing) = [SimdLevel::Neon, SimdLevel::Avx2].iter().find(|l| !l.is_available()) {
         let params = at(Precision::F32, missing);
         assert!(matches!(refused(&params), NetsError::Simd { .. }));

@@ -5,9 +5,7 @@
 use std::ops::ControlFlow;
 
 use hapdef_nets::train::{MemorySource, Progress, TrainInfo, train};
-use hapdef_nets::{
-    Activation, Loss, Mlp, MlpSpec, Net, Scale, TrainBackend, TrainParams, TrainPrecision,
-};
+use hapdef_nets::{Activation, Loss, Mlp, MlpSpec, Net, Scale, TrainBackend, TrainParams};
 
 pub const PARAMS: TrainParams = TrainParams {
     steps: 20,
@@ -17,7 +15,6 @@ pub const PARAMS: TrainParams = TrainParams {
     warmup_steps: 0,
     loss: Loss::RootMeanSquare,
     l2: 1e-4,
-    precision: TrainPrecision::F32,
     backend: TrainBackend::Slices,
     seed: 9,
     checkpoint_every: 0,

@@ -10,7 +10,6 @@ pub const MACHINE: Machine = Machine {
     solve_flops_per_s: 1e10,
     few_solves_flops_per_s: 1e9,
     train_flops_per_s: 1e10,
-    train_mixed_flops_per_s: 2e10,
     train_narrow_tanh_flops_per_s: 1e10,
     train_narrow_relu_flops_per_s: 1e10,
     superpose_flops_per_s: 1e9,
