@@ -148,10 +148,7 @@ const fn at_least(
 }
 
 const fn calibrated(row: &'static str, what: &'static str) -> Goal<Measured> {
-    let figure = Figure::Row(row, |r: &Row| match r.coverage95_pct {
-        Some(percent) => percent,
-        None => f64::NAN,
-    });
+    let figure = Figure::Row(row, |r: &Row| r.coverage95_pct.unwrap_or(f64::NAN));
     Goal { what, wanted: Wanted::Between(92.0, 98.0), figure }
 }
 

@@ -191,7 +191,7 @@ fn points(
                 walked.no_shell = Some(format!("{error:#}"));
             }
             Err(error) if i >= N_ALWAYS && is_refusal(&error) => {
-                walked.refused.push(Refused { way: way.name(), why: format!("{error:#}") })
+                walked.refused.push(Refused { way: way.name(), why: format!("{error:#}") });
             }
             Err(error) => return Err(error),
         }

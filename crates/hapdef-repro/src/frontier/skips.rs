@@ -221,7 +221,7 @@ fn designs(run: &Run, limb: &Limb, folder: &Path) -> Result<[f64; 2]> {
         times_s[1].push(start.elapsed().as_secs_f64());
     }
     std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
-    Ok(times_s.map(|times| median(times)))
+    Ok(times_s.map(median))
 }
 
 /// A response and an estimator on it, not calibrated.
