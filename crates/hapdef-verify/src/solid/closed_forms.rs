@@ -5,34 +5,36 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use hapdef_mesh::Tet10Mesh;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::problem::{Problem, cells, same};
-use crate::meshes::{Blocks, faces_where, hollow_octant};
-use crate::{Case, Measured, Reference, Target, VerifyError};
+use super::problem::{Problem, same};
+use super::row::{Load, Probe, Row};
+use crate::meshes::{Blocks, hollow_octant};
+use crate::{Case, Reference, VerifyError};
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    let mut cases = vec![
-        sphere("solid.sphere", "Thick sphere under inner pressure, ν = 0.3", 0.3),
-        cylinder_displacement(),
-        cylinder_stress(),
-        kirsch(),
-        plate(),
-    ];
-    cases.extend([
-        sphere("solid.incompressible.0_49", "Nearly incompressible sphere, ν = 0.49", 0.49),
-        sphere("solid.incompressible.0_4999", "Nearly incompressible sphere, ν = 0.4999", 0.4999),
-        sphere(
-            "solid.incompressible.0_499999",
-            "Nearly incompressible sphere, ν = 0.499999",
-            0.499_999,
-        ),
-        sphere(
+    let sphere = |(id, title, nu): (_, _, f64)| Row {
+        id,
+        title,
+        reference: Reference::Exact(sphere_displacement(nu)),
+        material: [E, nu],
+        ..SPHERE
+    };
+    let nearly_incompressible = [
+        ("solid.incompressible.0_49", "Nearly incompressible sphere, ν = 0.49", 0.49),
+        ("solid.incompressible.0_4999", "Nearly incompressible sphere, ν = 0.4999", 0.4999),
+        ("solid.incompressible.0_499999", "Nearly incompressible sphere, ν = 0.499999", 0.499_999),
+        (
             "solid.incompressible.0_4999999",
             "Nearly incompressible sphere, ν = 0.4999999",
             0.499_999_9,
         ),
-    ]);
-    cases
+    ];
+    let mut rows =
+        vec![sphere(("solid.sphere", "Thick sphere under inner pressure, ν = 0.3", 0.3))];
+    rows.extend(cylinder());
+    rows.extend([KIRSCH, plate()]);
+    rows.extend(nearly_incompressible.map(sphere));
+    rows.into_iter().map(Row::case).collect()
 }
 
 const E: f64 = 1e9;
@@ -47,46 +49,65 @@ fn sphere_displacement(nu: f64) -> f64 {
     PRESSURE * INNER / E * ((1.0 - 2.0 * nu) * a3 + (1.0 + nu) * b3 / 2.0) / (b3 - a3)
 }
 
-fn octant_holds(mesh: Tet10Mesh, nu: f64) -> Result<Problem, VerifyError> {
-    let problem = Problem::new(mesh, E, nu)?;
-    Ok((0..3).fold(problem, |problem, axis| problem.hold(axis, |p| same(p[axis], 0.0))))
+const SPHERE: Row = Row {
+    quantity: "mean radial displacement of the inner surface, radii 1 and 2, an octant",
+    unit: "m",
+    source: "Lamé, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 136",
+    cells: [[2; 3], [4; 3], [6; 3]],
+    mesh: |[n, ..]| hollow_octant(n),
+    words: |[n, ..]| format!("{n} cells through the wall"),
+    supports: |problem| {
+        (0..3).fold(problem, |problem, axis| problem.hold(axis, |p| same(p[axis], 0.0)))
+    },
+    load: Load::Traction(|p| same(p.coords.norm(), INNER), |_, normal| -normal * PRESSURE),
+    // the work of a unit pressure is the mean normal displacement times the area
+    probe: Probe::Work(PRESSURE * (0.5 * PI * INNER * INNER)),
+    ..Row::EMPTY
+};
+
+const LAME_CYLINDER: &str = "Lamé, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 28, with \
+    plane strain";
+
+/// A quarter of a thick cylinder in plane strain: displacement and stress inside.
+fn cylinder() -> [Row; 2] {
+    let (a2, b2, nu) = (INNER * INNER, OUTER * OUTER, 0.3);
+    let row = Row {
+        source: LAME_CYLINDER,
+        cells: [[2, 4, 1], [4, 8, 1], [8, 16, 2]],
+        mesh: |n| quarter_ring(n, |radius, _| radius),
+        material: [E, nu],
+        supports: plane_strain_quarter,
+        load: Load::Traction(|p| same(p.xy().coords.norm(), INNER), |_, normal| -normal * PRESSURE),
+        ..Row::EMPTY
+    };
+    let displacement = (1.0 + nu) * PRESSURE * INNER / E * ((1.0 - 2.0 * nu) * a2 + b2) / (b2 - a2);
+    [
+        Row {
+            id: "solid.cylinder.displacement",
+            title: "Thick cylinder under inner pressure, displacement",
+            quantity: "radial displacement of the inner surface, radii 1 and 2, plane strain",
+            unit: "m",
+            reference: Reference::Exact(displacement),
+            probe: Probe::Displacement([INNER, 0.0, 0.0], 0),
+            ..row
+        },
+        Row {
+            id: "solid.cylinder.stress",
+            title: "Thick cylinder under inner pressure, hoop stress",
+            quantity: "hoop stress at the inner surface, radii 1 and 2, plane strain",
+            unit: "MPa",
+            reference: Reference::Exact(PRESSURE * (a2 + b2) / (b2 - a2) / 1e6),
+            probe: Probe::Stress([INNER, 0.0, 0.0], 1, 1),
+            ..row
+        },
+    ]
 }
 
-fn sphere(id: &'static str, title: &'static str, nu: f64) -> Case {
-    Case {
-        id,
-        title,
-        element: "TET10",
-        quantity: "mean radial displacement of the inner surface, radii 1 and 2, an octant",
-        unit: "m",
-        reference: Reference::Exact(sphere_displacement(nu)),
-        source: "Lamé, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 136",
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(move |level| {
-            let n = [2, 4, 6][level];
-            let problem = octant_holds(hollow_octant(n)?, nu)?;
-            let inner = faces_where(&problem.mesh, |p| same(p.coords.norm(), INNER));
-            // the work of a unit pressure is the mean normal displacement times the area
-            let push = problem.traction(&inner, |_, normal| -normal * PRESSURE);
-            let area = 0.5 * PI * INNER * INNER;
-            let solution = problem.solve(&push)?;
-            let value = push.work_j(&solution.u)? / (PRESSURE * area);
-            Ok(solution.measured(value, format!("{n} cells through the wall"), 1.0 / n as f64))
-        }),
-    }
-}
-
-/// A quarter of a thick cylinder in plane strain.
-fn cylinder(level: usize) -> Result<([usize; 3], Problem), VerifyError> {
-    let n = [[2, 4, 1], [4, 8, 1], [8, 16, 2]][level];
-    let mesh = quarter_ring(n, |radius, _| radius)?;
-    let problem = Problem::new(mesh, E, 0.3)?
+fn plane_strain_quarter(problem: Problem) -> Problem {
+    problem
         .hold(1, |p| same(p.y, 0.0))
         .hold(0, |p| same(p.x, 0.0))
-        .hold(2, |p| same(p.z, 0.0) || same(p.z, 0.5));
-    Ok((n, problem))
+        .hold(2, |p| same(p.z, 0.0) || same(p.z, 0.5))
 }
 
 /// A quarter ring from radius 1, of thickness ½; `outer(ρ, φ)` is the radius at ρ in 1..2.
@@ -99,67 +120,6 @@ fn quarter_ring(n: [usize; 3], outer: impl Fn(f64, f64) -> f64) -> Result<Tet10M
             Point3::new(clean(r * phi.cos()), clean(r * phi.sin()), 0.5 * p.z)
         })
         .finish()
-}
-
-const LAME_CYLINDER: &str = "Lamé, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 28, with \
-    plane strain";
-
-fn cylinder_displacement() -> Case {
-    let (a2, b2, nu) = (INNER * INNER, OUTER * OUTER, 0.3);
-    let exact = (1.0 + nu) * PRESSURE * INNER / E * ((1.0 - 2.0 * nu) * a2 + b2) / (b2 - a2);
-    Case {
-        id: "solid.cylinder.displacement",
-        title: "Thick cylinder under inner pressure, displacement",
-        element: "TET10",
-        quantity: "radial displacement of the inner surface, radii 1 and 2, plane strain",
-        unit: "m",
-        reference: Reference::Exact(exact),
-        source: LAME_CYLINDER,
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(|level| {
-            let (n, problem) = cylinder(level)?;
-            let value = |solution: &super::problem::Solution<'_>| {
-                Ok(solution.displacement([INNER, 0.0, 0.0])?.x)
-            };
-            pressed_cylinder(&problem, n, value)
-        }),
-    }
-}
-
-fn cylinder_stress() -> Case {
-    let (a2, b2) = (INNER * INNER, OUTER * OUTER);
-    Case {
-        id: "solid.cylinder.stress",
-        title: "Thick cylinder under inner pressure, hoop stress",
-        element: "TET10",
-        quantity: "hoop stress at the inner surface, radii 1 and 2, plane strain",
-        unit: "MPa",
-        reference: Reference::Exact(PRESSURE * (a2 + b2) / (b2 - a2) / 1e6),
-        source: LAME_CYLINDER,
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(|level| {
-            let (n, problem) = cylinder(level)?;
-            let value = |solution: &super::problem::Solution<'_>| {
-                Ok(solution.stress([INNER, 0.0, 0.0])?[(1, 1)] / 1e6)
-            };
-            pressed_cylinder(&problem, n, value)
-        }),
-    }
-}
-
-fn pressed_cylinder(
-    problem: &Problem,
-    n: [usize; 3],
-    value: impl Fn(&super::problem::Solution<'_>) -> Result<f64, VerifyError>,
-) -> Result<Measured, VerifyError> {
-    let inner = faces_where(&problem.mesh, |p| same(p.xy().coords.norm(), INNER));
-    let push = problem.traction(&inner, |_, normal| -normal * PRESSURE);
-    let solution = problem.solve(&push)?;
-    Ok(solution.measured(value(&solution)?, cells(n), 1.0 / n[0] as f64))
 }
 
 /// In-plane stress beside a hole of radius 1 under unit tension along x at infinity
@@ -177,40 +137,32 @@ fn kirsch_stress(p: &Point3<f64>, nu: f64) -> Matrix3<f64> {
     turn * polar * turn.transpose()
 }
 
-fn kirsch() -> Case {
-    Case {
-        id: "solid.kirsch",
-        title: "Kirsch, a hole in an infinite plate",
-        element: "TET10",
-        quantity: "σxx at (0, 1) per tension; the exact tractions act on a square of half side 4, plane strain",
-        unit: "1",
-        reference: Reference::Exact(3.0),
-        source: "Kirsch 1898, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 35, eq. 61",
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(|level| {
-            let n = [[6, 8, 1], [12, 16, 1], [24, 32, 1]][level];
-            // the radius runs from the hole to the square, finer at the hole; the corner of the
-            // square lies on the line φ = 45° between two cells
-            let mesh = quarter_ring(n, |rho, phi| {
-                let side = 4.0 / phi.cos().max(phi.sin());
-                let t = rho - INNER;
-                1.0 + (side - 1.0) * t * (0.25 + 0.75 * t)
-            })?;
-            let problem = Problem::new(mesh, E, 0.3)?
-                .hold(1, |p| same(p.y, 0.0))
-                .hold(0, |p| same(p.x, 0.0))
-                .hold(2, |p| same(p.z, 0.0) || same(p.z, 0.5));
-            let outer = |p: &Point3<f64>| same(p.x, 4.0) || same(p.y, 4.0);
-            let faces = faces_where(&problem.mesh, outer);
-            let load = problem.traction(&faces, |p, normal| kirsch_stress(p, 0.3) * normal * 1e6);
-            let solution = problem.solve(&load)?;
-            let value = solution.stress([0.0, 1.0, 0.0])?[(0, 0)] / 1e6;
-            Ok(solution.measured(value, cells(n), 1.0 / n[0] as f64))
-        }),
-    }
-}
+const KIRSCH: Row = Row {
+    id: "solid.kirsch",
+    title: "Kirsch, a hole in an infinite plate",
+    quantity: "σxx at (0, 1) per tension; the exact tractions act on a square of half side 4, plane strain",
+    unit: "1",
+    reference: Reference::Exact(3.0),
+    source: "Kirsch 1898, Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 35, eq. 61",
+    cells: [[6, 8, 1], [12, 16, 1], [24, 32, 1]],
+    // the radius runs from the hole to the square, finer at the hole; the corner of the square lies
+    // on the line φ = 45° between two cells
+    mesh: |n| {
+        quarter_ring(n, |rho, phi| {
+            let side = 4.0 / phi.cos().max(phi.sin());
+            let t = rho - INNER;
+            1.0 + (side - 1.0) * t * (0.25 + 0.75 * t)
+        })
+    },
+    material: [E, 0.3],
+    supports: plane_strain_quarter,
+    load: Load::Traction(
+        |p| same(p.x, 4.0) || same(p.y, 4.0),
+        |p, normal| kirsch_stress(p, 0.3) * normal * 1e6,
+    ),
+    probe: Probe::Stress([0.0, 1.0, 0.0], 0, 0),
+    ..Row::EMPTY
+};
 
 const SIDE: f64 = 1.0;
 const THICKNESS: f64 = 0.1;
@@ -232,38 +184,40 @@ fn plate_deflection(nu: f64, pressure: f64) -> f64 {
     a_over_b * (0.5 * pressure / (2.0 * mu * k * per_b))
 }
 
-fn plate() -> Case {
-    Case {
+fn plate() -> Row {
+    Row {
         id: "solid.plate",
         title: "Simply supported square plate, sinusoidal pressure",
-        element: "TET10",
         quantity: "mid-plane deflection at the centre, thickness a/10, ν = 0.3",
         unit: "m",
         reference: Reference::Exact(plate_deflection(0.3, PRESSURE)),
         source: "three-dimensional closed form of Navier's load term (a strip in plane strain with \
             k² = 2π²/a², Timoshenko and Goodier, article 24); thin-plate theory (Timoshenko and \
             Woinowsky-Krieger, article 27) gives 5 % less at this thickness",
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(|level| {
-            let n = [[4, 4, 2], [8, 8, 2], [16, 16, 4]][level];
+        cells: [[4, 4, 2], [8, 8, 2], [16, 16, 4]],
+        mesh: |n| {
             let map = |p: Point3<f64>| {
                 Point3::new(0.5 * SIDE * p.x, 0.5 * SIDE * p.y, THICKNESS * (p.z - 0.5))
             };
-            let mesh = Blocks::new(1e-9).block(n, map).finish()?;
-            // edges at x = 0 and y = 0 with w = 0 and no motion along the edge; symmetry at a/2
-            let problem = Problem::new(mesh, E, 0.3)?
+            Blocks::new(1e-9).block(n, map).finish()
+        },
+        material: [E, 0.3],
+        // edges at x = 0 and y = 0 with w = 0 and no motion along the edge; symmetry at a/2
+        supports: |problem| {
+            problem
                 .hold(2, |p| same(p.x, 0.0) || same(p.y, 0.0))
                 .hold(1, |p| same(p.x, 0.0) || same(p.y, 0.5 * SIDE))
-                .hold(0, |p| same(p.y, 0.0) || same(p.x, 0.5 * SIDE));
-            let top = faces_where(&problem.mesh, |p| same(p.z, 0.5 * THICKNESS));
-            let wave = |p: &Point3<f64>| (PI * p.x / SIDE).sin() * (PI * p.y / SIDE).sin();
-            let load = problem.traction(&top, |p, _| Vector3::z() * (PRESSURE * wave(p)));
-            let solution = problem.solve(&load)?;
-            let value = solution.displacement([0.5 * SIDE, 0.5 * SIDE, 0.0])?.z;
-            Ok(solution.measured(value, cells(n), 1.0 / n[0] as f64))
-        }),
+                .hold(0, |p| same(p.y, 0.0) || same(p.x, 0.5 * SIDE))
+        },
+        load: Load::Traction(
+            |p| same(p.z, 0.5 * THICKNESS),
+            |p, _| {
+                let wave = (PI * p.x / SIDE).sin() * (PI * p.y / SIDE).sin();
+                Vector3::z() * (PRESSURE * wave)
+            },
+        ),
+        probe: Probe::Displacement([0.5 * SIDE, 0.5 * SIDE, 0.0], 2),
+        ..Row::EMPTY
     }
 }
 

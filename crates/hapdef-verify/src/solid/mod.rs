@@ -8,6 +8,7 @@ mod manufactured;
 mod membranes;
 mod patch;
 pub(crate) mod problem;
+mod row;
 mod side_by_side;
 mod thermal;
 

@@ -3,44 +3,39 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 use hapdef_mesh::Tet10Mesh;
-use hapdef_sim::NodalLoad;
-use nalgebra::{Matrix3, Point3};
+use nalgebra::Point3;
 
-use super::problem::{Problem, cells, same};
+use super::problem::same;
+use super::row::{Load, Probe, Row};
 use crate::meshes::Blocks;
-use crate::{Case, Reference, Target, VerifyError};
+use crate::{Case, Reference, VerifyError};
 
 const EXPANSION: f64 = 2.3e-4;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    vec![Case {
+    let row = Row {
         id: "solid.le11",
         title: "NAFEMS LE11, cylinder, taper and sphere under temperature",
-        element: "TET10",
         quantity: "σzz at A (1, 0, 0) under T = √(x² + y²) + z, a quarter",
         unit: "MPa",
         reference: Reference::Published(-105.0),
         source: "NAFEMS, The Standard NAFEMS Benchmarks, TNSB rev. 3, 1990, LE11, as quoted by FinEtools \
             and FeenoX, whose key points are taken; FeenoX prints −105.04",
-        target: Target::within(0.01),
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(|level| {
-            let refine = [1, 2, 4][level];
-            let n = [2 * refine, 3 * refine, 8 * refine];
-            let problem = Problem::new(mesh(n)?, 210e9, 0.3)?
+        cells: [1, 2, 4].map(|refine| [2 * refine, 3 * refine, 8 * refine]),
+        mesh,
+        material: [210e9, 0.3],
+        supports: |problem| {
+            problem
                 .hold(1, |p| same(p.y, 0.0))
                 .hold(0, |p| same(p.x, 0.0))
-                .hold(2, |p| same(p.z, 0.0) || same(p.z, TOP));
-            let rise = |p: &Point3<f64>| p.x.hypot(p.y) + p.z;
-            let load = NodalLoad::thermal(&problem.mesh, &problem.material, EXPANSION, rise);
-            let solution = problem.solve(&load)?;
-            let free = |p: &Point3<f64>| Matrix3::identity() * (EXPANSION * rise(p));
-            let value = solution.stress_beside([1.0, 0.0, 0.0], free)?[(2, 2)] / 1e6;
-            Ok(solution.measured(value, cells(n), 1.0 / n[0] as f64))
-        }),
-    }]
+                .hold(2, |p| same(p.z, 0.0) || same(p.z, TOP))
+        },
+        load: Load::Thermal(EXPANSION, |p| p.x.hypot(p.y) + p.z),
+        probe: Probe::Stress([1.0, 0.0, 0.0], 2, 2),
+        ..Row::EMPTY
+    };
+    vec![row.case()]
 }
 
 const TOP: f64 = 1.79;
