@@ -8,6 +8,7 @@ use nalgebra::Point3;
 
 use super::benchmark::{Benchmark, ids};
 use super::grid::{Grid, Mesh, Pattern};
+use super::model::{Load, Model, Probe, clamped_start};
 use super::problem::{Problem, Solution};
 use crate::{Case, Measured, Reference, Target, VerifyError};
 
@@ -159,15 +160,20 @@ fn ring_lift() -> f64 {
 }
 
 /// A quarter ring, radii 4.12 and 4.32, thickness 0.1 (MacNeal and Harder 1985, figure 4).
-fn ring(kind: ShellKind, mesh: Mesh, axis: usize) -> Result<Measured, VerifyError> {
-    let grid = Grid::new(6 * mesh.n, mesh.n, mesh.pattern, |u, v| {
-        let (r, a) = (4.32 - 0.2 * v, u * FRAC_PI_2);
-        Point3::new(r * a.sin(), r * a.cos(), 0.0)
-    });
-    let mut p = Problem::new(&grid, 0.1, 1e7, 0.25)?;
-    p.clamp(&grid.side_u(false));
-    p.line_load(&grid.side_u(true), axis, 1.0);
-    Ok(at_ends(&p.solve(kind)?, &grid, axis))
+fn ring(axis: usize) -> Model {
+    Model {
+        grid: |mesh| {
+            Grid::new(6 * mesh.n, mesh.n, mesh.pattern, |u, v| {
+                let (r, a) = (4.32 - 0.2 * v, u * FRAC_PI_2);
+                Point3::new(r * a.sin(), r * a.cos(), 0.0)
+            })
+        },
+        thickness: 0.1,
+        material: [1e7, 0.25],
+        supports: clamped_start,
+        load: Load::End(axis, 1.0),
+        probe: Probe::EndCorners(axis),
+    }
 }
 
 fn curved() -> Vec<Case> {
@@ -191,30 +197,27 @@ fn curved() -> Vec<Case> {
             MacNeal and Harder print 0.5022, 0.3 % more. Thin shells miss the torsion, see the twist",
         &[8, 16, 32],
     );
-    let mut cases = in_plane(Rc::new(|kind, mesh| ring(kind, mesh, 0))).both();
-    let out_of_plane = out_of_plane(Rc::new(|kind, mesh| ring(kind, mesh, 2)));
+    let mut cases = in_plane(ring(0).solve()).both();
+    let out_of_plane = out_of_plane(ring(2).solve());
     cases.push(out_of_plane.case(ShellKind::Thick));
     cases
 }
 
 /// Length 12, width 1.1, twist 90° (MacNeal and Harder 1985, figure 5); the tip's width lies along z.
-fn twist_90(
-    kind: ShellKind,
-    mesh: Mesh,
-    thickness: f64,
-    axis: usize,
-) -> Result<Measured, VerifyError> {
-    let grid = Grid::new(6 * mesh.n, mesh.n, mesh.pattern, |u, v| {
-        let (y, a) = (1.1 * (v - 0.5), u * FRAC_PI_2);
-        Point3::new(12.0 * u, y * a.cos(), y * a.sin())
-    });
-    let mut p = Problem::new(&grid, thickness, 29e6, 0.22)?;
-    p.clamp(&grid.side_u(false));
-    let end = grid.side_u(true);
-    p.line_load(&end, axis, if thickness < 0.1 { 1e-6 } else { 1.0 });
-    let s = p.solve(kind)?;
-    let value = s.u(end[grid.nv / 2], axis);
-    Ok(s.measured(value, grid.cells(), 1.0 / mesh.n as f64))
+fn twist_90(thickness: f64, axis: usize) -> Model {
+    Model {
+        grid: |mesh| {
+            Grid::new(6 * mesh.n, mesh.n, mesh.pattern, |u, v| {
+                let (y, a) = (1.1 * (v - 0.5), u * FRAC_PI_2);
+                Point3::new(12.0 * u, y * a.cos(), y * a.sin())
+            })
+        },
+        thickness,
+        material: [29e6, 0.22],
+        supports: clamped_start,
+        load: Load::End(axis, if thickness < 0.1 { 1e-6 } else { 1.0 }),
+        probe: Probe::EndMiddle(axis),
+    }
 }
 
 fn twisted() -> Vec<Case> {
@@ -252,9 +255,11 @@ fn twisted() -> Vec<Case> {
     ];
     let cases = rows.into_iter().flat_map(|(ids, title, (quantity, source), row)| {
         let (thickness, axis, tip) = row;
-        let solve = move |kind, mesh| twist_90(kind, mesh, thickness, axis);
         let reference = Reference::Published(tip);
-        beam(ids, title, quantity, reference, source, &[4, 8, 16])(Rc::new(solve)).both()
+        beam(ids, title, quantity, reference, source, &[4, 8, 16])(
+            twist_90(thickness, axis).solve(),
+        )
+        .both()
     });
     cases.collect()
 }

@@ -7,7 +7,8 @@ use hapdef_sim::ShellKind;
 use nalgebra::{Point3, Vector3};
 
 use super::benchmark::{Benchmark, ids};
-use super::grid::{Grid, Mesh, Pattern};
+use super::grid::{Grid, Pattern};
+use super::model::{Load, Model, Probe};
 use super::problem::Problem;
 use crate::{Case, Measured, Reference, Target, VerifyError};
 
@@ -37,20 +38,7 @@ fn roof() -> Benchmark {
         target: Target::within(0.01),
         n: &[8, 16, 32],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh: Mesh| {
-            let n = mesh.n;
-            let grid = Grid::new(n, n, mesh.pattern, |u, v| {
-                let a = u * 40.0 / 180.0 * PI;
-                Point3::new(25.0 * a.sin(), 25.0 * v, 25.0 * a.cos())
-            });
-            let mut p = Problem::new(&grid, 0.25, 4.32e8, 0.0)?;
-            p.mirror(&grid.side_u(false), 0);
-            p.mirror(&grid.side_v(false), 1);
-            p.fix(&grid.side_v(true), &[0, 2]);
-            p.area_force(Vector3::new(0.0, 0.0, -90.0));
-            let s = p.solve(kind)?;
-            Ok(s.measured(-s.u(grid.id(n, 0), 2), grid.cells(), 1.0 / n as f64))
-        }),
+        solve: ROOF.solve(),
     }
 }
 
@@ -67,21 +55,7 @@ fn cylinder() -> Benchmark {
         target: Target::within(0.01),
         n: &[16, 32, 64],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh: Mesh| {
-            let n = mesh.n;
-            let grid = Grid::new(n, n, mesh.pattern, |u, v| {
-                let a = u * FRAC_PI_2;
-                Point3::new(300.0 * a.sin(), 300.0 * v, 300.0 * a.cos())
-            });
-            let mut p = Problem::new(&grid, 3.0, 3e6, 0.3)?;
-            p.mirror(&grid.side_u(false), 0);
-            p.mirror(&grid.side_u(true), 2);
-            p.mirror(&grid.side_v(false), 1);
-            p.fix(&grid.side_v(true), &[0, 2]);
-            p.force(0, 2, -0.25);
-            let s = p.solve(kind)?;
-            Ok(s.measured(-s.u(0, 2), grid.cells(), 1.0 / n as f64))
-        }),
+        solve: CYLINDER.solve(),
     }
 }
 
@@ -98,22 +72,7 @@ fn hemisphere() -> Benchmark {
         target: Target::within(0.01),
         n: &[16, 32, 64],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh: Mesh| {
-            let n = mesh.n;
-            let grid = Grid::new(n, n, mesh.pattern, |u, v| {
-                let (a, b) = (u * FRAC_PI_2, v * 72.0 / 180.0 * PI);
-                Point3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 10.0
-            });
-            let mut p = Problem::new(&grid, 0.04, 6.825e7, 0.3)?;
-            p.mirror(&grid.side_u(false), 1);
-            p.mirror(&grid.side_u(true), 0);
-            let (a, b) = (grid.id(0, 0), grid.id(n, 0));
-            p.fix(&[a], &[2]);
-            p.force(a, 0, 1.0);
-            p.force(b, 1, -1.0);
-            let s = p.solve(kind)?;
-            Ok(s.measured(s.u(a, 0), grid.cells(), 1.0 / n as f64))
-        }),
+        solve: HEMISPHERE.solve(),
     }
 }
 
@@ -132,6 +91,67 @@ fn le3() -> Benchmark {
         solve: Rc::new(|kind, mesh| closed_hemisphere(kind, mesh.n)),
     }
 }
+
+/// A quarter of the roof.
+const ROOF: Model = Model {
+    grid: |mesh| {
+        Grid::new(mesh.n, mesh.n, mesh.pattern, |u, v| {
+            let a = u * 40.0 / 180.0 * PI;
+            Point3::new(25.0 * a.sin(), 25.0 * v, 25.0 * a.cos())
+        })
+    },
+    thickness: 0.25,
+    material: [4.32e8, 0.0],
+    supports: |grid, p| {
+        p.mirror(&grid.side_u(false), 0);
+        p.mirror(&grid.side_v(false), 1);
+        p.fix(&grid.side_v(true), &[0, 2]);
+    },
+    load: Load::Area([0.0, 0.0, -90.0]),
+    probe: Probe::Value(|grid, s| Ok(-s.u(grid.id(grid.nu, 0), 2))),
+};
+
+/// An eighth of the cylinder.
+const CYLINDER: Model = Model {
+    grid: |mesh| {
+        Grid::new(mesh.n, mesh.n, mesh.pattern, |u, v| {
+            let a = u * FRAC_PI_2;
+            Point3::new(300.0 * a.sin(), 300.0 * v, 300.0 * a.cos())
+        })
+    },
+    thickness: 3.0,
+    material: [3e6, 0.3],
+    supports: |grid, p| {
+        p.mirror(&grid.side_u(false), 0);
+        p.mirror(&grid.side_u(true), 2);
+        p.mirror(&grid.side_v(false), 1);
+        p.fix(&grid.side_v(true), &[0, 2]);
+    },
+    load: Load::Other(|_, p| p.force(0, 2, -0.25)),
+    probe: Probe::Value(|_, s| Ok(-s.u(0, 2))),
+};
+
+/// A quarter of the hemisphere.
+const HEMISPHERE: Model = Model {
+    grid: |mesh| {
+        Grid::new(mesh.n, mesh.n, mesh.pattern, |u, v| {
+            let (a, b) = (u * FRAC_PI_2, v * 72.0 / 180.0 * PI);
+            Point3::new(a.cos() * b.cos(), a.sin() * b.cos(), b.sin()) * 10.0
+        })
+    },
+    thickness: 0.04,
+    material: [6.825e7, 0.3],
+    supports: |grid, p| {
+        p.mirror(&grid.side_u(false), 1);
+        p.mirror(&grid.side_u(true), 0);
+        p.fix(&[grid.id(0, 0)], &[2]);
+    },
+    load: Load::Other(|grid, p| {
+        p.force(grid.id(0, 0), 0, 1.0);
+        p.force(grid.id(grid.nu, 0), 1, -1.0);
+    }),
+    probe: Probe::Value(|grid, s| Ok(s.u(grid.id(0, 0), 0))),
+};
 
 /// Row i of n from the pole has i + 1 nodes.
 fn closed_hemisphere(kind: ShellKind, n: usize) -> Result<Measured, VerifyError> {

@@ -8,6 +8,7 @@ mod grid;
 mod hook;
 mod hypar;
 mod inp;
+mod model;
 mod nafems;
 mod nafems_solid;
 mod patch;

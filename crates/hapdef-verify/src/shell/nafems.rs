@@ -1,14 +1,12 @@
 //! NAFEMS LE2, LE5 and LE6: stresses in shells.
 
-use std::rc::Rc;
-
-use hapdef_sim::ShellKind;
 use nalgebra::{Point3, Vector3};
 
 use super::benchmark::{Benchmark, ids};
-use super::grid::{Grid, Mesh, Pattern};
+use super::grid::{Grid, Pattern};
+use super::model::{Load, Model, Probe, clamped_start};
 use super::problem::{Problem, Solution};
-use crate::{Case, Measured, Reference, Target, VerifyError};
+use crate::{Case, Reference, Target, VerifyError};
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -17,14 +15,14 @@ pub(super) fn cases() -> Vec<Case> {
         "NAFEMS LE2, cylindrical shell patch, edge moment",
         "hoop stress outside at the middle of a patch of 30° × 0.5 m, radius 1 m, thickness 0.01 m, under \
             1 kN along the edge",
-        patch_moment,
+        PATCH.load,
     );
     cases.extend(le2(
         ids!("le2.membrane"),
         "NAFEMS LE2, cylindrical shell patch, pressure",
         "hoop stress outside at the middle of a patch of 30° × 0.5 m, radius 1 m, thickness 0.01 m, under \
             0.6 MPa inside and 60 MPa on the edge",
-        patch_pressure,
+        Load::Other(patch_pressure),
     ));
     cases.extend(le5().missed(
         [Some(0.0205), Some(0.0339)],
@@ -44,7 +42,7 @@ fn le2(
     ids: [&'static str; 2],
     title: &'static str,
     quantity: &'static str,
-    load: fn(&Grid, &mut Problem),
+    load: Load,
 ) -> Vec<Case> {
     let benchmark = Benchmark {
         ids,
@@ -58,41 +56,37 @@ fn le2(
         target: Target::within(0.01),
         n: &[4, 8, 16],
         patterns: &Pattern::ALL,
-        solve: Rc::new(move |kind, mesh| patch(kind, mesh, load)),
+        solve: Model { load, ..PATCH }.solve(),
     };
     benchmark.both()
 }
 
 const ARC: f64 = std::f64::consts::FRAC_PI_6;
 
-/// Hoop direction along u, from the clamped side; z along v.
-fn patch(
-    kind: ShellKind,
-    mesh: Mesh,
-    load: fn(&Grid, &mut Problem),
-) -> Result<Measured, VerifyError> {
-    let n = mesh.n;
-    let grid = Grid::new(4 * n, n, mesh.pattern, |u, v| {
-        let (sin, cos) = (u * ARC).sin_cos();
-        Point3::new(cos, sin, 0.5 * v)
-    });
-    let mut p = Problem::new(&grid, 0.01, 210e9, 0.3)?;
-    p.clamp(&grid.side_u(false));
-    for end in [false, true] {
-        p.mirror(&grid.side_v(end), 2);
-    }
-    load(&grid, &mut p);
-    let s = p.solve(kind)?;
-    let middle = grid.id(2 * n, n / 2);
-    let hoop = |p: &Point3<f64>| Vector3::new(-p.y, p.x, 0.0);
-    let value = s.stress(middle, 0.005, hoop)?.x / 1e6;
-    Ok(s.measured(value, grid.cells(), 1.0 / n as f64))
-}
-
-/// 1 kN m per metre about z.
-fn patch_moment(grid: &Grid, p: &mut Problem) {
-    p.line_load(&grid.side_u(true), 5, 1000.0 * 0.5);
-}
+/// Hoop direction along u, from the clamped side; z along v; loaded by each case.
+const PATCH: Model = Model {
+    grid: |mesh| {
+        Grid::new(4 * mesh.n, mesh.n, mesh.pattern, |u, v| {
+            let (sin, cos) = (u * ARC).sin_cos();
+            Point3::new(cos, sin, 0.5 * v)
+        })
+    },
+    thickness: 0.01,
+    material: [210e9, 0.3],
+    supports: |grid, p| {
+        p.clamp(&grid.side_u(false));
+        for end in [false, true] {
+            p.mirror(&grid.side_v(end), 2);
+        }
+    },
+    // 1 kN m per metre about z
+    load: Load::End(5, 1000.0 * 0.5),
+    probe: Probe::Value(|grid, s| {
+        let middle = grid.id(grid.nu / 2, grid.nv / 2);
+        let hoop = |p: &Point3<f64>| Vector3::new(-p.y, p.x, 0.0);
+        Ok(s.stress(middle, 0.005, hoop)?.x / 1e6)
+    }),
+};
 
 fn patch_pressure(grid: &Grid, p: &mut Problem) {
     p.pressure(-0.6e6);
@@ -116,34 +110,38 @@ fn le5() -> Benchmark {
         target: Target::within(0.02),
         n: &[4, 8, 16],
         patterns: &Pattern::ALL,
-        solve: Rc::new(z_section),
+        solve: Z_SECTION.solve(),
     }
 }
 
 /// The section is unrolled along v: flange, web (twice as wide), flange.
-pub(super) fn z_section(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
-    let n = mesh.n;
-    let grid = Grid::new(10 * n, 4 * n, straight_folds(mesh.pattern), |u, v| {
-        let s = 4.0 * v;
-        let (y, z) = if s < 1.0 {
-            (s - 1.0, 1.0)
-        } else if s > 3.0 {
-            (s - 3.0, -1.0)
-        } else {
-            (0.0, 2.0 - s)
-        };
-        Point3::new(10.0 * u, y, z)
-    });
-    let mut p = Problem::new(&grid, 0.1, 210e9, 0.3)?;
-    p.clamp(&grid.side_u(false));
-    let end = grid.side_u(true);
-    p.line_load(&end[..=n], 1, -0.6e6);
-    p.line_load(&end[3 * n..], 1, 0.6e6);
-    let s = p.solve(kind)?;
-    let node = grid.id(10 * n / 4, 0);
-    let value = s.stress(node, 0.0, |_| Vector3::x())?.x / 1e6;
-    Ok(s.measured(value, grid.cells(), 1.0 / n as f64))
-}
+pub(super) const Z_SECTION: Model = Model {
+    grid: |mesh| {
+        let n = mesh.n;
+        Grid::new(10 * n, 4 * n, straight_folds(mesh.pattern), |u, v| {
+            let s = 4.0 * v;
+            let (y, z) = if s < 1.0 {
+                (s - 1.0, 1.0)
+            } else if s > 3.0 {
+                (s - 3.0, -1.0)
+            } else {
+                (0.0, 2.0 - s)
+            };
+            Point3::new(10.0 * u, y, z)
+        })
+    },
+    thickness: 0.1,
+    material: [210e9, 0.3],
+    supports: clamped_start,
+    load: Load::Other(|grid, p| {
+        let (end, n) = (grid.side_u(true), grid.nv / 4);
+        p.line_load(&end[..=n], 1, -0.6e6);
+        p.line_load(&end[3 * n..], 1, 0.6e6);
+    }),
+    probe: Probe::Value(|grid, s| {
+        Ok(s.stress(grid.id(grid.nu / 4, 0), 0.0, |_| Vector3::x())?.x / 1e6)
+    }),
+};
 
 /// Moved nodes would leave the folds.
 fn straight_folds(pattern: Pattern) -> Pattern {
@@ -166,23 +164,28 @@ fn le6() -> Benchmark {
         target: Target::within(0.01),
         n: &[16, 32, 64],
         patterns: &Pattern::ALL,
-        solve: Rc::new(skew_plate),
+        solve: SKEW_PLATE.solve(),
     }
 }
 
-fn skew_plate(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
-    let n = mesh.n;
-    let (sin, cos) = ARC.sin_cos();
-    let grid = Grid::new(n, n, mesh.pattern, |u, v| Point3::new(u + v * cos, v * sin, 0.0));
-    let mut p = Problem::new(&grid, 0.01, 210e9, 0.3)?;
-    p.fix(&grid.sides(), &[2]);
-    p.fix(&[0], &[0, 1]);
-    p.fix(&[n], &[1]);
-    p.pressure(700.0);
-    let s = p.solve(kind)?;
-    let value = principal(&s, grid.id(n / 2, n / 2), -0.005)? / 1e6;
-    Ok(s.measured(value, grid.cells(), 1.0 / n as f64))
-}
+const SKEW_PLATE: Model = Model {
+    grid: |mesh| {
+        let (sin, cos) = ARC.sin_cos();
+        let rhombus = |u: f64, v: f64| Point3::new(u + v * cos, v * sin, 0.0);
+        Grid::new(mesh.n, mesh.n, mesh.pattern, rhombus)
+    },
+    thickness: 0.01,
+    material: [210e9, 0.3],
+    supports: |grid, p| {
+        p.fix(&grid.sides(), &[2]);
+        p.fix(&[0], &[0, 1]);
+        p.fix(&[grid.nu], &[1]);
+    },
+    load: Load::Pressure(700.0),
+    probe: Probe::Value(|grid, s| {
+        Ok(principal(s, grid.id(grid.nu / 2, grid.nv / 2), -0.005)? / 1e6)
+    }),
+};
 
 /// The larger principal stress.
 fn principal(s: &Solution, node: usize, z: f64) -> Result<f64, VerifyError> {

@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::benchmark::{Benchmark, ids};
 use super::grid::{Mesh, Pattern};
-use super::nafems::z_section;
+use super::nafems::Z_SECTION;
 use crate::meshes::{Blocks, faces_where};
 use crate::solid::problem::{Problem, same};
 use crate::{Case, Measured, Reference, Target, VerifyError};
@@ -40,7 +40,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// One fine shell beside a solid of `mesh.n` cells along a flange.
 fn against_solid(kind: ShellKind, mesh: Mesh) -> Result<Measured, VerifyError> {
-    let shell = z_section(kind, Mesh { n: 16, ..mesh })?;
+    let shell = Z_SECTION.measure(kind, Mesh { n: 16, ..mesh })?;
     let n = mesh.n;
     Ok(Measured {
         value: shell.value / solid_stress(n)? - 1.0,

@@ -1,12 +1,10 @@
 //! Cook's membrane with the shell's membrane.
 
-use std::rc::Rc;
-
 use nalgebra::Point3;
 
 use super::benchmark::{Benchmark, ids};
-use super::grid::{Grid, Mesh, Pattern};
-use super::problem::Problem;
+use super::grid::{Grid, Pattern};
+use super::model::{Load, Model, Probe, clamped_start};
 use crate::{Case, Reference, Target};
 
 /// Rows of the table; both kinds have one membrane.
@@ -22,19 +20,21 @@ pub(super) fn cases() -> Vec<Case> {
         target: Target::within(0.01),
         n: &[8, 16, 32],
         patterns: &Pattern::ALL,
-        solve: Rc::new(|kind, mesh: Mesh| {
-            let n = mesh.n;
-            let grid = Grid::new(n, n, mesh.pattern, |u, v| {
-                let low = 44.0 * u;
-                Point3::new(48.0 * u, low + (44.0 - 28.0 * u) * v, 0.0)
-            });
-            let mut p = Problem::new(&grid, 1.0, 1.0, 1.0 / 3.0)?;
-            p.clamp(&grid.side_u(false));
-            let end = grid.side_u(true);
-            p.line_load(&end, 1, 1.0);
-            let s = p.solve(kind)?;
-            Ok(s.measured(s.u(end[n / 2], 1), grid.cells(), 1.0 / n as f64))
-        }),
+        solve: MODEL.solve(),
     };
     cook.both()
 }
+
+const MODEL: Model = Model {
+    grid: |mesh| {
+        Grid::new(mesh.n, mesh.n, mesh.pattern, |u, v| {
+            let low = 44.0 * u;
+            Point3::new(48.0 * u, low + (44.0 - 28.0 * u) * v, 0.0)
+        })
+    },
+    thickness: 1.0,
+    material: [1.0, 1.0 / 3.0],
+    supports: clamped_start,
+    load: Load::End(1, 1.0),
+    probe: Probe::EndMiddle(1),
+};
