@@ -11,7 +11,7 @@ use crate::tool::{release_binary, results, root};
 /// Arguments of `verify`.
 #[derive(clap::Args)]
 pub(crate) struct VerifyArgs {
-    /// This deck's own load against known figures, instead of the table.
+    /// This deck's own load against known results, instead of the table.
     #[arg(long)]
     deck: Option<PathBuf>,
     /// CalculiX displacements of that load.

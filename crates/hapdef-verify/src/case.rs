@@ -41,9 +41,9 @@ pub enum Reference {
     Published(f64),
     /// The value is itself a relative error and should be zero.
     Zero,
-    /// Nothing: the value is told, not judged, such as a time ratio. It depends on the machine and
+    /// Nothing: the value is reported, not judged, such as a time ratio. It depends on the machine and
     /// stays out of the committed file.
-    Told,
+    Reported,
 }
 
 /// What counts as met.
@@ -103,7 +103,7 @@ impl Reference {
         match self {
             Self::Exact(r) | Self::Published(r) => Some(r),
             Self::Zero => Some(0.0),
-            Self::Told => None,
+            Self::Reported => None,
         }
     }
 
@@ -113,7 +113,7 @@ impl Reference {
         match self {
             Self::Exact(r) | Self::Published(r) => Some((value - r).abs() / r.abs()),
             Self::Zero => Some(value.abs()),
-            Self::Told => None,
+            Self::Reported => None,
         }
     }
 }

@@ -20,7 +20,7 @@ pub fn differences(report: &Report, committed: &str, all: &[Case]) -> Vec<String
     let fresh = sections(&fresh);
     let mut faults = Vec::new();
     for case in &report.cases {
-        if case.reference == Reference::Told || matches!(case.verdict, Verdict::NotRun(_)) {
+        if case.reference == Reference::Reported || matches!(case.verdict, Verdict::NotRun(_)) {
             continue;
         }
         let (Some(fresh), Some(written)) = (fresh.get(case.id), written.get(case.id)) else {

@@ -1,4 +1,4 @@
-//! A deck's own load, solved, and the figures another program printed for it.
+//! A deck's own load, solved, and the results another program printed for it.
 
 use std::io::Read;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::VerifyError;
 
 /// What a deck's own problem gives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DeckFigures {
+pub struct DeckResults {
     /// Largest element-stiffness coefficient, N/m.
     pub ke_max_n_m: f64,
     /// Smallest of the elements' largest coefficients, N/m; see
@@ -31,7 +31,7 @@ pub struct DeckFigures {
 
 /// Figures another program printed for a deck; none where it printed none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct KnownFigures {
+pub struct KnownResults {
     /// Largest element-stiffness coefficient, N/m.
     pub ke_max_n_m: Option<f64>,
     /// Smallest element-stiffness coefficient, N/m.
@@ -51,10 +51,10 @@ const WEIGHT_HASH: &str = "a724a3e0ab3af7029cff097453a8bfa448991392c4cd022352f56
 ///
 /// ANSYS 18.2's printout of element stiffness and mass, CalculiX 2.20's displacement and energy of
 /// the same decks.
-const KNOWN: [(&str, KnownFigures); 2] = [
+const KNOWN: [(&str, KnownResults); 2] = [
     (
         SKIN_HASH,
-        KnownFigures {
+        KnownResults {
             ke_max_n_m: Some(3.856521697e9),
             ke_min_n_m: Some(149_749.234),
             mass_kg: Some(0.0261236),
@@ -64,7 +64,7 @@ const KNOWN: [(&str, KnownFigures); 2] = [
     ),
     (
         WEIGHT_HASH,
-        KnownFigures {
+        KnownResults {
             ke_max_n_m: None,
             ke_min_n_m: None,
             mass_kg: None,
@@ -74,7 +74,7 @@ const KNOWN: [(&str, KnownFigures); 2] = [
     ),
 ];
 
-impl DeckFigures {
+impl DeckResults {
     /// Solves the deck in `path`.
     ///
     /// # Errors
@@ -82,8 +82,8 @@ impl DeckFigures {
     /// on one without material.
     pub fn of(path: &Path) -> Result<(SolidDeck, Self), VerifyError> {
         let deck = read_deck(path)?;
-        let figures = Self::of_deck(&deck)?;
-        Ok((deck, figures))
+        let results = Self::of_deck(&deck)?;
+        Ok((deck, results))
     }
 
     fn of_deck(deck: &SolidDeck) -> Result<Self, VerifyError> {
@@ -138,7 +138,7 @@ impl DeckFigures {
     }
 }
 
-impl KnownFigures {
+impl KnownResults {
     /// What is known of the deck in `path`, by its content; nothing of a deck that was changed.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ impl KnownFigures {
         })?;
         let hash = blake3::hash(&bytes).to_hex();
         let entry = KNOWN.iter().find(|(known, _)| *known == hash.as_str());
-        Ok(entry.map_or_else(Self::default, |(_, figures)| *figures))
+        Ok(entry.map_or_else(Self::default, |(_, results)| *results))
     }
 }
 

@@ -27,7 +27,7 @@ mod table;
 pub use case::{Case, KnownMiss, Measured, Reference, Target};
 pub use catalogue::all_cases;
 pub use check::differences;
-pub use deck::{DeckFigures, KnownFigures, read_displacements};
+pub use deck::{DeckResults, KnownResults, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
 pub use page::verification_page;

@@ -1,4 +1,4 @@
-//! `hapdef-verify`: the verification table, and a deck against its known figures.
+//! `hapdef-verify`: the verification table, and a deck against its known results.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod cli;

@@ -76,7 +76,7 @@ fn cases_table(report: &Report) -> TextTable {
         let finest = case.rows.last();
         let why = match &case.verdict {
             Verdict::KnownMiss(why) | Verdict::Fail(why) | Verdict::NotRun(why) => why.clone(),
-            Verdict::Pass | Verdict::Told => String::new(),
+            Verdict::Pass | Verdict::Reported => String::new(),
         };
         let is_good = case.verdict == Verdict::Pass;
         cells(

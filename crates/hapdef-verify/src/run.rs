@@ -43,7 +43,7 @@ pub struct Row {
     pub measured: Measured,
     /// Relative error, where there is a reference.
     pub rel_err: Option<f64>,
-    /// Observed order up to this mesh, where it can be told.
+    /// Observed order up to this mesh, where it can be estimated.
     pub order: Option<f64>,
     /// Seconds for mesh, factor, solve and evaluation.
     pub elapsed_s: f64,
@@ -61,11 +61,11 @@ pub enum Verdict {
     /// It could not be run here, with the reason.
     NotRun(String),
     /// Nothing to judge.
-    Told,
+    Reported,
 }
 
 impl Verdict {
-    /// `ok`, `misses (known)`, `FAILED`, `not run` or `told`.
+    /// `ok`, `misses (known)`, `FAILED`, `not run` or `reported`.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl Verdict {
             Self::KnownMiss(_) => "misses (known)",
             Self::Fail(_) => "FAILED",
             Self::NotRun(_) => "not run",
-            Self::Told => "told",
+            Self::Reported => "reported",
         }
     }
 }
@@ -83,7 +83,7 @@ impl Report {
     #[must_use]
     pub fn n_judged(&self) -> usize {
         let skipped =
-            |case: &&CaseReport| matches!(case.verdict, Verdict::NotRun(_) | Verdict::Told);
+            |case: &&CaseReport| matches!(case.verdict, Verdict::NotRun(_) | Verdict::Reported);
         self.cases.len() - self.cases.iter().filter(skipped).count()
     }
 
@@ -175,7 +175,7 @@ fn judge(case: &Case, rows: &[Row], stopped: Option<VerifyError>) -> Verdict {
         return Verdict::NotRun("the case has no mesh".to_owned());
     };
     let Some(rel_err) = last.rel_err else {
-        return Verdict::Told;
+        return Verdict::Reported;
     };
     match case.known_miss {
         None => meets(case, last, rel_err).map_or_else(Verdict::Fail, |()| Verdict::Pass),

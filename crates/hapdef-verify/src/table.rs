@@ -99,9 +99,9 @@ fn anchor(id: &str) -> String {
     id.replace('.', "")
 }
 
-/// Told values depend on the machine.
+/// Reported values depend on the machine.
 fn committed(case: &CaseReport) -> bool {
-    case.reference != Reference::Told
+    case.reference != Reference::Reported
 }
 
 fn summary(text: &mut String, report: &Report) {
@@ -182,7 +182,7 @@ pub(crate) fn against(reference: Reference) -> String {
     match reference {
         Reference::Exact(r) | Reference::Published(r) => digits(r),
         Reference::Zero => "0".to_owned(),
-        Reference::Told => "–".to_owned(),
+        Reference::Reported => "–".to_owned(),
     }
 }
 

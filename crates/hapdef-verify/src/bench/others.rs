@@ -9,7 +9,7 @@ use hapdef_mesh::{SolidDeck, write_inp};
 use super::system::System;
 use crate::VerifyError;
 
-/// CHOLMOD's figures, processor seconds on one thread.
+/// CHOLMOD's times, processor seconds on one thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cholmod {
     pub(crate) nnz_l: f64,

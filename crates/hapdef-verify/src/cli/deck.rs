@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
-use hapdef_verify::{DeckFigures, KnownFigures, read_displacements};
+use hapdef_verify::{DeckResults, KnownResults, read_displacements};
 
 use super::context::MetricsArgs;
 
@@ -35,25 +35,25 @@ pub(crate) struct DeckArgs {
     output: MetricsArgs,
 }
 
-/// Solves the deck and prints its figures beside those that are known.
+/// Solves the deck and prints its results beside those that are known.
 pub(crate) fn run(args: &DeckArgs) -> Result<()> {
-    let (_, figures) = DeckFigures::of(&args.deck)?;
-    let known = KnownFigures::of(&args.deck)?;
+    let (_, results) = DeckResults::of(&args.deck)?;
+    let known = KnownResults::of(&args.deck)?;
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
-    let mass = figures.mass_kg.unwrap_or(f64::NAN);
-    println!("equations  {}", figures.n_equations);
+    let mass = results.mass_kg.unwrap_or(f64::NAN);
+    println!("equations  {}", results.n_equations);
     for (name, what, value, unit, known) in [
         (
             "deck.ke_max_rel_err",
             "largest element stiffness",
-            figures.ke_max_n_m,
+            results.ke_max_n_m,
             "N/m",
             args.ke_max.or(known.ke_max_n_m),
         ),
         (
             "deck.ke_min_rel_err",
             "smallest element stiffness",
-            figures.ke_min_n_m,
+            results.ke_min_n_m,
             "N/m",
             args.ke_min.or(known.ke_min_n_m),
         ),
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
         (
             "deck.energy_rel_err",
             "strain energy",
-            figures.energy_j,
+            results.energy_j,
             "J",
             args.energy.or(known.energy_j),
         ),
@@ -73,8 +73,8 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
             None => log.skipped(name, "no reference is known for this deck")?,
         }
     }
-    println!("largest |u|  {:.9e} m", figures.largest_u_m);
-    displacement(args, &figures, &known, &mut log)?;
+    println!("largest |u|  {:.9e} m", results.largest_u_m);
+    displacement(args, &results, &known, &mut log)?;
     log.append_to(&args.output.metrics)?;
     Ok(())
 }
@@ -82,18 +82,18 @@ pub(crate) fn run(args: &DeckArgs) -> Result<()> {
 /// At every node where a reference is given, else the largest.
 fn displacement(
     args: &DeckArgs,
-    figures: &DeckFigures,
-    known: &KnownFigures,
+    results: &DeckResults,
+    known: &KnownResults,
     log: &mut MetricLog<std::io::Stdout>,
 ) -> Result<()> {
     let name = "deck.u_rel_err";
     match (&args.reference, known.largest_u_m) {
-        (Some(_), _) if figures.largest_u_m == 0.0 => log.skipped(name, "the deck has no load")?,
+        (Some(_), _) if results.largest_u_m == 0.0 => log.skipped(name, "the deck has no load")?,
         (Some(path), _) => {
-            let difference = figures.difference(&read_displacements(path)?)?;
+            let difference = results.difference(&read_displacements(path)?)?;
             log.value(name, difference, "1")?;
         }
-        (None, Some(u)) => log.value(name, (figures.largest_u_m - u).abs() / u, "1")?,
+        (None, Some(u)) => log.value(name, (results.largest_u_m - u).abs() / u, "1")?,
         (None, None) => {
             log.skipped(name, "no reference is known for this deck; give --reference")?
         }

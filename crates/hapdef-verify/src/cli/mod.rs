@@ -31,7 +31,7 @@ enum Task {
     /// Tries the solver at its extremes: accurate to its bound, or a clear error.
     #[command(alias = "stability", after_help = "Example:\n  hapdef-verify robustness fe")]
     Robustness(robustness::RobustnessArgs),
-    /// Solves a deck's own load and compares it with known figures.
+    /// Solves a deck's own load and compares it with known results.
     #[command(after_help = "Example:\n  hapdef-verify deck fixtures/shin/shin.inp.gz")]
     Deck(deck::DeckArgs),
 }

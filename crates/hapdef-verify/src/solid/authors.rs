@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use crate::{
-    Case, DeckFigures, Measured, Reference, Target, VerifyError, read_displacements, shared,
+    Case, DeckResults, Measured, Reference, Target, VerifyError, read_displacements, shared,
 };
 
 /// What the two decks give, solved once for all rows.
 #[derive(Default)]
 struct Decks {
-    skin: OnceCell<(DeckFigures, usize)>,
-    weight: OnceCell<(DeckFigures, usize)>,
+    skin: OnceCell<(DeckResults, usize)>,
+    weight: OnceCell<(DeckResults, usize)>,
 }
 
 const ANSYS: &str =
@@ -23,7 +23,7 @@ const CALCULIX: &str = "CalculiX 2.20 on the same deck, as recorded for this pro
 pub(super) fn cases() -> Vec<Case> {
     let decks = Rc::new(Decks::default());
     let skin =
-        |id, title, quantity, unit, reference, source, rel_err, value: fn(&DeckFigures) -> f64| {
+        |id, title, quantity, unit, reference, source, rel_err, value: fn(&DeckResults) -> f64| {
             let decks = Rc::clone(&decks);
             Case {
                 id,
@@ -138,7 +138,7 @@ fn weight(
     unit: &'static str,
     reference: f64,
     decks: Rc<Decks>,
-    value: fn(&DeckFigures) -> f64,
+    value: fn(&DeckResults) -> f64,
 ) -> Case {
     Case {
         id,
@@ -156,10 +156,10 @@ fn weight(
 }
 
 /// A solved deck and its number of nodes.
-struct Solved<'a>(&'a DeckFigures, usize);
+struct Solved<'a>(&'a DeckResults, usize);
 
 impl Solved<'_> {
-    fn measured(&self, value: impl Fn(&DeckFigures) -> f64) -> Result<Measured, VerifyError> {
+    fn measured(&self, value: impl Fn(&DeckResults) -> f64) -> Result<Measured, VerifyError> {
         Ok(Measured {
             value: value(self.0),
             mesh: "the authors' own mesh".to_owned(),
@@ -181,12 +181,12 @@ impl Decks {
 }
 
 fn solved<'a>(
-    cell: &'a OnceCell<(DeckFigures, usize)>,
+    cell: &'a OnceCell<(DeckResults, usize)>,
     file: &str,
 ) -> Result<Solved<'a>, VerifyError> {
     let path = input(file)?;
     if cell.get().is_none() {
-        let (deck, figures) = DeckFigures::of(&path)?;
+        let (deck, figures) = DeckResults::of(&path)?;
         let _ = cell.set((figures, deck.mesh.nodes().len()));
     }
     let kept = cell.get();
