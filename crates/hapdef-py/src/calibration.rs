@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use hapdef::Limb;
+use hapdef::OpenScene;
 use hapdef::touch::{Calibration, PressQuality, Superposition, touchable_skin};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use nalgebra::Point3;
@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use crate::array::{one, positions, two};
 use crate::error::{Fault, to_python};
 use crate::estimator::PyEstimator;
-use crate::setup::Setup;
+use crate::work::work;
 
 /// Presses of known place and force.
 pub(crate) struct PressTable {
@@ -31,8 +31,7 @@ pub(crate) struct PressTable {
 /// A corrected response and what it rests on.
 #[pyclass(frozen, module = "hapdef", name = "Calibration")]
 pub struct PyCalibration {
-    setup: Setup,
-    limb: Arc<Limb>,
+    scene: OpenScene,
     calibration: Arc<Calibration>,
     info: CalibrationInfo,
 }
@@ -93,9 +92,9 @@ impl PyCalibration {
     /// What finds contacts on the corrected map, frame by frame, with the scene's other settings.
     fn estimator(&self, py: Python<'_>) -> PyResult<PyEstimator> {
         let calibration = Arc::clone(&self.calibration);
-        let estimator = self.setup.work(py, &self.limb, move |run, limb| {
-            let spec = run.scene.estimator.superposition();
-            calibration.estimator(&run.scene, &spec, limb)
+        let estimator = work(py, &self.scene, move |open| {
+            let scene = open.scene();
+            calibration.estimator(scene, &scene.estimator.superposition(), open.limb())
         })?;
         Ok(PyEstimator::new(Box::new(Superposition::new(estimator))))
     }
@@ -113,17 +112,13 @@ impl PyCalibration {
 
 impl PyCalibration {
     /// Corrects the response of a scene's gauges by a table.
-    pub(crate) fn fit(
-        py: Python<'_>,
-        setup: Setup,
-        limb: Arc<Limb>,
-        table: PressTable,
-    ) -> PyResult<Self> {
-        let (calibration, info) = setup.work(py, &limb, move |run, limb| {
+    pub(crate) fn fit(py: Python<'_>, scene: OpenScene, table: PressTable) -> PyResult<Self> {
+        let (calibration, info) = work(py, &scene, move |scene| {
+            let limb = scene.limb();
             let presses = table.presses(&touchable_skin(limb)?, limb.gauges.len())?;
-            Calibration::fit(run, limb, &presses, &table.quality, table.n_sites)
+            Calibration::fit(scene.run(), limb, &presses, &table.quality, table.n_sites)
         })?;
-        Ok(Self { setup, limb, calibration: Arc::new(calibration), info })
+        Ok(Self { scene, calibration: Arc::new(calibration), info })
     }
 }
 

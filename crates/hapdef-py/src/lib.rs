@@ -21,7 +21,6 @@ mod profile;
 mod response;
 mod rig;
 mod scene;
-mod setup;
 mod shell;
 mod work;
 

@@ -1,23 +1,18 @@
 //! Live contacts as an iterator.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::RecvTimeoutError;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use hapdef::touch::{LiveEstimator, live_estimator};
-use hapdef::{Limb, Run, SourceArg, VirtualRigParams, live_limb, random_presses, virtual_device};
-use hapdef_daq::source::{FrameSource, StreamParams, StreamSource};
-use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveGauge, LiveParams, Wants};
-use hapdef_rig::live::{RigLink, RunParams};
+use hapdef::touch::LiveEstimator;
+use hapdef::{Contacts, OpenScene, RigPlay, SourceArg};
+use hapdef_live::LiveFrame;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::error::{Fault, HapdefError, raised};
+use crate::error::{HapdefError, to_python};
 use crate::live_frame::PyLiveFrame;
-use crate::setup::Setup;
-
-/// Frames that wait for Python at most.
-const N_WAITING: usize = 4096;
+use crate::work::work;
 
 /// How often Python is asked whether someone pressed Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
@@ -25,31 +20,17 @@ const LOOK: Duration = Duration::from_millis(50);
 /// What is to be played or read.
 pub(crate) struct LiveRequest {
     pub choice: LiveEstimator,
-    /// Length of a play of the simulated rig, s; endless if `None`.
-    pub seconds: Option<f64>,
+    /// What is played where no source is named.
+    pub play: RigPlay,
     pub tare_s: f64,
-    /// Seed of its presses.
-    pub seed: u64,
 }
 
 /// A running stream of frames; an iterator that ends with its source. Leaving a `with` block, or
 /// `close()`, ends it.
 #[pyclass(frozen, module = "hapdef", name = "Live")]
 pub struct PyLive {
-    running: Mutex<Option<Running>>,
+    running: Mutex<Option<Contacts>>,
     source: String,
-}
-
-/// The frames come first: dropping them sets free what waits to hand on another.
-struct Running {
-    frames: Receiver<LiveFrame>,
-    live: Live,
-}
-
-/// What is read, and how.
-struct Opened {
-    source: Box<dyn FrameSource>,
-    params: LiveParams,
 }
 
 #[pymethods]
@@ -62,13 +43,13 @@ impl PyLive {
 
     /// Takes a new tare of the next frames, which must be untouched.
     fn tare(&self) {
-        self.with(|running| running.live.control().tare());
+        self.with(|running| running.live().control().tare());
     }
 
     /// Counts since the start: frames, lost, dropped, refused, and the 99th percentile of the
     /// computing time in µs; `None` when it is closed.
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, pyo3::types::PyDict>>> {
-        let Some(health) = self.with(|running| running.live.health()) else {
+        let Some(health) = self.with(|running| running.live().health()) else {
             return Ok(None);
         };
         let dict = pyo3::types::PyDict::new(py);
@@ -115,49 +96,32 @@ impl PyLive {
     /// Starts a stream from `source`, or from the scene's simulated rig.
     pub(crate) fn start(
         py: Python<'_>,
-        setup: &Setup,
-        limb: &Arc<Limb>,
+        scene: &OpenScene,
         source: Option<&str>,
         request: LiveRequest,
     ) -> PyResult<Self> {
         let arg: Option<SourceArg> = source
             .map(|text| text.parse().map_err(|e| PyValueError::new_err(format!("source: {e}"))))
             .transpose()?;
-        let choice = request.choice;
-        let (opened, estimator) = setup.work(py, limb, move |run, limb| {
-            let opened = match arg {
-                Some(arg) => of_source(&arg, limb, &request)?,
-                None => of_rig(run, limb, &request)?,
+        let LiveRequest { choice, play, tare_s } = request;
+        let (mut source, estimator) = work(py, scene, move |scene| {
+            let source = match arg {
+                Some(arg) => scene.source(&arg)?,
+                None => scene.rig_source(&play)?,
             };
-            Ok((opened, live_estimator(run, limb, choice)?))
+            Ok((source, scene.estimator(Some(choice))?))
         })?;
-        let name = opened.source.name();
-        let (sender, frames) = sync_channel(N_WAITING);
-        let sink = FnSink::new("python", Wants::ALL, move |frame: &LiveFrame| {
-            // Nobody listens any more when it was closed.
-            let _ = sender.send(frame.clone());
-        });
-        let sites = setup.scene.gauges.sites.iter();
-        let gauge = |name: &str| LiveGauge { name: name.to_owned(), scale: 1.0 };
-        let params = LiveParams {
-            noise_ue: Some(setup.scene.estimator.superposition().noise_ue),
-            ..opened.params
-        };
-        let live = Live::boxed_builder(opened.source)
-            .params(params)
-            .gauges(sites.map(|site| gauge(&site.name)).collect())
-            .boxed_estimator(estimator)
-            .sink(sink.with_delivery(Delivery::Queue(N_WAITING)))
-            .start()
-            .map_err(raised)?;
-        Ok(Self { running: Mutex::new(Some(Running { frames, live })), source: name })
+        source.params.tare_s = tare_s;
+        let name = source.name();
+        let contacts = source.boxed_contacts(estimator).map_err(to_python)?;
+        Ok(Self { running: Mutex::new(Some(contacts)), source: name })
     }
 
-    fn running(&self) -> std::sync::MutexGuard<'_, Option<Running>> {
+    fn running(&self) -> std::sync::MutexGuard<'_, Option<Contacts>> {
         self.running.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn with<T>(&self, work: impl FnOnce(&Running) -> T) -> Option<T> {
+    fn with<T>(&self, work: impl FnOnce(&Contacts) -> T) -> Option<T> {
         self.running().as_ref().map(work)
     }
 
@@ -166,7 +130,7 @@ impl PyLive {
     /// # Errors
     /// `HapdefError` where frames came that could not be used, as `hapdef live` ends with.
     fn end(&self) -> PyResult<()> {
-        let Some(health) = self.with(|running| running.live.health()) else {
+        let Some(health) = self.with(|running| running.live().health()) else {
             return Ok(());
         };
         match health.device_fault.as_ref().filter(|_| health.n_unusable > 0) {
@@ -180,42 +144,6 @@ impl PyLive {
 
     /// The next frame; `None` if it is closed.
     fn next(&self) -> Option<Result<LiveFrame, RecvTimeoutError>> {
-        self.with(|running| running.frames.recv_timeout(LOOK))
+        self.with(|running| running.next_within(LOOK))
     }
-}
-
-fn of_source(arg: &SourceArg, limb: &Limb, request: &LiveRequest) -> Result<Opened, Fault> {
-    Ok(Opened {
-        source: arg.open_for(limb.gauges.len())?,
-        params: LiveParams {
-            tare_s: request.tare_s,
-            is_recorded: arg.is_recorded(),
-            is_lossless: arg.is_unpaced(),
-            ..LiveParams::default()
-        },
-    })
-}
-
-/// The simulated rig, pressed at random, as fast as frames are taken: the same frames every time.
-fn of_rig(run: &Run, limb: &Limb, request: &LiveRequest) -> Result<Opened, Fault> {
-    let real = Arc::new(live_limb(run, limb)?);
-    let params = VirtualRigParams {
-        script: Some(random_presses(&run.scene, &real, request.seed)),
-        ..VirtualRigParams::default()
-    };
-    let device = virtual_device(&run.scene, real, &params)?;
-    let play = RunParams { duration_s: request.seconds, ..RunParams::default() };
-    let link = RigLink::new(device, &play, |_| ())?;
-    let clock = link.clock();
-    let stream = StreamParams { clock: Arc::clone(&clock), ..StreamParams::default() };
-    Ok(Opened {
-        source: Box::new(StreamSource::new(link, stream)),
-        params: LiveParams {
-            tare_s: request.tare_s,
-            is_recorded: true,
-            is_lossless: true,
-            clock,
-            ..LiveParams::default()
-        },
-    })
 }

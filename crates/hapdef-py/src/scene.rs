@@ -1,12 +1,12 @@
 //! A scene with its limb.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use hapdef::scene::{EstimatorSpec, GaugeEntry, Scene, SuperpositionSpec, read_scene};
+use hapdef::scene::{EstimatorSpec, GaugeEntry, SuperpositionSpec};
 use hapdef::stages::compliance_table;
-use hapdef::touch::{LayoutParams, live_estimator, response_map, study_layouts, touch_estimator};
-use hapdef::{Limb, Pipeline, Until, live_limb, write_json};
+use hapdef::touch::{LayoutParams, response_map, study_layouts};
+use hapdef::{OpenParams, OpenScene, Pipeline, Progress, RigPlay, Until, write_json};
 use nalgebra::Point3;
 use numpy::{PyArray2, PyArray3};
 use pyo3::exceptions::PyValueError;
@@ -23,13 +23,12 @@ use crate::live::{LiveRequest, PyLive};
 use crate::profile;
 use crate::response::PyResponse;
 use crate::rig::PyRig;
-use crate::setup::Setup;
+use crate::work::work;
 
 /// A limb with its gauges, as a scene file says it; see `hapdef.pyi` for every argument.
 #[pyclass(frozen, module = "hapdef", name = "Scene")]
 pub struct PyScene {
-    setup: Setup,
-    limb: Arc<Limb>,
+    scene: OpenScene,
 }
 
 #[pymethods]
@@ -48,75 +47,73 @@ impl PyScene {
         amounts: Option<&Bound<'_, PyDict>>,
         verbose: bool,
     ) -> PyResult<Self> {
-        let mut scene = read_scene(&path).map_err(|error| to_python(error.into()))?;
-        scene.seed = seed.unwrap_or(scene.seed);
-        let n_cores = std::thread::available_parallelism().map_or(1, Into::into);
-        let setup = Setup {
-            scene,
-            scene_dir: path.parent().unwrap_or(Path::new(".")).to_path_buf(),
+        let defaults = OpenParams::default();
+        let params = OpenParams {
             profile: profile::profile_of(profile, amounts)?,
-            out: out.unwrap_or_else(|| PathBuf::from("target/hapdef")),
-            threads: threads.unwrap_or(n_cores).max(1),
-            is_verbose: verbose,
+            out: out.unwrap_or(defaults.out),
+            threads: threads.unwrap_or(defaults.threads).max(1),
+            seed,
+            progress: if verbose { Progress::lines() } else { Progress::silent() },
         };
-        Self::load(py, setup)
+        let open = || OpenScene::with_params(&path, params);
+        Ok(Self { scene: py.detach(open).map_err(to_python)? })
     }
 
     /// Name of the scene.
     #[getter]
     fn name(&self) -> &str {
-        &self.setup.scene.name
+        &self.scene.scene().name
     }
 
     /// Number of gauges.
     #[getter]
     fn n_gauges(&self) -> usize {
-        self.limb.gauges.len()
+        self.scene.limb().gauges.len()
     }
 
     /// Number of surface nodes, at which contacts may be.
     #[getter]
     fn n_surface_nodes(&self) -> usize {
-        self.limb.n_surface_nodes()
+        self.scene.limb().n_surface_nodes()
     }
 
     /// Names of the gauges, in channel order.
     #[getter]
     fn gauge_names(&self) -> Vec<String> {
-        let sites = self.setup.scene.gauges.sites.iter();
+        let sites = self.scene.scene().gauges.sites.iter();
         sites.map(|site| site.name.clone()).collect()
     }
 
     /// Centres of the gauges, m, `[n_gauges, 3]`.
     #[getter]
     fn gauge_positions_m(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        let sites = self.limb.sites.iter();
+        let sites = self.scene.limb().sites.iter();
         positions(py, &sites.map(|site| site.position).collect::<Vec<_>>())
     }
 
     /// Measuring directions of the gauges, unit length, `[n_gauges, 3]`.
     #[getter]
     fn gauge_axes(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        let gauges = self.limb.gauges.iter();
+        let gauges = self.scene.limb().gauges.iter();
         vectors(py, &gauges.map(|gauge| gauge.axis()).collect::<Vec<_>>())
     }
 
     /// Positions of the surface nodes, m, `[n_surface_nodes, 3]`.
     #[getter]
     fn surface_m(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        positions(py, &self.limb.surface_points())
+        positions(py, &self.scene.limb().surface_points())
     }
 
     /// Direction of a press at each surface node, unit length, into the limb, `[n_surface_nodes, 3]`.
     #[getter]
     fn directions(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        vectors(py, &self.limb.directions)
+        vectors(py, &self.scene.limb().directions)
     }
 
     /// Six-node faces of the skin: three corners, then the middles of their sides; `[n_faces, 6]`.
     #[getter]
     fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<u32>>> {
-        let skin = &self.limb.skin;
+        let skin = &self.scene.limb().skin;
         let place = |node| skin.nodes.partition_point(|other| *other < node) as u32;
         let faces: Vec<[u32; 6]> = skin.faces.iter().map(|f| f.nodes.map(place)).collect();
         let n_faces = faces.len();
@@ -125,13 +122,13 @@ impl PyScene {
 
     /// The scene as JSON text, ready for a file.
     fn json(&self) -> PyResult<String> {
-        serde_json::to_string_pretty(&self.setup.scene)
+        serde_json::to_string_pretty(self.scene.scene())
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     /// Writes the scene to a file; its paths stay relative to the folder of the first one.
     fn write(&self, path: PathBuf) -> PyResult<()> {
-        write_json(&path, &self.setup.scene).map_err(to_python)
+        write_json(&path, self.scene.scene()).map_err(to_python)
     }
 
     /// The same limb with other gauges.
@@ -159,10 +156,11 @@ impl PyScene {
         let sites = names.into_iter().zip(places.into_iter().zip(axes));
         let entry = |(name, (position_m, axis))| GaugeEntry { name, position_m, axis };
         let sites = sites.map(entry).collect();
-        let mut setup = self.setup.clone();
-        setup.scene.gauges.sites = sites;
-        setup.scene.name = name.unwrap_or(setup.scene.name);
-        Self::load(py, setup)
+        let mut scene = self.scene.scene().clone();
+        scene.gauges.sites = sites;
+        scene.name = name.unwrap_or(scene.name);
+        let load = || self.scene.with_scene(scene);
+        Ok(Self { scene: py.detach(load).map_err(to_python)? })
     }
 
     /// The same scene, its contacts found by superposition, with these settings in place of its own.
@@ -178,7 +176,7 @@ impl PyScene {
         n_sites: Option<usize>,
         calibration: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let own = self.setup.scene.estimator.superposition();
+        let own = self.scene.scene().estimator.superposition();
         // The scene's paths are relative to its folder.
         let calibration = calibration.map(std::path::absolute).transpose()?;
         let spec = SuperpositionSpec {
@@ -190,10 +188,8 @@ impl PyScene {
             calibration: calibration.or(own.calibration),
             n_sites: n_sites.unwrap_or(own.n_sites),
         };
-        let mut setup = self.setup.clone();
-        setup.scene.estimator = EstimatorSpec::Superposition(spec);
-        let limb = Arc::clone(&self.limb);
-        Ok(Self { setup, limb })
+        let scene = self.scene.with_estimator(EstimatorSpec::Superposition(spec));
+        Ok(Self { scene: scene.map_err(to_python)? })
     }
 
     /// Layouts of gauges on the inner wall, by several methods, the recommended one last.
@@ -230,18 +226,19 @@ impl PyScene {
             force_n,
             compares: compare,
             other_counts: Vec::new(),
-            seed: seed.unwrap_or(self.setup.scene.seed),
+            seed: seed.unwrap_or(self.scene.scene().seed),
             ..LayoutParams::default()
         };
         let study =
-            self.setup.work(py, &self.limb, move |run, limb| study_layouts(run, limb, &params))?;
+            work(py, &self.scene, move |scene| study_layouts(scene.run(), scene.limb(), &params))?;
         Ok(study.layouts.into_iter().map(PyLayout::new).collect())
     }
 
     /// What every gauge reads for a newton anywhere on the skin, by one adjoint solve for each gauge.
     fn response(&self, py: Python<'_>) -> PyResult<PyResponse> {
-        let map = self.setup.work(py, &self.limb, |run, limb| {
-            response_map(limb, run.scene.contact.tip_radius_m, run.threads)
+        let map = work(py, &self.scene, |scene| {
+            let tip_radius_m = scene.scene().contact.tip_radius_m;
+            response_map(scene.limb(), tip_radius_m, scene.run().threads)
         })?;
         Ok(PyResponse::new(map))
     }
@@ -249,15 +246,15 @@ impl PyScene {
     /// Displacements per newton at each surface node, m/N, 32 bits,
     /// `[n_surface_nodes, n_surface_nodes + n_virtual_gauges, 3]`.
     fn compliance(&self, py: Python<'_>) -> PyResult<Py<PyArray3<f32>>> {
-        let table = self.setup.work(py, &self.limb, compliance_table)?;
+        let table = work(py, &self.scene, |s| compliance_table(s.run(), s.limb()))?;
         let (n_loads, n_wanted) = (table.n_surface(), table.n_surface() + table.n_virtual());
         three(py, table.into_rows(), [n_loads, n_wanted, 3])
     }
 
     /// The simulated hardware.
     fn rig(&self, py: Python<'_>) -> PyResult<PyRig> {
-        let limb = self.setup.work(py, &self.limb, live_limb)?;
-        Ok(PyRig::new(Arc::new(limb), &self.setup.scene))
+        let limb = work(py, &self.scene, OpenScene::rig)?;
+        Ok(PyRig::new(Arc::new(limb), self.scene.scene()))
     }
 
     /// Corrects the response by presses of known place and force.
@@ -286,7 +283,7 @@ impl PyScene {
             off_skin_m,
             n_sites,
         };
-        PyCalibration::fit(py, self.setup.clone(), Arc::clone(&self.limb), table)
+        PyCalibration::fit(py, self.scene.clone(), table)
     }
 
     /// Runs the pipeline up to `until` ('simulate', 'dataset', 'train' or 'eval') and returns the
@@ -304,8 +301,7 @@ impl PyScene {
                 )));
             }
         };
-        let work = move |run: &hapdef::Run, limb: &Limb| Pipeline::run(run, limb, until);
-        let done = self.setup.work(py, &self.limb, work)?;
+        let done = work(py, &self.scene, move |s| Pipeline::run(s.run(), s.limb(), until))?;
         let record = |stage: &&hapdef::Stage| {
             json!({
                 "stage": stage.record.stage,
@@ -324,10 +320,7 @@ impl PyScene {
     #[pyo3(signature = (kind = None))]
     fn estimator(&self, py: Python<'_>, kind: Option<&str>) -> PyResult<PyEstimator> {
         let choice = kind.map(choice).transpose()?;
-        let estimator = self.setup.work(py, &self.limb, move |run, limb| match choice {
-            Some(choice) => live_estimator(run, limb, choice),
-            None => touch_estimator(run, limb),
-        })?;
+        let estimator = work(py, &self.scene, move |scene| scene.estimator(choice))?;
         Ok(PyEstimator::new(estimator))
     }
 
@@ -342,8 +335,9 @@ impl PyScene {
         tare_s: f64,
         seed: u64,
     ) -> PyResult<PyLive> {
-        let request = LiveRequest { choice: choice(kind)?, seconds, tare_s, seed };
-        PyLive::start(py, &self.setup, &self.limb, source, request)
+        let play = RigPlay { seconds, seed };
+        let request = LiveRequest { choice: choice(kind)?, play, tare_s };
+        PyLive::start(py, &self.scene, source, request)
     }
 
     fn __repr__(&self) -> String {
@@ -353,13 +347,5 @@ impl PyScene {
             self.n_gauges(),
             self.n_surface_nodes()
         )
-    }
-}
-
-impl PyScene {
-    fn load(py: Python<'_>, setup: Setup) -> PyResult<Self> {
-        let (scene, folder): (&Scene, &Path) = (&setup.scene, &setup.scene_dir);
-        let limb = py.detach(|| Limb::load(scene, folder)).map_err(to_python)?;
-        Ok(Self { setup, limb: Arc::new(limb) })
     }
 }

@@ -6,6 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::thread::Builder;
 use std::time::Duration;
 
+use hapdef::OpenScene;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::ThreadPoolBuilder;
@@ -20,6 +21,17 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Stack of a worker thread.
 const STACK_BYTES: usize = 8 << 20;
+
+/// Does `work` on a scene, without the interpreter's lock, until it is done or Ctrl-C.
+pub(crate) fn work<T: Send + 'static>(
+    py: Python<'_>,
+    scene: &OpenScene,
+    work: impl FnOnce(&OpenScene) -> Result<T, Fault> + Send + 'static,
+) -> PyResult<T> {
+    let scene = scene.apart();
+    let (threads, stop) = (scene.run().threads, Arc::clone(&scene.run().stop));
+    interruptible(py, threads, &stop, move || work(&scene))
+}
 
 /// Does `work` on `threads` threads of its own. On Ctrl-C `stop` is set, which stages look at, and
 /// `KeyboardInterrupt` is raised; what has no place to stop comes to its end in the background.

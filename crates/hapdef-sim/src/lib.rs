@@ -9,6 +9,32 @@
 //! - [`GaugeStrain`] and [`ElasticModel::gauge_response`]: what a strain gauge reads for a force
 //!   anywhere, by one adjoint solve per gauge.
 //!
+//! A bar held at one end, pulled at the other, and the strain of a gauge on its top:
+//!
+//! ```
+//! use hapdef_mesh::Tet10Mesh;
+//! use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, NodalLoad};
+//! use hapdef_sim::{GaugeSite, GaugeStrain};
+//! use nalgebra::{Point3, Vector3};
+//!
+//! let mesh = Tet10Mesh::block([0.1, 0.02, 0.01], [10, 2, 1])?;
+//! let clamped = mesh.nodes_where(|p| p.x == 0.0);
+//! let aluminium = IsotropicMaterial::new(70e9, 0.33, 2700.0)?;
+//! let model = ElasticModel::build(&mesh, &ElasticParams::new(aluminium, clamped))?;
+//! let load = NodalLoad::pressure(&mesh, &mesh.faces_where(|p| p.x == 0.1), -7e6)?;
+//! let (displacement, _) = model.solve(&load)?;
+//! let site = GaugeSite {
+//!     position: Point3::new(0.06, 0.01, 0.01),
+//!     axis: Vector3::x(),
+//!     length_m: 0.008,
+//!     width_m: 0.005,
+//! };
+//! let gauge = GaugeStrain::new(&mesh, &mesh.boundary().faces, &site)?;
+//! let strain_ue = gauge.strain(&displacement) * 1e6;
+//! assert!((strain_ue - 100.0).abs() < 0.5, "{strain_ue} µε");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Knows nothing of networks, ports or scenes. SI units throughout, f64 throughout. Results are the
 //! same bit for bit on any number of threads, and every solution comes with its residual.
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    BoundarySurface, FeNodeId, GaugePatch, MeshError, OuterSkinParams, RadialRegionParams,
-    SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region, read_deck,
-    refine_unfolded,
+    BoundarySurface, FeNodeId, GaugePatch, LengthUnit, MeshError, OuterSkinParams,
+    RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region,
+    read_deck, refine_unfolded,
 };
 use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin};
 use nalgebra::{Point3, Unit, Vector3};
@@ -13,8 +13,7 @@ use rayon::prelude::*;
 
 use crate::error::HapdefError;
 use crate::scene::{
-    Axis, ContactRegion, GaugeEntry, GaugeSpec, Geometry, LengthUnit, LoadDirection, MaterialSpec,
-    Mount, Scene,
+    Axis, ContactRegion, GaugeEntry, GaugeSpec, Geometry, LoadDirection, MaterialSpec, Mount, Scene,
 };
 
 /// Farthest a gauge's centre may be from its wall, m.
@@ -228,8 +227,7 @@ fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefEr
         })?,
         Mount::Box { min_m, max_m } => {
             let inside = |x: &Point3<f64>| (0..3).all(|i| (min_m[i]..=max_m[i]).contains(&x[i]));
-            let nodes = deck.mesh.nodes().iter().enumerate().filter(|(_, x)| inside(x));
-            nodes.map(|(i, _)| FeNodeId::from_index(i)).collect()
+            deck.mesh.nodes_where(inside)
         }
     };
     if nodes.is_empty() {

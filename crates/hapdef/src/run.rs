@@ -12,6 +12,7 @@ use crate::progress::Progress;
 use crate::scene::{Scene, read_scene};
 
 /// What every stage is given.
+#[derive(Clone)]
 pub struct Run {
     /// The scene.
     pub scene: Scene,
@@ -63,6 +64,16 @@ impl Run {
     pub fn set_seed(&mut self, seed: u64) -> Result<(), HapdefError> {
         self.scene.seed = seed;
         self.scene_hash = hash_of(&self.scene)?;
+        Ok(())
+    }
+
+    /// Replaces the scene; its folder stays.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when the scene can't be written as JSON.
+    pub fn set_scene(&mut self, scene: Scene) -> Result<(), HapdefError> {
+        self.scene_hash = hash_of(&scene)?;
+        self.scene = scene;
         Ok(())
     }
 

@@ -8,6 +8,17 @@ use crate::{FeNodeId, MeshError, TET10_EDGES, Tet10Mesh};
 /// three turn the other way.
 const WALKS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
 
+impl Tet10Mesh {
+    /// A block from the origin to `size_m`, of `n` cells along each axis, six elements a cell.
+    ///
+    /// # Errors
+    /// [`MeshError::Solid`] if there is no cell, or a side is not above zero.
+    pub fn block(size_m: [f64; 3], n: [usize; 3]) -> Result<Self, MeshError> {
+        let [x, y, z] = size_m;
+        kuhn_block(n, |p| Point3::new(p.x * x, p.y * y, p.z * z))
+    }
+}
+
 /// The nodes of the six tetrahedra around the diagonal of `cell` (Kuhn, IBM Journal of Research
 /// and Development 4(5), 1960), in half cells: the cell's lowest corner is node 2 · `cell`.
 ///

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::tet10::TET10_EDGES;
 use super::{boundary, refine};
-use crate::{BoundarySurface, FeNodeId, MeshError, SolidFault};
+use crate::{BoundarySurface, FeNodeId, MeshError, SolidFault, Tri6Face};
 
 /// A mesh of ten-node tetrahedra with curved faces.
 ///
@@ -70,6 +70,19 @@ impl Tet10Mesh {
     #[must_use]
     pub fn boundary(&self) -> BoundarySurface {
         boundary::boundary(&self.elements)
+    }
+
+    /// The nodes at positions for which `is_wanted` holds, ascending.
+    pub fn nodes_where(&self, is_wanted: impl Fn(&Point3<f64>) -> bool) -> Vec<FeNodeId> {
+        let wanted = self.nodes.iter().enumerate().filter(|(_, position)| is_wanted(position));
+        wanted.map(|(node, _)| FeNodeId::from_index(node)).collect()
+    }
+
+    /// The boundary faces of which `is_wanted` holds at all six nodes, in the boundary's order.
+    pub fn faces_where(&self, is_wanted: impl Fn(&Point3<f64>) -> bool) -> Vec<Tri6Face> {
+        let mut faces = self.boundary().faces;
+        faces.retain(|face| face.nodes.iter().all(|node| is_wanted(&self.nodes[node.index()])));
+        faces
     }
 
     /// Each element split into eight (uniform red refinement).

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hapdef_mesh::LengthUnit;
 use serde::{Deserialize, Serialize};
 
 /// Where the limb's shape comes from.
@@ -11,7 +12,9 @@ pub struct Geometry {
     /// Deck of ten-node tetrahedra (`.inp`, `.dat`, `.cdb`, each also `.gz`), relative to the
     /// scene file.
     pub solid_deck: PathBuf,
-    /// Unit of the deck's lengths.
+    /// Unit of the deck's lengths, metres or millimetres. Stresses and densities go along: Pa and
+    /// kg/m³ with metres, MPa and t/mm³ with millimetres.
+    #[serde(with = "deck_unit")]
     pub unit: LengthUnit,
     /// The limb's long axis, for unrolling and for radial rules.
     pub axis: Axis,
@@ -23,18 +26,6 @@ pub struct Geometry {
     /// of the deck's skin, relative to the scene file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin_gltf: Option<PathBuf>,
-}
-
-/// Unit of lengths in a file. Stresses and densities go along: Pa and kg/m³ with metres, MPa and
-/// t/mm³ with millimetres.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-pub enum LengthUnit {
-    /// Metres, newtons, kilograms.
-    #[serde(rename = "m")]
-    Metre,
-    /// Millimetres, newtons, tonnes.
-    #[serde(rename = "mm")]
-    Millimetre,
 }
 
 /// A line in space.
@@ -122,4 +113,24 @@ pub enum LoadDirection {
     Normal,
     /// Towards the limb's axis, without axial part, as in the authors' loads.
     Radial,
+}
+
+/// The units that a deck's lengths may have, by their signs.
+mod deck_unit {
+    use hapdef_mesh::LengthUnit;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    const ALLOWED: [LengthUnit; 2] = [LengthUnit::Metre, LengthUnit::Millimetre];
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+    pub(super) fn serialize<S: Serializer>(unit: &LengthUnit, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(unit.symbol())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<LengthUnit, D::Error> {
+        let sign = String::deserialize(from)?;
+        let unit = ALLOWED.into_iter().find(|unit| unit.symbol() == sign);
+        unit.ok_or_else(|| D::Error::unknown_variant(&sign, &["m", "mm"]))
+    }
 }

@@ -12,9 +12,7 @@ mod rig;
 
 pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
-pub use limb::{
-    Axis, ContactRegion, ContactSpec, Geometry, LengthUnit, LoadDirection, MaterialSpec, Mount,
-};
+pub use limb::{Axis, ContactRegion, ContactSpec, Geometry, LoadDirection, MaterialSpec, Mount};
 pub use read::read_scene;
 pub use rig::{
     BridgeSpec, CreepSpec, ElectronicsSpec, GainSpec, LiveSpec, MisplacementSpec, PressSpec,

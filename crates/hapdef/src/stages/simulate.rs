@@ -81,7 +81,7 @@ pub(super) fn inputs(run: &Run, limb: &Limb) -> Value {
     json!({
         "version": VERSION,
         "deck": limb.deck_hash,
-        "unit": scene.geometry.unit,
+        "unit": scene.geometry.unit.symbol(),
         "axis": scene.geometry.axis,
         "refinements": scene.geometry.refinements,
         "material": scene.material,

@@ -8,7 +8,7 @@ use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::EstimatorSpec;
+use crate::scene::{EstimatorSpec, Scene};
 use crate::stages::{
     Datasets, NetKind, TrainedNets, compliance, datasets, rig, train_kinds, trained_chain,
 };
@@ -62,16 +62,19 @@ pub fn live_estimator(
         LiveEstimator::Hapdefx => Box::new(paper_chain(run, limb)?),
         LiveEstimator::Superposition => Box::new(Superposition::new(by_superposition(run, limb)?)),
         LiveEstimator::Tracking(place) => {
-            let params = TrackerParams {
-                max_contacts: run.scene.contact.max_contacts,
-                ..TrackerParams::default()
-            };
+            let params = tracker_params(&run.scene);
             Box::new(Tracking::new(by_superposition(run, limb)?, params, place)?)
         }
     })
 }
 
-fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
+/// Parameters of the tracker for a scene: no more contacts than the scene has.
+pub(crate) fn tracker_params(scene: &Scene) -> TrackerParams {
+    TrackerParams { max_contacts: scene.contact.max_contacts, ..TrackerParams::default() }
+}
+
+/// The estimator by superposition on the limb's map, solved or from the scene's calibration.
+pub(crate) fn by_superposition(run: &Run, limb: &Limb) -> Result<ContactEstimator, HapdefError> {
     let spec = run.scene.estimator.superposition();
     if let Some(path) = &spec.calibration {
         let calibration = Calibration::read(&run.scene_dir.join(path), limb)?;

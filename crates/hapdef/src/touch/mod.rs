@@ -18,6 +18,7 @@ pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub(crate) use calibration::N_STIFFNESS;
 pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
 pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
+pub(crate) use chosen::{by_superposition, tracker_params};
 pub use hapdef_live::touch::{
     Alternative, PaperChain, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator,
     TouchFrame, TouchQuality, TouchUncertainty, TouchWanted, Tracking,

@@ -1,0 +1,163 @@
+//! Where frames come from, and the contacts behind them, one frame after another.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::time::Duration;
+
+use hapdef_daq::source::{FrameSource, StreamParams, StreamSource};
+use hapdef_live::touch::{SearchPlace, TouchEstimator};
+use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveGauge, LiveParams, Wants};
+use hapdef_rig::live::{RigLink, RunParams};
+
+use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
+use crate::scene::Scene;
+use crate::source_args::SourceArg;
+use crate::virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};
+
+/// Frames that wait at most to be looked at.
+const N_WAITING: usize = 4096;
+
+/// A device, a recording or the simulated rig, for the gauges of a scene.
+pub struct Source {
+    frames: Box<dyn FrameSource>,
+    /// How the runtime reads it; to be changed before [`Self::contacts`].
+    pub params: LiveParams,
+    gauges: Vec<LiveGauge>,
+}
+
+/// A play of the simulated rig.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigPlay {
+    /// Its length, s; endless if `None`.
+    pub seconds: Option<f64>,
+    /// Seed of its presses.
+    pub seed: u64,
+}
+
+/// Frames with the contacts found in them; an iterator that ends with its source.
+pub struct Contacts {
+    // The frames come first: dropping them sets free what waits to hand on another.
+    frames: Receiver<LiveFrame>,
+    live: Live,
+}
+
+impl Source {
+    /// Frames of any source, such as one in memory, that come when they are due.
+    pub fn new(frames: impl FrameSource + 'static, scene: &Scene) -> Self {
+        Self::boxed(Box::new(frames), LiveParams::default(), scene)
+    }
+
+    /// A device or a recording.
+    ///
+    /// # Errors
+    /// As [`SourceArg::open`].
+    pub fn open(arg: &SourceArg, scene: &Scene) -> Result<Self, HapdefError> {
+        let params = LiveParams {
+            is_recorded: arg.is_recorded(),
+            is_lossless: arg.is_unpaced(),
+            ..LiveParams::default()
+        };
+        Ok(Self::boxed(arg.open_for(scene.gauges.sites.len())?, params, scene))
+    }
+
+    /// The simulated rig, pressed at random, as fast as frames are taken: the same frames every
+    /// time.
+    ///
+    /// # Errors
+    /// As [`live_limb`].
+    pub fn rig(play: &RigPlay, run: &Run, limb: &Limb) -> Result<Self, HapdefError> {
+        let real = Arc::new(live_limb(run, limb)?);
+        let params = VirtualRigParams {
+            script: Some(random_presses(&run.scene, &real, play.seed)),
+            ..VirtualRigParams::default()
+        };
+        let device = virtual_device(&run.scene, real, &params)?;
+        let play = RunParams { duration_s: play.seconds, ..RunParams::default() };
+        let link = RigLink::new(device, &play, |_| ())?;
+        let clock = link.clock();
+        let stream = StreamParams { clock: Arc::clone(&clock), ..StreamParams::default() };
+        let params =
+            LiveParams { is_recorded: true, is_lossless: true, clock, ..LiveParams::default() };
+        Ok(Self::boxed(Box::new(StreamSource::new(link, stream)), params, &run.scene))
+    }
+
+    fn boxed(frames: Box<dyn FrameSource>, params: LiveParams, scene: &Scene) -> Self {
+        let noise_ue = Some(scene.estimator.superposition().noise_ue);
+        let sites = scene.gauges.sites.iter();
+        let gauges = sites.map(|site| LiveGauge { name: site.name.clone(), scale: 1.0 });
+        Self { frames, params: LiveParams { noise_ue, ..params }, gauges: gauges.collect() }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.frames.name()
+    }
+
+    /// Where a tracker's full searches run: within the frame for a recording, which gives the same
+    /// contacts each time then, else beside it.
+    #[must_use]
+    pub fn search_place(&self) -> SearchPlace {
+        if self.params.is_recorded { SearchPlace::Here } else { SearchPlace::Background }
+    }
+
+    /// Starts to read, and finds the contacts of every frame.
+    ///
+    /// # Errors
+    /// [`HapdefError::Live`] where gauges and estimator don't fit, or a thread can't be started.
+    pub fn contacts(
+        self,
+        estimator: impl TouchEstimator + 'static,
+    ) -> Result<Contacts, HapdefError> {
+        self.boxed_contacts(Box::new(estimator))
+    }
+
+    /// The same with an estimator that was chosen at run time.
+    ///
+    /// # Errors
+    /// As [`Self::contacts`].
+    pub fn boxed_contacts(
+        self,
+        estimator: Box<dyn TouchEstimator>,
+    ) -> Result<Contacts, HapdefError> {
+        let (sender, frames) = sync_channel(N_WAITING);
+        let sink = FnSink::new("contacts", Wants::ALL, move |frame: &LiveFrame| {
+            // Nobody looks any more when it was dropped.
+            let _ = sender.send(frame.clone());
+        });
+        let live = Live::boxed_builder(self.frames)
+            .params(self.params)
+            .gauges(self.gauges)
+            .boxed_estimator(estimator)
+            .sink(sink.with_delivery(Delivery::Queue(N_WAITING)))
+            .start()?;
+        Ok(Contacts { frames, live })
+    }
+}
+
+impl Contacts {
+    /// The runtime behind it: its health, a new tare.
+    #[must_use]
+    pub fn live(&self) -> &Live {
+        &self.live
+    }
+
+    /// The next frame.
+    ///
+    /// # Errors
+    /// [`RecvTimeoutError::Timeout`] where none comes in time, [`RecvTimeoutError::Disconnected`]
+    /// at the source's end.
+    pub fn next_within(&self, timeout: Duration) -> Result<LiveFrame, RecvTimeoutError> {
+        self.frames.recv_timeout(timeout)
+    }
+}
+
+impl Iterator for Contacts {
+    type Item = LiveFrame;
+
+    fn next(&mut self) -> Option<LiveFrame> {
+        self.frames.recv().ok()
+    }
+}
