@@ -75,7 +75,7 @@ impl RealLimb {
             ..ElasticParams::new(nominal.material, clamped)
         };
         let elastic_model = ElasticModel::build(&mesh, &elastic)?;
-        let (response, solve) = elastic_model.gauge_response(&gauges)?;
+        let (response, solve) = elastic_model.response(&gauges)?;
         let info = RealLimbInfo {
             n_fe_nodes: mesh.nodes().len(),
             n_elements: mesh.elements().len(),

@@ -67,7 +67,7 @@ fn bend() -> Result<Bent, Box<dyn Error>> {
         width_m: 5e-3,
     };
     let gauge = GaugeStrain::new(&mesh, &mesh.boundary().faces, &site)?;
-    let (response, _) = model.gauge_response(std::slice::from_ref(&gauge))?;
+    let (response, _) = model.response(std::slice::from_ref(&gauge))?;
     let sum: f64 = end.iter().map(|node| displacement[node.index()].z).sum();
     Ok(Bent {
         tip_m: -sum / end.len() as f64,

@@ -6,8 +6,8 @@
 //!   wanted nodes for thousands.
 //! - [`ShellMesh`] and [`ElasticModel::build_shell`]: thin walls as triangles with rotations, with
 //!   tips and [`ShellGaugeStrain`] on them.
-//! - [`GaugeStrain`] and [`ElasticModel::gauge_response`]: what a strain gauge reads for a force
-//!   anywhere, by one adjoint solve per gauge.
+//! - [`LinearFunctional`] and [`ElasticModel::response`]: what a sensor (a [`GaugeStrain`], say)
+//!   reads for a force anywhere, by one adjoint solve each.
 //!
 //! A bar held at one end, pulled at the other, and the strain of a gauge on its top:
 //!
@@ -64,7 +64,9 @@ pub use elements::{
 };
 pub use error::SimError;
 pub use factor::Ordering;
-pub use gauges::{GaugeParams, GaugeResponse, GaugeSite, GaugeStrain};
+pub use gauges::{
+    GaugeParams, GaugeResponse, GaugeSite, GaugeStrain, LinearFunctional, NodeWeight,
+};
 pub use iterative::{
     ChoiceReason, IterativeParams, MultigridInfo, MultigridParams, SolverChoice, SolverInfo,
     SolverKind,

@@ -165,7 +165,7 @@ impl Solved {
         let model = ElasticModel::build(&tube.mesh, &params)?;
         let build_s = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let (response, _) = model.gauge_response(&gauges)?;
+        let (response, _) = model.response(&gauges)?;
         let adjoint_s = start.elapsed().as_secs_f64();
         let at_node = |node: &hapdef_mesh::FeNodeId| {
             let fields = (0..n_gauges).map(GaugeId::from_index);

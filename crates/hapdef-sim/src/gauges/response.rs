@@ -1,11 +1,12 @@
-//! What gauges read for a force anywhere, by one adjoint solve per gauge.
+//! What sensors read for a force anywhere, by one adjoint solve each.
 
 use hapdef_mesh::GaugeId;
 use nalgebra::Vector3;
 
+use super::LinearFunctional;
 use crate::model::solve::{Extent, solve_all};
 use crate::model::solve_info::{SolveInfo, SolveParams};
-use crate::{ElasticModel, GaugeStrain, NodalLoad, SimError};
+use crate::{ElasticModel, NodalLoad, SimError};
 
 /// Readings of all gauges for a unit force at any FE node in any direction.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,29 +44,21 @@ impl GaugeResponse {
 }
 
 impl ElasticModel {
-    /// The response of `gauges` to a force anywhere, by one adjoint solve per gauge: K is symmetric,
-    /// so the reading cᵀ K⁻¹ f is (K⁻¹ c) · f.
+    /// The response of `functionals` (strain gauges on solids or shells, or any other) to a force
+    /// anywhere, by one adjoint solve each: K is symmetric, so the reading cᵀ K⁻¹ f is (K⁻¹ c) · f.
     ///
     /// # Errors
     /// As [`ElasticModel::solve`].
-    pub fn gauge_response(
+    pub fn response<F: AsRef<LinearFunctional>>(
         &self,
-        gauges: &[GaugeStrain],
+        functionals: &[F],
     ) -> Result<(GaugeResponse, SolveInfo), SimError> {
-        let loads: Vec<NodalLoad> = gauges.iter().map(GaugeStrain::as_load).collect();
-        self.adjoint_response(&loads)
-    }
-
-    /// The response of functionals given as loads.
-    pub(crate) fn adjoint_response(
-        &self,
-        loads: &[NodalLoad],
-    ) -> Result<(GaugeResponse, SolveInfo), SimError> {
+        let loads: Vec<NodalLoad> = functionals.iter().map(|f| f.as_ref().as_load()).collect();
         let n_fe_nodes = self.info().n_fe_nodes;
         let mut fields = vec![Vector3::zeros(); loads.len() * n_fe_nodes];
         let info = solve_all(
             self,
-            loads,
+            &loads,
             &SolveParams::default(),
             Extent::Full,
             |block| (0..block.loads.len()).map(|column| block.field(column)).collect::<Vec<_>>(),

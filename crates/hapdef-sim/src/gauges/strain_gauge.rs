@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use hapdef_mesh::{FeNodeId, Tet10Mesh, Tri6Face};
 use nalgebra::{Point3, Vector3};
 
+use super::{LinearFunctional, NodeWeight};
 use crate::elements::tet10::space_gradients;
 use crate::gauges::wall::{Wall, WallPoint};
 use crate::loads::nodal::check_node;
@@ -43,13 +44,16 @@ impl Default for GaugeParams {
     }
 }
 
+/// The unit of a strain.
+pub(crate) const STRAIN: &str = "m/m";
+
 /// A gauge's reading as a linear functional: strain = Σ rowᵢ · uᵢ.
 ///
 /// The reading is the mean over the footprint of aᵀ ε a, with a the axis in the local tangent
 /// plane and ε = ½(∇u + ∇uᵀ) at the wall's surface in the element behind it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaugeStrain {
-    rows: Vec<(FeNodeId, Vector3<f64>)>,
+    functional: LinearFunctional,
     normal: Vector3<f64>,
     axis: Vector3<f64>,
     n_samples: usize,
@@ -103,8 +107,9 @@ impl GaugeStrain {
         for hit in &hits {
             add_sample(mesh, hit, &along, weight, &mut rows)?;
         }
-        let rows = rows.into_iter().collect();
-        Ok(Self { rows, normal: wall.normal, axis: along, n_samples, n_lost, distance_m })
+        let weight = |(node, per_metre)| NodeWeight { node, per_metre, per_radian: None };
+        let functional = LinearFunctional::new(rows.into_iter().map(weight).collect(), STRAIN);
+        Ok(Self { functional, normal: wall.normal, axis: along, n_samples, n_lost, distance_m })
     }
 
     /// The reading for `displacement` `[n_fe_nodes]`, m: strain, positive in tension.
@@ -113,20 +118,20 @@ impl GaugeStrain {
     /// If `displacement` is shorter than the mesh the gauge was made on.
     #[must_use]
     pub fn strain(&self, displacement: &[Vector3<f64>]) -> f64 {
-        self.rows.iter().map(|(node, row)| row.dot(&displacement[node.index()])).sum()
+        self.functional.reading(displacement, &[])
     }
 
     /// The right-hand side of the gauge's adjoint problem: its solution at a node is the reading per
     /// newton there, in each direction (Betti–Maxwell reciprocity).
     #[must_use]
     pub fn as_load(&self) -> NodalLoad {
-        NodalLoad { forces_n: self.rows.clone(), ..NodalLoad::default() }
+        self.functional.as_load()
     }
 
-    /// The functional's rows: FE nodes ascending, and strain per metre in each direction, 1/m.
+    /// The gauge as nodes and weights, nodes ascending; strain per metre, 1/m.
     #[must_use]
-    pub fn rows(&self) -> &[(FeNodeId, Vector3<f64>)] {
-        &self.rows
+    pub fn functional(&self) -> &LinearFunctional {
+        &self.functional
     }
 
     /// The wall's outward unit normal at the gauge's centre.
@@ -157,6 +162,12 @@ impl GaugeStrain {
     #[must_use]
     pub fn distance_to_wall_m(&self) -> f64 {
         self.distance_m
+    }
+}
+
+impl AsRef<LinearFunctional> for GaugeStrain {
+    fn as_ref(&self) -> &LinearFunctional {
+        &self.functional
     }
 }
 

@@ -7,12 +7,10 @@ use nalgebra::{Point3, Vector3};
 
 use super::patch::{PatchPoint, ShellPatch};
 use super::{ShellKind, ShellMesh, ShellStrain};
-use crate::gauges::response::GaugeResponse;
-use crate::gauges::strain_gauge::{axes, check_lost, check_site, footprint};
+use crate::gauges::strain_gauge::{STRAIN, axes, check_lost, check_site, footprint};
+use crate::gauges::{LinearFunctional, NodeWeight};
 use crate::loads::patch::unit;
-use crate::{
-    ElasticModel, GaugeParams, GaugeSite, IsotropicMaterial, Motion, NodalLoad, SimError, SolveInfo,
-};
+use crate::{GaugeParams, GaugeSite, IsotropicMaterial, Motion, NodalLoad, SimError};
 
 /// A gauge's reading on a shell as a linear functional: strain = Σ uᵢ · aᵢ + θᵢ · bᵢ.
 ///
@@ -20,7 +18,7 @@ use crate::{
 /// with a the axis in the facet under each sample point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShellGaugeStrain {
-    rows: Vec<(FeNodeId, Vector3<f64>, Vector3<f64>)>,
+    functional: LinearFunctional,
     normal: Vector3<f64>,
     axis: Vector3<f64>,
     n_samples: usize,
@@ -72,14 +70,13 @@ impl ShellGaugeStrain {
             let element = strain_at(mesh, kind, material, hit)?;
             add_sample(mesh, hit, &element, &along, z_m, weight, &mut rows)?;
         }
-        Ok(Self {
-            rows: rows.into_iter().map(|(n, (a, b))| (n, a, b)).collect(),
-            normal: patch.normal,
-            axis: along,
-            n_samples,
-            n_lost,
-            distance_m,
-        })
+        let weight = |(node, (per_metre, per_radian))| NodeWeight {
+            node,
+            per_metre,
+            per_radian: Some(per_radian),
+        };
+        let functional = LinearFunctional::new(rows.into_iter().map(weight).collect(), STRAIN);
+        Ok(Self { functional, normal: patch.normal, axis: along, n_samples, n_lost, distance_m })
     }
 
     /// The reading for a motion of the mesh: strain, positive in tension.
@@ -88,29 +85,20 @@ impl ShellGaugeStrain {
     /// If `motion` is not of a shell of as many nodes.
     #[must_use]
     pub fn strain(&self, motion: &Motion) -> f64 {
-        self.rows
-            .iter()
-            .map(|(node, a, b)| {
-                let i = node.index();
-                a.dot(&motion.displacement[i]) + b.dot(&motion.rotation[i])
-            })
-            .sum()
+        self.functional.reading(&motion.displacement, &motion.rotation)
     }
 
     /// The right-hand side of the gauge's adjoint problem: its solution at a node is the reading per
     /// newton there, in each direction (Betti–Maxwell reciprocity).
     #[must_use]
     pub fn as_load(&self) -> NodalLoad {
-        NodalLoad {
-            forces_n: self.rows.iter().map(|(n, a, _)| (*n, *a)).collect(),
-            moments_nm: self.rows.iter().map(|(n, _, b)| (*n, *b)).collect(),
-        }
+        self.functional.as_load()
     }
 
-    /// The functional's rows: nodes ascending, strain per metre and strain per radian.
+    /// The gauge as nodes and weights, nodes ascending; strain per metre and per radian.
     #[must_use]
-    pub fn rows(&self) -> &[(FeNodeId, Vector3<f64>, Vector3<f64>)] {
-        &self.rows
+    pub fn functional(&self) -> &LinearFunctional {
+        &self.functional
     }
 
     /// The wall's unit normal at the gauge's centre.
@@ -138,17 +126,9 @@ impl ShellGaugeStrain {
     }
 }
 
-impl ElasticModel {
-    /// The response of gauges on a shell to a force anywhere, by one adjoint solve per gauge.
-    ///
-    /// # Errors
-    /// As [`ElasticModel::solve`].
-    pub fn shell_gauge_response(
-        &self,
-        gauges: &[ShellGaugeStrain],
-    ) -> Result<(GaugeResponse, SolveInfo), SimError> {
-        let loads: Vec<NodalLoad> = gauges.iter().map(ShellGaugeStrain::as_load).collect();
-        self.adjoint_response(&loads)
+impl AsRef<LinearFunctional> for ShellGaugeStrain {
+    fn as_ref(&self) -> &LinearFunctional {
+        &self.functional
     }
 }
 

@@ -104,7 +104,7 @@ fn adjoint_readings_equal_forward_readings() {
     ];
     let gauges: Vec<GaugeStrain> =
         sites.iter().map(|s| gauge(&mesh, s).expect("on the beam")).collect();
-    let (response, info) = model.gauge_response(&gauges).expect("solved");
+    let (response, info) = model.response(&gauges).expect("solved");
     assert_eq!((response.n_gauges(), info.n_loads), (3, 3));
     for i in (0..mesh.nodes().len()).step_by(37) {
         let node = hapdef_mesh::FeNodeId::from_index(i);
@@ -174,7 +174,7 @@ fn the_ten_sites_on_the_authors_limb() {
     let clamped = deck.fixed_nodes.clone();
     let params = ElasticParams { n_threads: 2, ..ElasticParams::new(material, clamped) };
     let model = ElasticModel::build(&deck.mesh, &params).expect("supported");
-    let (response, info) = model.gauge_response(&gauges).expect("solved");
+    let (response, info) = model.response(&gauges).expect("solved");
     println!("{info:?}");
     let load = NodalLoad { forces_n: deck.nodal_forces.clone(), ..NodalLoad::default() };
     let (u, _) = model.solve(&load).expect("solved");

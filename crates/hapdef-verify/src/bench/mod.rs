@@ -152,7 +152,7 @@ fn gauges<W: Write>(
     let place = |site| GaugeStrain::new(&deck.mesh, &faces, site);
     let (gauges, placed) = timed(|| sites.iter().map(place).collect::<Result<Vec<_>, _>>());
     let gauges = gauges?;
-    let (response, adjoint) = timed(|| model.gauge_response(&gauges));
+    let (response, adjoint) = timed(|| model.response(&gauges));
     response?;
     let stages = [read, build, placed, adjoint];
     let names = ["fe.deck_s", "fe.build_s", "fe.place_s", "fe.adjoint_s"];
@@ -162,7 +162,7 @@ fn gauges<W: Write>(
     log.value("fe.gauges_s", stages.iter().map(|s| s.wall_s).sum(), "s")?;
     log.value("fe.gauges_processor_s", stages.iter().map(|s| s.processor_s).sum(), "s")?;
     let many: Vec<GaugeStrain> = gauges.iter().cycle().take(240).cloned().collect();
-    let (response, virtual_gauges) = timed(|| model.gauge_response(&many));
+    let (response, virtual_gauges) = timed(|| model.response(&many));
     response?;
     log.value("fe.virtual_gauges_s", virtual_gauges.wall_s, "s")?;
     log.value("fe.virtual_gauges_processor_s", virtual_gauges.processor_s, "s")?;

@@ -90,7 +90,7 @@ impl<'a> Levels<'a> {
         let place = |site| GaugeStrain::with_params(mesh, &faces, site, &self.limb.gauge_params);
         let gauges: Vec<GaugeStrain> =
             self.limb.sites.iter().map(place).collect::<Result<_, _>>()?;
-        let (response, adjoint) = elastic_model.gauge_response(&gauges)?;
+        let (response, adjoint) = elastic_model.response(&gauges)?;
         let tip_loads = self.tip_loads(refined)?;
         let reading = |load: &NodalLoad| {
             let of = |gauge| response.reading(GaugeId::from_index(gauge), load) * 1e6;

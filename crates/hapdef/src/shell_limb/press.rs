@@ -79,7 +79,7 @@ impl ShellLimb {
     ) -> Result<ShellComparison, HapdefError> {
         let started = Instant::now();
         let touches = self.touches(comparison)?;
-        let (response, _) = self.elastic_model.shell_gauge_response(&comparison.gauges)?;
+        let (response, _) = self.elastic_model.response(&comparison.gauges)?;
         let mut on_shell = self.answers(&self.elastic_model, &response, &touches.shell_loads)?;
         let on_solids =
             comparison.solids.iter().map(|solid| self.solid_answers(solid, comparison, &touches));
@@ -180,7 +180,7 @@ impl ShellLimb {
             ..ElasticParams::new(self.params.material, solid.clamped.clone())
         };
         let model = ElasticModel::build(solid.mesh, &params)?;
-        let (response, _) = model.gauge_response(&solid.gauges)?;
+        let (response, _) = model.response(&solid.gauges)?;
         let load = |&place: &usize| {
             let (centre, direction) = (&comparison.places[place][0], &comparison.directions[place]);
             let radius_m = self.params.tip_radius_m;

@@ -63,7 +63,7 @@ pub fn shell_limb(given: &SurfaceMesh, params: &ShellLimbParams) -> Result<Shell
     };
     let elastic_model = ElasticModel::build_shell(&mesh, &shell_params)?;
     watch.lap("factor");
-    let (response, solve) = elastic_model.shell_gauge_response(&placed.gauges)?;
+    let (response, solve) = elastic_model.response(&placed.gauges)?;
     watch.lap("gauge response");
     let info = ShellLimbInfo {
         wall: wall.info,

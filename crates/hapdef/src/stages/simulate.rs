@@ -40,7 +40,7 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
         let wanted = limb.wanted_nodes();
         let params = ComplianceParams::default();
         let (compliance, solve) = elastic_model.compliance(&loads, &wanted, &params)?;
-        let (response, adjoint) = elastic_model.gauge_response(&limb.gauges)?;
+        let (response, adjoint) = elastic_model.response(&limb.gauges)?;
         let table = ComplianceTable::new(limb.n_surface_nodes(), wanted.len(), compliance.data());
         table.write(&dir.join(COMPLIANCE_FILE))?;
         let factor = elastic_model.info();

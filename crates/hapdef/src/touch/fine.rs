@@ -59,7 +59,7 @@ impl<'a> FineLimb<'a> {
             n_threads: params.n_threads,
             ..ElasticParams::new(self.limb.material, self.clamped.clone())
         };
-        let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.gauge_response(&gauges)?;
+        let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.response(&gauges)?;
         let under_point = node_values(&self.skin.nodes, &response);
         let tip = ResponseParams { tip_radius_m: params.tip_radius_m };
         let under_tip =

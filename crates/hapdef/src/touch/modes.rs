@@ -57,7 +57,7 @@ impl UncertainResponse {
             ..ElasticParams::new(limb.material, limb.clamped.clone())
         };
         let model = ElasticModel::build(&limb.mesh, &elastic)?;
-        let (response, _) = model.gauge_response(gauges)?;
+        let (response, _) = model.response(gauges)?;
         let skin = TouchedSkin::new(limb, params.tip_radius_m)?;
         let on_skin = |adjoint: &[Vector3<f64>]| skin.map(gauges.len(), adjoint);
         let solid = Solid { limb, model: &model };
@@ -149,7 +149,7 @@ impl Glued for Solid<'_> {
     }
 
     fn fields(&self, gauges: &[GaugeStrain]) -> Result<Vec<Vector3<f64>>, HapdefError> {
-        let (response, _) = self.model.gauge_response(gauges)?;
+        let (response, _) = self.model.response(gauges)?;
         Ok(skin_values(self.limb, &response))
     }
 }

@@ -38,7 +38,7 @@ pub fn gauge_map(
     gauges: &[GaugeStrain],
     tip_radius_m: f64,
 ) -> Result<ResponseMap, HapdefError> {
-    let (response, _) = model.gauge_response(gauges)?;
+    let (response, _) = model.response(gauges)?;
     let adjoint = skin_values(limb, &response);
     TouchedSkin::new(limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }

@@ -106,7 +106,7 @@ impl Glued for SkinShell<'_> {
     /// A gauge that is not there reads nothing.
     fn fields(&self, gauges: &[Self::Gauge]) -> Result<Vec<Vector3<f64>>, HapdefError> {
         let there: Vec<ShellGaugeStrain> = gauges.iter().flatten().cloned().collect();
-        let (response, _) = self.model.shell_gauge_response(&there)?;
+        let (response, _) = self.model.response(&there)?;
         let mut solved = node_values(&self.places, &response).into_iter();
         let mut fields = Vec::with_capacity(self.places.len() * gauges.len());
         for _ in &self.places {

@@ -91,7 +91,7 @@ pub(crate) fn adjoint_solves_read_what_a_load_at_every_node_reads() {
     let run = run_of("placed.json", out.path());
     let limb = loaded(&run);
     let model = solved(&limb);
-    let (response, _) = model.gauge_response(&limb.gauges).unwrap();
+    let (response, _) = model.response(&limb.gauges).unwrap();
     let normal = limb.unit_loads(run.scene.contact.tip_radius_m).unwrap();
     for load in normal.iter().step_by(800) {
         let (displacement, _) = model.solve(load).unwrap();
