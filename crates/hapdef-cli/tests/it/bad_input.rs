@@ -1,5 +1,4 @@
 //! Bad input gets one clear error, exit code 2, and leaves nothing half-written.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,4 @@
 //! `hapdef calibrate --live` as a person uses it, the virtual rig pressed where it asks.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "shows what was measured when it fails")]
 
 use crate::support::page;
 

@@ -1,5 +1,4 @@
 //! `hapdef bundle` and `hapdef live` as a person uses them: a recording, played into contacts.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};

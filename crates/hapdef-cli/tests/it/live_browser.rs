@@ -1,8 +1,6 @@
 //! The live page in a headless Chromium, with the program behind it and the bundled limb's simulated rig.
 //!
 //! Left out where there is no Chromium, as `hapdef-view/tests/browser.rs` says.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "shows what was measured when it fails")]
 
 #[path = "../../../hapdef-view/tests/it/support/chrome.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]

@@ -1,6 +1,4 @@
 //! `hapdef live --view` with a device by TCP: the page says whether it is simulated, and when it is away.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "shows what was said when it fails")]
 
 use crate::support::page;
 

@@ -1,6 +1,4 @@
 //! `hapdef live --view` as its page uses it: press, tare, record, keep, come back, play again.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "shows what was said when it fails")]
 
 use crate::support::page;
 

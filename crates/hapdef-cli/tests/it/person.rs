@@ -1,7 +1,5 @@
 //! Commands that ask a person to press, answered by one who presses a simulated board on TCP, also when
 //! nobody has asked.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "shows what was said when it fails")]
 
 use crate::support::page;
 

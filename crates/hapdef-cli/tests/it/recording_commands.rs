@@ -1,5 +1,4 @@
 //! `hapdef record`, `replay`, `recover`, `export` and `doctor`, as commands.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,4 @@
 //! `hapdef shell`: what it writes, what it refuses, and real limbs.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may panic, and says what it skips"
-)]
 
 use crate::shell_limb_common;
 

@@ -1,7 +1,5 @@
 //! The whole way: the virtual rig on a pseudo-terminal, `hapdef live` on its other end, contacts and
 //! what really touches in one recording that others read.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "figures, and why something is skipped")]
 
 #[path = "../../../hapdef-ros/tests/it/support/read_back.rs"]
 mod read_back;

@@ -1,7 +1,5 @@
 //! The firmware's C core, compiled for the host and held against the decoder and the golden vectors.
 
-#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};

@@ -1,5 +1,4 @@
 //! A recording that is looked at: stopped, sent elsewhere, waiting at its end.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 //! Real-time priority of the reading thread, as the system grants it.
 #![cfg(target_os = "linux")]
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

@@ -1,5 +1,4 @@
 //! Recordings: what comes back, and from damaged files.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

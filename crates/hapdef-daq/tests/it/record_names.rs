@@ -1,8 +1,6 @@
 //! Recordings that were broken off are in nobody's way, and nobody is in theirs; what is missing in a
 //! damaged one is counted when it is played.
 
-#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
-
 use crate::support;
 
 use std::path::Path;

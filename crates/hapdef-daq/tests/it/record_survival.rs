@@ -2,8 +2,6 @@
 //!
 //! HAPDEF_SOAK=1 kills 200 times instead of 5.
 
-#![expect(clippy::unwrap_used, reason = "tests and their helpers")]
-
 use crate::support;
 
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! Serial ports by ptys: unplugging, coming back, what is refused.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

@@ -1,5 +1,4 @@
 //! Several boards on one tokio runtime: every lost frame is counted there, too.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

@@ -1,7 +1,5 @@
 //! Datasets: what is written is what is read, and damage is reported.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,5 @@
 //! Standardisers: against the two-pass formula, and their own inverse.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use hapdef_data::{DataError, Standardiser, StandardiserFit, StandardiserInfo};
 use proptest::prelude::*;
 

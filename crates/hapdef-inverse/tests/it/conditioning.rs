@@ -1,5 +1,4 @@
 //! What conditioning takes off, and what it leaves.
-#![expect(clippy::unwrap_used, reason = "what can't be made fails the test")]
 
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
 use proptest::prelude::*;

@@ -1,5 +1,4 @@
 //! The regions that a calibration reports, against presses that it has not seen.
-#![expect(clippy::unwrap_used, reason = "an estimator that can't be made fails the test")]
 
 use crate::limb;
 use crate::world;

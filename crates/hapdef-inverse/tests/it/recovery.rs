@@ -1,5 +1,4 @@
 //! What is put in is found: exactly without noise, at the bound with it, within the stated regions.
-#![expect(clippy::unwrap_used, reason = "an estimate that fails fails the test")]
 
 use crate::world;
 

@@ -1,6 +1,5 @@
 //! Bad frames, bad layouts, contacts in bad places: an answer or a typed error, never a panic, a
 //! NaN, or a run without end.
-#![expect(clippy::unwrap_used, reason = "an estimate that fails fails the test")]
 
 use crate::world;
 

@@ -1,7 +1,5 @@
 //! Laws of k-Max that hold for any points and any field.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use hapdef_kmax::{KMaxError, KMaxGraph, KMaxParams, Peak};
 use proptest::prelude::*;
 

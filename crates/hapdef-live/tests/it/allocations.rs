@@ -1,6 +1,5 @@
 //! From a message to the sinks no frame allocates, once everything is warm.
 #![allow(unsafe_code, reason = "an allocator that counts")]
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

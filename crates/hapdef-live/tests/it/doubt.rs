@@ -1,5 +1,4 @@
 //! What is not sure: noise that is larger than assumed, explanations beside the best.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

@@ -1,5 +1,4 @@
 //! The sinks that come along write what they say.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

@@ -3,8 +3,6 @@
 //!
 //! HAPDEF_SOAK=1 lets it stall for a minute instead of 4 s.
 
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-
 use crate::support::endless;
 
 use std::net::TcpStream;

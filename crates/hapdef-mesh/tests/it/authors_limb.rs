@@ -1,6 +1,5 @@
 //! The paper authors' own limb (two ANSYS decks), read from the shared inputs; skipped with a
 //! reason where they are absent.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use std::path::PathBuf;
 

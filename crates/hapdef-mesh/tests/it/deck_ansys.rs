@@ -1,5 +1,4 @@
 //! ANSYS decks: what is read, what is refused. The authors' own decks are in `authors_limb.rs`.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use std::fs;
 

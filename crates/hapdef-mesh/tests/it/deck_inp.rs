@@ -1,5 +1,4 @@
 //! Abaqus and CalculiX decks: what is read and what is refused.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use std::fs;
 use std::io::Write;

@@ -1,5 +1,4 @@
 //! Writing a deck and reading it back.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::fs;
 

@@ -1,5 +1,4 @@
 //! Walls extruded from skins: volumes, layers, folds; refined surfaces.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::surface_common;
 

@@ -1,7 +1,5 @@
 //! Where the bytes come from: data URIs and files, and nothing outside the file's own folder.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use std::path::Path;

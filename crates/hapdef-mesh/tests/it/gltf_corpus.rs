@@ -1,7 +1,5 @@
 //! Files nobody here wrote: the Khronos validator's cases, primitive modes, samples.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use std::path::Path;

@@ -1,7 +1,5 @@
 //! Damaged files: whatever the bytes, the reader answers with a mesh or a fault, never a panic.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use std::collections::BTreeMap;

@@ -1,7 +1,5 @@
 //! Files made to mislead: every one is refused for the right reason, at the right place.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use gltf_common::{fault, glb, kind, read_glb, tetrahedron};

@@ -1,8 +1,6 @@
 //! Real limbs: the reader and the quality report against what trimesh 5 finds in the same files
 //! (unwelded, `process=False`).
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use gltf_common::{files, shared};

@@ -1,7 +1,5 @@
 //! Where the scene puts its meshes, and how primitives become triangles.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use gltf_common::{TETRAHEDRON, fault, kind, read_glb, tetrahedron};

@@ -1,7 +1,5 @@
 //! What is written is read back, and the file says what the format asks for.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
-
 use crate::gltf_common;
 
 use gltf_common::{files, shared};

@@ -1,5 +1,4 @@
 //! Remeshing: edge lengths, volume, distance, features, and that the surface stays a manifold.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::surface_common;
 

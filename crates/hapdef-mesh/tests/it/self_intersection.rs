@@ -1,6 +1,5 @@
 //! Surfaces that go through themselves: what is found, what is refused, and real limbs. Run with
 //! `--nocapture` for counts and times.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use crate::gltf_common;
 use crate::surface_common;

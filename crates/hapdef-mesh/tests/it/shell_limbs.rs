@@ -1,6 +1,5 @@
 //! Real limbs on the way to a shell: what they are, what is refused and why, and the remeshed skin
 //! of those that only have one. Run with `--nocapture` for the table.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use crate::gltf_common;
 

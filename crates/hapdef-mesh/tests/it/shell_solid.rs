@@ -1,5 +1,4 @@
 //! Shells found in solids of known wall thickness, and what is refused.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::surface_common;
 

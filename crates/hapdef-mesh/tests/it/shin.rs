@@ -1,6 +1,5 @@
 //! The limb of `fixtures/shin`: its numbers, its quality, and that the files are what the
 //! generator makes.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests")]
 
 use std::path::Path;
 

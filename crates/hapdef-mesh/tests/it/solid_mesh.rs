@@ -1,5 +1,4 @@
 //! Solid meshes: what is refused, the boundary, and refinement.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::solid_common;
 

@@ -1,5 +1,4 @@
 //! Skin, wall, gauge patches and gauge places on tubes of known measures.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::solid_common;
 

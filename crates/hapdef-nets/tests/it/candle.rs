@@ -1,7 +1,5 @@
 //! Training on candle's tensors against training on slices.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use crate::training_common;
 
 use std::ops::ControlFlow;

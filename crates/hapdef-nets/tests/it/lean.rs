@@ -1,7 +1,5 @@
 //! The forward pass, the beginning of the weights, and the files; all without training.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use std::fs;
 use std::path::{Path, PathBuf};
 

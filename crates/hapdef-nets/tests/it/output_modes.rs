@@ -1,7 +1,5 @@
 //! Outputs by their modes: nothing is lost but what the modes leave out.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use crate::training_common;
 
 use hapdef_nets::train::{BatchSource, MemorySource, OutputModes, train, validation_loss};

@@ -1,7 +1,5 @@
 //! Training with checkpoints: breaks, the best weights, early stopping, endless samples.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use crate::training_common;
 
 use std::ops::ControlFlow;

@@ -1,7 +1,5 @@
 //! Training: that it learns, repeats itself, stops and says what is wrong.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 use crate::training_common;
 
 use std::ops::ControlFlow;

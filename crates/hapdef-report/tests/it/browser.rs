@@ -1,8 +1,6 @@
 //! A report's page in a headless Chromium: its limb is drawn, turns, zooms and has a length bar.
 //!
 //! Left out where there is no Chromium, as `hapdef-view/tests/browser.rs` says.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "says why it is left out")]
 
 #[path = "../../../hapdef-view/tests/it/support/chrome.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]

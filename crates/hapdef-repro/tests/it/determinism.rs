@@ -1,5 +1,4 @@
 //! One seed gives one result, on one and on two threads: datasets, nets, scores, tables and verdicts.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
 use std::fs;

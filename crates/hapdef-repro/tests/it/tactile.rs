@@ -1,10 +1,5 @@
 //! The baselines and a net on a real tactile skin, against the figures of a reference that nobody
 //! here made: scikit-learn on the same presses.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests, which say when they skip"
-)]
 
 use std::path::PathBuf;
 

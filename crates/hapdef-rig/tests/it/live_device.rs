@@ -1,5 +1,4 @@
 //! The device read by `hapdef-daq`: nothing wrong comes through, what is lost is counted, a seed repeats.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::live_support;
 

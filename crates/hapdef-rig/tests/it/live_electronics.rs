@@ -1,5 +1,4 @@
 //! The measuring chain against closed forms.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use hapdef_rig::ElectronicsParams;
 use hapdef_rig::live::{BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams};

@@ -1,5 +1,4 @@
 //! The limb at run time and scripts on it: superposition, and truth that is what was asked for.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::live_support;
 

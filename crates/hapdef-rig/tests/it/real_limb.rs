@@ -1,5 +1,4 @@
 //! The simulated hardware against the elastic model it is a perturbation of.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, kuhn_block};
 use hapdef_rig::{

@@ -1,5 +1,4 @@
 //! The Foxglove protocol, as a client that is not Foxglove's sees it.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

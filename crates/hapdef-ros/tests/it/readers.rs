@@ -2,8 +2,6 @@
 //!
 //! Skipped without them. HAPDEF_PYTHON names the interpreter; `pip install mcap mcap-ros2-support
 //! rosbags rerun-sdk` makes one that can.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "says why it is skipped")]
 
 use crate::support;
 use crate::support::read_back;

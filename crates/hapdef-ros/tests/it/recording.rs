@@ -1,5 +1,4 @@
 //! Messages and raw readings in one file: whole, damaged and recovered.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

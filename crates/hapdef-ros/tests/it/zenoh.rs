@@ -1,5 +1,4 @@
 //! Publishing as rmw_zenoh does: what another session on the loopback receives.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::support;
 

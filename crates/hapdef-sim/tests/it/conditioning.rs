@@ -1,5 +1,4 @@
 //! The condition number, the bound on the forward error, and what refinement does for it.
-#![expect(clippy::unwrap_used, reason = "a broken set-up must stop its test")]
 
 use crate::common;
 

@@ -1,5 +1,4 @@
 //! The iterative path keeps the direct one's promises.
-#![expect(clippy::print_stdout, reason = "figures beside the assertions")]
 
 use crate::common;
 

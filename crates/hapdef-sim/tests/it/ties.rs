@@ -1,7 +1,5 @@
 //! Symmetry planes, elastic beds, rigid inserts and several materials, against closed forms.
 
-#![expect(clippy::unwrap_used, reason = "helpers of a test may panic")]
-
 use crate::common;
 
 use common::{

@@ -95,7 +95,7 @@ fn displacement(
         }
         (None, Some(u)) => log.value(name, (results.largest_u_m - u).abs() / u, "1")?,
         (None, None) => {
-            log.skipped(name, "no reference is known for this deck; give --reference")?
+            log.skipped(name, "no reference is known for this deck; give --reference")?;
         }
     }
     Ok(())

@@ -3,8 +3,6 @@
 //! `cargo xtask browser` gets one and runs these. `HAPDEF_BROWSER=require` fails without one, `skip` leaves
 //! them out; by default they are left out where there is no Chromium, but not in CI (`CI=true`).
 //! `HAPDEF_CHROMIUM` names another program.
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
-#![expect(clippy::print_stdout, reason = "says what a page was sent, and why a test is left out")]
 
 use crate::support::chrome;
 use crate::support::page;

@@ -1,8 +1,6 @@
 //! What the page shows and how it is handled, in a headless Chromium, on frames that say what is to be seen.
 //!
 //! Left out where there is no Chromium, as `browser.rs` says.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "says why a test is left out")]
 
 use crate::support::look;
 use crate::support::page;

@@ -3,8 +3,6 @@
 //! and what goes with it.
 //!
 //! Left out where there is no Chromium, as `browser.rs` says.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stdout, reason = "says why a test is left out")]
 
 use crate::support::look;
 use crate::support::synthetic;

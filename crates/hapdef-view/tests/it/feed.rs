@@ -1,5 +1,4 @@
 //! Frames to pages, fast and slow, and what happens when one goes away.
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::support::page;
 use crate::support::synthetic;

@@ -1,5 +1,4 @@
 //! The rules of who may see the page and command it, one test each.
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::support::page;
 

@@ -1,5 +1,4 @@
 //! A scene's bundle finds what the scene's own estimator finds, bit for bit, without the scene.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! The runtime with a bundle's nets finds what the whole pipeline's nets find, bit for bit, through
 //! the same wire.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::Path;
 use std::sync::{Arc, mpsc::channel};

@@ -1,5 +1,4 @@
 //! The scene that `cargo xtask demo --live` shows: its calibration is that of its rig.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::{Path, PathBuf};
 

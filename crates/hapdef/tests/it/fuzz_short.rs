@@ -1,6 +1,4 @@
 //! Every reader on some hundred damaged inputs; `cargo xtask fuzz` takes as long as you like.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
-#![expect(clippy::print_stderr, reason = "says where a failing input is")]
 
 #[path = "../../examples/fuzz/driver.rs"]
 mod driver;

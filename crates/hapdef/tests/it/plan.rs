@@ -1,5 +1,4 @@
 //! The plan of a scene: what runs, what is left out, and that the run follows it.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use crate::rates;
 

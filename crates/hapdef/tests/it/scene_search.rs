@@ -3,7 +3,6 @@
 //! answer that says that it is not sure, or every press that the readings show where and as strong as
 //! the answer claims. `cargo xtask robustness scenes` searches on with other seeds; scenes that once
 //! failed are in `scene_search.json` and are tried here again.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 #[path = "../../examples/scenes/judge.rs"]
 mod judge;

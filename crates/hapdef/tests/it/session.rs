@@ -1,6 +1,5 @@
 //! A guided calibration of the bundled limb, pressed by the virtual rig: no port, no clock, the same
 //! every time.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,5 +1,4 @@
 //! From a glTF surface to gauge readings with a shell model.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::shell_limb_common;
 

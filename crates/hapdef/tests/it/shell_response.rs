@@ -1,5 +1,4 @@
 //! What a shell of a limb's skin tells its gauges, against the solid.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::f64::consts::TAU;
 

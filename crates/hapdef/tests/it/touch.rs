@@ -1,5 +1,4 @@
 //! Contacts on the bundled limb through the estimator that a scene chooses.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 use std::path::{Path, PathBuf};
 

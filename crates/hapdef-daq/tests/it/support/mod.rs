@@ -1,7 +1,6 @@
 //! A simulated device, and a pty to speak through.
 
 #![allow(dead_code, reason = "each test uses its part")]
-#![expect(clippy::unwrap_used, reason = "test support")]
 
 pub mod recorded;
 

@@ -1,6 +1,5 @@
 //! Contacts followed from frame to frame: what comes is found, what holds keeps its name, what goes
 //! is let go, and noise alone is nothing.
-#![expect(clippy::unwrap_used, reason = "a tracker that refuses a frame fails the test")]
 
 mod coming;
 mod efforts;

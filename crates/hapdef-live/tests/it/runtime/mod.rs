@@ -1,5 +1,4 @@
 //! The runtime over sources in memory: what it computes, what it loses, how it ends.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 mod converter;
 use crate::support::endless;

@@ -1,6 +1,5 @@
 //! A made-up limb, its bundle, and frames of it.
 #![allow(dead_code, reason = "each test uses its part")]
-#![expect(clippy::unwrap_used, reason = "test support")]
 
 pub mod endless;
 #[path = "../../../../hapdef-inverse/tests/it/world/mod.rs"]

@@ -1,6 +1,5 @@
 //! Solid meshes for tests.
 #![allow(dead_code, reason = "each test file uses a part")]
-#![allow(clippy::unwrap_used, reason = "test support")]
 
 use std::f64::consts::TAU;
 

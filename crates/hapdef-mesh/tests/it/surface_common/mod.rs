@@ -1,6 +1,5 @@
 //! Triangle surfaces of known measures.
 #![allow(dead_code, reason = "each test file uses a part")]
-#![expect(clippy::unwrap_used, reason = "test support")]
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,5 @@
 //! Prepared nets against the plain forward pass, candle, and the formulas in f64.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
-
 mod bound;
 mod low_rank;
 mod refusals;

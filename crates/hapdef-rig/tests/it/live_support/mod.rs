@@ -1,7 +1,6 @@
 //! A plate as a limb, and a device on it.
 
 #![allow(dead_code, reason = "each test uses its part")]
-#![expect(clippy::unwrap_used, reason = "test support")]
 
 use std::sync::Arc;
 

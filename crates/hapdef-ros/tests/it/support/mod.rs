@@ -1,7 +1,6 @@
 //! A press that is written, and what was written.
 
 #![allow(dead_code, reason = "each test uses its part")]
-#![expect(clippy::unwrap_used, reason = "test support")]
 
 pub mod read_back;
 

@@ -1,6 +1,5 @@
 //! Box meshes and inputs for the tests.
 #![allow(dead_code, reason = "each test uses a part")]
-#![allow(clippy::print_stdout, reason = "a skipped test says why")]
 
 use std::path::PathBuf;
 

@@ -1,5 +1,4 @@
 //! What a scene leaves out changes nothing that it wants: each skip of the plan, with and without.
-#![expect(clippy::unwrap_used, reason = "a test that can't prepare itself fails")]
 
 mod chain;
 mod frames;
