@@ -2,7 +2,7 @@
 //!
 //! - [`stats`]: means, medians and quantiles.
 //! - [`pareto_front`]: what is worth choosing where two costs count.
-//! - [`table`], [`terminal_table`]: rows under [`Column`]s, as Markdown, on a page and on a terminal.
+//! - [`table()`], [`terminal_table`]: rows under [`Column`]s, as Markdown, on a page and on a terminal.
 //! - [`Metric`], [`Goal`]: figures of [`Measurements`] as METRIC lines and beside their targets.
 //! - [`publish`]: the page of a study.
 

@@ -1,6 +1,6 @@
 //! The iterative path: conjugate gradients preconditioned by one multigrid V-cycle.
 //!
-//! Ten-node tetrahedra are first restricted to their corner nodes ([`CornerInterpolation`]), where
+//! Ten-node tetrahedra are first restricted to their corner nodes (`CornerInterpolation`), where
 //! the Galerkin matrix is that of linear tetrahedra; below that, smoothed aggregation with the six
 //! rigid modes of each aggregate. Eight right-hand sides share each pass over the matrices. Memory
 //! is linear in the number of equations. Nothing here knows of meshes but the interpolation.

@@ -1,6 +1,6 @@
 //! The triangular shell with six degrees of freedom a node: displacement and rotation.
 //!
-//! Both kinds share the frame ([`facet`]) and the membrane ([`membrane`]); they differ in bending.
+//! Both kinds share the frame (`facet`) and the membrane (`membrane`); they differ in bending.
 //!
 //! | kind | bending | transverse shear | holds for |
 //! |---|---|---|---|
