@@ -24,12 +24,12 @@ use hapdef_rig::live::TruthFrame;
 
 use super::files::new_file;
 use super::live_end::{report, wait};
-use super::live_record::Tape;
+use super::live_record::LiveRecorder;
 use super::live_ros::{Attached, Recordings, RosArgs};
 use super::network::{IS_READ, check_reach};
 use super::signals::stop_flag;
 use super::sim::simulated;
-use super::view::{First, FirstParams, Origin, Reach, Sim, View, ViewArgs};
+use super::view::{FirstPaint, FirstPaintParams, Origin, Reach, Sim, View, ViewArgs};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -134,19 +134,19 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let stop = Arc::clone(&model.stop);
     let view = model.view.take();
     let (sim, player) = (model.source.sim.take(), model.source.player.take());
-    let (mut builder, tape) = model.builder(args)?;
+    let (mut builder, recorder) = model.builder(args)?;
     if let Some(view) = &view {
         builder = builder.sink(view.sink(args.is_recorded()));
     }
     let live = builder.start()?;
-    let reach = Reach { sim, tape: tape.clone(), player };
-    let desk = view.map(|view| view.attend(live.control(), reach, first));
+    let reach = Reach { sim, recorder: recorder.clone(), player };
+    let page_session = view.map(|view| view.attend(live.control(), reach, first));
     // The page tells of a recording that fails by itself.
-    let tape_to_watch = tape.as_ref().filter(|_| desk.is_none());
-    wait(&live, args.seconds, tape_to_watch, &stop);
-    drop(desk);
+    let recorder_to_watch = recorder.as_ref().filter(|_| page_session.is_none());
+    wait(&live, args.seconds, recorder_to_watch, &stop);
+    drop(page_session);
     let health = live.stop()?;
-    if let Some(recorded) = tape.map_or(Ok(None), |tape| tape.finish())? {
+    if let Some(recorded) = recorder.map_or(Ok(None), |recorder| recorder.finish())? {
         eprintln!("{recorded}");
     }
     report(&health)
@@ -217,7 +217,7 @@ impl Model {
     }
 
     /// The runtime, and what is to be finished after it.
-    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<Tape>)> {
+    fn builder(self, args: &LiveArgs) -> Result<(LiveBuilder, Option<LiveRecorder>)> {
         if let Some(seconds) = args.seconds {
             ensure!(seconds > 0.0, "--seconds: expected above 0, found {seconds}");
         }
@@ -238,7 +238,7 @@ impl Model {
             check_reach("--foxglove", address, IS_READ, args.insecure_bind)?;
         }
         let Source { frames, truth, .. } = self.source;
-        let Attached { source, sink, tape } = args.ros.attach(frames, truth, recordings)?;
+        let Attached { source, sink, recorder } = args.ros.attach(frames, truth, recordings)?;
         let mut builder = Live::boxed_builder(source)
             .params(params)
             .gauges(self.gauges)
@@ -246,7 +246,7 @@ impl Model {
         if let Some(sink) = sink {
             builder = builder.sink(sink);
         }
-        Ok((with_sinks(builder, args)?, tape))
+        Ok((with_sinks(builder, args)?, recorder))
     }
 }
 
@@ -283,8 +283,8 @@ impl Source {
 
 impl LiveArgs {
     /// The page's first pictures, counted from `start`, if that is wanted.
-    fn first(&self, start: Instant) -> Option<First> {
-        let params = || FirstParams {
+    fn first(&self, start: Instant) -> Option<FirstPaint> {
+        let params = || FirstPaintParams {
             start,
             // What is taken by JSON would be damaged by figures.
             out: match self.json {
@@ -296,7 +296,7 @@ impl LiveArgs {
             seed: self.sim_seed,
         };
         let is_measured = self.view.is_first_measured();
-        is_measured.then(|| First::new(params()))
+        is_measured.then(|| FirstPaint::new(params()))
     }
 
     /// A replay gives the same contacts each time.

@@ -7,26 +7,31 @@ use std::time::{Duration, Instant};
 use anyhow::{Result, bail};
 use hapdef_live::{Health, Live};
 
-use super::live_record::{Tape, TapeState};
+use super::live_record::{LiveRecorder, LiveRecorderState};
 
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more. A
 /// recording that stops is told at once; the rest goes on without it.
-pub(super) fn wait(live: &Live, seconds: Option<f64>, tape: Option<&Tape>, stop: &AtomicBool) {
+pub(super) fn wait(
+    live: &Live,
+    seconds: Option<f64>,
+    recorder: Option<&LiveRecorder>,
+    stop: &AtomicBool,
+) {
     let start = Instant::now();
     let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
     let nobody_listens = || {
         let health = live.health();
         !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some())
     };
-    let mut tape = tape;
+    let mut recorder = recorder;
     while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !nobody_listens() {
-        if let Some(TapeState::Failed { why }) = tape.map(Tape::state) {
+        if let Some(LiveRecorderState::Failed { why }) = recorder.map(LiveRecorder::state) {
             // Nobody may read it any more: what becomes of the recording is said in the end, too.
             let _ = writeln!(std::io::stderr(), "the recording stopped: {why}");
-            tape = None;
+            recorder = None;
         }
         std::thread::sleep(LOOK);
     }

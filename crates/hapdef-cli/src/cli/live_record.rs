@@ -23,24 +23,24 @@ const GRACE: Duration = Duration::from_millis(200);
 
 /// Records a source and what is made of it, once or several times, each to a file of its own.
 #[derive(Clone)]
-pub(super) struct Tape {
+pub(super) struct LiveRecorder {
     shared: Arc<Shared>,
 }
 
-/// A source whose messages go to a tape, too.
+/// A source whose messages go to a recorder, too.
 pub(super) struct Tee {
     inner: Box<dyn FrameSource>,
     shared: Arc<Shared>,
 }
 
-/// Messages of ROS for a tape.
-pub(super) struct TapeSink {
+/// Messages of ROS for a recorder.
+pub(super) struct LiveRecorderSink {
     shared: Arc<Shared>,
 }
 
-/// How a tape is doing.
+/// State of a recorder.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum TapeState {
+pub(super) enum LiveRecorderState {
     /// Nothing is recorded.
     Off,
     /// Readings of so many seconds are recorded.
@@ -84,8 +84,8 @@ struct TeeEnd {
     name: String,
 }
 
-impl Tape {
-    /// A tape for `source`, with the source to use instead.
+impl LiveRecorder {
+    /// A recorder for `source`, with the source to use instead.
     pub(super) fn new(
         source: Box<dyn FrameSource>,
         params: &RosParams,
@@ -181,18 +181,18 @@ impl Tape {
             .transpose()
     }
 
-    pub(super) fn state(&self) -> TapeState {
+    pub(super) fn state(&self) -> LiveRecorderState {
         let running = lock(&self.shared.running);
         let Some(Running::On { recorder, .. }) = &*running else {
-            return TapeState::Off;
+            return LiveRecorderState::Off;
         };
         if let Some(why) = recorder.stats().fault {
             let why = why.to_string();
-            return TapeState::Failed { why };
+            return LiveRecorderState::Failed { why };
         }
         let span_ns = lock(&self.shared.feed).span_ns;
         let recorded_ns = span_ns.map_or(0, |(first, last)| last.saturating_sub(first));
-        TapeState::On { recorded_s: recorded_ns as f64 * 1e-9 }
+        LiveRecorderState::On { recorded_s: recorded_ns as f64 * 1e-9 }
     }
 
     /// The file that is recorded to.
@@ -204,8 +204,8 @@ impl Tape {
     }
 
     /// What takes messages of [`topics`] for it.
-    pub(super) fn sink(&self) -> TapeSink {
-        TapeSink { shared: Arc::clone(&self.shared) }
+    pub(super) fn sink(&self) -> LiveRecorderSink {
+        LiveRecorderSink { shared: Arc::clone(&self.shared) }
     }
 
     /// The wall clock at a moment of the monotonic clock, ns, as the recording maps it.
@@ -290,7 +290,7 @@ impl FrameSource for Tee {
     }
 }
 
-impl MessageSink for TapeSink {
+impl MessageSink for LiveRecorderSink {
     fn put(&mut self, topic: TopicKind, stamp_ns: u64, message: &[u8]) {
         let feed = lock(&self.shared.feed);
         if let Some(topics) = feed.topics.as_ref().filter(|t| feed.has(t, stamp_ns)) {

@@ -15,7 +15,7 @@ use hapdef_ros::{
     RosParams, Sinks, Uncertainty,
 };
 
-use super::live_record::Tape;
+use super::live_record::LiveRecorder;
 use super::truth::Truth;
 
 /// Frames that wait to be encoded at most: 8 s at 1 kHz.
@@ -50,7 +50,7 @@ pub(super) struct Attached {
     /// The sink to add.
     pub(super) sink: Option<RosSink>,
     /// What records, where that is wanted.
-    pub(super) tape: Option<Tape>,
+    pub(super) recorder: Option<LiveRecorder>,
 }
 
 /// What is known of recordings before one begins.
@@ -66,7 +66,7 @@ pub(super) struct RosSink {
     name: String,
     encoder: RosEncoder<Sinks>,
     truth: Option<Truth>,
-    tape: Option<Tape>,
+    recorder: Option<LiveRecorder>,
     /// Wall clock less monotonic clock.
     wall_offset_ns: u64,
 }
@@ -90,9 +90,10 @@ impl RosArgs {
             sinks.push(zenoh(&params, domain_id)?);
             names.push(format!("ROS 2 in domain {domain_id}"));
         }
-        let (mut source, mut tape) = (source, None);
+        let (mut source, mut recorder) = (source, None);
         if recordings.are_possible || self.record.is_some() {
-            let (tee, new) = Tape::new(source, &params, self.calibration(recordings.calibration)?)?;
+            let (tee, new) =
+                LiveRecorder::new(source, &params, self.calibration(recordings.calibration)?)?;
             source = Box::new(tee);
             sinks.push(Box::new(new.sink()));
             names.push("recording".to_owned());
@@ -100,7 +101,7 @@ impl RosArgs {
                 is_new(path)?;
                 new.start(path)?;
             }
-            tape = Some(new);
+            recorder = Some(new);
         }
         let truth = match (&self.truth, truth) {
             (Some(path), _) => Some(Truth::in_file(path)?),
@@ -112,11 +113,11 @@ impl RosArgs {
                 name: names.join(", "),
                 encoder: RosEncoder::new(params, Sinks(sinks))?,
                 truth,
-                tape: tape.clone(),
+                recorder: recorder.clone(),
                 wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
             }),
         };
-        Ok(Attached { source, sink, tape })
+        Ok(Attached { source, sink, recorder })
     }
 
     /// The file that was named, else what is in use.
@@ -162,8 +163,8 @@ fn zenoh(_: &RosParams, _: u32) -> Result<Box<dyn MessageSink>> {
 
 impl RosSink {
     fn stamp_ns(&self, t_host_ns: u64) -> u64 {
-        match &self.tape {
-            Some(tape) => tape.wall_ns(t_host_ns),
+        match &self.recorder {
+            Some(recorder) => recorder.wall_ns(t_host_ns),
             None => t_host_ns.wrapping_add(self.wall_offset_ns),
         }
     }

@@ -1,14 +1,14 @@
 //! `hapdef live --view`: contacts on the live page, recordings and snapshots from it, replays that it
 //! steers, and the virtual rig that it can press.
 
-mod desk;
-mod door;
-mod first;
-mod hand;
-mod keep;
+mod first_paint;
+mod opener;
+mod page_session;
 mod picture;
 mod show;
 mod sink;
+mod snapshots;
+mod virtual_press;
 
 use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -25,19 +25,19 @@ use hapdef_view::{
     DeviceState, LimbPicture, Offers, PressOffer, Token, ViewHandle, ViewParams, ViewServer,
 };
 
-use super::live_record::Tape;
+use super::live_record::LiveRecorder;
 use super::network::check_reach;
-pub(crate) use desk::Desk;
-use desk::{Attendant, Pace};
-use door::Door;
-pub(crate) use first::{First, FirstParams};
-use hand::Hand;
-pub(crate) use hand::Sim;
-use keep::Keep;
+pub(crate) use first_paint::{FirstPaint, FirstPaintParams};
+use opener::PageOpener;
+pub(crate) use page_session::PageSession;
+use page_session::{Attendant, Pace};
 use picture::Surface;
 use show::Show;
 pub(crate) use sink::ViewSink;
 use sink::{Newest, lock};
+use snapshots::Snapshots;
+pub(crate) use virtual_press::Sim;
+use virtual_press::VirtualPress;
 
 /// What may happen to a page that is served beyond this machine.
 const PAGE_IS_READ: &str = "the page is not encrypted: whoever reads on the way learns its token, sees \
@@ -78,8 +78,8 @@ pub(crate) struct ViewArgs {
 pub(crate) struct View {
     handle: ViewHandle,
     surface: Surface,
-    keep: Keep,
-    door: Option<Door>,
+    snapshots: Snapshots,
+    opener: Option<PageOpener>,
     shared: Arc<Shared>,
 }
 
@@ -97,7 +97,7 @@ pub(crate) enum Origin {
 /// What the page reaches beside the runtime.
 pub(crate) struct Reach {
     pub(crate) sim: Option<Sim>,
-    pub(crate) tape: Option<Tape>,
+    pub(crate) recorder: Option<LiveRecorder>,
     pub(crate) player: Option<PlayerControl>,
 }
 
@@ -170,22 +170,23 @@ impl View {
             ..ViewParams::default()
         };
         let folder = args.view_out.clone();
-        let folder = folder.unwrap_or_else(|| out.join(keep::stem(&picture.title)).join("live"));
+        let folder =
+            folder.unwrap_or_else(|| out.join(snapshots::stem(&picture.title)).join("live"));
         let gauges = picture.gauges.iter().map(|site| site.name.clone());
-        let keep = Keep::new(&folder, &picture.title, gauges.collect());
+        let snapshots = Snapshots::new(&folder, &picture.title, gauges.collect());
         let handle = ViewServer::start(params, picture)?;
         let shared = Shared::default();
         let device = DeviceState { is_simulated: origin == Origin::Sim, fault: None };
         handle.set_device(&device);
         lock(&shared.newest).device = device;
         writeln!(std::io::stderr(), "live page: {}", handle.url())?;
-        let open = |program: &PathBuf| -> Result<Door> {
-            let door = Door::new(&folder, handle.url())?;
-            door.open_with(program)?;
-            Ok(door)
+        let open = |program: &PathBuf| -> Result<PageOpener> {
+            let opener = PageOpener::new(&folder, handle.url())?;
+            opener.open_with(program)?;
+            Ok(opener)
         };
-        let door = args.view_with.as_ref().map(open).transpose()?;
-        Ok(Self { handle, surface, keep, door, shared: Arc::new(shared) })
+        let opener = args.view_with.as_ref().map(open).transpose()?;
+        Ok(Self { handle, surface, snapshots, opener, shared: Arc::new(shared) })
     }
 
     /// Where frames go.
@@ -209,22 +210,27 @@ impl View {
     }
 
     /// Shows frames, listens to the page and tells, if that is wanted, when it first drew a contact.
-    pub(crate) fn attend(self, control: LiveControl, reach: Reach, first: Option<First>) -> Desk {
-        let Reach { sim, tape, player } = reach;
+    pub(crate) fn attend(
+        self,
+        control: LiveControl,
+        reach: Reach,
+        first: Option<FirstPaint>,
+    ) -> PageSession {
+        let Reach { sim, recorder, player } = reach;
         let shared = Arc::clone(&self.shared);
         let show = Show::new(self.handle.pusher(), self.surface, shared, player.clone());
-        Desk::start(Attendant {
+        PageSession::start(Attendant {
             handle: self.handle,
             shared: self.shared,
             show,
-            keep: self.keep,
+            snapshots: self.snapshots,
             control,
-            hand: sim.map(Hand::new),
-            tape,
+            virtual_press: sim.map(VirtualPress::new),
+            recorder,
             player,
             first,
             pace: Pace::default(),
-            _door: self.door,
+            _opener: self.opener,
         })
     }
 }

@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Shared;
 use super::picture::Surface;
-use crate::cli::live_record::TapeState;
+use crate::cli::live_record::LiveRecorderState;
 
 /// Delays that the shown quantiles come from.
 const N_DELAYS: usize = 256;
@@ -84,11 +84,11 @@ impl Show {
         self.shown.health.clock_residual_us = residual_us.unwrap_or(f64::NAN);
     }
 
-    pub(super) fn take_recording(&mut self, state: &TapeState) {
+    pub(super) fn take_recording(&mut self, state: &LiveRecorderState) {
         self.shown.health.recording = match *state {
-            TapeState::Off => Recording::Off,
-            TapeState::On { recorded_s } => Recording::On { recorded_s },
-            TapeState::Failed { .. } => Recording::Failed,
+            LiveRecorderState::Off => Recording::Off,
+            LiveRecorderState::On { recorded_s } => Recording::On { recorded_s },
+            LiveRecorderState::Failed { .. } => Recording::Failed,
         };
     }
 

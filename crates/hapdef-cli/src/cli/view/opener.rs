@@ -9,12 +9,12 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result};
 
 /// A file that only its owner reads and that leads to the page; gone when dropped.
-pub(super) struct Door {
+pub(super) struct PageOpener {
     path: PathBuf,
 }
 
-impl Door {
-    /// A door in `folder`, which is made when absent.
+impl PageOpener {
+    /// A page opener in `folder`, which is made when absent.
     pub(super) fn new(folder: &Path, url: &str) -> Result<Self> {
         let shown = || format!("--view-with: writing in {}", folder.display());
         std::fs::create_dir_all(folder).with_context(shown)?;
@@ -26,7 +26,7 @@ impl Door {
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
         let mut file = options.open(&path).with_context(shown)?;
-        let door = Self { path };
+        let opener = Self { path };
         write!(
             file,
             "<!doctype html>\n<meta charset=\"utf-8\">\n<title>hapdef</title>\n\
@@ -34,7 +34,7 @@ impl Door {
              <p><a href=\"{url}\">The live page</a>\n"
         )
         .with_context(shown)?;
-        Ok(door)
+        Ok(opener)
     }
 
     /// Starts `program` with the file; it is not waited for.
@@ -45,7 +45,7 @@ impl Door {
     }
 }
 
-impl Drop for Door {
+impl Drop for PageOpener {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.path);
     }
@@ -53,22 +53,22 @@ impl Drop for Door {
 
 #[cfg(test)]
 mod tests {
-    use super::Door;
+    use super::PageOpener;
 
     #[test]
     fn only_its_owner_reads_it_and_it_goes_with_the_page() {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("not/there yet");
-        let door = Door::new(&folder, "http://127.0.0.1:1/#token=ab").unwrap();
-        let text = std::fs::read_to_string(&door.path).unwrap();
+        let opener = PageOpener::new(&folder, "http://127.0.0.1:1/#token=ab").unwrap();
+        let text = std::fs::read_to_string(&opener.path).unwrap();
         assert!(text.contains("url=http://127.0.0.1:1/#token=ab\""), "{text}");
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            let mode = std::fs::metadata(&door.path).unwrap().permissions().mode();
+            let mode = std::fs::metadata(&opener.path).unwrap().permissions().mode();
             assert_eq!(mode & 0o777, 0o600);
         }
-        drop(door);
+        drop(opener);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
 }

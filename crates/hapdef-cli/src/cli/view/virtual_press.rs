@@ -54,7 +54,7 @@ impl Sim {
 }
 
 /// What presses the virtual rig.
-pub(super) struct Hand {
+pub(super) struct VirtualPress {
     sim: Sim,
     press: PressHandle,
     by_hand: Option<Pressed>,
@@ -64,7 +64,7 @@ pub(super) struct Hand {
     contacts: Vec<TrueContact>,
 }
 
-impl Hand {
+impl VirtualPress {
     pub(super) fn new(sim: Sim) -> Self {
         Self {
             press: sim.rig.press_handle(),

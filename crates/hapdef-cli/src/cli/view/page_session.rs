@@ -13,13 +13,13 @@ use hapdef_live::{LiveControl, LiveFrame};
 use hapdef_view::{ViewCommand, ViewHandle};
 
 use super::Shared;
-use super::door::Door;
-use super::first::First;
-use super::hand::Hand;
-use super::keep::{Keep, Shown};
+use super::first_paint::FirstPaint;
+use super::opener::PageOpener;
 use super::show::Show;
 use super::sink::lock;
-use crate::cli::live_record::{Tape, TapeState};
+use super::snapshots::{Shown, Snapshots};
+use super::virtual_press::VirtualPress;
+use crate::cli::live_record::{LiveRecorder, LiveRecorderState};
 
 /// How often it looks for commands and presses anew.
 const LOOK: Duration = Duration::from_millis(5);
@@ -29,7 +29,7 @@ const PERIOD: Duration = Duration::from_millis(15);
 const SLOW_PERIOD: Duration = Duration::from_millis(250);
 
 /// The page with frames; it ends when this is dropped.
-pub(crate) struct Desk {
+pub(crate) struct PageSession {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -39,16 +39,16 @@ pub(super) struct Attendant {
     pub(super) handle: ViewHandle,
     pub(super) shared: Arc<Shared>,
     pub(super) show: Show,
-    pub(super) keep: Keep,
+    pub(super) snapshots: Snapshots,
     pub(super) control: LiveControl,
-    pub(super) hand: Option<Hand>,
-    pub(super) tape: Option<Tape>,
+    pub(super) virtual_press: Option<VirtualPress>,
+    pub(super) recorder: Option<LiveRecorder>,
     pub(super) player: Option<PlayerControl>,
     /// Where the page's first pictures are told.
-    pub(super) first: Option<First>,
+    pub(super) first: Option<FirstPaint>,
     pub(super) pace: Pace,
     /// The page's way in for a program that opens it.
-    pub(super) _door: Option<Door>,
+    pub(super) _opener: Option<PageOpener>,
 }
 
 /// What was shown when.
@@ -63,7 +63,7 @@ pub(super) struct Pace {
     shown: Shown,
 }
 
-impl Desk {
+impl PageSession {
     pub(super) fn start(mut attendant: Attendant) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
@@ -77,7 +77,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for PageSession {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
@@ -92,8 +92,8 @@ impl Attendant {
         for command in commands {
             self.obey(command);
         }
-        if let Some(hand) = &mut self.hand {
-            hand.step(self.shared.is_tared.load(Ordering::Relaxed));
+        if let Some(virtual_press) = &mut self.virtual_press {
+            virtual_press.step(self.shared.is_tared.load(Ordering::Relaxed));
         }
         self.tell_of_recordings();
         if let Err(error) = self.show_newest() {
@@ -143,7 +143,7 @@ impl Attendant {
         if let Some(health) = health {
             self.show.take_health(&health);
         }
-        let state = self.tape.as_ref().map_or(TapeState::Off, Tape::state);
+        let state = self.recorder.as_ref().map_or(LiveRecorderState::Off, LiveRecorder::state);
         self.show.take_recording(&state);
         let number = self.show.push()?;
         let (has_contact, has_colours) = self.show.has_contact_and_colours();
@@ -155,20 +155,20 @@ impl Attendant {
 
     /// What became of recordings that were asked for.
     fn tell_of_recordings(&mut self) {
-        let Some(tape) = self.tape.clone() else {
+        let Some(recorder) = self.recorder.clone() else {
             return;
         };
-        let failure = match tape.state() {
-            TapeState::Failed { why } if !self.pace.is_failure_told => Some(why),
+        let failure = match recorder.state() {
+            LiveRecorderState::Failed { why } if !self.pace.is_failure_told => Some(why),
             _ => None,
         };
         if let Some(why) = failure {
             self.pace.is_failure_told = true;
             self.say(&format!("The recording stopped: {why}"));
         }
-        let Some(ended) = tape.ended() else { return };
+        let Some(ended) = recorder.ended() else { return };
         if std::mem::take(&mut self.pace.starts_next) {
-            self.record_anew(&tape);
+            self.record_anew(&recorder);
             return;
         }
         match ended {
@@ -191,13 +191,13 @@ impl Attendant {
                 self.handle.say("Taring: touch nothing");
             }
             ViewCommand::Press { point_m, force_n, .. } => {
-                if let Some(hand) = &mut self.hand {
-                    hand.press(point_m, force_n);
+                if let Some(virtual_press) = &mut self.virtual_press {
+                    virtual_press.press(point_m, force_n);
                 }
             }
             ViewCommand::Release => {
-                if let Some(hand) = &mut self.hand {
-                    hand.release();
+                if let Some(virtual_press) = &mut self.virtual_press {
+                    virtual_press.release();
                 }
             }
             ViewCommand::Record(on) => self.record(on),
@@ -218,24 +218,24 @@ impl Attendant {
     }
 
     fn record(&mut self, on: bool) {
-        let Some(tape) = self.tape.clone() else {
+        let Some(recorder) = self.recorder.clone() else {
             return;
         };
-        match (on, tape.state()) {
-            (true, TapeState::On { .. }) => {}
-            (true, TapeState::Off) => self.record_anew(&tape),
+        match (on, recorder.state()) {
+            (true, LiveRecorderState::On { .. }) => {}
+            (true, LiveRecorderState::Off) => self.record_anew(&recorder),
             (_, state) => {
                 // One that failed has to be put away before the next.
-                self.pace.starts_next = on && matches!(state, TapeState::Failed { .. });
-                tape.stop();
+                self.pace.starts_next = on && matches!(state, LiveRecorderState::Failed { .. });
+                recorder.stop();
             }
         }
     }
 
-    fn record_anew(&mut self, tape: &Tape) {
+    fn record_anew(&mut self, recorder: &LiveRecorder) {
         self.pace.is_failure_told = false;
-        let started = self.keep.recording().and_then(|path| {
-            tape.start(&path)?;
+        let started = self.snapshots.recording().and_then(|path| {
+            recorder.start(&path)?;
             Ok(path)
         });
         match started {
@@ -245,10 +245,11 @@ impl Attendant {
     }
 
     fn snapshot(&self, t_s: Option<f64>) {
-        let recording = self.tape.as_ref().and_then(Tape::path);
+        let recording = self.recorder.as_ref().and_then(LiveRecorder::path);
         let shown = self.pace.shown.at(t_s);
         let device = lock(&self.shared.newest).device.clone();
-        let kept = shown.and_then(|shown| self.keep.snapshot(shown, &device, recording.as_deref()));
+        let kept =
+            shown.and_then(|shown| self.snapshots.snapshot(shown, &device, recording.as_deref()));
         let text = match kept {
             Ok(path) => format!("Kept in {}", Path::display(&path)),
             Err(error) => format!("Not kept: {error:#}"),

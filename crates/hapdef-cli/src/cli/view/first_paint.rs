@@ -9,7 +9,7 @@ use hapdef_report::{MetricContext, MetricLog};
 use hapdef_view::ClientInfo;
 
 /// Where figures of the page's first pictures go, and from when they are counted.
-pub(crate) struct FirstParams {
+pub(crate) struct FirstPaintParams {
     /// The program's start.
     pub(crate) start: Instant,
     /// Where people see them.
@@ -21,8 +21,8 @@ pub(crate) struct FirstParams {
 }
 
 /// The page's first pictures; what never came is told when it is dropped, however the program ends.
-pub(crate) struct First {
-    params: FirstParams,
+pub(crate) struct FirstPaint {
+    params: FirstPaintParams,
     steps: [Step; 2],
 }
 
@@ -35,8 +35,8 @@ struct Step {
     is_told: bool,
 }
 
-impl First {
-    pub(crate) fn new(params: FirstParams) -> Self {
+impl FirstPaint {
+    pub(crate) fn new(params: FirstPaintParams) -> Self {
         let step = |name, what| Step { name, what, frame: None, is_told: false };
         Self {
             params,
@@ -71,7 +71,7 @@ impl First {
     }
 }
 
-impl Drop for First {
+impl Drop for FirstPaint {
     fn drop(&mut self) {
         for step in self.steps.iter().filter(|step| !step.is_told) {
             let told = self.params.tell(|log| Ok(log.skipped(step.name, step.what)?));
@@ -82,7 +82,7 @@ impl Drop for First {
     }
 }
 
-impl FirstParams {
+impl FirstPaintParams {
     /// A line of its own among whatever else is printed, and a record in the file.
     fn tell(
         &self,
@@ -114,7 +114,7 @@ mod tests {
             let records: Vec<MetricRecord> = serde_json::from_slice(&bytes).unwrap();
             records.into_iter().map(|record| record.line()).collect()
         };
-        let mut first = First::new(FirstParams {
+        let mut first = FirstPaint::new(FirstPaintParams {
             start: Instant::now(),
             out: || Box::new(std::io::sink()),
             metrics: metrics.clone(),

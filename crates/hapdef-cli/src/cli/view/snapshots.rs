@@ -19,7 +19,7 @@ const N_SHOWN: usize = 2400;
 const SAME_FRAME_S: f64 = 0.02;
 
 /// Where recordings and snapshots go, and what is in a snapshot beside the frame.
-pub(super) struct Keep {
+pub(super) struct Snapshots {
     folder: PathBuf,
     scene: String,
     gauges: Vec<String>,
@@ -37,7 +37,7 @@ pub(super) fn stem(scene: &str) -> String {
     scene.chars().map(word).collect()
 }
 
-impl Keep {
+impl Snapshots {
     pub(super) fn new(folder: &Path, scene: &str, gauges: Vec<String>) -> Self {
         Self { folder: folder.to_owned(), scene: scene.to_owned(), gauges }
     }
@@ -116,7 +116,7 @@ impl Shown {
             let (from_s, to_s) = (oldest.0, newest.0);
             format!(
                 "the frame at {t_s:.2} s is not there any more, frames from {from_s:.2} s to \
-                     {to_s:.2} s are: go on, and keep the next sooner"
+                     {to_s:.2} s are: go on, and snapshots the next sooner"
             )
         })
     }
@@ -130,7 +130,7 @@ mod tests {
     fn a_snapshot_has_what_was_shown_and_a_name_of_its_own() {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("not/there/yet");
-        let keep = Keep::new(&folder, "my shin", vec!["a".into(), "b".into()]);
+        let snapshots = Snapshots::new(&folder, "my shin", vec!["a".into(), "b".into()]);
         let device = DeviceState { is_simulated: true, fault: Some("no port".into()) };
         let mut shown = Shown::default();
         assert!(shown.at(None).is_err());
@@ -147,7 +147,7 @@ mod tests {
         }
         let then = shown.at(Some(40.001)).unwrap();
         for n in 1..3 {
-            let path = keep.snapshot(then, &device, Some(Path::new("x.mcap"))).unwrap();
+            let path = snapshots.snapshot(then, &device, Some(Path::new("x.mcap"))).unwrap();
             assert_eq!(path, folder.join(format!("my-shin-snapshot-{n}.json")));
             let text = std::fs::read_to_string(&path).unwrap();
             let value: Value = serde_json::from_str(&text).unwrap();
@@ -160,7 +160,7 @@ mod tests {
         }
         std::fs::write(folder.join("my-shin-1.mcap"), []).unwrap();
         std::fs::write(folder.join("my-shin-2.partial.mcap"), []).unwrap();
-        assert_eq!(keep.recording().unwrap(), folder.join("my-shin-3.mcap"));
+        assert_eq!(snapshots.recording().unwrap(), folder.join("my-shin-3.mcap"));
         shown.add(1.0, &LiveFrame::new(2));
         assert!(shown.at(Some(49.0)).is_err());
         assert_eq!(shown.at(Some(1.0)).unwrap().0, 1.0);
