@@ -26,7 +26,7 @@ pub const CHECKPOINT_FORMAT_VERSION: u32 = 2;
 pub struct TrainRecord {
     /// Steps of the optimiser so far.
     pub step: u64,
-    /// The knobs.
+    /// The parameters.
     pub params: TrainParams,
     /// Loss of the last batch plus the penalty, standardised outputs.
     pub train_loss: Option<f64>,

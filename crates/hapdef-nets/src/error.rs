@@ -81,10 +81,10 @@ pub enum NetsError {
     #[cfg(feature = "candle")]
     #[error("candle: {0}")]
     Candle(#[from] candle_core::Error),
-    /// A knob of the training outside its range.
+    /// A parameter of the training outside its range.
     #[error("training: {name} is {value}, it must be {range}")]
     Param {
-        /// Name of the knob.
+        /// Name of the parameter.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -162,7 +162,7 @@ pub enum NetsError {
         /// The same of the means.
         of_means: f64,
     },
-    /// A resumed training must have the knobs it began with, or it is another training.
+    /// A resumed training must have the parameters it began with, or it is another training.
     #[error(
         "{} was trained with {name} = {saved}, resuming asks for {asked}: \
          give the same, or start a new training from the net",
@@ -171,7 +171,7 @@ pub enum NetsError {
     ResumeParams {
         /// The checkpoint.
         path: PathBuf,
-        /// Name of the knob.
+        /// Name of the parameter.
         name: &'static str,
         /// Its value in the checkpoint.
         saved: String,

@@ -1,4 +1,4 @@
-//! The knobs of a training.
+//! The parameters of a training.
 
 use serde::{Deserialize, Serialize};
 
@@ -116,7 +116,7 @@ impl TrainParams {
         }
     }
 
-    /// Fails if a knob is out of range.
+    /// Fails if a parameter is out of range.
     pub fn check(&self) -> Result<(), NetsError> {
         let refuse = |name, value, range| Err(NetsError::Param { name, value, range });
         let is_rate = |rate: f64| rate > 0.0 && rate.is_finite();
