@@ -239,7 +239,7 @@ fn a_thousand_frames_a_second_cost_no_accuracy() {
     let (wire_mm, n_wire) = median(on_wire.misses_mm());
     let (peace_mm, n_peace) = median(in_peace.misses_mm());
     println!("median {wire_mm:.3} mm of {n_wire}, {peace_mm:.3} of {n_peace}");
-    assert!(n_wire >= LEAST_FRAMES && n_peace as f64 > 1.5 * FAST_HZ);
+    assert!(n_wire >= LEAST_FRAMES && n_peace >= n_wire);
     assert!(wire_mm < peace_mm + ADDED_MM);
 }
 
