@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use hapdef::{HapdefError, OutputScale, Profile, Run, Samples};
-use hapdef_nets::{Loss, TrainBackend};
+use hapdef_nets::{Loss, NetsError, TrainBackend};
+
+use crate::PrepareError;
 
 /// Fewest samples of a set: one in five is for testing, and the smallest net is trained on 60 %.
 const MIN_SAMPLES: usize = 20;
@@ -75,16 +77,6 @@ pub enum ProfileName {
     Quick,
     /// The paper's amounts of data.
     Full,
-}
-
-/// Why a run can't be prepared.
-#[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "each variant's message says what it is")]
-pub enum PrepareError {
-    #[error(transparent)]
-    Run(#[from] HapdefError),
-    #[error("catching Ctrl-C: {0}; is there another handler in this process?")]
-    Signal(ctrlc::Error),
 }
 
 impl SceneArgs {
@@ -171,8 +163,10 @@ fn backend(text: &str) -> Result<TrainBackend, String> {
         }
         _ => return Err("expected slices, candle, cuda or cuda:N".into()),
     };
-    backend.check().map_err(|error| error.to_string())?;
-    Ok(backend)
+    match backend.is_built() {
+        true => Ok(backend),
+        false => Err(NetsError::NoBackend { backend }.to_string()),
+    }
 }
 
 fn default_threads() -> usize {

@@ -4,11 +4,13 @@
 //! Knows nothing of what is computed: that is in `hapdef`, whose commands `main.rs` and `cli` are.
 
 mod args;
+mod error;
 mod exit;
 mod progress;
 mod signals;
 
-pub use args::{PrepareError, ProfileName, SceneArgs};
+pub use args::{ProfileName, SceneArgs};
+pub use error::PrepareError;
 pub use exit::exit_code;
 pub use progress::on_stderr;
 pub use signals::stop_on_signals;

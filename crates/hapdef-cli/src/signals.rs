@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::args::PrepareError;
+use crate::PrepareError;
 
 /// Exit code of a program that a second Ctrl-C ends at once.
 const INTERRUPTED: i32 = 130;

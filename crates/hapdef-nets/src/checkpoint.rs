@@ -7,7 +7,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
 use crate::error::NetsError;
 use crate::files::{NamedTensor, read, read_tensors, write_atomic, write_tensors};
@@ -20,6 +22,9 @@ use crate::spec::MlpSpec;
 /// Version of the JSON file's fields that this crate writes and reads.
 pub const CHECKPOINT_FORMAT_VERSION: u32 = 2;
 
+/// A parameter that there was once.
+const PRECISION: &str = "precision";
+
 /// How a net came to be what it is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,6 +32,7 @@ pub struct TrainRecord {
     /// Steps of the optimiser so far.
     pub step: u64,
     /// The parameters.
+    #[serde(deserialize_with = "params_of_file")]
     pub params: TrainParams,
     /// Loss of the last batch plus the penalty, standardised outputs.
     pub train_loss: Option<f64>,
@@ -198,27 +204,23 @@ pub fn load_for_resume(path: &Path) -> Result<Resumable, NetsError> {
     Ok(Resumable { net, record: file.record, moments, best })
 }
 
+/// The parameters in a file. Files of trainings in f32 or bfloat16 name the precision of the products,
+/// which is f32 alone now.
+fn params_of_file<'de, D: Deserializer<'de>>(file: D) -> Result<TrainParams, D::Error> {
+    let mut fields = Map::deserialize(file)?;
+    fields.remove(PRECISION);
+    TrainParams::deserialize(Value::Object(fields)).map_err(D::Error::custom)
+}
+
 /// Fails where a file names a precision of the products other than f32: such a training can't go on
 /// with the same bits. Its weights are in f32 all the same, and [`load`] reads them.
 fn check_precision(path: &Path) -> Result<(), NetsError> {
-    #[derive(Deserialize)]
-    struct File {
-        record: Record,
-    }
-    #[derive(Deserialize)]
-    struct Record {
-        params: Params,
-    }
-    #[derive(Deserialize)]
-    struct Params {
-        precision: Option<String>,
-    }
-    let file: File = serde_json::from_slice(&read(path)?).map_err(invalid(path))?;
-    match file.record.params.precision {
+    let file: Value = serde_json::from_slice(&read(path)?).map_err(invalid(path))?;
+    match file["record"]["params"][PRECISION].as_str() {
         Some(saved) if saved != "f32" => Err(NetsError::ResumeParams {
             path: path.to_path_buf(),
-            name: "precision",
-            saved,
+            name: PRECISION,
+            saved: saved.to_owned(),
             asked: "f32, the only precision of a training".into(),
         }),
         _ => Ok(()),

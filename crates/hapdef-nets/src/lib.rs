@@ -20,6 +20,7 @@
 //! 2019, doi 10.3389/fnbot.2019.00051, section 3.4.
 
 mod activation;
+mod backend;
 mod bytes;
 mod checkpoint;
 mod error;
@@ -37,6 +38,7 @@ mod spec;
 pub mod train;
 
 pub use activation::Activation;
+pub use backend::TrainBackend;
 pub use bytes::NET_FORMAT_VERSION;
 pub use checkpoint::{
     CHECKPOINT_FORMAT_VERSION, Look, Resumable, TrainRecord, load, load_for_resume, save,
@@ -46,5 +48,5 @@ pub use forward::Scratch;
 pub use mlp::{Layer, Mlp};
 pub use net::{Net, Scale};
 pub use optimiser::Moments;
-pub use params::{Loss, TrainBackend, TrainParams};
+pub use params::{Loss, TrainParams};
 pub use spec::MlpSpec;

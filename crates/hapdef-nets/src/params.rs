@@ -2,41 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::TrainBackend;
 use crate::error::NetsError;
-
-/// What does the arithmetic of a training.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TrainBackend {
-    /// Passes written out on slices: the fastest on a processor, the same bits on any number of
-    /// threads.
-    #[default]
-    Slices,
-    /// Candle's tensors and automatic derivatives on the processor, in 32 bits. Needs the feature
-    /// `candle`.
-    Candle,
-    /// The same on a GPU of NVIDIA. Needs the feature `cuda`.
-    Cuda {
-        /// Which GPU, from 0.
-        ordinal: usize,
-    },
-}
-
-impl TrainBackend {
-    /// Fails with [`NetsError::NoBackend`] where this build lacks it; whether a GPU starts is seen when
-    /// a training does.
-    pub fn check(self) -> Result<(), NetsError> {
-        let is_built = match self {
-            Self::Slices => true,
-            Self::Candle => cfg!(feature = "candle"),
-            Self::Cuda { .. } => cfg!(feature = "cuda"),
-        };
-        if is_built {
-            return Ok(());
-        }
-        Err(NetsError::NoBackend { backend: self })
-    }
-}
 
 /// What a training minimises, of the differences between a net's outputs and the standardised ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,6 +25,7 @@ impl Loss {
 
 /// How a net is trained.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TrainParams {
     /// Steps of the optimiser in all, those before a resume included.
     pub steps: u64,

@@ -16,7 +16,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use super::calibrate_live::{LiveArgs, calibrate_live};
+use super::calibrate_args::CalibrateArgs;
+use super::calibrate_live::calibrate_live;
 
 /// Least force of a press on the simulated rig, N: less says little.
 const LEAST_N: f64 = 2.0;
@@ -37,38 +38,6 @@ pub(crate) struct ProbeArgs {
     /// Seed of places and forces.
     #[arg(long, default_value_t = 1)]
     press_seed: u64,
-}
-
-#[derive(Args)]
-#[command(after_help = "Examples:\n  \
-    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json\n  \
-    hapdef calibrate fixtures/shin/placed.json presses.csv calibration.json --live serial:/dev/ttyACM0\n\n\
-    The table has a press a line: x_m, y_m, z_m, force_n, then the tared reading of each gauge in \
-    µε; a first line of names is allowed. Name the result in the scene: estimator.calibration.")]
-pub(crate) struct CalibrateArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// The table of presses.
-    pub(super) table: PathBuf,
-    /// The file to write.
-    calibration: PathBuf,
-    /// Standard deviation of a reading's noise, µε, quantisation included.
-    #[arg(long, default_value_t = 1.0)]
-    pub(super) noise_ue: f64,
-    /// Standard deviation of a press's position along the skin, mm.
-    #[arg(long, default_value_t = 0.0)]
-    pub(super) position_sd_mm: f64,
-    /// Standard deviation of a press's force, N.
-    #[arg(long, default_value_t = 0.0)]
-    pub(super) force_sd_n: f64,
-    /// Farthest a press may lie from the skin, mm.
-    #[arg(long, default_value_t = 2.0)]
-    off_skin_mm: f64,
-    /// Print the figures as JSON.
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    pub(super) live: LiveArgs,
 }
 
 /// Presses the scene's simulated rig and writes the table.

@@ -1,17 +1,13 @@
 //! `hapdef calibrate --live`: guided presses from a port, or from the virtual rig's prober.
 
 use std::path::Path;
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail, ensure};
-use clap::Args;
 use hapdef::session::{CalibrationSession, SessionEvent, SessionParams, write_press_table};
 use hapdef::touch::{Calibration, PressQuality};
-use hapdef::{
-    Limb, Run, SOURCE_FORMS, SourceArg, SourceArgError, VirtualRigParams, live_limb, virtual_device,
-};
+use hapdef::{Limb, Run, SourceArg, VirtualRigParams, live_limb, virtual_device};
 use hapdef_daq::hdp1::{Channel, Hello, MAX_CHANNELS, Status};
 use hapdef_daq::source::{FrameSource, ReplaySource, SourceStatus, StreamParams, StreamSource};
 use hapdef_daq::{Frame, Message};
@@ -20,35 +16,11 @@ use hapdef_live::gauge_channels;
 use hapdef_rig::live::{PressHandle, Pressed, RigLink, RunParams};
 
 use super::backlog::Backlog;
-use super::calibrate::CalibrateArgs;
+use super::calibrate_args::{CalibrateArgs, PressSource};
 use super::calibrate_words::say;
 
 /// Longest wait for bytes, so that Ctrl-C is seen.
 const POLL: Duration = Duration::from_millis(20);
-
-#[derive(Args)]
-pub(crate) struct LiveArgs {
-    #[arg(long, value_name = "SOURCE", help = format!(
-        "Ask for presses, read them, and write the table: {SOURCE_FORMS}, or virtual, the scene's \
-         simulated rig, pressed where it is asked for"
-    ))]
-    live: Option<PressSource>,
-    /// Presses to ask for.
-    #[arg(long, default_value_t = 60, requires = "live")]
-    presses: usize,
-    /// Normal force to press with, N.
-    #[arg(long, default_value_t = 10.0, requires = "live")]
-    force_n: f64,
-}
-
-/// Where presses come from.
-#[derive(Clone, Debug)]
-pub(crate) enum PressSource {
-    /// The scene's virtual rig.
-    Virtual,
-    /// A device.
-    Device(SourceArg),
-}
 
 /// Frames, and who presses.
 struct Feed {
@@ -64,24 +36,6 @@ struct Feed {
     rails_ue: Vec<(f64, f64)>,
     /// What was sent while presses were fitted, of presses that nobody asked for.
     backlog: Backlog,
-}
-
-impl LiveArgs {
-    /// Where live presses come from; `None` for a table.
-    pub(super) fn source(&self) -> Option<&PressSource> {
-        self.live.as_ref()
-    }
-}
-
-impl FromStr for PressSource {
-    type Err = SourceArgError;
-
-    fn from_str(text: &str) -> Result<Self, SourceArgError> {
-        if text == "virtual" {
-            return Ok(Self::Virtual);
-        }
-        text.parse().map(Self::Device)
-    }
 }
 
 /// Guides through the presses, writes the table, and calibrates.

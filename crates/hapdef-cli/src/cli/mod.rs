@@ -3,6 +3,7 @@
 mod backlog;
 mod bundle;
 mod calibrate;
+mod calibrate_args;
 mod calibrate_live;
 mod calibrate_words;
 mod contacts;

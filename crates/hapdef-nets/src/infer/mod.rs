@@ -44,8 +44,9 @@ mod params;
 mod prepared;
 mod quantise;
 mod scratch;
+mod simd_level;
 
-pub use kernels::SimdLevel;
 pub use low_rank::{LowRank, LowRankInfo};
 pub use params::{InferParams, Precision};
 pub use prepared::{InferInfo, InferScratch, PreparedNet};
+pub use simd_level::SimdLevel;

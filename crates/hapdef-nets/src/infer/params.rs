@@ -1,7 +1,7 @@
 //! How a net is prepared.
 
-use super::kernels::SimdLevel;
 use super::low_rank::LowRank;
+use super::simd_level::SimdLevel;
 
 /// How weights are stored and activations multiplied. Sums are f32 unless said otherwise.
 ///

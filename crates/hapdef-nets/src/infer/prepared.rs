@@ -5,7 +5,7 @@ use crate::error::{NetsError, check_finite, check_inputs, check_length};
 use crate::mlp::Layer;
 use crate::net::{Net, Scale};
 
-use super::kernels::{Isa, SimdLevel};
+use super::kernels::Isa;
 use super::layer::{InputBytes, MOST_BYTE_INPUTS, PreparedLayer, Product};
 use super::params::{InferParams, Precision};
 use super::scratch::LayerScratch;

@@ -4,10 +4,11 @@ use candle_core::{Device, Tensor, Var};
 use candle_nn::{Linear, Module};
 
 use crate::activation::Activation;
+use crate::backend::TrainBackend;
 use crate::error::NetsError;
 use crate::mlp::{Layer, Mlp};
 use crate::optimiser::Moments;
-use crate::params::{Loss, TrainBackend, TrainParams};
+use crate::params::{Loss, TrainParams};
 use crate::train::adam::{AdamStep, BETA_1, BETA_2};
 
 /// A network whose weights are variables of candle.
@@ -159,7 +160,6 @@ impl Learnt {
 }
 
 fn device(backend: TrainBackend) -> Result<Device, NetsError> {
-    backend.check()?;
     match backend {
         TrainBackend::Slices | TrainBackend::Candle => Ok(Device::Cpu),
         TrainBackend::Cuda { ordinal } => Device::new_cuda(ordinal)

@@ -2,10 +2,11 @@
 
 use std::borrow::Cow;
 
+use crate::backend::TrainBackend;
 use crate::error::NetsError;
 use crate::mlp::Mlp;
 use crate::optimiser::Moments;
-use crate::params::{Loss, TrainBackend, TrainParams};
+use crate::params::{Loss, TrainParams};
 use crate::train::adam::AdamStep;
 #[cfg(feature = "candle")]
 use crate::train::candle_network::CandleNetwork;
@@ -32,8 +33,9 @@ impl Engine {
                 Ok(Self::Slices(network, moments, params.loss))
             }
             #[cfg(feature = "candle")]
-            _ => Ok(Self::Candle(CandleNetwork::new(mlp, &moments, params)?)),
-            #[cfg(not(feature = "candle"))]
+            backend if backend.is_built() => {
+                Ok(Self::Candle(CandleNetwork::new(mlp, &moments, params)?))
+            }
             backend => Err(NetsError::NoBackend { backend }),
         }
     }

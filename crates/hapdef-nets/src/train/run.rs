@@ -19,7 +19,7 @@ use crate::train::network::Network;
 use crate::train::same::check_same;
 use crate::train::source::BatchSource;
 
-/// How far a training has come, told after every step.
+/// How far a training has come, reported after every step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Steps done, those before a resume included.

@@ -214,7 +214,7 @@ fn a_new_checkpoint_replaces_the_old_one_whole() {
 }
 
 #[test]
-fn a_cut_off_weights_file_is_told() {
+fn a_cut_off_weights_file_is_refused() {
     let (folder, path) = folder_and_path();
     save(&path, &net(), &record(7), None).unwrap();
     let weights = folder.path().join("transfer-7.safetensors");
@@ -228,7 +228,7 @@ fn a_cut_off_weights_file_is_told() {
 }
 
 #[test]
-fn a_weight_that_is_not_a_number_is_told() {
+fn a_weight_that_is_not_a_number_is_refused() {
     let (folder, path) = folder_and_path();
     save(&path, &net(), &record(7), None).unwrap();
     let weights = folder.path().join("transfer-7.safetensors");
@@ -251,11 +251,16 @@ fn check_edited(from: &str, to: &str, is_expected: fn(&NetsError) -> bool) {
 }
 
 #[test]
-fn a_checkpoint_of_another_architecture_version_or_folder_is_told() {
+fn a_checkpoint_of_another_architecture_version_or_folder_is_refused() {
     check_edited("\"outputs\": 2", "\"outputs\": 3", |e| matches!(e, NetsError::Tensor { .. }));
     check_edited("\"inputs\": 3", "\"inputs\": 0", |e| matches!(e, NetsError::Widths { .. }));
     check_edited("\"tanh\"", "\"tanf\"", |e| matches!(e, NetsError::Json { .. }));
     check_edited("\"seed\"", "\"sead\"", |e| matches!(e, NetsError::Json { .. }));
+    check_edited(
+        "\"seed\"",
+        "\"batches\": 3, \"seed\"",
+        |e| matches!(e, NetsError::Json { source, .. } if source.to_string().contains("`batches`")),
+    );
     check_edited("\"format_version\": 2", "\"format_version\": 9", |e| {
         matches!(e, NetsError::FormatVersion { found: 9, known: 2, .. })
     });

@@ -5,11 +5,8 @@ use std::fmt;
 use hapdef_mesh::SurfaceMesh;
 use serde::Serialize;
 
-use super::info::quartiles;
+use super::differences::{Differences, GOOD_DIFFERENCE};
 use super::maps::{AboveGood, GaugeDifference, ShellMaps, TouchDifference};
-
-/// Relative difference up to which a shell is good enough, and a solid fine enough.
-pub const GOOD_DIFFERENCE: f64 = 0.1;
 
 /// What a shell and a solid answer to the same presses.
 #[derive(Clone, Debug, Serialize)]
@@ -89,20 +86,6 @@ impl ShellComparison {
     }
 }
 
-/// Relative differences from a solid's answers; those of one place or press are
-/// ‖a − solid‖ / ‖solid‖, over the gauges or of the one displacement.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Differences {
-    /// The median.
-    pub median: f64,
-    /// The largest.
-    pub worst: f64,
-    /// The norm of all differences over the norm of all the solid's answers.
-    pub overall: f64,
-    /// The median of ‖a‖ / ‖solid‖.
-    pub median_ratio: f64,
-}
-
 /// One press on both models.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PressDifference {
@@ -144,34 +127,6 @@ impl Answered {
     fn is_good(&self) -> bool {
         self.readings.median <= GOOD_DIFFERENCE && self.tip.median <= GOOD_DIFFERENCE
     }
-}
-
-impl Differences {
-    /// Of answers `[n][m]` from the solid's.
-    pub(super) fn of(answers: &[Vec<f64>], solid: &[Vec<f64>]) -> Self {
-        let pairs = || answers.iter().zip(solid);
-        let [_, _, median, _, worst] = quartiles(pairs().map(|(a, b)| relative(a, b)));
-        let ratio = |(a, b): (&Vec<f64>, &Vec<f64>)| norm(a) / norm(b).max(f64::MIN_POSITIVE);
-        Self {
-            median,
-            worst,
-            overall: relative(&answers.concat(), &solid.concat()),
-            median_ratio: quartiles(pairs().map(ratio))[2],
-        }
-    }
-}
-
-/// ‖a − solid‖ / ‖solid‖; 0 where both are 0.
-pub(super) fn relative(a: &[f64], solid: &[f64]) -> f64 {
-    let difference: Vec<f64> = a.iter().zip(solid).map(|(a, b)| a - b).collect();
-    match (norm(&difference), norm(solid)) {
-        (0.0, _) => 0.0,
-        (difference, whole) => difference / whole.max(f64::MIN_POSITIVE),
-    }
-}
-
-pub(super) fn norm(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
 impl fmt::Display for ShellComparison {
@@ -236,14 +191,5 @@ mod tests {
     #[test]
     fn a_coarse_solid_is_no_judge() {
         check((0.05, 0.05), Some((0.02, 0.3)), ShellVerdict::SolidTooCoarse);
-    }
-
-    #[test]
-    fn differences_are_relative_to_the_solid() {
-        let shell = [vec![3.0, 4.0], vec![2.0, 0.0], vec![0.0, 0.0]];
-        let solid = [vec![0.0, 4.0], vec![1.0, 0.0], vec![0.0, 0.0]];
-        let found = Differences::of(&shell, &solid);
-        assert_eq!((found.median, found.worst), (0.75, 1.0));
-        assert!((found.overall - (10.0_f64 / 17.0).sqrt()).abs() < 1e-15);
     }
 }

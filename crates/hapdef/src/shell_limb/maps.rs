@@ -4,7 +4,7 @@ use hapdef_mesh::{PointIndex, SurfaceMesh};
 use nalgebra::Point3;
 use serde::Serialize;
 
-use super::compare::{GOOD_DIFFERENCE, norm, relative};
+use super::differences::{GOOD_DIFFERENCE, norm, relative};
 
 /// One place touched on both models.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -6,6 +6,7 @@
 
 mod against;
 mod compare;
+mod differences;
 mod extruded;
 mod info;
 mod maps;
@@ -20,9 +21,8 @@ mod stopwatch;
 mod thin_wall;
 mod wall;
 
-pub use compare::{
-    Answered, Differences, GOOD_DIFFERENCE, PressDifference, ShellComparison, ShellVerdict,
-};
+pub use compare::{Answered, PressDifference, ShellComparison, ShellVerdict};
+pub use differences::{Differences, GOOD_DIFFERENCE};
 pub use info::{
     EdgeRefused, GaugeInfo, MeasuredWall, ModelInfo, MountInfo, ShellLimbInfo, StageTime,
     SurfaceCounts, WallInfo,

@@ -10,7 +10,8 @@ use hapdef_sim::{
 use nalgebra::{Point3, Vector3};
 
 use super::ShellLimb;
-use super::compare::{Answered, Differences, PressDifference, ShellComparison, ShellVerdict};
+use super::compare::{Answered, PressDifference, ShellComparison, ShellVerdict};
+use super::differences::Differences;
 use super::maps::{ShellMaps, Tables};
 use super::sites::spread;
 use crate::error::HapdefError;

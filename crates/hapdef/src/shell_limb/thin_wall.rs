@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ShellLimb;
-use super::compare::GOOD_DIFFERENCE;
+use super::differences::GOOD_DIFFERENCE;
 
 /// A wall's thickness against the limb's narrowest half.
 ///

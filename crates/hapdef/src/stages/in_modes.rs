@@ -5,7 +5,7 @@ use std::path::Path;
 use hapdef_nets::train::{BatchSource, OutputModes, TrainInfo};
 use hapdef_nets::{Net, Scale, load, save};
 
-use super::train::CHECKPOINT_FILE;
+use super::nets::CHECKPOINT_FILE;
 use crate::error::HapdefError;
 
 /// Folder of the net of coordinates while it is trained.

@@ -13,6 +13,9 @@ use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
 
+/// Name of a trained net in its stage's folder; its checkpoints lie there while it is trained.
+pub(super) const CHECKPOINT_FILE: &str = "net.json";
+
 /// A net of the pipeline.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]

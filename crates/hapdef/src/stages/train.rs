@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::dataset::Datasets;
 use super::drawn::DrawnSamples;
-use super::nets::NetKind;
+use super::nets::{CHECKPOINT_FILE, NetKind};
 use super::simulate::COMPLIANCE_FILE;
 use super::training::Training;
 use crate::cache::Stage;
@@ -20,7 +20,6 @@ use crate::limb::Limb;
 use crate::profile::{OutputScale, Samples, Schedule};
 use crate::run::Run;
 
-pub(super) const CHECKPOINT_FILE: &str = "net.json";
 const VERSION: u32 = 2;
 
 /// Steps between checkpoints.

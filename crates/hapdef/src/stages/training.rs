@@ -8,8 +8,7 @@ use hapdef_nets::{Mlp, Net, Scale, TrainParams};
 
 use super::drawn::DrawnSamples;
 use super::in_modes::train_in_modes;
-use super::nets::{NetKind, fit_scales};
-use super::train::CHECKPOINT_FILE;
+use super::nets::{CHECKPOINT_FILE, NetKind, fit_scales};
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
 use crate::run::Run;

@@ -2,7 +2,7 @@
 
 use hapdef_report::{Block, LimbMap, LimbView, TextCell, TextTable};
 
-use super::super::compare::Differences;
+use super::super::differences::Differences;
 use super::super::info::quantile;
 use super::super::{Answered, GOOD_DIFFERENCE, GaugeDifference, ShellComparison, ShellVerdict};
 
