@@ -140,7 +140,8 @@ fn look(
     Ok(Stage { dir, key, cached, record })
 }
 
-/// Hash of a stage's name and inputs, 16 hexadecimal digits.
+/// Hash of a stage's name and inputs, in whatever order their fields were written, 16 hexadecimal
+/// digits.
 fn key_of(stage: &str, inputs: &serde_json::Value) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(stage.as_bytes());
@@ -177,6 +178,23 @@ mod tests {
             stage.unwrap();
         }
         assert_eq!(runs, 2);
+    }
+
+    #[test]
+    fn a_key_is_that_of_all_that_went_in_in_any_order() {
+        let key = |text: &str| key_of("s", &serde_json::from_str(text).unwrap());
+        let own = key(r#"{"a": 1, "b": {"c": [1.5, "x"], "d": null}}"#);
+        assert_eq!(own, key(r#"{"b": {"d": null, "c": [1.5, "x"]}, "a": 1}"#));
+        for other in [
+            r#"{"a": 2, "b": {"c": [1.5, "x"], "d": null}}"#,
+            r#"{"a": 1, "b": {"c": [1.25, "x"], "d": null}}"#,
+            r#"{"a": 1, "b": {"c": [1.5, "y"], "d": null}}"#,
+            r#"{"a": 1, "b": {"c": [1.5, "x"], "d": 0}}"#,
+            r#"{"a": 1, "b": {"c": [1.5, "x"]}}"#,
+        ] {
+            assert_ne!(own, key(other), "{other}");
+        }
+        assert_ne!(own, key_of("t", &json!({"a": 1, "b": {"c": [1.5, "x"], "d": null}})));
     }
 
     #[test]

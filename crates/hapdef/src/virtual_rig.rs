@@ -11,14 +11,14 @@ use hapdef_rig::live::{
 };
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::{LiveSpec, Scene};
-use crate::stages::{real_limb, rig_mesh_key};
+use crate::stages::{keys, real_limb, rig_key};
 
 const FILE: &str = "columns.safetensors";
 const TENSOR: &str = "columns";
@@ -51,7 +51,9 @@ impl Default for VirtualRigParams {
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn live_limb(run: &Run, limb: &Limb) -> Result<LiveLimb, HapdefError> {
-    let stage = run.cache.stage("rig-live", &inputs(run, limb)?, |dir| {
+    let limb_key = keys::limb(&run.scene, &limb.deck_hash);
+    let inputs = json!({ "version": VERSION, "limb": limb_key, "rig": rig_key(run)? });
+    let stage = run.cache.stage("rig-live", &inputs, |dir| {
         run.check_stop("the virtual rig")?;
         run.say("solving the simulated real limb on its own, perturbed mesh");
         let real = real_limb(run, limb, &limb.sites)?;
@@ -156,25 +158,4 @@ fn read(stage: &Stage, limb: &Limb) -> Result<LiveLimb, HapdefError> {
     let columns = numbers.chunks_exact(3);
     let columns = columns.map(|v| Vector3::new(v[0], v[1], v[2]).cast::<f64>());
     Ok(LiveLimb::new(surface, n_gauges, columns.collect())?)
-}
-
-fn inputs(run: &Run, limb: &Limb) -> Result<Value, HapdefError> {
-    let scene = &run.scene;
-    Ok(json!({
-        "version": VERSION,
-        "deck": limb.deck_hash,
-        "geometry": scene.geometry,
-        "material": scene.material,
-        "mount": scene.mount,
-        "region": scene.contact.region,
-        "direction": scene.contact.direction,
-        "tip_radius_m": scene.contact.tip_radius_m,
-        "gauges": scene.gauges,
-        "mesh": rig_mesh_key(run)?,
-        "stiffness": scene.rig.stiffness,
-        "thickness": scene.rig.thickness,
-        "max_wall_m": scene.rig.max_wall_m,
-        "misplacement": scene.rig.misplacement,
-        "gain": scene.rig.gain,
-    }))
 }

@@ -11,11 +11,12 @@ use libsvm_rs::{KernelType, SvmModel, SvmNode, SvmParameterBuilder, SvmProblem, 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::error::{ReproError, check_finite, whole_rows};
 
 /// Knobs of [`Svr::train`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SvrParams {
     /// Penalty C of a residual beyond ε.
     pub c: f64,

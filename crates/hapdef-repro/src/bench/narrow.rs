@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, fit_scales};
-use hapdef::{HapdefError, OutputScale, Run, Stage};
+use hapdef::{HapdefError, Run, Stage};
 use hapdef_nets::train::{MemorySource, train};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, TrainParams, load};
 use serde_json::{Value, json};
@@ -77,12 +77,10 @@ pub(super) fn narrow(
         validate_every: 0,
         ..TrainParams::paper(run.scene.seed)
     };
-    let mut inputs = json!({
+    let inputs = json!({
         "version": VERSION, "hidden": hidden, "datasets": keys, "params": params,
+        "output_scale": run.profile.output_scale,
     });
-    if run.profile.output_scale != OutputScale::Each {
-        inputs["output_scale"] = json!(run.profile.output_scale);
-    }
     let stage = run.cache.stage("net-narrow", &inputs, |dir| {
         run.say(&format!("training F_R of {hidden:?} neurons"));
         fit(run, rows, hidden, &params, &dir.join(CHECKPOINT_FILE))

@@ -134,7 +134,7 @@ pub(crate) fn stage_times(done: &Pipeline, more: &[Stage]) -> Vec<StageTime> {
         .map(|stage| {
             let record = &stage.record;
             let inputs = &record.inputs;
-            let what = [&record.info["net"], &inputs[0]["kind"], &inputs["size"]]
+            let what = [&record.info["net"], &inputs["kind"], &inputs["size"]]
                 .into_iter()
                 .find(|value| !value.is_null())
                 .map_or(String::new(), |value| format!(" {}", plain(value)));

@@ -27,13 +27,14 @@ pub(crate) struct SvrScore {
 /// Trains and scores it, or reads it from the cache.
 pub(crate) fn svr(run: &Run, done: &Pipeline) -> Result<(SvrScore, Stage)> {
     let data = done.data.as_ref().context("no datasets")?;
-    let n_svr = run.profile.n_svr;
+    let params =
+        SvrParams { max_samples: run.profile.n_svr, seed: run.scene.seed, ..SvrParams::default() };
     let inputs = serde_json::json!({
-        "version": VERSION, "data": data.rig_single.key, "n": n_svr, "seed": run.scene.seed,
+        "version": VERSION, "data": data.rig_single.key, "params": params,
     });
     let stage = run.cache.stage("svr", &inputs, |_| {
-        run.say(&format!("support-vector baseline on {n_svr} presses"));
-        let score = train_and_score(run, &samples_path(&data.rig_single));
+        run.say(&format!("support-vector baseline on {} presses", params.max_samples));
+        let score = train_and_score(&params, &samples_path(&data.rig_single));
         let score = score.and_then(|score| Ok(serde_json::to_value(score)?));
         score.map_err(|error| HapdefError::Stale {
             path: "support-vector baseline".into(),
@@ -44,14 +45,12 @@ pub(crate) fn svr(run: &Run, done: &Pipeline) -> Result<(SvrScore, Stage)> {
     Ok((score, stage))
 }
 
-fn train_and_score(run: &Run, path: &std::path::Path) -> Result<SvrScore> {
+fn train_and_score(params: &SvrParams, path: &std::path::Path) -> Result<SvrScore> {
     let mut reader = DatasetReader::open(path)?;
     let split = Split::of(reader.n())?;
     let n_gauges = reader.width("readings")?;
     let (x, y) = rows(&mut reader, split.train)?;
-    let params =
-        SvrParams { max_samples: run.profile.n_svr, seed: run.scene.seed, ..SvrParams::default() };
-    let (svr, info) = Svr::train(&x, &y, n_gauges, 4, &params)?;
+    let (svr, info) = Svr::train(&x, &y, n_gauges, 4, params)?;
     let n_test = split.test.len();
     let (x, truth) = rows(&mut reader, split.test)?;
     let mut found = vec![0.0; truth.len()];

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::keys;
 use super::rig::read_response;
 use super::rig_channels::RigChannels;
 use super::simulate::COMPLIANCE_FILE;
@@ -256,24 +257,23 @@ impl<'a> Maker<'a> {
     }
 
     fn inputs(&self, kind: DatasetKind) -> Value {
-        let (run, scene) = (self.run, &self.run.scene);
-        let common = json!({ "version": VERSION, "kind": kind, "limb": self.compliance.key });
-        let specific = match kind {
-            DatasetKind::Simulated { n_contacts } => json!({
-                "n": if n_contacts == 1 { run.profile.n_single } else { run.profile.n_multi },
-                "seed": scene.seed,
-                "forces": scene.contact.force_range_n,
-                "spacing": scene.contact.min_spacing_m,
-            }),
-            DatasetKind::RigSingle | DatasetKind::RigDouble => json!({
-                "rig": self.rig.key,
-                "electronics": scene.rig.electronics,
-                "presses": scene.rig.presses,
-                "forces": scene.contact.force_range_n,
-                "n": [run.profile.n_real_single, run.profile.n_pairs, run.profile.n_amplitudes],
-            }),
-        };
-        json!([common, specific])
+        let (profile, scene) = (&self.run.profile, &self.run.scene);
+        let mut inputs = json!({
+            "version": VERSION, "kind": kind, "limb": self.compliance.key,
+            "contact": keys::draws(&scene.contact),
+        });
+        match kind {
+            DatasetKind::Simulated { n_contacts } => {
+                let n = if n_contacts == 1 { profile.n_single } else { profile.n_multi };
+                inputs["draws"] = json!([n, scene.seed]);
+            }
+            DatasetKind::RigSingle | DatasetKind::RigDouble => {
+                let n = [profile.n_real_single, profile.n_pairs, profile.n_amplitudes];
+                let (electronics, presses) = (scene.rig.electronics, scene.rig.presses);
+                inputs["draws"] = json!([self.rig.key, electronics, presses, n]);
+            }
+        }
+        inputs
     }
 }
 

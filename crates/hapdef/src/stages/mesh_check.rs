@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::simulate;
+use super::keys;
 use crate::cache::Stage;
 use crate::convergence::{Convergence, ConvergenceParams, convergence};
 use crate::error::HapdefError;
@@ -23,10 +23,8 @@ pub fn mesh_check(
 ) -> Result<(Stage, Convergence), HapdefError> {
     let inputs = json!({
         "version": VERSION,
-        "limb": simulate::inputs(run, limb),
-        "refinements": params.refinements,
-        "n_presses": params.n_presses,
-        "assumed_order": params.assumed_order,
+        "limb": keys::limb(&run.scene, &limb.deck_hash),
+        "params": keys::all_but(params, &["n_threads"]),
     });
     let stage = run.cache.stage("mesh-check", &inputs, |_| {
         run.check_stop("the mesh check")?;

@@ -10,6 +10,7 @@ use hapdef_sim::GaugeSite;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::keys;
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::{Limb, Solid, deck_hash, place_gauges};
@@ -29,7 +30,8 @@ const MAX_OFF_SKIN_M: f64 = 1e-3;
 /// # Errors
 /// [`HapdefError::Rig`] when the perturbed limb can't be meshed or solved.
 pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefError> {
-    run.cache.stage("rig", &inputs(run, compliance)?, |dir| {
+    let inputs = json!({ "version": VERSION, "limb": compliance.key, "rig": rig_key(run)? });
+    run.cache.stage("rig", &inputs, |dir| {
         run.check_stop("the rig")?;
         run.say("solving the simulated real limb on its own, perturbed mesh");
         let real = real_limb(run, limb, &limb.sites)?;
@@ -118,16 +120,13 @@ fn of_rig(path: &Path) -> impl Fn(HapdefError) -> HapdefError {
     }
 }
 
-/// What the rig's mesh is in the keys of stages: the scene's words, and its own deck's hash.
+/// What sets the rig's limb apart, its own deck's bytes included, for the keys of stages.
 ///
 /// # Errors
 /// [`HapdefError::NoDeck`] when the deck can't be read.
-pub(crate) fn rig_mesh_key(run: &Run) -> Result<Value, HapdefError> {
-    let mesh = &run.scene.rig.mesh;
-    Ok(match rig_deck(run) {
-        None => json!(mesh),
-        Some(path) => json!([mesh, deck_hash(&path).map_err(of_rig(&path))?]),
-    })
+pub(crate) fn rig_key(run: &Run) -> Result<Value, HapdefError> {
+    let own_deck = rig_deck(run).map(|path| deck_hash(&path).map_err(of_rig(&path))).transpose()?;
+    Ok(keys::rig(&run.scene, own_deck.as_deref()))
 }
 
 /// Reads the response `[n_surface, n_gauges]`, µε/N.
@@ -154,20 +153,6 @@ fn write_response(path: &Path, rows: &[f32], limb: &Limb) -> Result<(), HapdefEr
     writer.append(TENSOR, rows)?;
     writer.finish()?;
     Ok(())
-}
-
-fn inputs(run: &Run, compliance: &Stage) -> Result<Value, HapdefError> {
-    let rig = &run.scene.rig;
-    Ok(json!({
-        "version": VERSION,
-        "limb": compliance.key,
-        "mesh": rig_mesh_key(run)?,
-        "stiffness": rig.stiffness,
-        "thickness": rig.thickness,
-        "max_wall_m": rig.max_wall_m,
-        "misplacement": rig.misplacement,
-        "gain": rig.gain,
-    }))
 }
 
 fn rig_params(rig: &RigSpec) -> RigParams {

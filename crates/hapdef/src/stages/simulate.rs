@@ -3,8 +3,9 @@
 use hapdef_bench::stats;
 use hapdef_mesh::GaugeId;
 use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
-use serde_json::{Value, json};
+use serde_json::json;
 
+use super::keys;
 use crate::cache::Stage;
 use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
@@ -25,7 +26,8 @@ const VERSION: u32 = 1;
 /// # Errors
 /// [`HapdefError::Sim`] when the limb floats or the factorisation fails.
 pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
-    run.cache.stage("compliance", &inputs(run, limb), |dir| {
+    let inputs = json!({ "version": VERSION, "limb": keys::limb(&run.scene, &limb.deck_hash) });
+    run.cache.stage("compliance", &inputs, |dir| {
         run.say(&format!(
             "solving the limb: {} FE nodes, {} loads",
             limb.mesh.nodes().len(),
@@ -74,23 +76,6 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
 pub fn compliance_table(run: &Run, limb: &Limb) -> Result<ComplianceTable, HapdefError> {
     let path = compliance(run, limb)?.dir.join(COMPLIANCE_FILE);
     ComplianceTable::read(&path, limb.n_surface_nodes())
-}
-
-pub(super) fn inputs(run: &Run, limb: &Limb) -> Value {
-    let scene = &run.scene;
-    json!({
-        "version": VERSION,
-        "deck": limb.deck_hash,
-        "unit": scene.geometry.unit.symbol(),
-        "axis": scene.geometry.axis,
-        "refinements": scene.geometry.refinements,
-        "material": scene.material,
-        "mount": scene.mount,
-        "region": scene.contact.region,
-        "tip_radius_m": scene.contact.tip_radius_m,
-        "direction": scene.contact.direction,
-        "gauges": scene.gauges,
-    })
 }
 
 /// Median over the surface nodes of the strongest gauge's strain per newton, µε/N.

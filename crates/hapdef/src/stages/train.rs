@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::dataset::Datasets;
 use super::drawn::DrawnSamples;
+use super::keys;
 use super::nets::{CHECKPOINT_FILE, NetKind};
 use super::simulate::COMPLIANCE_FILE;
 use super::training::Training;
@@ -169,25 +170,18 @@ impl Trainer<'_> {
 
     fn inputs(&self, kind: NetKind, params: &TrainParams) -> Value {
         let sets = kind.datasets(self.data);
-        let keys: Vec<&str> = sets.iter().map(|stage| stage.key.as_str()).collect();
-        let contact = &self.run.scene.contact;
-        let drawn = self.is_drawn(kind).then(|| {
-            json!({
-                "limb": self.compliance.key,
-                "forces": contact.force_range_n,
-                "spacing": contact.min_spacing_m,
-            })
-        });
-        let mut inputs = json!({
-            "version": VERSION, "kind": kind, "datasets": keys, "params": params, "drawn": drawn,
-        });
-        if let Some(rank) = self.output_modes(kind, self.points.len()) {
-            inputs["output_modes"] = json!(rank);
-        }
-        if self.output_scale(kind) != OutputScale::Each {
-            inputs["output_scale"] = json!(self.output_scale(kind));
-        }
-        inputs
+        let datasets: Vec<&str> = sets.iter().map(|stage| stage.key.as_str()).collect();
+        let draws = self.is_drawn(kind).then(|| keys::draws(&self.run.scene.contact));
+        json!({
+            "version": VERSION,
+            "kind": kind,
+            "limb": self.compliance.key,
+            "datasets": datasets,
+            "params": params,
+            "draws": draws,
+            "output_modes": self.output_modes(kind, self.points.len()),
+            "output_scale": self.output_scale(kind),
+        })
     }
 
     /// The samples that a net's training draws, if it does; `n_pass` count as a pass.
