@@ -73,8 +73,8 @@ pub use iterative::{
 };
 pub use loads::{NodalLoad, PressedSkin};
 pub use model::{
-    Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorEstimate, FactorInfo, Motion,
-    Residuals, SolveInfo, SolveParams, StiffnessMatrix,
+    Compliance, ComplianceParams, ElasticModel, ElasticParams, FactorInfo, Motion, Residuals,
+    SolveInfo, SolveParams, StiffnessMatrix,
 };
 pub use shell::{
     ShellElementMatrix, ShellElementProblem, ShellGaugeStrain, ShellKind, ShellMesh,

@@ -94,6 +94,21 @@ impl Cache {
         Ok(Stage { dir, key, cached: false, record })
     }
 
+    /// Records of all finished stages that can be read, and those that were kept beside them.
+    pub(crate) fn records(&self) -> Vec<StageRecord> {
+        let dirs = fs::read_dir(&self.root).into_iter().flatten().flatten();
+        let mut dirs: Vec<PathBuf> = dirs.map(|entry| entry.path()).collect();
+        dirs.sort();
+        dirs.iter().filter_map(|dir| read_record(dir).ok().flatten()).collect()
+    }
+
+    /// Keeps a record of what is no stage; the last one of its name stays.
+    pub(crate) fn keep(&self, record: &StageRecord) -> Result<(), HapdefError> {
+        let dir = self.root.join(&record.stage);
+        fs::create_dir_all(&dir).map_err(HapdefError::file(&dir))?;
+        write_json(&dir.join(RECORD_FILE), record)
+    }
+
     fn lock(&self, stage: &str, key: &str) -> Result<File, HapdefError> {
         let path = self.root.join(format!("{stage}-{key}.lock"));
         let file = File::create(&path).map_err(HapdefError::file(&path))?;

@@ -85,6 +85,7 @@ pub mod stages;
 mod stats;
 pub mod touch;
 mod virtual_rig;
+mod work;
 
 pub use cache::{Cache, Stage, StageRecord, write_json};
 pub use compliance::{ComplianceTable, SuperpositionScratch};

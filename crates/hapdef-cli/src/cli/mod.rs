@@ -91,7 +91,7 @@ enum Command {
     /// Presses the scene's simulated rig and writes a table of presses.
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
-    Calibrate(calibrate::CalibrateArgs),
+    Calibrate(calibrate_args::CalibrateArgs),
     /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
     Rig(rig::RigArgs),
     /// Contacts behind a table of readings, by the scene's estimator.

@@ -3,15 +3,15 @@
 use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
-use hapdef::plan::{Machine, MeasuredStep, Plan, PlanStep, StepState, When, plan};
+use hapdef::plan::{MeasuredStep, Plan, PlanStep, Rates, StepState, When, plan};
 use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  hapdef plan fixtures/shin/scene.json --profile quick\n  \
     hapdef plan fixtures/shin/placed.json --presses 300 --measure\n\n\
-    The first plan measures the machine for a few seconds and keeps the figures beside the results \
-    (machine.json); delete that file to measure again.")]
+    Times are expected by what earlier runs in the same folder (--out) took, --measure included, and by \
+    those of one machine where there are none.")]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -29,12 +29,12 @@ pub(crate) struct PlanArgs {
 pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let machine = Machine::read_or_measure(&args.scene.out.join("machine.json"), run.threads)?;
+    let rates = Rates::recorded(&run.cache, run.threads);
     let max_wall_m = run.scene.rig.max_wall_m;
-    let plan = plan(&run, &limb, &machine)?;
+    let plan = plan(&run, &limb, &rates)?;
     let mut plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
     if let Some(n_presses) = args.presses {
-        plan = plan.with_calibration(&run, &limb, &machine, n_presses)?;
+        plan = plan.with_calibration(&run, &limb, &rates, n_presses)?;
     }
     if args.json {
         println!("{}", serde_json::to_string_pretty(&plan)?);

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use anyhow::Result;
-use hapdef::plan::{Machine, pipeline_parts_s};
+use hapdef::plan::{Rates, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
 use hapdef::touch::calibration_in_use;
 use hapdef::{DrawnSkin, Limb, Pipeline, Stage, Until};
@@ -39,8 +39,8 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
 pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()> {
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let machine = Machine::read_or_measure(&args.out.join("machine.json"), run.threads)?;
-    let parts_s = pipeline_parts_s(&run, &limb, &machine)?;
+    let rates = Rates::recorded(&run.cache, run.threads);
+    let parts_s = pipeline_parts_s(&run, &limb, &rates)?;
     let done = Pipeline::run_timed(&run, &limb, until, &parts_s)?;
     for stage in done.stages() {
         show(stage, json)?;

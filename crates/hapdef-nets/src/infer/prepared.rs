@@ -9,6 +9,7 @@ use super::kernels::Isa;
 use super::layer::{InputBytes, MOST_BYTE_INPUTS, PreparedLayer, Product};
 use super::params::{InferParams, Precision};
 use super::scratch::LayerScratch;
+use super::simd_level::SimdLevel;
 
 /// A [`Net`] for inference: raw units in, raw units of the wanted outputs out.
 #[derive(Debug, Clone)]

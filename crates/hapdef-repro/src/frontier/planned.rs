@@ -1,7 +1,7 @@
 //! What `hapdef plan` expected beside what was measured.
 
 use anyhow::{Context, Result};
-use hapdef::plan::{Machine, Plan, StepState, When, plan};
+use hapdef::plan::{Plan, Rates, StepState, When, plan};
 use hapdef::scene::EstimatorSpec;
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
@@ -42,25 +42,25 @@ impl Planned {
 }
 
 /// Plans contacts by superposition with a calibration, and the paper's chain in a cache of its own,
-/// `folder`, which is emptied; runs both, and lays one beside the other. The machine's rates are
-/// measured just before.
+/// `folder`, which is emptied; runs both, and lays one beside the other. Rates are those that the run's
+/// own cache has.
 pub(super) fn measure(run: &Run, limb: &Limb, folder: &Path) -> Result<Vec<Planned>> {
     run.say("a plan, and what it comes to");
     let mut scene = Run { profile: Profile::quick(), ..made_anew(run, folder)? };
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let machine = Machine::measure(folder, run.threads)?;
+    let rates = Rates::recorded(&run.cache, run.threads);
     scene.scene.estimator = EstimatorSpec::Superposition(run.scene.estimator.superposition());
-    let mut rows = superposed(&scene, limb, &machine)?;
+    let mut rows = superposed(&scene, limb, &rates)?;
     scene.scene.estimator = EstimatorSpec::Hapdefx(run.scene.estimator.hapdefx());
-    let planned = plan(&scene, limb, &machine)?;
+    let planned = plan(&scene, limb, &rates)?;
     let stages = chain_stages(&scene, limb)?;
     rows.extend(chained(&planned, &stages)?);
     std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
     Ok(rows)
 }
 
-fn superposed(run: &Run, limb: &Limb, machine: &Machine) -> Result<Vec<Planned>> {
-    let planned = plan(run, limb, machine)?.with_calibration(run, limb, machine, N_PRESSES)?;
+fn superposed(run: &Run, limb: &Limb, rates: &Rates) -> Result<Vec<Planned>> {
+    let planned = plan(run, limb, rates)?.with_calibration(run, limb, rates, N_PRESSES)?;
     let of_frames = |name: &str| {
         let step = planned.steps.iter().find(|step| step.name == name);
         step.is_some_and(|step| step.when == When::Frame)

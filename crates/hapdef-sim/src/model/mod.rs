@@ -16,7 +16,6 @@ mod wanted;
 
 pub use compliance::{Compliance, ComplianceParams, Residuals};
 pub use elastic_model::{ElasticModel, ElasticParams};
-pub use estimate::FactorEstimate;
 pub use export::StiffnessMatrix;
 pub use solve_info::{SolveInfo, SolveParams};
 pub use solved_block::Motion;

@@ -1,14 +1,14 @@
 //! The step of a calibration that a person plans.
 
-use hapdef_sim::FactorEstimate;
+use hapdef_sim::FactorInfo;
 
-use super::cost::{Cost, elastic, fit_flops, solves, tips};
 use super::elastic::{fine_estimate, limb_estimate};
-use super::{Machine, Plan, PlanStep, When};
+use super::{Plan, PlanStep, Rates, When};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::touch::{CALIBRATION_SITES, N_STIFFNESS};
+use crate::work::{Work, WorkKind};
 
 /// Name of the step.
 pub(super) const NAME: &str = "hapdef calibrate";
@@ -29,7 +29,7 @@ impl Plan {
         mut self,
         run: &Run,
         limb: &Limb,
-        machine: &Machine,
+        rates: &Rates,
         n_presses: usize,
     ) -> Result<Self, HapdefError> {
         let n_gauges = limb.gauges.len();
@@ -40,14 +40,14 @@ impl Plan {
             0 => None,
             times => Some(fine_estimate(run, limb, times)?),
         };
-        let solved = solved(&own, fine.as_ref(), limb, machine);
-        let flops = fit_flops(n_presses, n_gauges, n_columns, CALIBRATION_SITES);
-        let fitted = Cost {
-            flops,
-            bytes: 8.0
-                * (n_gauges * (3 * limb.n_surface_nodes() + CALIBRATION_SITES * n_gauges)) as f64,
-            seconds: Some(flops / machine.frame.fit_flops_per_s),
-        };
+        let work = solved(&own, fine.as_ref(), limb).fitting(
+            n_presses,
+            n_gauges,
+            n_columns,
+            CALIBRATION_SITES,
+        );
+        let n_kept = n_gauges * (3 * limb.n_surface_nodes() + CALIBRATION_SITES * n_gauges);
+        let work = Work { bytes: work.bytes + 8.0 * n_kept as f64, ..work };
         let sizes = [
             ("presses", n_presses),
             ("gauges", n_gauges),
@@ -55,7 +55,7 @@ impl Plan {
             ("refinements", refinements as usize),
         ];
         let why = "the response corrected by presses; it takes the response's place";
-        let step = PlanStep::runs(NAME, why, &sizes).costing(solved.plus(fitted));
+        let step = PlanStep::runs(NAME, why, &sizes).costing(work, rates);
         let after_design = self.steps.iter().position(|s| s.when == When::Frame);
         let place = after_design.unwrap_or(self.steps.len());
         self.steps.insert(place, step);
@@ -65,22 +65,15 @@ impl Plan {
 
 /// The limb's mesh for the modes: the gauges, the gauges moved both ways, the stiffness modes, and the
 /// tips of them all; the finer mesh for the gauges, with tips on its own skin.
-fn solved(
-    (own, order_s): &(FactorEstimate, f64),
-    fine: Option<&(FactorEstimate, f64)>,
-    limb: &Limb,
-    machine: &Machine,
-) -> Cost {
+fn solved(own: &FactorInfo, fine: Option<&FactorInfo>, limb: &Limb) -> Work {
+    const KIND: WorkKind = WorkKind::Calibration;
     let (n_gauges, n_nodes) = (limb.gauges.len(), limb.n_surface_nodes());
-    let moved = solves(own, n_gauges, machine);
-    let mut cost = elastic(own, n_gauges, *order_s, machine).plus(tips(n_nodes, machine));
-    for _ in 0..2 * GAUGE_MODES {
-        cost = cost.plus(moved);
-    }
-    cost = cost.plus(solves(own, N_STIFFNESS * n_gauges, machine));
-    fine.map_or(cost, |(fine, order_s)| {
+    let n_moved = (2 * GAUGE_MODES + N_STIFFNESS) * n_gauges;
+    let moved = Work::solves(KIND, own, n_moved);
+    let work = Work::elastic(KIND, own, n_gauges).with_tips(n_nodes).plus(moved);
+    fine.map_or(work, |fine| {
         let nodes_per_own = fine.n_fe_nodes as f64 / own.n_fe_nodes as f64;
         let n_fine_nodes = (n_nodes as f64 * nodes_per_own.powf(SKIN_GROWTH)) as usize;
-        cost.plus(elastic(fine, n_gauges, *order_s, machine)).plus(tips(n_fine_nodes, machine))
+        work.plus(Work::elastic(KIND, fine, n_gauges).with_tips(n_fine_nodes))
     })
 }

@@ -2,9 +2,8 @@
 
 use hapdef_nets::MlpSpec;
 
-use super::cost::{Cost, elastic, projected, superposed, training};
 use super::elastic::{left_out_loads, limb_estimate, rig_estimate};
-use super::{Machine, PlanStep, Skip, StepState};
+use super::{PlanStep, Rates, Skip, StepState};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -13,17 +12,14 @@ use crate::profile::{Samples, Schedule};
 use crate::run::Run;
 use crate::stages::{self, Datasets, NetKind};
 use crate::touch::{ChainStages, chain_stages};
+use crate::work::{Work, WorkKind, table_bytes};
 
 /// Most contacts of a sample: the paper's sets I to IV.
 const MOST_CONTACTS: usize = 4;
 
-pub(super) fn steps(
-    run: &Run,
-    limb: &Limb,
-    machine: &Machine,
-) -> Result<Vec<PlanStep>, HapdefError> {
+pub(super) fn steps(run: &Run, limb: &Limb, rates: &Rates) -> Result<Vec<PlanStep>, HapdefError> {
     let stages = chain_stages(&looking(run), limb)?;
-    let planner = Planner { run, limb, machine };
+    let planner = Planner { run, limb, rates };
     let mut steps = planner.elastic(&stages)?;
     steps.extend(planner.datasets(&stages.data));
     steps.extend(planner.nets(&stages));
@@ -35,16 +31,16 @@ pub(super) fn steps(
 pub(super) fn compliance_step(
     run: &Run,
     limb: &Limb,
-    machine: &Machine,
+    rates: &Rates,
 ) -> Result<PlanStep, HapdefError> {
     let stage = stages::compliance(&looking(run), limb)?;
-    Planner { run, limb, machine }.compliance(&stage)
+    Planner { run, limb, rates }.compliance(&stage)
 }
 
 /// Expected time of what a pipeline up to its nets has to run, s: compliance, rig, datasets, nets.
-pub(super) fn parts_s(run: &Run, limb: &Limb, machine: &Machine) -> Result<[f64; 4], HapdefError> {
+pub(super) fn parts_s(run: &Run, limb: &Limb, rates: &Rates) -> Result<[f64; 4], HapdefError> {
     let stages = Pipeline::run(&looking(run), limb, Until::Train)?;
-    let planner = Planner { run, limb, machine };
+    let planner = Planner { run, limb, rates };
     let sum_s = |steps: &[PlanStep]| steps.iter().filter_map(|step| step.predicted_s).sum();
     let data = stages.data.iter().flat_map(|data| planner.datasets(data));
     let nets = stages.nets.iter().flat_map(|nets| &nets.nets);
@@ -74,7 +70,7 @@ fn looking(run: &Run) -> Run {
 struct Planner<'a> {
     run: &'a Run,
     limb: &'a Limb,
-    machine: &'a Machine,
+    rates: &'a Rates,
 }
 
 impl Planner<'_> {
@@ -94,7 +90,7 @@ impl Planner<'_> {
             let sizes = [("FE nodes", n_fe_nodes), ("wanted nodes", n_wanted)];
             return Ok(cached(PlanStep::runs("compliance", why, &sizes), stage));
         }
-        let (estimate, order_s) = limb_estimate(self.run, limb)?;
+        let estimate = limb_estimate(self.run, limb)?;
         let sizes = [
             ("FE nodes", estimate.n_fe_nodes),
             ("equations", estimate.n_equations),
@@ -102,10 +98,8 @@ impl Planner<'_> {
             ("right-hand sides", n_loads + limb.gauges.len()),
             ("wanted nodes", n_wanted),
         ];
-        let cost = elastic(&estimate, n_loads + limb.gauges.len(), order_s, self.machine);
-        // It is made in f64, twice the bytes, before it is written.
-        let cost = cost.writing(3.0 * self.table_bytes(), self.machine);
-        Ok(PlanStep::runs("compliance", why, &sizes).costing(cost))
+        let work = Work::compliance(&estimate, n_loads, limb.gauges.len(), n_wanted);
+        Ok(PlanStep::runs("compliance", why, &sizes).costing(work, self.rates))
     }
 
     fn rig(&self, stage: &Stage) -> Result<PlanStep, HapdefError> {
@@ -116,15 +110,15 @@ impl Planner<'_> {
             let step = PlanStep::runs("rig", why, &[("right-hand sides", n_gauges)]);
             return Ok(cached(step, stage));
         }
-        let (estimate, prepare_s) = rig_estimate(self.run, limb)?;
+        let estimate = rig_estimate(self.run, limb)?;
         let sizes = [
             ("FE nodes", estimate.n_fe_nodes),
             ("equations", estimate.n_equations),
             ("non-zeros of L", estimate.nnz_l),
             ("right-hand sides", n_gauges),
         ];
-        let cost = elastic(&estimate, n_gauges, prepare_s, self.machine);
-        Ok(PlanStep::runs("rig", why, &sizes).costing(cost))
+        let work = Work::elastic(WorkKind::Rig, &estimate, n_gauges);
+        Ok(PlanStep::runs("rig", why, &sizes).costing(work, self.rates))
     }
 
     fn datasets(&self, data: &Datasets) -> Vec<PlanStep> {
@@ -146,16 +140,14 @@ impl Planner<'_> {
             Some(stage) => self.dataset(name, n, 2, stage),
             None => PlanStep::skipped(Skip::LargerSets, name, &too_many, &[("samples", n)]),
         });
-        if let Some(first) = steps.iter_mut().find(|step| step.state == StepState::Runs) {
-            let read_s = self.table_bytes() / self.machine.read_bytes_per_s;
-            first.predicted_s = first.predicted_s.map(|seconds| seconds + read_s);
+        // The first that runs reads the table.
+        if let Some(first) = steps.iter_mut().find(|step| step.state == StepState::Runs)
+            && let Some(work) = first.work
+        {
+            let table = table_bytes(self.limb.n_surface_nodes(), self.n_nodes());
+            *first = first.clone().costing(work.reading(table), self.rates);
         }
         steps
-    }
-
-    /// Bytes of the compliance of the skin and the virtual gauges.
-    fn table_bytes(&self) -> f64 {
-        12.0 * (self.limb.n_surface_nodes() * self.n_nodes()) as f64
     }
 
     fn dataset(&self, name: &str, n: usize, n_contacts: usize, stage: &Stage) -> PlanStep {
@@ -167,9 +159,11 @@ impl Planner<'_> {
             ("gauges", self.limb.gauges.len()),
         ];
         let why = format!("samples of {n_contacts} at a time, superposed");
-        let cost = superposed(n, n_contacts, n_nodes, self.machine)
-            .writing(4.0 * (n * n_nodes) as f64, self.machine);
-        from_stage(PlanStep::runs(name, why, &sizes), stage, cost)
+        self.from_stage(
+            PlanStep::runs(name, why, &sizes),
+            stage,
+            Work::samples(n, n_contacts, n_nodes),
+        )
     }
 
     fn nets(&self, stages: &ChainStages) -> Vec<PlanStep> {
@@ -198,18 +192,16 @@ impl Planner<'_> {
             ("steps", schedule.steps),
             ("samples a step", schedule.batch),
         ];
-        let mut cost = training(&self.trained(kind), &schedule, self.machine);
+        let n = schedule.steps * schedule.batch;
+        let mut work = Work::training(kind, &self.trained(kind), n);
         if let NetKind::Reconstruction { n_sets } = kind
             && self.run.profile.samples == Samples::Drawn
         {
-            let n = schedule.steps * schedule.batch;
-            let drawn = superposed(n, n_sets.div_ceil(2), self.n_nodes(), self.machine);
             let modes = self.run.profile.output_modes.min(self.limb.n_surface_nodes());
-            let projected = projected(n, self.limb.n_surface_nodes(), modes, self.machine);
-            cost = cost.plus(drawn).plus(projected);
+            work = work.drawing(n, n_sets.div_ceil(2), self.n_nodes(), modes);
         }
         let why = "a net of the chain";
-        from_stage(PlanStep::runs(&kind.name(), why, &sizes), stage, cost)
+        self.from_stage(PlanStep::runs(&kind.name(), why, &sizes), stage, work)
     }
 
     /// A frame passes the three nets; F_S once for each contact.
@@ -219,24 +211,14 @@ impl Planner<'_> {
         let passes = kinds.map(|kind| {
             let n = self.n_parameters(kind);
             let why = format!("{} net, forward", kind.name());
-            let flops = 2.0 * n as f64;
-            let cost = Cost {
-                flops,
-                bytes: 4.0 * n as f64,
-                seconds: Some(flops / self.machine.pass_flops_per_s),
-            };
             let name = format!("pass of {}", kind.name());
-            PlanStep::runs(&name, why, &[("parameters", n)]).costing(cost)
+            PlanStep::runs(&name, why, &[("parameters", n)]).costing(Work::pass(n), self.rates)
         });
         let n_nodes = self.limb.n_surface_nodes();
         let sizes = [("surface nodes", n_nodes)];
-        let searched = Cost {
-            flops: 0.0,
-            bytes: 4.0 * n_nodes as f64,
-            seconds: Some(n_nodes as f64 / self.machine.kmax_nodes_per_s),
-        };
         let rest = [
-            PlanStep::runs("k-Max", "local maxima of the map", &sizes).costing(searched),
+            PlanStep::runs("k-Max", "local maxima of the map", &sizes)
+                .costing(Work::kmax(n_nodes), self.rates),
             PlanStep::skipped(
                 Skip::OtherEstimator,
                 "scan and pair search",
@@ -279,6 +261,11 @@ impl Planner<'_> {
         }
     }
 
+    /// The step with its work, or answered by the cache.
+    fn from_stage(&self, step: PlanStep, stage: &Stage, work: Work) -> PlanStep {
+        if stage.cached { cached(step, stage) } else { step.costing(work, self.rates) }
+    }
+
     /// Surface nodes and virtual gauges.
     fn n_nodes(&self) -> usize {
         self.limb.wanted_nodes().len()
@@ -288,11 +275,6 @@ impl Planner<'_> {
 /// The paper's name of a simulated set.
 fn set_name(n_contacts: usize) -> String {
     format!("set {}", ["I", "II", "III", "IV"][n_contacts - 1])
-}
-
-/// The step with its cost, or answered by the cache.
-fn from_stage(step: PlanStep, stage: &Stage, cost: Cost) -> PlanStep {
-    if stage.cached { cached(step, stage) } else { step.costing(cost) }
 }
 
 fn cached(step: PlanStep, stage: &Stage) -> PlanStep {

@@ -1,9 +1,7 @@
 //! The elastic models ahead: the limb's own and the rig's.
 
-use std::time::Instant;
-
 use hapdef_mesh::{FeNodeId, Tet10Mesh, refine_unfolded};
-use hapdef_sim::{ElasticModel, ElasticParams, FactorEstimate};
+use hapdef_sim::{ElasticModel, ElasticParams, FactorInfo};
 
 use super::{PlanStep, Skip};
 use crate::error::HapdefError;
@@ -11,30 +9,25 @@ use crate::limb::Limb;
 use crate::run::Run;
 use crate::stages::rig_solid;
 
-/// What a factorisation of the limb would take, and how long its ordering took, s.
-pub(super) fn limb_estimate(run: &Run, limb: &Limb) -> Result<(FactorEstimate, f64), HapdefError> {
+/// What a factorisation of the limb would take.
+pub(super) fn limb_estimate(run: &Run, limb: &Limb) -> Result<FactorInfo, HapdefError> {
     ordered(run, limb, &limb.mesh, limb.clamped.clone())
 }
 
-/// The same of the rig's mesh, reading or refining it included.
-pub(super) fn rig_estimate(run: &Run, limb: &Limb) -> Result<(FactorEstimate, f64), HapdefError> {
-    let start = Instant::now();
+/// The same of the rig's mesh.
+pub(super) fn rig_estimate(run: &Run, limb: &Limb) -> Result<FactorInfo, HapdefError> {
     let (mesh, clamped) = match rig_solid(run)? {
         Some(own) => (own.mesh, own.clamped),
         None => (limb.mesh.clone(), limb.clamped.clone()),
     };
     let times = run.scene.rig.mesh.refinements();
-    refined_estimate(run, limb, mesh, clamped, times, start)
+    refined_estimate(run, limb, mesh, clamped, times)
 }
 
-/// The same of the limb's mesh, every element cut into eight `times` over, the cutting included.
-pub(super) fn fine_estimate(
-    run: &Run,
-    limb: &Limb,
-    times: u32,
-) -> Result<(FactorEstimate, f64), HapdefError> {
+/// The same of the limb's mesh, every element cut into eight `times` over.
+pub(super) fn fine_estimate(run: &Run, limb: &Limb, times: u32) -> Result<FactorInfo, HapdefError> {
     let (mesh, clamped) = (limb.mesh.clone(), limb.clamped.clone());
-    refined_estimate(run, limb, mesh, clamped, times, Instant::now())
+    refined_estimate(run, limb, mesh, clamped, times)
 }
 
 /// Right-hand sides that the scene leaves out: nodes that are held or not touched, directions that
@@ -60,22 +53,20 @@ pub(super) fn left_out_loads(limb: &Limb) -> [PlanStep; 2] {
     ]
 }
 
-/// A mesh refined and ordered, the time since `start`.
+/// A mesh refined and ordered.
 fn refined_estimate(
     run: &Run,
     limb: &Limb,
     mut mesh: Tet10Mesh,
     mut clamped: Vec<FeNodeId>,
     times: u32,
-    start: Instant,
-) -> Result<(FactorEstimate, f64), HapdefError> {
+) -> Result<FactorInfo, HapdefError> {
     for _ in 0..times {
         let refined = refine_unfolded(&mesh)?;
         clamped = refined.node_set(&clamped);
         mesh = refined.mesh;
     }
-    let (estimate, _) = ordered(run, limb, &mesh, clamped)?;
-    Ok((estimate, start.elapsed().as_secs_f64()))
+    ordered(run, limb, &mesh, clamped)
 }
 
 fn ordered(
@@ -83,10 +74,8 @@ fn ordered(
     limb: &Limb,
     mesh: &Tet10Mesh,
     clamped: Vec<FeNodeId>,
-) -> Result<(FactorEstimate, f64), HapdefError> {
+) -> Result<FactorInfo, HapdefError> {
     let params =
         ElasticParams { n_threads: run.threads, ..ElasticParams::new(limb.material, clamped) };
-    let start = Instant::now();
-    let estimate = ElasticModel::estimate(mesh, &params)?;
-    Ok((estimate, start.elapsed().as_secs_f64()))
+    Ok(ElasticModel::estimate(mesh, &params)?)
 }

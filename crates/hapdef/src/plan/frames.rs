@@ -14,6 +14,9 @@ use rand_distr::{Distribution, StandardNormal};
 const MIN_GAP_M: f64 = 0.012;
 const FORCE_N: f64 = 20.0;
 
+/// Frames that are timed: untouched, of one contact, of two.
+pub(super) const N_FRAMES: [usize; 3] = [2000, 60, 60];
+
 /// Frames in which a contact is followed before they are timed, and that are.
 const N_FOLLOWED: usize = 400;
 
@@ -37,8 +40,6 @@ pub(super) struct FrameDraws<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Searched {
     pub(super) seconds: f64,
-    /// Steps of refinement.
-    pub(super) steps: f64,
     /// The most contacts that were searched for.
     pub(super) most_contacts: usize,
 }
@@ -102,7 +103,6 @@ pub(super) fn searched(
         estimator.estimate_into(&frame.readings_ue, &mut scratch, &mut estimate)?;
         Ok(Searched {
             seconds: start.elapsed().as_secs_f64(),
-            steps: estimate.info.n_steps as f64,
             most_contacts: estimate.info.most_contacts,
         })
     };
@@ -125,7 +125,6 @@ impl Searched {
         let n = frames.clone().count().max(1) as f64;
         frames.fold(Self::default(), |sum, frame| Self {
             seconds: sum.seconds + frame.seconds / n,
-            steps: sum.steps + frame.steps / n,
             most_contacts: sum.most_contacts.max(frame.most_contacts),
         })
     }
@@ -154,13 +153,12 @@ mod tests {
 
     #[test]
     fn a_frame_that_goes_on_to_more_contacts_is_no_part_of_the_mean() {
-        let frame =
-            |seconds, most_contacts| Searched { seconds, steps: 10.0 * seconds, most_contacts };
+        let frame = |seconds, most_contacts| Searched { seconds, most_contacts };
         let frames = [frame(1.0, 1), frame(30.0, 2), frame(3.0, 1)];
         let single = Searched::mean_of(&frames, 1);
-        assert_eq!((single.seconds, single.steps), (2.0, 20.0));
+        assert_eq!(single.seconds, 2.0);
         let pair = Searched::mean_of(&frames, 2);
-        assert_eq!((pair.seconds, pair.steps), (30.0, 300.0));
+        assert_eq!(pair.seconds, 30.0);
         let none_ended_so = Searched::mean_of(&frames[..1], 2);
         assert_eq!(none_ended_so.seconds, 1.0);
     }

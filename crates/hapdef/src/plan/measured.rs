@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use hapdef_inverse::{ContactEstimator, ScanSites};
 use serde::Serialize;
+use serde_json::json;
 
-use super::frame_rates::N_FRAMES;
-use super::frames::{DrawnFrame, FrameDraws, Searched, followed_s, searched};
+use super::frames::{DrawnFrame, FrameDraws, N_FRAMES, Searched, followed_s, searched};
 use super::{Plan, StepState, calibration, superposition as steps};
+use crate::cache::StageRecord;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -38,7 +39,8 @@ impl MeasuredStep {
 impl Plan {
     /// Solves the response, calibrates with `n_presses` where the plan has a calibration
     /// ([`Plan::with_calibration`]), and searches and follows contacts, all by superposition with the
-    /// scene's knobs, whatever the cache or a calibration has.
+    /// scene's parameters, whatever the cache or a calibration has. What was measured is kept beside the
+    /// run's results, for the next plan.
     ///
     /// # Errors
     /// What the first step that fails returns.
@@ -61,11 +63,21 @@ impl Plan {
             let fit_s = calibration_s(run, limb, &mut draws, n_presses)?;
             taken.push((calibration::NAME, "calibration", fit_s));
         }
-        let beside = |(step, word, measured_s)| {
-            let planned = self.step(step).filter(|s| s.state == StepState::Runs)?;
-            Some(MeasuredStep { step, word, predicted_s: planned.predicted_s?, measured_s })
-        };
-        Ok(taken.into_iter().filter_map(beside).collect())
+        let mut measured = Vec::new();
+        for (step, word, measured_s) in taken {
+            let planned = self.step(step).filter(|s| s.state == StepState::Runs);
+            let Some((work, predicted_s)) = planned.and_then(|s| s.work.zip(s.predicted_s)) else {
+                continue;
+            };
+            run.cache.keep(&StageRecord {
+                stage: format!("measured-{word}"),
+                inputs: json!({ "scene": run.scene.name }),
+                info: json!({ "work": work.done(run.threads) }),
+                elapsed_s: measured_s,
+            })?;
+            measured.push(MeasuredStep { step, word, predicted_s, measured_s });
+        }
+        Ok(measured)
     }
 }
 

@@ -4,15 +4,12 @@
 //! The stages and their places in the cache come from the very functions that run them, on a cache
 //! that only looks ([`crate::Cache::looking`]): the run follows the plan.
 
-mod barrel;
 mod calibration;
 mod chain;
-mod cost;
 mod elastic;
-mod frame_rates;
 mod frames;
-mod machine;
 mod measured;
+mod rates;
 mod shell;
 mod skip;
 mod superposition;
@@ -21,16 +18,15 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-pub use frame_rates::FrameRates;
-pub use machine::Machine;
 pub use measured::MeasuredStep;
+pub use rates::Rates;
 pub use skip::Skip;
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::EstimatorSpec;
-use cost::Cost;
+use crate::work::Work;
 
 /// The plan of a scene's estimator.
 #[derive(Clone, Debug, Serialize)]
@@ -68,6 +64,9 @@ pub struct PlanStep {
     pub predicted_s: Option<f64>,
     /// Time that the cached stage took when it was made, s.
     pub recorded_s: Option<f64>,
+    /// What its time is expected by.
+    #[serde(skip)]
+    work: Option<Work>,
 }
 
 /// When a step runs.
@@ -100,11 +99,11 @@ pub enum StepState {
 /// # Errors
 /// [`HapdefError::Sim`] when the limb floats; [`HapdefError::Stale`] for a damaged record or a
 /// calibration of another limb; [`HapdefError::File`] where that is missing.
-pub fn plan(run: &Run, limb: &Limb, machine: &Machine) -> Result<Plan, HapdefError> {
+pub fn plan(run: &Run, limb: &Limb, rates: &Rates) -> Result<Plan, HapdefError> {
     let (estimator, steps) = match &run.scene.estimator {
-        EstimatorSpec::Hapdefx(_) => ("hapdefx", chain::steps(run, limb, machine)?),
+        EstimatorSpec::Hapdefx(_) => ("hapdefx", chain::steps(run, limb, rates)?),
         EstimatorSpec::Superposition(spec) => {
-            ("superposition", superposition::steps(run, limb, spec, machine)?)
+            ("superposition", superposition::steps(run, limb, spec, rates)?)
         }
     };
     Ok(Plan { scene: run.scene.name.clone(), estimator, profile: run.profile.name.clone(), steps })
@@ -115,12 +114,8 @@ pub fn plan(run: &Run, limb: &Limb, machine: &Machine) -> Result<Plan, HapdefErr
 ///
 /// # Errors
 /// As [`plan`].
-pub fn pipeline_parts_s(
-    run: &Run,
-    limb: &Limb,
-    machine: &Machine,
-) -> Result<[f64; 4], HapdefError> {
-    chain::parts_s(run, limb, machine)
+pub fn pipeline_parts_s(run: &Run, limb: &Limb, rates: &Rates) -> Result<[f64; 4], HapdefError> {
+    chain::parts_s(run, limb, rates)
 }
 
 impl Plan {
@@ -152,6 +147,7 @@ impl PlanStep {
             bytes: 0.0,
             predicted_s: None,
             recorded_s: None,
+            work: None,
         }
     }
 
@@ -168,8 +164,9 @@ impl PlanStep {
         Self { state: StepState::Alternative, ..Self::runs(name, why, sizes) }
     }
 
-    fn costing(self, cost: Cost) -> Self {
-        Self { flops: cost.flops, bytes: cost.bytes, predicted_s: cost.seconds, ..self }
+    fn costing(self, work: Work, rates: &Rates) -> Self {
+        let (flops, bytes, predicted_s) = (work.flops, work.bytes, rates.seconds(&work));
+        Self { flops, bytes, predicted_s, work: Some(work), ..self }
     }
 
     fn each_frame(self) -> Self {

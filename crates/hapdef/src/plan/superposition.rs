@@ -3,16 +3,14 @@
 use hapdef_inverse::tip_ring_m;
 
 use super::chain;
-use super::cost::{
-    Cost, elastic, follow_flops, pairs_flops, refine_flops, scan_flops, test_flops, tips,
-};
 use super::elastic::limb_estimate;
-use super::{FrameRates, Machine, PlanStep, Skip};
+use super::{PlanStep, Rates, Skip};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::{Outputs, SuperpositionSpec};
 use crate::touch::Calibration;
+use crate::work::{Work, WorkKind};
 
 /// Names of steps that are measured.
 pub(super) const RESPONSE: &str = "response";
@@ -28,14 +26,14 @@ pub(super) fn steps(
     run: &Run,
     limb: &Limb,
     spec: &SuperpositionSpec,
-    machine: &Machine,
+    rates: &Rates,
 ) -> Result<Vec<PlanStep>, HapdefError> {
     let calibration = spec.calibration.as_ref();
     let read = |path| Calibration::read(&run.scene_dir.join(path), limb);
     let n_sites = calibration.map(read).transpose()?.map(|c| c.n_sites);
-    let mut steps = response(run, limb, spec, machine)?;
+    let mut steps = response(run, limb, spec, rates)?;
     let superposed = "the estimator is superposition";
-    steps.push(compliance(run, limb, machine)?);
+    steps.push(compliance(run, limb, rates)?);
     let needless = [
         ("rig", "no net learns from the rig"),
         ("datasets", "no net is trained"),
@@ -50,7 +48,7 @@ pub(super) fn steps(
         n_gauges: limb.gauges.len(),
         n_sites: n_sites.unwrap_or(spec.n_sites),
         max_contacts: run.scene.contact.max_contacts,
-        rates: &machine.frame,
+        rates,
     };
     steps.extend(frame.steps().map(PlanStep::each_frame));
     Ok(steps)
@@ -72,9 +70,9 @@ fn unlike_presses(run: &Run, limb: &Limb, spec: &SuperpositionSpec) -> PlanStep 
 }
 
 /// What only a map of the skin needs; contacts don't.
-fn compliance(run: &Run, limb: &Limb, machine: &Machine) -> Result<PlanStep, HapdefError> {
+fn compliance(run: &Run, limb: &Limb, rates: &Rates) -> Result<PlanStep, HapdefError> {
     let why = match run.scene.outputs {
-        Some(Outputs::Map) => return chain::compliance_step(run, limb, machine),
+        Some(Outputs::Map) => return chain::compliance_step(run, limb, rates),
         Some(Outputs::Contacts) => "outputs is contacts: no map of the skin",
         None => "contacts need no map of the skin; a live page has it solved beside the frames",
     };
@@ -87,7 +85,7 @@ fn response(
     run: &Run,
     limb: &Limb,
     spec: &SuperpositionSpec,
-    machine: &Machine,
+    rates: &Rates,
 ) -> Result<Vec<PlanStep>, HapdefError> {
     let sizes = [("gauges", limb.gauges.len()), ("surface nodes", limb.n_surface_nodes())];
     if let Some(path) = &spec.calibration {
@@ -99,7 +97,7 @@ fn response(
             PlanStep::skipped(Skip::CalibratedResponse, RESPONSE, why, &sizes),
         ]);
     }
-    let (estimate, order_s) = limb_estimate(run, limb)?;
+    let estimate = limb_estimate(run, limb)?;
     let n_loads = limb.gauges.len();
     let sizes = [
         ("FE nodes", estimate.n_fe_nodes),
@@ -109,11 +107,11 @@ fn response(
         sizes[1],
     ];
     let why = "one factorisation and one adjoint solve for each gauge";
-    let cost = elastic(&estimate, n_loads, order_s, machine);
-    let cost = cost.plus(tips(limb.n_surface_nodes(), machine));
+    let work = Work::elastic(WorkKind::Response, &estimate, n_loads);
+    let work = work.with_tips(limb.n_surface_nodes());
     let every_node = estimate.n_fe_nodes - clamped_once(limb);
     Ok(vec![
-        PlanStep::runs(RESPONSE, why, &sizes).costing(cost),
+        PlanStep::runs(RESPONSE, why, &sizes).costing(work, rates),
         PlanStep::skipped(
             Skip::LoadsAtEveryNode,
             "a load at every node",
@@ -134,7 +132,7 @@ struct Frame<'a> {
     n_gauges: usize,
     n_sites: usize,
     max_contacts: usize,
-    rates: &'a FrameRates,
+    rates: &'a Rates,
 }
 
 impl Frame<'_> {
@@ -142,15 +140,9 @@ impl Frame<'_> {
     fn steps(&self) -> [PlanStep; 6] {
         let (m, n_sites) = (self.n_gauges, self.n_sites);
         let sizes = [("sites", n_sites), ("gauges", m)];
-        let (tested, followed) = (test_flops(m), follow_flops(m, 1));
-        let test_s = tested / self.rates.test_flops_per_s;
-        let follow_s = followed / self.rates.follow_flops_per_s;
         [
-            PlanStep::runs(TEST, "does anything touch", &sizes[1..]).costing(cost(
-                tested,
-                8 * m * m,
-                test_s,
-            )),
+            PlanStep::runs(TEST, "does anything touch", &sizes[1..])
+                .costing(Work::test(m), self.rates),
             PlanStep::skipped(
                 Skip::UntouchedFrames,
                 "search while nothing touches",
@@ -160,7 +152,7 @@ impl Frame<'_> {
             self.single(),
             self.pairs(),
             PlanStep::runs(FOLLOWED, "in a stream, in place of a search", &sizes[1..])
-                .costing(cost(followed, 8 * m * m, follow_s)),
+                .costing(Work::followed(m), self.rates),
             PlanStep::skipped(
                 Skip::OtherEstimator,
                 "nets and k-Max",
@@ -171,20 +163,14 @@ impl Frame<'_> {
     }
 
     fn single(&self) -> PlanStep {
-        let (m, n_sites, rates) = (self.n_gauges, self.n_sites, self.rates);
-        let (scanned, refined) = (scan_flops(m, n_sites), refine_flops(m, 1, rates.single_steps));
-        let seconds = scanned / rates.scan_flops_per_s + refined / rates.single_flops_per_s;
+        let (m, n_sites) = (self.n_gauges, self.n_sites);
         let sizes = [("sites", n_sites), ("gauges", m)];
         let why = "and the refinement of the best";
-        PlanStep::runs(SINGLE, why, &sizes).costing(cost(
-            scanned + refined,
-            4 * m * n_sites,
-            seconds,
-        ))
+        PlanStep::runs(SINGLE, why, &sizes).costing(Work::single(m, n_sites), self.rates)
     }
 
     fn pairs(&self) -> PlanStep {
-        let (m, n_sites, rates) = (self.n_gauges, self.n_sites, self.rates);
+        let (m, n_sites) = (self.n_gauges, self.n_sites);
         let sizes = [("pairs", n_sites * n_sites.saturating_sub(1) / 2)];
         if self.max_contacts < 2 {
             let why = "contact.max_contacts is 1";
@@ -195,17 +181,7 @@ impl Frame<'_> {
             let why = format!("{m} gauges carry {carried} contact, three each");
             return PlanStep::skipped(Skip::UncarriedPairs, PAIRS, why, &sizes);
         }
-        let (scanned, refined) = (pairs_flops(n_sites), refine_flops(m, 2, rates.pair_steps));
-        let seconds = scanned / rates.pairs_flops_per_s + refined / rates.pair_flops_per_s;
         let why = "where one contact does not explain the frame; the search for one included";
-        PlanStep::runs(PAIRS, why, &sizes).costing(cost(
-            scanned + refined,
-            4 * n_sites * n_sites,
-            seconds,
-        ))
+        PlanStep::runs(PAIRS, why, &sizes).costing(Work::pair(m, n_sites), self.rates)
     }
-}
-
-fn cost(flops: f64, bytes: usize, seconds: f64) -> Cost {
-    Cost { flops, bytes: bytes as f64, seconds: Some(seconds) }
 }

@@ -19,6 +19,7 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::sampling::{DrawnContact, draw_contacts};
+use crate::work::{Work, table_bytes};
 
 const DATASET_FILE: &str = "samples.safetensors";
 const VERSION: u32 = 1;
@@ -98,6 +99,7 @@ impl<'a> Maker<'a> {
         let inputs = self.inputs(kind);
         self.run.cache.stage("dataset", &inputs, |dir| {
             let contacts = self.contacts(kind)?;
+            let work = self.work(&contacts);
             self.run.say(&format!("writing {} samples: {}", contacts.len(), title(kind)));
             let mut electronics = self.electronics(kind)?;
             let path = dir.join(DATASET_FILE);
@@ -114,7 +116,10 @@ impl<'a> Maker<'a> {
             writer.finish()?;
             self.manifest(kind, contacts.len(), specs)?.write(&path)?;
             let n_saturated = electronics.map_or(0, |e| e.n_saturated());
-            Ok(json!({ "n_samples": contacts.len(), "n_saturated": n_saturated }))
+            Ok(json!({
+                "n_samples": contacts.len(), "n_saturated": n_saturated,
+                "work": work.done(self.run.threads),
+            }))
         })
     }
 
@@ -125,6 +130,16 @@ impl<'a> Maker<'a> {
         let path = self.compliance.dir.join(COMPLIANCE_FILE);
         let table = ComplianceTable::read(&path, self.limb.n_surface_nodes())?;
         Ok(self.table.get_or_init(|| table))
+    }
+
+    /// That of superposing and writing them, and of reading the table before the first.
+    fn work(&self, contacts: &[Vec<DrawnContact>]) -> Work {
+        let (n_surface, n_nodes) = (self.points.len(), self.limb.wanted_nodes().len());
+        let work = Work::samples(contacts.len(), contacts[0].len(), n_nodes);
+        if self.table.get().is_some() {
+            return work;
+        }
+        work.reading(table_bytes(n_surface, n_nodes))
     }
 
     fn contacts(&self, kind: DatasetKind) -> Result<Vec<Vec<DrawnContact>>, HapdefError> {

@@ -16,6 +16,7 @@ use crate::error::HapdefError;
 use crate::limb::{Limb, Solid, deck_hash, place_gauges};
 use crate::run::Run;
 use crate::scene::{RigMesh, RigSpec, VariationSpec};
+use crate::work::{Work, WorkKind};
 
 const RESPONSE_FILE: &str = "response.safetensors";
 const TENSOR: &str = "strain";
@@ -47,6 +48,7 @@ pub fn rig(run: &Run, limb: &Limb, compliance: &Stage) -> Result<Stage, HapdefEr
             "nnz_l": info.factor.nnz_l,
             "factor_s": info.factor.factor_s,
             "worst_relative_residual": info.solve.worst_relative_residual,
+            "work": Work::elastic(WorkKind::Rig, &info.factor, limb.gauges.len()).done(run.threads),
         }))
     })
 }

@@ -11,6 +11,7 @@ use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
+use crate::work::Work;
 
 /// Name of the table in the stage's folder.
 pub(crate) const COMPLIANCE_FILE: &str = "compliance.safetensors";
@@ -64,6 +65,9 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             "peak_rss_gib": peak_rss_gib(),
             "adjoint_s": adjoint.elapsed_s,
             "median_best_gauge_ue_per_n": median_best_gauge(&response, &loads, limb.gauges.len()),
+            "work": Work::compliance(
+                factor, limb.n_surface_nodes(), limb.gauges.len(), wanted.len()
+            ).done(run.threads),
             "median_self_compliance_um_per_n": stats::median(table.self_compliance_um_per_n()),
         }))
     })

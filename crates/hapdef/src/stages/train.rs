@@ -20,6 +20,7 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::profile::{OutputScale, Samples, Schedule};
 use crate::run::Run;
+use crate::work::Work;
 
 const VERSION: u32 = 2;
 
@@ -133,19 +134,29 @@ impl Trainer<'_> {
                 params.steps,
                 params.batch,
             ));
+            let modes = self.output_modes(kind, fixed.n_outputs());
+            let spec = kind.spec(fixed.n_inputs(), modes.unwrap_or(fixed.n_outputs()));
             let training = Training {
                 run,
                 kind,
                 params: &params,
                 dir,
-                output_modes: self.output_modes(kind, fixed.n_outputs()),
+                output_modes: modes,
                 output_scale: self.output_scale(kind),
             };
             let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
             if info.stopped_early {
                 return Err(HapdefError::Stopped { stage: format!("training {}", kind.name()) });
             }
-            Ok(record(kind, n_samples, &info, &net))
+            let n_trained = info.step as usize * params.batch;
+            let mut work = Work::training(kind, &spec, n_trained);
+            if let (NetKind::Reconstruction { n_sets }, true) = (kind, self.is_drawn(kind)) {
+                let n_nodes = spec.inputs + self.points.len();
+                work = work.drawing(n_trained, n_sets.div_ceil(2), n_nodes, modes.unwrap_or(0));
+            }
+            let mut record = record(kind, n_samples, &info, &net);
+            record["work"] = json!(work.done(run.threads));
+            Ok(record)
         })
     }
 

@@ -12,7 +12,6 @@ mod demo_scene;
 mod examples;
 mod fuzz_short;
 mod plan;
-mod rates;
 mod saturation;
 mod scene_search;
 mod session;

@@ -1,17 +1,13 @@
 //! The plan of a scene: what runs, what is left out, and that the run follows it.
 
-use crate::rates;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use hapdef::plan::{Plan, PlanStep, StepState, When, pipeline_parts_s, plan};
+use hapdef::plan::{Plan, PlanStep, Rates, StepState, When, pipeline_parts_s, plan};
 use hapdef::stages::compliance;
 use hapdef::touch::{Calibration, touch_estimator};
 use hapdef::{Limb, Profile, Progress, Run};
 use serde_json::{Value, json};
-
-use rates::MACHINE;
 
 fn shin() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
@@ -47,8 +43,8 @@ fn assert_times(plan: &Plan) {
 fn the_papers_chain_is_planned_in_full_and_nothing_is_made() {
     let folder = tempfile::tempdir().unwrap();
     let (run, limb) = prepared(folder.path(), "scene.json", |_| {});
-    let parts_s = pipeline_parts_s(&run, &limb, &MACHINE).unwrap();
-    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let parts_s = pipeline_parts_s(&run, &limb, &Rates::default()).unwrap();
+    let plan = plan(&run, &limb, &Rates::default()).unwrap();
     let elastic = ["compliance", "rig"].map(|name| plan.step(name).unwrap().predicted_s.unwrap());
     for (part_s, step_s) in parts_s.iter().zip(elastic) {
         assert!((part_s / step_s - 1.0).abs() < 0.5, "{parts_s:?} {elastic:?}");
@@ -105,7 +101,7 @@ fn the_plan_has_the_sizes_of_the_run_and_finds_it_in_the_cache() {
     let (run, limb) = prepared(folder.path(), "scene.json", |scene| {
         scene["contact"]["region"]["axial_range_m"] = json!([0.1, 0.12]);
     });
-    let before = plan(&run, &limb, &MACHINE).unwrap();
+    let before = plan(&run, &limb, &Rates::default()).unwrap();
     let stage = compliance(&run, &limb).unwrap();
     let sizes = &before.step("compliance").unwrap().sizes;
     for (planned, made) in [
@@ -116,7 +112,7 @@ fn the_plan_has_the_sizes_of_the_run_and_finds_it_in_the_cache() {
     ] {
         assert_eq!(Some(sizes[planned]), stage.record.info[made].as_u64(), "{planned}");
     }
-    let after = plan(&run, &limb, &MACHINE).unwrap();
+    let after = plan(&run, &limb, &Rates::default()).unwrap();
     assert_eq!(names(&after, StepState::Cached), ["compliance"]);
     let step = after.step("compliance").unwrap();
     assert_eq!((step.recorded_s, step.flops), (Some(stage.record.elapsed_s), 0.0));
@@ -128,7 +124,7 @@ fn a_single_contact_leaves_out_the_sets_of_several() {
     let (run, limb) = prepared(folder.path(), "scene.json", |scene| {
         scene["contact"]["max_contacts"] = json!(1);
     });
-    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let plan = plan(&run, &limb, &Rates::default()).unwrap();
     let skipped = names(&plan, StepState::Skipped);
     for name in ["set II", "set III", "set IV", "rig's double presses"] {
         assert!(skipped.contains(&name), "{name} is not in {skipped:?}");
@@ -141,7 +137,7 @@ fn a_single_contact_leaves_out_the_sets_of_several() {
 fn superposition_solves_an_adjoint_for_each_gauge_and_no_more() {
     let folder = tempfile::tempdir().unwrap();
     let (run, limb) = prepared(folder.path(), "placed.json", |_| {});
-    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let plan = plan(&run, &limb, &Rates::default()).unwrap();
     assert_eq!(
         names(&plan, StepState::Runs),
         ["response", "χ² test", "scan for one contact", "pair search", "a contact followed"]
@@ -192,7 +188,7 @@ fn a_map_that_is_wanted_is_solved_and_one_that_is_not_says_why() {
         let (run, limb) = prepared(folder.path(), "placed.json", |scene| {
             scene["outputs"] = outputs.into();
         });
-        let plan = plan(&run, &limb, &MACHINE).unwrap();
+        let plan = plan(&run, &limb, &Rates::default()).unwrap();
         plan.step("compliance").unwrap().clone()
     };
     let (of_map, of_contacts) = (planned("map"), planned("contacts"));
@@ -210,7 +206,7 @@ fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
     let (run, limb) = prepared(folder.path(), "placed.json", |_| {});
     let results = folder.path().join("results");
     let why = || {
-        let made = plan(&run, &limb, &MACHINE).unwrap();
+        let made = plan(&run, &limb, &Rates::default()).unwrap();
         let advised = made.with_shell_advice(&limb, run.scene.rig.max_wall_m, &results);
         let advised = advised.unwrap();
         let step = advised.step("shell model instead").unwrap();
@@ -253,11 +249,11 @@ fn one_contact_needs_no_pair_search_and_a_calibration_no_solve() {
         scene["contact"]["max_contacts"] = json!(1);
         scene["estimator"]["calibration"] = json!("calibration.json");
     });
-    let missing = plan(&run, &limb, &MACHINE).unwrap_err();
+    let missing = plan(&run, &limb, &Rates::default()).unwrap_err();
     assert!(missing.to_string().contains("calibration.json"), "{missing}");
     let calibration = calibration(&run, &limb);
     calibration.write(&folder.path().join("calibration.json")).unwrap();
-    let plan = plan(&run, &limb, &MACHINE).unwrap();
+    let plan = plan(&run, &limb, &Rates::default()).unwrap();
     assert_eq!(plan.step("scan for one contact").unwrap().sizes["sites"], 7);
     let pairs = plan.step("pair search").unwrap();
     assert_eq!((pairs.state, pairs.flops), (StepState::Skipped, 0.0));
@@ -275,10 +271,10 @@ fn a_calibration_is_planned_with_its_presses() {
     let (run, limb) = prepared(folder.path(), "placed.json", |scene| {
         scene["estimator"]["map_refinements"] = json!(0);
     });
-    let bare = plan(&run, &limb, &MACHINE).unwrap();
+    let bare = plan(&run, &limb, &Rates::default()).unwrap();
     let planned = |n_presses| {
         let with = bare.clone();
-        let with = with.with_calibration(&run, &limb, &MACHINE, n_presses);
+        let with = with.with_calibration(&run, &limb, &Rates::default(), n_presses);
         with.unwrap().step("hapdef calibrate").unwrap().clone()
     };
     let (few, many) = (planned(300), planned(3000));

@@ -2,17 +2,15 @@
 
 mod chain;
 mod frames;
-use crate::rates;
+
 mod solves;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use hapdef::plan::{Skip, StepState, plan};
+use hapdef::plan::{Rates, Skip, StepState, plan};
 use hapdef::scene::Scene;
 use hapdef::{Limb, Profile, Progress, Run};
-
-use rates::MACHINE;
 
 fn run_of(scene: &str, out: &Path) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
@@ -55,7 +53,7 @@ fn every_step_left_out_is_a_skip_with_a_proof() {
     let skips_of = |scene: &str, change: fn(&mut Scene)| {
         let mut run = run_of(scene, out.path());
         change(&mut run.scene);
-        let steps = plan(&run, &loaded(&run), &MACHINE).unwrap().steps;
+        let steps = plan(&run, &loaded(&run), &Rates::default()).unwrap().steps;
         for step in &steps {
             assert_eq!(step.skip.is_some(), step.state == StepState::Skipped, "{step:?}");
         }
