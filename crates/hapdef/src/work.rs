@@ -75,26 +75,26 @@ const MANY_LOADS: usize = 64;
 const CONDITION_LOADS: usize = 24;
 
 /// Time of an operation of a solve with many or few right-hand sides, in those of a factorisation.
-const MANY_SOLVES: f64 = 2.0;
-const FEW_SOLVES: f64 = 10.0;
+const MANY_SOLVES: f64 = 0.25;
+const FEW_SOLVES: f64 = 1.8;
 
 /// Time of ordering and assembly for each FE node, in operations of a factorisation.
-const NODE: f64 = 2e5;
+const NODE: f64 = 3e5;
 
 /// The same for each node of a skin of which it is found what a tip there averages over.
-const TIP: f64 = 1e6;
+const TIP: f64 = 2e6;
 
 /// Time of a byte that is written or read, in operations of a factorisation.
 const BYTE: f64 = 20.0;
 
-/// Operations of a calibration's fit that take the time of one of a factorisation.
-const FIT: f64 = 1.0;
+/// Time of an operation of a calibration's fit, in those of a factorisation.
+const FIT: f64 = 4.0;
 
 /// Steps of refinement behind one contact, and behind two, those of the search for one included.
-const STEPS: [f64; 2] = [200.0, 2000.0];
+const STEPS: [f64; 2] = [90.0, 2400.0];
 
-/// Time of an operation of a step of refinement, in those of a scan.
-const STEP: f64 = 4.0;
+/// Time of an operation of a scan for one contact, and for two, in those of a step of refinement.
+const SCAN: [f64; 2] = [6.0, 2.0];
 
 /// Presses at most that a kernel is chosen on, and that are fitted.
 const MOST_FOR_KERNEL: usize = 600;
@@ -219,7 +219,8 @@ impl Work {
         (n_gauges, n_contacts): (usize, usize),
     ) -> Self {
         let steps = STEPS[n_contacts - 1] * step_flops(n_gauges, n_contacts);
-        Self { kind, flops: scan + steps, bytes: bytes as f64, amount: scan + STEP * steps }
+        let amount = SCAN[n_contacts - 1] * scan + steps;
+        Self { kind, flops: scan + steps, bytes: bytes as f64, amount }
     }
 
     /// With a calibration's fit to `n_presses` with `n_columns` modes: for every gauge the kernels

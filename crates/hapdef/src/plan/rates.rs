@@ -53,19 +53,18 @@ impl Rates {
     }
 }
 
-/// Rates of two threads of a server's processor of 2021, which count until something is recorded.
+/// Rates on two cores of an AMD EPYC, which count until something is recorded.
 fn assumed_per_s(kind: WorkKind) -> f64 {
     match kind {
-        WorkKind::Compliance | WorkKind::Rig | WorkKind::Response => 2e10,
-        WorkKind::Calibration => 2e10,
-        WorkKind::Samples => 4e8,
-        WorkKind::Transfer => 1e10,
-        WorkKind::Reconstruction => 5e10,
-        WorkKind::Sensitivity | WorkKind::Direct => 1e10,
-        WorkKind::Pass => 2e9,
-        WorkKind::Kmax => 1e7,
-        WorkKind::Test | WorkKind::Followed => 1e9,
-        WorkKind::Single | WorkKind::Pair => 1e9,
+        WorkKind::Compliance | WorkKind::Rig | WorkKind::Response | WorkKind::Calibration => 1.7e10,
+        WorkKind::Samples => 4.5e8,
+        WorkKind::Transfer | WorkKind::Sensitivity | WorkKind::Direct => 5e10,
+        WorkKind::Reconstruction => 4e10,
+        WorkKind::Pass => 1.1e10,
+        WorkKind::Kmax => 1.6e8,
+        WorkKind::Test => 3.8e8,
+        WorkKind::Followed | WorkKind::Single => 1.2e9,
+        WorkKind::Pair => 2.5e9,
     }
 }
 
