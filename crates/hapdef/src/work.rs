@@ -5,8 +5,6 @@ use hapdef_nets::MlpSpec;
 use hapdef_sim::FactorInfo;
 use serde::{Deserialize, Serialize};
 
-use crate::stages::NetKind;
-
 /// What is done at a rate of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -162,10 +160,10 @@ impl Work {
 
     /// Training of a net: two operations a parameter and sample forward, four backward, and the looks
     /// at the validation set.
-    pub(crate) fn training(kind: NetKind, net: &MlpSpec, n_samples: usize) -> Self {
+    pub(crate) fn training(kind: WorkKind, net: &MlpSpec, n_samples: usize) -> Self {
         let p = net.n_parameters() as f64;
         let flops = p * (6.0 * n_samples as f64 + 2.0 * VALIDATED);
-        Self { kind: kind.into(), flops, bytes: 4.0 * p, amount: flops }
+        Self { kind, flops, bytes: 4.0 * p, amount: flops }
     }
 
     /// With samples drawn, superposed and, where the net is trained in modes, projected on them.
@@ -257,17 +255,6 @@ impl Work {
             flops: self.flops + other.flops,
             bytes: self.bytes + other.bytes,
             amount: self.amount + other.amount,
-        }
-    }
-}
-
-impl From<NetKind> for WorkKind {
-    fn from(net: NetKind) -> Self {
-        match net {
-            NetKind::Transfer => Self::Transfer,
-            NetKind::Reconstruction { .. } => Self::Reconstruction,
-            NetKind::Sensitivity => Self::Sensitivity,
-            NetKind::Direct => Self::Direct,
         }
     }
 }

@@ -159,7 +159,7 @@ impl Planner<'_> {
             ("gauges", self.limb.gauges.len()),
         ];
         let why = format!("samples of {n_contacts} at a time, superposed");
-        self.from_stage(
+        self.run_or_cached(
             PlanStep::runs(name, why, &sizes),
             stage,
             Work::samples(n, n_contacts, n_nodes),
@@ -193,7 +193,7 @@ impl Planner<'_> {
             ("samples a step", schedule.batch),
         ];
         let n = schedule.steps * schedule.batch;
-        let mut work = Work::training(kind, &self.trained(kind), n);
+        let mut work = Work::training(kind.into(), &self.trained(kind), n);
         if let NetKind::Reconstruction { n_sets } = kind
             && self.run.profile.samples == Samples::Drawn
         {
@@ -201,7 +201,7 @@ impl Planner<'_> {
             work = work.drawing(n, n_sets.div_ceil(2), self.n_nodes(), modes);
         }
         let why = "a net of the chain";
-        self.from_stage(PlanStep::runs(&kind.name(), why, &sizes), stage, work)
+        self.run_or_cached(PlanStep::runs(&kind.name(), why, &sizes), stage, work)
     }
 
     /// A frame passes the three nets; F_S once for each contact.
@@ -262,7 +262,7 @@ impl Planner<'_> {
     }
 
     /// The step with its work, or answered by the cache.
-    fn from_stage(&self, step: PlanStep, stage: &Stage, work: Work) -> PlanStep {
+    fn run_or_cached(&self, step: PlanStep, stage: &Stage, work: Work) -> PlanStep {
         if stage.cached { cached(step, stage) } else { step.costing(work, self.rates) }
     }
 

@@ -12,6 +12,7 @@ use super::dataset::{Datasets, samples_path};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
+use crate::work::WorkKind;
 
 /// Name of a trained net in its stage's folder; its checkpoints lie there while it is trained.
 pub(super) const CHECKPOINT_FILE: &str = "net.json";
@@ -38,6 +39,17 @@ const BLOCK: usize = 512;
 
 /// Most samples a validation looks at, spread over the sets.
 const MAX_VALIDATION: usize = 1000;
+
+impl From<NetKind> for WorkKind {
+    fn from(net: NetKind) -> Self {
+        match net {
+            NetKind::Transfer => Self::Transfer,
+            NetKind::Reconstruction { .. } => Self::Reconstruction,
+            NetKind::Sensitivity => Self::Sensitivity,
+            NetKind::Direct => Self::Direct,
+        }
+    }
+}
 
 impl NetKind {
     /// Name for files and people.

@@ -149,7 +149,7 @@ impl Trainer<'_> {
                 return Err(HapdefError::Stopped { stage: format!("training {}", kind.name()) });
             }
             let n_trained = info.step as usize * params.batch;
-            let mut work = Work::training(kind, &spec, n_trained);
+            let mut work = Work::training(kind.into(), &spec, n_trained);
             if let (NetKind::Reconstruction { n_sets }, true) = (kind, self.is_drawn(kind)) {
                 let n_nodes = spec.inputs + self.points.len();
                 work = work.drawing(n_trained, n_sets.div_ceil(2), n_nodes, modes.unwrap_or(0));

@@ -5,39 +5,66 @@ use std::time::Instant;
 use super::*;
 use hapdef_inverse::Effort;
 
-const N_SCENES: u64 = 16;
+/// Frames in which contacts arrive: a pair beside two that are held, and beside one.
+const ARRIVALS: [&[usize]; 2] = [&[50, 250, 450, 450], &[50, 250, 250]];
 
-/// What one effort reached over the scenes.
+/// What one setting reached over scenes.
 #[derive(Default)]
 struct Reached {
-    n_clean: usize,
+    is_clean: Vec<bool>,
     errors_m: Vec<f64>,
     times_us: Vec<f64>,
+    n_trials: Vec<usize>,
 }
 
-/// Four contacts arrive, the last two at once, beside 1 % of map error; when they have been held for a
-/// while all are compared with the truth.
-fn play(effort: Effort, seed: u64, reached: &mut Reached) {
-    let world = World::new(10, 600, 80 + seed);
-    let params = TrackerParams::of(effort);
+/// Contacts arrive beside 1 % of map error; when they have been held for a while all are compared with
+/// the truth. Clean: all within 10 mm, and none besides.
+fn play(params: TrackerParams, arrivals: &[usize], seed: u64, reached: &mut Reached) {
+    let world = World::new(10, 600, seed);
     let mut tracker = tracker(&world, 0.01, params);
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let points = world.draw_points(4, 0.02, &mut rng);
+    let points = world.draw_points(arrivals.len(), 0.02, &mut rng);
     let mut contacts = Vec::new();
     for index in 0..900 {
-        let starts = [50, 250, 450, 450];
-        contacts = (0..4).map(|i| (points[i], ramp(index, starts[i], 15.0))).collect();
+        let pressed = points.iter().zip(arrivals);
+        contacts = pressed.map(|(point, start)| (*point, ramp(index, *start, 15.0))).collect();
         contacts.retain(|c| c.1 > 0.0);
         let y = frame(&world, &contacts, SD, &mut rng);
         let started = Instant::now();
         let info = tracker.step(&y, None).unwrap().info;
         reached.times_us.push(1e6 * started.elapsed().as_secs_f64());
-        assert!(info.n_trials <= params.steps_per_frame, "{effort:?}: {info:?}");
+        reached.n_trials.push(info.n_trials);
+        assert!(info.n_trials <= params.steps_per_frame, "{params:?}: {info:?}");
     }
     let worst = worst_m(&world, &contacts, tracker.last());
-    reached.n_clean += usize::from(worst < 0.01);
+    reached.is_clean.push(worst < 0.01);
     if worst.is_finite() {
         reached.errors_m.push(worst);
+    }
+}
+
+impl Reached {
+    fn over(params: TrackerParams, arrivals: &[usize], seeds: std::ops::Range<u64>) -> Self {
+        let mut reached = Self::default();
+        seeds.for_each(|seed| play(params, arrivals, seed, &mut reached));
+        reached
+    }
+
+    fn n_clean(&self) -> usize {
+        self.is_clean.iter().filter(|is_clean| **is_clean).count()
+    }
+
+    /// Scenes that are clean here and not in `other`.
+    fn n_better(&self, other: &Self) -> usize {
+        let pairs = self.is_clean.iter().zip(&other.is_clean);
+        pairs.filter(|(own, other)| **own && !**other).count()
+    }
+
+    fn print(&mut self, what: &str) {
+        let (n_clean, n) = (self.n_clean(), self.is_clean.len());
+        let errors_mm = [0.5, 0.9].map(|share| 1e3 * quantile(&mut self.errors_m, share));
+        let times_us = [0.5, 0.99, 0.999].map(|share| quantile(&mut self.times_us, share));
+        println!("{what}: {n_clean} of {n} clean, {errors_mm:.2?} mm, {times_us:.1?} µs");
     }
 }
 
@@ -47,20 +74,52 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values[(share * last as f64).round() as usize]
 }
 
-/// Every effort keeps to its steps, and finds all four contacts in a third of the scenes at least: a pair
-/// beside two held contacts leaves two numbers of ten to check it by.
+/// More effort is never worse: of the scenes that one of two efforts alone has clean, the greater has no
+/// fewer than a fair coin gives it in 98 of 100 cases. Less effort takes less work: in the frames that
+/// take most of it, which are those that hold up a stream.
 #[test]
-fn every_effort_follows_four_contacts() {
-    for effort in Effort::ALL {
-        let mut reached = Reached::default();
-        (0..N_SCENES).for_each(|seed| play(effort, seed, &mut reached));
-        let median_mm = 1e3 * quantile(&mut reached.errors_m, 0.5);
-        let times_us = [0.5, 0.99, 1.0].map(|share| quantile(&mut reached.times_us, share));
-        println!(
-            "{effort:?}: {} of {N_SCENES} clean, the worst of four {median_mm:.2} mm in the median, \
-             p50 {:.1}, p99 {:.0}, longest {:.0} µs",
-            reached.n_clean, times_us[0], times_us[1], times_us[2],
-        );
-        assert!(3 * reached.n_clean >= N_SCENES as usize, "{effort:?}: {}", reached.n_clean);
+fn more_effort_is_no_worse_and_less_effort_is_less_work() {
+    let reached = Effort::ALL.map(|effort| {
+        let mut reached = Reached::over(TrackerParams::of(effort), ARRIVALS[0], 80..128);
+        reached.print(&format!("{effort:?}"));
+        reached
+    });
+    for pair in reached.windows(2) {
+        let [less, more] = pair else { unreachable!() };
+        let (gained, lost) = (more.n_better(less) as f64, less.n_better(more) as f64);
+        assert!(lost - gained <= 2.0 * (gained + lost).sqrt(), "{gained} gained, {lost} lost");
+        let most = [less, more].map(|reached| reached.n_trials.iter().max());
+        assert!(most[0] < most[1], "{most:?}");
+    }
+}
+
+/// Settings side by side, of which those of the efforts are chosen (`docs/contacts.md`): seeds that no
+/// other test has.
+#[test]
+#[ignore = "minutes, and it asserts nothing"]
+fn settings_side_by_side() {
+    for arrivals in ARRIVALS {
+        for (steps_per_frame, n_hypotheses) in [
+            (30, 1),
+            (30, 2),
+            (60, 1),
+            (60, 2),
+            (60, 4),
+            (100, 2),
+            (100, 4),
+            (100, 8),
+            (200, 4),
+            (200, 8),
+            (400, 4),
+            (400, 8),
+            (400, 16),
+            (800, 8),
+        ] {
+            let params =
+                TrackerParams { steps_per_frame, n_hypotheses, ..TrackerParams::default() };
+            let mut reached = Reached::over(params, arrivals, 7000..7120);
+            reached
+                .print(&format!("{} contacts: {steps_per_frame}, {n_hypotheses}", arrivals.len()));
+        }
     }
 }
