@@ -18,7 +18,8 @@ const MOST_SAMPLES: usize = 512;
 /// Samples that pass the network together.
 const TOGETHER: usize = 256;
 
-/// A net must come below this share of the √MSE of the means.
+/// A net must come below this share of the √MSE of the means: trainings that are far too fast or hardly
+/// move end at or above it (`a_training_that_learns_nothing_is_refused`).
 const LARGEST_SHARE: f64 = 0.999;
 
 /// Fails where the weights `mlp` between the scales of `net` are no better on training samples than
