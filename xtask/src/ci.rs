@@ -141,10 +141,10 @@ fn crates_alone() -> Result<()> {
     Ok(())
 }
 
-/// Without debug information: nobody debugs what is built here, and what one of these commands compiles the
-/// others take.
+/// Without debug information and records of what changed: nobody debugs or changes what is built here, and
+/// what one of these commands compiles the others take.
 fn without_debug(command: &mut Command) -> &mut Command {
-    command.env("CARGO_PROFILE_DEV_DEBUG", "0")
+    command.envs([("CARGO_PROFILE_DEV_DEBUG", "0"), ("CARGO_INCREMENTAL", "0")])
 }
 
 /// Names and seconds of the steps, in the order in which they ended.
