@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
+use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
@@ -96,8 +97,10 @@ fn run_of(files: &[PathBuf]) -> Result<()> {
                 continue;
             }
             eprintln!("   $ {line}");
+            let start = Instant::now();
             run(Command::new("sh").args(["-c", line]).current_dir(root()))
                 .with_context(|| format!("{}: {line}", file.display()))?;
+            eprintln!("   {:.1} s", start.elapsed().as_secs_f64());
         }
     }
     if run_before.is_empty() {
