@@ -56,35 +56,35 @@ pub enum SimError {
         /// Elements in the mesh.
         n_elements: usize,
     },
-    /// A rigid insert with a node that is held as well.
+    /// A rigid body with a node that is held as well.
     #[error(
-        "node {node} (0-based) of rigid insert {insert} is also clamped or in a symmetry plane: \
-         an insert moves freely; clamp all of its nodes instead, or leave the held ones out"
+        "node {node} (0-based) of rigid body {rigid_body} is also clamped or in a symmetry plane: \
+         a rigid body moves freely; clamp all of its nodes instead, or leave the held ones out"
     )]
-    InsertHeld {
-        /// The insert, counted from 0.
-        insert: usize,
+    RigidBodyHeld {
+        /// The rigid body, counted from 0.
+        rigid_body: usize,
         /// The node.
         node: usize,
     },
-    /// Two rigid inserts that share a node.
+    /// Two rigid bodies that share a node.
     #[error(
-        "rigid inserts {} and {} share node {node} (0-based): join them into one", inserts[0], inserts[1]
+        "rigid bodies {} and {} share node {node} (0-based): join them into one", rigid_bodies[0], rigid_bodies[1]
     )]
-    InsertsShareNode {
-        /// The inserts, counted from 0.
-        inserts: [usize; 2],
+    RigidBodiesShareNode {
+        /// The rigid bodies, counted from 0.
+        rigid_bodies: [usize; 2],
         /// The node.
         node: usize,
     },
-    /// A rigid insert that could spin without moving a node.
+    /// A rigid body that could spin without moving a node.
     #[error(
-        "rigid insert {insert} has {n_nodes} different nodes, all on a line; it needs three that \
+        "rigid body {rigid_body} has {n_nodes} different nodes, all on a line; it needs three that \
          are not"
     )]
-    InsertTooSmall {
-        /// The insert, counted from 0.
-        insert: usize,
+    RigidBodyTooSmall {
+        /// The rigid body, counted from 0.
+        rigid_body: usize,
         /// Its different nodes.
         n_nodes: usize,
     },
@@ -96,7 +96,7 @@ pub enum SimError {
     },
     /// An energy that displacements alone do not fix.
     #[error(
-        "the strain energy of a shell or of a limb with rigid inserts does not follow from \
+        "the strain energy of a shell or of a limb with rigid bodies does not follow from \
          displacements alone; take half the work of the load"
     )]
     NeedsRotations,
@@ -325,7 +325,7 @@ pub enum SimError {
     #[error(
         "the stiffness has a condition number of about {condition:e}: with a backward error of \
          {backward_error:.2e} displacements may be off by {bound:e}, allowed is {limit:e}; tie parts \
-         that are far stiffer than the rest as rigid inserts, and remesh slivers"
+         that are far stiffer than the rest as rigid bodies, and remesh slivers"
     )]
     IllConditioned {
         /// The estimated condition number of the Jacobi-scaled stiffness.

@@ -82,7 +82,7 @@ pub use shell::{
     shell_stiffness, shell_traction_load,
 };
 pub use supports::{
-    FloatingBody, Foundation, FoundationFaces, HeldMotion, Hold, RigidInsert, RigidMotion,
-    Supports, SymmetryPlane,
+    FloatingBody, Foundation, FoundationFaces, HeldMotion, Hold, RigidBody, RigidMotion, Supports,
+    SymmetryPlane,
 };
 pub use system::StiffnessExtremes;

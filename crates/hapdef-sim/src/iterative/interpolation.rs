@@ -52,7 +52,7 @@ impl CornerInterpolation {
                     rows[*place as usize] =
                         Some(followed(&weights, &Matrix3::identity(), unknowns));
                 }
-                Link::Guided(place, projector) => {
+                Link::Roller(place, projector) => {
                     rows[*place as usize] = Some(followed(&weights, projector, unknowns));
                 }
                 Link::Fixed | Link::Tied { .. } => {}

@@ -24,7 +24,7 @@ pub(crate) fn rigid_modes(positions: &[Point3<f64>], unknowns: &Unknowns) -> Vec
             Some(unknowns.translation(owner.node))
         };
         let projector = match motion {
-            Some(Link::Guided(_, projector)) => **projector,
+            Some(Link::Roller(_, projector)) => **projector,
             _ => Matrix3::identity(),
         };
         let (translation, rotation) = if owner.is_rotation {

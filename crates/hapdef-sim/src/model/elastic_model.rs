@@ -24,7 +24,7 @@ pub struct ElasticParams {
     pub element_stiffness_scale: Option<Vec<f64>>,
     /// Nodes held at zero in all directions; repeats are allowed.
     pub clamped: Vec<FeNodeId>,
-    /// Symmetry planes, elastic beds, rigid inserts.
+    /// Symmetry planes, Winkler foundations, rigid bodies.
     pub supports: Supports,
     /// How its systems are solved.
     pub solver: SolverChoice,
@@ -72,7 +72,7 @@ impl ElasticModel {
     /// [`SimError::NodeOutOfRange`], [`SimError::ElementOutOfRange`], [`SimError::Length`],
     /// [`SimError::StiffnessScale`], [`SimError::Direction`] and [`SimError::Parameter`] on unusable
     /// parameters; [`SimError::FreeRigidModes`], [`SimError::AllClamped`],
-    /// [`SimError::InsertHeld`], [`SimError::InsertsShareNode`] and [`SimError::InsertTooSmall`] on
+    /// [`SimError::RigidBodyHeld`], [`SimError::RigidBodiesShareNode`] and [`SimError::RigidBodyTooSmall`] on
     /// unusable supports, before any factoring; [`SimError::ElementInverted`] and
     /// [`SimError::NotPositiveDefinite`] and [`SimError::Singular`] on a bad mesh; [`SimError::TooLarge`] and
     /// [`SimError::Threads`] on lack of resources.
@@ -164,8 +164,8 @@ impl ElasticModel {
         &self.extremes
     }
 
-    /// The strain energy ½ uᵀ K u of displacements `[n_fe_nodes]`, m, in J, elastic beds included;
-    /// what is held counts as zero. For solids without rigid inserts; elsewhere half the work of
+    /// The strain energy ½ uᵀ K u of displacements `[n_fe_nodes]`, m, in J, Winkler foundations included;
+    /// what is held counts as zero. For solids without rigid bodies; elsewhere half the work of
     /// the load is the energy.
     ///
     /// # Errors

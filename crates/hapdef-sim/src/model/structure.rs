@@ -9,7 +9,7 @@ use crate::elements::element_set::Elements;
 use crate::factor::dissection::{Ordering, sequence};
 use crate::factor::ordering::{Cliques, NodeGraph};
 use crate::iterative::{SolverChoice, SolverPlan};
-use crate::supports::conditions::{FaceSpring, Held, bedded_directions};
+use crate::supports::conditions::{FaceSpring, Held, foundation_directions};
 use crate::supports::rigid_modes::{Restraints, check_supports};
 use crate::supports::unknowns::{Link, Unknowns};
 use crate::system::assembly::{BlockPattern, motions_of};
@@ -68,10 +68,10 @@ impl Structure {
         for foundation in &supports.foundations {
             springs.extend(foundation.springs(positions)?);
         }
-        let inserts = &supports.rigid_inserts;
-        let natural = Unknowns::natural(positions, per_node, &held, inserts)?;
-        let bedded = bedded_directions(&springs);
-        check_supports(elements, &Restraints { held: &held, bedded, inserts })?;
+        let rigid_bodies = &supports.rigid_bodies;
+        let natural = Unknowns::natural(positions, per_node, &held, rigid_bodies)?;
+        let on_foundations = foundation_directions(&springs);
+        check_supports(elements, &Restraints { held: &held, on_foundations, rigid_bodies })?;
         let cliques = cliques(elements, &springs, &natural);
         let graph = NodeGraph::build(natural.n_places(), &cliques);
         let (sequence, ordering) = sequence(&graph)?;

@@ -23,7 +23,7 @@ pub struct ShellParams {
     pub material: IsotropicMaterial,
     /// Nodes held at zero, displacement and rotation; repeats are allowed.
     pub clamped: Vec<FeNodeId>,
-    /// Symmetry planes, elastic beds, rigid inserts, single motions.
+    /// Symmetry planes, Winkler foundations, rigid bodies, single motions.
     pub supports: Supports,
     /// Worker threads, at least 1. Results do not depend on it, bit for bit.
     pub n_threads: usize,

@@ -12,10 +12,10 @@ use crate::loads::patch::unit;
 pub struct Supports {
     /// Planes across which the limb and its loads go on as mirror images.
     pub symmetry: Vec<SymmetryPlane>,
-    /// Elastic beds.
+    /// Winkler foundations.
     pub foundations: Vec<Foundation>,
-    /// Stiff inserts, each moving as one body.
-    pub rigid_inserts: Vec<RigidInsert>,
+    /// Rigid bodies (RBE2), each moving as one.
+    pub rigid_bodies: Vec<RigidBody>,
     /// Single motions held at zero.
     pub holds: Vec<Hold>,
 }
@@ -50,10 +50,10 @@ pub enum HeldMotion {
     Rotation,
 }
 
-/// A Winkler bed: a stress against the displacement, per metre, on some faces.
+/// A Winkler foundation: a stress against the displacement, per metre, on some faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foundation {
-    /// Where the bed is.
+    /// Where the foundation is.
     pub faces: FoundationFaces,
     /// Stress per displacement along the face's normal, N/m³.
     pub normal_n_m3: f64,
@@ -70,9 +70,9 @@ pub enum FoundationFaces {
     Shell(Vec<[FeNodeId; 3]>),
 }
 
-/// Nodes tied to one rigid body, which moves freely: a stiff insert.
+/// Nodes tied to one rigid body, which moves freely (RBE2).
 #[derive(Clone, Debug, PartialEq)]
-pub struct RigidInsert {
+pub struct RigidBody {
     /// Its nodes, at least three not on a line.
     pub nodes: Vec<FeNodeId>,
 }
@@ -122,14 +122,14 @@ impl Foundation {
                 continue;
             }
             let along = area * area.transpose() / (size * size);
-            let bed =
+            let foundation =
                 along * self.normal_n_m3 + (Matrix3::identity() - along) * self.tangential_n_m3;
             let six = tri6::shape(q.xi, q.eta);
             let three = [1.0 - q.xi - q.eta, q.xi, q.eta];
             let shape = if n == 3 { &three[..] } else { &six[..] };
             for i in 0..n {
                 for j in 0..n {
-                    blocks[n * i + j] += bed * (shape[i] * shape[j] * size * q.weight);
+                    blocks[n * i + j] += foundation * (shape[i] * shape[j] * size * q.weight);
                 }
             }
         }
@@ -226,9 +226,9 @@ pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, normal.cross(&first)]
 }
 
-/// The directions in which a bed holds each of its nodes.
-pub(crate) fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
-    let mut bedded = Vec::new();
+/// The directions in which a foundation holds each of its nodes.
+pub(crate) fn foundation_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector3<f64>)> {
+    let mut on_foundations = Vec::new();
     for spring in springs {
         let sum: Matrix3<f64> = spring.blocks.iter().sum();
         let eigen = SymmetricEigen::new(sum);
@@ -236,9 +236,9 @@ pub(crate) fn bedded_directions(springs: &[FaceSpring]) -> Vec<(FeNodeId, Vector
         for (value, direction) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
             if *value > 1e-12 * largest {
                 let direction = direction.into_owned();
-                bedded.extend(spring.nodes.iter().map(|&node| (node, direction)));
+                on_foundations.extend(spring.nodes.iter().map(|&node| (node, direction)));
             }
         }
     }
-    bedded
+    on_foundations
 }

@@ -8,6 +8,6 @@ pub(crate) mod rigid_modes;
 pub(crate) mod unknowns;
 
 pub use conditions::{
-    Foundation, FoundationFaces, HeldMotion, Hold, RigidInsert, Supports, SymmetryPlane,
+    Foundation, FoundationFaces, HeldMotion, Hold, RigidBody, Supports, SymmetryPlane,
 };
 pub use floating_body::{FloatingBody, RigidMotion};

@@ -1,7 +1,7 @@
 //! Which rigid motions the supports leave free.
 //!
 //! Elements that can't move against each other without deforming form a rigid part, and so does a
-//! rigid insert. Each part has six unknowns (a translation and a rotation); a held direction fixes
+//! rigid body. Each part has six unknowns (a translation and a rotation); a held direction fixes
 //! its part there, a shared node ties two parts. What is left in the null space is a free motion.
 //! The check is about rigid parts, so it costs nothing beside a factorisation.
 
@@ -12,7 +12,7 @@ use super::floating_body::{FloatingBody, RigidMotion};
 use crate::SimError;
 use crate::elements::element_set::Elements;
 use crate::elements::parts::DisjointSets;
-use crate::supports::conditions::{Held, RigidInsert};
+use crate::supports::conditions::{Held, RigidBody};
 use crate::supports::null_space::{null_space, readable_basis};
 
 /// Bodies with more hinged parts than this are left to the factorisation's pivot check.
@@ -22,10 +22,10 @@ const MAX_PARTS: usize = 100;
 pub(crate) struct Restraints<'a> {
     /// Held directions of every motion.
     pub(crate) held: &'a Held,
-    /// Nodes and directions, m, that an elastic bed holds.
-    pub(crate) bedded: Vec<(FeNodeId, Vector3<f64>)>,
+    /// Nodes and directions, m, that a Winkler foundation holds.
+    pub(crate) on_foundations: Vec<(FeNodeId, Vector3<f64>)>,
     /// Nodes that move as one body.
-    pub(crate) inserts: &'a [RigidInsert],
+    pub(crate) rigid_bodies: &'a [RigidBody],
 }
 
 /// Checks that every connected body is held.
@@ -37,8 +37,8 @@ pub(crate) fn check_supports(
     restraints: &Restraints<'_>,
 ) -> Result<(), SimError> {
     let (parts, n) = (elements.rigid_parts(), elements.n_elements());
-    let members = sorted_members(elements, &parts, restraints.inserts);
-    let bodies = bodies(&members, n + restraints.inserts.len());
+    let members = sorted_members(elements, &parts, restraints.rigid_bodies);
+    let bodies = bodies(&members, n + restraints.rigid_bodies.len());
     let distinct = distinct_bodies(&bodies, &parts);
     let n_bodies = distinct.len();
     let limb = Limb {
@@ -74,8 +74,8 @@ impl Conditions {
                 _ => (node, Vector3::zeros(), d),
             }));
         }
-        let bedded = restraints.bedded.iter();
-        rows.extend(bedded.map(|&(node, d)| (node, d, Vector3::zeros())));
+        let on_foundations = restraints.on_foundations.iter();
+        rows.extend(on_foundations.map(|&(node, d)| (node, d, Vector3::zeros())));
         rows.sort_by_key(|row| row.0);
         Self { rows }
     }
@@ -94,22 +94,22 @@ struct Limb<'a> {
     conditions: Conditions,
 }
 
-/// `(node, part)` of every node of every part, sorted, each once; the parts of inserts come after
+/// `(node, part)` of every node of every part, sorted, each once; the parts of rigid bodies come after
 /// those of elements.
 fn sorted_members(
     elements: &dyn Elements,
     parts: &[usize],
-    inserts: &[RigidInsert],
+    rigid_bodies: &[RigidBody],
 ) -> Vec<(FeNodeId, usize)> {
     let of_elements = parts.iter().enumerate().flat_map(|(element, &part)| {
         let nodes = elements.nodes(element).iter();
         nodes.map(move |&node| (node, part))
     });
-    let of_inserts = inserts.iter().enumerate().flat_map(|(insert, body)| {
+    let of_rigid_bodies = rigid_bodies.iter().enumerate().flat_map(|(rigid_body, body)| {
         let nodes = body.nodes.iter();
-        nodes.map(move |&node| (node, parts.len() + insert))
+        nodes.map(move |&node| (node, parts.len() + rigid_body))
     });
-    let mut members: Vec<(FeNodeId, usize)> = of_elements.chain(of_inserts).collect();
+    let mut members: Vec<(FeNodeId, usize)> = of_elements.chain(of_rigid_bodies).collect();
     members.sort_unstable();
     members.dedup();
     members
@@ -153,7 +153,7 @@ impl Body {
         let mine = |part: usize| bodies[part] == body;
         let mut parts: Vec<usize> = part_of_element.iter().copied().filter(|&p| mine(p)).collect();
         let n_elements = parts.len();
-        parts.extend((n_elements_in_all..bodies.len()).filter(|&insert| mine(insert)));
+        parts.extend((n_elements_in_all..bodies.len()).filter(|&rigid_body| mine(rigid_body)));
         parts.sort_unstable();
         parts.dedup();
         let members = members

@@ -2,14 +2,14 @@
 //!
 //! An unknown is a three-vector at a *place* in elimination order. Most motions are an unknown of
 //! their own; a clamped one is zero, one in a symmetry plane is the unknown without its part along
-//! the normal, and a node of a rigid insert follows the insert's translation and rotation.
+//! the normal, and a node of a rigid body follows the body's translation and rotation.
 
 use hapdef_mesh::FeNodeId;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::SimError;
 use crate::loads::nodal::check_node;
-use crate::supports::conditions::{Held, RigidInsert};
+use crate::supports::conditions::{Held, RigidBody};
 
 /// The unknowns and what every motion takes from them: u_motion = Σ T u_place.
 #[derive(Debug)]
@@ -30,14 +30,14 @@ pub(crate) enum Link {
     /// The unknown at a place.
     Free(u32),
     /// The unknown at a place, projected.
-    Guided(u32, Box<Matrix3<f64>>),
+    Roller(u32, Box<Matrix3<f64>>),
     /// u = t + ω × arm with t and ω the unknowns at two places.
     Tied {
         /// Place of t.
         translation: u32,
         /// Place of ω.
         rotation: u32,
-        /// From the insert's centre to the node, m.
+        /// From the body's centre to the node, m.
         arm: Vector3<f64>,
     },
 }
@@ -45,23 +45,23 @@ pub(crate) enum Link {
 /// Whose motion an unknown is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Owner {
-    /// The node, or the first node of the insert.
+    /// The node, or the first node of the body.
     pub(crate) node: FeNodeId,
     /// Whether it is a rotation.
     pub(crate) is_rotation: bool,
 }
 
 impl Unknowns {
-    /// Unknowns in the order of nodes, those of inserts last.
+    /// Unknowns in the order of nodes, those of rigid bodies last.
     ///
     /// # Errors
-    /// [`SimError::AllClamped`], [`SimError::InsertHeld`], [`SimError::InsertTooSmall`],
+    /// [`SimError::AllClamped`], [`SimError::RigidBodyHeld`], [`SimError::RigidBodyTooSmall`],
     /// [`SimError::NodeOutOfRange`].
     pub(crate) fn natural(
         positions: &[Point3<f64>],
         motions_per_node: usize,
         held: &Held,
-        inserts: &[RigidInsert],
+        rigid_bodies: &[RigidBody],
     ) -> Result<Self, SimError> {
         let mut unknowns = Self {
             n_fe_nodes: positions.len(),
@@ -69,21 +69,21 @@ impl Unknowns {
             links: vec![Link::Fixed; motions_per_node * positions.len()],
             owners: Vec::new(),
         };
-        let insert_of = insert_of_node(positions, inserts)?;
+        let rigid_body_of = rigid_body_of_node(positions, rigid_bodies)?;
         for node in 0..positions.len() {
             for second in 0..motions_per_node {
                 let motion = motions_per_node * node + second;
-                match insert_of[node] {
-                    Some(insert) if !held.directions[motion].is_empty() => {
-                        return Err(SimError::InsertHeld { insert, node });
+                match rigid_body_of[node] {
+                    Some(rigid_body) if !held.directions[motion].is_empty() => {
+                        return Err(SimError::RigidBodyHeld { rigid_body, node });
                     }
                     Some(_) => {}
                     None => unknowns.add_own(motion, node, second == 1, held),
                 }
             }
         }
-        for (index, insert) in inserts.iter().enumerate() {
-            unknowns.add_insert(index, insert, positions)?;
+        for (index, rigid_body) in rigid_bodies.iter().enumerate() {
+            unknowns.add_rigid_body(index, rigid_body, positions)?;
         }
         if unknowns.owners.is_empty() {
             let n_nodes = positions.len();
@@ -102,23 +102,23 @@ impl Unknowns {
             Link::Free(place)
         } else {
             let along = directions.iter().map(|d| d * d.transpose());
-            Link::Guided(place, Box::new(Matrix3::identity() - along.sum::<Matrix3<f64>>()))
+            Link::Roller(place, Box::new(Matrix3::identity() - along.sum::<Matrix3<f64>>()))
         };
     }
 
-    fn add_insert(
+    fn add_rigid_body(
         &mut self,
         index: usize,
-        insert: &RigidInsert,
+        rigid_body: &RigidBody,
         positions: &[Point3<f64>],
     ) -> Result<(), SimError> {
-        let mut nodes = insert.nodes.clone();
+        let mut nodes = rigid_body.nodes.clone();
         nodes.sort_unstable();
         nodes.dedup();
         let at = |node: &FeNodeId| positions[node.index()];
         if !spans_a_plane(&nodes.iter().map(at).collect::<Vec<_>>()) {
             let n_nodes = nodes.len();
-            return Err(SimError::InsertTooSmall { insert: index, n_nodes });
+            return Err(SimError::RigidBodyTooSmall { rigid_body: index, n_nodes });
         }
         let sum: Vector3<f64> = nodes.iter().map(|node| at(node).coords).sum();
         let centre = Point3::from(sum / nodes.len() as f64);
@@ -148,7 +148,7 @@ impl Unknowns {
         for link in &mut self.links {
             match link {
                 Link::Fixed => {}
-                Link::Free(place) | Link::Guided(place, _) => *place = new_place[*place as usize],
+                Link::Free(place) | Link::Roller(place, _) => *place = new_place[*place as usize],
                 Link::Tied { translation, rotation, .. } => {
                     *translation = new_place[*translation as usize];
                     *rotation = new_place[*rotation as usize];
@@ -205,7 +205,7 @@ impl Link {
     pub(crate) fn places(&self) -> impl Iterator<Item = usize> + use<> {
         let (first, second) = match *self {
             Self::Fixed => (None, None),
-            Self::Free(place) | Self::Guided(place, _) => (Some(place), None),
+            Self::Free(place) | Self::Roller(place, _) => (Some(place), None),
             Self::Tied { translation, rotation, .. } => (Some(translation), Some(rotation)),
         };
         first.into_iter().chain(second).map(|place| place as usize)
@@ -217,7 +217,7 @@ impl Link {
         match self {
             Self::Fixed => {}
             Self::Free(place) => terms[0] = Some((*place as usize, Matrix3::identity())),
-            Self::Guided(place, projector) => terms[0] = Some((*place as usize, **projector)),
+            Self::Roller(place, projector) => terms[0] = Some((*place as usize, **projector)),
             Self::Tied { translation, rotation, arm } => {
                 terms[0] = Some((*translation as usize, Matrix3::identity()));
                 terms[1] = Some((*rotation as usize, -arm.cross_matrix()));
@@ -231,7 +231,7 @@ impl Link {
         match self {
             Self::Fixed => Vector3::zeros(),
             Self::Free(place) => unknown(*place as usize),
-            Self::Guided(place, projector) => **projector * unknown(*place as usize),
+            Self::Roller(place, projector) => **projector * unknown(*place as usize),
             Self::Tied { translation, rotation, arm } => {
                 unknown(*translation as usize) + unknown(*rotation as usize).cross(arm)
             }
@@ -244,7 +244,7 @@ impl Link {
         match self {
             Self::Fixed => {}
             Self::Free(place) => terms[0] = Some((*place as usize, f)),
-            Self::Guided(place, projector) => terms[0] = Some((*place as usize, **projector * f)),
+            Self::Roller(place, projector) => terms[0] = Some((*place as usize, **projector * f)),
             Self::Tied { translation, rotation, arm } => {
                 terms[0] = Some((*translation as usize, f));
                 terms[1] = Some((*rotation as usize, arm.cross(&f)));
@@ -254,19 +254,19 @@ impl Link {
     }
 }
 
-/// The insert that each node belongs to.
-fn insert_of_node(
+/// The rigid body that each node belongs to.
+fn rigid_body_of_node(
     positions: &[Point3<f64>],
-    inserts: &[RigidInsert],
+    rigid_bodies: &[RigidBody],
 ) -> Result<Vec<Option<usize>>, SimError> {
     let mut of = vec![None; positions.len()];
-    for (insert, body) in inserts.iter().enumerate() {
+    for (rigid_body, body) in rigid_bodies.iter().enumerate() {
         for &node in &body.nodes {
-            check_node("a rigid insert", node, positions.len())?;
-            match of[node.index()].replace(insert) {
-                Some(other) if other != insert => {
-                    return Err(SimError::InsertsShareNode {
-                        inserts: [other, insert],
+            check_node("a rigid body", node, positions.len())?;
+            match of[node.index()].replace(rigid_body) {
+                Some(other) if other != rigid_body => {
+                    return Err(SimError::RigidBodiesShareNode {
+                        rigid_bodies: [other, rigid_body],
                         node: node.index(),
                     });
                 }
@@ -277,7 +277,7 @@ fn insert_of_node(
     Ok(of)
 }
 
-/// Whether three of the points are not on a line: else the insert could spin about it.
+/// Whether three of the points are not on a line: else the body could spin about it.
 fn spans_a_plane(points: &[Point3<f64>]) -> bool {
     let Some(first) = points.first() else {
         return false;

@@ -133,17 +133,17 @@ pub(crate) fn motions_of(nodes: &[FeNodeId], per_node: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Whether all motions follow one rigid insert: then nothing deforms, and only rounding would be
+/// Whether all motions follow one rigid body: then nothing deforms, and only rounding would be
 /// added.
 pub(crate) fn moves_as_one(motions: &[usize], unknowns: &Unknowns) -> bool {
-    let insert = |motion: usize| match unknowns.link(motion) {
+    let rigid_body = |motion: usize| match unknowns.link(motion) {
         Link::Tied { rotation, .. } => Some(*rotation),
         _ => None,
     };
     let per_node = unknowns.motions_per_node();
     let mut translations = motions.iter().step_by(per_node);
-    let first = translations.next().and_then(|&motion| insert(motion));
-    first.is_some() && translations.all(|&motion| insert(motion) == first)
+    let first = translations.next().and_then(|&motion| rigid_body(motion));
+    first.is_some() && translations.all(|&motion| rigid_body(motion) == first)
 }
 
 impl StiffnessExtremes {
@@ -221,11 +221,11 @@ impl BlockMatrix {
         }
     }
 
-    /// Gives held directions of guided unknowns a stiffness of their own, the mean of the free
+    /// Gives held directions of roller unknowns a stiffness of their own, the mean of the free
     /// ones, so that they stay zero.
     fn fill_held(&mut self, unknowns: &Unknowns) {
         for link in unknowns.links() {
-            let Link::Guided(place, projector) = link else {
+            let Link::Roller(place, projector) = link else {
                 continue;
             };
             let block = &mut self.blocks[self.pattern.row_ptr[*place as usize]];

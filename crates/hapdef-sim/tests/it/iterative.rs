@@ -6,7 +6,7 @@ use common::{distorted_box, nodes_where, params, shared, straight_box};
 use hapdef_mesh::{FeNodeId, Tet10Mesh, read_deck};
 use hapdef_sim::{
     ChoiceReason, ComplianceParams, ElasticModel, ElasticParams, IsotropicMaterial,
-    IterativeParams, MultigridParams, NodalLoad, RigidInsert, SimError, SolveInfo, SolveParams,
+    IterativeParams, MultigridParams, NodalLoad, RigidBody, SimError, SolveInfo, SolveParams,
     SolverChoice, SolverKind, Supports, SymmetryPlane,
 };
 use nalgebra::Vector3;
@@ -269,7 +269,7 @@ fn the_authors_limb_moves_as_the_direct_path_says() {
 }
 
 #[test]
-fn a_symmetry_plane_and_a_rigid_insert_move_as_the_direct_path_says() {
+fn a_symmetry_plane_and_a_rigid_body_move_as_the_direct_path_says() {
     let mesh = straight_box([10, 5, 5], [2.0, 1.0, 1.0]);
     let params = ElasticParams {
         supports: Supports {
@@ -277,9 +277,7 @@ fn a_symmetry_plane_and_a_rigid_insert_move_as_the_direct_path_says() {
                 nodes: nodes_where(&mesh, |p| p.y == 0.0),
                 normal: Vector3::y(),
             }],
-            rigid_inserts: vec![RigidInsert {
-                nodes: nodes_where(&mesh, |p| p.x > 1.5 && p.y > 0.3),
-            }],
+            rigid_bodies: vec![RigidBody { nodes: nodes_where(&mesh, |p| p.x > 1.5 && p.y > 0.3) }],
             ..Supports::default()
         },
         ..held(&mesh)

@@ -1,4 +1,4 @@
-//! Symmetry planes, elastic beds, rigid inserts and several materials, against closed forms.
+//! Symmetry planes, Winkler foundations, rigid bodies and several materials, against closed forms.
 
 use crate::common;
 
@@ -8,7 +8,7 @@ use common::{
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
 use hapdef_sim::{
     ElasticModel, ElasticParams, Foundation, FoundationFaces, HeldMotion, Hold, IsotropicMaterial,
-    MaterialRegion, NodalLoad, RigidInsert, SimError, Supports, SymmetryPlane,
+    MaterialRegion, NodalLoad, RigidBody, SimError, Supports, SymmetryPlane,
 };
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -23,7 +23,7 @@ fn push_top(mesh: &Tet10Mesh, pressure_pa: f64) -> NodalLoad {
     NodalLoad::pressure(mesh, &top, pressure_pa).unwrap()
 }
 
-fn bed_below(mesh: &Tet10Mesh, normal_n_m3: f64, tangential_n_m3: f64) -> Foundation {
+fn foundation_below(mesh: &Tet10Mesh, normal_n_m3: f64, tangential_n_m3: f64) -> Foundation {
     Foundation {
         faces: FoundationFaces::Solid(faces_where(mesh, |p| p.z == 0.0)),
         normal_n_m3,
@@ -32,12 +32,12 @@ fn bed_below(mesh: &Tet10Mesh, normal_n_m3: f64, tangential_n_m3: f64) -> Founda
 }
 
 #[test]
-fn a_block_on_a_bed_sinks_by_pressure_over_stiffness() {
+fn a_block_on_a_foundation_sinks_by_pressure_over_stiffness() {
     let mesh = straight_box([3, 2, 2], SIZE_M);
-    let (pressure_pa, bed_n_m3) = (4.0e4, 2.5e8);
+    let (pressure_pa, foundation_n_m3) = (4.0e4, 2.5e8);
     let params = ElasticParams {
         supports: Supports {
-            foundations: vec![bed_below(&mesh, bed_n_m3, 1.0e6)],
+            foundations: vec![foundation_below(&mesh, foundation_n_m3, 1.0e6)],
             ..Supports::default()
         },
         ..ElasticParams::new(without_poisson(), vec![])
@@ -45,17 +45,20 @@ fn a_block_on_a_bed_sinks_by_pressure_over_stiffness() {
     let model = ElasticModel::build(&mesh, &params).unwrap();
     let (u, _) = model.solve(&push_top(&mesh, pressure_pa)).unwrap();
     for (u, x) in u.iter().zip(mesh.nodes()) {
-        let exact = -pressure_pa / bed_n_m3 - pressure_pa * x.z / E_PA;
+        let exact = -pressure_pa / foundation_n_m3 - pressure_pa * x.z / E_PA;
         close(u.z, exact, 1e-10);
         assert!(u.x.abs() + u.y.abs() < 1e-12 * exact.abs().max(1.0));
     }
 }
 
 #[test]
-fn a_bed_without_shear_leaves_the_block_sliding() {
+fn a_foundation_without_shear_leaves_the_block_sliding() {
     let mesh = straight_box([2, 1, 1], SIZE_M);
     let params = ElasticParams {
-        supports: Supports { foundations: vec![bed_below(&mesh, 1e8, 0.0)], ..Supports::default() },
+        supports: Supports {
+            foundations: vec![foundation_below(&mesh, 1e8, 0.0)],
+            ..Supports::default()
+        },
         ..params(vec![])
     };
     match ElasticModel::build(&mesh, &params).unwrap_err() {
@@ -157,15 +160,15 @@ fn three_mirrors_hold_a_block_and_leave_uniform_strain() {
     close(energy, exact, 1e-10);
 }
 
-fn insert_nodes(mesh: &Tet10Mesh) -> Vec<FeNodeId> {
+fn rigid_nodes(mesh: &Tet10Mesh) -> Vec<FeNodeId> {
     let inside = |v: f64, size: f64| v > 0.49 * size;
     nodes_where(mesh, |p| inside(p.x, SIZE_M[0]) && inside(p.z, SIZE_M[2]))
 }
 
-fn with_insert(mesh: &Tet10Mesh) -> ElasticParams {
+fn with_rigid_body(mesh: &Tet10Mesh) -> ElasticParams {
     ElasticParams {
         supports: Supports {
-            rigid_inserts: vec![RigidInsert { nodes: insert_nodes(mesh) }],
+            rigid_bodies: vec![RigidBody { nodes: rigid_nodes(mesh) }],
             ..Supports::default()
         },
         ..params(nodes_where(mesh, |p| p.x == 0.0))
@@ -175,13 +178,13 @@ fn with_insert(mesh: &Tet10Mesh) -> ElasticParams {
 #[test]
 fn an_insert_keeps_its_shape_and_is_the_limit_of_a_stiff_material() {
     let mesh = straight_box([4, 2, 4], SIZE_M);
-    let nodes = insert_nodes(&mesh);
-    let model = ElasticModel::build(&mesh, &with_insert(&mesh)).unwrap();
+    let nodes = rigid_nodes(&mesh);
+    let model = ElasticModel::build(&mesh, &with_rigid_body(&mesh)).unwrap();
     let corner = nodes_where(&mesh, |p| *p == Point3::from(SIZE_M))[0];
     let load = NodalLoad::nodal(corner, Vector3::new(3.0, -5.0, -20.0));
     let (rigid, info) = model.solve(&load).unwrap();
     assert!(info.worst_backward_error < 1e-13);
-    // Lengths between nodes of the insert change only to second order in u.
+    // Lengths between nodes of the body change only to second order in u.
     let (a, size) = (nodes[0].index(), rigid[corner.index()].norm());
     for node in &nodes {
         let arm = mesh.position(*node) - mesh.nodes()[a];
@@ -208,11 +211,11 @@ fn an_insert_keeps_its_shape_and_is_the_limit_of_a_stiff_material() {
 }
 
 #[test]
-fn reciprocity_holds_through_inserts_mirrors_and_beds() {
+fn reciprocity_holds_through_rigid_bodies_mirrors_and_foundations() {
     let mesh = straight_box([4, 2, 4], SIZE_M);
-    let mut params = with_insert(&mesh);
+    let mut params = with_rigid_body(&mesh);
     params.clamped.clear();
-    params.supports.foundations = vec![bed_below(&mesh, 1e9, 1e8)];
+    params.supports.foundations = vec![foundation_below(&mesh, 1e9, 1e8)];
     params.supports.symmetry = vec![SymmetryPlane {
         nodes: nodes_where(&mesh, |p| p.y == 0.0 && p.x < 0.4 * SIZE_M[0]),
         normal: Vector3::new(0.0, 2.0, 1.0),
@@ -274,31 +277,35 @@ fn single_holds_add_up_to_a_statically_determinate_support() {
 fn unusable_ties_are_refused_with_their_numbers() {
     let mesh = straight_box([4, 2, 4], SIZE_M);
     let refused = |change: &dyn Fn(&mut ElasticParams)| {
-        let mut params = with_insert(&mesh);
+        let mut params = with_rigid_body(&mesh);
         change(&mut params);
         ElasticModel::build(&mesh, &params).unwrap_err()
     };
-    let first = insert_nodes(&mesh)[0];
+    let first = rigid_nodes(&mesh)[0];
     let held = refused(&|p| p.clamped.push(first));
     assert!(
-        matches!(held, SimError::InsertHeld { insert: 0, node } if node == first.index()),
+        matches!(held, SimError::RigidBodyHeld { rigid_body: 0, node } if node == first.index()),
         "{held}"
     );
     let shared = refused(&|p| {
-        let again = p.supports.rigid_inserts[0].clone();
-        p.supports.rigid_inserts.push(again);
+        let again = p.supports.rigid_bodies[0].clone();
+        p.supports.rigid_bodies.push(again);
     });
-    assert!(matches!(shared, SimError::InsertsShareNode { inserts: [0, 1], .. }), "{shared}");
+    assert!(
+        matches!(shared, SimError::RigidBodiesShareNode { rigid_bodies: [0, 1], .. }),
+        "{shared}"
+    );
     let line = nodes_where(&mesh, |p| p.x == SIZE_M[0] && p.y == 0.0);
-    let small = refused(&|p| p.supports.rigid_inserts[0].nodes.clone_from(&line));
-    assert!(matches!(small, SimError::InsertTooSmall { n_nodes, .. } if n_nodes == line.len()));
+    let small = refused(&|p| p.supports.rigid_bodies[0].nodes.clone_from(&line));
+    assert!(matches!(small, SimError::RigidBodyTooSmall { n_nodes, .. } if n_nodes == line.len()));
     let region = refused(&|p| {
         p.regions = vec![MaterialRegion { elements: vec![9_999], material: p.material }];
     });
     assert!(matches!(region, SimError::ElementOutOfRange { element: 9_999, .. }), "{region}");
-    let bed = refused(&|p| p.supports.foundations = vec![bed_below(&mesh, -1.0, 0.0)]);
-    assert!(matches!(bed, SimError::Parameter { value: -1.0, .. }), "{bed}");
-    let moment = ElasticModel::build(&mesh, &with_insert(&mesh))
+    let foundation =
+        refused(&|p| p.supports.foundations = vec![foundation_below(&mesh, -1.0, 0.0)]);
+    assert!(matches!(foundation, SimError::Parameter { value: -1.0, .. }), "{foundation}");
+    let moment = ElasticModel::build(&mesh, &with_rigid_body(&mesh))
         .unwrap()
         .solve(&NodalLoad::nodal_moment(first, Vector3::x()))
         .unwrap_err();

@@ -2,7 +2,7 @@
 
 use hapdef_mesh::Tet10Mesh;
 use hapdef_report::robustness::Expected;
-use hapdef_sim::{RigidInsert, Supports};
+use hapdef_sim::{RigidBody, Supports};
 use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
@@ -60,7 +60,7 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         let random = move || scattered(f, seed);
         trials.extend(both(case, format!("f = {f:e}"), Expected::Either, random));
     }
-    let case = "a rigid insert for the stiff part";
+    let case = "a rigid body (RBE2) for the stiff part";
     trials.extend(both(case, "free half", Expected::Result, || rigid(Part::Free)));
     trials.extend(both(case, "middle half", Expected::Result, || rigid(Part::Middle)));
     trials
@@ -101,7 +101,7 @@ fn rigid(part: Part) -> Result<Block, VerifyError> {
     let nodes = nodes_where(&mesh, |p| from <= p.x && p.x <= to);
     let mut block = Block::clamped(mesh, material(E_PA, 0.0)?, field(part, 0.0));
     block.params.supports =
-        Supports { rigid_inserts: vec![RigidInsert { nodes }], ..Supports::default() };
+        Supports { rigid_bodies: vec![RigidBody { nodes }], ..Supports::default() };
     Ok(block)
 }
 
