@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::{Case, CaseReport, Reference, Report, Verdict, markdown};
+use crate::{Case, Reference, Report, Verdict, markdown};
 
 /// Values in the file have five digits; this is one unit in the last of the shortest.
 const VALUE_TOLERANCE: f64 = 1.1e-4;
@@ -20,17 +20,18 @@ pub fn differences(report: &Report, committed: &str, all: &[Case]) -> Vec<String
     let fresh = sections(&fresh);
     let mut faults = Vec::new();
     for case in &report.cases {
-        if case.reference == Reference::Reported || matches!(case.verdict, Verdict::NotRun(_)) {
+        if case.case.reference == Reference::Reported || matches!(case.verdict, Verdict::NotRun(_))
+        {
             continue;
         }
-        let (Some(fresh), Some(written)) = (fresh.get(case.id), written.get(case.id)) else {
-            faults.push(format!("{}: not in the file", case.id));
-            continue;
-        };
-        compare(case, fresh, written, &mut faults);
+        let id = case.case.id();
+        match (fresh.get(id.as_str()), written.get(id.as_str())) {
+            (Some(fresh), Some(written)) => compare(&id, fresh, written, &mut faults),
+            _ => faults.push(format!("{id}: not in the file")),
+        }
     }
-    let known: BTreeSet<&str> = all.iter().map(|case| case.id).collect();
-    let stale = written.keys().filter(|id| !known.contains(*id));
+    let known: BTreeSet<String> = all.iter().map(Case::id).collect();
+    let stale = written.keys().filter(|id| !known.contains(**id));
     faults.extend(stale.map(|id| format!("{id}: in the file, but no case any more")));
     faults
 }
@@ -54,21 +55,16 @@ fn sections(text: &str) -> BTreeMap<&str, Section<'_>> {
     sections
 }
 
-fn compare(
-    case: &CaseReport,
-    fresh: &Section<'_>,
-    written: &Section<'_>,
-    faults: &mut Vec<String>,
-) {
+fn compare(id: &str, fresh: &Section<'_>, written: &Section<'_>, faults: &mut Vec<String>) {
     if fresh.len() != written.len() {
         let (n, m) = (fresh.len(), written.len());
-        faults.push(format!("{}: {n} lines are expected, the file has {m}", case.id));
+        faults.push(format!("{id}: {n} lines are expected, the file has {m}"));
         return;
     }
     for (fresh, written) in fresh.iter().zip(written) {
         let row = fresh.starts_with('|');
         if !(fresh == written || row && same_row(fresh, written)) {
-            faults.push(format!("{}: expected {fresh:?}, the file has {written:?}", case.id));
+            faults.push(format!("{id}: expected {fresh:?}, the file has {written:?}"));
         }
     }
 }

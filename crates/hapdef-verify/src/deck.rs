@@ -8,70 +8,61 @@ use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties,
 use nalgebra::Vector3;
 
 use crate::VerifyError;
+use crate::problem::{largest, n_threads};
+
+/// Metrics of a deck's own problem; none where they are not known or make no sense.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeckMetrics {
+    /// Largest element-stiffness coefficient, N/m.
+    pub ke_max_n_m: Option<f64>,
+    /// Smallest of the elements' largest coefficients, N/m; see
+    /// [`hapdef_sim::StiffnessExtremes`].
+    pub ke_min_n_m: Option<f64>,
+    /// Mass, kg; none where the deck states no density.
+    pub mass_kg: Option<f64>,
+    /// Largest displacement, m; 0 where the deck has no load.
+    pub largest_u_m: Option<f64>,
+    /// Strain energy, J; 0 where the deck has no load.
+    pub energy_j: Option<f64>,
+}
 
 /// What a deck's own problem gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckResults {
-    /// Largest element-stiffness coefficient, N/m.
-    pub ke_max_n_m: f64,
-    /// Smallest of the elements' largest coefficients, N/m; see
-    /// [`hapdef_sim::StiffnessExtremes`].
-    pub ke_min_n_m: f64,
-    /// Mass, kg; none where the deck states no density.
-    pub mass_kg: Option<f64>,
-    /// Largest displacement, m; 0 where the deck has no load.
-    pub largest_u_m: f64,
-    /// Strain energy, J; 0 where the deck has no load.
-    pub energy_j: f64,
+    /// All of them but for a mass without density.
+    pub metrics: DeckMetrics,
     /// Displacement per node, by the deck's node label, m.
-    pub displacement_m: Vec<(u32, Vector3<f64>)>,
+    pub displacement_m: LabelledDisplacements,
     /// Equations solved.
     pub n_equations: usize,
 }
 
-/// Figures another program printed for a deck; none where it printed none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct KnownResults {
-    /// Largest element-stiffness coefficient, N/m.
-    pub ke_max_n_m: Option<f64>,
-    /// Smallest element-stiffness coefficient, N/m.
-    pub ke_min_n_m: Option<f64>,
-    /// Mass, kg.
-    pub mass_kg: Option<f64>,
-    /// Largest displacement, m.
-    pub largest_u_m: Option<f64>,
-    /// Strain energy, J.
-    pub energy_j: Option<f64>,
-}
+/// Displacements by rising node label, m.
+pub type LabelledDisplacements = Vec<(u32, Vector3<f64>)>;
 
-const SKIN_HASH: &str = "9f845fc5b8d60a0c3a040a6ab19a09f3c06e82d70aeaa6d71d054051f1b07b6f";
-const WEIGHT_HASH: &str = "a724a3e0ab3af7029cff097453a8bfa448991392c4cd022352f56e6c9dd7cf70";
+/// ANSYS 18.2's printout of element stiffness and mass of the paper authors' skin deck, CalculiX
+/// 2.20's displacement and energy of the same deck.
+pub(crate) const SKIN: DeckMetrics = DeckMetrics {
+    ke_max_n_m: Some(3.856521697e9),
+    ke_min_n_m: Some(149_749.234),
+    mass_kg: Some(0.0261236),
+    largest_u_m: Some(1.224494e-3),
+    energy_j: Some(1.071613e-2),
+};
 
-/// The decks of the paper's authors, by the BLAKE3 hash of their file.
-///
-/// ANSYS 18.2's printout of element stiffness and mass, CalculiX 2.20's displacement and energy of
-/// the same decks.
-const KNOWN: [(&str, KnownResults); 2] = [
-    (
-        SKIN_HASH,
-        KnownResults {
-            ke_max_n_m: Some(3.856521697e9),
-            ke_min_n_m: Some(149_749.234),
-            mass_kg: Some(0.0261236),
-            largest_u_m: Some(1.224494e-3),
-            energy_j: Some(1.071613e-2),
-        },
-    ),
-    (
-        WEIGHT_HASH,
-        KnownResults {
-            ke_max_n_m: None,
-            ke_min_n_m: None,
-            mass_kg: None,
-            largest_u_m: Some(6.046101e-3),
-            energy_j: Some(0.2653024),
-        },
-    ),
+/// CalculiX's displacement and energy of their weight deck.
+pub(crate) const WEIGHT: DeckMetrics = DeckMetrics {
+    ke_max_n_m: None,
+    ke_min_n_m: None,
+    mass_kg: None,
+    largest_u_m: Some(6.046101e-3),
+    energy_j: Some(0.2653024),
+};
+
+/// Decks by the BLAKE3 hash of their file.
+const KNOWN: [(&str, DeckMetrics); 2] = [
+    ("9f845fc5b8d60a0c3a040a6ab19a09f3c06e82d70aeaa6d71d054051f1b07b6f", SKIN),
+    ("a724a3e0ab3af7029cff097453a8bfa448991392c4cd022352f56e6c9dd7cf70", WEIGHT),
 ];
 
 impl DeckResults {
@@ -82,77 +73,52 @@ impl DeckResults {
     /// on one without material.
     pub fn of(path: &Path) -> Result<(SolidDeck, Self), VerifyError> {
         let deck = read_deck(path)?;
-        let results = Self::of_deck(&deck)?;
-        Ok((deck, results))
-    }
-
-    fn of_deck(deck: &SolidDeck) -> Result<Self, VerifyError> {
-        let stated = deck.material.as_ref().ok_or_else(|| VerifyError::Setup {
-            what: "the deck",
-            expected: "an elastic material".to_owned(),
-            found: "none".to_owned(),
-        })?;
-        let density = stated.density_kg_m3;
-        // statics does not read the density
-        let material = IsotropicMaterial::new(
-            stated.youngs_modulus_pa,
-            stated.poissons_ratio,
-            density.unwrap_or(1.0),
-        )?;
-        let params = ElasticParams {
-            n_threads: std::thread::available_parallelism().map_or(1, usize::from),
-            ..ElasticParams::new(material, deck.fixed_nodes.clone())
-        };
-        let model = ElasticModel::build(&deck.mesh, &params)?;
-        let (u, _) = model.solve(&own_load(deck)?)?;
+        let model = build(&deck, n_threads())?;
+        let (u, _) = model.solve(&own_load(&deck)?)?;
         let extremes = model.stiffness_extremes();
-        Ok(Self {
-            ke_max_n_m: extremes.largest_n_m,
-            ke_min_n_m: extremes.smallest_n_m,
-            mass_kg: density.map(|density| MassProperties::of(&deck.mesh, density).mass_kg),
-            largest_u_m: largest(&u),
-            energy_j: model.strain_energy_j(&u)?,
+        let density = deck.material.and_then(|material| material.density_kg_m3);
+        let results = Self {
+            metrics: DeckMetrics {
+                ke_max_n_m: Some(extremes.largest_n_m),
+                ke_min_n_m: Some(extremes.smallest_n_m),
+                mass_kg: density.map(|density| MassProperties::of(&deck.mesh, density).mass_kg),
+                largest_u_m: Some(largest(&u)),
+                energy_j: Some(model.strain_energy_j(&u)?),
+            },
             displacement_m: deck.node_labels.iter().copied().zip(u).collect(),
             n_equations: model.info().n_equations,
-        })
-    }
-
-    /// The largest difference to `reference` over the nodes it names, over the largest displacement.
-    ///
-    /// # Errors
-    /// [`VerifyError::Setup`] if no node is shared.
-    pub fn difference(&self, reference: &[(u32, Vector3<f64>)]) -> Result<f64, VerifyError> {
-        let mut worst: Option<f64> = None;
-        for (label, u) in &self.displacement_m {
-            if let Ok(place) = reference.binary_search_by_key(label, |entry| entry.0) {
-                let apart = (u - reference[place].1).norm();
-                worst = Some(worst.map_or(apart, |worst| worst.max(apart)));
-            }
-        }
-        let worst = worst.ok_or_else(|| VerifyError::Setup {
-            what: "the reference displacements",
-            expected: "rows `node vx vy vz` for nodes of the deck".to_owned(),
-            found: "none".to_owned(),
-        })?;
-        Ok(worst / self.largest_u_m)
+        };
+        Ok((deck, results))
     }
 }
 
-impl KnownResults {
+impl DeckMetrics {
     /// What is known of the deck in `path`, by its content; nothing of a deck that was changed.
     ///
     /// # Errors
     /// [`VerifyError::Io`].
-    pub fn of(path: &Path) -> Result<Self, VerifyError> {
-        let bytes = std::fs::read(path).map_err(|cause| VerifyError::Io {
-            action: "reading",
-            path: path.to_owned(),
-            cause,
-        })?;
+    pub fn known(path: &Path) -> Result<Self, VerifyError> {
+        let bytes = std::fs::read(path).map_err(VerifyError::io("reading", path))?;
         let hash = blake3::hash(&bytes).to_hex();
         let entry = KNOWN.iter().find(|(known, _)| *known == hash.as_str());
-        Ok(entry.map_or_else(Self::default, |(_, results)| *results))
+        Ok(entry.map_or_else(Self::default, |(_, metrics)| *metrics))
     }
+}
+
+/// The factored model of a deck's material and fixed nodes.
+pub(crate) fn build(deck: &SolidDeck, n_threads: usize) -> Result<ElasticModel, VerifyError> {
+    let stated = deck.material.ok_or_else(|| no_material("none"))?;
+    // statics does not read the density
+    let density = stated.density_kg_m3.unwrap_or(1.0);
+    let material =
+        IsotropicMaterial::new(stated.youngs_modulus_pa, stated.poissons_ratio, density)?;
+    let params = ElasticParams::new(material, deck.fixed_nodes.clone());
+    Ok(ElasticModel::build(&deck.mesh, &ElasticParams { n_threads, ..params })?)
+}
+
+/// A deck that states no material.
+pub(crate) fn no_material(found: &str) -> VerifyError {
+    VerifyError::setup("the deck", "an elastic material", found)
 }
 
 /// Point forces and tractions of the deck.
@@ -161,9 +127,28 @@ pub(crate) fn own_load(deck: &SolidDeck) -> Result<NodalLoad, VerifyError> {
     Ok(forces.plus(&NodalLoad::traction(&deck.mesh, &deck.face_tractions)?))
 }
 
-/// The largest norm.
-pub(crate) fn largest(displacement: &[Vector3<f64>]) -> f64 {
-    displacement.iter().map(Vector3::norm).fold(0.0, f64::max)
+/// The largest difference of displacements to `reference`, by rising node, over the nodes it names,
+/// over the largest displacement.
+///
+/// # Errors
+/// [`VerifyError::Setup`] if no node is shared.
+pub fn largest_difference(
+    found: &[(u32, Vector3<f64>)],
+    reference: &[(u32, Vector3<f64>)],
+) -> Result<f64, VerifyError> {
+    let (mut worst, mut largest): (Option<f64>, f64) = (None, 0.0);
+    for (label, u) in found {
+        largest = largest.max(u.norm());
+        if let Ok(place) = reference.binary_search_by_key(label, |entry| entry.0) {
+            let apart = (u - reference[place].1).norm();
+            worst = Some(worst.map_or(apart, |worst| worst.max(apart)));
+        }
+    }
+    let worst = worst.ok_or_else(|| {
+        let expected = "rows `node vx vy vz` for nodes of the deck";
+        VerifyError::setup("the reference displacements", expected, "none")
+    })?;
+    Ok(worst / largest)
 }
 
 /// Rows `node vx vy vz` of the first displacement block of a CalculiX `.dat`, plain or gzipped, by
@@ -171,20 +156,20 @@ pub(crate) fn largest(displacement: &[Vector3<f64>]) -> f64 {
 ///
 /// # Errors
 /// [`VerifyError::Io`].
-pub fn read_displacements(path: &Path) -> Result<Vec<(u32, Vector3<f64>)>, VerifyError> {
-    let io = |cause| VerifyError::Io { action: "reading", path: path.to_owned(), cause };
-    let bytes = std::fs::read(path).map_err(io)?;
+pub fn read_displacements(path: &Path) -> Result<LabelledDisplacements, VerifyError> {
+    let io = VerifyError::io("reading", path);
+    let bytes = std::fs::read(path).map_err(&io)?;
     let mut text = String::new();
     if bytes.starts_with(&[0x1f, 0x8b]) {
         let mut decoder = flate2::read::GzDecoder::new(bytes.as_slice());
-        decoder.read_to_string(&mut text).map_err(io)?;
+        decoder.read_to_string(&mut text).map_err(&io)?;
     } else {
         text = String::from_utf8_lossy(&bytes).into_owned();
     }
     Ok(displacement_rows(&text))
 }
 
-fn displacement_rows(text: &str) -> Vec<(u32, Vector3<f64>)> {
+fn displacement_rows(text: &str) -> LabelledDisplacements {
     let row = |line: &str| {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [label, x, y, z] = words.as_slice() else {
@@ -194,14 +179,9 @@ fn displacement_rows(text: &str) -> Vec<(u32, Vector3<f64>)> {
         Some((label.parse().ok()?, Vector3::new(number(x)?, number(y)?, number(z)?)))
     };
     // a later block, such as forces, starts with a heading after rows have been read
-    let mut rows: Vec<(u32, Vector3<f64>)> = Vec::new();
-    for line in text.lines().filter(|line| !line.trim().is_empty()) {
-        match row(line) {
-            Some(found) => rows.push(found),
-            None if rows.is_empty() => {}
-            None => break,
-        }
-    }
+    let lines = text.lines().filter(|line| !line.trim().is_empty()).map(row);
+    let mut rows: LabelledDisplacements =
+        lines.skip_while(Option::is_none).map_while(|row| row).collect();
     rows.sort_unstable_by_key(|entry| entry.0);
     rows
 }

@@ -1,6 +1,6 @@
 //! What can go wrong in a verification run.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use hapdef_mesh::MeshError;
 use hapdef_sim::SimError;
@@ -50,5 +50,19 @@ impl VerifyError {
     /// The case can't be run here, for `reason`.
     pub fn not_run(reason: impl Into<String>) -> Self {
         Self::NotRun { reason: reason.into() }
+    }
+
+    /// `what` should be `expected` and is `found`.
+    pub(crate) fn setup(
+        what: &'static str,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> Self {
+        Self::Setup { what, expected: expected.into(), found: found.into() }
+    }
+
+    /// The system refused `action` on `path`.
+    pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self {
+        move |cause| Self::Io { action, path: path.to_owned(), cause }
     }
 }

@@ -2,32 +2,38 @@
 //! publication, a closed form or another program, solved on a sequence of meshes.
 //!
 //! - [`Case`]: one problem, its reference with the source, and the target it is judged by.
+//! - [`all_cases`]: the table of docs/verification.md; a case is a row of data in one of its files.
 //! - [`run_cases`]: solves cases and judges them, giving a [`Report`].
 //! - [`robustness_rows`]: the solver at extremes, the table of docs/stability-fe.md.
-//! - [`all_cases`]: the table of docs/verification.md.
 //!
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
 //! published benchmarks (inch and pound, mm and MPa) are kept, since statics is free of units.
 
+mod answer;
 pub mod bench;
 mod case;
-mod catalogue;
+mod cases;
+mod ccx;
 mod check;
 mod deck;
 mod error;
 mod inputs;
-pub mod meshes;
+mod memo;
+mod meshes;
+mod model;
 mod page;
+mod problem;
 mod robustness;
 mod run;
-mod shell;
-mod solid;
+mod stress;
 mod table;
 
-pub use case::{Case, KnownMiss, Measured, Reference, Target};
-pub use catalogue::all_cases;
+pub use answer::{Element, KnownMiss, Measured, Reference, Target};
+pub use case::Case;
+pub use cases::all_cases;
 pub use check::differences;
-pub use deck::{DeckResults, KnownResults, read_displacements};
+pub use deck::{DeckMetrics, DeckResults, LabelledDisplacements};
+pub use deck::{largest_difference, read_displacements};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
 pub use page::verification_page;

@@ -1,8 +1,8 @@
 //! The rows as a report with a page: docs/verification.md to look at.
 
+use hapdef_bench::{Column, or_dash, table};
 use hapdef_report::{
-    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, TextCell,
-    TextTable,
+    Figure, LineChart, NamedText, ReportError, ReportTable, Series, SkippedStage, TextTable,
 };
 use serde_json::Value;
 
@@ -25,9 +25,10 @@ pub fn verification_page(
         ("known misses", report.n_known_misses()),
         ("failed", report.n_failed()),
     ];
+    let fact = |(name, n): (&str, usize)| NamedText { name: name.into(), text: n.to_string() };
     Ok(hapdef_report::Report {
         title: "Is the elasticity solver right?".into(),
-        facts: facts(&counts),
+        facts: counts.map(fact).into(),
         tables: vec![ReportTable {
             title: "Cases, each on its finest mesh".into(),
             note: "Errors are relative to the reference; docs/verification.md says what is compared and \
@@ -45,81 +46,56 @@ pub fn verification_page(
 
 /// Cases that were not run, and why.
 fn not_run(report: &Report) -> Vec<SkippedStage> {
-    let skipped = report.cases.iter().filter_map(|case| match &case.verdict {
+    let skipped = report.cases.iter().filter_map(|report| match &report.verdict {
         Verdict::NotRun(reason) => {
-            Some(SkippedStage { name: case.id.to_string(), reason: reason.clone() })
+            Some(SkippedStage { name: report.case.id(), reason: reason.clone() })
         }
         _ => None,
     });
     skipped.collect()
 }
 
-fn facts(counts: &[(&str, usize)]) -> Vec<NamedText> {
-    let fact = |(name, n): &(&str, usize)| NamedText { name: (*name).into(), text: n.to_string() };
-    counts.iter().map(fact).collect()
-}
+const COLUMNS: [Column<CaseReport>; 10] = [
+    Column::new("case", |r| r.case.id()),
+    Column::new("problem", |r| r.case.title.into()),
+    Column::new("element", |r| r.case.element.word().into()),
+    Column::new("unit", |r| r.case.unit.into()),
+    Column::new("reference", |r| against(r.case.reference)),
+    Column::new("value", |r| {
+        or_dash(r.rows.last().map(|row| value(r.case.reference, row.measured.value)))
+    }),
+    Column::new("error", |r| or_dash(r.rows.last().map(error))),
+    Column::new("target", |r| target(&r.case)),
+    Column::new("verdict", |r| r.verdict.word().into()),
+    Column::new("why", |r| match &r.verdict {
+        Verdict::KnownMiss(why) | Verdict::Fail(why) | Verdict::NotRun(why) => why.clone(),
+        Verdict::Pass | Verdict::Reported => String::new(),
+    }),
+];
 
+/// The cases; a verdict of those that pass stands out.
 fn cases_table(report: &Report) -> TextTable {
-    let header = [
-        "case",
-        "problem",
-        "element",
-        "unit",
-        "reference",
-        "value",
-        "error",
-        "target",
-        "verdict",
-        "why",
-    ];
-    let row = |case: &CaseReport| {
-        let finest = case.rows.last();
-        let why = match &case.verdict {
-            Verdict::KnownMiss(why) | Verdict::Fail(why) | Verdict::NotRun(why) => why.clone(),
-            Verdict::Pass | Verdict::Reported => String::new(),
-        };
-        let is_good = case.verdict == Verdict::Pass;
-        cells(
-            [
-                case.id.into(),
-                case.title.into(),
-                case.element.into(),
-                case.unit.into(),
-                against(case.reference),
-                finest.map_or("–".into(), |row| value(case.reference, row.measured.value)),
-                finest.map_or("–".into(), error),
-                target(case),
-                case.verdict.word().into(),
-                why,
-            ],
-            is_good.then_some(8),
-        )
-    };
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: report.cases.iter().map(row).collect(),
+    let mut text = table(&COLUMNS, &report.cases);
+    for (row, case) in text.rows.iter_mut().zip(&report.cases) {
+        row[8].strong = case.verdict == Verdict::Pass;
     }
-}
-
-/// Cells of a row; the one at `strong` stands out.
-fn cells<const N: usize>(texts: [String; N], strong: Option<usize>) -> Vec<TextCell> {
-    let cell = |(at, text)| TextCell { text, strong: strong == Some(at) };
-    texts.into_iter().enumerate().map(cell).collect()
+    text
 }
 
 /// Error against equations, a plot for each problem.
 fn convergence(report: &Report) -> Result<Vec<Figure>, ReportError> {
     let mut problems: Vec<(&str, Vec<Series>)> = Vec::new();
-    for case in &report.cases {
+    for CaseReport { case, rows, .. } in &report.cases {
         let point = |row: &crate::Row| {
             let error = row.rel_err.filter(|e| *e > 0.0)?;
             Some((row.measured.n_equations as f64, error))
         };
-        let points: Vec<(f64, f64)> = case.rows.iter().filter_map(point).collect();
+        let points: Vec<(f64, f64)> = rows.iter().filter_map(point).collect();
         if points.len() < PLOTTED_MESHES {
             continue;
         }
-        let series = Series { name: format!("{} {}", case.element, case.quantity), points };
+        let name = format!("{} {}", case.element.word(), case.quantity);
+        let series = Series { name, points };
         match problems.iter_mut().find(|(title, _)| *title == case.title) {
             Some((_, all)) => all.push(series),
             None => problems.push((case.title, vec![series])),

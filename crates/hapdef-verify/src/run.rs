@@ -5,31 +5,17 @@ use std::time::Instant;
 use crate::{Case, Measured, Reference, VerifyError};
 
 /// All cases, judged.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default)]
 pub struct Report {
     /// One entry per case, in order.
     pub cases: Vec<CaseReport>,
 }
 
 /// One case, judged.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct CaseReport {
-    /// As in [`Case`].
-    pub id: &'static str,
-    /// As in [`Case`].
-    pub title: &'static str,
-    /// As in [`Case`].
-    pub element: &'static str,
-    /// As in [`Case`].
-    pub quantity: &'static str,
-    /// As in [`Case`].
-    pub unit: &'static str,
-    /// As in [`Case`].
-    pub reference: Reference,
-    /// As in [`Case`].
-    pub source: &'static str,
-    /// As in [`Case`].
-    pub target: crate::Target,
+    /// What was solved.
+    pub case: Case,
     /// One entry per mesh that was solved, coarse to fine.
     pub rows: Vec<Row>,
     /// How it went.
@@ -82,31 +68,32 @@ impl Report {
     /// Cases that were judged: pass, known miss or fail.
     #[must_use]
     pub fn n_judged(&self) -> usize {
-        let skipped =
-            |case: &&CaseReport| matches!(case.verdict, Verdict::NotRun(_) | Verdict::Reported);
-        self.cases.len() - self.cases.iter().filter(skipped).count()
+        self.count(|verdict| !matches!(verdict, Verdict::NotRun(_) | Verdict::Reported))
+    }
+
+    /// Cases whose verdict is so.
+    #[must_use]
+    pub fn count(&self, is: impl Fn(&Verdict) -> bool) -> usize {
+        self.cases.iter().filter(|case| is(&case.verdict)).count()
     }
 
     /// Cases whose target is missed for a known reason.
     #[must_use]
     pub fn n_known_misses(&self) -> usize {
-        let known = |case: &&CaseReport| matches!(case.verdict, Verdict::KnownMiss(_));
-        self.cases.iter().filter(known).count()
+        self.count(|verdict| matches!(verdict, Verdict::KnownMiss(_)))
     }
 
     /// Cases whose target is missed for no known reason.
     #[must_use]
     pub fn n_failed(&self) -> usize {
-        let failed = |case: &&CaseReport| matches!(case.verdict, Verdict::Fail(_));
-        self.cases.iter().filter(failed).count()
+        self.count(|verdict| matches!(verdict, Verdict::Fail(_)))
     }
 
-    /// The largest relative error on the finest mesh over all judged cases, with its case.
+    /// The largest relative error on the finest mesh over all judged cases.
     #[must_use]
-    pub fn worst(&self) -> Option<(&'static str, f64)> {
-        let last = |case: &CaseReport| Some((case.id, case.rows.last()?.rel_err?));
-        let errors = self.cases.iter().filter_map(last);
-        errors.max_by(|a, b| a.1.total_cmp(&b.1))
+    pub fn worst(&self) -> Option<f64> {
+        let errors = self.cases.iter().filter_map(|case| case.rows.last()?.rel_err);
+        errors.max_by(f64::total_cmp)
     }
 }
 
@@ -128,21 +115,15 @@ pub fn run_cases(cases: &[Case], mut after: impl FnMut(&CaseReport)) -> Report {
 pub fn run_case(case: &Case) -> CaseReport {
     let mut rows: Vec<Row> = Vec::new();
     let mut stopped = None;
-    for level in 0..case.n_levels {
+    for level in 0..case.meshes.len() {
         let started = Instant::now();
-        match (case.run)(level) {
+        match case.measure(level) {
             Ok(measured) => {
-                let row = Row {
-                    rel_err: case.reference.rel_err(measured.value),
-                    order: None,
-                    elapsed_s: started.elapsed().as_secs_f64(),
-                    measured,
-                };
-                rows.push(row);
+                let elapsed_s = started.elapsed().as_secs_f64();
+                let rel_err = case.reference.rel_err(measured.value);
+                rows.push(Row { measured, rel_err, order: None, elapsed_s });
                 let order = observed_order(case.reference, &rows);
-                if let Some(row) = rows.last_mut() {
-                    row.order = order;
-                }
+                rows[level].order = order;
             }
             Err(error) => {
                 stopped = Some(error);
@@ -151,18 +132,7 @@ pub fn run_case(case: &Case) -> CaseReport {
         }
     }
     let verdict = judge(case, &rows, stopped);
-    CaseReport {
-        id: case.id,
-        title: case.title,
-        element: case.element,
-        quantity: case.quantity,
-        unit: case.unit,
-        reference: case.reference,
-        source: case.source,
-        target: case.target,
-        rows,
-        verdict,
-    }
+    CaseReport { case: case.clone(), rows, verdict }
 }
 
 fn judge(case: &Case, rows: &[Row], stopped: Option<VerifyError>) -> Verdict {
@@ -242,20 +212,14 @@ fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::Target;
+    use crate::case::Solve;
 
     fn case(reference: Reference, target: Target, values: [f64; 3]) -> Case {
         Case {
-            id: "a.b",
-            title: "t",
-            element: "e",
-            quantity: "q",
-            unit: "1",
             reference,
-            source: "s",
             target,
-            n_levels: 3,
-            known_miss: None,
-            run: Box::new(move |level| {
+            meshes: &[[0; 3], [1; 3], [2; 3]],
+            solve: Solve::by(move |_, [level, ..]| {
                 Ok(Measured {
                     value: values[level],
                     mesh: String::new(),
@@ -264,6 +228,7 @@ mod tests {
                     h: 0.5_f64.powi(level as i32),
                 })
             }),
+            ..Case::default()
         }
     }
 
@@ -311,7 +276,7 @@ mod tests {
     #[test]
     fn what_can_not_run_is_neither_pass_nor_fail() {
         let mut case = case(Reference::Exact(1.0), Target::within(1.0), [1.0; 3]);
-        case.run = Box::new(|_| Err(VerifyError::not_run("element S8R")));
+        case.solve = Solve::by(|_, _| Err(VerifyError::not_run("element S8R")));
         let report = Report { cases: vec![run_case(&case)] };
         assert_eq!(report.cases[0].verdict, Verdict::NotRun("element S8R".to_owned()));
         assert_eq!((report.n_judged(), report.n_failed()), (0, 0));

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{CaseReport, Reference, Report, Row, Verdict};
+use crate::{Case, CaseReport, Measured, Reference, Report, Row, Verdict};
 
 /// Relative errors below this are round-off and differ from machine to machine.
 const ROUND_OFF: f64 = 1e-9;
@@ -26,17 +26,18 @@ the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a r
 /// One line per mesh, with times.
 #[must_use]
 pub fn people_table(report: &CaseReport) -> String {
-    let mut text =
-        format!("{} {} [{}]: {}\n", report.verdict.word(), report.id, report.element, report.title);
+    let case = &report.case;
+    let (verdict, element) = (report.verdict.word(), case.element.word());
+    let mut text = format!("{verdict} {} [{element}]: {}\n", case.id(), case.title);
     for row in &report.rows {
         let _ = writeln!(
             text,
             "       {:<28} {:>7} equations  {:>13} {} {:<8} error {:<10} order {:<5} {:.2} s",
             row.measured.mesh,
             row.measured.n_equations,
-            value(report.reference, row.measured.value),
-            against(report.reference),
-            report.unit,
+            value(case.reference, row.measured.value),
+            against(case.reference),
+            case.unit,
             error(row),
             order(row),
             row.elapsed_s
@@ -60,7 +61,7 @@ pub fn markdown(report: &Report) -> String {
         report.n_judged(),
         report.n_known_misses(),
         report.n_failed(),
-        report.cases.iter().filter(|c| matches!(c.verdict, Verdict::NotRun(_))).count()
+        report.count(|verdict| matches!(verdict, Verdict::NotRun(_)))
     );
     known_misses(&mut text, report);
     summary(&mut text, report);
@@ -78,16 +79,14 @@ fn known_misses(text: &mut String, report: &Report) {
     text.push_str(
         "Known misses; CI fails if one grows, and if one vanishes until its mark is gone:\n\n",
     );
-    for case in &report.cases {
-        if let (Verdict::KnownMiss(why), Some(last)) = (&case.verdict, case.rows.last()) {
+    for CaseReport { case, rows, verdict } in &report.cases {
+        if let (Verdict::KnownMiss(why), Some(last)) = (verdict, rows.last()) {
+            let (element, anchor) = (case.element.word(), anchor(case));
+            let (error, target) = (error(last), target(case));
             let _ = writeln!(
                 text,
-                "- [{}, {}](#{}): {} against a target of {}: {why}.",
-                case.title,
-                case.element,
-                anchor(case.id),
-                error(last),
-                target(case)
+                "- [{}, {element}](#{anchor}): {error} against a target of {target}: {why}.",
+                case.title
             );
         }
     }
@@ -95,74 +94,60 @@ fn known_misses(text: &mut String, report: &Report) {
 }
 
 /// The heading's place in the page.
-fn anchor(id: &str) -> String {
-    id.replace('.', "")
+fn anchor(case: &Case) -> String {
+    case.id().replace('.', "")
 }
 
 /// Reported values depend on the machine.
-fn committed(case: &CaseReport) -> bool {
-    case.reference != Reference::Reported
+fn committed(report: &CaseReport) -> bool {
+    report.case.reference != Reference::Reported
 }
 
 fn summary(text: &mut String, report: &Report) {
     text.push_str("| case | element | value | reference | error | order | target | |\n");
     text.push_str("|---|---|---|---|---|---|---|---|\n");
-    for case in report.cases.iter().filter(|case| committed(case)) {
-        let last = case.rows.last();
+    for report in report.cases.iter().filter(|report| committed(report)) {
+        let (case, last) = (&report.case, report.rows.last());
         let cell = |f: &dyn Fn(&Row) -> String| last.map_or("–".to_owned(), f);
         let _ = writeln!(
             text,
             "| [{}](#{}) | {} | {} | {} | {} | {} | {} | {} |",
             case.title,
-            anchor(case.id),
-            case.element,
+            anchor(case),
+            case.element.word(),
             cell(&|row| value(case.reference, row.measured.value)),
             against(case.reference),
             cell(&error),
             cell(&order),
             target(case),
-            case.verdict.word(),
+            report.verdict.word(),
         );
     }
 }
 
-fn details(text: &mut String, case: &CaseReport) {
-    let _ = writeln!(
-        text,
-        "\n### {}\n\n{}: {}, {}.",
-        case.id,
-        case.title,
-        case.quantity,
-        unit(case.unit)
-    );
-    let _ = writeln!(text, "Reference {}: {}.\n", against(case.reference), case.source);
-    if let Verdict::Fail(reason) = &case.verdict {
-        let _ = writeln!(text, "**Misses its target**: {reason}.\n");
-    }
-    if let Verdict::KnownMiss(why) = &case.verdict {
-        let _ = writeln!(text, "Misses its target (known): {why}.\n");
-    }
-    if let Verdict::NotRun(reason) = &case.verdict {
-        let _ = writeln!(text, "Not run: {reason}.");
-    }
-    if case.rows.is_empty() {
+fn details(text: &mut String, CaseReport { case, rows, verdict }: &CaseReport) {
+    let Case { title, quantity, source, .. } = case;
+    let (id, unit, against) = (case.id(), unit(case.unit), against(case.reference));
+    let _ = writeln!(text, "\n### {id}\n\n{title}: {quantity}, {unit}.");
+    let _ = writeln!(text, "Reference {against}: {source}.\n");
+    let _ = match verdict {
+        Verdict::Fail(reason) => writeln!(text, "**Misses its target**: {reason}.\n"),
+        Verdict::KnownMiss(why) => writeln!(text, "Misses its target (known): {why}.\n"),
+        Verdict::NotRun(reason) => writeln!(text, "Not run: {reason}."),
+        Verdict::Pass | Verdict::Reported => Ok(()),
+    };
+    if rows.is_empty() {
         return;
     }
     text.push_str(
         "| mesh | nodes | equations | value | error | order |\n|---|---|---|---|---|---|\n",
     );
-    for row in &case.rows {
-        let m = &row.measured;
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {} |",
-            m.mesh,
-            m.n_nodes,
-            m.n_equations,
-            value(case.reference, m.value),
-            error(row),
-            order(row)
-        );
+    for row in rows {
+        let Measured { mesh, n_nodes, n_equations, .. } = &row.measured;
+        let (value, error, order) =
+            (value(case.reference, row.measured.value), error(row), order(row));
+        let _ =
+            writeln!(text, "| {mesh} | {n_nodes} | {n_equations} | {value} | {error} | {order} |");
     }
 }
 
@@ -210,7 +195,7 @@ fn order(row: &Row) -> String {
     row.order.map_or("–".to_owned(), |order| format!("{order:.1}"))
 }
 
-pub(crate) fn target(case: &CaseReport) -> String {
+pub(crate) fn target(case: &Case) -> String {
     let error = case.target.rel_err;
     let percent =
         if error < 1e-3 { format!("{error:.0e}") } else { format!("{} %", error * 100.0) };

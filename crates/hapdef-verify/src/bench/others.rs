@@ -1,13 +1,11 @@
-//! Other programs on the same problem, where they are installed: CHOLMOD and CalculiX.
+//! CHOLMOD on the same problem, where it is installed.
 
 use std::path::Path;
 use std::process::Command;
-use std::time::Instant;
-
-use hapdef_mesh::{SolidDeck, write_inp};
 
 use super::system::System;
 use crate::VerifyError;
+use crate::ccx::{not_run, output};
 
 /// CHOLMOD's times, processor seconds on one thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +37,7 @@ pub(crate) fn cholmod(system: &System) -> Result<[(&'static str, Cholmod); 2], V
     check_blas(&program)?;
     let data = folder.path().join("system.bin");
     system.write(&data).map_err(not_run("writing the system"))?;
-    let run = |ordering| -> Result<Cholmod, VerifyError> {
+    let run = |ordering: &str| -> Result<Cholmod, VerifyError> {
         let mut command = Command::new(&program);
         command.arg(&data).args([ordering, BLOCK]);
         for threads in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"] {
@@ -47,7 +45,7 @@ pub(crate) fn cholmod(system: &System) -> Result<[(&'static str, Cholmod); 2], V
         }
         parse(&output(&mut command)?)
     };
-    Ok([("METIS", run("METIS")?), ("AMD", run("AMD")?)])
+    Ok([("metis", run("METIS")?), ("amd", run("AMD")?)])
 }
 
 /// With the reference BLAS the comparison would be with the wrong library.
@@ -75,42 +73,4 @@ fn parse(text: &str) -> Result<Cholmod, VerifyError> {
         }
         _ => Err(VerifyError::not_run(format!("CHOLMOD printed {text:?}"))),
     }
-}
-
-/// Wall seconds of one CalculiX run of `deck` with all cores.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where there is no `ccx` or it fails.
-pub(crate) fn calculix(deck: &SolidDeck) -> Result<f64, VerifyError> {
-    let folder = tempfile::tempdir().map_err(not_run("no temporary folder"))?;
-    write_inp(&folder.path().join("job.inp"), deck)?;
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut command = Command::new("ccx");
-    command.current_dir(&folder).args(["-i", "job"]);
-    command.env("OMP_NUM_THREADS", cores.to_string());
-    let started = Instant::now();
-    let printed = output(&mut command)?;
-    let took_s = started.elapsed().as_secs_f64();
-    if printed.contains("Job finished") {
-        Ok(took_s)
-    } else {
-        let last = printed.lines().last().unwrap_or_default().to_owned();
-        Err(VerifyError::not_run(format!("ccx did not finish: {last}")))
-    }
-}
-
-fn output(command: &mut Command) -> Result<String, VerifyError> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let output =
-        command.output().map_err(|error| VerifyError::not_run(format!("{name}: {error}")))?;
-    if !output.status.success() {
-        let text = String::from_utf8_lossy(&output.stderr);
-        let line = text.lines().next().unwrap_or("it failed").to_owned();
-        return Err(VerifyError::not_run(format!("{name}: {line}")));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-fn not_run(what: &'static str) -> impl Fn(std::io::Error) -> VerifyError {
-    move |error| VerifyError::not_run(format!("{what}: {error}"))
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use hapdef_report::{MetricContext, MetricLog};
-use hapdef_verify::{DeckResults, KnownResults, read_displacements};
+use hapdef_verify::{DeckMetrics, DeckResults, largest_difference, read_displacements};
 
 use super::context::MetricsArgs;
 
@@ -35,68 +35,55 @@ pub(crate) struct DeckArgs {
     output: MetricsArgs,
 }
 
+/// Metric, what it is, unit, and its value.
+type Line = (&'static str, &'static str, &'static str, fn(&DeckMetrics) -> Option<f64>);
+
+const LINES: [Line; 4] = [
+    ("deck.ke_max_rel_err", "largest element stiffness", "N/m", |m| m.ke_max_n_m),
+    ("deck.ke_min_rel_err", "smallest element stiffness", "N/m", |m| m.ke_min_n_m),
+    ("deck.mass_rel_err", "mass", "kg", |m| m.mass_kg),
+    ("deck.energy_rel_err", "strain energy", "J", |m| m.energy_j),
+];
+
+const UNKNOWN: &str = "no reference is known for this deck";
+
 /// Solves the deck and prints its results beside those that are known.
 pub(crate) fn run(args: &DeckArgs) -> Result<()> {
     let (_, results) = DeckResults::of(&args.deck)?;
-    let known = KnownResults::of(&args.deck)?;
+    let found = DeckMetrics::known(&args.deck)?;
+    let known = DeckMetrics {
+        ke_max_n_m: args.ke_max.or(found.ke_max_n_m),
+        ke_min_n_m: args.ke_min.or(found.ke_min_n_m),
+        mass_kg: args.mass.or(found.mass_kg),
+        energy_j: args.energy.or(found.energy_j),
+        ..found
+    };
     let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
-    let mass = results.mass_kg.unwrap_or(f64::NAN);
     println!("equations  {}", results.n_equations);
-    for (name, what, value, unit, known) in [
-        (
-            "deck.ke_max_rel_err",
-            "largest element stiffness",
-            results.ke_max_n_m,
-            "N/m",
-            args.ke_max.or(known.ke_max_n_m),
-        ),
-        (
-            "deck.ke_min_rel_err",
-            "smallest element stiffness",
-            results.ke_min_n_m,
-            "N/m",
-            args.ke_min.or(known.ke_min_n_m),
-        ),
-        ("deck.mass_rel_err", "mass", mass, "kg", args.mass.or(known.mass_kg)),
-        (
-            "deck.energy_rel_err",
-            "strain energy",
-            results.energy_j,
-            "J",
-            args.energy.or(known.energy_j),
-        ),
-    ] {
-        println!("{what}  {value:.9e} {unit}");
-        match known {
-            _ if value.is_nan() => log.skipped(name, "the deck states no density")?,
-            Some(known) => log.value(name, (value - known).abs() / known.abs(), "1")?,
-            None => log.skipped(name, "no reference is known for this deck")?,
+    for (name, what, unit, of) in LINES {
+        let value = of(&results.metrics);
+        println!("{what}  {:.9e} {unit}", value.unwrap_or(f64::NAN));
+        match (value, of(&known)) {
+            (None, _) => log.skipped(name, "the deck states no density")?,
+            (_, None) => log.skipped(name, UNKNOWN)?,
+            (Some(value), Some(known)) => {
+                log.value(name, (value - known).abs() / known.abs(), "1")?;
+            }
         }
     }
-    println!("largest |u|  {:.9e} m", results.largest_u_m);
-    displacement(args, &results, &known, &mut log)?;
-    log.append_to(&args.output.metrics)?;
-    Ok(())
-}
-
-/// At every node where a reference is given, else the largest.
-fn displacement(
-    args: &DeckArgs,
-    results: &DeckResults,
-    known: &KnownResults,
-    log: &mut MetricLog<std::io::Stdout>,
-) -> Result<()> {
+    let largest_u_m = results.metrics.largest_u_m.unwrap_or(0.0);
+    println!("largest |u|  {largest_u_m:.9e} m");
+    // at every node where a reference is given, else the largest
     let name = "deck.u_rel_err";
     match (&args.reference, known.largest_u_m) {
-        (Some(_), _) if results.largest_u_m == 0.0 => log.skipped(name, "the deck has no load")?,
+        (Some(_), _) if largest_u_m == 0.0 => log.skipped(name, "the deck has no load")?,
         (Some(path), _) => {
-            let difference = results.difference(&read_displacements(path)?)?;
-            log.value(name, difference, "1")?;
+            let reference = read_displacements(path)?;
+            log.value(name, largest_difference(&results.displacement_m, &reference)?, "1")?;
         }
-        (None, Some(u)) => log.value(name, (results.largest_u_m - u).abs() / u, "1")?,
-        (None, None) => {
-            log.skipped(name, "no reference is known for this deck; give --reference")?;
-        }
+        (None, Some(u)) => log.value(name, (largest_u_m - u).abs() / u, "1")?,
+        (None, None) => log.skipped(name, &format!("{UNKNOWN}; give --reference"))?,
     }
+    log.append_to(&args.output.metrics)?;
     Ok(())
 }

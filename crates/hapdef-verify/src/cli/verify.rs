@@ -7,7 +7,8 @@ use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
 use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::{
-    Report, Verdict, all_cases, differences, markdown, people_table, run_cases, verification_page,
+    CaseReport, Report, Verdict, all_cases, differences, markdown, people_table, run_cases,
+    verification_page,
 };
 
 use super::context::{MetricsArgs, write_page};
@@ -38,7 +39,7 @@ pub(crate) struct VerifyArgs {
 pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
     let mut cases = all_cases();
     let wanted = |id: &str| args.only.is_empty() || args.only.iter().any(|word| id.contains(word));
-    cases.retain(|case| wanted(case.id));
+    cases.retain(|case| wanted(&case.id()));
     if cases.is_empty() {
         bail!("no case has an id with {:?}; without --only all are listed", args.only);
     }
@@ -78,10 +79,10 @@ fn agrees(args: &VerifyArgs, report: &Report) -> Result<bool> {
 
 /// One object per mesh of each case; a case that was not run has one with the reason.
 fn json(report: &Report) -> serde_json::Value {
-    let rows = report.cases.iter().flat_map(|case| {
-        case.rows.iter().map(|row| {
+    let rows = report.cases.iter().flat_map(|CaseReport { case, rows, verdict }| {
+        rows.iter().map(|row| {
             serde_json::json!({
-                "case": case.id,
+                "case": case.id(),
                 "mesh": row.measured.mesh,
                 "nodes": row.measured.n_nodes,
                 "equations": row.measured.n_equations,
@@ -91,18 +92,19 @@ fn json(report: &Report) -> serde_json::Value {
                 "rel_err": row.rel_err,
                 "order": row.order,
                 "elapsed_s": row.elapsed_s,
-                "verdict": case.verdict.word(),
+                "verdict": verdict.word(),
             })
         })
     });
-    let not_run = report.cases.iter().filter_map(|case| match &case.verdict {
-        Verdict::NotRun(reason) => Some(serde_json::json!({
-            "case": case.id,
-            "verdict": case.verdict.word(),
-            "reason": reason,
-        })),
-        _ => None,
-    });
+    let not_run =
+        report.cases.iter().filter_map(|CaseReport { case, verdict, .. }| match verdict {
+            Verdict::NotRun(reason) => Some(serde_json::json!({
+                "case": case.id(),
+                "verdict": verdict.word(),
+                "reason": reason,
+            })),
+            _ => None,
+        });
     rows.chain(not_run).collect()
 }
 
@@ -112,7 +114,7 @@ fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdo
     log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
     log.value("verify.failed", report.n_failed() as f64, "1")?;
     match report.worst() {
-        Some((_, error)) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,
+        Some(error) if error.is_finite() => log.value("verify.worst_rel_err", error, "1")?,
         _ => log.skipped("verify.worst_rel_err", "no row has an error that is a number")?,
     }
     log.append_to(&args.output.metrics)?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_cell};
+use hapdef_mesh::{FeNodeId, TET10_EDGES, Tet10Mesh, kuhn_cell};
 use nalgebra::Point3;
 
 use crate::VerifyError;
@@ -10,33 +10,68 @@ use crate::VerifyError;
 /// A mesh under construction: one mapped grid after another.
 ///
 /// Each cell becomes six tetrahedra around its diagonal (Kuhn). Mid-side nodes lie on the mapped
-/// middle of their edge, so that curved maps give curved faces. Nodes closer than the tolerance
+/// middle of their edge, so that curved maps give curved faces. Nodes closer than [`TOLERANCE`]
 /// are one. Face diagonals run from a cell's lowest to its highest corner: blocks that share a
 /// face must count it in the same two directions, or both mirrored.
-#[derive(Debug)]
-pub struct Blocks {
-    tolerance: f64,
+#[derive(Debug, Default)]
+pub(crate) struct Blocks {
     nodes: Vec<Point3<f64>>,
     elements: Vec<[FeNodeId; 10]>,
     near: BTreeMap<[i64; 3], Vec<FeNodeId>>,
 }
 
-impl Blocks {
-    /// No block yet; nodes closer than `tolerance` will be one.
-    #[must_use]
-    pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, nodes: Vec::new(), elements: Vec::new(), near: BTreeMap::new() }
-    }
+/// Nodes that are closer are one.
+const TOLERANCE: f64 = 1e-7;
 
+/// The octant x, y, z ≥ 0 of a hollow sphere, inner radius 1, outer 2, `n` cells through the wall:
+/// concentric cubes blown up to spheres.
+///
+/// The cube's Kuhn cells have no tetrahedron across the planes x = y, y = z, z = x, where the map
+/// has a kink.
+pub(crate) fn hollow_octant(n: usize) -> Result<Tet10Mesh, VerifyError> {
+    let in_wall = |cell: [usize; 3]| cell.iter().any(|&c| c >= n);
+    let onto_spheres = |p: Point3<f64>| {
+        let cube = p.coords * 2.0;
+        Point3::from(cube * (cube.amax() / cube.norm()))
+    };
+    Blocks::default().block_of([2 * n; 3], in_wall, onto_spheres).finish()
+}
+
+/// The mesh with its corner nodes moved and its mid-side nodes halfway.
+pub(crate) fn moved(
+    mesh: &Tet10Mesh,
+    map: impl Fn(FeNodeId, Point3<f64>) -> Point3<f64>,
+) -> Result<Tet10Mesh, VerifyError> {
+    let mut nodes = mesh.nodes().to_vec();
+    for &corner in mesh.elements().iter().flat_map(|e| &e[..4]) {
+        nodes[corner.index()] = map(corner, mesh.position(corner));
+    }
+    for element in mesh.elements() {
+        for (i, [a, b]) in TET10_EDGES.into_iter().enumerate() {
+            let (a, b) = (nodes[element[a].index()], nodes[element[b].index()]);
+            nodes[element[4 + i].index()] = nalgebra::center(&a, &b);
+        }
+    }
+    Ok(Tet10Mesh::new(nodes, mesh.elements().to_vec())?)
+}
+
+/// The nodes of a straight-sided tetrahedron.
+pub(crate) fn straight(corners: [[f64; 3]; 4]) -> [Point3<f64>; 10] {
+    let corners = corners.map(Point3::from);
+    std::array::from_fn(|i| match i {
+        0..4 => corners[i],
+        _ => nalgebra::center(&corners[TET10_EDGES[i - 4][0]], &corners[TET10_EDGES[i - 4][1]]),
+    })
+}
+
+impl Blocks {
     /// A grid of `n` cells over the unit cube, moved by `map`.
-    #[must_use]
-    pub fn block(self, n: [usize; 3], map: impl Fn(Point3<f64>) -> Point3<f64>) -> Self {
+    pub(crate) fn block(self, n: [usize; 3], map: impl Fn(Point3<f64>) -> Point3<f64>) -> Self {
         self.block_of(n, |_| true, map)
     }
 
     /// The cells of [`Self::block`] whose index satisfies `keep`.
-    #[must_use]
-    pub fn block_of(
+    pub(crate) fn block_of(
         mut self,
         n: [usize; 3],
         keep: impl Fn([usize; 3]) -> bool,
@@ -66,18 +101,18 @@ impl Blocks {
     ///
     /// # Errors
     /// [`VerifyError::Mesh`] if blocks don't fit each other or a map turns a cell inside out.
-    pub fn finish(self) -> Result<Tet10Mesh, VerifyError> {
+    pub(crate) fn finish(self) -> Result<Tet10Mesh, VerifyError> {
         Ok(Tet10Mesh::new(self.nodes, self.elements)?)
     }
 
     /// The node at `p`, an old one if there is one.
     fn node(&mut self, p: Point3<f64>) -> FeNodeId {
-        let bin = p.coords.map(|c| (c / (4.0 * self.tolerance)).round() as i64);
+        let bin = p.coords.map(|c| (c / (4.0 * TOLERANCE)).round() as i64);
         for offset in 0..27_i64 {
             let beside = [offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1];
             let at: [i64; 3] = std::array::from_fn(|c| bin[c] + beside[c]);
             let found = self.near.get(&at).and_then(|ids| {
-                let close = |id: &&FeNodeId| (self.nodes[id.index()] - p).norm() < self.tolerance;
+                let close = |id: &&FeNodeId| (self.nodes[id.index()] - p).norm() < TOLERANCE;
                 ids.iter().find(close)
             });
             if let Some(&id) = found {
@@ -119,7 +154,7 @@ mod tests {
 
     #[test]
     fn mirrored_blocks_join_and_fill_their_volume() {
-        let mesh = Blocks::new(1e-9)
+        let mesh = Blocks::default()
             .block([2, 3, 1], |p| p)
             .block([2, 3, 1], |p| Point3::new(-p.x, p.y, p.z))
             .finish()
@@ -136,7 +171,7 @@ mod tests {
             Point3::new(r * phi.cos(), r * phi.sin(), p.z)
         };
         let error = |n: usize| {
-            let mesh = Blocks::new(1e-9).block([1, n, 1], quarter).finish().unwrap();
+            let mesh = Blocks::default().block([1, n, 1], quarter).finish().unwrap();
             (volume(&mesh) - 0.75 * std::f64::consts::PI).abs()
         };
         // quadratic edges on a circle: the area is off by h⁴

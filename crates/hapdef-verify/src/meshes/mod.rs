@@ -1,10 +1,12 @@
 //! Meshes of the benchmarks: mapped grids of ten-node tetrahedra whose mid-side nodes lie on the
-//! true geometry.
+//! true geometry, and of triangles.
 
 mod blocks;
+mod body;
+mod grid;
 mod pick;
-mod sphere;
 
-pub use blocks::Blocks;
-pub use pick::{faces_where, nodes_where};
-pub use sphere::hollow_octant;
+pub(crate) use blocks::{Blocks, hollow_octant, moved, straight};
+pub(crate) use body::{Body, BodyMesh, Place};
+pub(crate) use grid::{Pattern, Triangles, grid};
+pub(crate) use pick::{faces_where, nodes_where};

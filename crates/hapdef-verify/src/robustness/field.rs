@@ -7,11 +7,11 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use crate::VerifyError;
 
 /// A displacement field and its stress.
-pub(super) struct Field {
+pub(crate) struct Field {
     /// The displacement at a point.
-    pub(super) u: Displacement,
+    pub(crate) u: Displacement,
     /// The stress at a point of an element, given the factor on its modulus.
-    pub(super) stress: Stress,
+    pub(crate) stress: Stress,
 }
 
 type Displacement = Box<dyn Fn(&Point3<f64>) -> Vector3<f64>>;
@@ -19,14 +19,18 @@ type Displacement = Box<dyn Fn(&Point3<f64>) -> Vector3<f64>>;
 type Stress = Box<dyn Fn(&Point3<f64>, f64) -> Matrix3<f64>>;
 
 /// The material of modulus `e` and Poisson's ratio `nu`.
-pub(super) fn material(e: f64, nu: f64) -> Result<IsotropicMaterial, VerifyError> {
+pub(crate) fn material(e: f64, nu: f64) -> Result<IsotropicMaterial, VerifyError> {
     Ok(IsotropicMaterial::new(e, nu, 1.0)?)
 }
 
 /// One strain everywhere: all six components, with the upper triangular gradient that three nodes'
 /// holds leave free.
-pub(super) fn stretch(material: IsotropicMaterial) -> Field {
-    let gradient = Matrix3::new(1.0, 0.4, -0.3, 0.0, -0.7, 0.5, 0.0, 0.0, 0.6) * 1e-3;
+pub(crate) fn stretch(material: IsotropicMaterial) -> Field {
+    uniform(material, Matrix3::new(1.0, 0.4, -0.3, 0.0, -0.7, 0.5, 0.0, 0.0, 0.6) * 1e-3)
+}
+
+/// One displacement gradient everywhere.
+pub(crate) fn uniform(material: IsotropicMaterial, gradient: Matrix3<f64>) -> Field {
     let strain = (gradient + gradient.transpose()) * 0.5;
     Field {
         u: Box::new(move |p| gradient * p.coords),
@@ -37,7 +41,7 @@ pub(super) fn stretch(material: IsotropicMaterial) -> Field {
 /// A plate `size` bent about y to the curvature c: σxx = E c z, u = c xz, v = −ν c yz,
 /// w = −c/2 (x² + ν(z² − y²)), turned back so that w vanishes at the corners (lx, 0, 0) and
 /// (0, ly, 0) (Timoshenko and Goodier, Theory of Elasticity, 3rd ed., article 102).
-pub(super) fn bend(material: IsotropicMaterial, size: [f64; 3]) -> Field {
+pub(crate) fn bend(material: IsotropicMaterial, size: [f64; 3]) -> Field {
     let c = 1e-3 / size[0];
     let (e, nu) = (material.youngs_modulus_pa(), material.poissons_ratio());
     let (turn_x, turn_y) = (0.5 * c * size[0], -0.5 * c * nu * size[1]);
@@ -58,7 +62,7 @@ pub(super) fn bend(material: IsotropicMaterial, size: [f64; 3]) -> Field {
 /// through parts of compliance `compliances`, each from one of `cuts` to the next; 0 is rigid.
 ///
 /// u = p(x) − w′(x) z and w with w″ = −c(x), where p′ and c are the compliance times a constant.
-pub(super) fn series(e: f64, cuts: Vec<f64>, compliances: Vec<f64>) -> Field {
+pub(crate) fn series(e: f64, cuts: Vec<f64>, compliances: Vec<f64>) -> Field {
     let (pull, curvature) = (1e-3, 1e-3);
     Field {
         u: Box::new(move |point| {

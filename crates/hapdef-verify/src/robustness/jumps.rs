@@ -98,7 +98,7 @@ fn bar(part: Part, f: f64) -> Result<Block, VerifyError> {
 fn rigid(part: Part) -> Result<Block, VerifyError> {
     let mesh = mesh()?;
     let [from, to] = part.range();
-    let nodes = nodes_where(&mesh, |p| from <= p.x && p.x <= to);
+    let nodes = nodes_where(mesh.nodes(), |p| from <= p.x && p.x <= to);
     let mut block = Block::clamped(mesh, material(E_PA, 0.0)?, field(part, 0.0));
     block.params.supports =
         Supports { rigid_bodies: vec![RigidBody { nodes }], ..Supports::default() };

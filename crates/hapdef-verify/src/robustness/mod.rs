@@ -15,6 +15,8 @@ mod table;
 
 use hapdef_report::robustness::Row;
 
+pub(crate) use field::{bend, material, uniform};
+pub(crate) use solid::{Block, grid, turn, wobble};
 pub use table::ROBUSTNESS_TABLE;
 
 use crate::VerifyError;

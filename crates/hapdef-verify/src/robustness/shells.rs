@@ -3,14 +3,15 @@
 
 use hapdef_mesh::FeNodeId;
 use hapdef_report::robustness::{Expected, Measured};
-use hapdef_sim::{ElasticModel, HeldMotion, Hold, NodalLoad, ShellKind, ShellMesh, ShellParams};
+use hapdef_sim::{ElasticModel, Hold, NodalLoad, ShellKind, ShellParams};
 use nalgebra::{Point3, Vector3};
 
 use super::field::material;
-use super::solid::{relative_error, turn};
-use super::solids::result_if;
+use super::solid::{hold, relative_error, turn};
+use super::solids::{result_if, wide};
 use super::table::{Trial, measured, trial};
 use crate::VerifyError;
+use crate::meshes::{Pattern, Triangles, grid as cells};
 
 /// A square plate.
 #[derive(Clone, Copy)]
@@ -31,43 +32,38 @@ pub(super) struct Plate {
 
 const CELLS: usize = 6;
 
+const PLAIN: Plate =
+    Plate { kind: ShellKind::Thick, size: 1.0, t: 1e-2, e: 2e9, nu: 0.3, load: 1.0, row: 1.0 };
+
+/// A case, values of what is extreme, their words, when a result is expected, and the plate.
+type Sweep =
+    (&'static str, &'static [f64], fn(f64) -> String, fn(f64) -> Expected, fn(f64) -> Plate);
+
+const THICK: &str = "thin plate in bending, thick shell";
+const THIN: &str = "thin plate in bending, thin shell";
+const ANY: &str = "a plate, shell";
+const RATIOS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+#[rustfmt::skip]
+const SWEEPS: [Sweep; 7] = [
+    (THICK, RATIOS, |t| format!("t/L {t:e}"), |t| result_if(t >= 1e-3), |t| Plate { t, ..PLAIN }),
+    (THIN, RATIOS, |t| format!("t/L {t:e}"), |t| result_if(t >= 1e-3), |t| Plate { t, kind: ShellKind::Thin, ..PLAIN }),
+    ("a row of slivers, shell", &[0.1, 0.01, 1e-3, 1e-4], |row| format!("height × {row:e}"), |_| Expected::Either, |row| Plate { row, ..PLAIN }),
+    (ANY, &[1e3, 1e13], |e| format!("E {e:e} Pa"), |_| Expected::Result, |e| Plate { e, ..PLAIN }),
+    (ANY, &[0.0, 0.49, 0.4999, 0.4999999], |nu| format!("ν {nu}"), |_| Expected::Result, |nu| Plate { nu, ..PLAIN }),
+    (ANY, &[1e-6, 1e3], wide, |_| Expected::Result, |size| Plate { size, ..PLAIN }),
+    (ANY, &[1e-12, 1e12], |load| format!("load × {load:e}"), |_| Expected::Result, |load| Plate { load, ..PLAIN }),
+];
+
 /// Rows of shells.
 pub(super) fn trials() -> Vec<Trial> {
-    let mut trials = Vec::new();
-    let plain =
-        Plate { kind: ShellKind::Thick, size: 1.0, t: 1e-2, e: 2e9, nu: 0.3, load: 1.0, row: 1.0 };
-    for (case, kind) in [
-        ("thin plate in bending, thick shell", ShellKind::Thick),
-        ("thin plate in bending, thin shell", ShellKind::Thin),
-    ] {
-        for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-            let plate = Plate { kind, t, ..plain };
-            trials.push(shell(case, format!("t/L {t:e}"), result_if(t >= 1e-3), plate));
-        }
-    }
-    for row in [0.1, 0.01, 1e-3, 1e-4] {
-        let case = "a row of slivers, shell";
-        let plate = Plate { row, ..plain };
-        trials.push(shell(case, format!("height × {row:e}"), Expected::Either, plate));
-    }
-    let usual = |extreme: String, plate| shell("a plate, shell", extreme, Expected::Result, plate);
-    for e in [1e3, 1e13] {
-        trials.push(usual(format!("E {e:e} Pa"), Plate { e, ..plain }));
-    }
-    for nu in [0.0, 0.49, 0.4999, 0.4999999] {
-        trials.push(usual(format!("ν {nu}"), Plate { nu, ..plain }));
-    }
-    for (words, size) in [("1 µm wide", 1e-6), ("1 km wide", 1e3)] {
-        trials.push(usual(words.to_owned(), Plate { size, ..plain }));
-    }
-    for load in [1e-12, 1e12] {
-        trials.push(usual(format!("load × {load:e}"), Plate { load, ..plain }));
-    }
-    trials
-}
-
-fn shell(case: &'static str, extreme: String, expected: Expected, plate: Plate) -> Trial {
-    trial((case, extreme), "shell", expected, move || plate.measure())
+    let sweep = |(case, values, words, expected, plate): Sweep| {
+        values.iter().map(move |&value| {
+            let plate = plate(value);
+            trial((case, words(value)), "shell", expected(value), move || plate.measure())
+        })
+    };
+    SWEEPS.into_iter().flat_map(sweep).collect()
 }
 
 impl Plate {
@@ -76,48 +72,26 @@ impl Plate {
         FeNodeId::from_index(j * (CELLS + 1) + i)
     }
 
-    /// Positions in the plate's own axes.
-    fn nodes(&self) -> Vec<Point3<f64>> {
+    /// Positions in the plate's own axes; the middle row of cells has its own height.
+    fn cells(&self) -> Triangles {
+        let side = self.size / CELLS as f64;
         let heights = (0..CELLS).map(|j| if j == CELLS / 2 { self.row } else { 1.0 });
         let mut y = vec![0.0];
         for height in heights {
-            y.push(y[y.len() - 1] + height * self.size / CELLS as f64);
+            y.push(y[y.len() - 1] + height * side);
         }
-        y.iter()
-            .flat_map(|&y| {
-                (0..=CELLS).map(move |i| Point3::new(i as f64 * self.size / CELLS as f64, y, 0.0))
-            })
-            .collect()
-    }
-
-    fn triangles() -> Vec<[FeNodeId; 3]> {
-        let cells = (0..CELLS * CELLS).map(|c| (c % CELLS, c / CELLS));
-        cells
-            .flat_map(|(i, j)| {
-                let [a, b] = [Self::id(i, j), Self::id(i + 1, j)];
-                let [c, d] = [Self::id(i + 1, j + 1), Self::id(i, j + 1)];
-                [[a, b, c], [a, c, d]]
-            })
-            .collect()
+        cells([CELLS, CELLS, 1], Pattern::Up, |p| {
+            let [i, j] = [p.x, p.y].map(|c| (c * CELLS as f64).round());
+            Point3::new(i * self.size / CELLS as f64, y[j as usize], 0.0)
+        })
     }
 
     /// Held so that it can't move as a body: the corner at the origin, v and w of the corner along
     /// x, w of the corner along y.
     fn holds() -> Vec<Hold> {
-        let held = [
-            (Self::id(0, 0), 0),
-            (Self::id(0, 0), 1),
-            (Self::id(0, 0), 2),
-            (Self::id(CELLS, 0), 1),
-            (Self::id(CELLS, 0), 2),
-            (Self::id(0, CELLS), 2),
-        ];
-        held.map(|(node, axis)| Hold {
-            nodes: vec![node],
-            motion: HeldMotion::Translation,
-            direction: turn() * Vector3::ith(axis, 1.0),
-        })
-        .to_vec()
+        let [origin, x, y] = [(0, 0), (CELLS, 0), (0, CELLS)].map(|(i, j)| Self::id(i, j));
+        let held = [(origin, 0), (origin, 1), (origin, 2), (x, 1), (x, 2), (y, 2)];
+        held.map(|(node, axis)| hold(vec![node], axis)).to_vec()
     }
 
     /// Curvature of the exact field.
@@ -150,15 +124,15 @@ impl Plate {
 
     /// Solves it and compares with the exact field.
     fn measure(&self) -> Result<Measured, VerifyError> {
-        let nodes = self.nodes();
+        let cells = self.cells();
+        let nodes = cells.nodes.clone();
         let height = nodes[nodes.len() - 1].y;
-        let placed: Vec<_> = nodes.iter().map(|p| turn() * p).collect();
-        let thickness = vec![self.t * self.size; nodes.len()];
-        let mesh = ShellMesh::new(placed, Self::triangles(), thickness)?;
+        let placed = Triangles { nodes: nodes.iter().map(|p| turn() * p).collect(), ..cells };
+        let body = placed.body(self.t * self.size)?;
         let mut params = ShellParams::new(material(self.e, self.nu)?, Vec::new());
         params.kind = self.kind;
         params.supports.holds = Self::holds();
-        let model = ElasticModel::build_shell(&mesh, &params)?;
+        let model = ElasticModel::build_shell(body.shell()?.0, &params)?;
         let (u, info) = model.solve(&self.load(&nodes))?;
         let error = relative_error(&nodes, &u, |p| turn() * self.exact(p, height));
         Ok(measured(&model, &info, error))

@@ -2,101 +2,81 @@
 
 use std::collections::BTreeMap;
 
-use hapdef_mesh::{FeNodeId, TET10_EDGES, TET10_FACES, Tet10Mesh, tri6};
+use hapdef_mesh::{FeNodeId, TET10_FACES, Tet10Mesh, tri6};
 use hapdef_report::robustness::Measured;
-use hapdef_sim::{
-    ElasticModel, ElasticParams, HeldMotion, Hold, IsotropicMaterial, NodalLoad, Supports,
-};
+use hapdef_sim::{ElasticModel, ElasticParams, HeldMotion, Hold, IsotropicMaterial, NodalLoad};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
 use super::field::Field;
 use super::table::measured;
 use crate::VerifyError;
-use crate::meshes::{Blocks, nodes_where};
+use crate::meshes::{Blocks, moved, nodes_where};
 
 /// A mesh in its own axes, its supports and its load; solved turned in space, so that no coordinate
 /// is a round number.
-pub(super) struct Block {
+pub(crate) struct Block {
     /// The mesh in its own axes.
-    pub(super) mesh: Tet10Mesh,
+    pub(crate) mesh: Tet10Mesh,
     /// Everything but the mesh.
-    pub(super) params: ElasticParams,
+    pub(crate) params: ElasticParams,
     /// The exact displacement and stress.
-    pub(super) field: Field,
+    pub(crate) field: Field,
     /// A factor on the load.
-    pub(super) load_scale: f64,
+    pub(crate) load_scale: f64,
 }
 
 /// How every block is turned.
-pub(super) fn turn() -> Rotation3<f64> {
+pub(crate) fn turn() -> Rotation3<f64> {
     Rotation3::from_euler_angles(0.4, -0.7, 1.9)
+}
+
+/// Nodes held along an axis that is turned.
+pub(super) fn hold(nodes: Vec<FeNodeId>, axis: usize) -> Hold {
+    Hold { nodes, motion: HeldMotion::Translation, direction: turn() * Vector3::ith(axis, 1.0) }
 }
 
 /// A grid of `n` cells over the unit cube whose corner nodes are moved by `map`; mid-side nodes lie
 /// halfway.
-pub(super) fn grid(
+pub(crate) fn grid(
     n: [usize; 3],
     map: impl Fn(Point3<f64>) -> Point3<f64>,
 ) -> Result<Tet10Mesh, VerifyError> {
-    let unit = Blocks::new(1e-9).block(n, |p| p).finish()?;
+    let unit = Blocks::default().block(n, |p| p).finish()?;
     moved(&unit, |_, p| map(p))
 }
 
-/// The mesh with its corner nodes moved and its mid-side nodes halfway.
-pub(super) fn moved(
-    mesh: &Tet10Mesh,
-    map: impl Fn(FeNodeId, Point3<f64>) -> Point3<f64>,
-) -> Result<Tet10Mesh, VerifyError> {
-    let mut nodes = mesh.nodes().to_vec();
-    for &corner in mesh.elements().iter().flat_map(|e| &e[..4]) {
-        nodes[corner.index()] = map(corner, mesh.position(corner));
-    }
-    for element in mesh.elements() {
-        for (i, [a, b]) in TET10_EDGES.into_iter().enumerate() {
-            let (a, b) = (nodes[element[a].index()], nodes[element[b].index()]);
-            nodes[element[4 + i].index()] = nalgebra::center(&a, &b);
-        }
-    }
-    Ok(Tet10Mesh::new(nodes, mesh.elements().to_vec())?)
+/// Moves inner points of the unit cube by up to about `by`.
+pub(crate) fn wobble(p: Point3<f64>, by: f64) -> Point3<f64> {
+    let inside = p.iter().map(|c| c * (1.0 - c)).product::<f64>() * 64.0;
+    let (x, y) = ((17.0 * p.y).sin(), (13.0 * p.z + 1.0).sin());
+    p + Vector3::new(x, y, (11.0 * p.x + 2.0).cos()) * (by * inside)
 }
 
 impl Block {
     /// A block held at three corners only, so that it can't move as a body and carries no reaction:
     /// the origin, (lx, 0, 0) in y and z, (0, ly, 0) in z.
-    pub(super) fn free(
+    pub(crate) fn free(
         mesh: Tet10Mesh,
         material: IsotropicMaterial,
         size: [f64; 3],
         field: Field,
     ) -> Self {
-        let turn = turn();
-        let at = |x: [f64; 3]| nodes_where(&mesh, |p| *p == Point3::from(x));
-        let hold = |nodes: Vec<FeNodeId>, axis: usize| Hold {
-            nodes,
-            motion: HeldMotion::Translation,
-            direction: turn * Vector3::ith(axis, 1.0),
-        };
+        let at = |x: [f64; 3]| nodes_where(mesh.nodes(), |p| *p == Point3::from(x));
         let [lx, ly, _] = size;
-        let holds = vec![
-            hold(at([lx, 0.0, 0.0]), 1),
-            hold(at([lx, 0.0, 0.0]), 2),
-            hold(at([0.0, ly, 0.0]), 2),
-        ];
-        let params = ElasticParams {
-            supports: Supports { holds, ..Supports::default() },
-            ..ElasticParams::new(material, at([0.0; 3]))
-        };
+        let held = [([lx, 0.0, 0.0], 1), ([lx, 0.0, 0.0], 2), ([0.0, ly, 0.0], 2)];
+        let mut params = ElasticParams::new(material, at([0.0; 3]));
+        params.supports.holds = held.map(|(x, axis)| hold(at(x), axis)).to_vec();
         Self { mesh, params, field, load_scale: 1.0 }
     }
 
     /// A block clamped at x = 0.
-    pub(super) fn clamped(mesh: Tet10Mesh, material: IsotropicMaterial, field: Field) -> Self {
-        let clamped = nodes_where(&mesh, |p| p.x == 0.0);
+    pub(crate) fn clamped(mesh: Tet10Mesh, material: IsotropicMaterial, field: Field) -> Self {
+        let clamped = nodes_where(mesh.nodes(), |p| p.x == 0.0);
         Self { params: ElasticParams::new(material, clamped), mesh, field, load_scale: 1.0 }
     }
 
     /// Solves it and compares with the field.
-    pub(super) fn measure(&self) -> Result<Measured, VerifyError> {
+    pub(crate) fn measure(&self) -> Result<Measured, VerifyError> {
         let turn = turn();
         let nodes = self.mesh.nodes().iter().map(|p| turn * p).collect();
         let mesh = Tet10Mesh::new(nodes, self.mesh.elements().to_vec())?;
@@ -108,7 +88,7 @@ impl Block {
 
     /// The field's tractions on the boundary, and what stress jumps leave on faces between
     /// elements of different moduli: fᵢ = ∫ Nᵢ σ n dA.
-    pub(super) fn load(&self) -> NodalLoad {
+    pub(crate) fn load(&self) -> NodalLoad {
         let scale = self.params.element_stiffness_scale.as_deref();
         let factor = |element: usize| scale.map_or(1.0, |scale| scale[element]);
         let mut load = NodalLoad::default();
@@ -134,7 +114,7 @@ impl Block {
 }
 
 /// The largest error of a displacement over the largest displacement.
-pub(super) fn relative_error(
+pub(crate) fn relative_error(
     nodes: &[Point3<f64>],
     found: &[Vector3<f64>],
     exact: impl Fn(&Point3<f64>) -> Vector3<f64>,

@@ -3,12 +3,13 @@
 use hapdef_mesh::{FeNodeId, Tet10Mesh};
 use hapdef_report::robustness::Expected;
 use hapdef_sim::{IterativeParams, MultigridParams, SolverChoice};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::field::{bend, material, stretch};
-use super::solid::{Block, grid, moved};
+use super::solid::{Block, grid, wobble};
 use super::table::{Trial, trial};
 use crate::VerifyError;
+use crate::meshes::{moved, straight};
 
 const E_PA: f64 = 2e9;
 const NU: f64 = 0.3;
@@ -40,60 +41,70 @@ pub(super) fn both(
     paths().into_iter().map(on).collect()
 }
 
-/// Rows of solids.
+/// Values of what is extreme, their words, where a result must come, and the cases that are tried at
+/// each value.
+type Sweep = (&'static [f64], fn(f64) -> String, fn(f64) -> bool, &'static [(&'static str, Make)]);
+type Make = fn(f64) -> Result<Block, VerifyError>;
+
+const SWEEPS: &[Sweep] = &[
+    (
+        &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6],
+        |t| format!("t/L {t:e}"),
+        |t| t >= 1e-2,
+        &[
+            ("thin plate in bending, solid", |t| plate(t, true)),
+            ("thin plate stretched, solid", |t| plate(t, false)),
+        ],
+    ),
+    (
+        &[0.1, 0.01, 1e-3, 1e-4],
+        |height| format!("height × {height:e}"),
+        |height| height >= 0.01,
+        &[("a layer of slivers", layer), ("one sliver in a block", one_sliver)],
+    ),
+    (
+        &[1e3, 1e6, 1e11, 1e13],
+        |e| format!("E {e:e} Pa"),
+        |_| true,
+        &[("a block, soft to stiff", |e| block(e, NU, 1.0, 1.0))],
+    ),
+    (
+        &[0.0, 0.3, 0.49, 0.4999, 0.49999, 0.4999999],
+        |nu| format!("ν {nu}"),
+        |nu| nu < 0.4999,
+        &[("a block, to incompressible", |nu| block(E_PA, nu, 1.0, 1.0))],
+    ),
+    (&[1e-6, 1e-3, 1e3], wide, |_| true, &[("a block, small to large", sized)]),
+    (
+        &[1e-12, 1.0, 1e12],
+        |force| format!("about {force:e} N"),
+        |_| true,
+        &[("a block, light to heavy load", |force| block(E_PA, NU, 1.0, force / (1e-3 * E_PA)))],
+    ),
+    (&[1.0], |_| "ten nodes".to_owned(), |_| true, &[("one element", one_element)]),
+];
+
+/// Rows of solids: thin plates and slivers; materials, sizes and loads.
 pub(super) fn trials() -> Vec<Trial> {
-    let mut trials = shapes();
-    trials.extend(scales());
-    trials.extend(both("one element", "ten nodes", Expected::Result, one_element));
-    trials
-}
-
-/// Thin plates and slivers.
-fn shapes() -> Vec<Trial> {
     let mut trials = Vec::new();
-    for t in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
-        for (case, bent) in
-            [("thin plate in bending, solid", true), ("thin plate stretched, solid", false)]
-        {
-            let extreme = format!("t/L {t:e}");
-            trials.extend(both(case, extreme, result_if(t >= 1e-2), move || plate(t, bent)));
-        }
-    }
-    type Make = fn(f64) -> Result<Block, VerifyError>;
-    for height in [0.1, 0.01, 1e-3, 1e-4] {
-        for (case, make) in
-            [("a layer of slivers", layer as Make), ("one sliver in a block", one_sliver)]
-        {
-            let extreme = format!("height × {height:e}");
-            trials.extend(both(case, extreme, result_if(height >= 0.01), move || make(height)));
+    for &(values, words, is_tame, cases) in SWEEPS {
+        for &value in values {
+            for &(case, make) in cases {
+                let expected = result_if(is_tame(value));
+                trials.extend(both(case, words(value), expected, move || make(value)));
+            }
         }
     }
     trials
 }
 
-/// Materials, sizes and loads.
-fn scales() -> Vec<Trial> {
-    let mut trials = Vec::new();
-    for e in [1e3, 1e6, 1e11, 1e13] {
-        let make = move || block(e, NU, 1.0, 1.0);
-        let extreme = format!("E {e:e} Pa");
-        trials.extend(both("a block, soft to stiff", extreme, Expected::Result, make));
+/// A size of whole µm, mm, m or km.
+pub(super) fn wide(size: f64) -> String {
+    match size {
+        size if size < 1e-4 => format!("{:.0} µm wide", size * 1e6),
+        size if size < 1.0 => format!("{:.0} mm wide", size * 1e3),
+        size => format!("{:.0} km wide", size / 1e3),
     }
-    for nu in [0.0, 0.3, 0.49, 0.4999, 0.49999, 0.4999999] {
-        let make = move || block(E_PA, nu, 1.0, 1.0);
-        let expected = result_if(nu < 0.4999);
-        trials.extend(both("a block, to incompressible", format!("ν {nu}"), expected, make));
-    }
-    for (extreme, size) in [("1 µm wide", 1e-6), ("1 mm wide", 1e-3), ("1 km wide", 1e3)] {
-        let make = move || block(E_PA, NU, size, 1.0);
-        trials.extend(both("a block, small to large", extreme, Expected::Result, make));
-    }
-    for force in [1e-12, 1.0, 1e12] {
-        let make = move || block(E_PA, NU, 1.0, force / (1e-3 * E_PA));
-        let extreme = format!("about {force:e} N");
-        trials.extend(both("a block, light to heavy load", extreme, Expected::Result, make));
-    }
-    trials
 }
 
 /// A result where the problem is tame, else a result or an error.
@@ -109,20 +120,14 @@ fn plate(t: f64, bent: bool) -> Result<Block, VerifyError> {
     Ok(Block::free(mesh, material, size, field))
 }
 
-/// Inner nodes wander by a tenth of a cell.
-fn wobble(p: Point3<f64>) -> Point3<f64> {
-    let inside = p.iter().map(|c| c * (1.0 - c)).product::<f64>() * 64.0;
-    Point3::new(
-        p.x + 0.03 * inside * (17.0 * p.y).sin(),
-        p.y + 0.03 * inside * (13.0 * p.z + 1.0).sin(),
-        p.z + 0.03 * inside * (11.0 * p.x + 2.0).cos(),
-    )
+fn sized(size: f64) -> Result<Block, VerifyError> {
+    block(E_PA, NU, size, 1.0)
 }
 
 /// A distorted block of edge `size` under `load` times the tractions of its field.
 pub(super) fn block(e: f64, nu: f64, size: f64, load: f64) -> Result<Block, VerifyError> {
     let material = material(e, nu)?;
-    let mesh = grid([3; 3], |p| Point3::from(wobble(p).coords * size))?;
+    let mesh = grid([3; 3], |p| Point3::from(wobble(p, 0.03).coords * size))?;
     let block = Block::free(mesh, material, [size; 3], stretch(material));
     Ok(Block { load_scale: load, ..block })
 }
@@ -138,48 +143,33 @@ fn layer(height: f64) -> Result<Block, VerifyError> {
     Ok(Block::free(mesh, material, [1.0; 3], stretch(material)))
 }
 
-/// An inner node is moved towards the opposite face of one of its elements, until that element has
-/// `height` times its height.
+/// An inner node is moved until one of its elements has `height` times its height.
 fn one_sliver(height: f64) -> Result<Block, VerifyError> {
     let material = material(E_PA, NU)?;
-    let mesh = grid([3; 3], wobble)?;
-    let (element, corner) = inner_corner(&mesh)?;
-    let element = mesh.elements()[element];
-    let apex = element[corner];
-    let base = (0..4).filter(|&k| k != corner).map(|k| mesh.position(element[k]).coords);
-    let foot = base.sum::<nalgebra::Vector3<f64>>() / 3.0;
-    let mesh = moved(&mesh, |node, p| {
-        if node == apex { Point3::from(foot + (p.coords - foot) * height) } else { p }
-    })?;
+    let mesh = pushed(&grid([3; 3], |p| wobble(p, 0.03))?, height)?;
     Ok(Block::free(mesh, material, [1.0; 3], stretch(material)))
 }
 
-/// An element and which of its corners lies inside the unit cube.
-pub(super) fn inner_corner(mesh: &Tet10Mesh) -> Result<(usize, usize), VerifyError> {
+/// The mesh of the unit cube with an inner node moved to `height` times its height over the opposite
+/// face of one of its elements.
+pub(super) fn pushed(mesh: &Tet10Mesh, height: f64) -> Result<Tet10Mesh, VerifyError> {
     let is_inside = |n: FeNodeId| mesh.position(n).iter().all(|&c| c > 0.1 && c < 0.9);
-    let corners = (0..mesh.elements().len()).flat_map(|e| (0..4).map(move |k| (e, k)));
-    corners
+    let corners = mesh.elements().iter().flat_map(|e| (0..4).map(move |k| (e, k)));
+    let (element, corner) = corners
         .into_iter()
-        .find(|&(e, k)| is_inside(mesh.elements()[e][k]))
-        .ok_or_else(|| VerifyError::not_run("the grid has no inner node"))
+        .find(|&(e, k)| is_inside(e[k]))
+        .ok_or_else(|| VerifyError::not_run("the grid has no inner node"))?;
+    let base = (0..4).filter(|&k| k != corner).map(|k| mesh.position(element[k]).coords);
+    let foot = base.sum::<Vector3<f64>>() / 3.0;
+    moved(mesh, |node, p| match node == element[corner] {
+        true => Point3::from(foot + (p.coords - foot) * height),
+        false => p,
+    })
 }
 
-fn one_element() -> Result<Block, VerifyError> {
+fn one_element(_: f64) -> Result<Block, VerifyError> {
     let material = material(E_PA, NU)?;
-    let nodes: Vec<Point3<f64>> = [
-        [0.0; 3],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.5, 0.0, 0.0],
-        [0.5, 0.5, 0.0],
-        [0.0, 0.5, 0.0],
-        [0.0, 0.0, 0.5],
-        [0.5, 0.0, 0.5],
-        [0.0, 0.5, 0.5],
-    ]
-    .map(Point3::from)
-    .to_vec();
-    let mesh = Tet10Mesh::new(nodes, vec![std::array::from_fn(FeNodeId::from_index)])?;
+    let nodes = straight([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let mesh = Tet10Mesh::new(nodes.to_vec(), vec![std::array::from_fn(FeNodeId::from_index)])?;
     Ok(Block::free(mesh, material, [1.0; 3], stretch(material)))
 }

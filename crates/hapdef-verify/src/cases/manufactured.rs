@@ -3,45 +3,56 @@
 use std::f64::consts::PI;
 
 use hapdef_mesh::tet10;
-use hapdef_sim::{NodalLoad, strain, stress};
+use hapdef_sim::{strain, stress};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::problem::{Problem, Solution};
-use crate::meshes::Blocks;
-use crate::{Case, Measured, Reference, Target, VerifyError};
+use crate::case::{Case, Solve};
+use crate::meshes::{Blocks, Body};
+use crate::model::{Load, Mesh, Model, Probe};
+use crate::problem::{Held, Solution, same};
+use crate::{Target, VerifyError};
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
-    let case = |id, title, target, run: fn(usize) -> Result<Measured, VerifyError>| Case {
-        id,
-        title,
-        element: "TET10",
+    let l2 = Case {
+        name: "manufactured.l2",
+        title: "Manufactured solution, L² norm",
         quantity: "relative error of u = (1, 0.5, −0.7) sin πx sin πy sin πz on a cube with curved \
             inner faces",
-        unit: "1",
-        reference: Reference::Zero,
         source: "the body force that makes it exact; Roache, J. Fluids Eng. 124, 2002; a quadratic \
             element has order 3 in L² and 2 in energy",
-        target,
-        n_levels: 3,
-        known_miss: None,
-        run: Box::new(run),
+        target: Target::within(0.01).and_order(2.8),
+        meshes: &[[4; 3], [8; 3], [12; 3]],
+        solve: Solve::of(MODEL),
+        ..Case::default()
     };
-    vec![
-        case(
-            "solid.manufactured.l2",
-            "Manufactured solution, L² norm",
-            Target::within(0.01).and_order(2.8),
-            |level| errors(level, |e| e.l2),
-        ),
-        case(
-            "solid.manufactured.energy",
-            "Manufactured solution, energy norm",
-            Target::within(0.05).and_order(1.85),
-            |level| errors(level, |e| e.energy),
-        ),
-    ]
+    let probe = Probe::Value(|s| relative_error(s, |norms| norms.energy));
+    let energy = Case {
+        name: "manufactured.energy",
+        title: "Manufactured solution, energy norm",
+        target: Target::within(0.05).and_order(1.85),
+        solve: Solve::of(Model { probe, ..MODEL }),
+        ..l2.clone()
+    };
+    vec![l2, energy]
 }
+
+const MODEL: Model = Model {
+    mesh: Mesh::Other(|n| {
+        let curved = |p: Point3<f64>| p + Vector3::new(0.06, -0.05, 0.04) * bump(&p).0;
+        let mesh = Blocks::default().block(n, curved).finish()?;
+        Ok(Body::solid(mesh, n).named(format!("{}³ cells", n[0])))
+    }),
+    material: [1.0, 0.3],
+    supports: &[(Held::All, |p| p.iter().any(|&c| same(c, 0.0) || same(c, 1.0)))],
+    // −div σ of u = φ c: −μ Δφ c − (λ + μ) ∇∇φ c
+    load: Load::Volume(|material, p| {
+        let (lambda, mu) = (material.lame_lambda_pa(), material.shear_modulus_pa());
+        let (phi, _, hessian) = bump(p);
+        direction() * (3.0 * PI * PI * mu * phi) - hessian * direction() * (lambda + mu)
+    }),
+    probe: Probe::Value(|s| relative_error(s, |norms| norms.l2)),
+};
 
 /// Squares of norms, of the error and of the solution.
 #[derive(Default)]
@@ -67,29 +78,17 @@ fn bump(p: &Point3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
     (phi, gradient, hessian)
 }
 
-fn errors(level: usize, pick: fn(&Norms) -> [f64; 2]) -> Result<Measured, VerifyError> {
-    let n = [4, 8, 12][level];
-    let mesh = Blocks::new(1e-9)
-        .block([n; 3], |p| p + Vector3::new(0.06, -0.05, 0.04) * bump(&p).0)
-        .finish()?;
-    let wall = |p: &Point3<f64>| p.iter().any(|c| c.abs() < 1e-12 || (c - 1.0).abs() < 1e-12);
-    let problem = Problem::new(mesh, 1.0, 0.3)?.clamp(wall);
-    let (lambda, mu) = (problem.material.lame_lambda_pa(), problem.material.shear_modulus_pa());
-    // −div σ of u = φ c: −μ Δφ c − (λ + μ) ∇∇φ c
-    let load = NodalLoad::body_force(&problem.mesh, |p| {
-        let (phi, _, hessian) = bump(p);
-        direction() * (3.0 * PI * PI * mu * phi) - hessian * direction() * (lambda + mu)
-    });
-    let solution = problem.solve(&load)?;
-    let [error, whole] = pick(&norms(&problem, &solution));
-    Ok(solution.measured((error / whole).sqrt(), format!("{n}³ cells"), 1.0 / n as f64))
+fn relative_error(s: &Solution, pick: fn(&Norms) -> [f64; 2]) -> Result<f64, VerifyError> {
+    let [error, whole] = pick(&norms(s)?);
+    Ok((error / whole).sqrt())
 }
 
-fn norms(problem: &Problem, solution: &Solution<'_>) -> Norms {
+fn norms(s: &Solution) -> Result<Norms, VerifyError> {
     let mut norms = Norms::default();
-    for (element, ids) in problem.mesh.elements().iter().enumerate() {
-        let nodes = problem.mesh.element_positions(element);
-        let own = ids.map(|id| solution.u[id.index()]);
+    let mesh = s.problem.body.tets()?;
+    for (element, ids) in mesh.elements().iter().enumerate() {
+        let nodes = mesh.element_positions(element);
+        let own = ids.map(|id| s.motion.displacement[id.index()]);
         for (r, weight) in fine_rule() {
             let volume = weight * tet10::jacobian(&nodes, r).determinant();
             let (phi, gradient, _) = bump(&tet10::position(&nodes, r));
@@ -101,11 +100,11 @@ fn norms(problem: &Problem, solution: &Solution<'_>) -> Norms {
             let exact = (gradient + gradient.transpose()) * 0.5;
             let error = strain(&nodes, &own, r) - exact;
             for (sum, eps) in norms.energy.iter_mut().zip([error, exact]) {
-                *sum += stress(&problem.material, &eps).component_mul(&eps).sum() * volume;
+                *sum += stress(&s.problem.material, &eps).component_mul(&eps).sum() * volume;
             }
         }
     }
-    norms
+    Ok(norms)
 }
 
 /// Four Gauss–Legendre points a direction under Duffy's map, exact to degree 5: an error integral

@@ -1,4 +1,5 @@
-//! The part of an `.inp` deck of three-node shells that the checks need.
+//! The part of an `.inp` deck that the solver's own reader leaves out: three-node shells, and single
+//! motions that are held.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +10,7 @@ use crate::VerifyError;
 
 /// A deck as it stands.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct ShellDeck {
+pub(super) struct InpDeck {
     /// Node positions by label.
     pub(super) nodes: BTreeMap<usize, Point3<f64>>,
     /// Labels of the corners of three-node elements.
@@ -28,19 +29,15 @@ pub(super) struct ShellDeck {
     pub(super) thickness: Option<f64>,
 }
 
-impl ShellDeck {
+impl InpDeck {
     /// Reads the deck in `path`.
     pub(super) fn read(path: &Path) -> Result<Self, VerifyError> {
-        let text = std::fs::read_to_string(path).map_err(|cause| VerifyError::Io {
-            action: "reading",
-            path: path.to_owned(),
-            cause,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(VerifyError::io("reading", path))?;
         Ok(Self::parse(&text))
     }
 
     /// Reads what it knows; other blocks and lines of other shapes are passed over.
-    fn parse(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let mut deck = Self::default();
         let mut keyword = String::new();
         for line in text.lines().map(str::trim).filter(|l| !l.starts_with("**")) {
@@ -110,7 +107,7 @@ mod tests {
 
     #[test]
     fn blocks_are_read() {
-        let deck = ShellDeck::parse(
+        let deck = InpDeck::parse(
             "** note\n*Node,Nset=Nall\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n\
              *Element, type=us3, ELSET=E\n 1, 1, 2, 3\n*Nset, nset=Set-1, \n 1, 3,\n\
              *USER SECTION,ELSET=E\n0.05\n*Elastic\n 2.1e+11, 0.3\n*Boundary\nSet-1, 1, 2\n\
