@@ -28,15 +28,62 @@ type Row = (
     f64,
 );
 
-#[rustfmt::skip]
 const ROWS: [Row; 7] = [
-    (SKIN_DECK, "limb.ke_max", "Authors' limb, largest element stiffness", "N/m", |m| m.ke_max_n_m, ANSYS, 1e-9),
-    (SKIN_DECK, "limb.ke_min", "Authors' limb, smallest element stiffness", "N/m", |m| m.ke_min_n_m, ANSYS, 1e-8),
+    (
+        SKIN_DECK,
+        "limb.ke_max",
+        "Authors' limb, largest element stiffness",
+        "N/m",
+        |m| m.ke_max_n_m,
+        ANSYS,
+        1e-9,
+    ),
+    (
+        SKIN_DECK,
+        "limb.ke_min",
+        "Authors' limb, smallest element stiffness",
+        "N/m",
+        |m| m.ke_min_n_m,
+        ANSYS,
+        1e-8,
+    ),
     (SKIN_DECK, "limb.mass", "Authors' limb, mass", "kg", |m| m.mass_kg, ANSYS, 2e-6),
-    (SKIN_DECK, "limb.energy", "Authors' limb, strain energy under (10, 0, −15) N", "J", |m| m.energy_j, CALCULIX, 1e-6),
-    (SKIN_DECK, "limb.u", "Authors' limb, largest displacement under (10, 0, −15) N", "m", |m| m.largest_u_m, CALCULIX, 1e-6),
-    (WEIGHT_DECK, "limb.weight_u", "Authors' limb, largest displacement under the 360 N weight", "m", |m| m.largest_u_m, CALCULIX, 1e-5),
-    (WEIGHT_DECK, "limb.weight_energy", "Authors' limb, strain energy under the 360 N weight", "J", |m| m.energy_j, CALCULIX, 1e-5),
+    (
+        SKIN_DECK,
+        "limb.energy",
+        "Authors' limb, strain energy under (10, 0, −15) N",
+        "J",
+        |m| m.energy_j,
+        CALCULIX,
+        1e-6,
+    ),
+    (
+        SKIN_DECK,
+        "limb.u",
+        "Authors' limb, largest displacement under (10, 0, −15) N",
+        "m",
+        |m| m.largest_u_m,
+        CALCULIX,
+        1e-6,
+    ),
+    (
+        WEIGHT_DECK,
+        "limb.weight_u",
+        "Authors' limb, largest displacement under the 360 N weight",
+        "m",
+        |m| m.largest_u_m,
+        CALCULIX,
+        1e-5,
+    ),
+    (
+        WEIGHT_DECK,
+        "limb.weight_energy",
+        "Authors' limb, strain energy under the 360 N weight",
+        "J",
+        |m| m.energy_j,
+        CALCULIX,
+        1e-5,
+    ),
 ];
 
 /// Rows of the table.

@@ -44,15 +44,38 @@ const THIN: &str = "thin plate in bending, thin shell";
 const ANY: &str = "a plate, shell";
 const RATIOS: &[f64] = &[1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-#[rustfmt::skip]
 const SWEEPS: [Sweep; 7] = [
     (THICK, RATIOS, |t| format!("t/L {t:e}"), |t| result_if(t >= 1e-3), |t| Plate { t, ..PLAIN }),
-    (THIN, RATIOS, |t| format!("t/L {t:e}"), |t| result_if(t >= 1e-3), |t| Plate { t, kind: ShellKind::Thin, ..PLAIN }),
-    ("a row of slivers, shell", &[0.1, 0.01, 1e-3, 1e-4], |row| format!("height × {row:e}"), |_| Expected::Either, |row| Plate { row, ..PLAIN }),
+    (
+        THIN,
+        RATIOS,
+        |t| format!("t/L {t:e}"),
+        |t| result_if(t >= 1e-3),
+        |t| Plate { t, kind: ShellKind::Thin, ..PLAIN },
+    ),
+    (
+        "a row of slivers, shell",
+        &[0.1, 0.01, 1e-3, 1e-4],
+        |row| format!("height × {row:e}"),
+        |_| Expected::Either,
+        |row| Plate { row, ..PLAIN },
+    ),
     (ANY, &[1e3, 1e13], |e| format!("E {e:e} Pa"), |_| Expected::Result, |e| Plate { e, ..PLAIN }),
-    (ANY, &[0.0, 0.49, 0.4999, 0.4999999], |nu| format!("ν {nu}"), |_| Expected::Result, |nu| Plate { nu, ..PLAIN }),
+    (
+        ANY,
+        &[0.0, 0.49, 0.4999, 0.4999999],
+        |nu| format!("ν {nu}"),
+        |_| Expected::Result,
+        |nu| Plate { nu, ..PLAIN },
+    ),
     (ANY, &[1e-6, 1e3], wide, |_| Expected::Result, |size| Plate { size, ..PLAIN }),
-    (ANY, &[1e-12, 1e12], |load| format!("load × {load:e}"), |_| Expected::Result, |load| Plate { load, ..PLAIN }),
+    (
+        ANY,
+        &[1e-12, 1e12],
+        |load| format!("load × {load:e}"),
+        |_| Expected::Result,
+        |load| Plate { load, ..PLAIN },
+    ),
 ];
 
 /// Rows of shells.
