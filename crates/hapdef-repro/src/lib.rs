@@ -30,8 +30,9 @@ pub use robustness::{
 };
 pub use search::{
     Fitted, FittedKnn, Knob, KnobValues, Learner, NetSettings, Samples, SearchMethod, Trial,
-    TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, paper_values,
-    propose, read_trials, search_figures, search_markdown, trials_text, values_in_words,
+    TrialBudget, TrialHeader, TrialLog, TrialSource, best_trial, forward, merge_trials,
+    paper_values, propose, read_trials, search_figures, search_markdown, trials_text,
+    values_in_words,
 };
 pub use tables::{
     CellCount, CellState, Check, Claim, Fate, MapMetric, Method, MetricVerdict, OwnAccuracy,

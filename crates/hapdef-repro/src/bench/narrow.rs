@@ -9,7 +9,7 @@ use hapdef_nets::train::{MemorySource, train};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, TrainParams, load};
 use serde_json::{Value, json};
 
-use crate::run::samples::{SampleSet, blocks};
+use crate::run::dataset::{Dataset, blocks};
 
 const VERSION: u32 = 1;
 const CHECKPOINT_FILE: &str = "net.json";
@@ -35,11 +35,11 @@ pub(super) struct TrainingRows {
 impl TrainingRows {
     /// Reads them all.
     pub(super) fn read(data: &Datasets) -> Result<Self> {
-        let mut sets = SampleSet::open_all(data)?;
+        let mut sets = Dataset::open_all(data)?;
         let (n_virtual, n_surface) = (sets[0].n_virtual, sets[0].n_surface);
         let (mut x, mut y) = (Vec::new(), Vec::new());
         for set in &mut sets {
-            for rows in blocks(set.split.train.clone(), BLOCK) {
+            for rows in blocks(set.split()?.train, BLOCK) {
                 x.extend(set.inputs(rows.clone())?);
                 y.extend(set.maps(rows)?);
             }

@@ -1,18 +1,18 @@
 //! Frames that every way is tested on, and its errors there.
 
 use anyhow::{Context, Result};
-use hapdef::stages::samples_path;
 use hapdef::{
-    ContactPair, ContactStats, FoundContact, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline,
-    Run, ScoredContact, Stage, score_lenient,
+    ContactPair, ContactStats, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline, Run,
+    ScoredContact, Stage, score_lenient,
 };
-use hapdef_data::{DatasetReader, Split};
+use hapdef_bench::stats::mean;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::methods::MapMethod;
 use crate::run::chain::chain;
-use crate::run::samples::SampleSet;
+use crate::run::dataset::{Dataset, evenly};
+use crate::run::scores::scored;
 
 /// Most simulated samples of each set, and most presses of each kind on the rig.
 const MOST_SIMULATED: usize = 200;
@@ -39,7 +39,7 @@ pub(super) struct Press {
 }
 
 /// Errors of a way.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(super) struct Errors {
     /// Mean absolute error of the map on simulated samples of one to four contacts, µm; none for a
     /// way that gives no map.
@@ -59,11 +59,11 @@ impl TestSet {
     /// Reads test samples: an even choice of those that no net was trained on.
     pub(super) fn read(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Self> {
         let data = done.data.as_ref().context("no datasets")?;
-        let sets = SampleSet::open_all(data)?;
+        let sets = Dataset::open_all(data)?;
         let (n_virtual, n_surface) = (sets[0].n_virtual, sets[0].n_surface);
         let mut simulated = (Vec::new(), Vec::new());
         for mut set in sets {
-            for row in evenly(set.split.test.clone(), MOST_SIMULATED) {
+            for row in evenly(set.split()?.test, MOST_SIMULATED) {
                 simulated.0.extend(set.inputs(row..row + 1)?);
                 simulated.1.extend(set.maps(row..row + 1)?);
             }
@@ -91,13 +91,7 @@ impl TestSet {
     ) -> Result<Errors> {
         let map_um = Some(self.map_error(method, outputs)?);
         if outputs.is_some() {
-            return Ok(Errors {
-                map_um,
-                contact_mm: None,
-                single_mm: None,
-                double_mm: None,
-                found: None,
-            });
+            return Ok(Errors { map_um, ..Errors::default() });
         }
         let (mut own, mut virtual_um) = (InferScratch::default(), vec![0.0; self.n_virtual]);
         self.errors_of(map_um, |press, map| {
@@ -133,13 +127,11 @@ impl TestSet {
         let measured: Vec<f64> = parts.iter().filter(|s| s.n > 0).map(|s| s.mean_mm).collect();
         let n_expected: usize = parts.iter().map(|s| s.n_expected).sum();
         let n: usize = parts.iter().map(|s| s.n).sum();
-        let mean = |stats: &ContactStats| (stats.n > 0).then_some(stats.mean_mm);
         Ok(Errors {
             map_um,
-            contact_mm: (!measured.is_empty())
-                .then(|| measured.iter().sum::<f64>() / measured.len() as f64),
-            single_mm: mean(&single),
-            double_mm: mean(&double),
+            contact_mm: (!measured.is_empty()).then(|| mean(measured)),
+            single_mm: mean_mm(&single),
+            double_mm: mean_mm(&double),
             found: (n_expected > 0).then(|| n as f64 / n_expected as f64),
         })
     }
@@ -153,13 +145,7 @@ impl TestSet {
             pairs.extend(score_lenient(&[([x, y, z], force_n)], &press.truth)?);
         }
         let stats = ContactStats::of(&pairs, self.single.len());
-        Ok(Errors {
-            map_um: None,
-            contact_mm: None,
-            single_mm: (stats.n > 0).then_some(stats.mean_mm),
-            double_mm: None,
-            found: None,
-        })
+        Ok(Errors { single_mm: mean_mm(&stats), ..Errors::default() })
     }
 
     fn map_error(&self, method: &mut dyn MapMethod, outputs: Option<&[usize]>) -> Result<f64> {
@@ -195,54 +181,24 @@ impl TestSet {
                 1 => self.chain.top(&found, 1),
                 n => self.chain.top_with_spread(&found, n)?,
             };
-            let chosen: Vec<ScoredContact> = chosen.iter().map(scored).collect();
-            pairs.extend(score_lenient(&chosen, &press.truth)?);
+            pairs.extend(score_lenient(&scored(&chosen), &press.truth)?);
         }
         Ok(ContactStats::of(&pairs, n_contacts * presses.len()))
     }
 }
 
-fn scored(contact: &FoundContact) -> ScoredContact {
-    (contact.position_m, contact.force_n)
+/// Over the contacts that were found, if any was.
+fn mean_mm(stats: &ContactStats) -> Option<f64> {
+    (stats.n > 0).then_some(stats.mean_mm)
 }
 
 fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {
-    let mut reader = DatasetReader::open(&samples_path(stage))?;
-    let rows = match test_only {
-        true => Split::of(reader.n())?.test,
-        false => 0..reader.n(),
+    let mut set = Dataset::open(stage)?;
+    let rows = if test_only { set.split()?.test } else { 0..set.n() };
+    let press = |row: usize| {
+        let rows = row..row + 1;
+        let readings_ue = set.read("readings", rows.clone())?;
+        Ok(Press { readings_ue, truth: set.truth(rows)?.concat() })
     };
-    let mut presses = Vec::new();
-    for row in evenly(rows, MOST_PRESSES) {
-        let mut read = |tensor: &str| -> Result<Vec<f32>> {
-            let mut values = vec![0.0; reader.width(tensor)?];
-            reader.read_rows(tensor, row..row + 1, &mut values)?;
-            Ok(values)
-        };
-        let readings_ue = read("readings")?;
-        let (positions, forces) = (read("contact_positions")?, read("contact_forces")?);
-        let truth = positions.as_chunks::<3>().0.iter().zip(&forces);
-        let truth = truth.map(|(p, &f)| (p.map(f64::from), f64::from(f)));
-        presses.push(Press { readings_ue, truth: truth.collect() });
-    }
-    Ok(presses)
-}
-
-/// At most `most` of `rows`, evenly apart.
-fn evenly(rows: std::ops::Range<usize>, most: usize) -> impl Iterator<Item = usize> {
-    let n = rows.len().min(most);
-    let (start, all) = (rows.start, rows.len());
-    (0..n).map(move |i| start + i * all / n)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_chosen_evenly_and_none_twice() {
-        assert_eq!(evenly(10..20, 4).collect::<Vec<_>>(), [10, 12, 15, 17]);
-        assert_eq!(evenly(3..5, 9).collect::<Vec<_>>(), [3, 4]);
-        assert_eq!(evenly(3..3, 9).count(), 0);
-    }
+    evenly(rows, MOST_PRESSES).map(press).collect()
 }

@@ -5,14 +5,13 @@ use std::time::Instant;
 use anyhow::Result;
 use hapdef::stages::{compliance_table, trained_chain};
 use hapdef::touch::{ChainStages, chain_stages};
-use hapdef::{
-    ComplianceTable, DrawnContact, FoundContact, Hapdefx, HapdefxScratch, Limb, Run, ScoredContact,
-};
+use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run};
 use hapdef_inverse::{Skin, SkinPoint};
 use hapdef_mesh::tri6;
 
 use super::score::Score;
 use super::world::Frame;
+use crate::run::scores::scored;
 
 /// The trained chain and its buffers.
 pub(crate) struct PaperPipeline {
@@ -111,8 +110,7 @@ impl PaperPipeline {
                 }
             };
             let time_us = start.elapsed().as_secs_f64() * 1e6;
-            let taken: Vec<ScoredContact> = taken.iter().map(scored).collect();
-            score.add(skin, frame, &taken, time_us)?;
+            score.add(skin, frame, &scored(&taken), time_us)?;
         }
         Ok(score)
     }
@@ -144,8 +142,4 @@ pub(crate) fn node_loads(
         })
     };
     contacts.flat_map(of_contact).collect()
-}
-
-fn scored(contact: &FoundContact) -> ScoredContact {
-    (contact.position_m, contact.force_n)
 }

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use hapdef::Run;
 use hapdef::scene::RigMesh;
-use hapdef::{HapdefError, Run};
-use hapdef_inverse::InverseError;
 use hapdef_report::MetricContext;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::{ChainFrontierArgs, VERSION};
+use crate::run::kept::kept;
 
 /// What a point rests on besides its way. A point of any other origin is measured again: its errors may
 /// be another program's, its times another machine's.
@@ -57,20 +57,8 @@ impl Origin {
         what: &Value,
         measure: impl FnOnce() -> Result<T>,
     ) -> Result<(T, bool)> {
-        let stage = run.cache.stage("frontier-point", &self.inputs(what), |_| {
-            let value = measure().and_then(|value| Ok(serde_json::to_value(value)?));
-            value.map_err(|error| match error.downcast::<HapdefError>() {
-                Ok(error) => error,
-                Err(error) => error.downcast::<InverseError>().map_or_else(
-                    |error| HapdefError::Stale {
-                        path: "the frontier".into(),
-                        what: format!("{error:#}"),
-                    },
-                    HapdefError::from,
-                ),
-            })
-        })?;
-        Ok((T::deserialize(&stage.record.info)?, stage.cached))
+        let (value, stage) = kept(run, "frontier-point", &self.inputs(what), |_| measure())?;
+        Ok((value, stage.cached))
     }
 
     fn inputs(&self, what: &Value) -> Value {

@@ -226,14 +226,5 @@ fn made_anew(run: &Run, folder: &Path) -> Result<Run> {
     if folder.exists() {
         std::fs::remove_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
-    Ok(Run {
-        scene: run.scene.clone(),
-        scene_dir: run.scene_dir.clone(),
-        scene_hash: run.scene_hash.clone(),
-        profile: run.profile.clone(),
-        cache: Cache::new(folder),
-        threads: run.threads,
-        progress: run.progress.clone(),
-        stop: run.stop.clone(),
-    })
+    Ok(Run { cache: Cache::new(folder), ..run.clone() })
 }

@@ -61,9 +61,7 @@ impl Plant {
 
     /// Predictions for the test inputs.
     pub(super) fn predictions(&self, learner: &Learner) -> Result<Vec<f32>, ReproError> {
-        let mut out = vec![0.0; N_TEST * N_OUT];
-        learner.fit(&self.samples(), &|| false)?.predict(&self.test_x, &mut out)?;
-        Ok(out)
+        learner.fit(&self.samples(), &|| false)?.predictions(&self.test_x, N_TEST)
     }
 
     /// RMS error on the test samples over the RMS spread of the test outputs about their means,

@@ -2,16 +2,15 @@
 
 use anyhow::{Context, Result};
 use hapdef::{Limb, Pipeline, Run, Stage};
-use hapdef_data::Split;
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
+use hapdef_repro::forward;
 use serde_json::json;
 
-use super::chain::{candidates, chain, forward, maps};
+use super::chain::{candidates, chain, maps};
+use super::dataset::{Dataset, blocks, rig_singles};
 use super::fit::{Brief, fit};
-use super::presses::Presses;
-use super::samples::blocks;
-use super::singles::{MethodAnswers, contacts, open, strongest};
+use super::singles::{MethodAnswers, contacts, strongest};
 
 /// Presses computed together.
 const BLOCK: usize = 512;
@@ -36,8 +35,8 @@ pub(crate) fn ablations(
     let mut answers = ["R → D → k-Max", "R → S → D → net"]
         .map(|name| MethodAnswers { name: name.into(), found: vec![] });
     let chain = chain(run, limb, done)?;
-    let (mut presses, test) = open(done)?;
-    for rows in blocks(test, BLOCK) {
+    let (mut presses, split) = rig_singles(done)?;
+    for rows in blocks(split.test, BLOCK) {
         run.check_stop("the ablations")?;
         let readings = presses.read("readings", rows.clone())?;
         let found = candidates(&chain, &forward(&to_map, &readings)?, presses.n_surface)?;
@@ -62,21 +61,16 @@ pub(crate) fn readings_to_map(run: &Run, done: &Pipeline) -> Result<(Net, Stage)
 }
 
 fn readings_to_maps(done: &Pipeline) -> Result<MemorySource> {
-    let (mut presses, _) = open(done)?;
-    let train = Split::of(presses.n())?.train;
-    let x = presses.read("readings", train.clone())?;
-    let y = presses.read("deformation", train.clone())?;
-    Ok(MemorySource::new(x.len() / train.len(), presses.n_surface, x, y)?)
+    let (mut presses, split) = rig_singles(done)?;
+    let x = presses.read("readings", split.train.clone())?;
+    let y = presses.maps(split.train)?;
+    Ok(MemorySource::new(presses.width("readings")?, presses.n_surface, x, y)?)
 }
 
 fn maps_to_contacts(stage: &Stage) -> Result<MemorySource> {
-    let mut presses = Presses::open(stage)?;
-    let train = Split::of(presses.n())?.train;
-    let x = presses.read("deformation", train.clone())?;
-    let truth = presses.truth(train)?;
-    let y = truth.iter().flat_map(|contacts| {
-        let (p, force_n) = contacts[0];
-        [p[0], p[1], p[2], force_n].map(|v| v as f32)
-    });
-    Ok(MemorySource::new(presses.n_surface, 4, x, y.collect())?)
+    let mut presses = Dataset::open(stage)?;
+    let train = presses.split()?.train;
+    let x = presses.maps(train.clone())?;
+    let y = presses.contacts(train)?.into_flattened();
+    Ok(MemorySource::new(presses.n_surface, 4, x, y)?)
 }

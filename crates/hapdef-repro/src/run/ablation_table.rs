@@ -11,8 +11,7 @@ mod ways;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{
-    ChainNets, ComplianceTable, ContactStats, HapdefError, Hapdefx, Limb, Pipeline, Run, Stage,
-    hapdefx,
+    ChainNets, ComplianceTable, ContactStats, Hapdefx, Limb, Pipeline, Run, Stage, hapdefx,
 };
 use hapdef_bench::{Column, or_dash, table};
 use hapdef_nets::Net;
@@ -26,6 +25,7 @@ use self::score::{AblationRow, Tests};
 use self::target::{Target, TrueMaps};
 use self::ways::{Choice, MapsFrom, Way};
 use super::chain::{chain, reconstruction};
+use super::kept::kept;
 
 const VERSION: u32 = 1;
 
@@ -62,20 +62,11 @@ pub(crate) fn ablation_table(
         "singles": data.rig_single.key, "doubles": data.rig_double.as_ref().map(|s| &s.key),
         "estimator": run.scene.estimator,
     });
-    let stage = run.cache.stage("ablations", &inputs, |_| {
+    let (found, stage) = kept(run, "ablations", &inputs, |_| {
         run.say("the ablations, row by row");
         let world = World { run, limb, truth: &truth, chain: &chain };
-        let rows = Tests::read(data)
-            .and_then(|tests| world.rows(done, &made, &tests))
-            .and_then(|rows| Ok(serde_json::to_value(rows)?));
-        rows.map_err(|error| match error.downcast::<HapdefError>() {
-            Ok(error) => error,
-            Err(error) => {
-                HapdefError::Stale { path: "ablations".into(), what: format!("{error:#}") }
-            }
-        })
+        world.rows(done, &made, &Tests::read(data)?)
     })?;
-    let found = Ablations::deserialize(&stage.record.info).context("the ablations stage")?;
     stages.push(stage);
     Ok((found, stages))
 }

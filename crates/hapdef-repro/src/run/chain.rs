@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use hapdef::stages::{NetKind, trained_chain};
 use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
-use hapdef_nets::{Net, Scratch};
+use hapdef_nets::Net;
 use rayon::prelude::*;
 
 /// Rows that one thread takes at a time.
@@ -21,18 +21,6 @@ pub(crate) fn reconstruction(done: &Pipeline) -> Result<Net> {
     let nets = done.nets.as_ref().context("no nets")?;
     let n_sets = done.data.as_ref().context("no datasets")?.simulated.len();
     Ok(nets.load(NetKind::Reconstruction { n_sets })?)
-}
-
-/// A net's outputs for rows `x` `[n, inputs]`, `[n, outputs]`.
-pub(crate) fn forward(net: &Net, x: &[f32]) -> Result<Vec<f32>> {
-    let spec = net.mlp().spec();
-    let mut out = vec![0.0; x.len() / spec.inputs * spec.outputs];
-    out.par_chunks_mut(ROWS * spec.outputs)
-        .zip(x.par_chunks(ROWS * spec.inputs))
-        .try_for_each_init(Scratch::default, |scratch, (out, x)| {
-            net.forward_batch(x, scratch, out)
-        })?;
-    Ok(out)
 }
 
 /// Maps `[n, n_surface]`, µm, of readings `[n, n_gauges]`, µε.

@@ -2,10 +2,10 @@
 
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact};
-use hapdef_data::Split;
+use hapdef_repro::forward;
 
-use super::chain::{candidates, chain, forward, maps, reconstruction};
-use super::presses::Presses;
+use super::chain::{candidates, chain, maps, reconstruction};
+use super::dataset::{Dataset, rig_singles};
 
 /// Weakest single press that is shown, N: a faint one shows little.
 const LEAST_SHOWN_N: f64 = 15.0;
@@ -39,7 +39,7 @@ pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Ex
         let rows = [n - 1, (last / 3) * n + n / 2, (2 * last / 3) * n + n - 1];
         let stems = ["figure6b", "figure9a1", "figure9a2"];
         for (row, stem) in rows.into_iter().zip(stems) {
-            let mut presses = Presses::open(stage)?;
+            let mut presses = Dataset::open(stage)?;
             let figure = if stem == "figure6b" { "6B" } else { "9A" };
             let text = format!("Figure {figure}: a double press of the rig, from ten readings");
             found.push(maker.example(&mut presses, row, stem, &text, false)?);
@@ -50,8 +50,8 @@ pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Ex
         (4, "figure7", "Figure 7: four simulated contacts, from true virtual gauges"),
     ] {
         if let Some(stage) = data.simulated.get(n_contacts - 1) {
-            let mut presses = Presses::open(stage)?;
-            let row = Split::of(presses.n())?.test.start;
+            let mut presses = Dataset::open(stage)?;
+            let row = presses.split()?.test.start;
             found.push(maker.example(&mut presses, row, stem, text, true)?);
         }
     }
@@ -66,27 +66,27 @@ struct Maker<'a> {
 impl Maker<'_> {
     /// The first test press of the rig that is strong enough.
     fn single(&self) -> Result<Example> {
-        let (mut presses, test) = super::singles::open(self.done)?;
-        let truth = presses.truth(test.clone())?;
+        let (mut presses, split) = rig_singles(self.done)?;
+        let truth = presses.truth(split.test.clone())?;
         let strong = truth.iter().position(|contacts| contacts[0].1 >= LEAST_SHOWN_N);
-        let row = test.start + strong.unwrap_or(0);
+        let row = split.test.start + strong.unwrap_or(0);
         let text = "Figure 6A: a single press of the rig, from ten readings";
         self.example(&mut presses, row, "figure6a", text, false)
     }
 
     fn example(
         &self,
-        presses: &mut Presses,
+        presses: &mut Dataset,
         row: usize,
         stem: &'static str,
         text: &str,
         from_virtual: bool,
     ) -> Result<Example> {
         let rows = row..row + 1;
-        let truth_um = presses.read("deformation", rows.clone())?;
+        let truth_um = presses.maps(rows.clone())?;
         let found_um = if from_virtual {
             let net = reconstruction(self.done)?;
-            forward(&net, &presses.read("virtual_gauges", rows.clone())?)?
+            forward(&net, &presses.inputs(rows.clone())?)?
         } else {
             let readings = presses.read("readings", rows.clone())?;
             maps(&self.chain, &readings, 1, presses.n_surface)?

@@ -5,10 +5,12 @@ use std::path::Path;
 
 use anyhow::Result;
 use hapdef::stages::{fit_scales, train_in_modes};
-use hapdef::{HapdefError, OutputScale, Profile, Run, Schedule, Stage};
+use hapdef::{OutputScale, Profile, Run, Schedule, Stage};
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train};
 use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, load};
 use serde_json::{Value, json};
+
+use super::kept::kept;
 
 const CHECKPOINT_FILE: &str = "net.json";
 const VERSION: u32 = 2;
@@ -99,18 +101,10 @@ pub(crate) fn fit_outputs<S: BatchSource>(
     let inputs = json!({
         "version": VERSION, "net": name, "of": of, "brief": brief, "outputs": outputs, "seed": seed,
     });
-    let stage = run.cache.stage("brief-net", &inputs, |dir| {
+    let (_, stage) = kept(run, "brief-net", &inputs, |dir| {
         run.say(&format!("training {name} briefly: {} steps", brief.steps));
-        let fitted = open()
-            .and_then(|mut samples| {
-                let fitting = Fitting { run, dir, brief };
-                fitting.run(outputs, spec, &mut samples)
-            })
-            .map_err(|error| match error.downcast::<HapdefError>() {
-                Ok(error) => error,
-                Err(error) => HapdefError::Stale { path: name.into(), what: format!("{error:#}") },
-            })?;
-        Ok(json!({ "net": name, "train_loss": fitted }))
+        let train_loss = Fitting { run, dir, brief }.run(outputs, spec, &mut open()?)?;
+        Ok(json!({ "net": name, "train_loss": train_loss }))
     })?;
     Ok((load(&stage.dir.join(CHECKPOINT_FILE))?.0, stage))
 }

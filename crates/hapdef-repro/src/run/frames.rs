@@ -1,15 +1,15 @@
 //! What the chain finds in presses of several contacts: candidates of every press, kept.
 
 use anyhow::{Context, Result};
-use hapdef::{FoundContact, HapdefError, Hapdefx, Limb, Pipeline, Run, ScoredContact, Stage};
-use hapdef_data::Split;
+use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact, Stage};
 use hapdef_nets::Net;
+use hapdef_repro::forward;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::chain::{candidates, chain, forward, maps, reconstruction};
-use super::presses::Presses;
-use super::samples::blocks;
+use super::chain::{candidates, chain, maps, reconstruction};
+use super::dataset::{Dataset, blocks, rig_singles};
+use super::kept::kept;
 
 const VERSION: u32 = 1;
 
@@ -62,15 +62,10 @@ pub(crate) fn frames(run: &Run, limb: &Limb, done: &Pipeline) -> Result<(Frames,
         "version": VERSION, "keys": super::keys_of(run, done), "singles": data.rig_single.key,
         "doubles": doubles, "estimator": run.scene.estimator,
     });
-    let stage = run.cache.stage("frames", &inputs, |_| {
+    let (found, stage) = kept(run, "frames", &inputs, |_| {
         run.say("candidates in presses of one to four contacts");
-        let found = find_all(run, limb, done).and_then(|found| Ok(serde_json::to_value(found)?));
-        found.map_err(|error| HapdefError::Stale {
-            path: "candidates".into(),
-            what: format!("{error:#}"),
-        })
+        find_all(run, limb, done)
     })?;
-    let found = Found::deserialize(&stage.record.info).context("the frames stage")?;
     Ok((with_truth(limb, done, found)?, stage))
 }
 
@@ -78,20 +73,20 @@ fn find_all(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Found> {
     let data = done.data.as_ref().context("no datasets")?;
     let chain = chain(run, limb, done)?;
     let net = reconstruction(done)?;
-    let (mut singles, test) = super::singles::open(done)?;
-    let rig_single = find(run, &chain, &mut singles, test, None)?;
+    let (mut singles, split) = rig_singles(done)?;
+    let rig_single = find(run, &chain, &mut singles, split.test, None)?;
     let rig_double = match &data.rig_double {
         None => vec![],
         Some(stage) => {
-            let mut presses = Presses::open(stage)?;
+            let mut presses = Dataset::open(stage)?;
             let all = 0..presses.n();
             find(run, &chain, &mut presses, all, None)?
         }
     };
     let (mut validation, mut test) = (vec![], vec![]);
     for stage in &data.simulated {
-        let mut presses = Presses::open(stage)?;
-        let split = Split::of(presses.n())?;
+        let mut presses = Dataset::open(stage)?;
+        let split = presses.split()?;
         validation.push(find(run, &chain, &mut presses, most(split.validation), Some(&net))?);
         test.push(find(run, &chain, &mut presses, most(split.test), Some(&net))?);
     }
@@ -106,7 +101,7 @@ fn most(rows: std::ops::Range<usize>) -> std::ops::Range<usize> {
 fn find(
     run: &Run,
     chain: &Hapdefx,
-    presses: &mut Presses,
+    presses: &mut Dataset,
     rows: std::ops::Range<usize>,
     from_virtual: Option<&Net>,
 ) -> Result<Vec<Vec<Kept>>> {
@@ -114,7 +109,7 @@ fn find(
     for rows in blocks(rows, BLOCK) {
         run.check_stop("the candidates")?;
         let maps = match from_virtual {
-            Some(net) => forward(net, &presses.read("virtual_gauges", rows)?)?,
+            Some(net) => forward(net, &presses.inputs(rows)?)?,
             None => {
                 let readings = presses.read("readings", rows.clone())?;
                 maps(chain, &readings, rows.len(), presses.n_surface)?
@@ -143,23 +138,23 @@ fn with_truth(limb: &Limb, done: &Pipeline, found: Found) -> Result<Frames> {
             })
             .collect(),
     };
-    let pair = |presses: &mut Presses, rows, found: Vec<Vec<Kept>>| -> Result<Vec<Frame>> {
+    let pair = |presses: &mut Dataset, rows, found: Vec<Vec<Kept>>| -> Result<Vec<Frame>> {
         Ok(presses.truth(rows)?.into_iter().zip(found).map(frame).collect())
     };
-    let (mut singles, test) = super::singles::open(done)?;
-    let rig_single = pair(&mut singles, test, found.rig_single)?;
+    let (mut singles, split) = rig_singles(done)?;
+    let rig_single = pair(&mut singles, split.test, found.rig_single)?;
     let rig_double = match &data.rig_double {
         None => vec![],
         Some(stage) => {
-            let mut presses = Presses::open(stage)?;
+            let mut presses = Dataset::open(stage)?;
             let all = 0..presses.n();
             pair(&mut presses, all, found.rig_double)?
         }
     };
     let (mut validation, mut tests) = (vec![], vec![]);
     for ((stage, v), t) in data.simulated.iter().zip(found.validation).zip(found.test) {
-        let mut presses = Presses::open(stage)?;
-        let split = Split::of(presses.n())?;
+        let mut presses = Dataset::open(stage)?;
+        let split = presses.split()?;
         validation.push(pair(&mut presses, most(split.validation), v)?);
         tests.push(pair(&mut presses, most(split.test), t)?);
     }

@@ -5,28 +5,22 @@
 //! serves every size, as the smaller are the beginnings of the larger.
 
 mod source;
-mod transfer;
 
 use std::ops::Range;
 
 use anyhow::{Context, Result};
 use hapdef::stages::compliance;
-use hapdef::{
-    ComplianceTable, DrawnContact, HapdefError, Limb, MapError, MapErrorSum, Pipeline, Progress,
-    Run, Stage,
-};
-use hapdef_data::Split;
+use hapdef::{ComplianceTable, DrawnContact, Limb, MapError, MapErrorSum, Pipeline, Run, Stage};
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
-use hapdef_repro::{LinearAccumulator, LinearParams};
+use hapdef_repro::{Fitted, Learner, LinearParams, Samples, forward};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use self::source::{Patches, SuperposedSource};
-use self::transfer::Transfer;
-use super::chain::forward;
+use super::dataset::{Dataset, rig_singles};
 use super::fit::{Brief, Outputs, fit, fit_outputs};
-use super::presses::Presses;
+use super::kept::kept;
 
 const VERSION: u32 = 3;
 
@@ -70,17 +64,10 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
             "outputs": Outputs::reconstruction(&run.profile),
             "keys": super::keys_of(run, done), "doubles": doubles(done)?.key,
         });
-        let stage = run.cache.stage("patch-size", &inputs, |_| {
-            let at = AtSize::open(run, done, &limb, &stages[0], &mut table, size);
-            let point = at.and_then(|at| Ok(serde_json::to_value(at.point()?)?));
-            point.map_err(|error| match error.downcast::<HapdefError>() {
-                Ok(error) => error,
-                Err(error) => {
-                    HapdefError::Stale { path: "figure 5A".into(), what: format!("{error:#}") }
-                }
-            })
+        let (point, stage) = kept(run, "patch-size", &inputs, |_| {
+            AtSize::open(run, done, &limb, &stages[0], &mut table, size)?.point()
         })?;
-        points.push(SizePoint::deserialize(&stage.record.info).context("the patch-size stage")?);
+        points.push(point);
         stages.push(stage);
     }
     Ok((points, stages))
@@ -99,7 +86,7 @@ fn widest(run: &Run, sizes: &[usize]) -> Result<(Run, Limb, Stage)> {
         scene.gauges.patch_nodes = size;
         match Limb::load(&scene, &run.scene_dir) {
             Ok(limb) => {
-                let wide = with_scene(run, scene);
+                let wide = Run { scene, ..run.clone() };
                 let stage = compliance(&wide, &limb)?;
                 return Ok((wide, limb, stage));
             }
@@ -107,19 +94,6 @@ fn widest(run: &Run, sizes: &[usize]) -> Result<(Run, Limb, Stage)> {
         }
     }
     Err(refused.map_or_else(|| anyhow::anyhow!("no patch size to try"), Into::into))
-}
-
-fn with_scene(run: &Run, scene: hapdef::scene::Scene) -> Run {
-    Run {
-        scene,
-        scene_dir: run.scene_dir.clone(),
-        scene_hash: run.scene_hash.clone(),
-        profile: run.profile.clone(),
-        cache: run.cache.clone(),
-        threads: run.threads,
-        progress: Progress::clone(&run.progress),
-        stop: run.stop.clone(),
-    }
 }
 
 /// Everything at one size.
@@ -166,11 +140,11 @@ impl<'a> AtSize<'a> {
             MlpSpec::reconstruction,
             || Ok(SuperposedSource::new(self.patches, training_contacts(self.done)?)),
         )?;
-        let (mut singles, test) = super::singles::open(self.done)?;
-        let transfers = self.transfers(&mut singles)?;
-        let mut doubles = Presses::open(doubles(self.done)?)?;
+        let (mut singles, split) = rig_singles(self.done)?;
+        let transfers = self.transfers(&mut singles, split.train)?;
+        let mut doubles = Dataset::open(doubles(self.done)?)?;
         let all = 0..doubles.n();
-        let on_singles = self.errors(&mut singles, test, &transfers, &map_net)?;
+        let on_singles = self.errors(&mut singles, split.test, &transfers, &map_net)?;
         let on_doubles = self.errors(&mut doubles, all, &transfers, &map_net)?;
         Ok(SizePoint {
             size,
@@ -181,9 +155,9 @@ impl<'a> AtSize<'a> {
     /// Map error of each of [`METHODS`] over presses spread evenly over `rows`.
     fn errors(
         &self,
-        presses: &mut Presses,
+        presses: &mut Dataset,
         rows: Range<usize>,
-        transfers: &[Transfer; 3],
+        transfers: &[Fitted; 3],
         map_net: &Net,
     ) -> Result<[MapError; 3]> {
         let most = (self.run.profile.n_single / TEST_SHARE).max(1);
@@ -195,25 +169,25 @@ impl<'a> AtSize<'a> {
             let (mut readings, mut truth) = (vec![], vec![]);
             for &row in rows {
                 readings.extend(presses.read("readings", row..row + 1)?);
-                truth.extend(presses.read("deformation", row..row + 1)?);
+                truth.extend(presses.maps(row..row + 1)?);
             }
             for (sum, transfer) in sums.iter_mut().zip(transfers) {
-                sum.add(&truth, &forward(map_net, &transfer.predict(&readings)?)?);
+                let virtual_um = transfer.predictions(&readings, rows.len())?;
+                sum.add(&truth, &forward(map_net, &virtual_um)?);
             }
         }
         Ok(sums.map(|sum| sum.finish()))
     }
 
     /// F_T by each of [`METHODS`], on the rig's single training presses.
-    fn transfers(&self, presses: &mut Presses) -> Result<[Transfer; 3]> {
-        let train = Split::of(presses.n())?.train;
+    fn transfers(&self, presses: &mut Dataset, train: Range<usize>) -> Result<[Fitted; 3]> {
         let x = presses.read("readings", train.clone())?;
-        let n_gauges = x.len() / train.len();
-        let contacts = presses.drawn(train)?;
-        let y = self.patches.virtual_gauges(&contacts);
-        let mut linear = LinearAccumulator::new(n_gauges, self.patches.width());
-        linear.add_block(&x, &y)?;
-        let (linear, _) = linear.solve(&LinearParams::default())?;
+        let (n_gauges, width) = (presses.width("readings")?, self.patches.width());
+        let y = self.patches.virtual_gauges(&presses.drawn(train)?);
+        let samples = Samples { x: &x, n_inputs: n_gauges, y: &y, n_outputs: width };
+        let fit_to = |learner: Learner| learner.fit(&samples, &|| false);
+        let linear = fit_to(Learner::Linear(LinearParams::default()))?;
+        let nearest = fit_to(Learner::Knn { k: 6 })?;
         let data = self.done.data.as_ref().context("no datasets")?;
         let size = self.patches.size;
         let of = json!({ "limb": self.key, "size": size, "presses": data.rig_single.key });
@@ -223,9 +197,9 @@ impl<'a> AtSize<'a> {
             &of,
             Brief::transfer(&self.run.profile),
             MlpSpec::transfer,
-            || Ok(MemorySource::new(n_gauges, self.patches.width(), x.clone(), y.clone())?),
+            || Ok(MemorySource::new(n_gauges, width, x.clone(), y.clone())?),
         )?;
-        Ok([Transfer::Linear(linear), Transfer::nearest(&x, y, n_gauges)?, Transfer::Net(net)])
+        Ok([linear, nearest, Fitted::Net(Box::new(net))])
     }
 }
 
@@ -233,10 +207,9 @@ impl<'a> AtSize<'a> {
 pub(crate) fn training_contacts(done: &Pipeline) -> Result<Vec<Vec<DrawnContact>>> {
     let data = done.data.as_ref().context("no datasets")?;
     let mut contacts = vec![];
-    for stage in &data.simulated {
-        let mut presses = Presses::open(stage)?;
-        let train = Split::of(presses.n())?.train;
-        contacts.extend(presses.drawn(train)?);
+    for mut set in Dataset::open_all(data)? {
+        let train = set.split()?.train;
+        contacts.extend(set.drawn(train)?);
     }
     Ok(contacts)
 }

@@ -1,7 +1,7 @@
 //! Table 1's linear regression with a ridge that validation samples choose.
 
 use anyhow::{Context, Result};
-use hapdef::{HapdefError, MapError, Pipeline, Run, Stage};
+use hapdef::{MapError, Pipeline, Run, Stage};
 use hapdef_report::{ReportTable, TextCell, TextTable};
 use hapdef_repro::{
     LinearAccumulator, LinearParams, LinearRegression, Method, Table1, TestSet, TrainSet,
@@ -9,7 +9,8 @@ use hapdef_repro::{
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::samples::SampleSet;
+use super::dataset::Dataset;
+use super::kept::kept;
 use super::table1::{add_training, error_on, test_error};
 
 const VERSION: u32 = 1;
@@ -39,20 +40,14 @@ pub(crate) fn ridge(run: &Run, done: &Pipeline) -> Result<(RidgeRows, Stage)> {
     let data = done.data.as_ref().context("no datasets")?;
     let sets: Vec<&str> = data.simulated.iter().map(|s| s.key.as_str()).collect();
     let inputs = json!({ "version": VERSION, "sets": sets, "ridges": RIDGES });
-    let stage = run.cache.stage("ridge", &inputs, |_| {
+    kept(run, "ridge", &inputs, |_| {
         run.say("linear regression with a ridge by validation");
-        let rows = fill(run, done).and_then(|rows| Ok(serde_json::to_value(rows)?));
-        rows.map_err(|error| match error.downcast::<HapdefError>() {
-            Ok(error) => error,
-            Err(error) => HapdefError::Stale { path: "ridge".into(), what: format!("{error:#}") },
-        })
-    })?;
-    let rows = RidgeRows::deserialize(&stage.record.info).context("the ridge stage")?;
-    Ok((rows, stage))
+        fill(run, done)
+    })
 }
 
 fn fill(run: &Run, done: &Pipeline) -> Result<RidgeRows> {
-    let mut sets = SampleSet::open_all(done.data.as_ref().context("no datasets")?)?;
+    let mut sets = Dataset::open_all(done.data.as_ref().context("no datasets")?)?;
     let mut sums = LinearAccumulator::new(sets[0].n_virtual, sets[0].n_surface);
     let mut rows = vec![];
     for n_sets in 1..=sets.len() {
@@ -69,7 +64,7 @@ fn fill(run: &Run, done: &Pipeline) -> Result<RidgeRows> {
 /// The ridge of least error on validation samples of the sets trained on, and its regression.
 fn choose(
     sums: &LinearAccumulator,
-    sets: &mut [SampleSet],
+    sets: &mut [Dataset],
     n_sets: usize,
 ) -> Result<(f64, LinearRegression)> {
     let mut best: Option<(f64, f64, LinearRegression)> = None;
@@ -78,7 +73,7 @@ fn choose(
         let (mut regression, _) = sums.solve(&params)?;
         let mut error = 0.0;
         for set in 0..n_sets {
-            let rows = sets[set].split.validation.clone();
+            let rows = sets[set].split()?.validation;
             let end = rows.end.min(rows.start + MAX_VALIDATION / n_sets);
             error += error_on(&mut regression, sets, set, rows.start..end)?.mean_abs_um;
         }

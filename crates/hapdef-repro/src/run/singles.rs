@@ -1,17 +1,15 @@
 //! Single test presses of the rig and what each method makes of them.
 
-use std::ops::Range;
-
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
-use hapdef::{ContactPair, ContactStats, FoundContact, HapdefError, Limb, Pipeline, Run, Stage};
-use hapdef_data::{Split, Standardiser, StandardiserFit};
-use hapdef_repro::{Knn, KnnParams};
+use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage};
+use hapdef_repro::{Fitted, Learner, Samples, forward};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::chain::{candidates, chain, forward, maps, reconstruction};
-use super::presses::Presses;
+use super::chain::{candidates, chain, maps, reconstruction};
+use super::dataset::{Dataset, blocks, rig_singles};
+use super::kept::kept;
 use super::svr::SvrScore;
 
 const VERSION: u32 = 1;
@@ -23,7 +21,7 @@ const BLOCK: usize = 512;
 const N_BINS: usize = 8;
 
 /// Position, m, and force, N, of a contact.
-type Contact = [f32; 4];
+pub(crate) type Contact = [f32; 4];
 
 /// What a method says of each test press; none where it found nothing.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -66,58 +64,40 @@ pub(crate) fn singles(
         "version": VERSION, "keys": super::keys_of(run, done), "presses": data.rig_single.key,
         "estimator": run.scene.estimator,
     });
-    let stage = run.cache.stage("singles", &inputs, |_| {
+    let (answers, stage) = kept(run, "singles", &inputs, |_| {
         run.say("single presses: k-NN, the direct net, the chain and its ablations");
-        let answers = answer(run, limb, done).and_then(|found| Ok(serde_json::to_value(found)?));
-        answers.map_err(|error| HapdefError::Stale {
-            path: "single presses".into(),
-            what: format!("{error:#}"),
-        })
+        answer(run, limb, done)
     })?;
-    let [knn, fnn, ablations @ ..]: [MethodAnswers; 5] =
-        serde_json::from_value(stage.record.info.clone()).context("the singles stage")?;
-    let (mut presses, test) = open(done)?;
-    let truth = presses.truth(test)?;
-    let truth = truth.iter().map(|c| {
-        let (p, force_n) = c[0];
-        [p[0], p[1], p[2], force_n].map(|v| v as f32)
-    });
+    let [knn, fnn, ablations @ ..] = answers;
+    let (mut presses, split) = rig_singles(done)?;
     let svr = MethodAnswers {
         name: "SVR".into(),
         found: svr.found.iter().map(|found| Some(*found)).collect(),
     };
     let singles = Singles {
-        truth: truth.collect(),
+        truth: presses.contacts(split.test)?,
         direct: vec![svr, knn, fnn],
         ablations: ablations.to_vec(),
     };
     Ok((singles, stage))
 }
 
-/// The rig's single presses and which of them are for testing.
-pub(crate) fn open(done: &Pipeline) -> Result<(Presses, Range<usize>)> {
-    let data = done.data.as_ref().context("no datasets")?;
-    let presses = Presses::open(&data.rig_single)?;
-    let test = Split::of(presses.n())?.test;
-    Ok((presses, test))
-}
-
-fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<MethodAnswers>> {
-    let (mut presses, test) = open(done)?;
+fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]> {
+    let (mut presses, split) = rig_singles(done)?;
     let nets = done.nets.as_ref().context("no nets")?;
     let direct = nets.load(NetKind::Direct)?;
     let chain = chain(run, limb, done)?;
     let from_virtual = reconstruction(done)?;
-    let knn = NearestPresses::new(&mut presses)?;
+    let knn = nearest_presses(&mut presses, split.train)?;
     let names = ["k-NN", "direct FNN", "R → S → D → k-Max", "true S → D → k-Max", "true D → k-Max"];
     let mut answers = names.map(|name| MethodAnswers { name: name.into(), found: vec![] });
-    for rows in super::samples::blocks(test, BLOCK) {
+    for rows in blocks(split.test, BLOCK) {
         run.check_stop("the single presses")?;
         let n_surface = presses.n_surface;
         let readings = presses.read("readings", rows.clone())?;
-        let virtual_um = presses.read("virtual_gauges", rows.clone())?;
-        let truth_um = presses.read("deformation", rows.clone())?;
-        answers[0].found.extend(knn.answers(&readings)?);
+        let virtual_um = presses.inputs(rows.clone())?;
+        let truth_um = presses.maps(rows.clone())?;
+        answers[0].found.extend(contacts(&knn.predictions(&readings, rows.len())?));
         answers[1].found.extend(contacts(&forward(&direct, &readings)?));
         let chained = maps(&chain, &readings, rows.len(), n_surface)?;
         let from_virtual = forward(&from_virtual, &virtual_um)?;
@@ -126,7 +106,18 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<MethodAnswers>>
             answers.found.extend(found.iter().map(|c| strongest(c)));
         }
     }
-    Ok(answers.to_vec())
+    Ok(answers)
+}
+
+/// A single contact beside the one found.
+pub(crate) fn pair(truth: &Contact, found: &Contact) -> ContactPair {
+    let offset = (0..3).map(|i| f64::from(found[i] - truth[i]).powi(2));
+    ContactPair {
+        detected: 0,
+        truth: 0,
+        position_error_m: offset.sum::<f64>().sqrt(),
+        force_error_n: f64::from(found[3] - truth[3]),
+    }
 }
 
 /// Net outputs `[n, 4]` as contacts.
@@ -143,59 +134,19 @@ pub(crate) fn strongest(found: &[FoundContact]) -> Option<Contact> {
 }
 
 /// k nearest training presses by standardised readings, k = 6, weights 1/distance.
-struct NearestPresses {
-    knn: Knn,
-    standardiser: Standardiser,
-    targets: Vec<Contact>,
-}
-
-impl NearestPresses {
-    fn new(presses: &mut Presses) -> Result<Self> {
-        let train = Split::of(presses.n())?.train;
-        let mut x = presses.read("readings", train.clone())?;
-        let n_gauges = x.len() / train.len();
-        let mut fit = StandardiserFit::new(n_gauges);
-        fit.push(&x)?;
-        let (standardiser, _) = fit.finish()?;
-        standardiser.apply(&mut x)?;
-        let targets = presses.truth(train)?.into_iter().map(|contacts| {
-            let (p, force_n) = contacts[0];
-            [p[0], p[1], p[2], force_n].map(|v| v as f32)
-        });
-        Ok(Self { knn: Knn::new(&x, n_gauges)?, standardiser, targets: targets.collect() })
-    }
-
-    fn answers(&self, readings: &[f32]) -> Result<Vec<Option<Contact>>> {
-        let mut x = readings.to_vec();
-        self.standardiser.apply(&mut x)?;
-        let found = self.knn.neighbours(&x, &KnnParams::default())?;
-        let fetch = |row: usize, out: &mut [f32]| {
-            out.copy_from_slice(&self.targets[row]);
-            Ok::<(), std::convert::Infallible>(())
-        };
-        let one = |query| {
-            let mut out = [0.0; 4];
-            found.predict(query, fetch, &mut out)?;
-            Ok(Some(out))
-        };
-        (0..found.n_queries()).map(one).collect()
-    }
+fn nearest_presses(presses: &mut Dataset, train: std::ops::Range<usize>) -> Result<Fitted> {
+    let x = presses.read("readings", train.clone())?;
+    let y = presses.contacts(train)?;
+    let samples =
+        Samples { x: &x, n_inputs: presses.width("readings")?, y: y.as_flattened(), n_outputs: 4 };
+    Ok(Learner::Knn { k: 6 }.fit(&samples, &|| false)?)
 }
 
 impl Singles {
     /// A method's errors, press by press; none where it found nothing.
     pub(crate) fn errors(&self, method: &MethodAnswers) -> Vec<Option<ContactPair>> {
-        let pair = |(truth, found): (&Contact, &Option<Contact>)| {
-            let found = (*found)?;
-            let offset = (0..3).map(|i| f64::from(found[i] - truth[i]).powi(2));
-            Some(ContactPair {
-                detected: 0,
-                truth: 0,
-                position_error_m: offset.sum::<f64>().sqrt(),
-                force_error_n: f64::from(found[3] - truth[3]),
-            })
-        };
-        self.truth.iter().zip(&method.found).map(pair).collect()
+        let pairs = self.truth.iter().zip(&method.found);
+        pairs.map(|(truth, found)| Some(pair(truth, found.as_ref()?))).collect()
     }
 
     /// A method's errors in a few numbers.

@@ -4,25 +4,22 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
-use hapdef::{HapdefError, MapError, MapErrorSum, Pipeline, Run, Stage};
+use hapdef::{MapError, MapErrorSum, Pipeline, Run, Stage};
 use hapdef_data::{Standardiser, StandardiserFit};
-use hapdef_nets::{Net, Scratch};
+use hapdef_nets::Net;
 use hapdef_repro::{
     Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, MapMetric, Method, OwnRow,
-    Table1, TestSet, TrainSet,
+    Table1, TestSet, TrainSet, forward,
 };
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::samples::{SampleSet, blocks};
+use super::dataset::{Dataset, blocks};
+use super::kept::kept;
 
 const VERSION: u32 = 2;
 
 /// Samples read, predicted and scored together.
 const BLOCK: usize = 512;
-
-/// Rows of a block that one thread sends through a net.
-const NET_ROWS: usize = 32;
 
 /// Most samples a training error is taken over.
 const MAX_TRAINING: usize = 2000;
@@ -30,24 +27,18 @@ const MAX_TRAINING: usize = 2000;
 /// Fills Table 1 by each of [`MapMetric::ALL`], or reads it from the cache.
 pub(crate) fn table1(run: &Run, done: &Pipeline) -> Result<(Vec<Table1>, Stage)> {
     let inputs = json!({ "version": VERSION, "keys": super::keys_of(run, done) });
-    let stage = run.cache.stage("table1", &inputs, |_| {
+    let (cells, stage) = kept(run, "table1", &inputs, |_| {
         run.say("Table 1: baselines and nets on every test set");
-        fill(run, done).map_err(|error| HapdefError::Stale {
-            path: "table 1".into(),
-            what: format!("{error:#}"),
-        })
+        fill(run, done)
     })?;
-    let tables = MapMetric::ALL
-        .iter()
-        .map(|metric| read_back(&stage.record.info, *metric))
-        .collect::<Result<_>>()?;
-    Ok((tables, stage))
+    let tables = MapMetric::ALL.iter().map(|metric| read_back(&cells, *metric));
+    Ok((tables.collect::<Result<_>>()?, stage))
 }
 
 fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
     let data = done.data.as_ref().context("no datasets")?;
     let nets = done.nets.as_ref().context("no nets")?;
-    let mut sets = SampleSet::open_all(data)?;
+    let mut sets = Dataset::open_all(data)?;
     let mut linear = LinearAccumulator::new(sets[0].n_virtual, sets[0].n_surface);
     let mut cells = Vec::new();
     for n_sets in 1..=sets.len() {
@@ -82,7 +73,7 @@ pub(super) trait Predictor {
     /// rows of a training set that the samples are, if they are.
     fn predict(
         &mut self,
-        sets: &mut [SampleSet],
+        sets: &mut [Dataset],
         x: &[f32],
         own: Option<(usize, Range<usize>)>,
         out: &mut [f32],
@@ -92,7 +83,7 @@ pub(super) trait Predictor {
 impl Predictor for LinearRegression {
     fn predict(
         &mut self,
-        _: &mut [SampleSet],
+        _: &mut [Dataset],
         x: &[f32],
         _: Option<(usize, Range<usize>)>,
         out: &mut [f32],
@@ -104,17 +95,12 @@ impl Predictor for LinearRegression {
 impl Predictor for Net {
     fn predict(
         &mut self,
-        _: &mut [SampleSet],
+        _: &mut [Dataset],
         x: &[f32],
         _: Option<(usize, Range<usize>)>,
         out: &mut [f32],
     ) -> Result<()> {
-        let spec = self.mlp().spec();
-        let rows = out.par_chunks_mut(NET_ROWS * spec.outputs);
-        rows.zip(x.par_chunks(NET_ROWS * spec.inputs))
-            .try_for_each_init(Scratch::default, |scratch, (out, x)| {
-                self.forward_batch(x, scratch, out)
-            })?;
+        out.copy_from_slice(&forward(self, x)?);
         Ok(())
     }
 }
@@ -128,12 +114,12 @@ struct Neighbourhood {
 }
 
 impl Neighbourhood {
-    fn new(sets: &mut [SampleSet], n_sets: usize) -> Result<Self> {
+    fn new(sets: &mut [Dataset], n_sets: usize) -> Result<Self> {
         let n_virtual = sets[0].n_virtual;
         let (mut x, mut starts) = (Vec::new(), Vec::new());
         for set in &mut sets[..n_sets] {
             starts.push(x.len() / n_virtual);
-            let rows = set.split.train.clone();
+            let rows = set.split()?.train;
             x.extend(set.inputs(rows)?);
         }
         let mut fit = StandardiserFit::new(n_virtual);
@@ -153,7 +139,7 @@ impl Neighbourhood {
 impl Predictor for Neighbourhood {
     fn predict(
         &mut self,
-        sets: &mut [SampleSet],
+        sets: &mut [Dataset],
         x: &[f32],
         own: Option<(usize, Range<usize>)>,
         out: &mut [f32],
@@ -176,8 +162,8 @@ impl Predictor for Neighbourhood {
 }
 
 /// Adds a set's training samples to the sums of linear regression.
-pub(super) fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) -> Result<()> {
-    for rows in blocks(set.split.train.clone(), BLOCK) {
+pub(super) fn add_training(linear: &mut LinearAccumulator, set: &mut Dataset) -> Result<()> {
+    for rows in blocks(set.split()?.train, BLOCK) {
         let x = set.inputs(rows.clone())?;
         linear.add_block(&x, &set.maps(rows)?)?;
     }
@@ -187,17 +173,17 @@ pub(super) fn add_training(linear: &mut LinearAccumulator, set: &mut SampleSet) 
 /// Error on a set's test samples.
 pub(super) fn test_error(
     predictor: &mut dyn Predictor,
-    sets: &mut [SampleSet],
+    sets: &mut [Dataset],
     set: usize,
 ) -> Result<MapError> {
-    let test = sets[set].split.test.clone();
+    let test = sets[set].split()?.test;
     error_on(predictor, sets, set, test)
 }
 
 /// Error on some rows of a set that it was not trained on.
 pub(super) fn error_on(
     predictor: &mut dyn Predictor,
-    sets: &mut [SampleSet],
+    sets: &mut [Dataset],
     set: usize,
     rows: Range<usize>,
 ) -> Result<MapError> {
@@ -211,14 +197,15 @@ pub(super) fn error_on(
 /// Error on the union's own training samples, each set by its share.
 fn training_error(
     predictor: &mut dyn Predictor,
-    sets: &mut [SampleSet],
+    sets: &mut [Dataset],
     n_sets: usize,
 ) -> Result<MapError> {
-    let n_training: usize = sets[..n_sets].iter().map(|set| set.split.train.len()).sum();
-    let share = (MAX_TRAINING as f64 / n_training as f64).min(1.0);
+    let n_of = |set: &Dataset| Ok(set.split()?.train.len());
+    let n_training: Vec<usize> = sets[..n_sets].iter().map(n_of).collect::<Result<_>>()?;
+    let share = (MAX_TRAINING as f64 / n_training.iter().sum::<usize>() as f64).min(1.0);
     let mut sum = MapErrorSum::new(sets[0].n_surface);
-    for set in 0..n_sets {
-        let n = (sets[set].split.train.len() as f64 * share).round() as usize;
+    for (set, n) in n_training.into_iter().enumerate() {
+        let n = (n as f64 * share).round() as usize;
         for rows in blocks(0..n, BLOCK) {
             add_error(predictor, sets, set, rows, true, &mut sum)?;
         }
@@ -228,7 +215,7 @@ fn training_error(
 
 fn add_error(
     predictor: &mut dyn Predictor,
-    sets: &mut [SampleSet],
+    sets: &mut [Dataset],
     set: usize,
     rows: Range<usize>,
     is_training: bool,

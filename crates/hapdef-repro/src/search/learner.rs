@@ -115,25 +115,32 @@ impl Fitted {
     /// # Errors
     /// Bad shapes, inputs that are not finite, or so far off that a prediction overflows.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
-        let n_outputs = match self {
-            Self::Linear(regression) => {
-                regression.predict(x, out)?;
-                regression.n_outputs()
-            }
-            Self::Knn(knn) => {
-                knn.predict(x, out)?;
-                knn.n_outputs
-            }
-            Self::Svr(svr, _) => {
-                svr.predict(x, out)?;
-                svr.n_outputs()
-            }
-            Self::Net(net) => {
-                predict_net(net, x, out)?;
-                net.mlp().spec().outputs
-            }
-        };
-        check_finite("predictions", n_outputs, out)
+        match self {
+            Self::Linear(regression) => regression.predict(x, out)?,
+            Self::Knn(knn) => knn.predict(x, out)?,
+            Self::Svr(svr, _) => svr.predict(x, out)?,
+            Self::Net(net) => predict_net(net, x, out)?,
+        }
+        check_finite("predictions", self.n_outputs(), out)
+    }
+
+    /// The same for `n` rows, in a vector of its own.
+    ///
+    /// # Errors
+    /// As [`Self::predict`].
+    pub fn predictions(&self, x: &[f32], n: usize) -> Result<Vec<f32>, ReproError> {
+        let mut out = vec![0.0; n * self.n_outputs()];
+        self.predict(x, &mut out)?;
+        Ok(out)
+    }
+
+    fn n_outputs(&self) -> usize {
+        match self {
+            Self::Linear(regression) => regression.n_outputs(),
+            Self::Knn(knn) => knn.n_outputs,
+            Self::Svr(svr, _) => svr.n_outputs(),
+            Self::Net(net) => net.mlp().spec().outputs,
+        }
     }
 }
 
@@ -148,6 +155,17 @@ impl Samples<'_> {
         let n = whole_rows("inputs of samples", self.n_inputs, self.x.len())?;
         Ok(check_len("outputs of samples", n * self.n_outputs, self.y.len())?)
     }
+}
+
+/// A net's outputs `[n, outputs]` for rows `x` `[n, inputs]`, in parallel.
+///
+/// # Errors
+/// Bad shapes, inputs that are not finite.
+pub fn forward(net: &Net, x: &[f32]) -> Result<Vec<f32>, ReproError> {
+    let spec = net.mlp().spec();
+    let mut out = vec![0.0; x.len() / spec.inputs.max(1) * spec.outputs];
+    predict_net(net, x, &mut out)?;
+    Ok(out)
 }
 
 fn fit_linear(

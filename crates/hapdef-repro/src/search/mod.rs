@@ -9,7 +9,7 @@ mod report;
 mod space;
 mod trials;
 
-pub use learner::{Fitted, FittedKnn, Learner, NetSettings, Samples};
+pub use learner::{Fitted, FittedKnn, Learner, NetSettings, Samples, forward};
 pub use optimiser::propose;
 pub use report::{search_figures, search_markdown, values_in_words};
 pub use space::{Knob, KnobValues, SearchMethod, TrialBudget, paper_values};

@@ -184,8 +184,8 @@ pub fn tactile_distances_mm(
     let y = rows(&run.place_mm, 2, train);
     let samples = Samples { x: &x, n_inputs: run.n_channels, y: &y, n_outputs: 2 };
     let fitted = learner.fit(&samples, &|| false)?;
-    let mut found = vec![0.0; queries.len() * 2];
-    fitted.predict(&rows(&run.channels, run.n_channels, queries), &mut found)?;
+    let x = rows(&run.channels, run.n_channels, queries);
+    let found = fitted.predictions(&x, queries.len())?;
     let truth = rows(&run.place_mm, 2, queries);
     let pairs = found.chunks_exact(2).zip(truth.chunks_exact(2));
     Ok(pairs.map(|(a, b)| f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1]))).collect())

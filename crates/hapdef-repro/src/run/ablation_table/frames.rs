@@ -3,7 +3,7 @@
 use anyhow::Result;
 use hapdef::{DrawnContact, ScoredContact, Stage};
 
-use super::super::presses::Presses;
+use super::super::dataset::{Dataset, evenly};
 
 /// Presses that pass a row together.
 const BLOCK: usize = 128;
@@ -38,14 +38,12 @@ impl Frames {
 /// At most `most` presses, evenly apart, in blocks.
 pub(super) fn frames(
     stage: &Stage,
-    rows: impl Fn(usize) -> Result<std::ops::Range<usize>>,
+    rows: impl Fn(&Dataset) -> Result<std::ops::Range<usize>>,
     most: usize,
     has_readings: bool,
 ) -> Result<Vec<Frames>> {
-    let mut presses = Presses::open(stage)?;
-    let rows = rows(presses.n())?;
-    let n = rows.len().min(most);
-    let chosen: Vec<usize> = (0..n).map(|i| rows.start + i * rows.len() / n).collect();
+    let mut presses = Dataset::open(stage)?;
+    let chosen: Vec<usize> = evenly(rows(&presses)?, most).collect();
     let mut all = vec![];
     for block in chosen.chunks(BLOCK) {
         let mut frames = Frames::default();
@@ -54,8 +52,7 @@ pub(super) fn frames(
             if has_readings {
                 frames.readings.extend(presses.read("readings", rows.clone())?);
             }
-            let virtual_um = presses.read("virtual_gauges", rows.clone())?;
-            frames.virtual_um.extend(virtual_um);
+            frames.virtual_um.extend(presses.inputs(rows.clone())?);
             frames.drawn.extend(presses.drawn(rows.clone())?);
             frames.truth.extend(presses.truth(rows)?);
         }

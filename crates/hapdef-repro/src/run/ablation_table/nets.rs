@@ -3,7 +3,6 @@
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
 use hapdef::{DrawnContact, Hapdefx, OutputScale, Pipeline, Run, Stage};
-use hapdef_data::Split;
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
 use rand_chacha::ChaCha8Rng;
@@ -11,10 +10,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 
 use super::super::chain::maps;
+use super::super::dataset::{Dataset, blocks, evenly};
 use super::super::fit::{Brief, Outputs, fit, fit_outputs};
 use super::super::patches::training_contacts;
-use super::super::presses::Presses;
-use super::super::samples::{SampleSet, blocks};
 use super::modes::Modes;
 use super::target::{Target, TrueMaps};
 
@@ -135,8 +133,7 @@ impl Trainer<'_> {
     /// Modes of an even choice of the training samples of all sets.
     fn modes(&self, target: Target) -> Result<Modes> {
         let contacts = training_contacts(self.done)?;
-        let n = contacts.len().min(N_SNAPSHOTS);
-        let chosen = (0..n).map(|i| contacts[i * contacts.len() / n].clone());
+        let chosen = evenly(0..contacts.len(), N_SNAPSHOTS).map(|i| contacts[i].clone());
         let snapshots = self.truth.of(target, &chosen.collect::<Vec<_>>());
         let width = target.width(self.truth.directions.len());
         Modes::of(&snapshots, width, N_MODES)
@@ -146,19 +143,18 @@ impl Trainer<'_> {
     fn map_samples(&self, inputs: Inputs, by: Option<(Target, &Modes)>) -> Result<MemorySource> {
         let (mut x, mut y) = (vec![], vec![]);
         let mut n_in = 0;
-        for (set, stage) in SampleSet::open_all(self.data)?.iter_mut().zip(&self.data.simulated) {
-            let mut presses = Presses::open(stage)?;
+        for mut set in Dataset::open_all(self.data)? {
             n_in = set.n_virtual * inputs.per_gauge();
-            for rows in blocks(set.split.train.clone(), BLOCK) {
+            for rows in blocks(set.split()?.train, BLOCK) {
                 self.run.check_stop("the ablations")?;
                 x.extend(match inputs {
                     Inputs::Magnitudes => set.inputs(rows.clone())?,
-                    Inputs::Vectors => self.truth.virtual_vectors(&presses.drawn(rows.clone())?),
+                    Inputs::Vectors => self.truth.virtual_vectors(&set.drawn(rows.clone())?),
                 });
                 y.extend(match by {
                     None => set.maps(rows)?,
                     Some((target, modes)) => {
-                        modes.encode(self.truth.of(target, &presses.drawn(rows)?))?
+                        modes.encode(self.truth.of(target, &set.drawn(rows)?))?
                     }
                 });
             }
@@ -188,8 +184,8 @@ impl Trainer<'_> {
         n_sets: usize,
         gauges_of: &impl Fn(&[Vec<DrawnContact>]) -> Vec<f32>,
     ) -> Result<MemorySource> {
-        let mut presses = Presses::open(&self.data.rig_single)?;
-        let train = Split::of(presses.n())?.train;
+        let mut presses = Dataset::open(&self.data.rig_single)?;
+        let train = presses.split()?.train;
         let readings = presses.read("readings", train.clone())?;
         let contacts = presses.drawn(train)?;
         let n_gauges = readings.len() / contacts.len();
@@ -221,7 +217,7 @@ impl Trainer<'_> {
             .map(|net| net.stage.key.as_str())
             .collect();
         let of = json!({ "presses": self.data.rig_single.key, "nets": behind });
-        let displacement = |presses: &mut Presses, rows: std::ops::Range<usize>| {
+        let displacement = |presses: &mut Dataset, rows: std::ops::Range<usize>| {
             let readings = presses.read("readings", rows.clone())?;
             maps(self.chain, &readings, rows.len(), presses.n_surface)
         };
@@ -233,7 +229,7 @@ impl Trainer<'_> {
     fn on_normal(&self) -> Result<(Net, Stage)> {
         let stage = &self.data.simulated[0];
         let of = json!({ "set": stage.key });
-        let displacement = |presses: &mut Presses, rows: std::ops::Range<usize>| {
+        let displacement = |presses: &mut Dataset, rows: std::ops::Range<usize>| {
             Ok(self.truth.of(Target::Normal, &presses.drawn(rows)?))
         };
         self.sensitivity("F_S along the press", &of, stage, displacement)
@@ -245,13 +241,13 @@ impl Trainer<'_> {
         name: &str,
         of: &Value,
         stage: &Stage,
-        maps_of: impl Fn(&mut Presses, std::ops::Range<usize>) -> Result<Vec<f32>>,
+        maps_of: impl Fn(&mut Dataset, std::ops::Range<usize>) -> Result<Vec<f32>>,
     ) -> Result<(Net, Stage)> {
         let brief = Brief::whole(&self.run.profile.sensitivity);
         let open = || {
-            let mut presses = Presses::open(stage)?;
+            let mut presses = Dataset::open(stage)?;
             let (mut x, mut y) = (vec![], vec![]);
-            for rows in blocks(Split::of(presses.n())?.train, BLOCK) {
+            for rows in blocks(presses.split()?.train, BLOCK) {
                 self.run.check_stop("the ablations")?;
                 let maps = maps_of(&mut presses, rows.clone())?;
                 let drawn = presses.drawn(rows.clone())?;

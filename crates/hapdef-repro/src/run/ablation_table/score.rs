@@ -6,9 +6,9 @@ use anyhow::Result;
 use hapdef::stages::Datasets;
 use hapdef::{ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one};
 use hapdef_bench::stats::median;
-use hapdef_data::Split;
 use serde::{Deserialize, Serialize};
 
+use super::super::dataset::Dataset;
 use super::super::scores::scored;
 use super::frames::{Frames, frames};
 use super::target::TrueMaps;
@@ -51,10 +51,10 @@ pub(super) struct AblationRow {
 impl Tests {
     /// An even choice of test presses and test samples.
     pub(super) fn read(data: &Datasets) -> Result<Self> {
-        let test = |n: usize| Ok(Split::of(n)?.test);
+        let test = |set: &Dataset| Ok(set.split()?.test);
         let single = frames(&data.rig_single, test, MOST_PRESSES, true)?;
         let double = match &data.rig_double {
-            Some(stage) => frames(stage, |n| Ok(0..n), MOST_PRESSES, true)?,
+            Some(stage) => frames(stage, |set| Ok(0..set.n()), MOST_PRESSES, true)?,
             None => vec![],
         };
         let mut simulated = vec![];

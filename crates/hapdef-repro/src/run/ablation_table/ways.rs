@@ -3,8 +3,9 @@
 use anyhow::Result;
 use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
+use hapdef_repro::forward;
 
-use super::super::chain::{candidates, forward};
+use super::super::chain::candidates;
 use super::frames::Frames;
 use super::modes::Modes;
 use super::refine::Refiner;
@@ -75,7 +76,7 @@ impl Way<'_> {
     pub(super) fn maps(&self, frames: &Frames, truth: &TrueMaps<'_>) -> Result<Vec<f32>> {
         match self.maps {
             MapsFrom::Truth => Ok(truth.of(Target::Magnitude, &frames.drawn)),
-            MapsFrom::Readings(net) => forward(net, &frames.readings),
+            MapsFrom::Readings(net) => Ok(forward(net, &frames.readings)?),
             MapsFrom::Vectors([transfer, net], modes) => {
                 let vectors = forward(transfer, &frames.readings)?;
                 modes.decode(&forward(net, &vectors)?)

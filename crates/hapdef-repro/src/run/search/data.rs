@@ -4,12 +4,10 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use hapdef::MapErrorSum;
-use hapdef::stages::samples_path;
-use hapdef_data::{DatasetReader, Split};
 use hapdef_repro::{Fitted, KnobValues, Learner, ReproError, Samples, SearchMethod};
 
 use super::Prepared;
-use crate::run::samples::SampleSet;
+use crate::run::dataset::{Dataset, rig_singles};
 
 /// Most validation samples of all sets together.
 const MAX_VALIDATION: usize = 1000;
@@ -89,16 +87,16 @@ impl MethodData {
         let data = prepared.done.data.as_ref().context("no datasets")?;
         let keys = data.simulated.iter().map(|stage| stage.key.as_str());
         self.keys = keys.collect::<Vec<_>>().join(" ");
-        let mut sets = SampleSet::open_all(data)?;
+        let mut sets = Dataset::open_all(data)?;
         let most = MAX_VALIDATION / sets.len();
         for (i, set) in sets.iter_mut().enumerate() {
             (self.n_inputs, self.n_outputs) = (set.n_virtual, set.n_surface);
-            let Range { start, end } = set.split.validation.clone();
-            add_maps(&mut self.train, set, set.split.train.clone())?;
-            add_maps(&mut self.validation, set, start..end.min(start + most))?;
+            let split = set.split()?;
+            add_maps(&mut self.train, set, split.train)?;
+            add_maps(&mut self.validation, set, first_of(split.validation, most))?;
             if with_tests {
                 let mut rows = Rows::default();
-                add_maps(&mut rows, set, set.split.test.clone())?;
+                add_maps(&mut rows, set, split.test)?;
                 self.tests.push((format!("{} contacts", i + 1), rows));
             }
         }
@@ -106,42 +104,32 @@ impl MethodData {
     }
 
     fn with_presses(mut self, prepared: &Prepared, with_tests: bool) -> Result<Self> {
-        let stage = &prepared.done.data.as_ref().context("no datasets")?.rig_single;
-        self.keys = stage.key.clone();
-        let mut reader = DatasetReader::open(&samples_path(stage))?;
-        let split = Split::of(reader.n())?;
-        self.n_inputs = reader.width("readings")?;
+        let data = prepared.done.data.as_ref().context("no datasets")?;
+        self.keys = data.rig_single.key.clone();
+        let (mut set, split) = rig_singles(&prepared.done)?;
+        self.n_inputs = set.width("readings")?;
         self.n_outputs = match self.method {
             SearchMethod::Transfer => self.n_inputs * PAPER_PATCH.min(self.max_patch),
             _ => 4,
         };
-        let validation = split.validation;
-        let validation = validation.start..validation.end.min(validation.start + MAX_VALIDATION);
-        self.train = self.presses(&mut reader, split.train)?;
-        self.validation = self.presses(&mut reader, validation)?;
+        self.train = self.presses(&mut set, split.train)?;
+        self.validation = self.presses(&mut set, first_of(split.validation, MAX_VALIDATION))?;
         if with_tests {
-            let rows = self.presses(&mut reader, split.test)?;
+            let rows = self.presses(&mut set, split.test)?;
             self.tests.push(("single presses".to_owned(), rows));
         }
         Ok(self)
     }
 
-    fn presses(&self, reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows> {
-        let n = rows.len();
-        let mut read = |tensor: &str| -> Result<Vec<f32>> {
-            let mut values = vec![0.0; n * reader.width(tensor)?];
-            reader.read_rows(tensor, rows.clone(), &mut values)?;
-            Ok(values)
+    fn presses(&self, set: &mut Dataset, rows: Range<usize>) -> Result<Rows> {
+        let y = match self.method {
+            SearchMethod::Transfer => {
+                let patch = PAPER_PATCH.min(self.max_patch);
+                first_of_patches(&set.inputs(rows.clone())?, self.max_patch, patch)
+            }
+            _ => set.contacts(rows.clone())?.into_flattened(),
         };
-        let y = if self.method == SearchMethod::Transfer {
-            let patch = PAPER_PATCH.min(self.max_patch);
-            first_of_patches(&read("virtual_gauges")?, self.max_patch, patch)
-        } else {
-            let (places, forces) = (read("contact_positions")?, read("contact_forces")?);
-            let places = places.chunks_exact(3).zip(&forces);
-            places.flat_map(|(p, f)| [p[0], p[1], p[2], *f]).collect()
-        };
-        Ok(Rows { x: read("readings")?, y, n })
+        Ok(Rows { n: rows.len(), x: set.read("readings", rows)?, y })
     }
 
     /// Fits a method to the training samples.
@@ -168,8 +156,7 @@ impl MethodData {
             let block = first..(first + BLOCK).min(rows.n);
             let of = |width: usize| block.start * width..block.end * width;
             let (x, _) = self.inputs(&rows.x[of(self.n_inputs)], values);
-            let mut found = vec![0.0; block.len() * self.n_outputs];
-            fitted.predict(&x, &mut found)?;
+            let found = fitted.predictions(&x, block.len())?;
             sums.add(&rows.y[of(self.n_outputs)], &found);
         }
         Ok(sums.finish(rows.n))
@@ -198,7 +185,11 @@ fn first_of_patches(x: &[f32], max_patch: usize, patch: usize) -> Vec<f32> {
     each.flat_map(|gauge| &gauge[..patch]).copied().collect()
 }
 
-fn add_maps(rows: &mut Rows, set: &mut SampleSet, picked: Range<usize>) -> Result<()> {
+fn first_of(rows: Range<usize>, most: usize) -> Range<usize> {
+    rows.start..rows.end.min(rows.start + most)
+}
+
+fn add_maps(rows: &mut Rows, set: &mut Dataset, picked: Range<usize>) -> Result<()> {
     rows.n += picked.len();
     rows.x.extend(set.inputs(picked.clone())?);
     rows.y.extend(set.maps(picked)?);
