@@ -1,7 +1,5 @@
 //! Inference: F_T and F_R at the paper's sizes on random weights, one frame, one core.
 
-use std::path::Path;
-
 use anyhow::{Context, Result};
 use hapdef_bench::{Column, or_dash, table, terminal_table};
 use hapdef_nets::infer::{InferParams, InferScratch, LowRank, Precision, PreparedNet};
@@ -65,7 +63,7 @@ fn measure(args: &BenchNetsArgs) -> Result<(Vec<Row>, String)> {
     let mut paths = paths([&transfer, &reconstruction], args.seed, &x, &y)?;
     let folder = args.out.join("bench-nets-peers");
     let nets = [&transfer, &reconstruction];
-    let (mut peers, missing) = start_peers(&args.python, &folder, nets, &x, &y);
+    let (mut peers, missing) = Peers::if_there(&args.python, &folder, nets, &x, &y);
     let mut plain = Times::default();
     for _ in 0..args.rounds {
         plain.round(|| {
@@ -99,28 +97,9 @@ fn measure(args: &BenchNetsArgs) -> Result<(Vec<Row>, String)> {
     Ok((rows, missing))
 }
 
-/// Python, or why there is none.
-fn start_peers(
-    python: &Path,
-    folder: &Path,
-    nets: [&Net; 2],
-    x: &[f32],
-    y: &[f32],
-) -> (Option<Peers>, String) {
-    match Peers::start(python, folder, nets, x, y) {
-        Ok(peers) => {
-            let missing = peers.missing.iter();
-            let missing = missing.map(|(name, why)| format!("{name}: {why}"));
-            let missing = missing.collect::<Vec<_>>().join("; ");
-            (Some(peers), missing)
-        }
-        Err(error) => (None, format!("{}: {error}", python.display())),
-    }
-}
-
-fn random(spec: &MlpSpec, seed: u64) -> Result<Net> {
-    let scales = [spec.inputs, spec.outputs].map(Scale::identity);
-    let [input, output] = scales;
+/// A net with random weights and scales that change nothing.
+pub(crate) fn random(spec: &MlpSpec, seed: u64) -> Result<Net> {
+    let [input, output] = [spec.inputs, spec.outputs].map(Scale::identity);
     Ok(Net::new(Mlp::random(spec, seed)?, input, output)?)
 }
 

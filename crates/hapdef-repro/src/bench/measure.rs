@@ -145,15 +145,7 @@ fn start_peers(
     let mut y = vec![0.0; tests.n_surface];
     transfer.forward(x, &mut scratch, &mut virtual_um)?;
     map_net.forward(&virtual_um, &mut scratch, &mut y)?;
-    let peers = Peers::start(python, folder, [&transfer, &map_net], x, &y);
-    Ok(match peers {
-        Ok(peers) => {
-            let missing = peers.missing.iter();
-            let missing: Vec<String> = missing.map(|(row, why)| format!("{row}: {why}")).collect();
-            (Some(peers), missing.join("; "))
-        }
-        Err(error) => (None, format!("{}: {error:#}", python.display())),
-    })
+    Ok(Peers::if_there(python, folder, [&transfer, &map_net], x, &y))
 }
 
 /// Their errors on the same presses, and their times.

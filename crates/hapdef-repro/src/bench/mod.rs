@@ -7,6 +7,7 @@ mod measure;
 mod methods;
 mod narrow;
 mod peers;
+mod python;
 mod testset;
 mod training;
 mod unscaled;
@@ -22,6 +23,7 @@ use hapdef_report::MetricLog;
 use crate::run::facts;
 
 pub(crate) use frontier::{FrontierArgs, run as run_frontier};
+pub(crate) use inference::random;
 
 /// Arguments of `bench-nets`.
 #[derive(Args, Clone, Debug)]

@@ -1,9 +1,8 @@
 //! Other programs on the same weights: ONNX Runtime and PyTorch, by way of Python.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use hapdef_nets::{Activation, Net};
@@ -11,96 +10,72 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::clock::Times;
+use super::python::Python;
 
 /// The script, as it was when this program was built.
 const SCRIPT: &str = include_str!("../../scripts/nets_peers.py");
 
 /// A running Python that times its rows when told to.
 pub(super) struct Peers {
-    child: Child,
+    python: Python,
     folder: PathBuf,
-    to: ChildStdin,
-    from: BufReader<ChildStdout>,
     /// Why rows are missing, by name.
     pub(super) missing: BTreeMap<String, String>,
     /// What each row is, its error and its times.
     pub(super) rows: BTreeMap<String, Peer>,
 }
 
-/// One row.
+/// One row, as Python says it first.
+#[derive(Deserialize)]
 pub(super) struct Peer {
     /// Program and version.
     pub(super) program: String,
     /// Largest error over the largest output.
     pub(super) relative_error: f64,
+    #[serde(skip)]
     pub(super) times: Times,
 }
 
 /// What Python says first.
 #[derive(Deserialize)]
 struct Ready {
-    rows: BTreeMap<String, ReadyRow>,
+    rows: BTreeMap<String, Peer>,
     missing: BTreeMap<String, String>,
 }
 
-#[derive(Deserialize)]
-struct ReadyRow {
-    program: String,
-    relative_error: f64,
-}
-
 impl Peers {
-    /// Writes the nets' weights, an input and its outputs to `folder`, and starts Python there.
-    pub(super) fn start(
+    /// [`Self::start`], or none, and why rows are missing.
+    pub(super) fn if_there(
         python: &Path,
         folder: &Path,
         nets: [&Net; 2],
         x: &[f32],
         y: &[f32],
-    ) -> Result<Self> {
+    ) -> (Option<Self>, String) {
+        match Self::start(python, folder, nets, x, y) {
+            Ok(peers) => {
+                let missing = peers.missing.iter().map(|(row, why)| format!("{row}: {why}"));
+                let missing = missing.collect::<Vec<_>>().join("; ");
+                (Some(peers), missing)
+            }
+            Err(error) => (None, format!("{}: {error:#}", python.display())),
+        }
+    }
+
+    /// Writes the nets' weights, an input and its outputs to `folder`, and starts Python there.
+    fn start(python: &Path, folder: &Path, nets: [&Net; 2], x: &[f32], y: &[f32]) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         export(folder, nets, x, y)?;
         let script = folder.join("nets_peers.py");
         std::fs::write(&script, SCRIPT).with_context(|| script.display().to_string())?;
-        let mut child = Command::new(python)
-            .arg(&script)
-            .arg(folder)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .with_context(|| format!("starting {}", python.display()))?;
-        let to = child.stdin.take().context("Python's input")?;
-        let from = BufReader::new(child.stdout.take().context("Python's output")?);
-        let mut peers = Self {
-            child,
-            folder: folder.to_path_buf(),
-            to,
-            from,
-            missing: BTreeMap::new(),
-            rows: BTreeMap::new(),
-        };
-        let ready: Ready = serde_json::from_str(&peers.line()?)?;
-        peers.missing = ready.missing;
-        peers.rows = ready
-            .rows
-            .into_iter()
-            .map(|(name, row)| {
-                let peer = Peer {
-                    program: row.program,
-                    relative_error: row.relative_error,
-                    times: Times::default(),
-                };
-                (name, peer)
-            })
-            .collect();
-        Ok(peers)
+        let mut python = Python::start(Command::new(python).arg(&script).arg(folder))?;
+        let Ready { rows, missing } = serde_json::from_str(&python.line()?)?;
+        Ok(Self { python, folder: folder.to_path_buf(), missing, rows })
     }
 
     /// Lets every row have its turn.
     pub(super) fn round(&mut self) -> Result<()> {
-        writeln!(self.to, "round").context("telling Python")?;
-        let times: BTreeMap<String, Vec<f64>> = serde_json::from_str(&self.line()?)?;
+        let times: BTreeMap<String, Vec<f64>> = serde_json::from_str(&self.python.ask("round")?)?;
         for (name, micros) in &times {
             if let Some(row) = self.rows.get_mut(name) {
                 row.times.extend(micros);
@@ -114,8 +89,7 @@ impl Peers {
         let path = self.folder.join("frames.f32");
         let bytes: Vec<u8> = frames.iter().flat_map(|v| v.to_le_bytes()).collect();
         std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
-        writeln!(self.to, "frames {row}").context("telling Python")?;
-        let said = self.line()?;
+        let said = self.python.ask(&format!("frames {row}"))?;
         if said.trim() != "done" {
             bail!("{row}: {}", said.trim());
         }
@@ -123,22 +97,6 @@ impl Peers {
         let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
         let values = bytes.as_chunks::<4>().0.iter();
         Ok(values.map(|bytes| f32::from_le_bytes(*bytes)).collect())
-    }
-
-    fn line(&mut self) -> Result<String> {
-        let mut line = String::new();
-        if self.from.read_line(&mut line).context("hearing Python")? == 0 {
-            bail!("Python ended: {}", self.child.wait()?);
-        }
-        Ok(line)
-    }
-}
-
-impl Drop for Peers {
-    /// Python ends when its input does.
-    fn drop(&mut self) {
-        let _ = writeln!(self.to, "end");
-        let _ = self.child.wait();
     }
 }
 

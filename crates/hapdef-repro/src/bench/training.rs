@@ -1,16 +1,19 @@
 //! Training speed beside PyTorch's, in turns, so that both meet the same state of the machine.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use hapdef_bench::stats::median;
 use hapdef_nets::train::{MemorySource, Progress, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams};
+use hapdef_nets::{MlpSpec, TrainParams};
 use hapdef_report::MetricLog;
+
+use super::python::Python;
+use super::random;
 
 /// The script, as it was when this program was built.
 const SCRIPT: &str = include_str!("../../scripts/torch_training.py");
@@ -84,9 +87,7 @@ fn own_seconds(spec: &MlpSpec, batch: usize, steps: u64) -> Result<f64> {
     let wave = |n: usize| (0..n).map(|i| (0.37 * i as f32).sin()).collect();
     let (x, y) = (wave(N_SAMPLES * spec.inputs), wave(N_SAMPLES * spec.outputs));
     let mut samples = MemorySource::new(spec.inputs, spec.outputs, x, y)?;
-    let scales = [spec.inputs, spec.outputs].map(Scale::identity);
-    let [input, output] = scales;
-    let mut net = Net::new(Mlp::random(spec, 1)?, input, output)?;
+    let mut net = random(spec, 1)?;
     let params = TrainParams { steps: steps + 1, batch, ..TrainParams::paper(1) };
     let mut times = [None; 2];
     let mut note = |progress: &Progress| {
@@ -107,52 +108,22 @@ fn median_ratio(own: &[f64], torch: &[f64]) -> f64 {
 }
 
 /// PyTorch in a Python that takes steps when asked to.
-struct Torch {
-    child: Child,
-    to: Option<ChildStdin>,
-    from: BufReader<ChildStdout>,
-}
+struct Torch(Python);
 
 impl Torch {
     fn start(python: &Path, spec: &MlpSpec) -> Result<Self> {
         let widths = [&[spec.inputs], spec.hidden.as_slice(), &[spec.outputs]].concat();
-        let mut child = Command::new(python)
-            .args(["-c", SCRIPT, &THREADS.to_string()])
-            .args(widths.iter().map(usize::to_string))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .with_context(|| format!("starting {}", python.display()))?;
-        let to = child.stdin.take();
-        let from = BufReader::new(child.stdout.take().context("Python's output")?);
-        let mut torch = Self { child, to, from };
+        let mut command = Command::new(python);
+        command.args(["-c", SCRIPT, &THREADS.to_string()]);
+        let mut torch = Python::start(command.args(widths.iter().map(usize::to_string)))?;
         let line = torch.line()?;
         if !line.starts_with("ready") {
             bail!("no PyTorch: {}", line.trim());
         }
-        Ok(torch)
+        Ok(Self(torch))
     }
 
     fn seconds(&mut self, batch: usize, steps: u64) -> Result<f64> {
-        let to = self.to.as_mut().context("Python's input")?;
-        writeln!(to, "{batch} {steps}").context("asking Python")?;
-        Ok(self.line()?.trim().parse()?)
-    }
-
-    fn line(&mut self) -> Result<String> {
-        let mut line = String::new();
-        if self.from.read_line(&mut line).context("hearing Python")? == 0 {
-            bail!("Python ended: {}", self.child.wait()?);
-        }
-        Ok(line)
-    }
-}
-
-impl Drop for Torch {
-    /// Python ends when its input does.
-    fn drop(&mut self) {
-        self.to = None;
-        let _ = self.child.wait();
+        Ok(self.0.ask(&format!("{batch} {steps}"))?.trim().parse()?)
     }
 }

@@ -27,18 +27,18 @@ const ROWS: [(&str, u64, u64, Drawn); 5] = [
 
 /// Follows the scripts of every row with the scene's gauges.
 pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Result<()> {
-    let run = bench.run();
+    let run = bench.run;
     run.say("following contacts that arrive one after another");
     let estimator = map.estimator(bench.params())?;
     let mut scratch = estimator.scratch();
     let strongest_n = run.scene.contact.force_range_n[1];
     let mut times_us = Vec::new();
     for (name, row, stream, drawn) in ROWS {
-        let mut draw = bench.draw(row);
+        let mut draw = bench.drawn().draw(row);
         let mut followed = Followed::default();
-        for i in 0..bench.n_scripts() as u64 {
+        for i in 0..bench.args.scripts as u64 {
             let script = drawn(&mut draw, strongest_n);
-            let readings = script.readings(bench.world(), stream + i)?;
+            let readings = script.readings(&bench.world, stream + i)?;
             followed.follow(&estimator, &mut scratch, &script, &readings)?;
         }
         measured.add(name, &followed.score);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
+use hapdef::scene::Scene;
 use hapdef::touch::UncertainResponse;
 use hapdef_inverse::{
     Calibrated, CalibrationParams, ContactEstimate, ContactEstimator, EstimatorParams, ModelError,
@@ -20,6 +21,9 @@ use super::world::{Draw, Frame, TrueContact, World};
 /// Sites of the scans.
 const N_SITES: usize = 800;
 
+/// Least force of contacts that are not the paper's, N.
+pub(crate) const LEAST_N: f64 = 5.0;
+
 /// Friction coefficients uniform in 0…μ in a random direction have this root mean square over μ.
 const FRICTION_RMS: f64 = 0.408_248_290_463_863;
 
@@ -30,21 +34,6 @@ pub(crate) struct Map {
     noise: NoiseParams,
     /// Channels of the rig that its gauges are.
     pub(crate) channels: Range<usize>,
-}
-
-/// Single presses for a calibration: places uniform over the skin, forces over the scene's range.
-pub(crate) fn presses(
-    world: &World,
-    draw: &mut Draw<'_>,
-    n: usize,
-    force_range_n: [f64; 2],
-) -> Result<Vec<Frame>> {
-    let drawn = (0..n).map(|_| {
-        let point = draw.place();
-        let force_n = draw.rng.random_range(force_range_n[0].max(1.0)..=force_range_n[1]);
-        vec![draw.contact(point, force_n, 0.0)]
-    });
-    world.frames(drawn.collect(), 1)
 }
 
 impl Map {
@@ -187,23 +176,64 @@ pub(crate) fn score(
     Ok(score)
 }
 
-/// Single contacts.
-pub(crate) fn singles(draw: &mut Draw<'_>, n: usize, force_n: [f64; 2]) -> Vec<Vec<TrueContact>> {
-    sets(draw, n, 1, [force_n; 4], [0.0, f64::MAX], 0.0)
+/// What is pressed, each row from a seed of its own; the row seeds the noise, too.
+#[derive(Clone, Copy)]
+pub(crate) struct Drawn<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) scene: &'a Scene,
+    pub(crate) seed: u64,
 }
 
-/// The paper's pairs: 30 N held and 0…34 N varied, 12–75 mm apart.
-pub(crate) fn doubles(
-    draw: &mut Draw<'_>,
-    n: usize,
-    presses: &hapdef::scene::PressSpec,
-    varied_n: [f64; 2],
-    most_friction: f64,
-) -> Vec<Vec<TrueContact>> {
-    let (held, spread) = (presses.held_force_n, presses.held_spread_n);
-    let held = [held - spread, held + spread];
-    let forces = [held, varied_n, varied_n, varied_n];
-    sets(draw, n, 2, forces, presses.spacing_range_m, most_friction)
+impl<'a> Drawn<'a> {
+    pub(crate) fn draw(&self, row: u64) -> Draw<'a> {
+        Draw::new(&self.world.skin, self.seed.wrapping_add(row))
+    }
+
+    /// Single presses for a calibration: places uniform over the skin, forces over the scene's range.
+    pub(crate) fn presses(&self, n: usize) -> Result<Vec<Frame>> {
+        let [weakest_n, strongest_n] = self.scene.contact.force_range_n;
+        let mut draw = self.draw(1);
+        let drawn = (0..n).map(|_| {
+            let point = draw.place();
+            let force_n = draw.rng.random_range(weakest_n.max(1.0)..=strongest_n);
+            vec![draw.contact(point, force_n, 0.0)]
+        });
+        self.world.frames(drawn.collect(), 1)
+    }
+
+    /// Single contacts of 5 N to the strongest.
+    pub(crate) fn singles(&self, n: usize) -> Result<Vec<Frame>> {
+        self.apart(n, 1, 0.0, 11)
+    }
+
+    /// `k` contacts of 5 N to the strongest, `gap_m` apart.
+    pub(crate) fn apart(&self, n: usize, k: usize, gap_m: f64, row: u64) -> Result<Vec<Frame>> {
+        let forces = [[LEAST_N, self.scene.contact.force_range_n[1]]; 4];
+        let drawn = sets(&mut self.draw(row), n, k, forces, [gap_m, f64::MAX], 0.0);
+        self.world.frames(drawn, row)
+    }
+
+    /// The paper's pairs: 30 N held and 0…34 N varied, 12–75 mm apart.
+    pub(crate) fn doubles(&self, n: usize) -> Result<Vec<Frame>> {
+        self.world.frames(self.pairs(n, 0.0, 12), 12)
+    }
+
+    /// The same with friction up to `most_friction` and under another tip.
+    pub(crate) fn rough_doubles(
+        &self,
+        n: usize,
+        most_friction: f64,
+        tip_m: f64,
+    ) -> Result<Vec<Frame>> {
+        self.world.frames_under(self.pairs(n, most_friction, 20), tip_m, 20)
+    }
+
+    fn pairs(&self, n: usize, most_friction: f64, row: u64) -> Vec<Vec<TrueContact>> {
+        let (presses, varied_n) = (&self.scene.rig.presses, self.scene.contact.force_range_n);
+        let (held, spread) = (presses.held_force_n, presses.held_spread_n);
+        let forces = [[held - spread, held + spread], varied_n, varied_n, varied_n];
+        sets(&mut self.draw(row), n, 2, forces, presses.spacing_range_m, most_friction)
+    }
 }
 
 /// Sets of `k` contacts, forces uniform in their ranges, distances within `gap_m`.

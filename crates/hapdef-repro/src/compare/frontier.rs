@@ -46,11 +46,11 @@ struct Point {
 pub(crate) struct Effort {
     pub(crate) name: &'static str,
     pub(crate) n_sites: usize,
-    knobs: Knobs,
+    search: Search,
 }
 
 /// What of the search an effort sets.
-enum Knobs {
+enum Search {
     Named(hapdef_inverse::Effort),
     Set { n_starts: usize, n_finalists: usize, n_hops: usize },
 }
@@ -66,7 +66,7 @@ pub(crate) const EFFORTS: [Effort; 6] = [
 ];
 
 const fn named(name: &'static str, effort: hapdef_inverse::Effort) -> Effort {
-    Effort { name, n_sites: effort.n_sites(), knobs: Knobs::Named(effort) }
+    Effort { name, n_sites: effort.n_sites(), search: Search::Named(effort) }
 }
 
 const fn effort(
@@ -76,16 +76,15 @@ const fn effort(
     n_finalists: usize,
     n_hops: usize,
 ) -> Effort {
-    let knobs = Knobs::Set { n_starts, n_finalists, n_hops };
-    Effort { name, n_sites, knobs }
+    Effort { name, n_sites, search: Search::Set { n_starts, n_finalists, n_hops } }
 }
 
 impl Effort {
-    /// The usual knobs with those that this effort sets.
+    /// The usual parameters with those that this effort sets.
     pub(crate) fn params(&self, usual: EstimatorParams) -> EstimatorParams {
-        match self.knobs {
-            Knobs::Named(effort) => usual.searched_with(effort),
-            Knobs::Set { n_starts, n_finalists, n_hops } => {
+        match self.search {
+            Search::Named(effort) => usual.searched_with(effort),
+            Search::Set { n_starts, n_finalists, n_hops } => {
                 EstimatorParams { n_starts, n_finalists, n_hops, n_bases: 2 * n_starts, ..usual }
             }
         }
@@ -94,12 +93,12 @@ impl Effort {
 
 /// Measures every effort and writes the page.
 pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
-    let scene: &SceneArgs = args.compare.scene();
+    let scene = &args.compare.scene;
     let run = scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, &args.compare)?;
     let map = bench.calibrated()?;
-    let mut paper = match args.compare.without_paper() {
+    let mut paper = match args.compare.without_paper {
         true => None,
         false => Some(PaperPipeline::train(&run, &limb)?),
     };
@@ -127,7 +126,7 @@ fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame
 
 /// Marks the rows that no other row beats in time and GOSPA.
 fn with_front(n_contacts: usize, rows: Vec<Row>, bound_mm: Option<f64>) -> Vec<Point> {
-    let costs: Vec<[f64; 2]> = rows.iter().map(|row| [row.p50_us, row.gospa_mm]).collect();
+    let costs: Vec<[f64; 2]> = rows.iter().map(|row| [row.p50_us, row.errors.gospa_mm]).collect();
     let on_front = pareto_front(&costs);
     let point = |(row, on_front)| Point { n_contacts, row, on_front, bound_mm };
     rows.into_iter().zip(on_front).map(point).collect()
@@ -148,7 +147,7 @@ fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Opti
 }
 
 fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Point]) -> Result<()> {
-    let seed = bench.test_seed();
+    let seed = bench.args.test_seed;
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(seed));
     log.value("frontier.points", points.len() as f64, "1")?;
     let table = table(&COLUMNS, points);
@@ -158,7 +157,7 @@ fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Poin
             title: "Every way from readings to contacts".into(),
             note: format!(
                 "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
-                bench.n_presses()
+                bench.args.presses
             ),
             text: table,
             data: serde_json::to_value(points)?,
@@ -181,12 +180,12 @@ const NOTE: &str = "Contacts of 5 N to the strongest, 20 mm apart, matched one t
 const COLUMNS: [Column<Point>; 12] = [
     Column::new("contacts", |p| p.n_contacts.to_string()),
     Column::new("way", |p| p.row.name.clone()),
-    Column::new("GOSPA, mm", |p| format!("{:.2}", p.row.gospa_mm)),
-    Column::new("mean, mm", |p| format!("{:.2}", p.row.mean_mm)),
-    Column::new("median", |p| format!("{:.2}", p.row.median_mm)),
-    Column::new("90 %", |p| format!("{:.2}", p.row.p90_mm)),
-    Column::new("beyond 10 mm", |p| format!("{:.1} %", 100.0 - p.row.within10_pct)),
-    Column::new("count right", |p| format!("{:.1} %", p.row.count_pct)),
+    Column::new("GOSPA, mm", |p| format!("{:.2}", p.row.errors.gospa_mm)),
+    Column::new("mean, mm", |p| format!("{:.2}", p.row.errors.mean_mm)),
+    Column::new("median", |p| format!("{:.2}", p.row.errors.median_mm)),
+    Column::new("90 %", |p| format!("{:.2}", p.row.errors.p90_mm)),
+    Column::new("beyond 10 mm", |p| format!("{:.1} %", 100.0 - p.row.errors.within10_pct)),
+    Column::new("count right", |p| format!("{:.1} %", p.row.errors.count_pct)),
     Column::new("p50, µs", |p| format!("{:.0}", p.row.p50_us)),
     Column::new("p99, µs", |p| format!("{:.0}", p.row.p99_us)),
     Column::new("bound, mm", |p| or_dash(p.bound_mm.map(|mm| format!("{mm:.2}")))),
@@ -198,7 +197,8 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         let of_k = points
             .iter()
             .filter(|p| p.n_contacts == k && p.row.name.starts_with("paper") == is_paper);
-        let mut places: Vec<(f64, f64)> = of_k.map(|p| (p.row.p50_us, p.row.mean_mm)).collect();
+        let mut places: Vec<(f64, f64)> =
+            of_k.map(|p| (p.row.p50_us, p.row.errors.mean_mm)).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let by = if is_paper { "paper" } else { "superposition" };
         Series { name: format!("{k}, {by}"), points: places }

@@ -39,7 +39,7 @@ impl Measurements for Measured {
 /// The mean position error of the paper's pipeline with two contacts over superposition's.
 pub(super) fn double_vs_paper(measured: &Measured) -> Option<f64> {
     let paper = measured.row(measured.best_paper.as_ref()?)?;
-    Some(paper.mean_mm / measured.row("double")?.mean_mm)
+    Some(paper.errors.mean_mm / measured.row("double")?.errors.mean_mm)
 }
 
 /// The time of a frame of the paper's pipeline over that of a followed one.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::stages::{compliance_table, trained_chain};
-use hapdef::touch::{ChainStages, chain_stages};
+use hapdef::touch::{ChainStages, chain_stages, touchable_skin};
 use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run};
 use hapdef_inverse::{Skin, SkinPoint};
 use hapdef_mesh::tri6;
@@ -19,7 +19,13 @@ pub(crate) struct PaperPipeline {
     scratch: HapdefxScratch,
     map_um: Vec<f32>,
     /// The nominal limb's, for exact virtual gauges.
+    truth: TrueMaps,
+}
+
+/// Displacements of the nominal limb under any contacts, friction left out.
+pub(crate) struct TrueMaps {
     compliance: ComplianceTable,
+    skin: Skin,
 }
 
 /// Where the virtual gauges come from.
@@ -69,7 +75,7 @@ impl PaperPipeline {
             chain: trained_chain(run, limb, &data, &nets)?,
             scratch: HapdefxScratch::default(),
             map_um: vec![0.0; limb.n_surface_nodes()],
-            compliance: compliance_table(run, limb)?,
+            truth: TrueMaps::read(run, limb)?,
         })
     }
 
@@ -89,7 +95,10 @@ impl PaperPipeline {
                     let readings = frame.readings_ue[..n_gauges].iter();
                     readings.map(|r| *r as f32).collect()
                 }
-                VirtualGauges::Exact => self.exact_virtual_um(skin, frame),
+                VirtualGauges::Exact => {
+                    let [_, virtual_um] = self.truth.of_frame(frame);
+                    virtual_um
+                }
             };
             let start = Instant::now();
             let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
@@ -114,32 +123,43 @@ impl PaperPipeline {
         }
         Ok(score)
     }
-
-    /// Displacement magnitudes at the virtual gauges under the frame's contacts, friction left out,
-    /// `[n_virtual]`, µm.
-    fn exact_virtual_um(&self, skin: &Skin, frame: &Frame) -> Vec<f32> {
-        let contacts = frame.contacts.iter().map(|c| (c.point, c.force_n));
-        let mut surface_um = vec![0.0; self.compliance.n_surface()];
-        let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
-        let loads = node_loads(skin, contacts);
-        let scratch = &mut self.compliance.scratch();
-        self.compliance.superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
-        virtual_um
-    }
 }
 
-/// Contacts as loads on nodes: one inside a face loads its nodes with their shape functions.
-pub(crate) fn node_loads(
-    skin: &Skin,
-    contacts: impl Iterator<Item = (SkinPoint, f64)>,
-) -> Vec<DrawnContact> {
-    let of_contact = |(point, force_n): (SkinPoint, f64)| {
-        let [_, xi, eta] = point.bary();
-        let nodes = skin.face_nodes(point.face()).iter();
-        nodes.zip(tri6::shape(xi, eta)).map(move |(node, share)| DrawnContact {
-            node: *node as usize,
-            force_n: force_n * share,
-        })
-    };
-    contacts.flat_map(of_contact).collect()
+impl TrueMaps {
+    /// The compliance comes from the cache, or is solved.
+    pub(crate) fn read(run: &Run, limb: &Limb) -> Result<Self> {
+        Ok(Self { compliance: compliance_table(run, limb)?, skin: touchable_skin(limb)? })
+    }
+
+    pub(crate) fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    pub(crate) fn n_surface(&self) -> usize {
+        self.compliance.n_surface()
+    }
+
+    /// [`Self::under`] the frame's contacts.
+    pub(crate) fn of_frame(&self, frame: &Frame) -> [Vec<f32>; 2] {
+        self.under(frame.contacts.iter().map(|c| (c.point, c.force_n)))
+    }
+
+    /// Displacement magnitudes of the surface `[n_surface]` and at the virtual gauges `[n_virtual]`, µm;
+    /// a contact inside a face loads its nodes with their shape functions.
+    pub(crate) fn under(&self, contacts: impl Iterator<Item = (SkinPoint, f64)>) -> [Vec<f32>; 2] {
+        let mut surface_um = vec![0.0; self.compliance.n_surface()];
+        let mut virtual_um = vec![0.0; self.compliance.n_virtual()];
+        let of_contact = |(point, force_n): (SkinPoint, f64)| {
+            let [_, xi, eta] = point.bary();
+            let nodes = self.skin.face_nodes(point.face()).iter();
+            nodes.zip(tri6::shape(xi, eta)).map(move |(node, share)| DrawnContact {
+                node: *node as usize,
+                force_n: force_n * share,
+            })
+        };
+        let loads: Vec<DrawnContact> = contacts.flat_map(of_contact).collect();
+        let scratch = &mut self.compliance.scratch();
+        self.compliance.superpose(&loads, scratch, &mut surface_um, &mut virtual_um);
+        [surface_um, virtual_um]
+    }
 }

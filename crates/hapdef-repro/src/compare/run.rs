@@ -8,7 +8,6 @@ use super::arrivals;
 use super::cells::Map;
 use super::measured::Measured;
 use super::paper::{PaperPipeline, VirtualGauges};
-use super::score::Score;
 use super::setup::{Bench, CompareArgs, FRICTION, N_FEW, N_MORE, WIDE_TIP_M};
 use super::tables;
 
@@ -17,15 +16,15 @@ const N_COVERAGE: usize = 10_000;
 
 /// Measures, prints and writes the comparison.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
-    let run = args.scene().prepare()?;
+    let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
     let mut measured = Measured { n_presses: args.presses, ..Measured::default() };
     bench.by_superposition(&mut measured)?;
-    if !args.without_paper() {
+    if !args.without_paper {
         bench.by_the_paper(&mut measured)?;
     }
-    tables::write(&run, &args.scene().out, args.test_seed, &measured)
+    tables::write(&run, &args.scene.out, args.test_seed, &measured)
 }
 
 impl Bench<'_> {
@@ -53,7 +52,8 @@ impl Bench<'_> {
 
     fn static_rows(&self, many: &Map, few: &Map, measured: &mut Measured) -> Result<()> {
         let estimator = many.estimator(self.params())?;
-        let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
+        let (drawn, n) = (self.drawn(), self.args.frames);
+        let (singles, doubles) = (drawn.singles(n)?, drawn.doubles(n)?);
         measured.add("single", &many.score(&estimator, &singles)?);
         measured.add("double", &many.score(&estimator, &doubles)?);
         measured.add("triple", &many.score(&estimator, &self.apart(3, 13)?)?);
@@ -63,7 +63,7 @@ impl Bench<'_> {
         measured.add("double, 300 presses", &few.score(&of_few, &doubles)?);
         let ring_m = tip_ring_m(WIDE_TIP_M, self.run.scene.contact.tip_radius_m);
         let told = many.estimator_told(self.params(), FRICTION, ring_m)?;
-        let rough = self.rough_doubles()?;
+        let rough = drawn.rough_doubles(n, FRICTION, WIDE_TIP_M)?;
         measured.add("double, friction and wide tip", &many.score(&told, &rough)?);
         self.honesty(many, &estimator, measured)
     }
@@ -76,10 +76,11 @@ impl Bench<'_> {
         measured: &mut Measured,
     ) -> Result<()> {
         self.run.say("judging the covariance");
-        let singles = self.singles(N_COVERAGE)?;
+        let singles = self.drawn().singles(N_COVERAGE)?;
         let score = many.score(estimator, &singles)?;
-        measured.coverage95_pct = score.coverage_with(&Score::default());
-        measured.add("single, many frames", &score);
+        let row = score.row("single, many frames");
+        measured.coverage95_pct = row.coverage95_pct;
+        measured.rows.push(row);
         let n = self.args.frames.min(singles.len());
         measured.bound_ratio = many.bound_ratio(estimator, &singles[..n])?;
         Ok(())
@@ -87,14 +88,15 @@ impl Bench<'_> {
 
     fn by_the_paper(&self, measured: &mut Measured) -> Result<()> {
         let mut paper = PaperPipeline::train(self.run, self.limb)?;
-        let (singles, doubles) = (self.singles(self.args.frames)?, self.doubles()?);
+        let (drawn, n) = (self.drawn(), self.args.frames);
+        let (singles, doubles) = (drawn.singles(n)?, drawn.doubles(n)?);
         for (what, frames) in [("single", singles), ("double", doubles)] {
             for of in [VirtualGauges::Transferred, VirtualGauges::Exact] {
                 let mut rows = self.paper_rows(&mut paper, &frames, of)?;
                 for row in &mut rows {
                     row.name.push_str(&format!(", {what}"));
                 }
-                rows.sort_by(|a, b| a.mean_mm.total_cmp(&b.mean_mm));
+                rows.sort_by(|a, b| a.errors.mean_mm.total_cmp(&b.errors.mean_mm));
                 if of == VirtualGauges::Transferred {
                     measured.best_paper = rows.first().map(|row| row.name.clone());
                 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
 use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::world::Frame;
 use crate::run::scores::GOSPA;
@@ -34,10 +34,26 @@ pub(crate) struct Score {
     times_us: Vec<f64>,
 }
 
-/// A row in numbers. Position and force errors are those of matched contacts.
+/// A row in numbers.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Row {
     pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) errors: Errors,
+    /// Frames that the estimator says it can't decide, %.
+    pub(crate) unsure_pct: f64,
+    /// Matched contacts inside their 95 % region, %, where regions are told.
+    pub(crate) coverage95_pct: Option<f64>,
+    pub(crate) p50_us: f64,
+    pub(crate) p99_us: f64,
+    /// Share of the true contacts, %, and how far from its match the last of them is, mm.
+    #[serde(skip)]
+    pub(crate) within_mm: Vec<(f64, f64)>,
+}
+
+/// Errors of frames. Position and force errors are those of matched contacts; GOSPA minds the others, too.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Errors {
     pub(crate) n_frames: usize,
     /// Sum of the frames' GOSPA with [`GOSPA`] over the number of true contacts, mm: the mean position
     /// error where a missed or spurious contact costs 10 mm.
@@ -52,19 +68,12 @@ pub(crate) struct Row {
     pub(crate) missed_pct: f64,
     /// Contacts without a true one, per 100 frames.
     pub(crate) spurious_pct: f64,
-    /// Frames whose number of contacts is right, %.
-    pub(crate) count_pct: f64,
     /// Frames whose contacts are all within 10 mm and no other is reported, %.
     pub(crate) clean_pct: f64,
-    /// Frames that the estimator says it can't decide, %.
-    pub(crate) unsure_pct: f64,
-    /// Matched contacts inside their 95 % region, %, where regions are told.
-    pub(crate) coverage95_pct: Option<f64>,
-    pub(crate) p50_us: f64,
-    pub(crate) p99_us: f64,
-    /// Share of the true contacts, %, and how far from its match the last of them is, mm.
-    #[serde(skip)]
-    pub(crate) within_mm: Vec<(f64, f64)>,
+    /// Frames whose number of contacts is right, %.
+    pub(crate) count_pct: f64,
+    /// Mean error of the displacement of the whole skin, µm, where that is looked at.
+    pub(crate) map_um: Option<f64>,
 }
 
 impl Score {
@@ -129,17 +138,20 @@ impl Score {
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64 * 100.0;
         Row {
             name: name.into(),
-            n_frames: self.n_frames,
-            gospa_mm: self.gospa_m * 1e3 / self.n_true.max(1) as f64,
-            mean_mm: mean(mm.iter().copied()),
-            median_mm: quantile(&mm, 0.5),
-            p90_mm: quantile(&mm, 0.9),
-            within10_pct: share(near.count(), self.n_true),
-            mean_n: mean(self.pairs.iter().map(|p| p.force_error_n.abs())),
-            missed_pct: share(self.n_missed, self.n_true),
-            spurious_pct: share(self.n_spurious, self.n_frames),
-            count_pct: share(self.n_count_right, self.n_frames),
-            clean_pct: share(self.n_clean, self.n_frames),
+            errors: Errors {
+                n_frames: self.n_frames,
+                gospa_mm: self.gospa_m * 1e3 / self.n_true.max(1) as f64,
+                mean_mm: mean(mm.iter().copied()),
+                median_mm: quantile(&mm, 0.5),
+                p90_mm: quantile(&mm, 0.9),
+                within10_pct: share(near.count(), self.n_true),
+                mean_n: mean(self.pairs.iter().map(|p| p.force_error_n.abs())),
+                missed_pct: share(self.n_missed, self.n_true),
+                spurious_pct: share(self.n_spurious, self.n_frames),
+                count_pct: share(self.n_count_right, self.n_frames),
+                clean_pct: share(self.n_clean, self.n_frames),
+                map_um: None,
+            },
             unsure_pct: share(self.n_unsure, self.n_frames),
             coverage95_pct: (self.n_regions > 0).then(|| share(self.n_inside, self.n_regions)),
             p50_us: quantile(&times, 0.5),
@@ -149,12 +161,6 @@ impl Score {
                 .filter_map(|n| Some((share(n, self.n_true), *mm.get(n.checked_sub(1)?)?)))
                 .collect(),
         }
-    }
-
-    /// Adds the regions of another row, for a figure over several.
-    pub(crate) fn coverage_with(&self, other: &Self) -> Option<f64> {
-        let (inside, all) = (self.n_inside + other.n_inside, self.n_regions + other.n_regions);
-        (all > 0).then(|| inside as f64 / all as f64 * 100.0)
     }
 }
 
@@ -181,7 +187,7 @@ mod tests {
         let row = |found: &[ScoredContact]| {
             let mut score = Score::default();
             score.add(&skin, &frame, found, 1.0).unwrap();
-            score.row("")
+            score.row("").errors
         };
         let near = ([0.012, 0.01, 0.0], 10.0);
         let one = row(&[near]);

@@ -7,13 +7,13 @@ use hapdef::touch::{
 };
 use hapdef::{Limb, Run};
 use hapdef_cli::SceneArgs;
-use hapdef_inverse::{EstimatorParams, NoiseParams};
+use hapdef_inverse::EstimatorParams;
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
-use super::cells::{self, Map};
+use super::cells::{Drawn, Map};
 use super::paper::{PaperPipeline, Ranking, VirtualGauges};
 use super::score::Row;
-use super::world::{Draw, Frame, World, map_refinements};
+use super::world::{Frame, World};
 
 /// Gauges of the layout for the static triple.
 pub(super) const N_MORE: usize = 16;
@@ -35,7 +35,7 @@ pub(crate) const N_STIFFNESS: usize = 32;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
     /// Frames of each row.
     #[arg(long, default_value_t = 400)]
     pub(super) frames: usize,
@@ -44,13 +44,13 @@ pub(crate) struct CompareArgs {
     pub(super) test_seed: u64,
     /// Scripts of each row of contacts that are followed.
     #[arg(long, default_value_t = 200)]
-    scripts: usize,
+    pub(super) scripts: usize,
     /// Presses that the map is calibrated with where nothing else is said, 300 at least.
     #[arg(long, default_value_t = 3000, value_parser = at_least_few)]
     pub(super) presses: usize,
     /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
     #[arg(long)]
-    without_paper: bool,
+    pub(super) without_paper: bool,
 }
 
 fn at_least_few(word: &str) -> Result<usize, String> {
@@ -61,22 +61,12 @@ fn at_least_few(word: &str) -> Result<usize, String> {
     Ok(n)
 }
 
-impl CompareArgs {
-    pub(super) fn scene(&self) -> &SceneArgs {
-        &self.scene
-    }
-
-    pub(super) fn without_paper(&self) -> bool {
-        self.without_paper
-    }
-}
-
 /// The rig, the training side's responses, the frames.
 pub(super) struct Bench<'a> {
     pub(super) run: &'a Run,
     pub(super) limb: &'a Limb,
     pub(super) args: &'a CompareArgs,
-    world: World,
+    pub(super) world: World,
     pub(super) ten: UncertainResponse,
     pub(super) more: UncertainResponse,
 }
@@ -85,7 +75,7 @@ impl<'a> Bench<'a> {
     pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
         let params = UncertainParams {
             tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: map_refinements(run),
+            refinements: run.scene.estimator.map_refinements(),
             n_stiffness: N_STIFFNESS,
             n_threads: run.threads,
         };
@@ -98,26 +88,6 @@ impl<'a> Bench<'a> {
         Ok(Self { run, limb, args, world, ten, more })
     }
 
-    pub(super) fn run(&self) -> &Run {
-        self.run
-    }
-
-    pub(super) fn world(&self) -> &World {
-        &self.world
-    }
-
-    pub(super) fn n_scripts(&self) -> usize {
-        self.args.scripts
-    }
-
-    pub(super) fn n_presses(&self) -> usize {
-        self.args.presses
-    }
-
-    pub(super) fn test_seed(&self) -> u64 {
-        self.args.test_seed
-    }
-
     pub(super) fn params(&self) -> EstimatorParams {
         estimator_params(&self.run.scene)
     }
@@ -127,14 +97,13 @@ impl<'a> Bench<'a> {
         self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
     }
 
-    pub(super) fn presses(&self) -> Result<Vec<Frame>> {
-        let range = self.run.scene.contact.force_range_n;
-        cells::presses(&self.world, &mut self.draw(1), self.args.presses, range)
+    /// What is pressed.
+    pub(super) fn drawn(&self) -> Drawn<'_> {
+        Drawn { world: &self.world, scene: &self.run.scene, seed: self.args.test_seed }
     }
 
-    /// Frames of a row are drawn from a seed of their own.
-    pub(super) fn draw(&self, row: u64) -> Draw<'_> {
-        Draw::new(self.ten.map.skin(), self.args.test_seed.wrapping_add(row))
+    pub(super) fn presses(&self) -> Result<Vec<Frame>> {
+        self.drawn().presses(self.args.presses)
     }
 
     pub(super) fn calibrate(
@@ -144,11 +113,7 @@ impl<'a> Bench<'a> {
         channels: std::ops::Range<usize>,
     ) -> Result<Map> {
         self.run.say(&format!("calibrating with {} presses", presses.len()));
-        let steps = self.world.resolution_ue()?;
-        let noise = NoiseParams {
-            quantisation_step: steps[channels.clone()].to_vec(),
-            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
-        };
+        let noise = self.world.noise(&channels)?;
         Map::calibrate(response, presses, channels, noise, self.run.threads)
     }
 
@@ -167,33 +132,9 @@ impl<'a> Bench<'a> {
         Ranking::ALL.into_iter().map(row).collect()
     }
 
-    pub(super) fn singles(&self, n: usize) -> Result<Vec<Frame>> {
-        let strongest = self.run.scene.contact.force_range_n[1];
-        let drawn = cells::singles(&mut self.draw(11), n, [5.0, strongest]);
-        self.world.frames(drawn, 11)
-    }
-
-    pub(super) fn doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
-        let n = self.args.frames;
-        let drawn = cells::doubles(&mut self.draw(12), n, presses, range, 0.0);
-        self.world.frames(drawn, 12)
-    }
-
-    pub(super) fn rough_doubles(&self) -> Result<Vec<Frame>> {
-        let (presses, range) = (&self.run.scene.rig.presses, self.run.scene.contact.force_range_n);
-        let n = self.args.frames;
-        let drawn = cells::doubles(&mut self.draw(20), n, presses, range, FRICTION);
-        self.world.frames_under(drawn, WIDE_TIP_M, 20)
-    }
-
     /// `k` contacts of 5 N to the strongest, 20 mm apart.
     pub(super) fn apart(&self, k: usize, row: u64) -> Result<Vec<Frame>> {
-        let forces = [[5.0, self.run.scene.contact.force_range_n[1]]; 4];
-        let n = self.args.frames;
-        let gap_m = [0.02, f64::MAX];
-        let drawn = cells::sets(&mut self.draw(row), n, k, forces, gap_m, 0.0);
-        self.world.frames(drawn, row)
+        self.drawn().apart(self.args.frames, k, 0.02, row)
     }
 }
 

@@ -1,27 +1,17 @@
 //! The simulated rig behind every frame of the comparison: presses anywhere on the skin.
 
+use std::ops::Range;
+
 use anyhow::Result;
-use hapdef::scene::EstimatorSpec;
 use hapdef::stages::real_limb;
 use hapdef::{Limb, Run};
-use hapdef_inverse::{ScanSites, Skin, SkinPoint};
+use hapdef_inverse::{NoiseParams, ScanSites, Skin, SkinPoint};
 use hapdef_rig::{Electronics, ElectronicsParams, RealLimb};
 use hapdef_sim::GaugeSite;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-
-/// Refinements of the mesh for the map where a scene chooses the paper's chain and says nothing of it.
-const MAP_REFINEMENTS: u32 = 1;
-
-/// Refinements of the mesh for a scene's map.
-pub(crate) fn map_refinements(run: &Run) -> u32 {
-    match &run.scene.estimator {
-        EstimatorSpec::Superposition(spec) => spec.map_refinements,
-        EstimatorSpec::Hapdefx(_) => MAP_REFINEMENTS,
-    }
-}
 
 /// One contact of a frame.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +34,7 @@ pub(crate) struct Frame {
 /// The rig with all its gauges, the scene's first.
 pub(crate) struct World {
     pub(crate) real: RealLimb,
-    skin: Skin,
+    pub(crate) skin: Skin,
     electronics: ElectronicsParams,
     largest_ue: Vec<f64>,
     tip_radius_m: f64,
@@ -84,10 +74,14 @@ impl World {
         Ok(world)
     }
 
-    /// Steps of the converters `[n_channels]`, µε.
-    pub(crate) fn resolution_ue(&self) -> Result<Vec<f64>> {
+    /// What is to be known of the noise of these channels: the converters' steps, too.
+    pub(crate) fn noise(&self, channels: &Range<usize>) -> Result<NoiseParams> {
         let electronics = Electronics::new(self.electronics, &self.largest_ue)?;
-        Ok((0..self.largest_ue.len()).map(|channel| electronics.resolution_ue(channel)).collect())
+        let steps = channels.clone().map(|channel| electronics.resolution_ue(channel));
+        Ok(NoiseParams {
+            quantisation_step: steps.collect(),
+            ..NoiseParams::uniform(channels.len(), self.electronics.noise_ue)
+        })
     }
 
     /// Readings of sets of contacts under the scene's tip; `stream` seeds the noise.

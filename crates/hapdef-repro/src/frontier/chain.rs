@@ -10,10 +10,11 @@ use hapdef_nets::infer::{InferParams, InferScratch, Precision, PreparedNet};
 
 use super::lab::{Design, Lab, Ready};
 use super::map_error::MeanError;
-use super::point::{Errors, Family, Point};
+use super::point::{Family, Point};
 use super::times::Rounds;
-use crate::compare::score::Score;
+use crate::compare::score::{Errors, Score};
 use crate::compare::world::Frame;
+use crate::run::scores::scored;
 
 /// The chain in every precision, beside the usual way. Its amounts are the profile's, which stands in
 /// every name.
@@ -41,7 +42,7 @@ fn prepared(
     }
     let mut errors = |frames: &[Frame]| -> Result<Errors> {
         let (score, map_error, _) = passed.score(lab, frames)?;
-        Ok(Errors::of(&score.row(""), Some(map_error.mean_um())))
+        Ok(Errors { map_um: Some(map_error.mean_um()), ..score.row("").errors })
     };
     Ok(Point {
         name: format!("the paper's chain, {}, {} nets", precision.name(), lab.run.profile.name),
@@ -113,7 +114,7 @@ impl<'a> Passed<'a> {
             let time_us = start.elapsed().as_secs_f64() * 1e6;
             times_us.push(time_us);
             score.add(lab.maps_of.skin(), frame, &found, time_us)?;
-            map_error.add(&self.map_um, &lab.maps_of.truth_um(frame));
+            map_error.add(&self.map_um, &lab.maps_of.of_frame(frame)[0]);
         }
         Ok((score, map_error, times_us))
     }
@@ -126,6 +127,6 @@ impl<'a> Passed<'a> {
         reconstruction.forward(&self.virtual_um, &mut self.scratch, &mut self.map_um)?;
         let found = self.chain.candidates(&self.map_um, &mut self.peaks)?;
         let taken = self.chain.top(&found, n_contacts);
-        Ok(taken.iter().map(|c| (c.position_m, c.force_n)).collect())
+        Ok(scored(&taken))
     }
 }

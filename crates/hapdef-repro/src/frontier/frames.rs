@@ -3,19 +3,15 @@
 
 use anyhow::Result;
 use hapdef::scene::Scene;
-use hapdef_inverse::Skin;
 
 use super::way::MOST_PRESSES;
-use crate::compare::cells;
+use crate::compare::cells::{Drawn, LEAST_N};
 use crate::compare::sequence::Script;
-use crate::compare::world::{Draw, Frame, World};
+use crate::compare::world::{Frame, World};
 
 /// Frames of two contacts that are timed at least, and the rounds that share them.
 const MIN_TIMED: usize = 1000;
 const ROUNDS: usize = 5;
-
-/// Least force of a single contact, N.
-const LEAST_SINGLE_N: f64 = 5.0;
 
 /// First noise seeds of the scripts of one contact and of two.
 const SINGLE_STREAM: u64 = 100_000;
@@ -52,22 +48,11 @@ pub(super) struct Scripted {
 }
 
 impl Frames {
-    pub(super) fn draw(
-        world: &World,
-        scene: &Scene,
-        skin: &Skin,
-        amounts: Amounts,
-    ) -> Result<Self> {
-        let range = scene.contact.force_range_n;
-        let draw = |row: u64| Draw::new(skin, amounts.test_seed.wrapping_add(row));
-        let n = amounts.n_frames;
-        let drawn = cells::singles(&mut draw(11), n, [LEAST_SINGLE_N, range[1]]);
-        let singles = world.frames(drawn, 11)?;
-        let n_pairs = n.max(MIN_TIMED);
-        let drawn = cells::doubles(&mut draw(12), n_pairs, &scene.rig.presses, range, 0.0);
-        let pairs = world.frames(drawn, 12)?;
+    pub(super) fn draw(world: &World, scene: &Scene, amounts: Amounts) -> Result<Self> {
+        let (drawn, n) = (Drawn { world, scene, seed: amounts.test_seed }, amounts.n_frames);
+        let (singles, pairs) = (drawn.singles(n)?, drawn.doubles(n.max(MIN_TIMED))?);
         Ok(Self {
-            presses: cells::presses(world, &mut draw(1), MOST_PRESSES, range)?,
+            presses: drawn.presses(MOST_PRESSES)?,
             single_scripts: scripted(world, &singles, SINGLE_STREAM)?,
             double_scripts: scripted(world, &pairs[..n], DOUBLE_STREAM)?,
             singles,
@@ -111,7 +96,7 @@ pub(super) fn contacts_in_words(scene: &Scene) -> String {
     let [near, far] = presses.spacing_range_m.map(|m| m * 1e3);
     let held = presses.held_force_n;
     format!(
-        "One contact: {LEAST_SINGLE_N} to {strongest} N; two: {held} N and {weakest} to {strongest} N, \
+        "One contact: {LEAST_N} to {strongest} N; two: {held} N and {weakest} to {strongest} N, \
          {near:.0} to {far:.0} mm apart"
     )
 }

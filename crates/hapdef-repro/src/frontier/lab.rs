@@ -9,14 +9,16 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use hapdef::touch::{UncertainParams, UncertainResponse, estimator_params};
 use hapdef::{Limb, Run};
-use hapdef_inverse::{ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites};
+use hapdef_inverse::{
+    Contact, ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites,
+};
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::frames::{Amounts, Frames};
-use super::map_error::TrueMaps;
 use super::way::{Layout, Mesh, Way};
 use crate::compare::cells::Map;
 use crate::compare::frontier::EFFORTS;
+use crate::compare::paper::TrueMaps;
 use crate::compare::world::World;
 use crate::compare::{N_STIFFNESS, placed_gauges};
 
@@ -84,7 +86,7 @@ impl<'a> Lab<'a> {
         let maps_of = TrueMaps::read(run, limb)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, maps_of.skin(), &further)?;
-        let frames = Frames::draw(&world, &run.scene, maps_of.skin(), amounts)?;
+        let frames = Frames::draw(&world, &run.scene, amounts)?;
         Ok(Self {
             run,
             limb,
@@ -136,18 +138,10 @@ impl<'a> Lab<'a> {
                 relative: self.run.scene.estimator.superposition().map_error,
                 ..ModelError::default()
             },
-            ..self.noise(channels)?
+            ..self.world.noise(channels)?
         };
         let map = Arc::new(map.clone());
         Ok(ContactEstimator::new(map, sites, noise, params)?)
-    }
-
-    fn noise(&self, channels: &Range<usize>) -> Result<NoiseParams> {
-        let steps = self.world.resolution_ue()?;
-        Ok(NoiseParams {
-            quantisation_step: steps[channels.clone()].to_vec(),
-            ..NoiseParams::uniform(channels.len(), self.run.scene.rig.electronics.noise_ue)
-        })
     }
 
     /// Solves the response of a way unless it is there; the time that it took.
@@ -185,7 +179,7 @@ impl<'a> Lab<'a> {
         let key = (way.mesh, way.layout, way.presses);
         if way.presses > 0 && !self.maps.contains_key(&key) {
             let channels = self.layouts[&way.layout].channels.clone();
-            let noise = self.noise(&channels)?;
+            let noise = self.world.noise(&channels)?;
             let (run, presses) = (self.run, &self.frames.presses[..way.presses]);
             let response = &self.responses[&(way.mesh, way.layout)].response;
             run.say(&format!("calibrating: {}", way.name()));
@@ -196,6 +190,12 @@ impl<'a> Lab<'a> {
         }
         Ok(self.maps.get(&key).map_or(0.0, |known| known.elapsed_s))
     }
+}
+
+/// Displacement of the surface under contacts that were found `[n_surface]`, µm.
+pub(super) fn found_um(maps: &TrueMaps, contacts: &[Contact]) -> Vec<f32> {
+    let [surface_um, _] = maps.under(contacts.iter().map(|c| (c.point, c.force_n)));
+    surface_um
 }
 
 /// Places every layout; the sites of the chosen ones follow the scene's on the rig.

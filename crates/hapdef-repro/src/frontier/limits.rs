@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use super::error::FrontierError;
 use super::lab::Lab;
-use super::point::{Errors, Point};
+use super::point::Point;
 use super::way::{LAYOUTS, Way};
 use super::{ChainFrontierArgs, VERSION, measure, tables};
+use crate::compare::score::Errors;
 
 /// Relative difference that another machine's rounding may make in a mean error.
 const TOLERANCE: f64 = 0.02;

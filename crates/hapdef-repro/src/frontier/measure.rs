@@ -3,12 +3,13 @@
 use anyhow::Result;
 
 use super::frames::Scripted;
-use super::lab::{Lab, Ready};
+use super::lab::{Lab, Ready, found_um};
 use super::map_error::MeanError;
-use super::point::{Errors, Family, Point};
+use super::point::{Family, Point};
 use super::times::{Rounds, search_times_us};
 use super::way::{Knows, Way};
 use crate::compare::cells;
+use crate::compare::score::Errors;
 use crate::compare::sequence::{Followed, Script};
 use crate::compare::world::Frame;
 
@@ -27,11 +28,11 @@ fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
         let mut map_error = MeanError::default();
         let score =
             cells::score(&ready.estimator, ready.channels.clone(), frames, |frame, estimate| {
-                let found_um = lab.maps_of.found_um(&estimate.contacts);
-                map_error.add(&found_um, &lab.maps_of.truth_um(frame));
+                let found_um = found_um(&lab.maps_of, &estimate.contacts);
+                map_error.add(&found_um, &lab.maps_of.of_frame(frame)[0]);
                 Ok(())
             })?;
-        Ok(Errors::of(&score.row(""), Some(map_error.mean_um())))
+        Ok(Errors { map_um: Some(map_error.mean_um()), ..score.row("").errors })
     };
     let mut rounds = Rounds::default();
     for frames in lab.frames.rounds() {
@@ -73,8 +74,8 @@ fn followed(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
         name: way.name(),
         way: Some(*way),
         family: Family::Followed,
-        single: Errors::of(&singles.score.row(""), None),
-        double: Errors::of(&doubles.score.row(""), None),
+        single: singles.score.row("").errors,
+        double: doubles.score.row("").errors,
         design: ready.design,
         frame: rounds.times(),
     })

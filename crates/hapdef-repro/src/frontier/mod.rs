@@ -3,6 +3,7 @@
 
 mod chain;
 mod error;
+mod figures;
 mod frames;
 mod growth;
 mod kept;
@@ -17,7 +18,6 @@ mod point;
 mod scaling;
 mod skips;
 mod tables;
-mod targets;
 mod times;
 mod tube;
 mod way;

@@ -2,19 +2,23 @@
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_bench::{publish, terminal_table};
+use hapdef_bench::{log_metrics, publish, terminal_table};
 use hapdef_report::{MetricLog, NamedText, Report, SkippedStage};
 
+use super::figures::METRICS;
 use super::plots::figures;
 use super::point::Family;
 use super::tables::tables;
-use super::{ChainFrontierArgs, Measured, limits, planned};
+use super::{ChainFrontierArgs, Measured, limits};
 use crate::run::facts;
 
 /// Prints the figures and writes `frontier/` under the scene's folder.
 pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Result<()> {
     let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.test_seed));
-    metrics(measured, &mut log)?;
+    log_metrics(&METRICS, "frontier", measured, &mut log)?;
+    for growth in &measured.growths {
+        log.value(&format!("frontier.{}", growth.metric), growth.exponent, "1")?;
+    }
     let study = facts::study(run, "error against run time", args.test_seed)?;
     let report = Report {
         profile: run.profile.name.clone(),
@@ -34,31 +38,6 @@ pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) ->
         Some(path) => limits::write(path, args, run, &report, &measured.points),
         None => Ok(()),
     }
-}
-
-fn metrics(measured: &Measured, log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
-    log.value("frontier.points", measured.points.len() as f64, "1")?;
-    match planned::worst_ratio(&measured.planned) {
-        Some(ratio) => log.value("frontier.plan_time_ratio_worst", ratio, "1")?,
-        None => log.skipped("frontier.plan_time_ratio_worst", "--without-nets")?,
-    }
-    let skips = &measured.skips;
-    let [searched, followed] = [skips.searched, skips.followed];
-    for (name, value, unit) in [
-        ("design_speedup", skips.design_speedup(), "1"),
-        ("frame_speedup", followed.speedup(), "1"),
-        ("frame_speedup_searched", searched.speedup(), "1"),
-        ("frame_speedup_contacts", followed.contacts_speedup(), "1"),
-        ("frame_speedup_contacts_searched", searched.contacts_speedup(), "1"),
-        ("equal_followed_pct", followed.equal_pct(), "%"),
-        ("equal_searched_pct", searched.equal_pct(), "%"),
-    ] {
-        log.value(&format!("frontier.{name}"), value, unit)?;
-    }
-    for growth in &measured.growths {
-        log.value(&format!("frontier.{}", growth.metric), growth.exponent, "1")?;
-    }
-    Ok(())
 }
 
 fn facts_of(args: &ChainFrontierArgs, measured: &Measured) -> Vec<NamedText> {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::lab::Design;
 use super::times::FrameTimes;
 use super::way::{Knows, Way};
-use crate::compare::score::Row;
+use crate::compare::score::Errors;
 
 /// A way from readings to contacts with its errors and its times.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -40,49 +40,6 @@ impl Family {
         match self {
             Self::Searched | Self::Chain => Knows::Nothing,
             Self::Followed => Knows::Before,
-        }
-    }
-}
-
-/// Errors on frames of one number of contacts. Position and force errors are those of matched contacts;
-/// GOSPA minds the others, too.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Errors {
-    pub(super) n_frames: usize,
-    /// [`Row::gospa_mm`].
-    pub(super) gospa_mm: f64,
-    pub(super) mean_mm: f64,
-    pub(super) median_mm: f64,
-    pub(super) p90_mm: f64,
-    pub(super) within10_pct: f64,
-    pub(super) mean_n: f64,
-    /// True contacts without a match, %.
-    pub(super) missed_pct: f64,
-    /// Contacts without a true one, per 100 frames.
-    pub(super) spurious_pct: f64,
-    /// Frames whose contacts are all within 10 mm and no other is reported, %.
-    pub(super) clean_pct: f64,
-    /// Frames whose number of contacts is right, %.
-    pub(super) count_pct: f64,
-    /// Mean error of the displacement of the whole skin, µm.
-    pub(super) map_um: Option<f64>,
-}
-
-impl Errors {
-    pub(super) fn of(row: &Row, map_um: Option<f64>) -> Self {
-        Self {
-            n_frames: row.n_frames,
-            gospa_mm: row.gospa_mm,
-            mean_mm: row.mean_mm,
-            median_mm: row.median_mm,
-            p90_mm: row.p90_mm,
-            within10_pct: row.within10_pct,
-            mean_n: row.mean_n,
-            missed_pct: row.missed_pct,
-            spurious_pct: row.spurious_pct,
-            clean_pct: row.clean_pct,
-            count_pct: row.count_pct,
-            map_um,
         }
     }
 }

@@ -11,21 +11,17 @@ use hapdef_inverse::{
     ScanSites, TrackerParams,
 };
 use hapdef_mesh::GaugeId;
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, Scratch};
+use hapdef_nets::{MlpSpec, Scratch};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
 use nalgebra::Vector3;
 
+use super::figures::{ADJOINT, FACTOR, FRAME_GAUGES, FRAME_NODES};
 use super::growth::Growth;
 use super::tube::Tube;
+use crate::bench::random;
 use crate::compare::bench::{Presses, track};
 use crate::compare::sequence::Script;
 use crate::compare::world::Draw;
-
-/// Names of exponents that should be at most or about something.
-pub(super) const FACTOR: &str = "factor_exponent";
-pub(super) const ADJOINT: &str = "adjoint_exponent";
-pub(super) const FRAME_NODES: &str = "frame_nodes_exponent";
-pub(super) const FRAME_GAUGES: &str = "frame_gauges_exponent";
 
 /// Cells around of tubes of about 1, 3, 10, 30, 100 and 300 thousand nodes.
 const CELLS: [usize; 6] = [9, 16, 29, 50, 91, 158];
@@ -117,11 +113,7 @@ fn contacts(run: &Run, seed: u64) -> Result<Growth> {
 fn batches(run: &Run) -> Result<Growth> {
     run.say("batches of frames through nets of the paper's widths");
     let spec = MlpSpec::reconstruction(240, 3200);
-    let net = Net::new(
-        Mlp::random(&spec, 1)?,
-        Scale::identity(spec.inputs),
-        Scale::identity(spec.outputs),
-    )?;
+    let net = random(&spec, 1)?;
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut points = Vec::new();
     for batch in BATCHES {

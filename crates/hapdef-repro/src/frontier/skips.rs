@@ -12,7 +12,7 @@ use hapdef_inverse::{Contact, ContactEstimate, ContactEstimator, ContactTracker,
 use serde::Serialize;
 
 use super::error::FrontierError;
-use super::lab::Lab;
+use super::lab::{Lab, found_um};
 use super::made_anew;
 use super::way::Way;
 use crate::compare::sequence::Script;
@@ -164,7 +164,7 @@ impl Lab<'_> {
     fn show(&self, contacts: &[Contact]) -> f64 {
         let start = Instant::now();
         if !contacts.is_empty() {
-            std::hint::black_box(self.maps_of.found_um(contacts));
+            std::hint::black_box(found_um(&self.maps_of, contacts));
         }
         start.elapsed().as_secs_f64() * 1e6
     }

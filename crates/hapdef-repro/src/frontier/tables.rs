@@ -3,14 +3,15 @@
 use anyhow::Result;
 use hapdef::Run;
 use hapdef::scene::{RigMesh, Scene};
-use hapdef_bench::{Column, table, text_table};
+use hapdef_bench::{Column, goal_table, table, text_table};
 use hapdef_report::{MetricContext, ReportTable};
 
+use super::figures::{GOALS, GOALS_NOTE};
 use super::frames::contacts_in_words;
 use super::growth::Growth;
 use super::point::{Family, Point, best_within, error_mm};
 use super::skips::{Compared, Skips};
-use super::{Measured, planned, targets, ways_table};
+use super::{Measured, planned, ways_table};
 use crate::run::scores::GOSPA;
 
 /// Budgets of a frame, µs.
@@ -30,7 +31,7 @@ const TIMES_NOTE: &str = "Times of n frames of two contacts, on one core, in fiv
 pub(super) fn tables(run: &Run, measured: &Measured) -> Result<Vec<ReportTable>> {
     let mut tables = vec![
         recommended(&measured.points)?,
-        targets::table(measured)?,
+        goal_table(&GOALS, measured, GOALS_NOTE)?,
         ReportTable {
             title: "Every way from readings to contacts: errors".into(),
             note: errors_note(&run.scene),

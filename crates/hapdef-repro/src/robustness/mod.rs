@@ -23,8 +23,7 @@ pub use table::{INVERSE_TABLE, NETS_TABLE, PARTS_TABLE};
 
 /// Runs every row of docs/stability-nets.md in its order; each goes to `progress` as it comes.
 pub fn nets_rows(seed: u64, progress: impl FnMut(&Row)) -> Vec<Row> {
-    let mut all = cases::trials(seed);
-    quantised::quantised(&mut all, seed);
+    let all = cases::trials(seed).into_iter().chain(quantised::trials(seed)).collect();
     rows(&NETS_TABLE, all, progress)
 }
 

@@ -5,7 +5,7 @@ use hapdef_nets::{Activation, Layer, Mlp, Net};
 use hapdef_report::robustness::Expected;
 
 use super::plant::{N_OUT, Plant, largest_difference, net};
-use super::table::{Trial, trial};
+use super::table::{MustHold, Rows, Trial};
 use crate::ReproError;
 use crate::search::{Fitted, Learner};
 
@@ -15,105 +15,93 @@ const N_ROWS: usize = 20;
 /// The precisions that lose something.
 const PRECISIONS: [Precision; 2] = [Precision::Int8Weights, Precision::Int8];
 
-const IN_BOUND: (&str, f64) = ("outputs within the stated bound", 1.0);
+const IN_BOUND: MustHold = ("outputs within the stated bound", 1.0);
 
-/// Every row.
-pub(super) fn quantised(all: &mut Vec<Trial>, seed: u64) {
-    for precision in PRECISIONS {
-        trained(all, seed, precision);
-        changed_weights(all, seed, precision);
-        far_inputs(all, seed, precision);
-        refused(all, seed, precision);
-    }
+/// A trained net in a precision.
+#[derive(Clone, Copy)]
+struct On {
+    seed: u64,
+    precision: Precision,
 }
 
-fn trained(all: &mut Vec<Trial>, seed: u64, precision: Precision) {
-    let method = precision.name();
+/// Every row.
+pub(super) fn trials(seed: u64) -> impl Iterator<Item = Trial> {
+    PRECISIONS.into_iter().flat_map(move |precision| {
+        let mut rows = Rows::new(precision.name(), On { seed, precision });
+        trained(&mut rows);
+        changed_weights(&mut rows);
+        far_inputs(&mut rows);
+        refused(&mut rows);
+        rows.into_trials()
+    })
+}
+
+fn trained(rows: &mut Rows<On>) {
     let holds = ("error at most 1.1 × that in 32 bits", 1.1);
-    let expected = Expected::Result;
-    all.push(trial(method, "a trained net", holds, expected, move || {
-        let (plant, learner) = (Plant::new(seed), net(3e-3));
-        let net = trained_net(&plant, &learner)?;
+    rows.accurate("a trained net", holds, |on| {
+        let plant = Plant::new(on.seed);
+        let net = trained_net(&plant, &net(3e-3))?;
         let in_32 = apart(&plant.test_y, &outputs(&net, Precision::F32, &plant.test_x)?);
-        let found = outputs(&net, precision, &plant.test_x)?;
+        let found = outputs(&net, on.precision, &plant.test_x)?;
         Ok(apart(&plant.test_y, &found) / in_32)
-    }));
-    let holds = ("predictions do not move", 0.0);
+    });
     let extreme = "a channel constant in training moves later";
-    all.push(trial(method, extreme, holds, expected, move || {
-        let still = Plant::new(seed).with_inputs(|x| [x, &[100.0]].concat());
+    rows.accurate(extreme, ("predictions do not move", 0.0), |on| {
+        let still = Plant::new(on.seed).with_inputs(|x| [x, &[100.0]].concat());
         let mut moved = still.test_x.clone();
         moved.iter_mut().skip(4).step_by(5).for_each(|x| *x = 1e30);
         let net = trained_net(&still, &net(3e-3))?;
-        let still = outputs(&net, precision, &still.test_x)?;
-        Ok(largest_difference(&still, &outputs(&net, precision, &moved)?))
-    }));
+        let still = outputs(&net, on.precision, &still.test_x)?;
+        Ok(largest_difference(&still, &outputs(&net, on.precision, &moved)?))
+    });
     for activation in [Activation::Relu, Activation::Tanh] {
-        let extreme = format!("a trained net of {activation:?}");
-        all.push(trial(method, extreme, IN_BOUND, expected, move || {
-            in_bound(precision, seed, activation, |_| {}, |_| {})
-        }));
+        rows.accurate(format!("a trained net of {activation:?}"), IN_BOUND, move |on| {
+            on.in_bound(activation, |_| {}, |_| {})
+        });
     }
 }
 
-fn changed_weights(all: &mut Vec<Trial>, seed: u64, precision: Precision) {
+fn changed_weights(rows: &mut Rows<On>) {
     type Change = fn(&mut [Layer]);
-    let changes: [(&'static str, Expected, Change); 9] = [
+    let changes: [(&str, Expected, Change); 9] = [
         ("one weight × 1e6, first layer", Expected::Result, |l| l[0].weights[9] *= 1e6),
         ("one weight × 1e6, hidden layer", Expected::Result, |l| l[1].weights[99] *= 1e6),
         ("one weight × 1e6, last layer", Expected::Result, |l| l[2].weights[9] *= 1e6),
-        ("one weight × 1e30, hidden layer", Expected::Either, |l| {
-            l[1].weights[99] *= 1e30;
-        }),
-        ("one weight 3e38", Expected::Either, |l| {
-            l[1].weights[99] = f32::MAX;
-        }),
-        ("every weight × 1e-40", Expected::Result, |l| {
-            times(l, 1e-40);
-        }),
-        ("last layer × 1e-44", Expected::Result, |l| {
-            times(&mut l[2..], 1e-44);
-        }),
+        ("one weight × 1e30, hidden layer", Expected::Either, |l| l[1].weights[99] *= 1e30),
+        ("one weight 3e38", Expected::Either, |l| l[1].weights[99] = f32::MAX),
+        ("every weight × 1e-40", Expected::Result, |l| times(l, 1e-40)),
+        ("last layer × 1e-44", Expected::Result, |l| times(&mut l[2..], 1e-44)),
         ("every weight 0", Expected::Result, |l| times(l, 0.0)),
-        ("a neuron of weights 0", Expected::Result, |l| {
-            l[1].weights[..32].fill(0.0);
-        }),
+        ("a neuron of weights 0", Expected::Result, |l| l[1].weights[..32].fill(0.0)),
     ];
     for (extreme, expected, change) in changes {
-        all.push(trial(precision.name(), extreme, IN_BOUND, expected, move || {
-            in_bound(precision, seed, Activation::Relu, change, |_| {})
-        }));
+        rows.add(extreme, IN_BOUND, expected, move |on| {
+            on.in_bound(Activation::Relu, change, |_| {})
+        });
     }
 }
 
-fn far_inputs(all: &mut Vec<Trial>, seed: u64, precision: Precision) {
+fn far_inputs(rows: &mut Rows<On>) {
     for activation in [Activation::Relu, Activation::Tanh] {
         for value in [1e-40_f32, 1e3, 1e6, 1e12, 1e30, f32::MAX] {
             let extreme = format!("a channel at {value:.0e}, {activation:?}");
-            let expected = Expected::Either;
-            all.push(trial(precision.name(), extreme, IN_BOUND, expected, move || {
+            rows.either(extreme, IN_BOUND, move |on| {
                 let set = |x: &mut [f32]| x.iter_mut().step_by(4).for_each(|x| *x = value);
-                in_bound(precision, seed, activation, |_| {}, set)
-            }));
+                on.in_bound(activation, |_| {}, set)
+            });
         }
     }
 }
 
-fn refused(all: &mut Vec<Trial>, seed: u64, precision: Precision) {
+fn refused(rows: &mut Rows<On>) {
     for value in [f32::NAN, f32::INFINITY] {
-        let holds = ("refused with row and column", 0.0);
-        let expected = Expected::saying("row 0, column 2");
-        let extreme = format!("a channel is {value}");
-        all.push(trial(precision.name(), extreme, holds, expected, move || {
-            in_bound(precision, seed, Activation::Relu, |_| {}, |x| x[2] = value)
-        }));
-        let holds = ("refused", 0.0);
-        let extreme = format!("a weight is {value}");
-        let expected = Expected::saying("weights of a layer");
-        all.push(trial(precision.name(), extreme, holds, expected, move || {
-            let spoil = |l: &mut [Layer]| l[1].weights[99] = value;
-            in_bound(precision, seed, Activation::Relu, spoil, |_| {})
-        }));
+        let (holds, words) = ("refused with row and column", "row 0, column 2");
+        rows.refused(format!("a channel is {value}"), holds, words, move |on| {
+            on.in_bound(Activation::Relu, |_| {}, |x| x[2] = value)
+        });
+        rows.refused(format!("a weight is {value}"), "refused", "weights of a layer", move |on| {
+            on.in_bound(Activation::Relu, |l| l[1].weights[99] = value, |_| {})
+        });
     }
 }
 
@@ -122,32 +110,34 @@ fn times(layers: &mut [Layer], factor: f32) {
     weights.for_each(|w| *w *= factor);
 }
 
-/// The largest error over its bound, of a trained net with changed weights on changed inputs.
-fn in_bound(
-    precision: Precision,
-    seed: u64,
-    activation: Activation,
-    change: impl Fn(&mut [Layer]),
-    set: impl Fn(&mut [f32]),
-) -> Result<f64, ReproError> {
-    let mut plant = Plant::new(seed);
-    let mut learner = net(3e-3);
-    if let Learner::Net(settings) = &mut learner {
-        settings.activation = activation;
-    }
-    let net = with_layers(&trained_net(&plant, &learner)?, change)?;
-    plant.test_x.truncate(N_ROWS * plant.n_in);
-    set(&mut plant.test_x);
-    let found = outputs(&net, precision, &plant.test_x)?;
-    let mut worst = 0.0_f64;
-    let rows = plant.test_x.chunks_exact(plant.n_in);
-    for (x, found) in rows.zip(found.chunks_exact(N_OUT)) {
-        for ((exact, bound), found) in with_bound(&net, precision, x).iter().zip(found) {
-            let share = (f64::from(*found) - exact).abs() / bound;
-            worst = if share.is_nan() { share } else { worst.max(share) };
+impl On {
+    /// The largest error over its bound, of a trained net with changed weights on changed inputs.
+    fn in_bound(
+        self,
+        activation: Activation,
+        change: impl Fn(&mut [Layer]),
+        set: impl Fn(&mut [f32]),
+    ) -> Result<f64, ReproError> {
+        let mut plant = Plant::new(self.seed);
+        let mut learner = net(3e-3);
+        if let Learner::Net(settings) = &mut learner {
+            settings.activation = activation;
         }
+        let net = with_layers(&trained_net(&plant, &learner)?, change)?;
+        plant.test_x.truncate(N_ROWS * plant.n_in);
+        set(&mut plant.test_x);
+        let found = outputs(&net, self.precision, &plant.test_x)?;
+        let mut worst = 0.0_f64;
+        let rows = plant.test_x.chunks_exact(plant.n_in);
+        for (x, found) in rows.zip(found.chunks_exact(N_OUT)) {
+            let exact = with_bound(&net, self.precision, x);
+            for ((exact, bound), found) in exact.iter().zip(found) {
+                let share = (f64::from(*found) - exact).abs() / bound;
+                worst = if share.is_nan() { share } else { worst.max(share) };
+            }
+        }
+        Ok(worst)
     }
-    Ok(worst)
 }
 
 fn trained_net(plant: &Plant, learner: &Learner) -> Result<Net, ReproError> {

@@ -103,16 +103,67 @@ pub const PARTS_TABLE: Table = Table {
     ..GENERAL
 };
 
-/// A trial, written in the order of the table's columns.
-pub(super) fn trial(
+/// What must hold in words, and the most that the metric may be.
+pub(super) type MustHold = (&'static str, f64);
+
+/// Rows of one case, each measured on the same `W`, in the table's order.
+pub(super) struct Rows<W> {
     case: &'static str,
-    extreme: impl Into<String>,
-    (must_hold, limit): (&'static str, f64),
-    expected: Expected,
-    run: impl Fn() -> Result<f64, ReproError> + 'static,
-) -> Trial {
-    let run = Box::new(move || Ok(Measured { value: run()?, limit, solver: None }));
-    Trial { case, path: None, extreme: extreme.into(), must_hold, expected, run }
+    on: W,
+    trials: Vec<Trial>,
+}
+
+impl<W: Clone + 'static> Rows<W> {
+    pub(super) fn new(case: &'static str, on: W) -> Self {
+        Self { case, on, trials: Vec::new() }
+    }
+
+    /// A row in which what must hold, holds.
+    pub(super) fn accurate(
+        &mut self,
+        extreme: impl Into<String>,
+        must_hold: MustHold,
+        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
+    ) {
+        self.add(extreme, must_hold, Expected::Result, run);
+    }
+
+    /// A row in which what must hold, holds, or that is refused.
+    pub(super) fn either(
+        &mut self,
+        extreme: impl Into<String>,
+        must_hold: MustHold,
+        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
+    ) {
+        self.add(extreme, must_hold, Expected::Either, run);
+    }
+
+    /// A row that is refused with these words.
+    pub(super) fn refused(
+        &mut self,
+        extreme: impl Into<String>,
+        must_hold: &'static str,
+        words: &'static str,
+        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
+    ) {
+        self.add(extreme, (must_hold, 0.0), Expected::saying(words), run);
+    }
+
+    pub(super) fn add(
+        &mut self,
+        extreme: impl Into<String>,
+        (must_hold, limit): MustHold,
+        expected: Expected,
+        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
+    ) {
+        let (case, extreme, on) = (self.case, extreme.into(), self.on.clone());
+        let run = Box::new(move || Ok(Measured { value: run(&on)?, limit, solver: None }));
+        self.trials.push(Trial { case, path: None, extreme, must_hold, expected, run });
+    }
+
+    pub(super) fn into_trials(self) -> Vec<Trial> {
+        self.trials
+    }
 }
 
 /// The refusal that an error is, named by its cause.

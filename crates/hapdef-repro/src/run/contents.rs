@@ -3,6 +3,7 @@
 use anyhow::Result;
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
+use hapdef_bench::text_table;
 use hapdef_report::{ReportTable, TextCell, TextTable};
 use hapdef_repro::{
     Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
@@ -145,19 +146,18 @@ fn contact_table(scores: &EvalReport) -> TextTable {
         rows.push(("HapDefX, double, one-to-one, T + 1", &double.one_to_one));
     }
     let header = ["", "found", "mean, mm", "median, mm", "p90, mm", "beyond 10 mm", "mean, N"];
-    let row = |(name, s): &(&str, &ContactStats)| {
-        let cells = [
-            (*name).to_owned(),
+    let row = |(name, s): (&str, &ContactStats)| {
+        [
+            name.to_owned(),
             format!("{} of {}", s.n, s.n_expected),
             format!("{:.2}", s.mean_mm),
             format!("{:.2}", s.median_mm),
             format!("{:.2}", s.p90_mm),
             format!("{:.0} %", s.share_beyond_10mm * 100.0),
             format!("{:.2}", s.mean_n),
-        ];
-        cells.map(TextCell::plain).to_vec()
+        ]
     };
-    TextTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
+    text_table(header, rows.into_iter().map(row))
 }
 
 fn fvu_table(scores: &EvalReport) -> TextTable {
@@ -166,20 +166,10 @@ fn fvu_table(scores: &EvalReport) -> TextTable {
     if let Some(double) = &scores.double {
         rows.push(("double", double.map, PAPER_FVU_DOUBLE));
     }
-    let row = |(name, map, paper): &(&str, MapError, f64)| {
-        let cells = [
-            (*name).to_owned(),
-            percent(map.fvu),
-            percent(*paper),
-            format!("{:.2}", map.mean_abs_um),
-            format!("{:.2}", map.rms_um),
-        ];
-        cells.map(TextCell::plain).to_vec()
+    let row = |(name, map, paper): (&str, MapError, f64)| {
+        let [mean, rms] = [map.mean_abs_um, map.rms_um].map(|um| format!("{um:.2}"));
+        [name.to_owned(), percent(map.fvu), percent(paper), mean, rms]
     };
-    TextTable {
-        header: ["contacts", "FVU", "paper", "mean |error|, µm", "RMS error, µm"]
-            .map(str::to_owned)
-            .to_vec(),
-        rows: rows.iter().map(row).collect(),
-    }
+    let header = ["contacts", "FVU", "paper", "mean |error|, µm", "RMS error, µm"];
+    text_table(header, rows.into_iter().map(row))
 }

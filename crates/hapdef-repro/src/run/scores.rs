@@ -5,7 +5,8 @@ use hapdef::{
     ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, ScoredContact, gospa,
     score_lenient, score_one_to_one,
 };
-use hapdef_report::{ReportTable, TextCell, TextTable};
+use hapdef_bench::{Column, table};
+use hapdef_report::ReportTable;
 use serde::Serialize;
 
 use super::frames::{Frame, Frames};
@@ -86,36 +87,6 @@ impl Scores {
 
     /// For people.
     pub(crate) fn table(&self) -> Result<ReportTable> {
-        let header = [
-            "presses, rule",
-            "lenient, mm",
-            "lenient, N",
-            "found",
-            "one-to-one, mm",
-            "median, mm",
-            "one-to-one, N",
-            "count right",
-            "GOSPA, mm",
-            "missed",
-            "false",
-        ];
-        let row = |row: &BothWays| {
-            let strict = &row.one_to_one;
-            let cells = [
-                row.name.clone(),
-                format!("{:.1}", row.lenient.mean_mm),
-                format!("{:.1}", row.lenient.mean_n),
-                format!("{} of {}", strict.n, strict.n_expected),
-                format!("{:.1}", strict.mean_mm),
-                format!("{:.1}", strict.median_mm),
-                format!("{:.1}", strict.mean_n),
-                format!("{:.0} %", row.count_right * 100.0),
-                format!("{:.1}", row.gospa_mm),
-                format!("{:.2}", row.missed),
-                format!("{:.2}", row.false_alarms),
-            ];
-            cells.map(TextCell::plain).to_vec()
-        };
         Ok(ReportTable {
             title: "Contacts, scored both ways".into(),
             note: format!(
@@ -131,14 +102,25 @@ impl Scores {
                 GOSPA.cutoff_m * 1e3,
                 GOSPA.cutoff_m * 0.5e3,
             ),
-            text: TextTable {
-                header: header.map(str::to_owned).to_vec(),
-                rows: self.rows.iter().map(row).collect(),
-            },
+            text: table(&COLUMNS, &self.rows),
             data: serde_json::to_value(self)?,
         })
     }
 }
+
+const COLUMNS: [Column<BothWays>; 11] = [
+    Column::new("presses, rule", |r| r.name.clone()),
+    Column::new("lenient, mm", |r| format!("{:.1}", r.lenient.mean_mm)),
+    Column::new("lenient, N", |r| format!("{:.1}", r.lenient.mean_n)),
+    Column::new("found", |r| format!("{} of {}", r.one_to_one.n, r.one_to_one.n_expected)),
+    Column::new("one-to-one, mm", |r| format!("{:.1}", r.one_to_one.mean_mm)),
+    Column::new("median, mm", |r| format!("{:.1}", r.one_to_one.median_mm)),
+    Column::new("one-to-one, N", |r| format!("{:.1}", r.one_to_one.mean_n)),
+    Column::new("count right", |r| format!("{:.0} %", r.count_right * 100.0)),
+    Column::new("GOSPA, mm", |r| format!("{:.1}", r.gospa_mm)),
+    Column::new("missed", |r| format!("{:.2}", r.missed)),
+    Column::new("false", |r| format!("{:.2}", r.false_alarms)),
+];
 
 /// The contacts that a rule takes from a press's candidates.
 pub(crate) fn choose(chain: &Hapdefx, frame: &Frame, rule: Rule) -> Result<Vec<FoundContact>> {

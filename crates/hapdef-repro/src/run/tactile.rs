@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_report::{MetricLog, TextCell, TextTable};
+use hapdef_bench::{Column, table, terminal_table};
+use hapdef_report::MetricLog;
 use hapdef_repro::{
     TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
     seeded_permutation, tactile_folder, tactile_scores,
@@ -55,12 +56,11 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
         None => numpy_permutations(0, &sizes),
         Some(seed) => sizes.iter().map(|&n| seeded_permutation(seed, n)).collect(),
     };
-    let header = ["run", "method", "settings", "from", "mean, mm", "median, mm", "presses", "s"];
-    let mut table = TextTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
+    let mut scores = Vec::new();
     for ((run, order), which) in runs.iter().zip(&orders).zip([0, 1]) {
-        score_run(args, run, order, which, &mut table, &mut log)?;
+        scores.extend(score_run(args, run, order, which, &mut log)?);
     }
-    println!("\n{}", hapdef_bench::terminal_table(&table));
+    println!("\n{}", terminal_table(&table(&COLUMNS, &scores)));
     log.append_to(&args.metrics)?;
     Ok(())
 }
@@ -71,17 +71,16 @@ fn score_run(
     run: &TactileRun,
     order: &[usize],
     which: usize,
-    table: &mut TextTable,
     log: &mut MetricLog<std::io::Stdout>,
-) -> Result<()> {
+) -> Result<Vec<(&'static str, TactileScore)>> {
     let params = TactileParams { steps: args.steps, n_svr: args.svr_presses, seed: args.seed };
     let (name, progress) = (["first", "second"][which], hapdef_cli::on_stderr());
-    let mut knn_mm = f64::NAN;
+    let (mut knn_mm, mut all) = (f64::NAN, Vec::new());
     for method in TactileMethod::ALL {
         progress.say(&format!("{name} run: {}", method.name()));
         let scores = tactile_scores(run, order, method, &params)?;
-        table.rows.extend(scores.iter().map(|score| row(name, score)));
-        let [paper, chosen] = [scores[0].mean_mm, scores[1].mean_mm];
+        let [paper, chosen] = scores.each_ref().map(|score| score.mean_mm);
+        all.extend(scores.map(|score| (name, score)));
         let word = method.name().to_lowercase().replace('-', "");
         log.value(&format!("tactile.{word}_{name}_mm"), paper, "mm")?;
         log.value(&format!("tactile.{word}_{name}_chosen_mm"), chosen, "mm")?;
@@ -97,20 +96,16 @@ fn score_run(
             _ => {}
         }
     }
-    Ok(())
+    Ok(all)
 }
 
-fn row(run: &str, score: &TactileScore) -> Vec<TextCell> {
-    let from = if score.is_chosen { "validation" } else { "paper" };
-    let cells = [
-        run.to_owned(),
-        score.method.name().to_owned(),
-        score.settings.clone(),
-        from.to_owned(),
-        format!("{:.3}", score.mean_mm),
-        format!("{:.3}", score.median_mm),
-        format!("{} / {}", score.n_train, score.n_test),
-        format!("{:.1}", score.elapsed_s),
-    ];
-    cells.map(TextCell::plain).to_vec()
-}
+const COLUMNS: [Column<(&str, TactileScore)>; 8] = [
+    Column::new("run", |(run, _)| (*run).to_owned()),
+    Column::new("method", |(_, s)| s.method.name().to_owned()),
+    Column::new("settings", |(_, s)| s.settings.clone()),
+    Column::new("from", |(_, s)| if s.is_chosen { "validation" } else { "paper" }.to_owned()),
+    Column::new("mean, mm", |(_, s)| format!("{:.3}", s.mean_mm)),
+    Column::new("median, mm", |(_, s)| format!("{:.3}", s.median_mm)),
+    Column::new("presses", |(_, s)| format!("{} / {}", s.n_train, s.n_test)),
+    Column::new("s", |(_, s)| format!("{:.1}", s.elapsed_s)),
+];

@@ -1,7 +1,8 @@
 //! Table 2: accuracy of position and force.
 
 use super::CellCount;
-use hapdef_report::{TextCell, TextTable, cell_text};
+use hapdef_bench::text_table;
+use hapdef_report::{TextTable, cell_text};
 
 /// Fraction of variance unexplained of the map, one contact (Sun & Martius 2019).
 pub const PAPER_FVU_SINGLE: f64 = 0.04;
@@ -67,14 +68,11 @@ impl Table2 {
         let papers = PAPER_TABLE2.iter().map(|p| row(p.name, of(p.name), Some(p)));
         let extra = |c: &&OwnAccuracy| PAPER_TABLE2.iter().all(|p| p.name != c.name);
         let extras = self.ours.iter().filter(extra).map(|c| row(&c.name, Some(c), None));
-        TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: papers.chain(extras).collect(),
-        }
+        text_table(header, papers.chain(extras))
     }
 }
 
-fn row(name: &str, ours: Option<&OwnAccuracy>, paper: Option<&PaperAccuracy>) -> Vec<TextCell> {
+fn row(name: &str, ours: Option<&OwnAccuracy>, paper: Option<&PaperAccuracy>) -> [String; 5] {
     let paper_location = match paper.map(|p| p.location_mm) {
         None => "–".to_owned(),
         Some([low, high]) if low < high => format!("{low}–{high}"),
@@ -89,8 +87,6 @@ fn row(name: &str, ours: Option<&OwnAccuracy>, paper: Option<&PaperAccuracy>) ->
         cell_text(ours.and_then(|c| c.magnitude_n)),
         paper_magnitude,
     ]
-    .map(TextCell::plain)
-    .to_vec()
 }
 
 impl serde::Serialize for Table2 {

@@ -1,24 +1,21 @@
 //! Calibration from too few, too bad and badly placed presses.
 
-use hapdef_report::robustness::Expected;
 use std::sync::Arc;
 
 use hapdef_inverse::{Calibrated, CalibrationParams, Press, ResponseMap};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::super::table::{Trial, trial};
+use super::super::table::{MustHold, Rows};
 use super::world::{InverseWorld, SD, add_noise};
 use crate::ReproError;
 
-const METHOD: &str = "calibration";
-const STATED: (&str, f64) = ("map error over the larger of that before and the stated one", 1.2);
-const REFUSED: (&str, f64) = ("refused", 0.0);
+const STATED: MustHold = ("map error over the larger of that before and the stated one", 1.2);
 
 /// Makes presses worse.
 type Spoil = fn(&InverseWorld, &mut [Press], &mut ChaCha8Rng);
 
-pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
     let spoilt: [(&str, usize, f64, Spoil); 9] = [
         ("150 good presses", 150, 0.0, |_, _, _| ()),
         ("the fewest presses, 2 per gauge", 20, 0.0, |_, _, _| ()),
@@ -40,19 +37,15 @@ pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
         }),
     ];
     for (extreme, n, declared_m, spoil) in spoilt {
-        let w = world.clone();
-        all.push(trial(METHOD, extreme, STATED, Expected::Either, move || {
-            let mut rng = w.rng(61);
-            let mut presses = draw(&w, n, &mut rng);
-            spoil(&w, &mut presses, &mut rng);
-            let (fitted, before) = (fit(&w, &presses, declared_m)?, error(&w, &w.map));
-            Ok(error(&w, &fitted.map) / before.max(fitted.info.relative_error))
-        }));
+        rows.either(extreme, STATED, move |w| {
+            let fitted = fit(w, &spoilt_presses(w, n, spoil), declared_m)?;
+            Ok(error(w, &fitted.map) / error(w, &w.map).max(fitted.info.relative_error))
+        });
     }
-    refusals(all, world);
+    refusals(rows);
 }
 
-fn refusals(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn refusals(rows: &mut Rows<Arc<InverseWorld>>) {
     let spoilt: [(&str, &'static str, usize, Spoil); 5] = [
         ("one press", "1 usable presses", 1, |_, _, _| ()),
         ("all presses in one spot", "within", 60, |w, presses, _| {
@@ -73,15 +66,18 @@ fn refusals(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
         }),
     ];
     for (extreme, words, n, spoil) in spoilt {
-        let w = world.clone();
-        all.push(trial(METHOD, extreme, REFUSED, Expected::saying(words), move || {
-            let mut rng = w.rng(61);
-            let mut presses = draw(&w, n, &mut rng);
-            spoil(&w, &mut presses, &mut rng);
-            fit(&w, &presses, 0.0)?;
+        rows.refused(extreme, "refused", words, move |w| {
+            fit(w, &spoilt_presses(w, n, spoil), 0.0)?;
             Ok(1.0)
-        }));
+        });
     }
+}
+
+fn spoilt_presses(world: &InverseWorld, n: usize, spoil: Spoil) -> Vec<Press> {
+    let mut rng = world.rng(61);
+    let mut presses = draw(world, n, &mut rng);
+    spoil(world, &mut presses, &mut rng);
+    presses
 }
 
 fn fit(world: &InverseWorld, presses: &[Press], declared_m: f64) -> Result<Calibrated, ReproError> {

@@ -1,25 +1,23 @@
 //! Channels that saturate, die or give no number.
 
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, TouchPhase};
-use hapdef_report::robustness::Expected;
 
-use super::super::table::{Trial, trial};
+use super::super::table::{MustHold, Rows};
 use super::world::{add_noise, rng};
 use crate::ReproError;
 
-const METHOD: &str = "conditioning";
 const N: usize = 10;
 const PERIOD_S: f64 = 1e-3;
 
 /// The tare's mean of 200 frames and the row's own of 500 leave 0.08.
-const KEPT: (&str, f64) = ("µε that live gauges miss of a contact; bad ones are not live", 0.5);
+const KEPT: MustHold = ("µε that live gauges miss of a contact; bad ones are not live", 0.5);
 const TOUCHED: usize = 1000;
 const N_FRAMES: usize = 3000;
 
 /// What becomes of gauge `.1`'s value in frame `.0`; `None` where nothing.
 type Fault = fn(usize, usize) -> Option<f64>;
 
-pub(super) fn trials(all: &mut Vec<Trial>, seed: u64) {
+pub(super) fn add(rows: &mut Rows<u64>) {
     let of: [(&str, f64, Fault); 11] = [
         ("no fault", 1.0, |_, _| None),
         ("noise assumed 10 × too small", 0.1, |_, _| None),
@@ -42,33 +40,20 @@ pub(super) fn trials(all: &mut Vec<Trial>, seed: u64) {
         ("one gauge NaN from the start", 1.0, |_, g| (g == 2).then_some(f64::NAN)),
     ];
     for (extreme, assumed, fault) in of {
-        all.push(trial(METHOD, extreme, KEPT, Expected::Either, move || {
-            let (missed, _) = play(seed, assumed, fault)?;
-            Ok(missed)
-        }));
+        rows.either(extreme, KEPT, move |seed| Ok(play(*seed, assumed, fault)?.0));
     }
-    frozen(all, seed);
-    broken(all, seed);
-}
-
-/// All gauges repeat their values: converters that hang.
-fn frozen(all: &mut Vec<Trial>, seed: u64) {
-    let holds = ("gauges that are still live", 0.0);
+    // converters that hang
     let extreme = "all gauges repeat their values from frame 500 on";
-    all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
-        let (_, out) = play(seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
+    rows.either(extreme, ("gauges that are still live", 0.0), |seed| {
+        let (_, out) = play(*seed, 1.0, |i, _| (i >= 500).then_some(3.0))?;
         Ok(out.live.iter().filter(|live| **live).count() as f64)
-    }));
-}
-
-/// A value beyond any converter, without declared limits: refused or masked, never passed on.
-fn broken(all: &mut Vec<Trial>, seed: u64) {
-    let holds = ("readings that are not finite", 0.0);
-    all.push(trial(METHOD, "one gauge at 1e300", holds, Expected::Either, move || {
-        let (_, out) = play(seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
+    });
+    // beyond any converter, without declared limits: refused or masked, never passed on
+    rows.either("one gauge at 1e300", ("readings that are not finite", 0.0), |seed| {
+        let (_, out) = play(*seed, 1.0, |i, g| (i >= 500 && g == 2).then_some(1e300))?;
         let numbers = out.readings.iter().chain(&out.baseline_sd);
         Ok(numbers.filter(|v| !v.is_finite()).count() as f64)
-    }));
+    });
 }
 
 /// Three seconds, touched after the first: what live gauges miss of the contact on average over the

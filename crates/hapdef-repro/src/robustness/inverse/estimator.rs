@@ -1,19 +1,17 @@
 //! Contacts in bad places, of bad sizes, in bad frames.
 
-use hapdef_report::robustness::Expected;
 use std::sync::Arc;
 
 use hapdef_inverse::{ContactEstimate, IfTwo, SkinPoint};
 
-use super::super::table::{Trial, trial};
+use super::super::table::{MustHold, Rows};
 use super::world::{
-    Answers, InverseWorld, SD, SURE_AND_WRONG, WRONG, add_noise, answers, is_unseen, single_sds,
-    sure, worst,
+    Answers, InverseWorld, SD, SURE_AND_WRONG, WRONG, add_noise, answers, is_unseen, sure, worst,
+    worst_single,
 };
 use crate::ReproError;
 
-const METHOD: &str = "estimator";
-const IN_SDS: (&str, f64) = ("sure answers are one contact within 5 sd", 5.0);
+pub(super) const IN_SDS: MustHold = ("sure answers are one contact within 5 sd", 5.0);
 const N_FRAMES: usize = 40;
 
 /// Enough to tell a share of 5 % from one of 8 %.
@@ -24,19 +22,19 @@ const N_PAIRS: usize = 24;
 /// No answer on two merging contacts has to be nearer than this to half their gap, m.
 const LEAST_FAR_M: f64 = 3e-3;
 
-pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
-    merging(all, world);
-    borders(all, world);
-    forces(all, world);
-    noises(all, world);
-    bad_readings(all, world);
+pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
+    merging(rows);
+    borders(rows);
+    forces(rows);
+    noises(rows);
+    bad_readings(rows);
 }
 
 /// Two contacts of 10 and 12 N ever nearer, anywhere and on the rim, where the limb is held included.
 /// Where one explains the readings of two, its answer has to say what it is worth if it is two. A contact
 /// that alone would not be seen at all is not asked for.
-fn merging(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
-    let metrics: [((&str, f64), Metric); 2] = [
+fn merging(rows: &mut Rows<Arc<InverseWorld>>) {
+    let metrics: [(MustHold, Metric); 2] = [
         (
             (
                 "forces sum to those felt within 5 sd (one contact: its sd if it is two), 1 % each at least",
@@ -57,10 +55,7 @@ fn merging(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
         for (place, is_rim) in [("", false), (" on the rim", true)] {
             let extreme = format!("two contacts {gap_mm} mm apart{place}");
             for (holds, metric) in metrics {
-                let w = world.clone();
-                let run = move || over_pairs(&w, gap_mm, is_rim, metric);
-                let expected = Expected::Either;
-                all.push(trial(METHOD, extreme.clone(), holds, expected, run));
+                rows.either(extreme.clone(), holds, move |w| over_pairs(w, gap_mm, is_rim, metric));
             }
         }
     }
@@ -157,41 +152,28 @@ fn spread(points: &[SkinPoint]) -> Vec<SkinPoint> {
     points.iter().copied().step_by(stride).collect()
 }
 
-fn borders(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn borders(rows: &mut Rows<Arc<InverseWorld>>) {
     for (extreme, at_clamp) in
         [("20 N on the free rim", false), ("20 N on the clamped border", true)]
     {
-        let w = world.clone();
-        all.push(trial(METHOD, extreme, IN_SDS, Expected::Either, move || {
-            let estimator = w.estimator(SD)?;
+        rows.either(extreme, IN_SDS, move |w| {
             let rim = w.rim();
             let n = rim.len().min(20);
             let part = if at_clamp { &rim[..n] } else { &rim[rim.len() - n..] };
-            let one = |point: &SkinPoint| {
-                let truth = (*point, 20.0);
-                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
-            };
-            worst(part.iter().map(one))
-        }));
+            worst_single(w, part, 20.0)
+        });
     }
 }
 
-fn forces(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn forces(rows: &mut Rows<Arc<InverseWorld>>) {
     for exponent in -3..=5 {
-        let w = world.clone();
-        let extreme = format!("a force of 1e{exponent} N");
-        all.push(trial(METHOD, extreme, IN_SDS, Expected::Either, move || {
-            let estimator = w.estimator(SD)?;
-            let one = |point| {
-                let truth = (point, 10.0_f64.powi(exponent));
-                single_sds(&w, &estimator, truth, &w.readings(&[truth]))
-            };
-            worst(w.draw(12, 0.0, &mut w.rng(32)).into_iter().map(one))
-        }));
+        rows.either(format!("a force of 1e{exponent} N"), IN_SDS, move |w| {
+            worst_single(w, &w.draw(12, 0.0, &mut w.rng(32)), 10.0_f64.powi(exponent))
+        });
     }
 }
 
-fn noises(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn noises(rows: &mut Rows<Arc<InverseWorld>>) {
     type Share = fn(Answers) -> f64;
     // with noise assumed too small hardly any answer is sure, and those by chance
     let assumed: [(_, _, _, Share); 2] = [
@@ -200,40 +182,28 @@ fn noises(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
     ];
     for (words, assumed, holds, share) in assumed {
         for k in 0..=2 {
-            let w = world.clone();
             let extreme = format!("noise assumed {words}, {k} contacts of 20 N");
-            all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
+            rows.either(extreme, holds, move |w| {
                 let mut rng = w.rng(33 + k as u64);
-                let frames = (0..N_NOISY_FRAMES).map(|_| {
-                    let truth = w.draw(k, 0.02, &mut rng);
-                    let contacts: Vec<_> = truth.iter().map(|p| (*p, 20.0)).collect();
-                    let mut y = w.readings(&contacts);
-                    add_noise(&mut y, SD, &mut rng);
-                    (truth, y)
-                });
-                Ok(share(answers(&w, &w.estimator(assumed * SD)?, frames)?))
-            }));
+                let frames = (0..N_NOISY_FRAMES).map(|_| w.noisy(k, 20.0, &mut rng));
+                Ok(share(answers(w, &w.estimator(assumed * SD)?, frames)?))
+            });
         }
     }
 }
 
-fn bad_readings(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
-    let holds = ("the gauge is named", 0.0);
+fn bad_readings(rows: &mut Rows<Arc<InverseWorld>>) {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-        let w = world.clone();
-        let expected = Expected::saying("the reading of gauge 7");
-        let extreme = format!("a reading of {bad:e}");
-        all.push(trial(METHOD, extreme, holds, expected, move || {
+        let (holds, words) = ("the gauge is named", "the reading of gauge 7");
+        rows.refused(format!("a reading of {bad:e}"), holds, words, move |w| {
             let mut y = vec![SD; w.n()];
             y[7] = bad;
             Ok(w.estimator(SD)?.estimate(&y)?.chi2)
-        }));
+        });
     }
     for size in [1e2, 1e4, 1e8] {
-        let w = world.clone();
         let holds = ("at most 5 % of the answers are sure", 0.05);
-        let extreme = format!("random readings of {size:.0e} µε");
-        all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
+        rows.either(format!("random readings of {size:.0e} µε"), holds, move |w| {
             let mut rng = w.rng(37);
             let nowhere = (0..N_FRAMES).map(|_| {
                 let mut y = vec![0.0; w.n()];
@@ -243,6 +213,6 @@ fn bad_readings(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
             let estimator = w.estimator(SD)?;
             let sure = nowhere.filter(|(_, y)| sure(&estimator, y).is_ok());
             Ok(sure.count() as f64 / N_FRAMES as f64)
-        }));
+        });
     }
 }

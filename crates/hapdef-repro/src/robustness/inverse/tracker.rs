@@ -1,6 +1,5 @@
 //! A tracker fed with what no contact makes.
 
-use hapdef_report::robustness::Expected;
 use std::sync::Arc;
 
 use hapdef_inverse::{
@@ -9,17 +8,16 @@ use hapdef_inverse::{
 };
 use rand::RngExt;
 
-use super::super::table::{Trial, trial};
+use super::super::table::{MustHold, Rows};
 use super::world::{InverseWorld, SD, add_noise};
 use crate::ReproError;
 
-const METHOD: &str = "tracker";
-const FOUND: (&str, f64) = ("mm from a held contact to the one found", 10.0);
+const FOUND: MustHold = ("mm from a held contact to the one found", 10.0);
 
 /// What becomes of a frame, by its index.
 type Change = fn(usize, &mut [f64]);
 
-pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
     let nothing: Change = |_, _| ();
     let plays: [(&str, f64, f64, Change); 9] = [
         ("20 N, nothing else", SD, 20.0, nothing),
@@ -45,14 +43,11 @@ pub(super) fn trials(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
         }),
     ];
     for (extreme, assumed, force_n, change) in plays {
-        let w = world.clone();
-        all.push(trial(METHOD, extreme, FOUND, Expected::Either, move || {
-            held(&w, assumed, force_n, change)
-        }));
+        rows.either(extreme, FOUND, move |w| held(w, assumed, force_n, change));
     }
-    quiet(all, world);
-    garbage(all, world);
-    refusals(all, world);
+    quiet(rows);
+    garbage(rows);
+    refusals(rows);
 }
 
 /// Feeds a frame and does the search that is asked for.
@@ -106,12 +101,10 @@ fn held(
 }
 
 /// Nothing touches.
-fn quiet(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn quiet(rows: &mut Rows<Arc<InverseWorld>>) {
     for (words, assumed) in [("right", 1.0), ("10 × too large", 10.0), ("10 × too small", 0.1)] {
-        let w = world.clone();
         let holds = ("at most 1 % of the frames have a contact and are sure", 0.01);
-        let extreme = format!("nothing touches, noise assumed {words}");
-        all.push(trial(METHOD, extreme, holds, Expected::Either, move || {
+        rows.either(format!("nothing touches, noise assumed {words}"), holds, move |w| {
             let estimator = w.estimator(assumed * SD)?;
             let mut scratch = estimator.scratch();
             let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
@@ -124,16 +117,14 @@ fn quiet(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
                 n_wrong += usize::from(is_sure && !found.contacts.is_empty());
             }
             Ok(n_wrong as f64 / 2000.0)
-        }));
+        });
     }
 }
 
 /// Noise whose size jumps by up to twelve decades.
-fn garbage(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
-    let w = world.clone();
+fn garbage(rows: &mut Rows<Arc<InverseWorld>>) {
     let holds = ("numbers are finite; work of a frame over what is allowed", 1.0);
-    let extreme = "noise of 1e-3 … 1e9, another size every 97 frames";
-    all.push(trial(METHOD, extreme, holds, Expected::Result, move || {
+    rows.accurate("noise of 1e-3 … 1e9, another size every 97 frames", holds, |w| {
         let estimator = w.estimator(SD)?;
         let params = TrackerParams::default();
         let mut tracker = ContactTracker::new(&estimator, params)?;
@@ -152,7 +143,7 @@ fn garbage(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
             most = most.max(info.n_trials + info.n_pair_rows + 8 * info.n_scans);
         }
         Ok(most as f64 / params.steps_per_frame as f64)
-    }));
+    });
 }
 
 fn is_finite(found: &TrackedFrame) -> bool {
@@ -163,23 +154,18 @@ fn is_finite(found: &TrackedFrame) -> bool {
     contacts && found.residual.iter().all(|r| r.is_finite()) && !found.chi2.is_nan()
 }
 
-fn refusals(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
+fn refusals(rows: &mut Rows<Arc<InverseWorld>>) {
     for (extreme, n_live) in [("a frame of NaN", 0), ("a frame with two gauges", 2)] {
-        let w = world.clone();
-        let holds = ("the frame is refused", 0.0);
-        let expected = Expected::saying("gauges are alive");
-        all.push(trial(METHOD, extreme, holds, expected, move || {
+        rows.refused(extreme, "the frame is refused", "gauges are alive", move |w| {
             let estimator = w.estimator(SD)?;
             let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
             let mut y = vec![0.0; w.n()];
             y[n_live..].fill(f64::NAN);
             tracker.step(&y, None)?;
             Ok(1.0)
-        }));
+        });
     }
-    let w = world.clone();
-    let holds = ("refused, or all numbers finite", 0.0);
-    all.push(trial(METHOD, "a reading of 1e300", holds, Expected::Either, move || {
+    rows.either("a reading of 1e300", ("refused, or all numbers finite", 0.0), |w| {
         let estimator = w.estimator(SD)?;
         let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
         let mut n_bad = 0;
@@ -189,5 +175,5 @@ fn refusals(all: &mut Vec<Trial>, world: &Arc<InverseWorld>) {
             n_bad += usize::from(!is_finite(tracker.step(&y, None)?));
         }
         Ok(n_bad as f64)
-    }));
+    });
 }

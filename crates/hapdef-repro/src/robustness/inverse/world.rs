@@ -12,6 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
+use super::super::table::MustHold;
 use crate::ReproError;
 
 const N_SITES: usize = 400;
@@ -120,6 +121,20 @@ impl InverseWorld {
         drawn
     }
 
+    /// `n` contacts of `force_n` each, 20 mm apart, and their readings with noise of [`SD`].
+    pub(super) fn noisy(
+        &self,
+        n: usize,
+        force_n: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> (Vec<SkinPoint>, Vec<f64>) {
+        let truth = self.draw(n, 0.02, rng);
+        let contacts: Vec<_> = truth.iter().map(|p| (*p, force_n)).collect();
+        let mut y = self.readings(&contacts);
+        add_noise(&mut y, SD, rng);
+        (truth, y)
+    }
+
     pub(super) fn gap_m(&self, a: &SkinPoint, b: &SkinPoint) -> f64 {
         (self.map.skin().position(a) - self.map.skin().position(b)).norm()
     }
@@ -198,7 +213,7 @@ pub(super) fn sure(
 
 /// Distance of one contact found from the true one over its standard deviation; infinite for
 /// another count, unless the readings are in the noise.
-pub(super) fn single_sds(
+fn single_sds(
     world: &InverseWorld,
     estimator: &ContactEstimator,
     truth: (SkinPoint, f64),
@@ -218,15 +233,28 @@ pub(super) fn single_sds(
     })
 }
 
+/// The worst of [`single_sds`] of contacts at these points, readings exact.
+pub(super) fn worst_single(
+    world: &InverseWorld,
+    points: &[SkinPoint],
+    force_n: f64,
+) -> Result<f64, ReproError> {
+    let estimator = world.estimator(SD)?;
+    worst(points.iter().map(|point| {
+        let truth = (*point, force_n);
+        single_sds(world, &estimator, truth, &world.readings(&[truth]))
+    }))
+}
+
 /// Whether χ² could not tell readings from noise.
 pub(super) fn is_unseen(y: &[f64]) -> bool {
     y.iter().map(|y| (y / SD).powi(2)).sum::<f64>() < UNSEEN_CHI2
 }
 
 /// What the wrong ones of the sure answers must be, and of all frames.
-pub(super) const WRONG: (&str, f64) =
+pub(super) const WRONG: MustHold =
     ("at most 5 % of the sure answers are wrong in count or by over 10 mm", 0.05);
-pub(super) const SURE_AND_WRONG: (&str, f64) =
+pub(super) const SURE_AND_WRONG: MustHold =
     ("at most 1 % of the frames are sure and wrong in count or by over 10 mm", 0.01);
 
 /// Answers to frames of contacts.

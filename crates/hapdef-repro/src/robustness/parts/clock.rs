@@ -1,13 +1,10 @@
 //! Device time to host time: drift, jitter, jumps, counters that begin again.
 
-use std::rc::Rc;
-
 use hapdef_daq::clock::ClockMap;
-use hapdef_report::robustness::Expected::Result as Wanted;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 /// Frames at 1 kHz, and those after which the map should have settled.
 const N_FRAMES: u64 = 40_000;
@@ -17,6 +14,7 @@ const SETTLED: u64 = 25_000;
 const DELAY_NS: u64 = 200_000;
 
 /// Host and device clocks.
+#[derive(Clone, Copy)]
 struct World {
     drift_ppm: f64,
     jitter_ns: u64,
@@ -39,24 +37,19 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         ("the device's time jumps an hour ahead", World { jump: (5000, 3_600_000_000), ..PLAIN }),
         ("the device's time jumps 3 s back", World { jump: (5000, -3_000_000), ..PLAIN }),
     ];
-    let mut all = Vec::new();
+    let mut rows = Rows::new("clock", seed);
     for (extreme, world) in worlds {
-        let world = Rc::new(world);
-        let of = |metric: fn((f64, f64)) -> f64| {
-            let world = Rc::clone(&world);
-            move || Ok(metric(world.measured(seed)))
-        };
         let error = ("µs from the true time of a frame, 99 %, once settled", 500.0);
         let order = ("frames whose time goes back", 0.0);
-        all.push(trial("clock", extreme, error, Wanted, of(|(error, _)| error)));
-        all.push(trial("clock", extreme, order, Wanted, of(|(_, n_back)| n_back)));
+        rows.accurate(extreme, error, move |seed| Ok(world.measured(*seed).0));
+        rows.accurate(extreme, order, move |seed| Ok(world.measured(*seed).1));
     }
-    all
+    rows.into_trials()
 }
 
 impl World {
     /// 99 % quantile of the error, µs, and frames whose time goes back.
-    fn measured(&self, seed: u64) -> (f64, f64) {
+    fn measured(self, seed: u64) -> (f64, f64) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(5));
         let mut clock = ClockMap::new();
         let (mut errors, mut n_back, mut last_ns) = (Vec::new(), 0, 0);

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use hapdef::{ComplianceTable, DrawnContact};
-use hapdef_report::robustness::Expected::{self, Result as Wanted};
 
+use super::{REFUSED, in_folder, keep_share};
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 /// Surface nodes; there is a virtual gauge besides.
 const N: usize = 5;
@@ -14,67 +14,51 @@ const N: usize = 5;
 /// A usual displacement per newton, m/N.
 const USUAL_M_PER_N: f64 = 1e-5;
 
+/// The file that rows write.
+const FILE: &str = "compliance.safetensors";
+
 pub(super) fn trials() -> Vec<Trial> {
-    let mut all = Vec::new();
+    let mut rows = Rows::new("compliance", ());
     for size_m_per_n in [1e-30, 1e-12, 1e3] {
-        all.push(trial(
-            "compliance",
-            format!("{size_m_per_n:e} m/N"),
-            ("the largest displacement of 10 N read back, relative error", 1e-6),
-            Wanted,
-            move || {
-                let back = in_folder(|path| {
-                    table(size_m_per_n).write(path)?;
-                    Ok(ComplianceTable::read(path, N)?)
-                })?;
-                Ok(worst_error(&back, size_m_per_n, &[(0, 10.0)]))
-            },
-        ));
+        let holds = ("the largest displacement of 10 N read back, relative error", 1e-6);
+        rows.accurate(format!("{size_m_per_n:e} m/N"), holds, move |()| {
+            let back = in_folder(FILE, |path| {
+                table(size_m_per_n).write(path)?;
+                Ok(ComplianceTable::read(path, N)?)
+            })?;
+            Ok(worst_error(&back, size_m_per_n, &[(0, 10.0)]))
+        });
     }
     for force_n in [1e-6, 1e6] {
-        all.push(trial(
-            "compliance",
-            format!("two forces of {force_n:e} N"),
-            ("their displacement, relative error", 1e-6),
-            Wanted,
-            move || {
-                let table = table(USUAL_M_PER_N);
-                Ok(worst_error(&table, USUAL_M_PER_N, &[(0, force_n), (3, force_n)]))
-            },
-        ));
-    }
-    all.push(trial(
-        "compliance",
-        "1e6 N and 1e-3 N at one node",
-        ("what the smaller adds to the larger, relative error", 1e-6),
-        Wanted,
-        || {
+        let holds = ("their displacement, relative error", 1e-6);
+        rows.accurate(format!("two forces of {force_n:e} N"), holds, move |()| {
             let table = table(USUAL_M_PER_N);
-            let [both, large, small] = [&[(2, 1e6), (2, 1e-3)][..], &[(2, 1e6)], &[(2, 1e-3)]]
-                .map(|contacts| largest_m(&table, contacts));
-            Ok(((both - large) / small - 1.0).abs())
-        },
-    ));
-    all.extend(refusals());
-    all
-}
-
-fn refusals() -> [Trial; 5] {
-    let refused = |extreme: &str, words, run: fn(&Path) -> Result<ComplianceTable, ReproError>| {
-        trial("compliance", extreme, ("it is refused", 0.0), Expected::saying(words), move || {
-            Ok(in_folder(run)?.n_surface() as f64)
-        })
-    };
-    [
-        refused("an entry is NaN", "NaN", |path| spoilt(path, |rows| rows[7] = f64::NAN)),
-        refused("an entry is beyond 32 bits", "inf", |path| spoilt(path, |rows| rows[7] = 1e39)),
-        refused("the file's last byte is missing", "", |path| cut(path, 0.999)),
-        refused("half the file is missing", "", |path| cut(path, 0.5)),
-        refused("the table of another limb", "expected 6 loads", |path| {
+            Ok(worst_error(&table, USUAL_M_PER_N, &[(0, force_n), (3, force_n)]))
+        });
+    }
+    let holds = ("what the smaller adds to the larger, relative error", 1e-6);
+    rows.accurate("1e6 N and 1e-3 N at one node", holds, |()| {
+        let table = table(USUAL_M_PER_N);
+        let [both, large, small] = [&[(2, 1e6), (2, 1e-3)][..], &[(2, 1e6)], &[(2, 1e-3)]]
+            .map(|contacts| largest_m(&table, contacts));
+        Ok(((both - large) / small - 1.0).abs())
+    });
+    let refused: [(&str, &str, fn(&Path) -> Result<ComplianceTable, ReproError>); 5] = [
+        ("an entry is NaN", "NaN", |path| spoilt(path, |rows| rows[7] = f64::NAN)),
+        ("an entry is beyond 32 bits", "inf", |path| spoilt(path, |rows| rows[7] = 1e39)),
+        ("the file's last byte is missing", "", |path| cut(path, 0.999)),
+        ("half the file is missing", "", |path| cut(path, 0.5)),
+        ("the table of another limb", "expected 6 loads", |path| {
             table(USUAL_M_PER_N).write(path)?;
             Ok(ComplianceTable::read(path, N + 1)?)
         }),
-    ]
+    ];
+    for (extreme, words, run) in refused {
+        rows.refused(extreme, REFUSED, words, move |()| {
+            Ok(in_folder(FILE, run)?.n_surface() as f64)
+        });
+    }
+    rows.into_trials()
 }
 
 /// Rows `[N, N + 1, 3]`, m/N: no two alike, none beyond `size_m_per_n`.
@@ -117,14 +101,6 @@ fn spoilt(path: &Path, spoil: fn(&mut [f64])) -> Result<ComplianceTable, ReproEr
 /// Reads a file of which only a share is left.
 fn cut(path: &Path, share: f64) -> Result<ComplianceTable, ReproError> {
     table(USUAL_M_PER_N).write(path)?;
-    let bytes = std::fs::read(path).map_err(ReproError::Folder)?;
-    let n_left = (share * bytes.len() as f64) as usize;
-    std::fs::write(path, &bytes[..n_left]).map_err(ReproError::Folder)?;
+    keep_share(path, share)?;
     Ok(ComplianceTable::read(path, N)?)
-}
-
-/// What `work` makes of a path in a folder that is gone afterwards.
-fn in_folder<T>(work: impl Fn(&Path) -> Result<T, ReproError>) -> Result<T, ReproError> {
-    let folder = tempfile::tempdir().map_err(ReproError::Folder)?;
-    work(&folder.path().join("compliance.safetensors"))
 }

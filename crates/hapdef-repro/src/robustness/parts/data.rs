@@ -3,77 +3,53 @@
 use std::path::Path;
 
 use hapdef_data::{DatasetReader, DatasetWriter, Split, StandardiserFit, TensorSpec};
-use hapdef_report::robustness::Expected::{self, Result as Wanted};
 
+use super::{REFUSED, in_folder, keep_share};
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 /// Values at the ends of what 32 bits hold.
 const ENDS: [f32; 8] = [f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45, 0.0, -0.0, 1.0];
 
 const N_ROWS: usize = 6;
 
+/// The file that rows write.
+const FILE: &str = "set.safetensors";
+
 pub(super) fn trials() -> Vec<Trial> {
-    let mut all = vec![
-        trial(
-            "dataset",
-            "values at the ends of f32",
-            ("bits that differ when read back", 0.0),
-            Wanted,
-            || {
-                let back = in_folder(|path| {
-                    write(path, &ENDS)?;
-                    read(path)
-                })?;
-                let differ = |(a, b): (&f32, &f32)| a.to_bits() != b.to_bits();
-                let expected = ENDS.repeat(N_ROWS);
-                Ok(expected.iter().zip(&back).filter(|p| differ(*p)).count() as f64)
-            },
-        ),
-        trial(
-            "standardiser",
-            "a column at 1e6 that varies by 1",
-            ("the deviation, relative error", 1e-3),
-            Wanted,
-            || deviation_error(1e6, 1.0),
-        ),
-        trial(
-            "standardiser",
-            "a column of 1e-30",
-            ("the deviation, relative error", 1e-3),
-            Wanted,
-            || deviation_error(0.0, 1e-30),
-        ),
-        trial(
-            "standardiser",
-            "a column of 1e30",
-            ("the deviation, relative error", 1e-3),
-            Wanted,
-            || deviation_error(0.0, 1e30),
-        ),
+    let mut rows = Rows::new("dataset", ());
+    let holds = ("bits that differ when read back", 0.0);
+    rows.accurate("values at the ends of f32", holds, |()| {
+        let back = in_folder(FILE, |path| {
+            write(path, &ENDS)?;
+            read(path)
+        })?;
+        let differ = |(a, b): (&f32, &f32)| a.to_bits() != b.to_bits();
+        let expected = ENDS.repeat(N_ROWS);
+        Ok(expected.iter().zip(&back).filter(|p| differ(*p)).count() as f64)
+    });
+    let mut scales = Rows::new("standardiser", ());
+    for (extreme, mean, size) in [
+        ("a column at 1e6 that varies by 1", 1e6, 1.0),
+        ("a column of 1e-30", 0.0, 1e-30),
+        ("a column of 1e30", 0.0, 1e30),
+    ] {
+        let holds = ("the deviation, relative error", 1e-3);
+        scales.accurate(extreme, holds, move |()| deviation_error(mean, size));
+    }
+    let mut refusals = Rows::new("dataset", ());
+    let refused: [(&str, &str, fn() -> Result<f64, ReproError>); 6] = [
+        ("a value is NaN", "NaN", || in_folder(FILE, |path| write(path, &[1.0, f32::NAN]))),
+        ("a value is infinite", "inf", || in_folder(FILE, |path| write(path, &[f32::INFINITY]))),
+        ("the file's second half is missing", "", || in_folder(FILE, |path| cut(path, 0.5))),
+        ("the file's last byte is missing", "", || in_folder(FILE, |path| cut(path, 0.999))),
+        ("the file is empty", "", || in_folder(FILE, |path| cut(path, 0.0))),
+        ("four samples to be split", "4", || Ok(Split::of(4)?.n() as f64)),
     ];
-    all.extend(refusals());
-    all
-}
-
-fn refusals() -> [Trial; 6] {
-    let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        trial("dataset", extreme, ("it is refused", 0.0), Expected::saying(words), run)
-    };
-    [
-        refused("a value is NaN", "NaN", || in_folder(|path| write(path, &[1.0, f32::NAN]))),
-        refused("a value is infinite", "inf", || in_folder(|path| write(path, &[f32::INFINITY]))),
-        refused("the file's second half is missing", "", || in_folder(|path| cut(path, 0.5))),
-        refused("the file's last byte is missing", "", || in_folder(|path| cut(path, 0.999))),
-        refused("the file is empty", "", || in_folder(|path| cut(path, 0.0))),
-        refused("four samples to be split", "4", || Ok(Split::of(4)?.n() as f64)),
-    ]
-}
-
-/// What `work` makes of a path in a folder that is gone afterwards.
-fn in_folder<T>(work: impl Fn(&Path) -> Result<T, ReproError>) -> Result<T, ReproError> {
-    let folder = tempfile::tempdir().map_err(ReproError::Folder)?;
-    work(&folder.path().join("set.safetensors"))
+    for (extreme, words, run) in refused {
+        refusals.refused(extreme, REFUSED, words, move |()| run());
+    }
+    [rows, scales, refusals].into_iter().flat_map(Rows::into_trials).collect()
 }
 
 fn write(path: &Path, row: &[f32]) -> Result<f64, ReproError> {
@@ -95,9 +71,7 @@ fn read(path: &Path) -> Result<Vec<f32>, ReproError> {
 /// Reads a file of which only a share is left.
 fn cut(path: &Path, share: f64) -> Result<f64, ReproError> {
     write(path, &ENDS)?;
-    let bytes = std::fs::read(path).map_err(ReproError::Folder)?;
-    let n_left = (share * bytes.len() as f64) as usize;
-    std::fs::write(path, &bytes[..n_left]).map_err(ReproError::Folder)?;
+    keep_share(path, share)?;
     Ok(read(path)?.len() as f64)
 }
 

@@ -1,10 +1,10 @@
 //! k-Max on fields and points at their extremes.
 
 use hapdef_kmax::{KMaxGraph, KMaxParams, Peak};
-use hapdef_report::robustness::Expected::{self, Result as Wanted};
 
+use super::REFUSED;
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 /// Points along each side of the plate, and the gap between them, m.
 const SIDE: usize = 20;
@@ -14,72 +14,50 @@ const GAP_M: f64 = 0.004;
 const HILLS: [usize; 2] = [5 + SIDE * 5, 14 + SIDE * 12];
 
 pub(super) fn trials() -> Vec<Trial> {
-    let mut all = Vec::new();
+    let mut rows = Rows::new("k-Max", ());
+    let tops = ("peaks that are not the hills' tops", 0.0);
     for scale in [1e-38_f32, 1e-6, 1.0, 1e6, 1e38] {
-        all.push(trial(
-            "k-Max",
-            format!("two hills of {scale:e} µm"),
-            ("peaks that are not the hills' tops", 0.0),
-            Wanted,
-            move || wrong_peaks(GAP_M, &hills(scale), 0.0),
-        ));
+        let extreme = format!("two hills of {scale:e} µm");
+        rows.accurate(extreme, tops, move |()| wrong_peaks(GAP_M, &hills(scale), 0.0));
     }
     for gap_m in [1e-9, 1e-3, 1e6] {
-        all.push(trial(
-            "k-Max",
-            format!("points {gap_m:e} m apart"),
-            ("peaks that are not the hills' tops", 0.0),
-            Wanted,
-            move || wrong_peaks(gap_m, &hills(1.0), 0.0),
-        ));
+        let extreme = format!("points {gap_m:e} m apart");
+        rows.accurate(extreme, tops, move |()| wrong_peaks(gap_m, &hills(1.0), 0.0));
     }
-    let field = |extreme: &str, must_hold, n: f64, make: fn() -> Vec<f32>, floor: f32| {
-        trial("k-Max", extreme, (must_hold, 0.0), Wanted, move || {
-            Ok((peaks(GAP_M, &make(), floor)?.len() as f64 - n).abs())
-        })
-    };
-    let none = "peaks";
-    all.extend([
-        field("a field of NaN", none, 0.0, || vec![f32::NAN; SIDE * SIDE], 0.0),
-        field("a field of 0", none, 0.0, || vec![0.0; SIDE * SIDE], 0.0),
-        field("a floor of NaN", none, 0.0, || hills(1.0), f32::NAN),
-        field(
+    let fields: [(&str, &str, f64, fn() -> Vec<f32>, f32); 4] = [
+        ("a field of NaN", "peaks", 0.0, || vec![f32::NAN; SIDE * SIDE], 0.0),
+        ("a field of 0", "peaks", 0.0, || vec![0.0; SIDE * SIDE], 0.0),
+        ("a floor of NaN", "peaks", 0.0, || hills(1.0), f32::NAN),
+        (
             "one value everywhere",
             "peaks more or less than one",
             1.0,
             || vec![3.0; SIDE * SIDE],
             0.0,
         ),
-        trial(
-            "k-Max",
-            "NaN and infinities beside the hills",
-            ("peaks that are not the hills' tops", 0.0),
-            Wanted,
-            || {
-                let mut field = hills(1.0);
-                (field[HILLS[0] + 1], field[HILLS[1] - 1]) = (f32::NAN, f32::INFINITY);
-                wrong_peaks(GAP_M, &field, 0.0)
-            },
-        ),
-    ]);
-    all.extend(refusals());
-    all
-}
-
-fn refusals() -> [Trial; 4] {
-    let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        trial("k-Max", extreme, ("it is refused", 0.0), Expected::saying(words), run)
-    };
-    [
-        refused("one point", "1 points", || graph_of(&[[0.0; 3]])),
-        refused("a point is NaN", "point 1", || graph_of(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]])),
-        refused("a radius of 0", "radius", || {
+    ];
+    for (extreme, must_hold, n, make, floor) in fields {
+        rows.accurate(extreme, (must_hold, 0.0), move |()| {
+            Ok((peaks(GAP_M, &make(), floor)?.len() as f64 - n).abs())
+        });
+    }
+    rows.accurate("NaN and infinities beside the hills", tops, |()| {
+        let mut field = hills(1.0);
+        (field[HILLS[0] + 1], field[HILLS[1] - 1]) = (f32::NAN, f32::INFINITY);
+        wrong_peaks(GAP_M, &field, 0.0)
+    });
+    let refused: [(&str, &str, fn() -> Result<f64, ReproError>); 4] = [
+        ("one point", "1 points", || graph_of(&[[0.0; 3]])),
+        ("a point is NaN", "point 1", || graph_of(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]])),
+        ("a radius of 0", "radius", || {
             Ok(KMaxParams::spanning_radius(&plate(GAP_M), 0.0)?.k_neighbours as f64)
         }),
-        refused("a field of another length", "field", || {
-            Ok(peaks(GAP_M, &[1.0], 0.0)?.len() as f64)
-        }),
-    ]
+        ("a field of another length", "field", || Ok(peaks(GAP_M, &[1.0], 0.0)?.len() as f64)),
+    ];
+    for (extreme, words, run) in refused {
+        rows.refused(extreme, REFUSED, words, move |()| run());
+    }
+    rows.into_trials()
 }
 
 fn graph_of(points: &[[f64; 3]]) -> Result<f64, ReproError> {

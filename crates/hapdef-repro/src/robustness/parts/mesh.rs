@@ -1,76 +1,55 @@
 //! A curved block of ten-node tetrahedra, stretched, moved, and broken.
 
 use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block, tet10};
-use hapdef_report::robustness::Expected::{self, Result as Wanted};
 use nalgebra::{Point3, Vector3};
 
+use super::REFUSED;
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 const ROUND_OFF: f64 = 1e-12;
 
 pub(super) fn trials() -> Vec<Trial> {
-    let mut all = Vec::new();
+    let mut rows = Rows::new("mesh", ());
     for factor in [1e-6_f64, 1e-3, 1e3, 1e6] {
-        all.push(trial(
-            "mesh",
-            format!("a limb of {factor:e} times its size"),
-            ("its volume grows with the cube, relative error", ROUND_OFF),
-            Wanted,
-            move || volume_error(|p| p * factor, factor.powi(3)),
-        ));
+        let holds = ("its volume grows with the cube, relative error", ROUND_OFF);
+        rows.accurate(format!("a limb of {factor:e} times its size"), holds, move |()| {
+            volume_error(|p| p * factor, factor.powi(3))
+        });
     }
     for stretch in [1e2, 1e4, 1e6] {
-        all.push(trial(
-            "mesh",
-            format!("elements {stretch:e} times longer than wide"),
-            ("its volume grows with the length, relative error", ROUND_OFF),
-            Wanted,
-            move || volume_error(|p| Point3::new(p.x * stretch, p.y, p.z), stretch),
-        ));
+        let holds = ("its volume grows with the length, relative error", ROUND_OFF);
+        rows.accurate(format!("elements {stretch:e} times longer than wide"), holds, move |()| {
+            volume_error(|p| Point3::new(p.x * stretch, p.y, p.z), stretch)
+        });
     }
-    all.push(trial(
-        "mesh",
+    rows.accurate(
         "a limb 1 km from the origin",
         ("its volume stays, relative error", 1e-4),
-        Wanted,
-        || volume_error(|p| p + Vector3::repeat(1e3), 1.0),
-    ));
-    all.push(trial(
-        "mesh",
-        "refined twice",
-        ("its volume stays, relative error", ROUND_OFF),
-        Wanted,
-        || {
-            let mesh = block(|p| p)?;
-            Ok(relative(volume(&mesh.refine().refine()), volume(&mesh)))
-        },
-    ));
-    all.extend(refusals());
-    all
-}
-
-/// Meshes that are none.
-fn refusals() -> [Trial; 5] {
-    let refused = |extreme: &str, words, run: fn() -> Result<f64, ReproError>| {
-        trial("mesh", extreme, ("it is refused", 0.0), Expected::saying(words), run)
-    };
-    [
-        refused("a coordinate is NaN", "NaN", || with_nodes(|nodes| nodes[7].x = f64::NAN)),
-        refused("a coordinate is infinite", "inf", || {
-            with_nodes(|nodes| nodes[7].y = f64::INFINITY)
-        }),
-        refused("turned inside out", "volume", || {
+        |()| volume_error(|p| p + Vector3::repeat(1e3), 1.0),
+    );
+    rows.accurate("refined twice", ("its volume stays, relative error", ROUND_OFF), |()| {
+        let mesh = block(|p| p)?;
+        Ok(relative(volume(&mesh.refine().refine()), volume(&mesh)))
+    });
+    let refused: [(&str, &str, fn() -> Result<f64, ReproError>); 5] = [
+        ("a coordinate is NaN", "NaN", || with_nodes(|nodes| nodes[7].x = f64::NAN)),
+        ("a coordinate is infinite", "inf", || with_nodes(|nodes| nodes[7].y = f64::INFINITY)),
+        ("turned inside out", "volume", || {
             with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = -p.z))
         }),
-        refused("flat", "volume", || with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))),
-        refused("an element names a node that is not there", "node", || {
+        ("flat", "volume", || with_nodes(|nodes| nodes.iter_mut().for_each(|p| p.z = 0.0))),
+        ("an element names a node that is not there", "node", || {
             let mesh = block(|p| p)?;
             let mut elements = mesh.elements().to_vec();
             elements[2][9] = FeNodeId::from_index(mesh.nodes().len());
             Ok(volume(&Tet10Mesh::new(mesh.nodes().to_vec(), elements)?))
         }),
-    ]
+    ];
+    for (extreme, words, run) in refused {
+        rows.refused(extreme, REFUSED, words, move |()| run());
+    }
+    rows.into_trials()
 }
 
 fn with_nodes(change: impl Fn(&mut [Point3<f64>])) -> Result<f64, ReproError> {

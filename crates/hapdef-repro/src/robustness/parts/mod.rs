@@ -9,7 +9,13 @@ mod mesh;
 mod recorder;
 mod wire;
 
+use std::path::Path;
+
 use super::table::Trial;
+use crate::ReproError;
+
+/// What must hold of a row that is refused.
+const REFUSED: &str = "it is refused";
 
 /// Every row of docs/stability-parts.md.
 pub(super) fn trials(seed: u64) -> Vec<Trial> {
@@ -21,4 +27,20 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
     all.extend(clock::trials(seed));
     all.extend(recorder::trials());
     all
+}
+
+/// What `work` makes of a path of this name in a folder that is gone afterwards.
+fn in_folder<T>(
+    name: &str,
+    work: impl Fn(&Path) -> Result<T, ReproError>,
+) -> Result<T, ReproError> {
+    let folder = tempfile::tempdir().map_err(ReproError::Folder)?;
+    work(&folder.path().join(name))
+}
+
+/// Cuts a file to this share of its bytes.
+fn keep_share(path: &Path, share: f64) -> Result<(), ReproError> {
+    let bytes = std::fs::read(path).map_err(ReproError::Folder)?;
+    let n_left = (share * bytes.len() as f64) as usize;
+    std::fs::write(path, &bytes[..n_left]).map_err(ReproError::Folder)
 }

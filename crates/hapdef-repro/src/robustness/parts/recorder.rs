@@ -7,10 +7,10 @@ use hapdef_daq::hdp1::{Encoder, FrameFlags, Hello, SampleFormat};
 use hapdef_daq::record::{Content, RecordParams, Recording, record, recover};
 use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{AcquireParams, Message, acquire};
-use hapdef_report::robustness::Expected::{self, Result as Wanted};
 
+use super::REFUSED;
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 const N_FRAMES: u32 = 40_000;
 const N_CHANNELS: usize = 10;
@@ -25,49 +25,44 @@ struct Saved {
 }
 
 pub(super) fn trials() -> Vec<Trial> {
-    let mut all = Vec::new();
+    let mut rows = Rows::new("recorder", ());
     for left in [0.3, 0.7, 0.999] {
         let extreme = format!("{} % of the file are left", 100.0 * left);
-        let change = move |bytes: &mut Vec<u8>| {
+        saved_rows(&mut rows, &extreme, left, move |bytes| {
             bytes.truncate((left * bytes.len() as f64) as usize);
-        };
-        all.extend(pair(extreme, left, change));
+        });
     }
-    all.extend(pair("one byte flipped".to_owned(), 1.0, |bytes| {
+    saved_rows(&mut rows, "one byte flipped", 1.0, |bytes| {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 0x55;
-    }));
-    all.extend(pair("1 MB of zeros in the middle".to_owned(), 1.0, |bytes| {
+    });
+    saved_rows(&mut rows, "1 MB of zeros in the middle", 1.0, |bytes| {
         let middle = bytes.len() / 2;
         bytes.splice(middle..middle, vec![0; 1 << 20]);
-    }));
-    let refused = |extreme: &str, change: fn(&mut Vec<u8>)| {
-        let must_hold = ("it is refused", 0.0);
-        trial("recorder", extreme, must_hold, Expected::saying("record"), move || {
-            Ok(f64::from(damaged(change)?.n_right))
-        })
-    };
-    all.extend([
-        refused("an empty file", Vec::clear),
-        refused("a file of another kind", |bytes| {
-            *bytes = b"not one of ours".repeat(1000);
-        }),
-    ]);
-    all
+    });
+    let refused: [(&str, fn(&mut Vec<u8>)); 2] = [
+        ("an empty file", Vec::clear),
+        ("a file of another kind", |bytes| *bytes = b"not one of ours".repeat(1000)),
+    ];
+    for (extreme, change) in refused {
+        rows.refused(extreme, REFUSED, "record", move |()| Ok(f64::from(damaged(change)?.n_right)));
+    }
+    rows.into_trials()
 }
 
 /// Nothing wrong is saved, and no more is lost than a chunk around the damage.
-fn pair(extreme: String, left: f64, change: impl Fn(&mut Vec<u8>) + Copy + 'static) -> [Trial; 2] {
+fn saved_rows(
+    rows: &mut Rows<()>,
+    extreme: &str,
+    left: f64,
+    change: impl Fn(&mut Vec<u8>) + Copy + 'static,
+) {
     let wrong = ("frames saved that are wrong or out of order", 0.0);
+    rows.accurate(extreme, wrong, move |()| Ok(f64::from(damaged(change)?.n_wrong)));
     let lost = ("share of the frames lost that the file still had", CHUNK_SHARE);
-    [
-        trial("recorder", extreme.clone(), wrong, Wanted, move || {
-            Ok(f64::from(damaged(change)?.n_wrong))
-        }),
-        trial("recorder", extreme, lost, Wanted, move || {
-            Ok(left - f64::from(damaged(change)?.n_right) / f64::from(N_FRAMES))
-        }),
-    ]
+    rows.accurate(extreme, lost, move |()| {
+        Ok(left - f64::from(damaged(change)?.n_right) / f64::from(N_FRAMES))
+    });
 }
 
 /// Records, damages the file, recovers it, and looks at what came back.

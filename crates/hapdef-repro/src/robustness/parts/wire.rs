@@ -2,12 +2,11 @@
 
 use hapdef_daq::faults::{Fault, Injector};
 use hapdef_daq::hdp1::{Decoder, Encoder, Event, FrameFlags, Hello, MAX_CHANNELS, SampleFormat};
-use hapdef_report::robustness::Expected::Result as Wanted;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::ReproError;
-use crate::robustness::table::{Trial, trial};
+use crate::robustness::table::{Rows, Trial};
 
 /// Packets of a stream, and channels of each.
 const N_PACKETS: u32 = 20_000;
@@ -32,17 +31,17 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         ("bursts of 64 random bytes", Fault::Bursts { rate: 1e-4, len: 64 }),
         ("holes of 5,000 bytes", Fault::Holes { rate: 1e-5, len: 5000 }),
     ];
-    let mut all = Vec::new();
+    let mut rows = Rows::new("decoder", seed);
     for (extreme, fault) in damages {
-        all.push(trial("decoder", extreme, ("wrong frames", 0.0), Wanted, move || {
-            Ok(through(fault, 64, 0, seed)?.n_wrong as f64)
-        }));
+        rows.accurate(extreme, ("wrong frames", 0.0), move |seed| {
+            Ok(through(fault, 64, 0, *seed)?.n_wrong as f64)
+        });
         let unaccounted = ("frames up to the last seen that are in no count", 0.0);
-        all.push(trial("decoder", extreme, unaccounted, Wanted, move || {
-            let heard = through(fault, 64, 0, seed)?;
+        rows.accurate(extreme, unaccounted, move |seed| {
+            let heard = through(fault, 64, 0, *seed)?;
             let n_counted = heard.n_right + heard.n_wrong + heard.n_lost;
             Ok(heard.n_seen.abs_diff(n_counted) as f64)
-        }));
+        });
     }
     let none = Fault::BitFlips { rate: 0.0 };
     for (extreme, piece, first) in [
@@ -50,23 +49,15 @@ pub(super) fn trials(seed: u64) -> Vec<Trial> {
         ("bytes come 1 MB at a time", 1 << 20, 0),
         ("numbers pass 2³²", 64, u32::MAX - N_PACKETS / 2),
     ] {
-        let missing = ("frames missing or wrong", 0.0);
-        all.push(trial("decoder", extreme, missing, Wanted, move || {
-            let heard = through(none, piece, first, seed)?;
+        rows.accurate(extreme, ("frames missing or wrong", 0.0), move |seed| {
+            let heard = through(none, piece, first, *seed)?;
             Ok((u64::from(N_PACKETS) - heard.n_right + heard.n_wrong + heard.n_lost) as f64)
-        }));
+        });
     }
-    all.push(trial("decoder", "10 MB of random bytes", ("frames", 0.0), Wanted, move || {
-        noise(seed)
-    }));
-    all.push(trial(
-        "decoder",
-        "as many channels as may be, samples at the ends of 32 bits",
-        ("samples that differ", 0.0),
-        Wanted,
-        ends,
-    ));
-    all
+    rows.accurate("10 MB of random bytes", ("frames", 0.0), |seed| noise(*seed));
+    let extreme = "as many channels as may be, samples at the ends of 32 bits";
+    rows.accurate(extreme, ("samples that differ", 0.0), |_| ends());
+    rows.into_trials()
 }
 
 /// The samples of packet `seq`.

@@ -1,8 +1,8 @@
 //! The paper's settings beside the search's best, on test samples.
 
 use anyhow::{Result, bail};
+use hapdef_bench::{terminal_table, text_table};
 use hapdef_cli::SceneArgs;
-use hapdef_report::{TextCell, TextTable};
 use hapdef_repro::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 use super::data::MethodData;
@@ -21,7 +21,7 @@ pub(crate) struct CompareArgs {
 pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
     let prepared = prepare(&args.scene, args.patch)?;
     let header = ["method", "settings", "from", "trials", "tested on", "error", "force, N"];
-    let mut table = TextTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
+    let mut rows = Vec::new();
     for method in SearchMethod::ALL {
         let place = folder(&args.scene, &prepared.run, method);
         let Some((_, trials)) = found_trials(&place)? else {
@@ -32,13 +32,13 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
         for (from, trial) in [("paper", paper), ("search", best_trial(&trials))] {
             let Some(trial) = trial else { continue };
             let n = trials.len();
-            let rows = scored(args, &prepared, &data, method, (from, &trial.values, n))?;
-            table.rows.extend(rows);
+            rows.extend(scored(args, &prepared, &data, method, (from, &trial.values, n))?);
         }
     }
-    if table.rows.is_empty() {
+    if rows.is_empty() {
         bail!("no search has been run for this scene: `hapdef-repro search --method …` first");
     }
+    let table = text_table(header, rows);
     let text = format!(
         "# The paper's settings and the search's best\n\nOn test samples; every method has the \
          budget of its trials. Error: µm of map or virtual gauges, mm of contacts.\n\n{}",
@@ -46,7 +46,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
     );
     let path = args.scene.out.join(&prepared.run.scene.name).join("search/comparison.md");
     write(&path, &text)?;
-    println!("{}\n{}", hapdef_bench::terminal_table(&table), path.display());
+    println!("{}\n{}", terminal_table(&table), path.display());
     Ok(())
 }
 
@@ -56,14 +56,14 @@ fn scored(
     data: &MethodData,
     method: SearchMethod,
     (from, values, n_trials): (&str, &KnobValues, usize),
-) -> Result<Vec<Vec<TextCell>>> {
+) -> Result<Vec<[String; 7]>> {
     let run = &prepared.run;
     run.say(&format!("{} with the settings of the {from}", method.name()));
     let learner = method.learner(values, &budget(&args.scene, run, method))?;
     let fitted = data.fit(&learner, values, &|| run.stopping())?;
     let row = |(name, rows): &(String, super::data::Rows)| {
         let error = data.error(&fitted, values, rows)?;
-        let cells = [
+        Ok([
             method.name().to_owned(),
             values_in_words(values),
             from.to_owned(),
@@ -71,8 +71,7 @@ fn scored(
             name.clone(),
             format!("{:.3}", error.main),
             error.force_n.map_or(String::new(), |f| format!("{f:.3}")),
-        ];
-        Ok(cells.map(TextCell::plain).to_vec())
+        ])
     };
     data.tests.iter().map(row).collect()
 }

@@ -1,0 +1,84 @@
+//! The figures of the frontier: METRIC lines, and what they should be.
+
+use hapdef_bench::{Figure, Goal, Measurements, Metric, Wanted};
+
+use super::growth::Growth;
+use super::{Measured, planned};
+
+/// Names of exponents that should be at most or about something.
+pub(super) const FACTOR: &str = "factor_exponent";
+pub(super) const ADJOINT: &str = "adjoint_exponent";
+pub(super) const FRAME_NODES: &str = "frame_nodes_exponent";
+pub(super) const FRAME_GAUGES: &str = "frame_gauges_exponent";
+
+/// What is printed as METRIC lines, behind `frontier.`; the exponents of the growths follow.
+pub(super) const METRICS: [Metric<Measured>; 9] = [
+    metric("points", "1", |m| Some(m.points.len() as f64)),
+    Metric {
+        name: "plan_time_ratio_worst",
+        unit: "1",
+        figure: Figure::All(|m| planned::worst_ratio(&m.planned)),
+        absent: "--without-nets",
+    },
+    metric("design_speedup", "1", |m| Some(m.skips.design_speedup())),
+    metric("frame_speedup", "1", |m| Some(m.skips.followed.speedup())),
+    metric("frame_speedup_searched", "1", |m| Some(m.skips.searched.speedup())),
+    metric("frame_speedup_contacts", "1", |m| Some(m.skips.followed.contacts_speedup())),
+    metric("frame_speedup_contacts_searched", "1", |m| Some(m.skips.searched.contacts_speedup())),
+    metric("equal_followed_pct", "%", |m| Some(m.skips.followed.equal_pct())),
+    metric("equal_searched_pct", "%", |m| Some(m.skips.searched.equal_pct())),
+];
+
+/// What the figures should be.
+pub(super) const GOALS: [Goal<Measured>; 9] = [
+    goal("design, times faster", Wanted::AtLeast(5.0), |m| Some(m.skips.design_speedup())),
+    goal("a followed frame, times faster", Wanted::AtLeast(3.0), |m| {
+        Some(m.skips.followed.speedup())
+    }),
+    goal("a searched frame, times faster", Wanted::AtLeast(3.0), |m| {
+        Some(m.skips.searched.speedup())
+    }),
+    goal("searched contacts that are the same, %", Wanted::AtLeast(100.0), |m| {
+        let searched = &m.skips.searched;
+        Some(100.0 * searched.n_equal as f64 / searched.n_single.max(1) as f64)
+    }),
+    goal("worst of expected and measured times, one over the other", Wanted::AtMost(2.0), |m| {
+        planned::worst_ratio(&m.planned)
+    }),
+    exponent(FACTOR, "time of ordering and factor with nodes, exponent", Wanted::AtMost(1.5)),
+    exponent(ADJOINT, "time of the adjoint solves with nodes, exponent", Wanted::AtMost(1.5)),
+    exponent(FRAME_NODES, "time of a followed frame with nodes, exponent", Wanted::Flat),
+    exponent(FRAME_GAUGES, "time of a followed frame with gauges, exponent", Wanted::AtMost(1.1)),
+];
+
+pub(super) const GOALS_NOTE: &str = "Times faster: the same scene with everything it may want over the same \
+    with single contacts alone, as further below; a followed frame with the displacement of the whole skin.";
+
+impl Measurements for Measured {
+    type Row = Growth;
+
+    /// Growths are named by the metrics of their exponents.
+    fn row(&self, name: &str) -> Option<&Self::Row> {
+        self.growths.iter().find(|growth| growth.metric == name)
+    }
+}
+
+const fn metric(
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&Measured) -> Option<f64>,
+) -> Metric<Measured> {
+    Metric { name, unit, figure: Figure::All(of), absent: "not measured" }
+}
+
+const fn goal(
+    what: &'static str,
+    wanted: Wanted,
+    of: fn(&Measured) -> Option<f64>,
+) -> Goal<Measured> {
+    Goal { what, wanted, figure: Figure::All(of) }
+}
+
+const fn exponent(metric: &'static str, what: &'static str, wanted: Wanted) -> Goal<Measured> {
+    Goal { what, wanted, figure: Figure::Row(metric, |growth: &Growth| growth.exponent) }
+}
