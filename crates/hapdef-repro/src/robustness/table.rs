@@ -113,6 +113,18 @@ pub(super) struct Rows<W> {
     trials: Vec<Trial>,
 }
 
+/// A row that is refused: what is extreme, words of the refusal, what is run.
+pub(super) type Refused = (&'static str, &'static str, fn() -> Result<f64, ReproError>);
+
+impl Rows<()> {
+    /// Rows that are refused.
+    pub(super) fn all_refused<const N: usize>(&mut self, rows: [Refused; N]) {
+        for (extreme, words, run) in rows {
+            self.refused(extreme, "it is refused", words, move |()| run());
+        }
+    }
+}
+
 impl<W: Clone + 'static> Rows<W> {
     pub(super) fn new(case: &'static str, on: W) -> Self {
         Self { case, on, trials: Vec::new() }

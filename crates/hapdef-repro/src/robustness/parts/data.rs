@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hapdef_data::{DatasetReader, DatasetWriter, Split, StandardiserFit, TensorSpec};
 
-use super::{REFUSED, in_folder, keep_share};
+use super::{in_folder, keep_share};
 use crate::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
@@ -38,17 +38,14 @@ pub(super) fn trials() -> Vec<Trial> {
         scales.accurate(extreme, holds, move |()| deviation_error(mean, size));
     }
     let mut refusals = Rows::new("dataset", ());
-    let refused: [(&str, &str, fn() -> Result<f64, ReproError>); 6] = [
+    refusals.all_refused([
         ("a value is NaN", "NaN", || in_folder(FILE, |path| write(path, &[1.0, f32::NAN]))),
         ("a value is infinite", "inf", || in_folder(FILE, |path| write(path, &[f32::INFINITY]))),
         ("the file's second half is missing", "", || in_folder(FILE, |path| cut(path, 0.5))),
         ("the file's last byte is missing", "", || in_folder(FILE, |path| cut(path, 0.999))),
         ("the file is empty", "", || in_folder(FILE, |path| cut(path, 0.0))),
         ("four samples to be split", "4", || Ok(Split::of(4)?.n() as f64)),
-    ];
-    for (extreme, words, run) in refused {
-        refusals.refused(extreme, REFUSED, words, move |()| run());
-    }
+    ]);
     [rows, scales, refusals].into_iter().flat_map(Rows::into_trials).collect()
 }
 

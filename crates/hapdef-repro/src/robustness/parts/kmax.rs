@@ -2,7 +2,6 @@
 
 use hapdef_kmax::{KMaxGraph, KMaxParams, Peak};
 
-use super::REFUSED;
 use crate::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
@@ -24,7 +23,8 @@ pub(super) fn trials() -> Vec<Trial> {
         let extreme = format!("points {gap_m:e} m apart");
         rows.accurate(extreme, tops, move |()| wrong_peaks(gap_m, &hills(1.0), 0.0));
     }
-    let fields: [(&str, &str, f64, fn() -> Vec<f32>, f32); 4] = [
+    type Field = (&'static str, &'static str, f64, fn() -> Vec<f32>, f32);
+    let fields: [Field; 4] = [
         ("a field of NaN", "peaks", 0.0, || vec![f32::NAN; SIDE * SIDE], 0.0),
         ("a field of 0", "peaks", 0.0, || vec![0.0; SIDE * SIDE], 0.0),
         ("a floor of NaN", "peaks", 0.0, || hills(1.0), f32::NAN),
@@ -46,17 +46,14 @@ pub(super) fn trials() -> Vec<Trial> {
         (field[HILLS[0] + 1], field[HILLS[1] - 1]) = (f32::NAN, f32::INFINITY);
         wrong_peaks(GAP_M, &field, 0.0)
     });
-    let refused: [(&str, &str, fn() -> Result<f64, ReproError>); 4] = [
+    rows.all_refused([
         ("one point", "1 points", || graph_of(&[[0.0; 3]])),
         ("a point is NaN", "point 1", || graph_of(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]])),
         ("a radius of 0", "radius", || {
             Ok(KMaxParams::spanning_radius(&plate(GAP_M), 0.0)?.k_neighbours as f64)
         }),
         ("a field of another length", "field", || Ok(peaks(GAP_M, &[1.0], 0.0)?.len() as f64)),
-    ];
-    for (extreme, words, run) in refused {
-        rows.refused(extreme, REFUSED, words, move |()| run());
-    }
+    ]);
     rows.into_trials()
 }
 

@@ -14,9 +14,6 @@ use std::path::Path;
 use super::table::Trial;
 use crate::ReproError;
 
-/// What must hold of a row that is refused.
-const REFUSED: &str = "it is refused";
-
 /// Every row of docs/stability-parts.md.
 pub(super) fn trials(seed: u64) -> Vec<Trial> {
     let mut all = mesh::trials();

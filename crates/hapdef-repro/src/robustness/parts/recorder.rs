@@ -8,7 +8,6 @@ use hapdef_daq::record::{Content, RecordParams, Recording, record, recover};
 use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{AcquireParams, Message, acquire};
 
-use super::REFUSED;
 use crate::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
@@ -40,13 +39,13 @@ pub(super) fn trials() -> Vec<Trial> {
         let middle = bytes.len() / 2;
         bytes.splice(middle..middle, vec![0; 1 << 20]);
     });
-    let refused: [(&str, fn(&mut Vec<u8>)); 2] = [
-        ("an empty file", Vec::clear),
-        ("a file of another kind", |bytes| *bytes = b"not one of ours".repeat(1000)),
-    ];
-    for (extreme, change) in refused {
-        rows.refused(extreme, REFUSED, "record", move |()| Ok(f64::from(damaged(change)?.n_right)));
-    }
+    rows.all_refused([
+        ("an empty file", "record", || Ok(f64::from(damaged(Vec::clear)?.n_right))),
+        ("a file of another kind", "record", || {
+            let other = |bytes: &mut Vec<u8>| *bytes = b"not one of ours".repeat(1000);
+            Ok(f64::from(damaged(other)?.n_right))
+        }),
+    ]);
     rows.into_trials()
 }
 
