@@ -4,14 +4,19 @@
 //! - [`pareto_front`]: what is worth choosing where two costs count.
 //! - [`table()`], [`terminal_table`]: rows under [`Column`]s, as Markdown, on a page and on a terminal.
 //! - [`Metric`], [`Goal`]: figures of [`Measurements`] as METRIC lines and beside their targets.
-//! - [`publish`]: the page of a study.
+//! - [`against_time`], [`dotted_lines`]: charts.
+//! - [`publish`], [`page_markdown`]: the page of a study, and that in the documentation.
 
+mod chart;
+mod page;
 mod pareto;
 pub mod stats;
 mod study;
 mod table;
 mod target;
 
+pub use chart::{against_time, by_cost, dotted_lines};
+pub use page::page_markdown;
 pub use pareto::pareto_front;
 pub use study::{Figure, Goal, Measurements, Metric, goal_table, log_metrics, publish};
 pub use table::{Column, or_dash, table, terminal_table, text_table};

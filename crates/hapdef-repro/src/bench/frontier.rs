@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef_bench::{Column, or_dash, publish, table, terminal_table};
+use hapdef_bench::{Column, against_time, by_cost, or_dash, publish, table, terminal_table};
 use hapdef_cli::SceneArgs;
-use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series, SkippedStage};
+use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, SkippedStage};
 
 use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     if !missing.is_empty() {
         run.say(&format!("no rows of other programs: {missing}"));
     }
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(&run));
+    let mut log = facts::log(run.scene.seed);
     log.value("frontier.points", points.len() as f64, "1")?;
     log_reduced(&points, &mut log)?;
     let mut by_time: Vec<&Point> = points.iter().collect();
@@ -146,21 +146,10 @@ fn chart(
     let series = |name: &str, chosen: &dyn Fn(&Point) -> bool| {
         let chosen = points.iter().filter(|p| chosen(p));
         let place = |p: &Point| Some((p.times.p50_us, error(p)?));
-        let mut places: Vec<(f64, f64)> = chosen.filter_map(place).collect();
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Series { name: name.into(), points: places }
+        by_cost(name, chosen.filter_map(place))
     };
     let mut all = vec![series("front", &|p| is_on_front(p))];
     let families = Family::ALL.into_iter();
     all.extend(families.map(|family| series(family.name(), &|p: &Point| p.family == family)));
-    all.retain(|series| !series.points.is_empty());
-    LineChart {
-        title: title.into(),
-        x_label: "median time of a frame, µs".into(),
-        y_label: y_label.into(),
-        log_x: true,
-        log_y: true,
-        dots: true,
-        series: all,
-    }
+    against_time(title, y_label, all)
 }

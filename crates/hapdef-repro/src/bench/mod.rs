@@ -18,7 +18,6 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 use hapdef::{Profile, Run};
-use hapdef_report::MetricLog;
 
 use crate::run::facts;
 
@@ -53,7 +52,7 @@ pub(crate) struct BenchNetsArgs {
 
 /// Prints a METRIC line for each figure and adds it to `metrics.json`.
 pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.seed));
+    let mut log = facts::log(args.seed);
     inference::run(args, &mut log)?;
     if args.skip_trained {
         for name in ["nets.reduced_p50_us", "nets.reduced_error_ratio"] {

@@ -14,7 +14,6 @@ use hapdef_inverse::{
     BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
     ResponseMap, ScanSites, TrackerParams,
 };
-use hapdef_report::MetricLog;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::cells;
@@ -54,7 +53,7 @@ pub(crate) fn run(args: &BenchInverseArgs) -> Result<()> {
     let noise_ue = run.scene.rig.electronics.noise_ue;
     let estimator = estimator(&run.scene, &map)?;
     let presses = Presses { map: &map, noise_ue };
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.test_seed));
+    let mut log = facts::log(args.test_seed);
     let mut draw = Draw::new(map.skin(), args.test_seed);
     let mut frames = Vec::new();
     for _ in 0..args.scripts {

@@ -7,10 +7,12 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
 use hapdef_bench::stats::median;
-use hapdef_bench::{Column, or_dash, pareto_front, publish, table, terminal_table};
+use hapdef_bench::{
+    Column, against_time, by_cost, or_dash, pareto_front, publish, table, terminal_table,
+};
 use hapdef_cli::SceneArgs;
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, Series};
+use hapdef_report::{Figure, Report, ReportTable};
 use serde::Serialize;
 
 use super::cells::Map;
@@ -148,7 +150,7 @@ fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Opti
 
 fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Point]) -> Result<()> {
     let seed = bench.args.test_seed;
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(seed));
+    let mut log = facts::log(seed);
     log.value("frontier.points", points.len() as f64, "1")?;
     let table = table(&COLUMNS, points);
     println!("{}", terminal_table(&table));
@@ -197,24 +199,11 @@ fn figures(points: &[Point]) -> Result<Vec<Figure>> {
         let of_k = points
             .iter()
             .filter(|p| p.n_contacts == k && p.row.name.starts_with("paper") == is_paper);
-        let mut places: Vec<(f64, f64)> =
-            of_k.map(|p| (p.row.p50_us, p.row.errors.mean_mm)).collect();
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let by = if is_paper { "paper" } else { "superposition" };
-        Series { name: format!("{k}, {by}"), points: places }
+        by_cost(format!("{k}, {by}"), of_k.map(|p| (p.row.p50_us, p.row.errors.mean_mm)))
     };
-    let mut all: Vec<Series> =
-        (1..=MOST).flat_map(|k| [series(k, false), series(k, true)]).collect();
-    all.retain(|series| !series.points.is_empty());
-    let chart = LineChart {
-        title: "Position error against run time".into(),
-        x_label: "median time of a frame, µs".into(),
-        y_label: "mean position error, mm".into(),
-        log_x: true,
-        log_y: true,
-        dots: true,
-        series: all,
-    };
+    let all = (1..=MOST).flat_map(|k| [series(k, false), series(k, true)]).collect();
+    let chart = against_time("Position error against run time", "mean position error, mm", all);
     Ok(vec![Figure::lines(
         "frontier-inverse.svg",
         "Mean position error against the time of a frame, by number of contacts.",

@@ -6,13 +6,11 @@ use anyhow::Result;
 use hapdef::Run;
 use hapdef_bench::stats::quantile;
 use hapdef_bench::{Measurements, goal_table, log_metrics, publish, table, terminal_table};
-use hapdef_report::{
-    Figure, LineChart, MetricLog, NamedText, Report, ReportTable, Series, SkippedStage,
-};
+use hapdef_report::{Figure, LineChart, NamedText, Report, ReportTable, Series, SkippedStage};
 
 use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS};
 use super::measured::Measured;
-use crate::run::facts;
+use crate::run::facts::{self, named};
 
 const NOTE: &str = "Simulated: readings come from the scene's rig, another and perturbed mesh, with \
     noise and converter. Contacts are matched one to one; errors are those of matched contacts, \
@@ -33,7 +31,7 @@ const DRAWN: [&str; 5] =
 
 /// Prints the figures and writes `compare/` under the scene's folder.
 pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) -> Result<()> {
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(test_seed));
+    let mut log = facts::log(test_seed);
     log_metrics(&METRICS, "compare", measured, &mut log)?;
     let table = table(&COLUMNS, &measured.rows);
     println!("{}", terminal_table(&table));
@@ -91,7 +89,6 @@ fn skipped(measured: &Measured) -> Vec<SkippedStage> {
 }
 
 fn facts_of(test_seed: u64, measured: &Measured) -> Vec<NamedText> {
-    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let [many, few, none] = measured.map_errors.map(|e| e * 100.0);
     let share_us = |q| quantile(&measured.tracking_us, q);
     vec![

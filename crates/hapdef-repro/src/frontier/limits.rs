@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use hapdef::{Limb, Run};
+use hapdef_bench::page_markdown;
 use hapdef_report::{Report, write_text};
 use serde::{Deserialize, Serialize};
 
@@ -155,30 +156,7 @@ pub(super) fn write(
 }
 
 fn text(report: &Report, stability: &str) -> String {
-    let mut text = HEAD.to_owned();
-    let _ = writeln!(text, "- scene: {}", report.scene);
-    for fact in report.facts.iter().filter(|f| f.name != "training") {
-        let _ = writeln!(text, "- {}: {}", fact.name, fact.text);
-    }
-    if let Some(metric) = report.metrics.first() {
-        let _ =
-            writeln!(text, "- commit: {}\n- time: {}", metric.context.commit, metric.context.time);
-    }
-    for table in &report.tables {
-        let rows = table.text.to_markdown();
-        let _ = write!(text, "\n## {}\n\n{rows}", table.title);
-        if !table.note.is_empty() {
-            let _ = writeln!(text, "\n{}", table.note);
-        }
-    }
-    if !report.skipped.is_empty() {
-        text.push_str("\n## Left out\n\n");
-    }
-    for stage in &report.skipped {
-        let _ = writeln!(text, "- {}: {}", stage.name, stage.reason);
-    }
-    let _ = write!(text, "\n## At extremes\n\n{stability}");
-    text
+    format!("{HEAD}{}\n## At extremes\n\n{stability}", page_markdown(report, "training"))
 }
 
 /// What the tables of extremes beside `path` come to.

@@ -3,18 +3,18 @@
 use anyhow::Result;
 use hapdef::Run;
 use hapdef_bench::{log_metrics, publish, terminal_table};
-use hapdef_report::{MetricLog, NamedText, Report, SkippedStage};
+use hapdef_report::{NamedText, Report, SkippedStage};
 
 use super::figures::METRICS;
 use super::plots::figures;
 use super::point::Family;
 use super::tables::tables;
 use super::{ChainFrontierArgs, Measured, limits};
-use crate::run::facts;
+use crate::run::facts::{self, named};
 
 /// Prints the figures and writes `frontier/` under the scene's folder.
 pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Result<()> {
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.test_seed));
+    let mut log = facts::log(args.test_seed);
     log_metrics(&METRICS, "frontier", measured, &mut log)?;
     for growth in &measured.growths {
         log.value(&format!("frontier.{}", growth.metric), growth.exponent, "1")?;
@@ -41,7 +41,6 @@ pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) ->
 }
 
 fn facts_of(args: &ChainFrontierArgs, measured: &Measured) -> Vec<NamedText> {
-    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let frames = format!(
         "{} of one contact and as many of two are scored, searched and followed, and at least 1,000 of \
          two timed; seed {}, on which nothing was tuned",

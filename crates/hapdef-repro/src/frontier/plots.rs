@@ -1,6 +1,7 @@
 //! The frontier and the growths as plots.
 
 use anyhow::Result;
+use hapdef_bench::{against_time, by_cost, dotted_lines};
 use hapdef_report::{Figure, LineChart, Series};
 
 use super::Measured;
@@ -17,21 +18,13 @@ pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
         &cloud(&measured.points),
     )?];
     for with in ["nodes", "gauges", "contacts", "frames"] {
-        let series: Vec<Series> = measured
+        let series = measured
             .growths
             .iter()
             .filter(|g| g.with == with)
-            .map(|g| Series { name: g.what.into(), points: g.points.clone() })
-            .collect();
-        let chart = LineChart {
-            title: format!("Growth with {with}"),
-            x_label: format!("number of {with}"),
-            y_label: "as named".into(),
-            log_x: true,
-            log_y: true,
-            dots: true,
-            series,
-        };
+            .map(|g| Series { name: g.what.into(), points: g.points.clone() });
+        let labels = [&format!("number of {with}"), "as named"];
+        let chart = dotted_lines(format!("Growth with {with}"), labels, [true, true], series);
         figures.push(Figure::lines(
             format!("growth-{with}.svg"),
             format!("How time and memory grow with {with}."),
@@ -50,9 +43,7 @@ fn at(p: &Point) -> (f64, f64) {
 fn front(points: &[Point], knows: Knows, name: &str) -> Series {
     let marked = points.iter().zip(on_front(points));
     let of_front = marked.filter(|(p, is_front)| *is_front && p.family.knows() == knows);
-    let mut places: Vec<(f64, f64)> = of_front.map(|(p, _)| at(p)).collect();
-    places.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Series { name: name.into(), points: places }
+    by_cost(name, of_front.map(|(p, _)| at(p)))
 }
 
 fn cloud(points: &[Point]) -> LineChart {
@@ -65,21 +56,13 @@ fn cloud(points: &[Point]) -> LineChart {
             .flat_map(|p| [at(p), (f64::NAN, f64::NAN)])
             .collect(),
     };
-    let mut series = vec![
+    let series = vec![
         front(points, Knows::Nothing, "front, searched"),
         front(points, Knows::Before, "front, followed"),
         dots(Family::Searched, "searched"),
         dots(Family::Followed, "followed"),
         dots(Family::Chain, "the paper's chain"),
     ];
-    series.retain(|s| !s.points.is_empty());
-    LineChart {
-        title: "Position error against run time".into(),
-        x_label: "median time of a frame, µs".into(),
-        y_label: "GOSPA of two contacts over their number, mm".into(),
-        log_x: true,
-        log_y: true,
-        dots: true,
-        series,
-    }
+    let y_label = "GOSPA of two contacts over their number, mm";
+    against_time("Position error against run time", y_label, series)
 }

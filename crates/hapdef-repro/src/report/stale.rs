@@ -3,7 +3,6 @@
 use hapdef_report::NamedText;
 use serde_json::Value;
 
-use super::results::{header_row, items, row, shown};
 use crate::ReproError;
 
 /// Facts that a run of any amounts shares with a full one.
@@ -53,36 +52,58 @@ pub fn check_results(page: &str, report: &Value, amounts: &[NamedText]) -> Resul
     if differences.is_empty() { Ok(()) } else { Err(ReproError::StaleResults { differences }) }
 }
 
+/// The line of a table's column names.
+fn header_row(table: &Value) -> String {
+    let header: Vec<String> = items(&table["header"]).iter().map(shown).collect();
+    row(&header)
+}
+
+fn row(cells: &[String]) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+    format!("| {} |\n", cells.join(" | "))
+}
+
+fn items(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn shown(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
+    use hapdef_bench::text_table;
+    use hapdef_report::{Report, ReportTable};
 
     use super::super::results_markdown;
     use super::*;
 
-    fn report() -> Value {
-        let cell = |text: &str| json!({ "text": text, "strong": false });
-        let table = |title: &str, header: [&str; 4], rows: [&str; 4]| {
-            let rows = [rows.map(cell)];
-            json!({ "title": title, "text": { "header": header, "rows": rows }, "note": "" })
+    fn report() -> Report {
+        let table = |title: &str, header: [&str; 4], row: [&str; 4]| ReportTable {
+            title: title.into(),
+            note: String::new(),
+            text: text_table(header, [row.map(str::to_owned)]),
+            data: Value::Null,
         };
-        json!({
-            "scene": "shin", "profile": "full",
-            "facts": [
-                { "name": "limb", "text": "20 nodes" },
-                { "name": "training", "text": "9 steps" },
-            ],
-            "tables": [
-                table(CLAIMS, ["claim", "paper", "metric", "verdict"], ["a < b", "1 / 2", "|e|", "holds"]),
+        let claims = ["claim", "paper", "metric", "verdict"];
+        let fact = |name: &str, text: &str| NamedText { name: name.into(), text: text.into() };
+        Report {
+            scene: "shin".into(),
+            profile: "full".into(),
+            facts: vec![fact("limb", "20 nodes"), fact("training", "9 steps")],
+            tables: vec![
+                table(CLAIMS, claims, ["a < b", "1 / 2", "|e|", "holds"]),
                 table("Table 1", ["method", "I", "II", "III"], ["LR", "1", "2", "3"]),
             ],
-            "metrics": [], "stages": [], "skipped": [],
-        })
+            ..Report::default()
+        }
     }
 
     #[test]
     fn a_page_is_stale_where_limb_training_tables_or_claims_changed() {
         let page = results_markdown(&report());
+        let report = || serde_json::to_value(report()).unwrap();
         let amounts =
             |steps: &str| [NamedText { name: "training".into(), text: format!("{steps} steps") }];
         assert!(check_results(&page, &report(), &amounts("9")).is_ok());

@@ -1,12 +1,13 @@
 //! What a run rests on, for the report's head and tail.
 
 use std::collections::HashSet;
+use std::io::Stdout;
 use std::time::{Duration, SystemTime};
 
 use hapdef::convergence::Convergence;
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
-use hapdef_report::{MetricContext, NamedText, Report, SkippedStage, StageTime};
+use hapdef_report::{MetricContext, MetricLog, NamedText, Report, SkippedStage, StageTime};
 
 use super::svr::SvrScore;
 
@@ -19,10 +20,9 @@ pub(crate) fn facts(
 ) -> Vec<NamedText> {
     let limb = &done.compliance.record.info;
     let rig = &done.rig.record.info;
-    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let [samples, training] = amounts(run);
     vec![
-        named("simulated", "all readings come from the simulated rig; no hardware".into()),
+        named("simulated", "all readings come from the simulated rig; no hardware"),
         named("profile", format!("{}, seed {}", run.profile.name, run.scene.seed)),
         named(
             "limb",
@@ -56,8 +56,7 @@ pub(crate) fn amounts(run: &Run) -> [NamedText; 2] {
         profile.n_pairs,
         profile.n_amplitudes
     );
-    [("samples", samples), ("training", training(profile))]
-        .map(|(name, text)| NamedText { name: name.into(), text })
+    [named("samples", samples), named("training", training(profile))]
 }
 
 /// The page of a study over a run: its title, and what every such page has at head and tail.
@@ -74,7 +73,6 @@ pub(crate) fn study(run: &Run, title: &str, seed: u64) -> anyhow::Result<Report>
 
 /// The lines that every page over a run has.
 pub(crate) fn of_run(run: &Run) -> Vec<NamedText> {
-    let named = |name: &str, text: String| NamedText { name: name.into(), text };
     let profile = format!("{}, seed {}", run.profile.name, run.scene.seed);
     vec![
         named("profile", profile),
@@ -182,24 +180,23 @@ pub(crate) fn skipped(run: &Run, with_nets: bool) -> Vec<SkippedStage> {
 
 /// Hashes of what went in and of the stages.
 pub(crate) fn hashes(run: &Run, limb: &Limb, done: &Pipeline) -> Vec<NamedText> {
-    let named = |name: &str, text: &str| NamedText { name: name.into(), text: text.into() };
-    let mut hashes = vec![named("scene", &run.scene_hash), named("deck", &limb.deck_hash)];
-    hashes.extend(done.stages().iter().map(|stage| named(&stage.record.stage, &stage.key)));
+    let mut hashes =
+        vec![named("scene", run.scene_hash.as_str()), named("deck", limb.deck_hash.as_str())];
+    hashes.extend(done.stages().iter().map(|stage| named(&stage.record.stage, stage.key.as_str())));
     hashes
 }
 
 /// Hashes of the scene and its deck.
 pub(crate) fn input_hashes(run: &Run) -> Result<Vec<NamedText>, HapdefError> {
-    let named = |(name, text): (&str, String)| NamedText { name: name.into(), text };
-    Ok(run.input_hashes()?.map(named).to_vec())
+    Ok(run.input_hashes()?.map(|(name, text)| named(name, text)).to_vec())
 }
 
-/// What every metric carries.
-pub(crate) fn metric_context(run: &Run) -> MetricContext {
-    metric_context_of(run.scene.seed)
+/// A log of metrics on standard output, of a run with this seed.
+pub(crate) fn log(seed: u64) -> MetricLog<Stdout> {
+    MetricLog::new(std::io::stdout(), MetricContext::here(seed))
 }
 
-/// What every metric of a run with this seed carries.
-pub(crate) fn metric_context_of(seed: u64) -> MetricContext {
-    MetricContext::here(seed)
+/// A fact of a page.
+pub(crate) fn named(name: &str, text: impl Into<String>) -> NamedText {
+    NamedText { name: name.into(), text: text.into() }
 }

@@ -77,8 +77,7 @@ fn repro(args: &ReproArgs) -> Result<()> {
     };
     let report = report(&args.scene, extent)?;
     if let Some(path) = &args.results {
-        let json = serde_json::to_value(&report).context("the report as JSON")?;
-        write_text(path, &results_markdown(&json))?;
+        write_text(path, &results_markdown(&report))?;
     }
     if let Some(path) = &args.metrics {
         let json = serde_json::to_string_pretty(&report.metrics).context("metrics as JSON")?;
@@ -242,7 +241,7 @@ fn assemble(
         ..Report::default()
     };
     add_reproduction(&mut report, &parts)?;
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context(run));
+    let mut log = facts::log(run.scene.seed);
     let printed = Printed {
         table1: &parts.table1[0],
         table2: &table2,

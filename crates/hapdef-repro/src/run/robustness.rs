@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use hapdef::Limb;
 use hapdef::touch::response_map;
 use hapdef_cli::SceneArgs;
+use hapdef_report::MetricContext;
 use hapdef_report::robustness::{Inputs, Outputs, Row, Table, publish_all};
 use hapdef_repro::{
     INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
@@ -94,7 +95,7 @@ impl TableArgs {
             write: self.write.as_deref(),
             check: self.check.as_deref(),
         };
-        let log = (std::io::stdout(), facts::metric_context_of(self.test_seed));
+        let log = (std::io::stdout(), MetricContext::here(self.test_seed));
         let published = table.publish(rows, inputs, log, outputs)?;
         println!("page: {}", published.page.display());
         if let (Some(path), false) = (&self.check, published.differences.is_empty()) {

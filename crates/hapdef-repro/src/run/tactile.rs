@@ -44,7 +44,7 @@ pub(crate) fn run(args: &TactileArgs) -> Result<()> {
     let from_environment = || std::env::var_os("HAPDEF_SHARED").map(PathBuf::from);
     let shared = args.shared.clone().or_else(from_environment);
     let folder = tactile_folder(&shared.unwrap_or_else(|| PathBuf::from("../shared")));
-    let mut log = MetricLog::new(std::io::stdout(), facts::metric_context_of(args.seed));
+    let mut log = facts::log(args.seed);
     if !folder.exists() {
         let reason = format!("{} is absent", folder.display());
         log.skipped("tactile.knn_first_mm", &reason)?;

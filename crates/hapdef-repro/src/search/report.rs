@@ -3,6 +3,7 @@
 use super::space::{Knob, KnobValues};
 use super::trials::{Trial, TrialHeader, TrialSource, best_trial};
 use crate::ReproError;
+use hapdef_bench::dotted_lines;
 use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
 
 /// The search in Markdown: what it rests on, the best point beside the paper's, every trial.
@@ -93,18 +94,12 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
     });
     let so_far = so_far.collect();
     let each = trials.iter().filter_map(|t| Some((t.index as f64, t.objective?)));
-    Ok(lines_svg(&LineChart {
-        title: format!("{}: best so far", header.method),
-        x_label: "trial".into(),
-        y_label: header.objective.clone(),
-        log_x: false,
-        log_y: true,
-        dots: true,
-        series: vec![
-            Series { name: "best so far".into(), points: so_far },
-            Series { name: "each trial".into(), points: loose(each) },
-        ],
-    })?)
+    let series = [
+        Series { name: "best so far".into(), points: so_far },
+        Series { name: "each trial".into(), points: loose(each) },
+    ];
+    let title = format!("{}: best so far", header.method);
+    Ok(lines_svg(&dotted_lines(title, ["trial", &header.objective], [false, true], series))?)
 }
 
 fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
@@ -115,15 +110,9 @@ fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
             .filter_map(|t| Some((*t.values.get(knob.name)?, t.objective?)));
         Series { name: source(kind).to_owned(), points: loose(points) }
     };
-    LineChart {
-        title: format!("{}: {}", header.method, knob.name),
-        x_label: knob.name.to_owned(),
-        y_label: header.objective.clone(),
-        log_x: knob.is_log,
-        log_y: true,
-        dots: true,
-        series: [TrialSource::Paper, TrialSource::Random, TrialSource::Proposed].map(of).to_vec(),
-    }
+    let series = [TrialSource::Paper, TrialSource::Random, TrialSource::Proposed].map(of);
+    let title = format!("{}: {}", header.method, knob.name);
+    dotted_lines(title, [knob.name, &header.objective], [knob.is_log, true], series)
 }
 
 /// Points that no line joins: what is not finite breaks a line.

@@ -2,8 +2,9 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
+use hapdef_bench::dotted_lines;
 use hapdef_bench::stats::mean_and_sd;
-use hapdef_report::{BarChart, BarPanel, Figure, LineChart, Series, Unrolled, UnrolledArrow};
+use hapdef_report::{BarChart, BarPanel, Figure, Series, Unrolled, UnrolledArrow};
 
 use super::super::frames::Frame;
 use super::super::patches::{METHODS, SizePoint};
@@ -83,15 +84,9 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
                 .map(|point| (point.size as f64, point.errors[m][i].mean_abs_um))
                 .collect(),
         });
-        let chart = LineChart {
-            title: format!("{name} presses of the rig"),
-            x_label: "virtual gauges around each gauge".into(),
-            y_label: "mean |error| of the map, µm".into(),
-            log_x: false,
-            log_y: false,
-            dots: true,
-            series: series.collect(),
-        };
+        let labels = ["virtual gauges around each gauge", "mean |error| of the map, µm"];
+        let title = format!("{name} presses of the rig");
+        let chart = dotted_lines(title, labels, [false, false], series);
         let caption = format!(
             "Figure 5A, {name} contacts: F_T by three methods, then F_R. Every net here is trained \
              briefly; the paper's optimum on two contacts is 24."
@@ -104,23 +99,14 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
 /// Errors of the ablations on single presses against the force.
 pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure>> {
     let methods = || singles.direct.iter().skip(2).chain(&singles.ablations);
-    let chart = |y_label: &str, value: fn(&Bin) -> f64| LineChart {
-        title: "single presses of the rig".into(),
-        x_label: "force, N".into(),
-        y_label: y_label.into(),
-        log_x: false,
-        log_y: false,
-        dots: true,
-        series: methods()
-            .map(|method| Series {
-                name: method.name.clone(),
-                points: singles
-                    .by_force(method, strongest_n)
-                    .iter()
-                    .map(|bin| (bin.force_n, value(bin)))
-                    .collect(),
-            })
-            .collect(),
+    let chart = |y_label: &str, value: fn(&Bin) -> f64| {
+        let series = methods().map(|method| {
+            let bins = singles.by_force(method, strongest_n);
+            let points = bins.iter().map(|bin| (bin.force_n, value(bin))).collect();
+            Series { name: method.name.clone(), points }
+        });
+        let labels = ["force, N", y_label];
+        dotted_lines("single presses of the rig", labels, [false, false], series)
     };
     Ok(vec![
         Figure::lines(
@@ -159,15 +145,8 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
             name: (*name).to_owned(),
             points: binned(errors, strongest_n, value),
         });
-        LineChart {
-            title: "double presses of the rig, T given, T + 1".into(),
-            x_label: "force of the varied contact, N".into(),
-            y_label: y_label.into(),
-            log_x: false,
-            log_y: false,
-            dots: true,
-            series: series.collect(),
-        }
+        let title = "double presses of the rig, T given, T + 1";
+        dotted_lines(title, ["force of the varied contact, N", y_label], [false, false], series)
     };
     let position = chart("position error, mm", |pair| pair.position_error_m * 1e3);
     let force = chart("force error, N", |pair| pair.force_error_n.abs());

@@ -3,10 +3,11 @@
 use anyhow::{Result, bail};
 use hapdef_bench::{terminal_table, text_table};
 use hapdef_cli::SceneArgs;
+use hapdef_report::write_text;
 use hapdef_repro::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 use super::data::MethodData;
-use super::{PatchArg, Prepared, budget, folder, found_trials, prepare, write};
+use super::{PatchArg, Prepared, budget, folder, found_trials, prepare};
 
 /// Arguments of `search-compare`.
 #[derive(clap::Args)]
@@ -45,7 +46,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<()> {
         table.to_markdown()
     );
     let path = args.scene.out.join(&prepared.run.scene.name).join("search/comparison.md");
-    write(&path, &text)?;
+    write_text(&path, &text)?;
     println!("{}\n{}", terminal_table(&table), path.display());
     Ok(())
 }

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
 use hapdef_cli::SceneArgs;
+use hapdef_report::write_text;
 use hapdef_repro::{
     Knob, ReproError, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial,
     merge_trials, propose, search_figures, search_markdown, trials_text, values_in_words,
@@ -123,7 +124,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<()> {
     let method = method(&header.method).map_err(anyhow::Error::msg)?;
     let folder = args.into.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
-    write(&args.into, &trials_text(&header, &trials)?)?;
+    write_text(&args.into, &trials_text(&header, &trials)?)?;
     println!("{} trials in {}", trials.len(), args.into.display());
     write_report(folder, &header, &method.knobs(usize::MAX), &trials)
 }
@@ -152,12 +153,6 @@ pub(crate) fn budget(args: &SceneArgs, run: &Run, method: SearchMethod) -> Trial
 /// Where a method's search lies.
 pub(crate) fn folder(args: &SceneArgs, run: &Run, method: SearchMethod) -> PathBuf {
     args.out.join(&run.scene.name).join("search").join(method.name())
-}
-
-/// Writes a file whole or not at all.
-pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
-    hapdef_mesh::atomic_write(path, |file| std::io::Write::write_all(file, text.as_bytes()))
-        .with_context(|| format!("writing {}", path.display()))
 }
 
 /// What a method's trials rest on.
@@ -234,11 +229,11 @@ fn write_report(
     trials: &[Trial],
 ) -> Result<()> {
     let text = search_markdown(header, knobs, trials);
-    write(&folder.join("search.md"), &text)?;
+    write_text(&folder.join("search.md"), &text)?;
     println!("{text}");
     if best_trial(trials).is_some() {
         for (name, svg) in search_figures(header, knobs, trials)? {
-            write(&folder.join(name), &svg)?;
+            write_text(&folder.join(name), &svg)?;
         }
     }
     println!("{}", folder.join("search.md").display());
