@@ -68,7 +68,7 @@ fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
     let path = shared(&format!("fe/calculix/{name}.inp"))?;
     let reference = shared(&format!("fe/calculix/{name}.dat.ref"))?;
     let text = std::fs::read_to_string(&path).map_err(VerifyError::io("reading", &path))?;
-    let deck = without_boundary(&text)?;
+    let deck = parse(&without_boundary(&text))?;
     let material = deck.material.ok_or_else(|| no_material("none"))?;
     let words = format!("the deck's {} elements", deck.mesh.elements().len());
     let body = Body::solid(deck.mesh.clone(), [1; 3]).named(words);
@@ -88,8 +88,17 @@ fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
     Ok(solution.measured(difference))
 }
 
-/// The deck but for its `*BOUNDARY` block: the deck reader wants whole nodes held.
-fn without_boundary(text: &str) -> Result<SolidDeck, VerifyError> {
+/// The deck of a text.
+fn parse(text: &str) -> Result<SolidDeck, VerifyError> {
+    let io = VerifyError::io("making a folder in", ".".as_ref());
+    let folder = tempfile::tempdir().map_err(io)?;
+    let copy = folder.path().join("deck.inp");
+    std::fs::write(&copy, text).map_err(VerifyError::io("writing", &copy))?;
+    Ok(read_deck(&copy)?)
+}
+
+/// The text but for its `*BOUNDARY` block: the deck reader wants whole nodes held.
+fn without_boundary(text: &str) -> String {
     let mut inside = false;
     let rest = text.lines().filter(|line| {
         if line.starts_with('*') && !line.starts_with("**") {
@@ -97,12 +106,7 @@ fn without_boundary(text: &str) -> Result<SolidDeck, VerifyError> {
         }
         !inside
     });
-    let rest = rest.collect::<Vec<_>>().join("\n") + "\n";
-    let folder =
-        tempfile::tempdir().map_err(VerifyError::io("making a folder in", ".".as_ref()))?;
-    let copy = folder.path().join("deck.inp");
-    std::fs::write(&copy, rest).map_err(VerifyError::io("writing", &copy))?;
-    Ok(read_deck(&copy)?)
+    rest.flat_map(|line| [line, "\n"]).collect()
 }
 
 fn difference(
@@ -170,4 +174,18 @@ fn deck(problem: &Problem, load: &NodalLoad) -> Result<SolidDeck, VerifyError> {
         face_tractions: Vec::new(),
         unused_node_labels: Vec::new(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_directions_are_read() {
+        let text = "*NODE\n1, 0, 0\n*BOUNDARY\n1,1,2\nfix,3\n*STEP\n";
+        assert_eq!(without_boundary(text), "*NODE\n1, 0, 0\n*STEP\n");
+        let held = InpDeck::parse(text).held;
+        let names: Vec<_> = held.iter().map(|(name, axis)| (name.as_str(), *axis)).collect();
+        assert_eq!(names, [("1", 0), ("1", 1), ("FIX", 2)]);
+    }
 }
