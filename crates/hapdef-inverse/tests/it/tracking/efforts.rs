@@ -64,14 +64,19 @@ impl Reached {
         let (n_clean, n) = (self.n_clean(), self.is_clean.len());
         let errors_mm = [0.5, 0.9].map(|share| 1e3 * quantile(&mut self.errors_m, share));
         let times_us = [0.5, 0.99, 0.999].map(|share| quantile(&mut self.times_us, share));
-        println!("{what}: {n_clean} of {n} clean, {errors_mm:.2?} mm, {times_us:.1?} µs");
+        self.n_trials.sort_unstable();
+        let most =
+            [0.99, 1.0].map(|q| self.n_trials[(q * (self.n_trials.len() - 1) as f64) as usize]);
+        println!(
+            "{what}: {n_clean} of {n} clean, {errors_mm:.2?} mm, {times_us:.1?} µs, {most:?} trials"
+        );
     }
 }
 
 fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
-    let last = values.len() - 1;
-    values[(share * last as f64).round() as usize]
+    let last = values.len().saturating_sub(1);
+    values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
 }
 
 /// More effort is never worse: of the scenes that one of two efforts alone has clean, the greater has no
@@ -99,25 +104,12 @@ fn more_effort_is_no_worse_and_less_effort_is_less_work() {
 #[ignore = "minutes, and it asserts nothing"]
 fn settings_side_by_side() {
     for arrivals in ARRIVALS {
-        for (steps_per_frame, n_hypotheses) in [
-            (30, 1),
-            (30, 2),
-            (60, 1),
-            (60, 2),
-            (60, 4),
-            (100, 2),
-            (100, 4),
-            (100, 8),
-            (200, 4),
-            (200, 8),
-            (400, 4),
-            (400, 8),
-            (400, 16),
-            (800, 8),
-        ] {
+        for (steps_per_frame, n_hypotheses) in
+            [(30, 1), (30, 2), (60, 2), (60, 4), (100, 4), (200, 4), (200, 8), (400, 8)]
+        {
             let params =
                 TrackerParams { steps_per_frame, n_hypotheses, ..TrackerParams::default() };
-            let mut reached = Reached::over(params, arrivals, 7000..7120);
+            let mut reached = Reached::over(params, arrivals, 7000..7040);
             reached
                 .print(&format!("{} contacts: {steps_per_frame}, {n_hypotheses}", arrivals.len()));
         }
