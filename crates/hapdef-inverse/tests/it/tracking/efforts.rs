@@ -105,11 +105,11 @@ fn more_effort_is_no_worse_and_less_effort_is_less_work() {
 fn settings_side_by_side() {
     for arrivals in ARRIVALS {
         for (steps_per_frame, n_hypotheses) in
-            [(30, 1), (30, 2), (60, 2), (60, 4), (100, 4), (200, 4), (200, 8), (400, 8)]
+            [(45, 2), (60, 2), (60, 4), (80, 2), (100, 2), (100, 4), (200, 4), (200, 8), (400, 8)]
         {
             let params =
                 TrackerParams { steps_per_frame, n_hypotheses, ..TrackerParams::default() };
-            let mut reached = Reached::over(params, arrivals, 7000..7040);
+            let mut reached = Reached::over(params, arrivals, 7000..7036);
             reached
                 .print(&format!("{} contacts: {steps_per_frame}, {n_hypotheses}", arrivals.len()));
         }
