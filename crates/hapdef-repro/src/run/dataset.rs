@@ -4,8 +4,11 @@ use std::ops::Range;
 
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, samples_path};
-use hapdef::{DrawnContact, Pipeline, ScoredContact, Stage};
+use hapdef::{ContactPair, DrawnContact, Pipeline, ScoredContact, Stage};
 use hapdef_data::{DataError, DatasetReader, Split};
+
+/// Position, m, and force, N, of a contact.
+pub(crate) type Contact = [f32; 4];
 
 /// Presses, simulated or on the rig.
 pub(crate) struct Dataset {
@@ -121,6 +124,17 @@ pub(crate) fn evenly(rows: Range<usize>, most: usize) -> impl Iterator<Item = us
     let n = rows.len().min(most);
     let (start, all) = (rows.start, rows.len());
     (0..n).map(move |i| start + i * all / n)
+}
+
+/// A single contact beside the one found.
+pub(crate) fn pair(truth: &Contact, found: &Contact) -> ContactPair {
+    let offset = (0..3).map(|i| f64::from(found[i] - truth[i]).powi(2));
+    ContactPair {
+        detected: 0,
+        truth: 0,
+        position_error_m: offset.sum::<f64>().sqrt(),
+        force_error_n: f64::from(found[3] - truth[3]),
+    }
 }
 
 #[cfg(test)]

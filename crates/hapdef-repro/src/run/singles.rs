@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::chain::{candidates, chain, maps, reconstruction};
-use super::dataset::{Dataset, blocks, rig_singles};
+use super::dataset::{Contact, Dataset, blocks, pair, rig_singles};
 use super::kept::kept;
 use super::svr::SvrScore;
 
@@ -19,9 +19,6 @@ const BLOCK: usize = 512;
 
 /// Bins of the force.
 const N_BINS: usize = 8;
-
-/// Position, m, and force, N, of a contact.
-pub(crate) type Contact = [f32; 4];
 
 /// What a method says of each test press; none where it found nothing.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -107,17 +104,6 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
         }
     }
     Ok(answers)
-}
-
-/// A single contact beside the one found.
-pub(crate) fn pair(truth: &Contact, found: &Contact) -> ContactPair {
-    let offset = (0..3).map(|i| f64::from(found[i] - truth[i]).powi(2));
-    ContactPair {
-        detected: 0,
-        truth: 0,
-        position_error_m: offset.sum::<f64>().sqrt(),
-        force_error_n: f64::from(found[3] - truth[3]),
-    }
 }
 
 /// Net outputs `[n, 4]` as contacts.

@@ -5,9 +5,8 @@ use hapdef::{ContactPair, ContactStats, Pipeline, Run, Stage};
 use hapdef_repro::{Fitted, Learner, Samples, SvrParams};
 use serde::{Deserialize, Serialize};
 
-use super::dataset::rig_singles;
+use super::dataset::{pair, rig_singles};
 use super::kept::kept;
-use super::singles::pair;
 
 const VERSION: u32 = 3;
 
