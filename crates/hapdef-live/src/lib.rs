@@ -14,7 +14,7 @@
 //! let source = StreamSource::new(TcpLink::new("10.0.0.7:7320"), StreamParams::default());
 //! let live = Live::builder(source)
 //!     .bundle(&bundle)
-//!     .boxed_estimator(bundle.estimator(SearchPlace::Background)?)
+//!     .boxed_estimator(bundle.estimator(None, SearchPlace::Background)?)
 //!     .sink(FnSink::new("robot", Wants::CONTACTS, |frame| println!("{:?}", frame.touch.contacts)))
 //!     .start()?;
 //! println!("{}", live.wait()?);
@@ -59,7 +59,7 @@ mod sink;
 pub mod sinks;
 pub mod touch;
 
-pub use bundle::{BUNDLE_VERSION, Bundle, BundleEstimator, BundleGauge, BundleInfo, BundleMode};
+pub use bundle::{BUNDLE_VERSION, Bundle, BundleGauge, BundleInfo, BundleMode};
 pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
 pub use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};

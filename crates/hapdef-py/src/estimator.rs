@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use hapdef::touch::{LiveEstimator, SearchPlace, Touch, TouchEstimator};
+use hapdef::touch::{EstimatorKind, Touch, TouchEstimator};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -96,17 +96,10 @@ impl PyEstimator {
     }
 }
 
-/// What finds contacts, by name; searches in the same thread, so that results are the same each time.
+/// What finds contacts, by name.
 ///
 /// # Errors
 /// `ValueError` for another name.
-pub(crate) fn choice(kind: &str) -> PyResult<LiveEstimator> {
-    match kind {
-        "superposition" => Ok(LiveEstimator::Superposition),
-        "tracking" => Ok(LiveEstimator::Tracking(SearchPlace::Here)),
-        "hapdefx" => Ok(LiveEstimator::Hapdefx),
-        _ => Err(PyValueError::new_err(format!(
-            "kind: expected 'superposition', 'tracking' or 'hapdefx', found {kind:?}"
-        ))),
-    }
+pub(crate) fn kind_of(name: &str) -> PyResult<EstimatorKind> {
+    name.parse().map_err(|e| PyValueError::new_err(format!("kind: {e}")))
 }

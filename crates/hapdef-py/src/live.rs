@@ -4,7 +4,7 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use hapdef::touch::LiveEstimator;
+use hapdef::touch::{EstimatorKind, SearchPlace};
 use hapdef::{Contacts, OpenScene, RigPlay, SourceArg};
 use hapdef_live::LiveFrame;
 use pyo3::exceptions::PyValueError;
@@ -19,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// What is to be played or read.
 pub(crate) struct LiveRequest {
-    pub choice: LiveEstimator,
+    pub kind: EstimatorKind,
     /// What is played where no source is named.
     pub play: RigPlay,
     pub tare_s: f64,
@@ -103,13 +103,13 @@ impl PyLive {
         let arg: Option<SourceArg> = source
             .map(|text| text.parse().map_err(|e| PyValueError::new_err(format!("source: {e}"))))
             .transpose()?;
-        let LiveRequest { choice, play, tare_s } = request;
+        let LiveRequest { kind, play, tare_s } = request;
         let (mut source, estimator) = work(py, scene, move |scene| {
             let source = match arg {
                 Some(arg) => scene.source(&arg)?,
                 None => scene.rig_source(&play)?,
             };
-            Ok((source, scene.estimator(Some(choice))?))
+            Ok((source, scene.estimator(Some(kind), SearchPlace::Here)?))
         })?;
         source.params.tare_s = tare_s;
         let name = source.name();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use hapdef::scene::{EstimatorSpec, GaugeEntry, SuperpositionSpec};
 use hapdef::stages::compliance_table;
-use hapdef::touch::{LayoutParams, response_map, study_layouts};
+use hapdef::touch::{LayoutParams, SearchPlace, response_map, study_layouts};
 use hapdef::{OpenParams, OpenScene, Pipeline, Progress, RigPlay, Until, write_json};
 use nalgebra::Point3;
 use numpy::{PyArray2, PyArray3};
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use crate::array::{Numbers, Table, numbers, positions, rows, three, triples, two, vectors};
 use crate::calibration::{PressTable, PyCalibration};
 use crate::error::to_python;
-use crate::estimator::{PyEstimator, choice};
+use crate::estimator::{PyEstimator, kind_of};
 use crate::layout::PyLayout;
 use crate::live::{LiveRequest, PyLive};
 use crate::profile;
@@ -319,8 +319,10 @@ impl PyScene {
     /// 'hapdefx' (the paper's nets, trained where they are not).
     #[pyo3(signature = (kind = None))]
     fn estimator(&self, py: Python<'_>, kind: Option<&str>) -> PyResult<PyEstimator> {
-        let choice = kind.map(choice).transpose()?;
-        let estimator = work(py, &self.scene, move |scene| scene.estimator(choice))?;
+        let kind = kind.map(kind_of).transpose()?;
+        // Searches in the same thread: the same frames always give the same contacts.
+        let estimator =
+            work(py, &self.scene, move |scene| scene.estimator(kind, SearchPlace::Here))?;
         Ok(PyEstimator::new(estimator))
     }
 
@@ -336,7 +338,7 @@ impl PyScene {
         seed: u64,
     ) -> PyResult<PyLive> {
         let play = RigPlay { seconds, seed };
-        let request = LiveRequest { choice: choice(kind)?, play, tare_s };
+        let request = LiveRequest { kind: kind_of(kind)?, play, tare_s };
         PyLive::start(py, &self.scene, source, request)
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use hapdef_inverse::{ContactEstimator, ResponseMap};
-use hapdef_live::touch::{SearchPlace, Superposition, TouchEstimator, Tracking};
+use hapdef_live::touch::{EstimatorKind, SearchPlace, Superposition, TouchEstimator, Tracking};
 use hapdef_rig::live::LiveLimb;
 
 use crate::error::HapdefError;
@@ -16,9 +16,7 @@ use crate::run::Run;
 use crate::scene::{EstimatorSpec, Scene};
 use crate::source::{RigPlay, Source};
 use crate::source_args::SourceArg;
-use crate::touch::{
-    LiveEstimator, by_superposition, live_estimator, touch_estimator, tracker_params,
-};
+use crate::touch::{by_superposition, live_estimator, tracker_params};
 use crate::virtual_rig::live_limb;
 
 /// A scene, its limb, and where results go.
@@ -154,19 +152,18 @@ impl OpenScene {
         Ok(SolvedLimb { estimator, scene: self.clone() })
     }
 
-    /// What finds contacts, made with no more than it needs: `choice`, or each frame on its own by
-    /// what the scene chooses.
+    /// What finds contacts, made with no more than it needs: `kind`, or each frame on its own by
+    /// what the scene chooses; full searches of tracking run at `place`.
     ///
     /// # Errors
     /// What the first step that fails returns.
     pub fn estimator(
         &self,
-        choice: Option<LiveEstimator>,
+        kind: Option<EstimatorKind>,
+        place: SearchPlace,
     ) -> Result<Box<dyn TouchEstimator>, HapdefError> {
-        match choice {
-            Some(choice) => live_estimator(&self.run, &self.limb, choice),
-            None => touch_estimator(&self.run, &self.limb),
-        }
+        let kind = kind.unwrap_or(self.run.scene.estimator.kind());
+        live_estimator(&self.run, &self.limb, kind, place)
     }
 
     /// The simulated hardware: the perturbed limb, solved once and kept in the cache.

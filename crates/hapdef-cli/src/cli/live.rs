@@ -9,10 +9,11 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{ArgGroup, Args};
 use hapdef::scene::Outputs;
 use hapdef::touch::{
-    LiveEstimator, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
+    EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
 use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
 use hapdef_cli::SceneArgs;
@@ -60,8 +61,8 @@ pub(crate) struct LiveArgs {
     #[command(flatten)]
     view: ViewArgs,
     /// What finds contacts; the scene's way if not given.
-    #[arg(long)]
-    estimator: Option<EstimatorName>,
+    #[arg(long, value_parser = estimator_kind())]
+    estimator: Option<EstimatorKind>,
     /// Print JSON lines.
     #[arg(long)]
     json: bool,
@@ -89,17 +90,6 @@ pub(crate) struct LiveArgs {
     /// Real-time priority of the reader, 1 to 99, where the system grants it.
     #[arg(long, value_name = "PRIORITY")]
     realtime: Option<u8>,
-}
-
-/// See [`LiveEstimator`].
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum EstimatorName {
-    /// By superposition, contacts followed from frame to frame.
-    Tracking,
-    /// By superposition, each frame on its own.
-    Superposition,
-    /// The paper's chain of nets; a bundle needs them in it.
-    Hapdefx,
 }
 
 /// A model and a source, made ready.
@@ -154,12 +144,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
 
 impl Model {
     fn of_bundle(args: &LiveArgs, bundle: &Bundle) -> Result<Self> {
-        let estimator: Box<dyn TouchEstimator> = match args.estimator {
-            None => bundle.estimator(args.place())?,
-            Some(EstimatorName::Tracking) => Box::new(bundle.tracking(args.place())?),
-            Some(EstimatorName::Superposition) => Box::new(bundle.superposition()?),
-            Some(EstimatorName::Hapdefx) => Box::new(bundle.paper_chain()?),
-        };
+        let estimator = bundle.estimator(args.estimator, args.place())?;
         let Some(source) = &args.source else {
             bail!("--sim: the simulated rig is made from a scene: give that instead of its bundle")
         };
@@ -184,12 +169,7 @@ impl Model {
     fn of_scene(args: &LiveArgs) -> Result<Self> {
         let run = args.scene.prepare()?;
         let limb = Limb::load(&run.scene, &run.scene_dir)?;
-        let choice = match args.estimator {
-            None => LiveEstimator::of_scene(&run.scene.estimator, args.place()),
-            Some(EstimatorName::Tracking) => LiveEstimator::Tracking(args.place()),
-            Some(EstimatorName::Superposition) => LiveEstimator::Superposition,
-            Some(EstimatorName::Hapdefx) => LiveEstimator::Hapdefx,
-        };
+        let kind = args.estimator.unwrap_or(run.scene.estimator.kind().in_stream());
         let out = &args.scene.out;
         let view = || args.view.of_scene(&run, &limb, args.origin(), out);
         let view = args.view.is_wanted().then(view).transpose()?;
@@ -200,7 +180,7 @@ impl Model {
         let sites = run.scene.gauges.sites.iter();
         let model = Self {
             source,
-            estimator: live_estimator(&run, &limb, choice)?,
+            estimator: live_estimator(&run, &limb, kind, args.place())?,
             gauges: sites.map(|site| gauge(&site.name, 1.0)).collect(),
             noise_ue: run.scene.estimator.superposition().noise_ue,
             calibration: calibration_in_use(&run, &limb)?,
@@ -319,6 +299,18 @@ impl LiveArgs {
     fn is_unpaced(&self) -> bool {
         self.source.as_ref().is_some_and(SourceArg::is_unpaced)
     }
+}
+
+/// An estimator by its name, with a word on each in the help.
+fn estimator_kind() -> impl TypedValueParser<Value = EstimatorKind> {
+    let values = EstimatorKind::ALL.map(|kind| {
+        PossibleValue::new(kind.name()).help(match kind {
+            EstimatorKind::Tracking => "By superposition, contacts followed from frame to frame",
+            EstimatorKind::Superposition => "By superposition, each frame on its own",
+            EstimatorKind::Hapdefx => "The paper's chain of nets; a bundle needs them in it",
+        })
+    });
+    PossibleValuesParser::new(values).try_map(|name| name.parse::<EstimatorKind>())
 }
 
 fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> {

@@ -17,7 +17,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::LiveError;
-use crate::touch::{SearchPlace, Superposition, SuperpositionSettings, TouchEstimator, Tracking};
+use crate::touch::{
+    EstimatorKind, SearchPlace, Superposition, SuperpositionSettings, TouchEstimator, Tracking,
+};
 
 /// Version of the form that is written and read here.
 pub const BUNDLE_VERSION: u32 = 2;
@@ -56,19 +58,9 @@ pub struct BundleInfo {
     /// The gauges in the order of the map.
     pub gauges: Vec<BundleGauge>,
     /// What finds contacts, as the scene chooses it.
-    pub estimator: BundleEstimator,
+    pub estimator: EstimatorKind,
     /// How contacts are looked for by superposition, and how many there are at most.
     pub settings: SuperpositionSettings,
-}
-
-/// What finds contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum BundleEstimator {
-    /// Superposition on the response map.
-    Superposition,
-    /// The paper's chain of nets.
-    Hapdefx,
 }
 
 /// A gauge.
@@ -205,19 +197,24 @@ impl Bundle {
         Ok(crate::touch::PaperChain::new(chain, max_contacts))
     }
 
-    /// What the scene chooses: contacts followed from frame to frame by superposition, or the paper's
-    /// chain, which takes the feature `nets`.
+    /// What finds contacts in a stream: `kind`, or what the scene chooses. The paper's chain takes the
+    /// feature `nets`; full searches of tracking run at `place`.
     ///
     /// # Errors
     /// As [`Bundle::tracking`] and [`Bundle::paper_chain`]; [`LiveError::NetsLeftOut`] without the
     /// feature.
-    pub fn estimator(&self, place: SearchPlace) -> Result<Box<dyn TouchEstimator>, LiveError> {
-        match self.info.estimator {
-            BundleEstimator::Superposition => Ok(Box::new(self.tracking(place)?)),
+    pub fn estimator(
+        &self,
+        kind: Option<EstimatorKind>,
+        place: SearchPlace,
+    ) -> Result<Box<dyn TouchEstimator>, LiveError> {
+        match kind.unwrap_or(self.info.estimator.in_stream()) {
+            EstimatorKind::Tracking => Ok(Box::new(self.tracking(place)?)),
+            EstimatorKind::Superposition => Ok(Box::new(self.superposition()?)),
             #[cfg(feature = "nets")]
-            BundleEstimator::Hapdefx => Ok(Box::new(self.paper_chain()?)),
+            EstimatorKind::Hapdefx => Ok(Box::new(self.paper_chain()?)),
             #[cfg(not(feature = "nets"))]
-            BundleEstimator::Hapdefx => {
+            EstimatorKind::Hapdefx => {
                 Err(LiveError::NetsLeftOut { scene: self.info.scene.clone() })
             }
         }

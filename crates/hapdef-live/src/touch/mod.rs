@@ -2,6 +2,7 @@
 
 #[cfg(feature = "nets")]
 mod hapdefx;
+mod kind;
 mod settings;
 mod superposition;
 mod tracking;
@@ -11,6 +12,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 #[cfg(feature = "nets")]
 pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
+pub use kind::{EstimatorKind, UnknownEstimator};
 pub use settings::{SuperpositionSettings, friction_rms};
 pub use superposition::Superposition;
 pub use tracking::{SearchPlace, Tracking};

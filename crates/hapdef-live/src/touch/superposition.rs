@@ -2,7 +2,9 @@
 
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
 
-use super::{Alternative, Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality};
+use super::{
+    Alternative, EstimatorKind, Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality,
+};
 use super::{TouchUncertainty, TouchWanted, noisier};
 use crate::error::LiveError;
 
@@ -95,7 +97,7 @@ impl Superposition {
 
 impl TouchEstimator for Superposition {
     fn name(&self) -> &'static str {
-        "superposition"
+        EstimatorKind::Superposition.name()
     }
 
     fn n_gauges(&self) -> usize {

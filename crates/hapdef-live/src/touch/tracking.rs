@@ -5,7 +5,7 @@ use hapdef_inverse::{
     TrackerParams,
 };
 
-use super::{Alternative, TouchWanted, noisier};
+use super::{Alternative, EstimatorKind, TouchWanted, noisier};
 use super::{Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality, TouchUncertainty};
 use crate::error::LiveError;
 
@@ -166,7 +166,7 @@ impl Tracking {
 
 impl TouchEstimator for Tracking {
     fn name(&self) -> &'static str {
-        "tracking"
+        EstimatorKind::Tracking.name()
     }
 
     fn n_gauges(&self) -> usize {

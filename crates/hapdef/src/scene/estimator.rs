@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use hapdef_live::touch::EstimatorKind;
 use serde::{Deserialize, Serialize};
 
-/// Which estimator turns readings into contacts.
+/// Which estimator turns readings into contacts, with its settings.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum EstimatorSpec {
@@ -76,6 +77,15 @@ impl Default for SuperpositionSpec {
 }
 
 impl EstimatorSpec {
+    /// What it chooses for a frame on its own.
+    #[must_use]
+    pub fn kind(&self) -> EstimatorKind {
+        match self {
+            Self::Hapdefx(_) => EstimatorKind::Hapdefx,
+            Self::Superposition(_) => EstimatorKind::Superposition,
+        }
+    }
+
     /// Refinements of the mesh for the map behind a calibration; none where the scene chooses
     /// another estimator.
     #[must_use]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::ResponseMap;
-use hapdef_live::touch::SuperpositionSettings;
-use hapdef_live::{Bundle, BundleEstimator, BundleGauge, BundleInfo, BundleMode};
+use hapdef_live::touch::{EstimatorKind, SuperpositionSettings};
+use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 
 use super::{
@@ -15,7 +15,6 @@ use super::{
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::EstimatorSpec;
 use crate::stages::trained_chain;
 
 /// What a bundle has beside the map.
@@ -50,7 +49,7 @@ pub fn make_bundle(
     if let Some(n_stiffness) = request.n_stiffness {
         bundle.modes = modes(run, limb, n_stiffness)?;
     }
-    if request.has_nets || bundle.info.estimator == BundleEstimator::Hapdefx {
+    if request.has_nets || bundle.info.estimator == EstimatorKind::Hapdefx {
         bundle.nets = nets(run, limb)?;
     }
     Ok(bundle)
@@ -104,10 +103,7 @@ fn info(run: &Run, limb: &Limb, settings: SuperpositionSettings) -> BundleInfo {
         made_by: env!("CARGO_PKG_VERSION").to_owned(),
         deck_hash: Some(limb.deck_hash.clone()),
         gauges: run.scene.gauges.sites.iter().map(gauge).collect(),
-        estimator: match run.scene.estimator {
-            EstimatorSpec::Superposition(_) => BundleEstimator::Superposition,
-            EstimatorSpec::Hapdefx(_) => BundleEstimator::Hapdefx,
-        },
+        estimator: run.scene.estimator.kind(),
         settings,
     }
 }

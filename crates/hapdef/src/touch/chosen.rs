@@ -1,67 +1,45 @@
 //! The estimator that a scene chooses.
 
 use hapdef_inverse::{ContactEstimator, TrackerParams};
-use hapdef_live::touch::{PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking};
+use hapdef_live::touch::{
+    EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking,
+};
 
 use super::{Calibration, response_map, superposition};
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::scene::{EstimatorSpec, Scene};
+use crate::scene::Scene;
 use crate::stages::{
     Datasets, NetKind, TrainedNets, compliance, datasets, rig, train_kinds, trained_chain,
 };
 
-/// What finds contacts in a stream of frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LiveEstimator {
-    /// By superposition, contacts followed from frame to frame.
-    Tracking(SearchPlace),
-    /// By superposition, each frame on its own.
-    Superposition,
-    /// The paper's chain, each frame on its own.
-    Hapdefx,
-}
-
-impl LiveEstimator {
-    /// What a scene's estimator is in a stream.
-    #[must_use]
-    pub fn of_scene(spec: &EstimatorSpec, place: SearchPlace) -> Self {
-        match spec {
-            EstimatorSpec::Superposition(_) => Self::Tracking(place),
-            EstimatorSpec::Hapdefx(_) => Self::Hapdefx,
-        }
-    }
-}
-
-/// Makes the scene's estimator, and no more than it needs: by superposition one adjoint solve for
-/// each gauge, or none with a calibration; the paper's chain the compliance, the datasets and its three nets, from the cache where they are.
+/// Makes the scene's estimator of each frame on its own, and no more than it needs: by superposition
+/// one adjoint solve for each gauge, or none with a calibration; the paper's chain the compliance, the
+/// datasets and its three nets, from the cache where they are.
 ///
 /// # Errors
 /// What the first step that fails returns.
 pub fn touch_estimator(run: &Run, limb: &Limb) -> Result<Box<dyn TouchEstimator>, HapdefError> {
-    let choice = match &run.scene.estimator {
-        EstimatorSpec::Superposition(_) => LiveEstimator::Superposition,
-        EstimatorSpec::Hapdefx(_) => LiveEstimator::Hapdefx,
-    };
-    live_estimator(run, limb, choice)
+    live_estimator(run, limb, run.scene.estimator.kind(), SearchPlace::Never)
 }
 
-/// The same for a stream, whatever the scene chooses; superposition has the scene's knobs, or the
-/// defaults where the scene has none.
+/// The estimator `kind`, whatever the scene chooses; superposition has the scene's settings, or the
+/// defaults where the scene has none, and full searches of tracking run at `place`.
 ///
 /// # Errors
 /// As [`touch_estimator`].
 pub fn live_estimator(
     run: &Run,
     limb: &Limb,
-    choice: LiveEstimator,
+    kind: EstimatorKind,
+    place: SearchPlace,
 ) -> Result<Box<dyn TouchEstimator>, HapdefError> {
-    Ok(match choice {
-        LiveEstimator::Hapdefx => Box::new(paper_chain(run, limb)?),
-        LiveEstimator::Superposition => Box::new(Superposition::new(by_superposition(run, limb)?)),
-        LiveEstimator::Tracking(place) => {
+    Ok(match kind {
+        EstimatorKind::Hapdefx => Box::new(paper_chain(run, limb)?),
+        EstimatorKind::Superposition => Box::new(Superposition::new(by_superposition(run, limb)?)),
+        EstimatorKind::Tracking => {
             let params = tracker_params(&run.scene);
             Box::new(Tracking::new(by_superposition(run, limb)?, params, place)?)
         }

@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::modes::UncertainParams;
 use super::response::{node_values, touchable_skin};
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -49,19 +48,20 @@ impl<'a> FineLimb<'a> {
     pub(super) fn map(
         &self,
         sites: &[GaugeSite],
-        params: &UncertainParams,
+        tip_radius_m: f64,
+        n_threads: usize,
     ) -> Result<ResponseMap, HapdefError> {
         let faces = self.mesh.boundary().faces;
         let anywhere = GaugeParams { max_lost_share: 1.0, ..self.limb.gauge_params };
         let place = |site| GaugeStrain::with_params(&self.mesh, &faces, site, &anywhere);
         let gauges: Vec<GaugeStrain> = sites.iter().map(place).collect::<Result<_, _>>()?;
         let elastic = ElasticParams {
-            n_threads: params.n_threads,
+            n_threads,
             ..ElasticParams::new(self.limb.material, self.clamped.clone())
         };
         let (response, _) = ElasticModel::build(&self.mesh, &elastic)?.response(&gauges)?;
         let under_point = node_values(&self.skin.nodes, &response);
-        let tip = ResponseParams { tip_radius_m: params.tip_radius_m };
+        let tip = ResponseParams { tip_radius_m };
         let under_tip =
             ResponseMap::from_nodal(self.as_skin()?, gauges.len(), &under_point, &tip)?.nodal();
         let skin = touchable_skin(self.limb)?;

@@ -1,14 +1,10 @@
-//! Where on a limb's inner wall to put gauges: layouts by several methods, scored alike.
-
-use std::time::Instant;
+//! Where on a limb's inner wall gauges can be put: what is asked, and the places that fit.
 
 use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeStrain};
+use hapdef_sim::GaugeStrain;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::layout_choice::choose_layouts;
-use super::response::gauge_map;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -119,48 +115,16 @@ pub struct CountedLayout {
     pub score: PlacementScore,
 }
 
-/// Looks at places on the inner wall and chooses layouts.
-///
-/// # Errors
-/// [`HapdefError::TooFewGaugeSites`] when the wall has too few places;
-/// [`HapdefError::Inverse`] when spacing and keep-out leave too few; [`HapdefError::Sim`].
-pub fn study_layouts(
-    run: &Run,
-    limb: &Limb,
-    params: &LayoutParams,
-) -> Result<LayoutStudy, HapdefError> {
-    let start = Instant::now();
-    let places = Places::find(run, limb, params)?;
-    run.say(&format!("solving {} candidate gauges", places.gauges.len()));
-    let elastic = ElasticParams {
-        n_threads: run.threads,
-        ..ElasticParams::new(limb.material, limb.clamped.clone())
-    };
-    let model = ElasticModel::build(&limb.mesh, &elastic)?;
-    let tip_radius_m = run.scene.contact.tip_radius_m;
-    let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
-    let candidates = places.candidates(&map, params)?;
-    let mut study = LayoutStudy {
-        n_candidates: places.gauges.len() - places.n_own,
-        n_refused: places.n_refused,
-        solve_s: start.elapsed().as_secs_f64(),
-        layouts: Vec::new(),
-        by_count: Vec::new(),
-    };
-    choose_layouts(&places, &candidates, params, &mut study)?;
-    Ok(study)
-}
-
 /// Gauges that fit on the wall, the scene's own behind them.
 pub(super) struct Places {
-    gauges: Vec<GaugeStrain>,
+    pub(super) gauges: Vec<GaugeStrain>,
     pub(super) placed: Vec<PlacedGauge>,
-    n_own: usize,
-    n_refused: usize,
+    pub(super) n_own: usize,
+    pub(super) n_refused: usize,
 }
 
 impl Places {
-    fn find(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
+    pub(super) fn find(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
         let max_wall_m = run.scene.rig.max_wall_m;
         let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, max_wall_m)?;
         let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
@@ -202,7 +166,7 @@ impl Places {
         self.gauges.len() - self.n_own..self.gauges.len()
     }
 
-    fn candidates(
+    pub(super) fn candidates(
         &self,
         map: &ResponseMap,
         params: &LayoutParams,

@@ -1,4 +1,4 @@
-//! Layouts chosen by each method, and scored.
+//! Layouts of gauges chosen by several methods, scored alike.
 
 use std::time::Instant;
 
@@ -8,9 +8,13 @@ use hapdef_inverse::{
     place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
     placement_score,
 };
+use hapdef_sim::{ElasticModel, ElasticParams};
 
 use super::layout::{CountedLayout, LayoutParams, LayoutStudy, Places, ScoredLayout};
+use super::response::gauge_map;
 use crate::error::HapdefError;
+use crate::limb::Limb;
+use crate::run::Run;
 
 /// Chooses gauges among candidates.
 type Method = fn(&Candidates, &PlacementParams) -> Result<Vec<usize>, InverseError>;
@@ -25,11 +29,43 @@ const COMPARED: [(&str, Method); 4] = [
 
 const GREEDY: (&str, Method) = ("greedy log-det", place_greedy);
 
+/// Looks at places on the inner wall and chooses layouts.
+///
+/// # Errors
+/// [`HapdefError::TooFewGaugeSites`] when the wall has too few places;
+/// [`HapdefError::Inverse`] when spacing and keep-out leave too few; [`HapdefError::Sim`].
+pub fn study_layouts(
+    run: &Run,
+    limb: &Limb,
+    params: &LayoutParams,
+) -> Result<LayoutStudy, HapdefError> {
+    let start = Instant::now();
+    let places = Places::find(run, limb, params)?;
+    run.say(&format!("solving {} candidate gauges", places.gauges.len()));
+    let elastic = ElasticParams {
+        n_threads: run.threads,
+        ..ElasticParams::new(limb.material, limb.clamped.clone())
+    };
+    let model = ElasticModel::build(&limb.mesh, &elastic)?;
+    let tip_radius_m = run.scene.contact.tip_radius_m;
+    let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
+    let candidates = places.candidates(&map, params)?;
+    let mut study = LayoutStudy {
+        n_candidates: places.gauges.len() - places.n_own,
+        n_refused: places.n_refused,
+        solve_s: start.elapsed().as_secs_f64(),
+        layouts: Vec::new(),
+        by_count: Vec::new(),
+    };
+    choose_layouts(&places, &candidates, params, &mut study)?;
+    Ok(study)
+}
+
 /// Chooses and scores into `study`, the recommended layout last.
 ///
 /// # Errors
 /// [`HapdefError::Inverse`] when spacing and keep-out leave too few places.
-pub(super) fn choose_layouts(
+fn choose_layouts(
     places: &Places,
     candidates: &Candidates,
     params: &LayoutParams,

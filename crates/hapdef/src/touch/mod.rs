@@ -17,15 +17,14 @@ mod superposition;
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
 pub(crate) use calibration::N_STIFFNESS;
 pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
-pub use chosen::{ChainStages, LiveEstimator, chain_stages, live_estimator, touch_estimator};
+pub use chosen::{ChainStages, chain_stages, live_estimator, touch_estimator};
 pub(crate) use chosen::{by_superposition, tracker_params};
 pub use hapdef_live::touch::{
-    Alternative, PaperChain, SearchPlace, Superposition, Touch, TouchContact, TouchEstimator,
-    TouchFrame, TouchQuality, TouchUncertainty, TouchWanted, Tracking,
+    Alternative, EstimatorKind, PaperChain, SearchPlace, Superposition, Touch, TouchContact,
+    TouchEstimator, TouchFrame, TouchQuality, TouchUncertainty, TouchWanted, Tracking,
 };
-pub use layout::{
-    CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, study_layouts,
-};
+pub use layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout};
+pub use layout_choice::study_layouts;
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use response::{gauge_map, response_map, touchable_skin};

@@ -65,7 +65,11 @@ impl UncertainResponse {
         let map = if params.refinements == 0 {
             on_skin(&skin_values(limb, &response))?
         } else {
-            FineLimb::new(limb, params.refinements)?.map(sites, params)?
+            FineLimb::new(limb, params.refinements)?.map(
+                sites,
+                params.tip_radius_m,
+                params.n_threads,
+            )?
         };
         Ok(Self {
             map,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use hapdef::touch::{
-    BundleRequest, Calibration, LiveEstimator, SearchPlace, Touch, TouchEstimator, live_estimator,
+    BundleRequest, Calibration, EstimatorKind, SearchPlace, Touch, TouchEstimator, live_estimator,
     make_bundle, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run};
@@ -68,7 +68,7 @@ fn a_bundle_stands_for_its_scene() {
     same(&frames, bundle.superposition().unwrap(), touch_estimator(&run, &limb).unwrap());
     let stream: Vec<Vec<f64>> = frames.iter().flat_map(|f| vec![f.clone(); 150]).collect();
     let place = SearchPlace::Here;
-    let followed = live_estimator(&run, &limb, LiveEstimator::Tracking(place)).unwrap();
+    let followed = live_estimator(&run, &limb, EstimatorKind::Tracking, place).unwrap();
     same(&stream, bundle.tracking(place).unwrap(), followed);
 }
 

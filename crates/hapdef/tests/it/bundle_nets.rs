@@ -5,15 +5,13 @@ use std::path::Path;
 use std::sync::{Arc, mpsc::channel};
 
 use hapdef::touch::{
-    BundleRequest, SearchPlace, Touch, TouchEstimator, make_bundle, touch_estimator,
+    BundleRequest, EstimatorKind, SearchPlace, Touch, TouchEstimator, make_bundle, touch_estimator,
 };
 use hapdef::{Limb, Profile, Progress, Run, Schedule};
 use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{Frame, Message};
-use hapdef_live::{
-    Bundle, BundleEstimator, Delivery, FnSink, Live, LiveError, LiveGauge, LiveParams, Wants,
-};
+use hapdef_live::{Bundle, Delivery, FnSink, Live, LiveError, LiveGauge, LiveParams, Wants};
 
 /// µε per count.
 const SCALE: f32 = 1.0 / 1024.0;
@@ -97,11 +95,11 @@ fn a_bundles_nets_are_the_scenes() {
     let text = std::fs::read_to_string(&scene).unwrap();
     let made = make_bundle(&run, &limb, text, &BundleRequest::default()).unwrap();
     let bundle = Bundle::from_bytes(&made.to_bytes().unwrap(), "test").unwrap();
-    assert_eq!(bundle.info.estimator, BundleEstimator::Hapdefx);
+    assert_eq!(bundle.info.estimator, EstimatorKind::Hapdefx);
     let expected = found(&bundle, whole);
     let n_contacts: usize = expected.iter().map(|touch| touch.contacts.len()).sum();
     assert!(expected.len() == 24 && n_contacts >= 24, "{n_contacts} contacts");
-    let bundled = bundle.estimator(SearchPlace::Here).unwrap();
+    let bundled = bundle.estimator(None, SearchPlace::Here).unwrap();
     assert_eq!(found(&bundle, bundled), expected);
 
     for name in bundle.nets.keys() {

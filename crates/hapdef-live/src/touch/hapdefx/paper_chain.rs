@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::super::{Touch, TouchContact, TouchEstimator, TouchFrame};
+use super::super::{EstimatorKind, Touch, TouchContact, TouchEstimator, TouchFrame};
 use super::{Hapdefx, HapdefxScratch};
 use crate::error::LiveError;
 
@@ -50,7 +50,7 @@ impl PaperChain {
 
 impl TouchEstimator for PaperChain {
     fn name(&self) -> &'static str {
-        "hapdefx"
+        EstimatorKind::Hapdefx.name()
     }
 
     fn n_gauges(&self) -> usize {

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex};
 
 use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::{Frame, Message};
-use hapdef_live::touch::SuperpositionSettings;
-use hapdef_live::{Bundle, BundleEstimator, BundleGauge, BundleInfo};
+use hapdef_live::touch::{EstimatorKind, SuperpositionSettings};
+use hapdef_live::{Bundle, BundleGauge, BundleInfo};
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +50,7 @@ pub fn bundle(world: &World) -> Bundle {
         made_by: "0.0.0".to_owned(),
         deck_hash: None,
         gauges: (0..world.gauges.len()).map(gauge).collect(),
-        estimator: BundleEstimator::Superposition,
+        estimator: EstimatorKind::Superposition,
         settings: settings(),
     };
     Bundle::new(info, world.map.clone(), Some(&outward)).unwrap()
