@@ -108,7 +108,7 @@ fn both_contacts_are_found() {
     assert_eq!(estimate.contacts.len(), 2, "{estimate:?}");
     for (angle, height_m, force_n) in PRESSED {
         let truth = place(angle, height_m);
-        let miss = |c: &&hapdef_inverse::Contact| (c.position_m - truth).norm();
+        let miss = |c: &&hapdef_inverse::LocatedContact| (c.position_m - truth).norm();
         let mut contacts = estimate.contacts.iter();
         let found = contacts.find(|c| miss(c) < 0.01).unwrap();
         // Without noise, what is left is the prior on forces and the facets of the barrel.

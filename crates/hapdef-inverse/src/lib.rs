@@ -41,13 +41,14 @@ pub use calibration::{
     BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError,
     LEAST_PRESSES, ModeMap, ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
-pub use conditioning::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
+pub use conditioning::{Conditioned, Conditioner, ConditionerParams};
 pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{
-    CHI2_95, Contact, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams,
-    EstimatorScratch, IfTwo, MAX_CONTACTS, RunnerUp, ShearContact, Verdict, WhyNot,
+    CHI2_95, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
+    IfTwo, LocatedContact, RunnerUp, ShearContact,
 };
+pub use hapdef_contact::{GaugeHealth, MAX_CONTACTS, Phase, TouchPhase, Verdict, WhyNot};
 pub use limits::{
     Carried, ContactBound, LimitParams, carried_contacts, joint_bounds, single_bounds,
 };
@@ -63,7 +64,7 @@ pub use sites::ScanSites;
 pub use skin::{Skin, SkinFaces, SkinParams};
 pub use skin_point::SkinPoint;
 pub use tracker::{
-    BackgroundSearch, ContactId, ContactTracker, Phase, SearchOutcome, SearchRequest, TrackInfo,
+    BackgroundSearch, ContactId, ContactTracker, SearchOutcome, SearchRequest, TrackInfo,
     TrackedContact, TrackedFrame, TrackerParams,
 };
 pub use walk::{AtWall, Walk, WalkEnd};

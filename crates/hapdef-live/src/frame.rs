@@ -1,9 +1,7 @@
 //! A frame on its way: what was read, what it means.
 
+use hapdef_contact::{GaugeHealth, Touch, TouchPhase};
 use hapdef_daq::hdp1::FrameFlags;
-use hapdef_inverse::{GaugeHealth, TouchPhase};
-
-use crate::touch::Touch;
 
 /// One frame with everything that was found in it. What no sink wants is not computed and is as it
 /// is in an empty frame.

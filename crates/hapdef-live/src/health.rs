@@ -3,8 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 use std::sync::Arc;
 
+use hapdef_contact::{GaugeHealth, TouchPhase};
 use hapdef_daq::source::{LinkState, SourceStats};
-use hapdef_inverse::{GaugeHealth, TouchPhase};
 
 pub use crate::histogram::Latency;
 

@@ -2,12 +2,12 @@
 //!
 //! A [`Bundle`] is one file with everything about a limb. A [`Live`] runtime reads a
 //! [`hapdef_daq::source::FrameSource`] on a thread of its own, takes tare and drift off the readings,
-//! finds contacts with a [`touch::TouchEstimator`] and hands [`LiveFrame`]s to [`Sink`]s, each at its
+//! finds contacts with a [`estimator::TouchEstimator`] and hands [`LiveFrame`]s to [`Sink`]s, each at its
 //! own pace. What no sink wants is not computed; what is lost, dropped or skipped is counted.
 //!
 //! ```no_run
 //! use hapdef_daq::source::{StreamParams, StreamSource, TcpLink};
-//! use hapdef_live::touch::SearchPlace;
+//! use hapdef_live::estimator::SearchPlace;
 //! use hapdef_live::{Bundle, FnSink, Live, Wants};
 //!
 //! let bundle = Bundle::read("shin.hapdef".as_ref())?;
@@ -44,25 +44,28 @@
 //! # Ok::<(), hapdef_live::LiveError>(())
 //! ```
 //!
-//! With the feature `nets` the paper's chain ([`touch::Hapdefx`]) is among the estimators; a scene that
+//! With the feature `nets` the paper's chain ([`estimator::Hapdefx`]) is among the estimators; a scene that
 //! chooses it has its trained nets in the bundle.
 //!
 //! This crate knows nothing of meshes, finite elements, training or web pages.
 
 mod bundle;
 mod error;
+pub mod estimator;
 mod frame;
 mod health;
 mod histogram;
 mod runtime;
 mod sink;
 pub mod sinks;
-pub mod touch;
 
 pub use bundle::{BUNDLE_VERSION, Bundle, BundleGauge, BundleInfo, BundleMode};
 pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
-pub use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
+pub use hapdef_contact::{
+    Alternative, Contact, GaugeHealth, Phase, Quality, Touch, TouchPhase, Uncertainty, Verdict,
+    WhyNot,
+};
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
 pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};

@@ -6,9 +6,9 @@ use hapdef_daq::hdp1::{Hello, Status};
 use hapdef_daq::source::LinkState;
 
 use crate::error::AnyError;
+use crate::estimator::TouchWanted;
 use crate::frame::LiveFrame;
 use crate::health::{ClientHealth, Health};
-use crate::touch::TouchWanted;
 
 /// Takes frames and events. It runs on a thread of its own, and a slow one loses frames, which are
 /// counted, instead of holding up others.

@@ -1,7 +1,7 @@
 //! What frames tell, as arrays.
 
-use hapdef::touch::{Touch, TouchContact};
-use hapdef_inverse::Phase;
+use hapdef::touch::{Contact, Quality, Touch, Uncertainty};
+use hapdef_live::Phase;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::array::{one, two};
 #[pyclass(frozen, module = "hapdef", name = "Contact")]
 #[derive(Clone)]
 pub struct PyContact {
-    contact: TouchContact,
+    contact: Contact,
 }
 
 /// Contacts of many frames: one entry a contact, frame by frame, beside one entry a frame.
@@ -67,11 +67,7 @@ impl PyContact {
     /// 'born', 'held' or 'sliding', where contacts are followed.
     #[getter]
     fn phase(&self) -> Option<&'static str> {
-        Some(match self.contact.phase? {
-            Phase::Born => "born",
-            Phase::Held => "held",
-            Phase::Sliding => "sliding",
-        })
+        self.contact.phase.map(Phase::word)
     }
 
     /// Standard deviation of its position, m, where that is known.
@@ -90,9 +86,8 @@ impl PyContact {
     #[getter]
     fn covariance_m2(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray2<f64>>>> {
         let uncertainty = self.contact.uncertainty;
-        let matrix = |u: hapdef::touch::TouchUncertainty| {
-            two(py, u.position_covariance_m2().as_slice().to_vec(), [3, 3])
-        };
+        let matrix =
+            |u: Uncertainty| two(py, u.position_covariance_m2().as_slice().to_vec(), [3, 3]);
         uncertainty.map(matrix).transpose()
     }
 
@@ -117,7 +112,7 @@ impl PyEstimates {
 
 impl PyContact {
     /// Wraps a contact.
-    pub(crate) fn new(contact: TouchContact) -> Self {
+    pub(crate) fn new(contact: Contact) -> Self {
         Self { contact }
     }
 }
@@ -132,12 +127,12 @@ impl PyEstimates {
         let positions = contacts().flat_map(|c| <[f64; 3]>::from(c.position_m.coords));
         let positions: Vec<f64> = positions.collect();
         let shape = [positions.len() / 3, 3];
-        let of = |value: fn(&TouchContact) -> f64| one(py, contacts().map(value).collect());
-        let quality = |value: fn(&hapdef::touch::TouchQuality) -> f64| {
+        let of = |value: fn(&Contact) -> f64| one(py, contacts().map(value).collect());
+        let quality = |value: fn(&Quality) -> f64| {
             let values = frames.iter().map(|t| t.quality.as_ref().map_or(f64::NAN, value));
             one(py, values.collect())
         };
-        let identified = frames.iter().map(|t| t.quality.is_none_or(|q| q.is_identified));
+        let identified = frames.iter().map(|t| t.quality.is_none_or(|q| q.is_identified()));
         Ok(Self {
             frame: one(py, frame),
             position_m: two(py, positions, shape)?,

@@ -1,6 +1,5 @@
 //! A frame of a stream.
 
-use hapdef_inverse::TouchPhase;
 use hapdef_live::LiveFrame;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -39,11 +38,7 @@ impl PyLiveFrame {
     /// 'taring', 'untouched' or 'touched'.
     #[getter]
     fn phase(&self) -> &'static str {
-        match self.frame.phase {
-            TouchPhase::Taring => "taring",
-            TouchPhase::Untouched => "untouched",
-            TouchPhase::Touched => "touched",
-        }
+        self.frame.phase.word()
     }
 
     /// Readings as they came, µε, `[n_gauges]`.

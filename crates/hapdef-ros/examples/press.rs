@@ -7,14 +7,14 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use hapdef_contact::{Contact, Touch, Uncertainty};
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::hdp1::SampleFormat;
 use hapdef_daq::record::{RecordParams, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
-use hapdef_ros::{
-    Contact, Contacts, McapSink, Readings, RosEncoder, RosParams, Uncertainty, topics,
-};
+use hapdef_ros::{McapSink, Readings, RosEncoder, RosParams, topics};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 const N_READINGS: u32 = 3000;
 
@@ -51,13 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             n_lost_before: 0,
             microstrain: &microstrain,
         })?;
-        encoder.contacts(&Contacts {
-            stamp_ns,
-            seq: i,
-            quality: None,
-            contacts: finger(i).into_iter().collect(),
-            alternatives: Vec::new(),
-        })?;
+        let contacts = finger(i).into_iter().collect();
+        encoder.contacts(stamp_ns, i, &Touch { contacts, ..Touch::default() })?;
         if i % 250 == 0 {
             // The recorder has a disk to write to; a limb would give it the time.
             std::thread::sleep(Duration::from_millis(90));
@@ -84,13 +79,12 @@ fn finger(i: u32) -> Option<Contact> {
     let along = f64::from(i) / f64::from(N_READINGS);
     let force_n = 3.0 * (std::f64::consts::TAU * along).sin();
     (force_n > 0.1).then_some(Contact {
-        id: 1,
-        position_m: [0.04, 0.0, 0.1 + 0.2 * along],
-        normal: [1.0, 0.0, 0.0],
-        force_n,
+        id: Some(1),
+        direction: Some(-Vector3::x()),
         uncertainty: Some(Uncertainty {
-            tangents: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            covariance: [1e-6, 0.0, 0.0, 0.0, 4e-6, 0.0, 0.0, 0.0, 0.01],
+            tangents: [Vector3::y(), Vector3::z()],
+            covariance: Matrix3::from_diagonal(&Vector3::new(1e-6, 4e-6, 0.01)),
         }),
+        ..Contact::new(Point3::new(0.04, 0.0, 0.1 + 0.2 * along), force_n)
     })
 }

@@ -1,15 +1,16 @@
 //! Plain structs to messages of all topics.
 
+use hapdef_contact::Touch;
 use serde::Serialize;
 
 use crate::cdr::to_cdr;
 use crate::error::RosError;
 use crate::frames::frame_of;
-use crate::input::{self, Health, Readings};
+use crate::input::{Health, Readings};
 use crate::markers::markers;
 use crate::msg::{
     Alternative, Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue,
-    TfMessage, Time, Transform, TransformStamped, Vector3, Wrench, WrenchStamped,
+    TfMessage, Time, Transform, TransformStamped, Wrench, WrenchStamped,
 };
 use crate::sink::MessageSink;
 use crate::slots::{Slot, Slots};
@@ -53,15 +54,15 @@ impl<S: MessageSink> RosEncoder<S> {
         })
     }
 
-    /// The contacts behind a reading: as such, as wrenches, frames and, so often a second as the
-    /// parameters say, markers.
+    /// The contacts behind reading `seq` of the instant `stamp_ns`, ns since 1970 UTC: as such, as
+    /// wrenches, frames and, so often a second as the parameters say, markers. A contact whose normal is
+    /// not known has no wrench, frame and markers.
     ///
     /// # Errors
     /// They can't be encoded.
-    pub fn contacts(&mut self, contacts: &input::Contacts) -> Result<(), RosError> {
-        let stamp_ns = contacts.stamp_ns;
-        self.put(TopicKind::Contacts, stamp_ns, |this| this.list(contacts))?;
-        let placed = self.slots.place(&contacts.contacts);
+    pub fn contacts(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
+        self.put(TopicKind::Contacts, stamp_ns, |this| this.list(stamp_ns, seq, touch))?;
+        let placed = self.slots.place(&touch.contacts);
         self.transforms(stamp_ns, &placed)?;
         for (slot, held) in placed.iter().enumerate() {
             self.wrench(stamp_ns, slot, held)?;
@@ -69,13 +70,12 @@ impl<S: MessageSink> RosEncoder<S> {
         self.markers(stamp_ns, &placed)
     }
 
-    /// What is known to touch, from a simulated rig.
+    /// What is known to touch at that reading, from a simulated rig.
     ///
     /// # Errors
     /// It can't be encoded.
-    pub fn truth(&mut self, contacts: &input::Contacts) -> Result<(), RosError> {
-        let stamp_ns = contacts.stamp_ns;
-        self.put(TopicKind::Truth, stamp_ns, |this| this.list(contacts))
+    pub fn truth(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
+        self.put(TopicKind::Truth, stamp_ns, |this| this.list(stamp_ns, seq, touch))
     }
 
     /// How parts are doing: one message for all of them.
@@ -112,16 +112,16 @@ impl<S: MessageSink> RosEncoder<S> {
         Header { stamp: Time::from_ns(stamp_ns), frame_id: self.params.frame_id.clone() }
     }
 
-    fn list(&self, contacts: &input::Contacts) -> Contacts {
-        let quality = contacts.quality;
+    fn list(&self, stamp_ns: u64, seq: u32, touch: &Touch) -> Contacts {
+        let quality = touch.quality;
         Contacts {
-            header: self.header(contacts.stamp_ns),
-            seq: contacts.seq,
+            header: self.header(stamp_ns),
+            seq,
             has_quality: quality.is_some(),
-            is_identified: quality.is_some_and(|q| q.is_identified),
+            is_identified: quality.is_some_and(|q| q.is_identified()),
             p_value: quality.map_or(0.0, |q| q.p_value),
-            contacts: contacts.contacts.iter().map(contact).collect(),
-            alternatives: contacts.alternatives.iter().map(alternative).collect(),
+            contacts: touch.contacts.iter().enumerate().map(Contact::of).collect(),
+            alternatives: touch.alternatives.iter().map(Alternative::from).collect(),
         }
     }
 
@@ -149,12 +149,13 @@ impl<S: MessageSink> RosEncoder<S> {
                     return None;
                 };
                 let along = contact.uncertainty.map(|u| u.tangents[0]);
+                let normal = contact.normal()?;
                 Some(TransformStamped {
                     header: this.header(stamp_ns),
                     child_frame_id: this.params.contact_frame(slot),
                     transform: Transform {
-                        translation: contact.position_m.into(),
-                        rotation: frame_of(contact.normal, along).rotation(),
+                        translation: contact.position_m.coords.into(),
+                        rotation: frame_of(normal, along).rotation(),
                     },
                 })
             });
@@ -179,28 +180,6 @@ impl<S: MessageSink> RosEncoder<S> {
         self.put(TopicKind::Markers, stamp_ns, |this| {
             markers(&this.params, &this.header(stamp_ns), &gone)
         })
-    }
-}
-
-fn alternative(other: &input::Alternative) -> Alternative {
-    let contacts = other.contacts.iter();
-    Alternative {
-        delta_evidence: other.delta_cost,
-        positions: contacts.clone().map(|(place, _)| (*place).into()).collect(),
-        forces: contacts.map(|(_, force_n)| *force_n).collect(),
-    }
-}
-
-fn contact(contact: &input::Contact) -> Contact {
-    let uncertainty = contact.uncertainty;
-    Contact {
-        id: contact.id,
-        position: contact.position_m.into(),
-        normal: contact.normal.into(),
-        force: contact.force_n,
-        has_covariance: uncertainty.is_some(),
-        tangents: uncertainty.map_or_else(Default::default, |u| u.tangents.map(Vector3::from)),
-        covariance: uncertainty.map_or([0.0; 9], |u| u.covariance),
     }
 }
 

@@ -1,25 +1,25 @@
 //! Frames at contacts: z along the outward normal.
 
+use nalgebra::Vector3;
+
 use crate::msg::Quaternion;
 
 /// Three unit axes at right angles, right-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Axes {
-    pub(crate) x: [f64; 3],
-    pub(crate) y: [f64; 3],
-    pub(crate) z: [f64; 3],
+    pub(crate) x: Vector3<f64>,
+    pub(crate) y: Vector3<f64>,
+    pub(crate) z: Vector3<f64>,
 }
 
 /// A frame with z along `normal` and x as near to `along` as that allows; world axes stand in for a
 /// vector that has no direction.
-pub(crate) fn frame_of(normal: [f64; 3], along: Option<[f64; 3]>) -> Axes {
-    let z = unit(normal).unwrap_or([0.0, 0.0, 1.0]);
-    let across = |v: [f64; 3]| unit(minus(v, scaled(z, dot(v, z))));
-    let least =
-        if z[0].abs() <= z[1].abs().max(z[2].abs()) { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let x = along.and_then(across).or_else(|| across(least));
-    let x = x.unwrap_or([1.0, 0.0, 0.0]);
-    Axes { x, y: cross(z, x), z }
+pub(crate) fn frame_of(normal: Vector3<f64>, along: Option<Vector3<f64>>) -> Axes {
+    let z = unit(normal).unwrap_or(Vector3::z());
+    let across = |v: Vector3<f64>| unit(v - z * v.dot(&z));
+    let least = if z.x.abs() <= z.y.abs().max(z.z.abs()) { Vector3::x() } else { Vector3::y() };
+    let x = along.and_then(across).or_else(|| across(least)).unwrap_or(Vector3::x());
+    Axes { x, y: z.cross(&x), z }
 }
 
 impl Axes {
@@ -47,29 +47,8 @@ impl Axes {
     }
 }
 
-pub(crate) fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(crate) fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
-    a.map(|v| v * by)
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    plus(a, scaled(b, -1.0))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
-    let length = dot(a, a).sqrt();
-    (length > 1e-12 && length.is_finite()).then(|| scaled(a, 1.0 / length))
+fn unit(vector: Vector3<f64>) -> Option<Vector3<f64>> {
+    vector.try_normalize(1e-12).filter(|unit| unit.iter().all(|c| c.is_finite()))
 }
 
 #[cfg(test)]
@@ -79,16 +58,14 @@ mod tests {
     use super::*;
 
     /// A vector turned by a quaternion: v + 2 w (q × v) + 2 q × (q × v).
-    fn turned(q: Quaternion, v: [f64; 3]) -> [f64; 3] {
-        let axis = [q.x, q.y, q.z];
-        let once = cross(axis, v);
-        let twice = cross(axis, once);
-        plus(v, plus(scaled(once, 2.0 * q.w), scaled(twice, 2.0)))
+    fn turned(q: Quaternion, v: Vector3<f64>) -> Vector3<f64> {
+        let axis = Vector3::new(q.x, q.y, q.z);
+        let once = axis.cross(&v);
+        v + once * (2.0 * q.w) + axis.cross(&once) * 2.0
     }
 
-    fn far(a: [f64; 3], b: [f64; 3]) -> f64 {
-        let gap = minus(a, b);
-        dot(gap, gap).sqrt()
+    fn far(a: Vector3<f64>, b: Vector3<f64>) -> f64 {
+        (a - b).norm()
     }
 
     proptest! {
@@ -99,11 +76,12 @@ mod tests {
             normal in prop::array::uniform3(-1.0..1.0f64),
             along in prop::option::of(prop::array::uniform3(-1.0..1.0f64)),
         ) {
-            let axes = frame_of(normal, along);
+            let normal = Vector3::from(normal);
+            let axes = frame_of(normal, along.map(Vector3::from));
             let q = axes.rotation();
             let size = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
             prop_assert!((size - 1.0).abs() < 1e-12);
-            for (world, axis) in [([1.0, 0.0, 0.0], axes.x), ([0.0, 1.0, 0.0], axes.y), ([0.0, 0.0, 1.0], axes.z)] {
+            for (world, axis) in [(Vector3::x(), axes.x), (Vector3::y(), axes.y), (Vector3::z(), axes.z)] {
                 prop_assert!(far(turned(q, world), axis) < 1e-12, "{axes:?} {q:?}");
             }
             if let Some(unit) = unit(normal) {
@@ -115,8 +93,8 @@ mod tests {
     #[test]
     fn half_turns_have_a_rotation_too() {
         for normal in [[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0; 3]] {
-            let axes = frame_of(normal, None);
-            assert!(far(turned(axes.rotation(), [0.0, 0.0, 1.0]), axes.z) < 1e-12);
+            let axes = frame_of(normal.into(), None);
+            assert!(far(turned(axes.rotation(), Vector3::z()), axes.z) < 1e-12);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Contacts, gauges and diagnostics as messages that ROS tools read.
 //!
-//! [`RosEncoder`] makes CDR messages of plain structs ([`Readings`], [`Contacts`], [`Health`]) and
+//! [`RosEncoder`] makes CDR messages of plain structs ([`Readings`], [`hapdef_contact::Touch`], [`Health`]) and
 //! hands them to a [`MessageSink`]: [`McapSink`] writes them beside the raw readings of a recording,
 //! `FoxgloveServer` (feature `foxglove`) shows them live, `ZenohSink` (feature `zenoh`) publishes
 //! them as ROS 2 does by rmw_zenoh. [`topics()`] lists what is said where; docs/ros.md explains it.
@@ -31,7 +31,7 @@ pub use encode::RosEncoder;
 pub use error::RosError;
 #[cfg(feature = "foxglove")]
 pub use foxglove_server::FoxgloveServer;
-pub use input::{Alternative, Contact, Contacts, Health, Level, Quality, Readings, Uncertainty};
+pub use input::{Health, Level, Readings};
 pub use mcap_sink::McapSink;
 pub use schema::{dds_name, definition, type_hash};
 pub use sink::{MessageSink, Sinks};

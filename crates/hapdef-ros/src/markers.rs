@@ -1,9 +1,11 @@
 //! Contacts drawn: an arrow as long as the force is strong, its newtons, and the ellipse that the
 //! contact is in with 95 %.
 
-use crate::frames::{frame_of, plus, scaled};
-use crate::input::{Contact, Uncertainty};
-use crate::msg::{Color, Header, Marker, MarkerArray, Pose, Vector3};
+use hapdef_contact::{Contact, Uncertainty};
+use nalgebra::{Point3, Vector3};
+
+use crate::frames::frame_of;
+use crate::msg::{Color, Header, Marker, MarkerArray, Pose};
 use crate::slots::Slot;
 use crate::topics::RosParams;
 
@@ -51,37 +53,40 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn contact(&self, contact: &Contact, into: &mut Vec<Marker>) {
         let length_m = (contact.force_n * self.params.arrow_m_per_n).max(THIN_M);
-        let tail = plus(contact.position_m, scaled(contact.normal, length_m));
+        let normal = contact.normal().unwrap_or_default();
+        let tail = contact.position_m + normal * length_m;
         into.push(Marker {
-            points: vec![tail.into(), contact.position_m.into()],
+            points: vec![tail.coords.into(), contact.position_m.coords.into()],
             scale: [SHAFT_M, HEAD_M, 0.0].into(),
             color: ARROW_COLOR,
             ..self.marker("force", ARROW)
         });
         into.push(Marker {
             text: format!("{:.2} N", contact.force_n),
-            pose: at(plus(tail, scaled(contact.normal, TEXT_M))),
+            pose: at(tail + normal * TEXT_M),
             scale: [0.0, 0.0, TEXT_M].into(),
             color: TEXT_COLOR,
             ..self.marker("newtons", TEXT)
         });
         into.push(match &contact.uncertainty {
-            Some(uncertainty) => self.ellipse(contact, uncertainty),
+            Some(uncertainty) => self.ellipse(contact.position_m, normal, uncertainty),
             None => self.gone("ellipse"),
         });
     }
 
-    fn ellipse(&self, contact: &Contact, uncertainty: &Uncertainty) -> Marker {
-        let [a, b, _, _, d, ..] = uncertainty.covariance;
-        let (variances, angle) = principal(a, b, d);
+    fn ellipse(
+        &self,
+        centre: Point3<f64>,
+        normal: Vector3<f64>,
+        uncertainty: &Uncertainty,
+    ) -> Marker {
+        let (sds_m, angle) = uncertainty.principal_sds_m();
         let [t1, t2] = uncertainty.tangents;
-        let major = plus(scaled(t1, angle.cos()), scaled(t2, angle.sin()));
-        let axes = frame_of(contact.normal, Some(major));
-        let diameter = |variance: f64| (2.0 * ELLIPSE_SD * variance.max(0.0).sqrt()).max(THIN_M);
-        let scale = [diameter(variances[0]), diameter(variances[1]), THIN_M];
+        let axes = frame_of(normal, Some(t1 * angle.cos() + t2 * angle.sin()));
+        let [large, small] = sds_m.map(|sd_m| (2.0 * ELLIPSE_SD * sd_m).max(THIN_M));
         Marker {
-            pose: Pose { orientation: axes.rotation(), ..at(contact.position_m) },
-            scale: scale.into(),
+            pose: Pose { orientation: axes.rotation(), ..at(centre) },
+            scale: [large, small, THIN_M].into(),
             color: ELLIPSE_COLOR,
             ..self.marker("ellipse", CYLINDER)
         }
@@ -104,16 +109,8 @@ impl Drawing<'_> {
     }
 }
 
-/// Eigenvalues of [[a, b], [b, d]], the larger first, and the angle of its eigenvector.
-fn principal(a: f64, b: f64, d: f64) -> ([f64; 2], f64) {
-    let mean = 0.5 * (a + d);
-    let half = 0.5 * (a - d);
-    let radius = half.hypot(b);
-    ([mean + radius, mean - radius], 0.5 * b.atan2(half))
-}
-
-fn at(position_m: [f64; 3]) -> Pose {
-    Pose { position: Vector3::from(position_m), ..Pose::default() }
+fn at(position_m: Point3<f64>) -> Pose {
+    Pose { position: position_m.coords.into(), ..Pose::default() }
 }
 
 const fn color(r: f32, g: f32, b: f32, a: f32) -> Color {
@@ -122,7 +119,7 @@ const fn color(r: f32, g: f32, b: f32, a: f32) -> Color {
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
+    use nalgebra::Matrix3;
 
     use super::*;
 
@@ -132,37 +129,16 @@ mod tests {
         assert!((ELLIPSE_SD - closed_form).abs() < 1e-14, "{closed_form}");
     }
 
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(128))]
-
-        #[test]
-        fn principal_axes_give_the_matrix_back(
-            l in prop::array::uniform2(0.1..5.0f64),
-            t in -3.0..3.0f64,
-        ) {
-            let (c, s) = (t.cos(), t.sin());
-            let (a, d) = (l[0] * c * c + l[1] * s * s, l[0] * s * s + l[1] * c * c);
-            let b = (l[0] - l[1]) * c * s;
-            let (v, angle) = principal(a, b, d);
-            let (c, s) = (angle.cos(), angle.sin());
-            prop_assert!(v[0] >= v[1]);
-            prop_assert!((v[0] * c * c + v[1] * s * s - a).abs() < 1e-12);
-            prop_assert!((v[0] * s * s + v[1] * c * c - d).abs() < 1e-12);
-            prop_assert!(((v[0] - v[1]) * c * s - b).abs() < 1e-12);
-        }
-    }
-
     #[test]
     fn an_arrow_ends_at_the_contact_and_goes_when_it_goes() {
         let contact = Contact {
-            id: 3,
-            position_m: [0.1, 0.0, 0.0],
-            normal: [1.0, 0.0, 0.0],
-            force_n: 2.0,
+            id: Some(3),
+            direction: Some(-Vector3::x()),
             uncertainty: Some(Uncertainty {
-                tangents: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-                covariance: [1e-6, 0.0, 0.0, 0.0, 4e-6, 0.0, 0.0, 0.0, 0.01],
+                tangents: [Vector3::y(), Vector3::z()],
+                covariance: Matrix3::from_diagonal(&Vector3::new(1e-6, 4e-6, 0.01)),
             }),
+            ..Contact::new(Point3::new(0.1, 0.0, 0.0), 2.0)
         };
         let (params, header) = (RosParams::default(), Header::default());
         let drawn = markers(&params, &header, &[Slot::Held(&contact), Slot::Free]).markers;

@@ -297,6 +297,40 @@ impl Time {
     }
 }
 
+impl Contact {
+    /// The contact at a place of the list.
+    pub(crate) fn of((place, contact): (usize, &hapdef_contact::Contact)) -> Self {
+        let uncertainty = contact.uncertainty;
+        Self {
+            id: contact.number(place),
+            position: contact.position_m.coords.into(),
+            normal: contact.normal().unwrap_or_default().into(),
+            force: contact.force_n,
+            has_covariance: uncertainty.is_some(),
+            tangents: uncertainty.map_or_else(Default::default, |u| u.tangents.map(Vector3::from)),
+            // Row by row; nalgebra keeps columns.
+            covariance: uncertainty
+                .map_or([0.0; 9], |u| std::array::from_fn(|k| u.covariance[(k / 3, k % 3)])),
+        }
+    }
+}
+
+impl From<&hapdef_contact::Alternative> for Alternative {
+    fn from(other: &hapdef_contact::Alternative) -> Self {
+        Self {
+            delta_evidence: other.delta_cost,
+            positions: other.contacts().map(|(place, _)| place.coords.into()).collect(),
+            forces: other.contacts().map(|(_, force_n)| force_n).collect(),
+        }
+    }
+}
+
+impl From<nalgebra::Vector3<f64>> for Vector3 {
+    fn from(vector: nalgebra::Vector3<f64>) -> Self {
+        <[f64; 3]>::from(vector).into()
+    }
+}
+
 impl From<[f64; 3]> for Vector3 {
     fn from([x, y, z]: [f64; 3]) -> Self {
         Self { x, y, z }

@@ -1,6 +1,6 @@
 //! Which contact is which wrench: a contact keeps its slot while it lasts.
 
-use crate::input::Contact;
+use hapdef_contact::Contact;
 
 /// Slots by the contacts' ids.
 #[derive(Clone, Debug)]
@@ -27,19 +27,21 @@ impl Slots {
     /// Gives each contact whose normal is known its slot; what finds none, the last, goes without.
     /// `[n_slots]`
     pub(crate) fn place<'a>(&mut self, contacts: &'a [Contact]) -> Vec<Slot<'a>> {
-        let known = || contacts.iter().filter(|contact| contact.normal != [0.0; 3]);
-        let find = |id: u32| known().find(|contact| contact.id == id);
+        let numbered =
+            || contacts.iter().enumerate().map(|(i, contact)| (contact.number(i), contact));
+        let known = || numbered().filter(|(_, contact)| contact.direction.is_some());
+        let find = |id: u32| known().find(|(number, _)| *number == id);
         let mut placed: Vec<Slot<'a>> = self
             .ids
             .iter()
             .map(|id| match id.map(find) {
-                Some(Some(contact)) => Slot::Held(contact),
+                Some(Some((_, contact))) => Slot::Held(contact),
                 Some(None) => Slot::Left,
                 None => Slot::Free,
             })
             .collect();
-        for contact in known() {
-            if self.ids.contains(&Some(contact.id)) {
+        for (id, contact) in known() {
+            if self.ids.contains(&Some(id)) {
                 continue;
             }
             let is_free = |slot: &Slot<'_>| !matches!(slot, Slot::Held(_));
@@ -47,7 +49,7 @@ impl Slots {
                 break;
             };
             placed[free] = Slot::Held(contact);
-            self.ids[free] = Some(contact.id);
+            self.ids[free] = Some(id);
         }
         for (id, slot) in self.ids.iter_mut().zip(&placed) {
             if !matches!(slot, Slot::Held(_)) {
@@ -60,15 +62,15 @@ impl Slots {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Point3, Vector3};
+
     use super::*;
 
     fn contacts(ids: &[u32]) -> Vec<Contact> {
-        let contact = |&id| Contact {
-            id,
-            position_m: [0.0; 3],
-            normal: [0.0, 0.0, 1.0],
-            force_n: 1.0,
-            uncertainty: None,
+        let contact = |&id: &u32| Contact {
+            id: Some(id.into()),
+            direction: Some(-Vector3::z()),
+            ..Contact::new(Point3::origin(), 1.0)
         };
         ids.iter().map(contact).collect()
     }
@@ -78,7 +80,7 @@ mod tests {
         let contacts = contacts(ids);
         let placed = slots.place(&contacts);
         let words = placed.iter().map(|slot| match slot {
-            Slot::Held(contact) => contact.id.to_string(),
+            Slot::Held(contact) => contact.number(0).to_string(),
             Slot::Left => "left".to_owned(),
             Slot::Free => "-".to_owned(),
         });

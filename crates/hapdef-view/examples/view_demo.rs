@@ -9,9 +9,10 @@ mod synthetic;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
+use hapdef_contact::GaugeHealth;
 use hapdef_view::{
-    GaugeHealth, Health, Offers, PressOffer, Recording, ViewCommand, ViewFrame, ViewHandle,
-    ViewParams, ViewServer,
+    Health, Offers, PressOffer, Recording, ViewCommand, ViewFrame, ViewHandle, ViewParams,
+    ViewServer,
 };
 use synthetic::Touch;
 
@@ -80,14 +81,11 @@ impl Demo {
         }
         frame.alternatives.clear();
         if let [first, second] = frame.contacts.as_slice()
-            && second.force_n.iter().map(|c| c * c).sum::<f64>() < 6.0
+            && second.contact.force_n.powi(2) < 6.0
         {
-            let mut merged = first.clone();
-            let (point, normal) = synthetic::on_limb(-0.3, 0.15);
-            merged.position_m = point;
-            merged.force_n = normal.map(|c| -5.5 * c);
-            merged.normal = normal;
-            frame.alternatives.push((0.21, vec![merged]));
+            let (point_m, normal) = synthetic::on_limb(-0.3, 0.15);
+            let merged = Touch { id: first.contact.number(0), point_m, normal, force_n: 5.5 };
+            frame.alternatives.push((0.21, vec![synthetic::mark(&merged)]));
         }
         frame.health = Health {
             rate_hz: 1000.0,

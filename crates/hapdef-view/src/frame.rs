@@ -1,5 +1,8 @@
 //! What is shown at one time.
 
+use hapdef_contact::{Contact, GaugeHealth};
+use nalgebra::Vector3;
+
 use crate::error::ViewError;
 
 /// What is shown at one time. Reuse one: [`crate::ViewHandle::push`] copies it.
@@ -23,30 +26,13 @@ pub struct ViewFrame {
     pub replay: Option<ReplayPosition>,
 }
 
-/// One contact.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ContactMark {
-    /// Number that stays with the contact from frame to frame.
-    pub id: u32,
-    /// Where, m.
-    pub position_m: [f64; 3],
-    /// Outward unit normal of the skin there.
-    pub normal: [f64; 3],
-    /// Force on the limb, N.
-    pub force_n: [f64; 3],
-    /// How sure it is, where that is known.
-    pub uncertainty: Option<Uncertainty>,
-}
-
-/// How sure a contact is.
+/// One contact as it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Uncertainty {
-    /// Two unit tangents of the skin, at right angles.
-    pub tangents: [[f64; 3]; 2],
-    /// Covariance of the position along them, m².
-    pub covariance_m2: [[f64; 2]; 2],
-    /// Standard deviation of the force, N.
-    pub force_sd_n: f64,
+pub struct ContactMark {
+    /// The contact; where its direction is not known it presses against the normal.
+    pub contact: Contact,
+    /// Outward unit normal of the drawn surface there.
+    pub normal: Vector3<f64>,
 }
 
 /// Displacement of the first k surface nodes, m; of the others it is not known.
@@ -59,20 +45,6 @@ pub enum Displacement {
     Magnitude(Vec<f32>),
     /// The vectors `[k][3]`.
     Vector(Vec<[f32; 3]>),
-}
-
-/// State of a gauge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum GaugeHealth {
-    /// Well.
-    #[default]
-    Good,
-    /// At the end of its range.
-    Saturated,
-    /// Gives nothing.
-    Dead,
-    /// Not counted at the moment: it jumped alone, or is not well for long enough.
-    LeftOut,
 }
 
 /// Rate, losses, latency, recording. Not finite: not known.
@@ -163,9 +135,15 @@ impl ViewFrame {
 }
 
 impl ContactMark {
+    /// The force on the limb, N.
+    pub(crate) fn force_vector_n(&self) -> Vector3<f64> {
+        self.contact.direction.unwrap_or(-self.normal) * self.contact.force_n
+    }
+
     fn check(&self, index: usize) -> Result<(), ViewError> {
+        let position = self.contact.position_m.coords;
         let named =
-            [("position", self.position_m), ("normal", self.normal), ("force", self.force_n)];
+            [("position", position), ("normal", self.normal), ("force", self.force_vector_n())];
         let fault = named.iter().find(|(_, vector)| !vector.iter().all(|c| c.is_finite()));
         match fault {
             None => Ok(()),
@@ -183,7 +161,14 @@ fn same(what: &'static str, expected: usize, found: usize) -> Result<(), ViewErr
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactMark, Displacement, GaugeHealth, ViewFrame};
+    use hapdef_contact::{Contact, GaugeHealth};
+    use nalgebra::{Point3, Vector3};
+
+    use super::{ContactMark, Displacement, ViewFrame};
+
+    fn mark(force_n: f64) -> ContactMark {
+        ContactMark { contact: Contact::new(Point3::origin(), force_n), normal: Vector3::z() }
+    }
 
     #[track_caller]
     fn refused(frame: &ViewFrame, why: &str) {
@@ -204,9 +189,8 @@ mod tests {
             &ViewFrame { gauge_health: vec![GaugeHealth::Dead], ..good.clone() },
             "1 states of gauges",
         );
-        let lost = ContactMark { force_n: [0.0, f64::NAN, 0.0], ..ContactMark::default() };
         refused(
-            &ViewFrame { alternatives: vec![(0.5, vec![ContactMark::default(), lost])], ..good },
+            &ViewFrame { alternatives: vec![(0.5, vec![mark(1.0), mark(f64::NAN)])], ..good },
             "contact 1 of a frame has a force",
         );
     }

@@ -15,7 +15,6 @@ mod client;
 mod client_stats;
 mod command;
 mod device;
-mod ellipse;
 mod error;
 mod feed;
 mod frame;
@@ -29,12 +28,8 @@ mod wire;
 pub use client_stats::ClientInfo;
 pub use command::ViewCommand;
 pub use device::DeviceState;
-pub use ellipse::semi_axes;
 pub use error::ViewError;
-pub use frame::{
-    ContactMark, Displacement, GaugeHealth, Health, Recording, ReplayPosition, Uncertainty,
-    ViewFrame,
-};
+pub use frame::{ContactMark, Displacement, Health, Recording, ReplayPosition, ViewFrame};
 pub use params::{Offers, PressOffer, ViewParams};
 pub use picture::{GaugeSite, LimbPicture};
 pub use server::{ViewHandle, ViewPusher, ViewServer};

@@ -1,10 +1,11 @@
 //! Messages to the page, byte by byte as `docs/view.md` has them. Little-endian.
 
+use hapdef_contact::GaugeHealth;
+use nalgebra::Vector3;
 use serde::Serialize;
 
 use crate::device::DeviceState;
-use crate::ellipse::semi_axes;
-use crate::frame::{ContactMark, Displacement, GaugeHealth, Recording, ViewFrame};
+use crate::frame::{ContactMark, Displacement, Recording, ViewFrame};
 use crate::params::Offers;
 use crate::picture::LimbPicture;
 
@@ -109,19 +110,14 @@ pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
         put_f32(&mut out, reading);
     }
     for gauge in 0..n_gauges {
-        out.push(match frame.gauge_health.get(gauge) {
-            None | Some(GaugeHealth::Good) => 0,
-            Some(GaugeHealth::Saturated) => 1,
-            Some(GaugeHealth::Dead) => 2,
-            Some(GaugeHealth::LeftOut) => 3,
-        });
+        out.push(gauge_code(frame.gauge_health.get(gauge).copied().unwrap_or_default()));
     }
     out.resize(out.len().next_multiple_of(4), 0);
-    for contact in marks(&frame.contacts) {
-        put_mark(&mut out, contact, contact.id, 1.0);
+    for (place, mark) in marks(&frame.contacts).iter().enumerate() {
+        put_mark(&mut out, mark, mark.contact.number(place), 1.0);
     }
-    for (index, probability, contact) in alternative_marks(frame) {
-        put_mark(&mut out, contact, index, probability);
+    for (index, probability, mark) in alternative_marks(frame) {
+        put_mark(&mut out, mark, index, probability);
     }
     match &frame.displacement {
         Displacement::None => {}
@@ -164,19 +160,33 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_u32(out, health.n_dropped);
 }
 
+/// 0 good, 1 at an end of its range, 2 gives nothing, 3 not counted at the moment.
+fn gauge_code(health: GaugeHealth) -> u8 {
+    match health {
+        GaugeHealth::Good => 0,
+        GaugeHealth::Saturated => 1,
+        GaugeHealth::Dead | GaugeHealth::NotFinite => 2,
+        GaugeHealth::Spike | GaugeHealth::Recovering => 3,
+    }
+}
+
 /// 72 bytes: number, weight, position, normal, force, its deviation, two half axes.
-fn put_mark(out: &mut Vec<u8>, contact: &ContactMark, number: u32, weight: f64) {
+fn put_mark(out: &mut Vec<u8>, mark: &ContactMark, number: u32, weight: f64) {
     out.extend(number.to_le_bytes());
     put_f32(out, weight);
-    let unknown = ([[f64::NAN; 3]; 2], f64::NAN);
-    let (axes, force_sd_n) = contact.uncertainty.map_or(unknown, |uncertainty| {
-        let axes = semi_axes(uncertainty.tangents, uncertainty.covariance_m2);
-        (axes, uncertainty.force_sd_n)
-    });
-    let vectors = [contact.position_m, contact.normal, contact.force_n];
-    vectors.as_flattened().iter().for_each(|&c| put_f32(out, c));
+    let unknown = ([Vector3::from_element(f64::NAN); 2], f64::NAN);
+    let sure = mark.contact.uncertainty;
+    let (axes, force_sd_n) = sure.map_or(unknown, |sure| (sure.semi_axes_m(), sure.force_sd_n()));
+    let position = mark.contact.position_m.coords;
+    for vector in [position, mark.normal, mark.force_vector_n()] {
+        put_vector(out, &vector);
+    }
     put_f32(out, force_sd_n);
-    axes.as_flattened().iter().for_each(|&c| put_f32(out, c));
+    axes.iter().for_each(|axis| put_vector(out, axis));
+}
+
+fn put_vector(out: &mut Vec<u8>, vector: &Vector3<f64>) {
+    vector.iter().for_each(|&c| put_f32(out, c));
 }
 
 /// As many contacts as the header can count.
@@ -220,13 +230,13 @@ fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
 
 #[cfg(test)]
 mod tests {
+    use hapdef_contact::{Contact, GaugeHealth as H, Uncertainty};
+    use nalgebra::{Matrix3, Point3, Vector3};
     use serde_json::json;
 
-    use super::{device, frame, surface};
+    use super::{device, frame, gauge_code, surface};
     use crate::device::DeviceState;
-    use crate::frame::{
-        ContactMark, Displacement, GaugeHealth, Recording, ReplayPosition, Uncertainty, ViewFrame,
-    };
+    use crate::frame::{ContactMark, Displacement, Recording, ReplayPosition, ViewFrame};
     use crate::picture::LimbPicture;
 
     fn f32_at(bytes: &[u8], at: usize) -> f32 {
@@ -271,28 +281,32 @@ mod tests {
     }
 
     #[test]
+    fn only_gauges_that_count_are_shown_as_good() {
+        for left_out in [H::Saturated, H::Dead, H::Spike, H::NotFinite, H::Recovering] {
+            assert_ne!(gauge_code(left_out), gauge_code(H::Good), "{left_out:?}");
+        }
+    }
+
+    #[test]
     fn frame_is_where_the_docs_say() {
         let contact = ContactMark {
-            id: 7,
-            position_m: [0.5, 0.0, 0.0],
-            normal: [0.0, 1.0, 0.0],
-            force_n: [0.0, -4.0, 0.0],
-            uncertainty: Some(Uncertainty {
-                tangents: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
-                covariance_m2: [[0.25, 0.0], [0.0, 0.0625]],
-                force_sd_n: 0.125,
-            }),
+            contact: Contact {
+                id: Some(7),
+                direction: Some(-Vector3::y()),
+                uncertainty: Some(Uncertainty {
+                    tangents: [Vector3::x(), Vector3::z()],
+                    covariance: Matrix3::from_diagonal(&Vector3::new(0.25, 0.0625, 0.015_625)),
+                }),
+                ..Contact::new(Point3::new(0.5, 0.0, 0.0), 4.0)
+            },
+            normal: Vector3::y(),
         };
-        let other = ContactMark { uncertainty: None, ..contact.clone() };
+        let mut other = contact;
+        other.contact.uncertainty = None;
         let mut shown = ViewFrame {
             t_s: 1.5,
             readings_ue: vec![3.0, -8.0, 0.0, 1.0],
-            gauge_health: vec![
-                GaugeHealth::Good,
-                GaugeHealth::Saturated,
-                GaugeHealth::Dead,
-                GaugeHealth::LeftOut,
-            ],
+            gauge_health: vec![H::Good, H::Saturated, H::Dead, H::Spike],
             contacts: vec![contact],
             alternatives: vec![(0.25, vec![other])],
             displacement: Displacement::Vector(vec![[1.0, 2.0, 3.0]; 2]),

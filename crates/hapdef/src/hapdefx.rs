@@ -1,7 +1,7 @@
 //! The paper's chain on a limb's surface.
 
 use hapdef_kmax::{KMaxGraph, KMaxParams};
-use hapdef_live::touch::{ChainNets, Hapdefx};
+use hapdef_live::estimator::{ChainNets, Hapdefx};
 
 use crate::error::HapdefError;
 use crate::scene::HapdefxSpec;

@@ -92,7 +92,7 @@ pub use compliance::{ComplianceTable, SuperpositionScratch};
 pub use drawn_skin::DrawnSkin;
 pub use error::{HapdefError, SceneError};
 pub use error_text::error_text;
-pub use hapdef_live::touch::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
+pub use hapdef_live::estimator::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
 pub use hapdefx::hapdefx;
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};

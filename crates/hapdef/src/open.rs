@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use hapdef_inverse::{ContactEstimator, ResponseMap};
-use hapdef_live::touch::{EstimatorKind, SearchPlace, Superposition, TouchEstimator, Tracking};
+use hapdef_live::estimator::{EstimatorKind, SearchPlace, Superposition, TouchEstimator, Tracking};
 use hapdef_rig::live::LiveLimb;
 
 use crate::error::HapdefError;

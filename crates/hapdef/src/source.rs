@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use hapdef_daq::source::{FrameSource, StreamParams, StreamSource};
-use hapdef_live::touch::{SearchPlace, TouchEstimator};
+use hapdef_live::estimator::{SearchPlace, TouchEstimator};
 use hapdef_live::{Delivery, FnSink, Live, LiveFrame, LiveGauge, LiveParams, Wants};
 use hapdef_rig::live::{RigLink, RunParams};
 

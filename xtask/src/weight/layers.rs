@@ -18,11 +18,12 @@ pub(super) struct Layers {
 }
 
 /// From the bottom up; the last is everything that the command line has.
-pub(super) const LAYERS: [Layers; 16] = [
+pub(super) const LAYERS: [Layers; 17] = [
     plain("kmax", "hapdef-kmax").with("points"),
     plain("data", "hapdef-data"),
     plain("mesh", "hapdef-mesh"),
     plain("sim", "hapdef-sim"),
+    plain("contact", "hapdef-contact"),
     plain("inverse", "hapdef-inverse"),
     plain("nets", "hapdef-nets"),
     plain("nets_train", "hapdef-nets").with("train"),

@@ -79,7 +79,7 @@ fn in_words(touch: &Touch) -> String {
         format!("{:.2} N at ({x:.2}, {y:.2}, {z:.2}) mm{sure}", contact.force_n)
     });
     let doubt = match touch.quality {
-        Some(quality) if !quality.is_identified => "; the frame does not decide",
+        Some(quality) if !quality.is_identified() => "; the frame does not decide",
         _ => "",
     };
     contacts.collect::<Vec<_>>().join(", ") + doubt
@@ -96,7 +96,7 @@ fn as_json(frame: usize, touch: &Touch) -> Value {
     });
     let quality = touch.quality.map(|q| {
         json!({
-            "is_identified": q.is_identified,
+            "is_identified": q.is_identified(),
             "chi2": q.chi2,
             "n_dof": q.n_dof,
             "p_value": q.p_value,

@@ -7,13 +7,11 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::source::FrameSource;
-use hapdef_live::touch::{Alternative, Touch, TouchContact};
-use hapdef_live::{AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Wants};
-use hapdef_rig::live::TruthFrame;
-use hapdef_ros::{
-    Contact, Contacts, Health as Part, Level, MessageSink, Quality, Readings, RosEncoder,
-    RosParams, Sinks, Uncertainty,
+use hapdef_live::{
+    AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Touch, Wants,
 };
+use hapdef_rig::live::TruthFrame;
+use hapdef_ros::{Health as Part, Level, MessageSink, Readings, RosEncoder, RosParams, Sinks};
 
 use super::live_record::LiveRecorder;
 use super::truth::Truth;
@@ -191,10 +189,9 @@ impl Sink for RosSink {
             n_lost_before: frame.n_lost_before,
             microstrain: &frame.tared_ue,
         })?;
-        self.encoder.contacts(&contacts(&frame.touch, frame.seq, stamp_ns))?;
+        self.encoder.contacts(stamp_ns, frame.seq, &frame.touch)?;
         if let Some(truth) = &mut self.truth {
-            let encoder = &mut self.encoder;
-            truth.frame(frame.seq, stamp_ns, &mut |known| Ok(encoder.truth(known)?))?;
+            truth.frame(frame.seq, stamp_ns, &mut put_truth(&mut self.encoder))?;
         }
         Ok(())
     }
@@ -213,49 +210,15 @@ impl Sink for RosSink {
 
     fn finish(&mut self) -> Result<(), AnyError> {
         if let Some(truth) = &mut self.truth {
-            let encoder = &mut self.encoder;
-            truth.look(&mut |known| Ok(encoder.truth(known)?))?;
+            truth.look(&mut put_truth(&mut self.encoder))?;
         }
         Ok(())
     }
 }
 
-/// What a frame tells, as messages have it. The normal is where the force comes from.
-fn contacts(touch: &Touch, seq: u32, stamp_ns: u64) -> Contacts {
-    let quality = touch
-        .quality
-        .map(|quality| Quality { is_identified: quality.is_identified, p_value: quality.p_value });
-    Contacts {
-        stamp_ns,
-        seq,
-        quality,
-        contacts: touch.contacts.iter().zip(0..).map(contact).collect(),
-        alternatives: touch.alternatives.iter().map(alternative).collect(),
-    }
-}
-
-fn alternative(other: &Alternative) -> hapdef_ros::Alternative {
-    let contacts = other.contacts();
-    hapdef_ros::Alternative {
-        delta_cost: other.delta_cost,
-        contacts: contacts.map(|(at, force_n)| (at.coords.into(), force_n)).collect(),
-    }
-}
-
-fn contact((contact, place): (&TouchContact, u32)) -> Contact {
-    let uncertainty = contact.uncertainty.map(|u| {
-        let row_by_row = u.covariance.transpose();
-        let mut covariance = [0.0; 9];
-        covariance.copy_from_slice(row_by_row.as_slice());
-        Uncertainty { tangents: u.tangents.map(Into::into), covariance }
-    });
-    Contact {
-        id: contact.id.map_or(place, |id| id as u32),
-        position_m: contact.position_m.coords.into(),
-        normal: contact.direction.map_or([0.0; 3], |d| (-d).into()),
-        force_n: contact.force_n,
-        uncertainty,
-    }
+/// Puts what is known to touch.
+fn put_truth(encoder: &mut RosEncoder<Sinks>) -> impl FnMut(u64, u32, &Touch) -> Result<()> + '_ {
+    |stamp_ns, seq, known| Ok(encoder.truth(stamp_ns, seq, known)?)
 }
 
 /// How the runtime is doing, part by part.

@@ -7,9 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::Receiver;
 
 use anyhow::{Context, Result, bail, ensure};
+use hapdef_live::Touch;
 use hapdef_rig::live::{TrueContact, TruthFrame};
-use hapdef_ros::{Contact, Contacts};
-use serde::Deserialize;
 
 /// Frames that wait for their line at most; the rig writes a moment later than it sends.
 const MAX_WAITING: usize = 1 << 16;
@@ -21,7 +20,7 @@ const MAX_LINE_LEN: usize = 1 << 16;
 pub(super) struct Truth {
     lines: Lines,
     /// A line that is ahead of the frames.
-    next: Option<Line>,
+    next: Option<TruthFrame>,
     /// Frames without their line: number and time.
     waiting: VecDeque<(u32, u64)>,
     boot_id: Option<u32>,
@@ -40,20 +39,8 @@ enum Lines {
     Rig(Receiver<TruthFrame>),
 }
 
-#[derive(Deserialize)]
-struct Line {
-    boot_id: u32,
-    seq: u32,
-    contacts: Vec<LineContact>,
-}
-
-#[derive(Deserialize)]
-struct LineContact {
-    id: u32,
-    position_m: [f64; 3],
-    normal: [f64; 3],
-    force_n: f64,
-}
+/// Takes the truth of a frame: its time, ns, its number, what touches.
+type Put<'a> = dyn FnMut(u64, u32, &Touch) -> Result<()> + 'a;
 
 impl Truth {
     /// In a file, as a rig writes it; its name ends in `.partial` until the rig ends.
@@ -82,12 +69,7 @@ impl Truth {
     }
 
     /// Takes a frame's number and time, and hands out the truth of all frames that have it by now.
-    pub(super) fn frame(
-        &mut self,
-        seq: u32,
-        stamp_ns: u64,
-        put: &mut dyn FnMut(&Contacts) -> Result<()>,
-    ) -> Result<()> {
+    pub(super) fn frame(&mut self, seq: u32, stamp_ns: u64, put: &mut Put<'_>) -> Result<()> {
         if self.waiting.len() == MAX_WAITING {
             self.waiting.pop_front();
         }
@@ -96,7 +78,7 @@ impl Truth {
     }
 
     /// Hands out what has come by now.
-    pub(super) fn look(&mut self, put: &mut dyn FnMut(&Contacts) -> Result<()>) -> Result<()> {
+    pub(super) fn look(&mut self, put: &mut Put<'_>) -> Result<()> {
         while let Some(&(seq, stamp_ns)) = self.waiting.front() {
             let Some(line) = self.line()? else {
                 return Ok(());
@@ -107,7 +89,8 @@ impl Truth {
                 self.next = Some(line);
             } else if line.seq == seq {
                 self.waiting.pop_front();
-                put(&line.contacts(stamp_ns))?;
+                let contacts = line.contacts.iter().map(TrueContact::contact).collect();
+                put(stamp_ns, seq, &Touch { contacts, ..Touch::default() })?;
             }
         }
         Ok(())
@@ -126,7 +109,7 @@ impl Truth {
         Ok(())
     }
 
-    fn line(&mut self) -> Result<Option<Line>> {
+    fn line(&mut self) -> Result<Option<TruthFrame>> {
         if let Some(line) = self.next.take() {
             return Ok(Some(line));
         }
@@ -139,9 +122,9 @@ impl Truth {
 }
 
 impl Lines {
-    fn next(&mut self) -> Result<Option<Line>> {
+    fn next(&mut self) -> Result<Option<TruthFrame>> {
         let (path, lines, partial) = match self {
-            Self::Rig(frames) => return Ok(frames.try_recv().ok().map(Line::from)),
+            Self::Rig(frames) => return Ok(frames.try_recv().ok()),
             Self::File { path, lines, partial } => (path, lines, partial),
         };
         let room = MAX_LINE_LEN.saturating_sub(partial.len()) as u64;
@@ -159,8 +142,7 @@ impl Lines {
             );
             return Ok(None);
         }
-        let parsed = serde_json::from_str::<Line>(partial);
-        let Ok(line) = parsed else {
+        let Ok(line) = TruthFrame::from_json_line(partial) else {
             bail!(
                 "{}: expected a line of a rig's ground truth with boot_id, seq and contacts, found \
                  {:.60}",
@@ -170,41 +152,6 @@ impl Lines {
         };
         partial.clear();
         Ok(Some(line))
-    }
-}
-
-impl From<TruthFrame> for Line {
-    fn from(frame: TruthFrame) -> Self {
-        let contact = |c: &TrueContact| LineContact {
-            id: c.id,
-            position_m: c.position_m.coords.into(),
-            normal: c.normal.into(),
-            force_n: c.force_n,
-        };
-        Self {
-            boot_id: frame.boot_id,
-            seq: frame.seq,
-            contacts: frame.contacts.iter().map(contact).collect(),
-        }
-    }
-}
-
-impl Line {
-    fn contacts(&self, stamp_ns: u64) -> Contacts {
-        let contact = |c: &LineContact| Contact {
-            id: c.id,
-            position_m: c.position_m,
-            normal: c.normal,
-            force_n: c.force_n,
-            uncertainty: None,
-        };
-        Contacts {
-            stamp_ns,
-            seq: self.seq,
-            quality: None,
-            contacts: self.contacts.iter().map(contact).collect(),
-            alternatives: Vec::new(),
-        }
     }
 }
 
@@ -229,8 +176,8 @@ mod tests {
         let mut file = File::create(&path).unwrap();
         let mut truth = Truth::in_file(&path).unwrap();
         let mut found = Vec::new();
-        let mut put = |contacts: &Contacts| {
-            found.push((contacts.seq, contacts.stamp_ns, contacts.contacts[0].force_n));
+        let mut put = |stamp_ns, seq, touch: &Touch| {
+            found.push((seq, stamp_ns, touch.contacts[0].force_n));
             Ok(())
         };
         // 3 and 4 are lost on the link, 5 comes in two pieces, 1 is from before the file.
@@ -256,8 +203,8 @@ mod tests {
             rig.try_send(frame).unwrap();
         };
         let mut found = Vec::new();
-        let mut put = |contacts: &Contacts| {
-            found.push((contacts.seq, contacts.stamp_ns));
+        let mut put = |stamp_ns, seq, _: &Touch| {
+            found.push((seq, stamp_ns));
             Ok(())
         };
         // 7 is lost on the link, 8 comes before the rig tells of it.
@@ -275,12 +222,12 @@ mod tests {
         let path = folder.path().join("truth.jsonl");
         std::fs::write(&path, "hello\n").unwrap();
         let mut truth = Truth::in_file(&path).unwrap();
-        let error = truth.frame(0, 0, &mut |_| Ok(())).unwrap_err();
+        let error = truth.frame(0, 0, &mut |_, _, _| Ok(())).unwrap_err();
         assert!(error.to_string().contains("boot_id"), "{error}");
 
         std::fs::write(&path, vec![b'1'; 10 * MAX_LINE_LEN]).unwrap();
         let mut truth = Truth::in_file(&path).unwrap();
-        let error = truth.frame(0, 0, &mut |_| Ok(())).unwrap_err();
+        let error = truth.frame(0, 0, &mut |_, _, _| Ok(())).unwrap_err();
         assert!(error.to_string().contains("without an end"), "{error}");
     }
 
@@ -293,7 +240,7 @@ mod tests {
         std::fs::write(folder.path().join("truth.jsonl.partial"), line(7)).unwrap();
         let mut truth = Truth::in_file(&path).unwrap();
         let mut n = 0;
-        let mut put = |_: &Contacts| {
+        let mut put = |_, _, _: &Touch| {
             n += 1;
             Ok(())
         };

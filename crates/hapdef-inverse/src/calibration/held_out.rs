@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use hapdef_contact::Verdict;
+
 use crate::calibration::corrected::{Corrected, Given};
 use crate::calibration::kernel::Kernel;
 use crate::calibration::output::Calibrated;
 use crate::calibration::press::Press;
 use crate::calibration::regions::SHARE;
 use crate::error::InverseError;
-use crate::estimator::{CHI2_95, ContactEstimator, EstimatorParams, Verdict};
+use crate::estimator::{CHI2_95, ContactEstimator, EstimatorParams};
 use crate::noise::{ModelError, NoiseParams};
 use crate::sites::ScanSites;
 

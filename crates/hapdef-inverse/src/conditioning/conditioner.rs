@@ -1,22 +1,13 @@
 //! The filter in front of the estimator.
 
+use hapdef_contact::{GaugeHealth, TouchPhase};
+
 use crate::chi_square::upper_tail;
-use crate::conditioning::faults::{Converter, GaugeHealth, Watch};
+use crate::conditioning::detector::TouchDetector;
+use crate::conditioning::faults::{Converter, Watch};
 use crate::conditioning::params::ConditionerParams;
-use crate::conditioning::touch::Touch;
 use crate::conditioning::tracker::Tracker;
 use crate::error::{InverseError, check_length, check_positive};
-
-/// What the conditioner is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TouchPhase {
-    /// It averages the first frames, which must be untouched.
-    Taring,
-    /// Nothing touches: baselines are tracked.
-    Untouched,
-    /// Something touches: baselines hold.
-    Touched,
-}
 
 /// A frame after conditioning.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +35,7 @@ pub struct Conditioner {
     params: ConditionerParams,
     trackers: Vec<Tracker>,
     watches: Vec<Watch>,
-    touch: Touch,
+    touch: TouchDetector,
     n_tared: usize,
     sums: Vec<f64>,
     tare_temperature_k: Option<f64>,
@@ -74,7 +65,7 @@ impl Conditioner {
         Ok(Self {
             trackers: params.gauge_sd.iter().map(tracker).collect(),
             watches: vec![Watch::new(); n],
-            touch: Touch::new(),
+            touch: TouchDetector::new(),
             n_tared: 0,
             sums: vec![0.0; n],
             tare_temperature_k: None,
@@ -110,7 +101,7 @@ impl Conditioner {
         self.n_tared = 0;
         self.sums.fill(0.0);
         (self.n_slow, self.ring_len) = (0, 0);
-        self.touch = Touch::new();
+        self.touch = TouchDetector::new();
         (self.touched_s, self.released_s) = (0.0, 0.0);
         self.tare_temperature_k = None;
     }

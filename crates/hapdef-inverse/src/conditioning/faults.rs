@@ -1,23 +1,8 @@
 //! Gauges that can't be believed.
 
-use crate::conditioning::params::ConditionerParams;
+use hapdef_contact::GaugeHealth;
 
-/// What is wrong with a gauge, if anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GaugeHealth {
-    /// Nothing.
-    Good,
-    /// At an end of its converter's range.
-    Saturated,
-    /// It repeats a value while others move.
-    Dead,
-    /// It jumped alone.
-    Spike,
-    /// No number.
-    NotFinite,
-    /// Good again, but not for long enough to count.
-    Recovering,
-}
+use crate::conditioning::params::ConditionerParams;
 
 /// One gauge's recent past.
 #[derive(Clone, Debug)]

@@ -4,11 +4,10 @@
 //! it. Gauges that can't be believed are masked.
 
 mod conditioner;
+mod detector;
 mod faults;
 mod params;
-mod touch;
 mod tracker;
 
-pub use conditioner::{Conditioned, Conditioner, TouchPhase};
-pub use faults::GaugeHealth;
+pub use conditioner::{Conditioned, Conditioner};
 pub use params::ConditionerParams;

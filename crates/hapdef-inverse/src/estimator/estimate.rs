@@ -1,8 +1,10 @@
 //! Finds the contacts behind one frame of readings: what is asked from outside.
 
+use hapdef_contact::MAX_CONTACTS;
+
 use crate::chi_square::upper_tail;
 use crate::error::InverseError;
-use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
+use crate::estimator::explanation::Explanation;
 use crate::estimator::output::{ContactEstimate, EstimateInfo};
 use crate::estimator::refine::Refiner;
 use crate::estimator::report::report;

@@ -1,10 +1,9 @@
 //! A guess at the contacts, while it is searched for.
 
+use hapdef_contact::MAX_CONTACTS;
+
 use crate::skin::Skin;
 use crate::skin_point::SkinPoint;
-
-/// Contacts that an explanation may have at most.
-pub const MAX_CONTACTS: usize = 6;
 
 /// Contacts with normal forces, and how well they explain the frame.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! Non-negative least squares for a handful of forces.
 
+use hapdef_contact::MAX_CONTACTS;
+
 use crate::dense::{cholesky, solve_lower, solve_upper};
-use crate::estimator::explanation::MAX_CONTACTS;
 
 const SIZE: usize = MAX_CONTACTS * MAX_CONTACTS;
 

@@ -1,7 +1,9 @@
 //! One contact more: a scan beside each explanation, then contacts moved in turn.
 
+use hapdef_contact::MAX_CONTACTS;
+
 use crate::dense::dot;
-use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
+use crate::estimator::explanation::Explanation;
 use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
 
 /// Times that all contacts are moved in turn.

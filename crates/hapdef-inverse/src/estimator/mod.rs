@@ -22,9 +22,9 @@ mod shared;
 mod shear;
 
 pub use contact_estimator::ContactEstimator;
-pub use explanation::MAX_CONTACTS;
+pub(crate) use hapdef_contact::MAX_CONTACTS;
 pub use output::{
-    CHI2_95, Contact, ContactEstimate, EstimateInfo, IfTwo, RunnerUp, ShearContact, Verdict, WhyNot,
+    CHI2_95, ContactEstimate, EstimateInfo, IfTwo, LocatedContact, RunnerUp, ShearContact,
 };
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;

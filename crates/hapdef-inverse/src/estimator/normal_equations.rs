@@ -1,10 +1,11 @@
 //! An explanation's residual, forces and normal equations, in buffers that are used again.
 
+use hapdef_contact::MAX_CONTACTS;
 use nalgebra::Vector3;
 
 use crate::dense::{add_scaled, dot, log_det, solve_lower};
 use crate::estimator::Model;
-use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
+use crate::estimator::explanation::Explanation;
 use crate::estimator::forces::non_negative;
 
 /// Unknowns at most: two on the surface and a force for each contact.

@@ -1,5 +1,6 @@
 //! What is known after a frame, and what is not.
 
+use hapdef_contact::{Contact, MAX_CONTACTS, Uncertainty, Verdict};
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::skin::Skin;
@@ -8,9 +9,9 @@ use crate::skin_point::SkinPoint;
 /// The 95 % region of a place: χ² with two degrees of freedom, −2 ln 0.05.
 pub const CHI2_95: f64 = 5.991_464_547_107_979;
 
-/// One contact.
+/// A contact at a point of the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct LocatedContact {
     /// Where on the skin.
     pub point: SkinPoint,
     /// Where in space, m.
@@ -24,7 +25,35 @@ pub struct Contact {
     pub covariance: Matrix3<f64>,
 }
 
-impl Contact {
+impl LocatedContact {
+    pub(crate) fn new(
+        skin: &Skin,
+        point: SkinPoint,
+        force_n: f64,
+        covariance: Matrix3<f64>,
+    ) -> Self {
+        Self {
+            point,
+            position_m: skin.position(&point),
+            force_n,
+            force_vector_n: -skin.normal(&point) * force_n,
+            covariance,
+        }
+    }
+
+    /// The contact as those have it who don't know `skin`, with its covariance if that is wanted.
+    #[must_use]
+    pub fn contact(&self, skin: &Skin, with_uncertainty: bool) -> Contact {
+        Contact {
+            direction: Some(-skin.normal(&self.point)),
+            uncertainty: with_uncertainty.then(|| Uncertainty {
+                tangents: skin.tangents(&self.point),
+                covariance: self.covariance,
+            }),
+            ..Contact::new(self.position_m, self.force_n)
+        }
+    }
+
     /// Squared distance (Mahalanobis) of the place from `truth`, m, in its own standard deviations, in the
     /// tangent plane of `skin`, `truth` itself being known to `truth_sd_m`; [`CHI2_95`] bounds the 95 %
     /// region. None if the covariance is singular.
@@ -68,8 +97,8 @@ pub struct IfTwo {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunnerUp {
     pub(crate) n: usize,
-    pub(crate) points: [SkinPoint; super::MAX_CONTACTS],
-    pub(crate) forces: [f64; super::MAX_CONTACTS],
+    pub(crate) points: [SkinPoint; MAX_CONTACTS],
+    pub(crate) forces: [f64; MAX_CONTACTS],
     /// χ² less the best's.
     pub delta_chi2: f64,
     /// −2 ln evidence less the best's; below 0 only for another number of contacts that the
@@ -91,35 +120,6 @@ impl RunnerUp {
     }
 }
 
-/// Why the contacts are not identified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WhyNot {
-    /// The readings leave a contact's place open: its standard deviation is that of the whole skin.
-    SingularInformation,
-    /// Another explanation in a different place is as good, or one contact in place of two that are
-    /// followed nearer to each other than [`crate::EstimatorParams::distinct_m`].
-    TiedExplanations,
-    /// Even as many contacts as may be do not explain the readings.
-    Misfit,
-    /// The contacts take all that the gauges measure, or all but one number, or two where a further
-    /// contact may touch: nothing is left to check them by, and other contacts would explain the
-    /// readings as well.
-    Unchecked,
-    /// Fewer contacts and more noise than was assumed explain the readings nearly as well.
-    Noise,
-}
-
-/// What the frame decides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Nothing touches.
-    Untouched,
-    /// The contacts are those reported.
-    Identified,
-    /// The contacts reported are the best guess, but the frame does not decide.
-    NotIdentifiable(WhyNot),
-}
-
 /// What the search did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EstimateInfo {
@@ -137,7 +137,7 @@ pub struct EstimateInfo {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactEstimate {
     /// The contacts of the best explanation, the strongest first.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<LocatedContact>,
     /// Covariance of all contacts' (tangent 1, tangent 2, force) `[3 n, 3 n]`, m and N, of the
     /// linearised problem: where it says a millimetre or more, its 95 % regions hold less.
     pub joint_covariance: Vec<f64>,

@@ -1,9 +1,10 @@
 //! Levenberg–Marquardt steps over the skin, forces solved again at each point.
 
+use hapdef_contact::MAX_CONTACTS;
 use nalgebra::Vector3;
 
 use crate::dense::{cholesky, inverse, log_det, solve_lower, solve_upper};
-use crate::estimator::explanation::{Explanation, MAX_CONTACTS};
+use crate::estimator::explanation::Explanation;
 use crate::estimator::normal_equations::{Linear, MAX_UNKNOWNS};
 use crate::estimator::{EstimatorParams, Model};
 use crate::walk::AtWall;

@@ -1,10 +1,11 @@
 //! From explanations to an answer: the count, covariances, runners-up, the verdict.
 
+use hapdef_contact::{Verdict, WhyNot};
 use nalgebra::Matrix3;
 
 use crate::estimator::doubt::cost_with_more_noise;
 use crate::estimator::explanation::Explanation;
-use crate::estimator::output::{Contact, ContactEstimate, EstimateInfo, RunnerUp, Verdict, WhyNot};
+use crate::estimator::output::{ContactEstimate, EstimateInfo, LocatedContact, RunnerUp};
 use crate::estimator::refine::Refiner;
 use crate::estimator::shared::if_two;
 use crate::estimator::{ContactEstimator, EstimatorScratch};
@@ -112,16 +113,15 @@ fn sort_by_force(e: &mut Explanation) {
     }
 }
 
-fn contact(estimator: &ContactEstimator, e: &Explanation, i: usize, joint: &[f64]) -> Contact {
-    let skin = estimator.model.skin();
-    let (point, force_n, n) = (e.points[i], e.forces[i], 3 * e.n);
-    Contact {
-        point,
-        position_m: skin.position(&point),
-        force_n,
-        force_vector_n: -skin.normal(&point) * force_n,
-        covariance: Matrix3::from_fn(|p, q| joint[(3 * i + p) * n + 3 * i + q]),
-    }
+fn contact(
+    estimator: &ContactEstimator,
+    e: &Explanation,
+    i: usize,
+    joint: &[f64],
+) -> LocatedContact {
+    let n = 3 * e.n;
+    let covariance = Matrix3::from_fn(|p, q| joint[(3 * i + p) * n + 3 * i + q]);
+    LocatedContact::new(estimator.model.skin(), e.points[i], e.forces[i], covariance)
 }
 
 fn set_residual(
@@ -181,7 +181,7 @@ fn verdict(
     out: &ContactEstimate,
     prior_sd_m: f64,
 ) -> Verdict {
-    let open = |c: &Contact| {
+    let open = |c: &LocatedContact| {
         let (a, b, d) = (c.covariance[(0, 0)], c.covariance[(0, 1)], c.covariance[(1, 1)]);
         let largest = 0.5 * (a + d) + (0.25 * (a - d).powi(2) + b * b).sqrt();
         largest.sqrt() > OPEN_SHARE * prior_sd_m

@@ -1,8 +1,9 @@
 //! Full scans of the sites: the best place for one contact, beside others that are held.
 
+use hapdef_contact::MAX_CONTACTS;
+
 use crate::dense::{cholesky, dot};
 use crate::estimator::Model;
-use crate::estimator::explanation::MAX_CONTACTS;
 
 /// Squared sine of the angle to the held atoms below which a site can't be distinguished from them.
 const LEAST_SINE_2: f32 = 1e-4;

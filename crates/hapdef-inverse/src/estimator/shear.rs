@@ -1,11 +1,11 @@
 //! Contacts with forces in three directions, refined from normal ones.
 
+use hapdef_contact::MAX_CONTACTS;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::dense::{dot, solve_lower};
 use crate::error::{InverseError, check_not_negative};
 use crate::estimator::ContactEstimator;
-use crate::estimator::explanation::MAX_CONTACTS;
 use crate::estimator::output::ShearContact;
 use crate::skin_point::SkinPoint;
 use crate::walk::AtWall;

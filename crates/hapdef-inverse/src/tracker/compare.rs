@@ -1,8 +1,10 @@
 //! A contact that came and contacts that slide compete again, while they move.
 
+use hapdef_contact::Phase;
+
 use crate::chi_square::upper_tail;
 use crate::tracker::filter::MAX_CROSSINGS;
-use crate::tracker::frame::{ContactId, Phase};
+use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
 use crate::tracker::proposals::{N_BASES, propose_births, propose_slides};

@@ -1,6 +1,8 @@
 //! Something is new: a contact more, a slide, another hypothesis after all, or nothing.
 
-use crate::tracker::frame::{ContactId, Phase};
+use hapdef_contact::Phase;
+
+use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
 use crate::tracker::proposals::{N_BASES, propose_births, propose_replacement, propose_slides};

@@ -1,8 +1,9 @@
 //! What frames say about the places of held contacts and the map's error there.
 
+use hapdef_contact::Phase;
+
 use crate::dense::{add_scaled, dot, solve_lower, solve_upper};
 use crate::estimator::{MAX_CONTACTS, Model};
-use crate::tracker::frame::Phase;
 use crate::tracker::hypothesis::Hypothesis;
 use crate::tracker::metric::{Metric, Solved};
 use crate::walk::AtWall;

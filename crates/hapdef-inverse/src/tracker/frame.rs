@@ -1,22 +1,12 @@
 //! What the tracker says after each frame.
 
-use crate::estimator::{Contact, Verdict};
+use hapdef_contact::{Phase, Verdict};
+
+use crate::estimator::LocatedContact;
 
 /// A contact's name, never given twice by one tracker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ContactId(pub u64);
-
-/// What a contact is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// It has come, and its place is searched anew as its force grows.
-    Born,
-    /// It stays where it is: only its force is solved every frame, its place and the map's error
-    /// there sharpen as frames add up.
-    Held,
-    /// It moves over the skin.
-    Sliding,
-}
 
 /// A contact that is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +18,7 @@ pub struct TrackedContact {
     /// Frames since it was found.
     pub age_frames: u64,
     /// Where it is and how it presses. Position covariances are those of the last update.
-    pub contact: Contact,
+    pub contact: LocatedContact,
 }
 
 /// What ran in a frame.

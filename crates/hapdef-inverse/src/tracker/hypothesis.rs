@@ -1,10 +1,11 @@
 //! One hypothesis: contacts, what the map misses at each of them, and how sure both are.
 
+use hapdef_contact::Phase;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::estimator::{MAX_CONTACTS, Model};
 use crate::skin_point::SkinPoint;
-use crate::tracker::frame::{ContactId, Phase};
+use crate::tracker::frame::ContactId;
 
 /// A contact of a hypothesis.
 #[derive(Clone, Copy, Debug)]

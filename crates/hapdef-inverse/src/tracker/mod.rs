@@ -51,6 +51,6 @@ mod state;
 mod workspace;
 
 pub use contact_tracker::ContactTracker;
-pub use frame::{ContactId, Phase, TrackInfo, TrackedContact, TrackedFrame};
+pub use frame::{ContactId, TrackInfo, TrackedContact, TrackedFrame};
 pub use params::TrackerParams;
 pub use search::{BackgroundSearch, SearchOutcome, SearchRequest};

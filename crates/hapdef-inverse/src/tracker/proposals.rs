@@ -1,8 +1,10 @@
 //! Candidates that may explain the frames gathered better: contacts more, contacts replaced, slides.
 
+use hapdef_contact::Phase;
+
 use crate::estimator::MAX_CONTACTS;
 use crate::skin_point::SkinPoint;
-use crate::tracker::frame::{ContactId, Phase};
+use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::{Hypothesis, Track};
 use crate::tracker::workspace::Workspace;

@@ -1,7 +1,9 @@
 //! What is said of a frame.
 
+use hapdef_contact::{Verdict, WhyNot};
+
 use crate::chi_square::upper_tail;
-use crate::estimator::{Contact, Verdict, WhyNot, spare_numbers};
+use crate::estimator::{LocatedContact, spare_numbers};
 use crate::tracker::frame::TrackedContact;
 use crate::tracker::hypothesis::Track;
 use crate::tracker::workspace::Workspace;
@@ -27,13 +29,7 @@ pub(super) fn report(work: &mut Workspace, readings: &[f64], is_detecting: bool)
     for track in best.tracks() {
         let mut covariance = track.covariance;
         model.scale_places(covariance.as_mut_slice(), 3);
-        let contact = Contact {
-            point: track.point,
-            position_m: skin.position(&track.point),
-            force_n: track.steady.0,
-            force_vector_n: -skin.normal(&track.point) * track.steady.0,
-            covariance,
-        };
+        let contact = LocatedContact::new(skin, track.point, track.steady.0, covariance);
         frame.contacts.push(TrackedContact {
             id: track.id,
             phase: track.phase,

@@ -1,9 +1,9 @@
 //! A contact that moves over the skin, followed until it stays.
 
+use hapdef_contact::Phase;
 use nalgebra::Point3;
 
 use crate::tracker::compare::{SCANS, TurnedOut, compare};
-use crate::tracker::frame::Phase;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
 use crate::tracker::proposals::{SCAN_STEPS, scan_beside};

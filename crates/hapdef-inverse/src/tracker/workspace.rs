@@ -1,8 +1,10 @@
 //! What every state works with: the model, the hypotheses, the frames gathered, and the frame's answer.
 
+use hapdef_contact::Verdict;
+
 use crate::chi_square::{tail_point, upper_tail};
 use crate::error::{InverseError, check_length};
-use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model, Verdict};
+use crate::estimator::{ContactEstimator, EstimatorParams, MAX_CONTACTS, Model};
 use crate::noise::NoiseParams;
 use crate::tracker::filter::Filter;
 use crate::tracker::frame::{TrackInfo, TrackedFrame};

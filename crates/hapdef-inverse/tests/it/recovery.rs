@@ -41,7 +41,7 @@ fn without_noise_one_and_two_contacts_are_exact() {
                     .contacts
                     .iter()
                     .min_by(|a, b| {
-                        let far = |c: &hapdef_inverse::Contact| (c.position_m - x).norm();
+                        let far = |c: &hapdef_inverse::LocatedContact| (c.position_m - x).norm();
                         far(a).total_cmp(&far(b))
                     })
                     .unwrap();

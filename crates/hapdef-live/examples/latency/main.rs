@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::hdp1::{Decoder, Event};
 use hapdef_daq::source::{Link, SerialLink, SerialParams, StreamParams, StreamSource};
-use hapdef_live::touch::SearchPlace;
+use hapdef_live::estimator::SearchPlace;
 use hapdef_live::{Bundle, Delivery, FnSink, Health, Live, LiveParams, Wants};
 
 use crate::device::{SENT_NS, pty, readings};

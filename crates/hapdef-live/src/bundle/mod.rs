@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::LiveError;
-use crate::touch::{
+use crate::estimator::{
     EstimatorKind, SearchPlace, Superposition, SuperpositionSettings, TouchEstimator, Tracking,
 };
 
@@ -179,22 +179,22 @@ impl Bundle {
     ///
     /// # Errors
     /// [`LiveError::NotABundle`] where it has no nets, or no whole ones; as
-    /// [`crate::touch::Hapdefx::new`].
+    /// [`crate::estimator::Hapdefx::new`].
     #[cfg(feature = "nets")]
-    pub fn paper_chain(&self) -> Result<crate::touch::PaperChain, LiveError> {
+    pub fn paper_chain(&self) -> Result<crate::estimator::PaperChain, LiveError> {
         if self.nets.is_empty() {
             return Err(LiveError::NotABundle {
                 file: format!("the bundle of {}", self.info.scene),
                 what: "it has no nets (hapdef bundle --nets adds them)".to_owned(),
             });
         }
-        let chain = crate::touch::Hapdefx::from_files(&self.nets)?;
+        let chain = crate::estimator::Hapdefx::from_files(&self.nets)?;
         let (expected, found) = (self.info.gauges.len(), chain.n_gauges());
         if expected != found {
             return Err(LiveError::FrameLength { expected, found });
         }
         let max_contacts = self.info.settings.max_contacts;
-        Ok(crate::touch::PaperChain::new(chain, max_contacts))
+        Ok(crate::estimator::PaperChain::new(chain, max_contacts))
     }
 
     /// What finds contacts in a stream: `kind`, or what the scene chooses. The paper's chain takes the

@@ -6,20 +6,20 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
 use hapdef_daq::{Acquisition, Frame, Message, Receiver};
-use hapdef_inverse::TouchPhase;
 
 use super::counts::Counts;
 use super::device::Device;
 use super::sink_worker::SinkWorker;
 use super::stages::{Stage, Stages};
 use super::{LiveGauge, LiveParams, Shared};
+use crate::estimator::{TouchEstimator, TouchFrame};
 use crate::frame::LiveFrame;
 use crate::health::Health;
 use crate::sink::{LiveEvent, Wants};
-use crate::touch::{TouchEstimator, TouchFrame};
 use conditioning::Conditioning;
 
 /// Longest wait for a message, so that a stop is seen.

@@ -21,12 +21,12 @@ use hapdef_inverse::ConditionerParams;
 
 use crate::bundle::Bundle;
 use crate::error::{LiveError, check_not_negative, check_positive};
+use crate::estimator::TouchEstimator;
 use crate::health::Health;
 use crate::runtime::compute::{Compute, Setup};
 use crate::runtime::sink_worker::{SinkThread, SinkWorker};
 use crate::runtime::source::{InFlight, LiveSource};
 use crate::sink::{Sink, Wants};
-use crate::touch::TouchEstimator;
 
 /// How long a sink may take to end, unless the runtime is lossless.
 const PATIENCE: Duration = Duration::from_secs(2);

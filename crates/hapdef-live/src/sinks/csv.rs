@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
-use super::json::phase_word;
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
 use crate::sink::{Delivery, Sink, Wants};
@@ -70,7 +69,7 @@ fn names(n_gauges: usize, out: &mut String) -> std::fmt::Result {
 }
 
 fn row(frame: &LiveFrame, out: &mut String) -> std::fmt::Result {
-    let phase = phase_word(frame.phase);
+    let phase = frame.phase.word();
     let (seq, device_us, host_ns) = (frame.seq, frame.t_device_us, frame.t_host_ns);
     write!(out, "{seq},{device_us},{host_ns},{phase}")?;
     for reading in &frame.tared_ue {

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use hapdef_inverse::{GaugeHealth, Phase, TouchPhase, WhyNot};
+use hapdef_contact::{Contact, GaugeHealth, Phase, WhyNot};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -10,7 +10,6 @@ use crate::error::AnyError;
 use crate::frame::LiveFrame;
 use crate::health::{Health, Latency};
 use crate::sink::{Delivery, LiveEvent, Sink, Wants};
-use crate::touch::TouchContact;
 
 /// Frames that wait for a slow file or pipe.
 const N_QUEUED: usize = 4096;
@@ -175,8 +174,8 @@ impl<'a> Line<'a> {
         let touch = &frame.touch;
         let numbered = frame.gauges.iter().copied().enumerate();
         let quality = touch.quality.as_ref().map(|quality| QualityLine {
-            is_identified: quality.is_identified,
-            why_not: quality.why_not.map(why_not_word),
+            is_identified: quality.is_identified(),
+            why_not: quality.why_not().map(WhyNot::word),
             chi2: quality.chi2,
             n_dof: quality.n_dof,
             p_value: quality.p_value,
@@ -194,13 +193,13 @@ impl<'a> Line<'a> {
             lost_before: frame.n_lost_before,
             dropped_before: frame.n_dropped_before,
             skipped_before: frame.n_skipped_before,
-            phase: phase_word(frame.phase),
+            phase: frame.phase.word(),
             temperature: frame.temperature,
             raw_ue: &frame.raw_ue,
             tared_ue: &frame.tared_ue,
             bad_gauges: numbered
                 .filter(|(_, health)| *health != GaugeHealth::Good)
-                .map(|(gauge, health)| (gauge, health_word(health)))
+                .map(|(gauge, health)| (gauge, health.word()))
                 .collect(),
             contacts: touch.contacts.iter().map(ContactLine::of).collect(),
             released: &touch.released,
@@ -211,49 +210,16 @@ impl<'a> Line<'a> {
 }
 
 impl ContactLine {
-    fn of(contact: &TouchContact) -> Self {
+    fn of(contact: &Contact) -> Self {
         let sure = contact.uncertainty.as_ref();
         Self {
             id: contact.id,
-            phase: contact.phase.map(|phase| match phase {
-                Phase::Born => "born",
-                Phase::Held => "held",
-                Phase::Sliding => "sliding",
-            }),
+            phase: contact.phase.map(Phase::word),
             position_m: contact.position_m.coords.into(),
             direction: contact.direction.map(Into::into),
             force_n: contact.force_n,
             position_sd_m: sure.map(|sure| sure.position_sd_m()),
             force_sd_n: sure.map(|sure| sure.force_sd_n()),
         }
-    }
-}
-
-pub(super) fn phase_word(phase: TouchPhase) -> &'static str {
-    match phase {
-        TouchPhase::Taring => "taring",
-        TouchPhase::Untouched => "untouched",
-        TouchPhase::Touched => "touched",
-    }
-}
-
-fn health_word(health: GaugeHealth) -> &'static str {
-    match health {
-        GaugeHealth::Good => "good",
-        GaugeHealth::Saturated => "saturated",
-        GaugeHealth::Dead => "dead",
-        GaugeHealth::Spike => "spike",
-        GaugeHealth::NotFinite => "no_number",
-        GaugeHealth::Recovering => "recovering",
-    }
-}
-
-fn why_not_word(why: WhyNot) -> &'static str {
-    match why {
-        WhyNot::SingularInformation => "singular_information",
-        WhyNot::TiedExplanations => "tied_explanations",
-        WhyNot::Misfit => "misfit",
-        WhyNot::Unchecked => "unchecked",
-        WhyNot::Noise => "noise",
     }
 }

@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use hapdef_inverse::TouchPhase;
+use hapdef_contact::{Contact, TouchPhase};
 
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
 use crate::sink::{Delivery, LiveEvent, Sink, Wants};
-use crate::touch::TouchContact;
 
 /// Time between two refreshes of the line.
 const REFRESH: Duration = Duration::from_millis(50);
@@ -119,12 +118,12 @@ fn in_words(frame: &LiveFrame, out: &mut String) -> std::fmt::Result {
         contact_in_words(contact, out)?;
     }
     match frame.touch.quality {
-        Some(quality) if !quality.is_identified => write!(out, " (not decided)"),
+        Some(quality) if !quality.is_identified() => write!(out, " (not decided)"),
         _ => Ok(()),
     }
 }
 
-fn contact_in_words(contact: &TouchContact, out: &mut String) -> std::fmt::Result {
+fn contact_in_words(contact: &Contact, out: &mut String) -> std::fmt::Result {
     if let Some(id) = contact.id {
         write!(out, "#{id} ")?;
     }

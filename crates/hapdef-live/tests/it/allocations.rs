@@ -8,7 +8,7 @@ use std::cell::Cell;
 use std::sync::{Arc, Mutex};
 
 use hapdef_daq::source::ReplaySource;
-use hapdef_live::touch::SearchPlace;
+use hapdef_live::estimator::SearchPlace;
 use hapdef_live::{
     AnyError, Delivery, FnSink, Live, LiveEvent, LiveFrame, LiveParams, Sink, Wants,
 };

@@ -5,8 +5,8 @@ use crate::support;
 use std::sync::Arc;
 
 use hapdef_inverse::{ModeScope, ResponseMap, ResponseParams};
-use hapdef_live::touch::{Superposition, Touch, TouchEstimator};
-use hapdef_live::{Bundle, BundleMode, LiveError};
+use hapdef_live::estimator::{Superposition, TouchEstimator};
+use hapdef_live::{Bundle, BundleMode, LiveError, Touch};
 use nalgebra::Vector3;
 use support::world::{World, add_noise, barrel};
 use support::{N_GAUGES, bundle, pressed, settings};

@@ -5,8 +5,8 @@ use crate::support;
 use std::sync::Arc;
 
 use hapdef_daq::source::ReplaySource;
-use hapdef_live::touch::{SearchPlace, Touch, TouchEstimator};
-use hapdef_live::{Delivery, FnSink, Health, Live, LiveParams, Wants};
+use hapdef_live::estimator::{SearchPlace, TouchEstimator};
+use hapdef_live::{Delivery, FnSink, Health, Live, LiveParams, Touch, Wants};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use support::world::{self, World};

@@ -8,10 +8,9 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use hapdef_daq::source::ReplaySource;
-use hapdef_inverse::Phase;
+use hapdef_live::estimator::SearchPlace;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
-use hapdef_live::touch::{SearchPlace, TouchContact};
-use hapdef_live::{Live, LiveFrame, LiveParams, Sink};
+use hapdef_live::{Contact, Live, LiveFrame, LiveParams, Phase, Sink};
 use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use support::world::World;
@@ -42,13 +41,11 @@ fn frame() -> LiveFrame {
     let mut frame = LiveFrame::new(3);
     frame.seq = 7;
     frame.t_device_us = 1_500_000;
-    frame.touch.contacts.push(TouchContact {
-        position_m: Point3::new(0.01, 0.02, 0.03),
-        force_n: 12.5,
+    frame.touch.contacts.push(Contact {
         direction: Some(Vector3::new(0.0, 0.0, -1.0)),
         id: Some(4),
         phase: Some(Phase::Held),
-        uncertainty: None,
+        ..Contact::new(Point3::new(0.01, 0.02, 0.03), 12.5)
     });
     frame
 }

@@ -9,9 +9,9 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 use endless::Endless;
+use hapdef_live::estimator::{TouchEstimator, TouchFrame};
 use hapdef_live::sinks::JsonServer;
-use hapdef_live::touch::{Touch, TouchEstimator, TouchFrame};
-use hapdef_live::{Delivery, FnSink, Live, LiveError, Wants};
+use hapdef_live::{Delivery, FnSink, Live, LiveError, Touch, Wants};
 
 const N_CHANNELS: usize = 64;
 const MOST_MIB: f64 = 16.0;

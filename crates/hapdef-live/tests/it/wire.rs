@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use hapdef_daq::hdp1::{Encoder, FrameFlags};
 use hapdef_daq::source::{MemoryDevice, StreamParams, StreamSource, memory_link};
-use hapdef_live::touch::{SearchPlace, Touch, TouchEstimator};
-use hapdef_live::{Delivery, FnSink, Live, LiveParams, Wants};
+use hapdef_live::estimator::{SearchPlace, TouchEstimator};
+use hapdef_live::{Delivery, FnSink, Live, LiveParams, Touch, Wants};
 use support::world::World;
 use support::{Collected, N_GAUGES, bundle, hello, pressed, quantised, taken};
 

@@ -8,7 +8,9 @@ use hapdef::stages::compliance_table;
 use hapdef::touch::{response_map, superposition};
 use hapdef::{Limb, Run};
 use hapdef_bench::stats::median;
-use hapdef_inverse::{Contact, ContactEstimate, ContactEstimator, ContactTracker, TrackerParams};
+use hapdef_inverse::{
+    ContactEstimate, ContactEstimator, ContactTracker, LocatedContact, TrackerParams,
+};
 use serde::Serialize;
 
 use super::error::FrontierError;
@@ -154,14 +156,14 @@ fn tracker(estimator: &ContactEstimator, max_contacts: usize) -> Result<ContactT
     Ok(ContactTracker::new(estimator, params)?)
 }
 
-fn contacts(tracker: &ContactTracker) -> Vec<Contact> {
+fn contacts(tracker: &ContactTracker) -> Vec<LocatedContact> {
     let held = tracker.last().contacts.iter();
     held.map(|held| held.contact).collect()
 }
 
 impl Lab<'_> {
     /// Time of the displacement of the whole skin, which only the full scene wants, µs.
-    fn show(&self, contacts: &[Contact]) -> f64 {
+    fn show(&self, contacts: &[LocatedContact]) -> f64 {
         let start = Instant::now();
         if !contacts.is_empty() {
             std::hint::black_box(found_um(&self.maps_of, contacts));
@@ -188,7 +190,7 @@ impl Both {
         self.lean_us.push(lean_us);
     }
 
-    fn answers(&mut self, full: &[Contact], lean: &[Contact]) {
+    fn answers(&mut self, full: &[LocatedContact], lean: &[LocatedContact]) {
         self.n += 1;
         self.n_single += usize::from(full.len() == 1);
         self.n_equal += usize::from(is_equal(full, lean));
@@ -243,7 +245,7 @@ fn estimate(estimator: &ContactEstimator, frame: &Frame) -> Result<(ContactEstim
     Ok((estimate, start.elapsed().as_secs_f64() * 1e6))
 }
 
-fn is_equal(a: &[Contact], b: &[Contact]) -> bool {
+fn is_equal(a: &[LocatedContact], b: &[LocatedContact]) -> bool {
     let ([a], [b]) = (a, b) else {
         return false;
     };

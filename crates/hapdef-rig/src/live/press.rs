@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use hapdef_contact::Contact;
 use nalgebra::{Point3, Vector3};
 
 use super::limb::{LiveLimb, SurfacePoint};
@@ -94,6 +95,16 @@ impl TrueContact {
             normal,
             force_n,
             shear_n: shear_n - normal * normal.dot(shear_n),
+        }
+    }
+
+    /// What an estimator that is right would say of its normal force.
+    #[must_use]
+    pub fn contact(&self) -> Contact {
+        Contact {
+            direction: Some(-self.normal),
+            id: Some(self.id.into()),
+            ..Contact::new(self.position_m, self.force_n)
         }
     }
 

@@ -10,7 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use hapdef_view::{Displacement, GaugeHealth, ReplayPosition, ViewCommand, ViewFrame, ViewParams};
+use hapdef_contact::GaugeHealth;
+use hapdef_view::{Displacement, ReplayPosition, ViewCommand, ViewFrame, ViewParams};
 use look::{Look, Served, look};
 use page::params;
 use serde_json::json;
@@ -52,15 +53,14 @@ fn touched(n: u32, speed: f64, force_n: f64) -> ViewFrame {
 /// frames that were dropped.
 fn doubtful(n: u32) -> ViewFrame {
     let mut frame = touched(n, 1.0, 5.0);
-    let mut other = frame.contacts[0].clone();
-    (other.position_m, other.normal) = on_limb(-0.2, 0.1);
-    other.force_n = other.normal.map(|c| -3.0 * c);
-    frame.alternatives = vec![(0.21, vec![other])];
+    let (point_m, normal) = on_limb(-0.2, 0.1);
+    let other = Touch { id: 0, point_m, normal, force_n: 3.0 };
+    frame.alternatives = vec![(0.21, vec![synthetic::mark(&other)])];
     frame.readings_ue[0] = -1990.0;
     frame.readings_ue[1] = 1990.0;
     frame.gauge_health[1] = GaugeHealth::Saturated;
     frame.gauge_health[7] = GaugeHealth::Dead;
-    frame.gauge_health[4] = GaugeHealth::LeftOut;
+    frame.gauge_health[4] = GaugeHealth::Spike;
     frame.health.n_lost = 7;
     frame.health.n_dropped = 1234;
     frame.health.n_crc_errors = 3;

@@ -121,8 +121,8 @@ fn a_phone_shows_all_of_it() {
 fn crowded(n: u32) -> ViewFrame {
     let mut frame = touched(n);
     for id in 1..5 {
-        let mut further = frame.contacts[0].clone();
-        further.id = id;
+        let mut further = frame.contacts[0];
+        further.contact.id = Some(id);
         frame.contacts.push(further);
     }
     frame

@@ -1,7 +1,7 @@
 //! Whether an answer is honest about what was pressed.
 
 use hapdef::HapdefError;
-use hapdef_inverse::{Contact, ContactEstimate, InverseError, SkinPoint, Verdict};
+use hapdef_inverse::{ContactEstimate, InverseError, LocatedContact, SkinPoint, Verdict};
 use hapdef_live::LiveError;
 use nalgebra::{DMatrix, DVector};
 
@@ -98,7 +98,7 @@ pub(crate) fn judged(pressed: &Pressed, estimate: &ContactEstimate) -> Result<Ho
 }
 
 /// Each contact where and as strong as claimed, and no press is left that the readings show.
-fn as_claimed(pressed: &Pressed, contacts: &[Contact]) -> Result<Honest, Wrong> {
+fn as_claimed(pressed: &Pressed, contacts: &[LocatedContact]) -> Result<Honest, Wrong> {
     let (missed, times) = matched(contacts, &pressed.presses)?;
     if times > 1.0 {
         return Err(Wrong::Off { times });
@@ -121,7 +121,7 @@ fn stands_for_two(estimate: &ContactEstimate, presses: &[Press]) -> bool {
     far_m(a).max(far_m(b)) <= MOST_SD * if_two.position_sd_m && off_n <= MOST_SD * if_two.force_sd_n
 }
 
-fn is_finite(contact: &Contact) -> bool {
+fn is_finite(contact: &LocatedContact) -> bool {
     let numbers = contact.position_m.coords.iter().chain(&contact.covariance);
     contact.force_n.is_finite() && numbers.into_iter().all(|v| v.is_finite())
 }
@@ -140,7 +140,7 @@ fn below_noise(pressed: &Pressed) -> Result<Honest, Wrong> {
 /// Each contact with a press of its own, so that the worst is as near as can be: the press left over
 /// and how far the worst is off, over what is allowed.
 fn matched<'a>(
-    contacts: &[Contact],
+    contacts: &[LocatedContact],
     presses: &'a [Press],
 ) -> Result<(Option<&'a Press>, f64), Wrong> {
     let off = |i: usize, j: usize| times_off(&contacts[i], &presses[j]);
@@ -155,7 +155,7 @@ fn matched<'a>(
 }
 
 /// Distance and difference of force over what the contact's own standard deviations allow.
-fn times_off(contact: &Contact, press: &Press) -> f64 {
+fn times_off(contact: &LocatedContact, press: &Press) -> f64 {
     let place = contact.covariance.fixed_view::<2, 2>(0, 0).into_owned();
     let sd_m = place.symmetric_eigenvalues().max().max(0.0).sqrt();
     let sd_n = contact.covariance[(2, 2)].max(0.0).sqrt();
@@ -168,7 +168,7 @@ fn times_off(contact: &Contact, press: &Press) -> f64 {
 /// One of two found: what the other adds, or it and the noise, less what the found one's place and
 /// force can take up, is no misfit by the estimator's own limit. The noise has the map's error at the
 /// found contact's force.
-fn hidden(pressed: &Pressed, found: &Contact, missed: &Press) -> Result<Honest, Wrong> {
+fn hidden(pressed: &Pressed, found: &LocatedContact, missed: &Press) -> Result<Honest, Wrong> {
     let map = pressed.estimator.map();
     let n_gauges = map.n_gauges();
     let sds = sds_beside(pressed, found);
@@ -194,7 +194,7 @@ fn hidden(pressed: &Pressed, found: &Contact, missed: &Press) -> Result<Honest, 
 
 /// Standard deviation of each reading beside a contact, µε: noise, and the map's error as
 /// [`hapdef_inverse::ModelError::relative`] has it.
-fn sds_beside(pressed: &Pressed, found: &Contact) -> Vec<f64> {
+fn sds_beside(pressed: &Pressed, found: &LocatedContact) -> Vec<f64> {
     let map = pressed.estimator.map();
     let n_gauges = map.n_gauges();
     let points: Vec<SkinPoint> = map.skin().node_points().into_iter().flatten().collect();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use hapdef_live::touch::EstimatorKind;
+use hapdef_live::estimator::EstimatorKind;
 use serde::{Deserialize, Serialize};
 
 /// Which estimator turns readings into contacts, with its settings.

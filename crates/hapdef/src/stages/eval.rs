@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use hapdef_data::{DatasetReader, Split};
-use hapdef_live::touch::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
+use hapdef_live::estimator::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hapdef_inverse::ResponseMap;
-use hapdef_live::touch::{EstimatorKind, SuperpositionSettings};
+use hapdef_live::estimator::{EstimatorKind, SuperpositionSettings};
 use hapdef_live::{Bundle, BundleGauge, BundleInfo, BundleMode};
 use nalgebra::Vector3;
 

@@ -1,7 +1,7 @@
 //! The estimator that a scene chooses.
 
 use hapdef_inverse::{ContactEstimator, TrackerParams};
-use hapdef_live::touch::{
+use hapdef_live::estimator::{
     EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, Tracking,
 };
 

@@ -19,10 +19,11 @@ pub(crate) use calibration::N_STIFFNESS;
 pub use calibration::{CALIBRATION_SITES, Calibration, PressQuality};
 pub use chosen::{ChainStages, chain_stages, live_estimator, touch_estimator};
 pub(crate) use chosen::{by_superposition, tracker_params};
-pub use hapdef_live::touch::{
-    Alternative, EstimatorKind, PaperChain, SearchPlace, Superposition, Touch, TouchContact,
-    TouchEstimator, TouchFrame, TouchQuality, TouchUncertainty, TouchWanted, Tracking,
+pub use hapdef_live::estimator::{
+    EstimatorKind, PaperChain, SearchPlace, Superposition, TouchEstimator, TouchFrame, TouchWanted,
+    Tracking,
 };
+pub use hapdef_live::{Alternative, Contact, Quality, Touch, Uncertainty};
 pub use layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout};
 pub use layout_choice::study_layouts;
 pub use limits::{LimitsReport, LimitsRequest, limits};

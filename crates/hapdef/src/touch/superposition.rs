@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use hapdef_inverse::{EstimatorParams, ResponseMap, tip_ring_m};
-pub(super) use hapdef_live::touch::friction_rms;
-use hapdef_live::touch::{Superposition, SuperpositionSettings};
+pub(super) use hapdef_live::estimator::friction_rms;
+use hapdef_live::estimator::{Superposition, SuperpositionSettings};
 
 use crate::error::HapdefError;
 use crate::scene::{Scene, SuperpositionSpec};

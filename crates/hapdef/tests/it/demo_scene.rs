@@ -48,7 +48,7 @@ fn found(scene: &str) -> Found {
         let readings: Vec<f64> = unit.unwrap().iter().map(|g| g * FORCE_N).collect();
         estimator.estimate(&readings, &mut touch).unwrap();
         n_one += usize::from(touch.contacts.len() == 1);
-        let miss = |c: &hapdef::touch::TouchContact| (c.position_m - points[node]).norm() * 1e3;
+        let miss = |c: &hapdef::touch::Contact| (c.position_m - points[node]).norm() * 1e3;
         misses_mm.push(touch.contacts.first().map_or(f64::INFINITY, miss));
     }
     misses_mm.sort_by(f64::total_cmp);

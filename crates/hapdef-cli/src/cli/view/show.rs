@@ -4,12 +4,8 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use hapdef_daq::record::PlayerControl;
-use hapdef_live::touch::{Alternative, Touch, TouchContact};
-use hapdef_live::{GaugeHealth, Health, LiveFrame};
-use hapdef_view::{
-    ContactMark, Displacement, Recording, ReplayPosition, Uncertainty, ViewFrame, ViewPusher,
-};
-use nalgebra::{Point3, Vector3};
+use hapdef_live::{Alternative, Contact, Health, LiveFrame, Touch};
+use hapdef_view::{ContactMark, Displacement, Recording, ReplayPosition, ViewFrame, ViewPusher};
 
 use super::Shared;
 use super::picture::Surface;
@@ -127,19 +123,17 @@ impl Show {
 
     fn take_readings(&mut self, frame: &LiveFrame) {
         self.shown.readings_ue.clone_from(&frame.tared_ue);
-        let states = frame.gauges.iter().copied().map(state);
-        self.shown.gauge_health.clear();
-        self.shown.gauge_health.extend(states);
+        self.shown.gauge_health.clone_from(&frame.gauges);
     }
 
     fn take_touch(&mut self, touch: &Touch) {
-        let contacts = touch.contacts.iter().enumerate();
+        let surface = &self.surface;
         self.shown.contacts.clear();
-        self.shown.contacts.extend(contacts.map(|(i, contact)| mark(&self.surface, i, contact)));
+        self.shown.contacts.extend(touch.contacts.iter().map(|contact| mark(surface, *contact)));
         self.shown.alternatives.clear();
         for (probability, other) in probable(&touch.alternatives) {
-            let marks = other.contacts().enumerate();
-            let marks = marks.map(|(i, (at, force_n))| normal_mark(&self.surface, i, at, force_n));
+            let marks =
+                other.contacts().map(|(at, force_n)| mark(surface, Contact::new(at, force_n)));
             self.shown.alternatives.push((probability, marks.collect()));
         }
     }
@@ -192,57 +186,15 @@ fn probable(others: &[Alternative]) -> impl Iterator<Item = (f64, &Alternative)>
     others.take(MOST_ALTERNATIVES)
 }
 
-fn state(health: GaugeHealth) -> hapdef_view::GaugeHealth {
-    match health {
-        GaugeHealth::Good => hapdef_view::GaugeHealth::Good,
-        GaugeHealth::Spike | GaugeHealth::Recovering => hapdef_view::GaugeHealth::LeftOut,
-        GaugeHealth::Saturated => hapdef_view::GaugeHealth::Saturated,
-        GaugeHealth::Dead | GaugeHealth::NotFinite => hapdef_view::GaugeHealth::Dead,
-    }
-}
-
-fn mark(surface: &Surface, index: usize, contact: &TouchContact) -> ContactMark {
-    let mut mark = normal_mark(surface, index, contact.position_m, contact.force_n);
-    mark.id = contact.id.map_or(mark.id, |id| id as u32);
-    if let Some(direction) = contact.direction {
-        mark.force_n = (direction * contact.force_n).into();
-    }
-    mark.uncertainty = contact.uncertainty.map(|found| {
-        let c = found.covariance;
-        Uncertainty {
-            tangents: found.tangents.map(Into::into),
-            covariance_m2: [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]],
-            force_sd_n: found.force_sd_n(),
-        }
-    });
-    mark
-}
-
-/// A contact that presses along the skin's normal.
-fn normal_mark(surface: &Surface, index: usize, at: Point3<f64>, force_n: f64) -> ContactMark {
-    let normal: Vector3<f64> = surface.normal_at(&at);
-    ContactMark {
-        id: index as u32,
-        position_m: at.coords.into(),
-        normal: normal.into(),
-        force_n: (normal * -force_n).into(),
-        uncertainty: None,
-    }
+fn mark(surface: &Surface, contact: Contact) -> ContactMark {
+    ContactMark { contact, normal: surface.normal_at(&contact.position_m) }
 }
 
 #[cfg(test)]
 mod tests {
     use nalgebra::Point3;
 
-    use super::{Alternative, GaugeHealth, probable, state};
-
-    #[test]
-    fn only_gauges_that_count_are_shown_as_good() {
-        use GaugeHealth as H;
-        for left_out in [H::Saturated, H::Dead, H::Spike, H::NotFinite, H::Recovering] {
-            assert_ne!(state(left_out), state(H::Good), "{left_out:?}");
-        }
-    }
+    use super::{Alternative, probable};
 
     fn other(delta_cost: f64) -> Alternative {
         Alternative::new(delta_cost, [(Point3::origin(), 1.0)])

@@ -1,8 +1,7 @@
 //! Tare, drift, bad gauges, noise: what is between a reading and the estimator.
 
-use hapdef_inverse::{
-    Conditioned, Conditioner, ConditionerParams, GaugeHealth, InverseError, TouchPhase,
-};
+use hapdef_contact::{GaugeHealth, TouchPhase};
+use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError};
 
 use super::Compute;
 use crate::runtime::device::Device;

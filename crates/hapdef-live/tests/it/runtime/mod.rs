@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use endless::Endless;
 use hapdef_daq::source::{LinkFault, LinkState, ReplaySource};
 use hapdef_daq::{Frame, Message};
-use hapdef_live::touch::{SearchPlace, TouchWanted};
+use hapdef_live::estimator::{SearchPlace, TouchWanted};
 use hapdef_live::{
     Delivery, FnSink, GaugeHealth, Live, LiveBuilder, LiveError, LiveEvent, LiveParams, TouchPhase,
     Wants,

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use hapdef_live::touch::{Touch, TouchEstimator, TouchFrame, TouchWanted};
-use hapdef_live::{AnyError, Delivery, LiveError, LiveEvent, LiveFrame, Sink, Wants};
+use hapdef_live::estimator::{TouchEstimator, TouchFrame, TouchWanted};
+use hapdef_live::{AnyError, Delivery, LiveError, LiveEvent, LiveFrame, Sink, Touch, Wants};
 
 use crate::support::{Collected, N_GAUGES};
 

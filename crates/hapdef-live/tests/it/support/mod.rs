@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::{Frame, Message};
-use hapdef_live::touch::{EstimatorKind, SuperpositionSettings};
+use hapdef_live::estimator::{EstimatorKind, SuperpositionSettings};
 use hapdef_live::{Bundle, BundleGauge, BundleInfo};
 use nalgebra::Vector3;
 use rand::SeedableRng;

@@ -317,7 +317,7 @@ fn is_right(world: &InverseWorld, truth: &[SkinPoint], found: &ContactEstimate) 
     let skin = world.map.skin();
     let is_near = |point: &SkinPoint| {
         let x = skin.position(point);
-        let near = |c: &hapdef_inverse::Contact| (c.position_m - x).norm() <= RIGHT_M;
+        let near = |c: &hapdef_inverse::LocatedContact| (c.position_m - x).norm() <= RIGHT_M;
         found.contacts.iter().any(near)
     };
     found.contacts.len() == truth.len() && truth.iter().all(is_near)

@@ -7,14 +7,15 @@ pub mod read_back;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use hapdef_contact::{Alternative, Contact, Quality, Touch, Uncertainty, Verdict, WhyNot};
 use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::record::{RecordInfo, RecordParams, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_ros::{
-    Alternative, Contact, Contacts, Health, Level, McapSink, MessageSink, Quality, Readings,
-    RosEncoder, RosParams, Sinks, TopicKind, Uncertainty, topics,
+    Health, Level, McapSink, MessageSink, Readings, RosEncoder, RosParams, Sinks, TopicKind, topics,
 };
+use nalgebra::{Matrix3, Point3, Vector3};
 
 pub const CALIBRATION: &[u8] = b"{\"tare\": [1, 2.5]}";
 
@@ -43,16 +44,16 @@ pub fn number(seed: u64) -> f64 {
 
 pub fn contact(id: u32, seed: u64) -> Contact {
     let n = |k: u64| number(seed * 31 + k);
+    let sd_2 = 0.01 + 1e-3 * n(6);
     let uncertainty = Uncertainty {
-        tangents: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        covariance: [4e-6, 1e-6, 0.0, 1e-6, 9e-6, 0.0, 0.0, 0.0, 0.01 + 1e-3 * n(6)],
+        tangents: [Vector3::y(), Vector3::z()],
+        covariance: Matrix3::new(4e-6, 1e-6, 0.0, 1e-6, 9e-6, 0.0, 0.0, 0.0, sd_2),
     };
     Contact {
-        id,
-        position_m: [0.1 * n(0), 0.1 * n(1), 0.1 * n(2)],
-        normal: [1.0, 0.0, 0.0],
-        force_n: 2.0 + n(3),
+        id: Some(id.into()),
+        direction: Some(-Vector3::x()),
         uncertainty: id.is_multiple_of(2).then_some(uncertainty),
+        ..Contact::new(Point3::new(0.1 * n(0), 0.1 * n(1), 0.1 * n(2)), 2.0 + n(3))
     }
 }
 
@@ -60,29 +61,32 @@ pub fn contact(id: u32, seed: u64) -> Contact {
 pub fn alternative(k: u32, seed: u64) -> Alternative {
     let contacts = (0..=u64::from(k)).map(|j| {
         let n = |axis: u64| number(seed * 53 + 7 * j + axis);
-        ([0.1 * n(0), 0.1 * n(1), 0.1 * n(2)], 3.0 + n(3))
+        (Point3::new(0.1 * n(0), 0.1 * n(1), 0.1 * n(2)), 3.0 + n(3))
     });
-    Alternative {
-        delta_cost: f64::from(k) + 0.7 + 0.1 * number(seed),
-        contacts: contacts.collect(),
-    }
+    Alternative::new(f64::from(k) + 0.7 + 0.1 * number(seed), contacts)
 }
 
 /// Contacts of reading `i`, with none to two other explanations: one that stays, one that comes and goes.
-pub fn contacts(i: u32, stamp_ns: u64) -> Contacts {
-    let mut list = vec![contact(4, u64::from(i))];
+pub fn contacts(i: u32) -> Touch {
+    let mut contacts = vec![contact(4, u64::from(i))];
     if i % 40 < 20 {
-        list.push(contact(5 + i / 40, u64::from(i) + 1000));
+        contacts.push(contact(5 + i / 40, u64::from(i) + 1000));
     }
-    Contacts {
-        stamp_ns,
-        seq: i,
+    let is_identified = !i.is_multiple_of(3);
+    Touch {
+        contacts,
         quality: Some(Quality {
-            is_identified: !i.is_multiple_of(3),
+            verdict: match is_identified {
+                true => Verdict::Identified,
+                false => Verdict::NotIdentifiable(WhyNot::Misfit),
+            },
+            chi2: 1.0,
+            n_dof: 4,
             p_value: 0.5 + 0.4 * number(u64::from(i)),
+            n_alternatives: (i % 3) as usize,
         }),
-        contacts: list,
         alternatives: (0..i % 3).map(|k| alternative(k, u64::from(i))).collect(),
+        ..Touch::default()
     }
 }
 
@@ -91,16 +95,15 @@ pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
     let microstrain: Vec<f64> = (0..10).map(|k| 50.0 * number(u64::from(i * 10 + k))).collect();
     let readings = Readings { stamp_ns, seq: i, n_lost_before: i % 2, microstrain: &microstrain };
     encoder.readings(&readings).unwrap();
-    let found = contacts(i, stamp_ns);
-    encoder.contacts(&found).unwrap();
+    let found = contacts(i);
+    encoder.contacts(stamp_ns, i, &found).unwrap();
     let known = found.contacts.iter().map(|contact| Contact {
         uncertainty: None,
         force_n: contact.force_n + 0.1,
         ..*contact
     });
-    let truth =
-        Contacts { contacts: known.collect(), quality: None, alternatives: Vec::new(), ..found };
-    encoder.truth(&truth).unwrap();
+    let truth = Touch { contacts: known.collect(), ..Touch::default() };
+    encoder.truth(stamp_ns, i, &truth).unwrap();
     if i.is_multiple_of(100) {
         let health = Health {
             stamp_ns,

@@ -1,8 +1,8 @@
 //! A made-up limb with made-up readings: nothing here is computed by elasticity.
 
-use hapdef_view::{
-    ContactMark, Displacement, GaugeHealth, GaugeSite, LimbPicture, Uncertainty, ViewFrame,
-};
+use hapdef_contact::{Contact, GaugeHealth, Uncertainty};
+use hapdef_view::{ContactMark, Displacement, GaugeSite, LimbPicture, ViewFrame};
+use nalgebra::{Matrix3, Vector3};
 
 const N_RINGS: usize = 67;
 const N_AROUND: usize = 48;
@@ -111,18 +111,20 @@ pub fn show(picture: &LimbPicture, touches: &[Touch], t: f64, frame: &mut ViewFr
     frame.gauge_health = vec![GaugeHealth::Good; picture.gauges.len()];
 }
 
-fn mark(touch: &Touch) -> ContactMark {
+/// The mark of a touch.
+pub fn mark(touch: &Touch) -> ContactMark {
     let across = unit(cross([0.0, 0.0, 1.0], touch.normal));
+    let tangents = [across, cross(touch.normal, across)].map(Vector3::from);
+    let force_sd_n: f64 = 0.04 + 0.03 * touch.force_n;
+    let (xy, force) = (1.6e-6, force_sd_n.powi(2));
+    let covariance = Matrix3::new(3.2e-6, xy, 0.0, xy, 7.0e-6, 0.0, 0.0, 0.0, force);
     ContactMark {
-        id: touch.id,
-        position_m: touch.point_m,
-        normal: touch.normal,
-        force_n: touch.normal.map(|c| -touch.force_n * c),
-        uncertainty: Some(Uncertainty {
-            tangents: [across, cross(touch.normal, across)],
-            covariance_m2: [[3.2e-6, 1.6e-6], [1.6e-6, 7.0e-6]],
-            force_sd_n: 0.04 + 0.03 * touch.force_n,
-        }),
+        contact: Contact {
+            id: Some(touch.id.into()),
+            uncertainty: Some(Uncertainty { tangents, covariance }),
+            ..Contact::new(touch.point_m.into(), touch.force_n)
+        },
+        normal: touch.normal.into(),
     }
 }
 

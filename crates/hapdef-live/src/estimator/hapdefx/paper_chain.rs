@@ -1,9 +1,10 @@
 //! The paper's chain as an estimator of contacts.
 
+use hapdef_contact::{Contact, Touch};
 use nalgebra::Point3;
 
-use super::super::{EstimatorKind, Touch, TouchContact, TouchEstimator, TouchFrame};
-use super::{Hapdefx, HapdefxScratch};
+use super::super::{EstimatorKind, TouchEstimator, TouchFrame};
+use super::{FoundContact, Hapdefx, HapdefxScratch};
 use crate::error::LiveError;
 
 /// [`Hapdefx`] with its buffers.
@@ -35,15 +36,9 @@ impl PaperChain {
         self.chain.maps(&self.readings, &mut self.scratch, &mut self.map_um)?;
         let candidates = self.chain.candidates(&self.map_um, &mut self.scratch)?;
         let found = self.chain.top(&candidates, self.max_contacts);
-        let contacts = found.iter().map(|contact| TouchContact {
-            position_m: Point3::from(contact.position_m),
-            force_n: contact.force_n,
-            direction: None,
-            id: None,
-            phase: None,
-            uncertainty: None,
-        });
-        touch.contacts.extend(contacts);
+        let contact =
+            |found: &FoundContact| Contact::new(Point3::from(found.position_m), found.force_n);
+        touch.contacts.extend(found.iter().map(contact));
         Ok(())
     }
 }

@@ -1,12 +1,12 @@
 //! Contacts followed from frame to frame.
 
+use hapdef_contact::{Alternative, Contact, Quality, Touch};
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome,
     TrackerParams,
 };
 
-use super::{Alternative, EstimatorKind, TouchWanted, noisier};
-use super::{Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality, TouchUncertainty};
+use super::{EstimatorKind, TouchEstimator, TouchFrame, TouchWanted, noisier};
 use crate::error::LiveError;
 
 /// Where a full search runs that the tracker asks for when its contacts don't explain the frames.
@@ -131,19 +131,10 @@ impl Tracking {
         let (skin, frame) = (self.estimator.map().skin(), self.tracker.last());
         let first_id = self.first_id;
         touch.clear();
-        let contacts = frame.contacts.iter().map(|tracked| {
-            let contact = &tracked.contact;
-            TouchContact {
-                position_m: contact.position_m,
-                force_n: contact.force_n,
-                direction: Some(-skin.normal(&contact.point)),
-                id: Some(first_id + tracked.id.0),
-                phase: Some(tracked.phase),
-                uncertainty: wanted.uncertainty.then(|| TouchUncertainty {
-                    tangents: skin.tangents(&contact.point),
-                    covariance: contact.covariance,
-                }),
-            }
+        let contacts = frame.contacts.iter().map(|tracked| Contact {
+            id: Some(first_id + tracked.id.0),
+            phase: Some(tracked.phase),
+            ..tracked.contact.contact(skin, wanted.uncertainty)
         });
         touch.contacts.extend(contacts);
         let released = frame.released.iter().map(|id| first_id + id.0);
@@ -157,9 +148,12 @@ impl Tracking {
             let by_delta = |a: &Alternative, b: &Alternative| a.delta_cost.total_cmp(&b.delta_cost);
             touch.alternatives.sort_unstable_by(by_delta);
         }
-        touch.quality = Some(TouchQuality {
+        touch.quality = Some(Quality {
+            verdict: frame.verdict,
+            chi2: frame.chi2,
+            n_dof: frame.n_dof,
+            p_value: frame.p_value,
             n_alternatives: frame.n_runner_ups,
-            ..TouchQuality::of(frame.verdict, frame.chi2, frame.n_dof, frame.p_value)
         });
     }
 }

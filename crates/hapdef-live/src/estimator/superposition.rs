@@ -1,11 +1,9 @@
 //! Contacts of every frame on its own, by superposition.
 
+use hapdef_contact::{Alternative, Quality, Touch};
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
 
-use super::{
-    Alternative, EstimatorKind, Touch, TouchContact, TouchEstimator, TouchFrame, TouchQuality,
-};
-use super::{TouchUncertainty, TouchWanted, noisier};
+use super::{EstimatorKind, TouchEstimator, TouchFrame, TouchWanted, noisier};
 use crate::error::LiveError;
 
 /// [`ContactEstimator`] with its buffers. When gauges fail it is whitened anew without them, which
@@ -69,17 +67,8 @@ impl Superposition {
     fn report(&self, wanted: TouchWanted, touch: &mut Touch) {
         let (skin, estimate) = (self.estimator.map().skin(), &self.estimate);
         touch.clear();
-        let contacts = estimate.contacts.iter().map(|contact| TouchContact {
-            position_m: contact.position_m,
-            force_n: contact.force_n,
-            direction: Some(-skin.normal(&contact.point)),
-            id: None,
-            phase: None,
-            uncertainty: wanted.uncertainty.then(|| TouchUncertainty {
-                tangents: skin.tangents(&contact.point),
-                covariance: contact.covariance,
-            }),
-        });
+        let with_uncertainty = wanted.uncertainty;
+        let contacts = estimate.contacts.iter().map(|found| found.contact(skin, with_uncertainty));
         touch.contacts.extend(contacts);
         if wanted.alternatives {
             let others = estimate.runner_ups.iter().map(|other| {
@@ -88,9 +77,12 @@ impl Superposition {
             });
             touch.alternatives.extend(others);
         }
-        touch.quality = Some(TouchQuality {
+        touch.quality = Some(Quality {
+            verdict: estimate.verdict,
+            chi2: estimate.chi2,
+            n_dof: estimate.n_dof,
+            p_value: estimate.p_value,
             n_alternatives: estimate.runner_ups.len(),
-            ..TouchQuality::of(estimate.verdict, estimate.chi2, estimate.n_dof, estimate.p_value)
         });
     }
 }

@@ -4,12 +4,12 @@ use crate::chi_square::upper_tail;
 use crate::conditioning::params::ConditionerParams;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Touch {
+pub(crate) struct TouchDetector {
     pub(crate) is_touched: bool,
     n_quiet: usize,
 }
 
-impl Touch {
+impl TouchDetector {
     pub(crate) fn new() -> Self {
         Self { is_touched: false, n_quiet: 0 }
     }

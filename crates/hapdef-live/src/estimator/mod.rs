@@ -1,0 +1,140 @@
+//! From one frame of readings to contacts: estimators behind one trait.
+
+#[cfg(feature = "nets")]
+mod hapdefx;
+mod kind;
+mod settings;
+mod superposition;
+mod tracking;
+
+use hapdef_contact::Touch;
+use hapdef_inverse::ContactEstimator;
+
+#[cfg(feature = "nets")]
+pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
+pub use kind::{EstimatorKind, UnknownEstimator};
+pub use settings::{SuperpositionSettings, friction_rms};
+pub use superposition::Superposition;
+pub use tracking::{SearchPlace, Tracking};
+
+use crate::error::LiveError;
+
+/// Turns frames of tared gauge readings into contacts. One for each thread.
+pub trait TouchEstimator: Send {
+    /// Name for people.
+    fn name(&self) -> &'static str;
+
+    /// Number of gauges.
+    fn n_gauges(&self) -> usize;
+
+    /// The contacts behind a frame, into `touch`: what `frame.wanted` names, whatever was there
+    /// before.
+    ///
+    /// # Errors
+    /// [`LiveError`] when the readings have another number, one that counts is not finite, or too
+    /// few count.
+    fn estimate_frame(
+        &mut self,
+        frame: &TouchFrame<'_>,
+        touch: &mut Touch,
+    ) -> Result<(), LiveError>;
+
+    /// The contacts behind `readings_ue` `[n_gauges]`, µε, into `touch`, with all that is known.
+    ///
+    /// # Errors
+    /// As [`TouchEstimator::estimate_frame`].
+    fn estimate(&mut self, readings_ue: &[f64], touch: &mut Touch) -> Result<(), LiveError> {
+        self.estimate_frame(&TouchFrame::whole(readings_ue), touch)
+    }
+
+    /// Forgets what earlier frames said: the stream begins anew.
+    fn start_over(&mut self) {}
+
+    /// Sets the time between frames, s, before the first of a device.
+    ///
+    /// # Errors
+    /// [`LiveError`] for a time that can't be used.
+    fn set_frame_period(&mut self, _period_s: f64) -> Result<(), LiveError> {
+        Ok(())
+    }
+
+    /// Sets, for each device and after each tare, how large the noise of each gauge is at least
+    /// `[n_gauges]`, µε, the converter's included. An estimator that weighs readings by their noise
+    /// takes the larger of this and what it was made with, where they differ by more than 1 %.
+    ///
+    /// # Errors
+    /// [`LiveError`] for a wrong length or noise that can't be used.
+    fn set_least_noise(&mut self, _least_ue: &[f64]) -> Result<(), LiveError> {
+        Ok(())
+    }
+}
+
+/// Noise that is larger by less than this share is not worth weighing the readings anew.
+const NOISIER_SHARE: f64 = 0.01;
+
+/// `estimator` with the larger of the noise that it was made with and `least_ue`; none if it has
+/// that.
+fn noisier(
+    estimator: &ContactEstimator,
+    made_with_ue: &[f64],
+    least_ue: &[f64],
+) -> Result<Option<ContactEstimator>, LiveError> {
+    let (expected, found) = (made_with_ue.len(), least_ue.len());
+    if expected != found {
+        return Err(LiveError::FrameLength { expected, found });
+    }
+    let pairs = made_with_ue.iter().zip(least_ue);
+    let larger = |(made, least): (&f64, &f64)| match *least > made * (1.0 + NOISIER_SHARE) {
+        true => *least,
+        false => *made,
+    };
+    let wanted: Vec<f64> = pairs.map(larger).collect();
+    if estimator.gauge_sd() == wanted {
+        return Ok(None);
+    }
+    Ok(Some(estimator.with_gauge_sd(&wanted)?))
+}
+
+/// A frame as an estimator gets it.
+#[derive(Clone, Copy, Debug)]
+pub struct TouchFrame<'a> {
+    /// Tared readings `[n_gauges]`, µε.
+    pub readings_ue: &'a [f64],
+    /// Gauges that count `[n_gauges]`; none if all do.
+    pub live: Option<&'a [bool]>,
+    /// What is asked for beside the contacts.
+    pub wanted: TouchWanted,
+}
+
+/// What is asked for beside the contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TouchWanted {
+    /// [`hapdef_contact::Contact::uncertainty`].
+    pub uncertainty: bool,
+    /// [`Touch::alternatives`].
+    pub alternatives: bool,
+}
+
+impl<'a> TouchFrame<'a> {
+    /// A frame in which every gauge counts, of which all is wanted.
+    #[must_use]
+    pub fn whole(readings_ue: &'a [f64]) -> Self {
+        Self {
+            readings_ue,
+            live: None,
+            wanted: TouchWanted { uncertainty: true, alternatives: true },
+        }
+    }
+
+    /// Refuses another number of readings or of gauges that count.
+    ///
+    /// # Errors
+    /// [`LiveError::FrameLength`].
+    pub fn check(&self, n_gauges: usize) -> Result<(), LiveError> {
+        let lengths = [Some(self.readings_ue.len()), self.live.map(<[bool]>::len)];
+        match lengths.into_iter().flatten().find(|&n| n != n_gauges) {
+            Some(found) => Err(LiveError::FrameLength { expected: n_gauges, found }),
+            None => Ok(()),
+        }
+    }
+}
