@@ -1,4 +1,4 @@
-//! One contact.
+//! One contact: found, or drawn.
 
 use nalgebra::{Point3, Vector3};
 
@@ -20,6 +20,20 @@ pub struct Contact {
     pub phase: Option<Phase>,
     /// How sure it is, where that was asked for and the estimator can tell.
     pub uncertainty: Option<Uncertainty>,
+}
+
+/// A normal force on a surface node, as samples and presses are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnContact {
+    /// The surface node pressed.
+    pub node: usize,
+    /// Force, N.
+    pub force_n: f64,
+}
+
+impl DrawnContact {
+    /// No force at the first node: what a sample holds before it is drawn.
+    pub const NONE: Self = Self { node: 0, force_n: 0.0 };
 }
 
 impl Contact {

@@ -1,4 +1,4 @@
-//! What is written to a file between steps: contacts, datasets, splits, standardisers, manifests.
+//! What is written to a file between steps: datasets, splits, standardisers, manifests.
 //!
 //! A dataset is one safetensors file with several row-major tensors `[n, width]` over the same n
 //! samples, and a JSON [`Manifest`] beside it. [`DatasetWriter`] streams rows to the file block by
@@ -7,7 +7,6 @@
 //!
 //! Knows nothing of how samples arise or are used.
 
-mod contact;
 mod error;
 mod manifest;
 mod reader;
@@ -16,7 +15,6 @@ mod standardiser;
 mod tensor;
 mod writer;
 
-pub use contact::Contact;
 pub use error::DataError;
 pub use manifest::{MANIFEST_FORMAT_VERSION, Manifest, manifest_path};
 pub use reader::DatasetReader;

@@ -27,5 +27,5 @@ pub use error::RigError;
 pub use field::SmoothField;
 pub use nominal_limb::NominalLimb;
 pub use params::{ElectronicsParams, GainParams, MisplacementParams, RigParams, VariationParams};
-pub use prober::{DoublePressParams, Press, SinglePressParams, double_presses, single_presses};
+pub use prober::{DoublePressParams, SinglePressParams, double_presses, single_presses};
 pub use real_limb::{RealLimb, RealLimbInfo};

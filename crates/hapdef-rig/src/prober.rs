@@ -1,19 +1,11 @@
 //! What the probing robot presses: the protocol of Sun & Martius 2019, sections 3.1 and 4.4.
 
+use hapdef_contact::DrawnContact;
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::RigError;
-
-/// One normal force on one contact site.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Press {
-    /// Index of the contact site.
-    pub site: usize,
-    /// Normal force, N.
-    pub force_n: f64,
-}
 
 /// Single presses at random sites with random forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,11 +39,13 @@ pub struct DoublePressParams {
 
 /// Draws single presses on `n_sites` contact sites.
 #[must_use]
-pub fn single_presses(n_sites: usize, params: &SinglePressParams) -> Vec<Press> {
+pub fn single_presses(n_sites: usize, params: &SinglePressParams) -> Vec<DrawnContact> {
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     let (low, high) = params.force_range_n;
-    let mut press =
-        || Press { site: rng.random_range(0..n_sites), force_n: rng.random_range(low..=high) };
+    let mut press = || DrawnContact {
+        node: rng.random_range(0..n_sites),
+        force_n: rng.random_range(low..=high),
+    };
     (0..params.n_presses).map(|_| press()).collect()
 }
 
@@ -62,7 +56,7 @@ pub fn single_presses(n_sites: usize, params: &SinglePressParams) -> Vec<Press> 
 pub fn double_presses(
     sites: &[Point3<f64>],
     params: &DoublePressParams,
-) -> Result<Vec<[Press; 2]>, RigError> {
+) -> Result<Vec<[DrawnContact; 2]>, RigError> {
     let mut rng = ChaCha8Rng::seed_from_u64(params.seed);
     let pairs = draw_pairs(sites, params, &mut rng)?;
     let mut presses = Vec::with_capacity(params.n_pairs * params.n_amplitudes);
@@ -70,8 +64,8 @@ pub fn double_presses(
         for step in 0..params.n_amplitudes {
             let spread = rng.random_range(-params.held_spread_n..=params.held_spread_n);
             presses.push([
-                Press { site: held, force_n: params.held_force_n + spread },
-                Press { site: varied, force_n: amplitude(step, params) },
+                DrawnContact { node: held, force_n: params.held_force_n + spread },
+                DrawnContact { node: varied, force_n: amplitude(step, params) },
             ]);
         }
     }
@@ -139,7 +133,7 @@ mod tests {
         let presses = double_presses(&sites, &doubles()).unwrap();
         assert_eq!(presses.len(), 27 * 25);
         for [held, varied] in &presses {
-            let spacing = (sites[held.site] - sites[varied.site]).norm();
+            let spacing = (sites[held.node] - sites[varied.node]).norm();
             assert!((0.012..=0.075).contains(&spacing), "{spacing}");
             assert!((29.0..=31.0).contains(&held.force_n), "{}", held.force_n);
         }
@@ -156,7 +150,7 @@ mod tests {
     fn singles_cover_sites_and_forces() {
         let params = SinglePressParams { n_presses: 4000, force_range_n: (0.0, 34.0), seed: 1 };
         let presses = single_presses(10, &params);
-        assert!((0..10).all(|site| presses.iter().any(|p| p.site == site)));
+        assert!((0..10).all(|site| presses.iter().any(|p| p.node == site)));
         let mean = presses.iter().map(|p| p.force_n).sum::<f64>() / 4000.0;
         assert!((mean - 17.0).abs() < 0.5, "mean force {mean}");
     }

@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
+use hapdef_contact::DrawnContact;
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
 
 use crate::error::HapdefError;
-use crate::sampling::DrawnContact;
 
 const TENSOR: &str = "displacement";
 

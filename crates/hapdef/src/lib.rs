@@ -92,6 +92,7 @@ pub use compliance::{ComplianceTable, SuperpositionScratch};
 pub use drawn_skin::DrawnSkin;
 pub use error::{HapdefError, SceneError};
 pub use error_text::error_text;
+pub use hapdef_contact::DrawnContact;
 pub use hapdef_live::estimator::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
 pub use hapdefx::hapdefx;
 pub use limb::Limb;
@@ -101,7 +102,7 @@ pub use pipeline::{Pipeline, Until};
 pub use profile::{OutputScale, Profile, Samples, Schedule};
 pub use progress::{Bar, Display, Progress, TrainingBar};
 pub use run::Run;
-pub use sampling::{DrawnContact, draw_contacts, draw_numbered};
+pub use sampling::{draw_contacts, draw_numbered};
 pub use scoring::{
     ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
     score_lenient, score_one_to_one,

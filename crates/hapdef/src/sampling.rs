@@ -1,5 +1,6 @@
 //! Drawing contacts: random places at a distance from each other, random forces.
 
+use hapdef_contact::DrawnContact;
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,20 +14,6 @@ const MAX_TRIES: usize = 10_000;
 /// First stream of the generator that numbered samples take; sets take the streams of their
 /// contact counts.
 const NUMBERED_STREAMS: u64 = 1 << 32;
-
-/// One contact of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawnContact {
-    /// Surface node pressed.
-    pub node: usize,
-    /// Force, N.
-    pub force_n: f64,
-}
-
-impl DrawnContact {
-    /// No force at the first node: what a sample holds before it is drawn.
-    pub const NONE: Self = Self { node: 0, force_n: 0.0 };
-}
 
 /// Draws `n_samples` samples of `n_contacts` contacts each, at least the scene's spacing apart.
 /// The stream depends on `seed` and on `n_contacts` only.

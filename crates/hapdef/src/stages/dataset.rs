@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use hapdef_contact::DrawnContact;
 use hapdef_data::{DatasetWriter, Manifest, Split, TensorSpec};
-use hapdef_rig::{DoublePressParams, Press, SinglePressParams, double_presses, single_presses};
+use hapdef_rig::{DoublePressParams, SinglePressParams, double_presses, single_presses};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -18,7 +19,7 @@ use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
-use crate::sampling::{DrawnContact, draw_contacts};
+use crate::sampling::draw_contacts;
 use crate::work::{Work, table_bytes};
 
 const DATASET_FILE: &str = "samples.safetensors";
@@ -159,7 +160,7 @@ impl<'a> Maker<'a> {
                     seed: presses.single_seed,
                 };
                 let presses = single_presses(self.points.len(), &params);
-                Ok(presses.into_iter().map(|press| vec![drawn(press)]).collect())
+                Ok(presses.into_iter().map(|press| vec![press]).collect())
             }
             DatasetKind::RigDouble => {
                 let params = DoublePressParams {
@@ -172,7 +173,7 @@ impl<'a> Maker<'a> {
                     seed: presses.double_seed,
                 };
                 let presses = double_presses(&self.points, &params)?;
-                Ok(presses.into_iter().map(|pair| pair.map(drawn).to_vec()).collect())
+                Ok(presses.into_iter().map(|pair| pair.to_vec()).collect())
             }
         }
     }
@@ -290,10 +291,6 @@ impl<'a> Maker<'a> {
         }
         inputs
     }
-}
-
-fn drawn(press: Press) -> DrawnContact {
-    DrawnContact { node: press.site, force_n: press.force_n }
 }
 
 fn title(kind: DatasetKind) -> String {

@@ -1,12 +1,13 @@
 //! Samples of F_R that are drawn and superposed when they are asked for: as many as a training
 //! wants, and nothing on disk.
 
+use hapdef_contact::DrawnContact;
 use hapdef_nets::train::{BatchSource, SourceError};
 use nalgebra::Point3;
 use rayon::prelude::*;
 
 use crate::compliance::ComplianceTable;
-use crate::sampling::{DrawnContact, draw_numbered};
+use crate::sampling::draw_numbered;
 use crate::scene::ContactSpec;
 
 /// Most contacts of a sample.

@@ -1,10 +1,10 @@
 //! Readings of the simulated hardware: unit responses superposed, then measured.
 
+use hapdef_contact::DrawnContact;
 use hapdef_rig::{Electronics, ElectronicsParams};
 
 use crate::error::HapdefError;
 use crate::run::Run;
-use crate::sampling::DrawnContact;
 
 /// The rig's channels: unit responses superposed, then measured.
 pub(super) struct RigChannels {
