@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Header, MAJOR_VERSION};
 use hapdef_daq::record::recover;
-use hapdef_live::touch::Hapdefx;
+use hapdef_live::estimator::Hapdefx;
 use hapdef_mesh::{DeckParams, GltfParams, read_deck_with, read_gltf};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, TrainRecord};
 
