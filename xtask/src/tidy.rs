@@ -18,7 +18,7 @@ use crate::tool::{metadata, results, root};
 const MAX_LINES: usize = 600;
 
 /// Circles between files that are still allowed.
-const MAX_CIRCLES: usize = 2;
+const MAX_CIRCLES: usize = 0;
 
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
