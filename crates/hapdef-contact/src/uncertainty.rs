@@ -64,8 +64,6 @@ impl Uncertainty {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests")]
-
     use nalgebra::Matrix3;
     use proptest::prelude::*;
 
