@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use hapdef::touch::{UncertainParams, UncertainResponse, estimator_params};
 use hapdef::{Limb, Run};
 use hapdef_inverse::{
-    Contact, ContactEstimator, EstimatorParams, ModelError, NoiseParams, ScanSites,
+    ContactEstimator, EstimatorParams, LocatedContact, ModelError, NoiseParams, ScanSites,
 };
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
@@ -193,7 +193,7 @@ impl<'a> Lab<'a> {
 }
 
 /// Displacement of the surface under contacts that were found `[n_surface]`, µm.
-pub(super) fn found_um(maps: &TrueMaps, contacts: &[Contact]) -> Vec<f32> {
+pub(super) fn found_um(maps: &TrueMaps, contacts: &[LocatedContact]) -> Vec<f32> {
     let [surface_um, _] = maps.under(contacts.iter().map(|c| (c.point, c.force_n)));
     surface_um
 }
