@@ -68,7 +68,7 @@ impl TrackerParams {
     #[must_use]
     pub fn of(effort: Effort) -> Self {
         // With 45 steps hardly any pair is found beside two held contacts, with 60 half of them, with 100
-        // two thirds; beyond 200 there is no gain (`docs/contacts.md`, `settings_side_by_side`).
+        // two thirds; beyond 200 there is no gain (`docs/contacts.md`, `no_setting_beyond_the_efforts_is_better`).
         let (steps_per_frame, n_hypotheses) = match effort {
             Effort::Fast => (60, 2),
             Effort::Usual => (100, 4),
