@@ -57,12 +57,12 @@ impl Drop for Program {
 
 /// The figure's line as soon as it comes; a thread reads everything else.
 fn figures(stdout: ChildStdout) -> Receiver<String> {
-    let (tell, told) = channel();
+    let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let lines = BufReader::new(stdout).lines().map_while(Result::ok);
         for line in lines.filter(|line| line.starts_with(FIGURE)) {
-            let _ = tell.send(line);
+            let _ = sender.send(line);
         }
     });
-    told
+    receiver
 }

@@ -14,10 +14,8 @@ pub type AnyError = Box<dyn Error + Send + Sync>;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum LiveError {
-    /// Contacts by superposition could not be set up or found.
     #[error(transparent)]
     Inverse(#[from] InverseError),
-    /// The acquisition could not be started.
     #[error(transparent)]
     Daq(#[from] DaqError),
     #[cfg(feature = "nets")]

@@ -8,196 +8,72 @@ use crate::{DeckFault, GltfFault, SolidFault, SurfaceFault};
 /// Why a mesh could not be read, built or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum MeshError {
-    /// A file could not be opened, read, written or renamed.
     #[error("cannot {action} {}: {cause}", path.display())]
-    Io {
-        /// What was being done: `read`, `write`, `rename`.
-        action: &'static str,
-        /// The file concerned.
-        path: PathBuf,
-        /// The operating system's answer.
-        cause: std::io::Error,
-    },
-    /// A glTF or GLB file breaks the format, or holds what this reader does not take.
+    Io { action: &'static str, path: PathBuf, cause: std::io::Error },
     #[error("{}: {fault}", path.display())]
-    Gltf {
-        /// The file as the caller named it.
-        path: PathBuf,
-        /// The place in the file, what was expected and what was found.
-        fault: Box<GltfFault>,
-    },
-    /// A triangle names a vertex that is not there.
+    Gltf { path: PathBuf, fault: Box<GltfFault> },
     #[error(
         "triangle {triangle} uses vertex {vertex}, but the surface has {n_vertices} vertices (0-based)"
     )]
-    VertexOutOfRange {
-        /// The triangle, counted from 0.
-        triangle: usize,
-        /// The vertex it names.
-        vertex: u32,
-        /// How many vertices there are.
-        n_vertices: usize,
-    },
-    /// A surface vertex has a coordinate that is not a finite number.
+    VertexOutOfRange { triangle: usize, vertex: u32, n_vertices: usize },
     #[error("surface vertex {vertex} is at ({}, {}, {}), which is not finite", position[0], position[1], position[2])]
-    VertexNotFinite {
-        /// The vertex, counted from 0.
-        vertex: usize,
-        /// Its coordinates, m.
-        position: [f64; 3],
-    },
-    /// A surface without triangles.
+    VertexNotFinite { vertex: usize, position: [f64; 3] },
     #[error("the surface has {n_vertices} vertices and no triangle; at least one is needed")]
-    NoTriangles {
-        /// How many vertices there are.
-        n_vertices: usize,
-    },
-    /// A surface with more vertices than 32-bit indices can name.
+    NoTriangles { n_vertices: usize },
     #[error("the surface has {n_vertices} vertices, more than 32-bit indices can name")]
-    TooManyVertices {
-        /// How many vertices there are.
-        n_vertices: usize,
-    },
-    /// A tolerance that is negative or not finite.
+    TooManyVertices { n_vertices: usize },
     #[error("the weld tolerance is {tolerance_m} m; it must be finite and at least 0")]
-    WeldTolerance {
-        /// The tolerance given, m.
-        tolerance_m: f64,
-    },
-    /// A field whose length is not the number of points it belongs to.
+    WeldTolerance { tolerance_m: f64 },
     #[error("field `{field}` has {found} values, but the mesh has {expected} points")]
-    FieldLength {
-        /// The field's name.
-        field: String,
-        /// Points in the mesh.
-        expected: usize,
-        /// Values in the field.
-        found: usize,
-    },
-    /// A field value or a bound of the colour range that cannot be drawn.
+    FieldLength { field: String, expected: usize, found: usize },
     #[error("field `{field}` has {value} at point {point}, which is not finite")]
-    FieldNotFinite {
-        /// The field's name.
-        field: String,
-        /// The point, counted from 0.
-        point: usize,
-        /// The value found.
-        value: f64,
-    },
-    /// A colour range whose ends are not finite or not in order.
+    FieldNotFinite { field: String, point: usize, value: f64 },
     #[error(
         "the colour range of field `{field}` is {low}..{high}; it must be finite with low <= high"
     )]
-    FieldRange {
-        /// The field's name.
-        field: String,
-        /// The lower end.
-        low: f64,
-        /// The upper end.
-        high: f64,
-    },
-    /// A field name that the file format cannot carry.
+    FieldRange { field: String, low: f64, high: f64 },
     #[error("field name `{field}` is not usable here: {why}")]
-    FieldName {
-        /// The name given.
-        field: String,
-        /// What the format asks for.
-        why: &'static str,
-    },
-    /// A coordinate or count too large for the format being written.
+    FieldName { field: String, why: &'static str },
     #[error("cannot write {}: {what}", path.display())]
-    NotWritable {
-        /// The file to be written.
-        path: PathBuf,
-        /// What does not fit.
-        what: String,
-    },
-    /// Nodes and elements that don't make a solid mesh.
+    NotWritable { path: PathBuf, what: String },
     #[error(transparent)]
     Solid(#[from] SolidFault),
-    /// A triangle surface that can't become a shell, be remeshed or be extruded.
     #[error(transparent)]
     Surface(#[from] SurfaceFault),
-    /// No boundary face belongs to the contact region.
     #[error(
         "no boundary face belongs to the contact region: {} (the solid measures {:.6} x {:.6} x {:.6} m)",
         region_remedy(size_m), size_m[0], size_m[1], size_m[2]
     )]
-    EmptySkin {
-        /// The solid's bounding box, m.
-        size_m: [f64; 3],
-    },
-    /// The faces around a node of the contact region face opposite ways.
+    EmptySkin { size_m: [f64; 3] },
     #[error("the contact region has no outward normal at FE node {node}: its faces cancel")]
-    SkinNormal {
-        /// The node, counted from 0.
-        node: u32,
-    },
-    /// Limits of a contact region that can't be used.
+    SkinNormal { node: u32 },
     #[error("contact region: {why}")]
-    RegionParams {
-        /// What is asked for.
-        why: &'static str,
-    },
-    /// A gauge that is not on the wall it should be glued to.
+    RegionParams { why: &'static str },
     #[error(
         "a gauge centred at ({:.6}, {:.6}, {:.6}) m is {distance_m:.6} m from the nearest wall face, more than \
          the {max_distance_m} m allowed: move it onto the wall",
         centre_m[0], centre_m[1], centre_m[2]
     )]
-    GaugeOffWall {
-        /// The gauge centre, m.
-        centre_m: [f64; 3],
-        /// Its distance to the nearest wall face, m; infinite if there is none or the centre is
-        /// not finite.
-        distance_m: f64,
-        /// The distance allowed, m.
-        max_distance_m: f64,
-    },
-    /// A wall with fewer nodes than a gauge's patch needs.
+    GaugeOffWall { centre_m: [f64; 3], distance_m: f64, max_distance_m: f64 },
     #[error(
         "the wall at gauge centre ({:.6}, {:.6}, {:.6}) m has {found} FE nodes, but a patch of {expected} is \
          wanted: refine the mesh there or take fewer",
         centre_m[0], centre_m[1], centre_m[2]
     )]
-    GaugePatchTooSmall {
-        /// The gauge centre, m.
-        centre_m: [f64; 3],
-        /// Nodes wanted.
-        expected: usize,
-        /// Nodes on the wall.
-        found: usize,
-    },
-    /// A solid deck that breaks its format, or holds what the reader does not take.
+    GaugePatchTooSmall { centre_m: [f64; 3], expected: usize, found: usize },
     #[error("{}: {fault}", path.display())]
-    Deck {
-        /// The deck as the caller named it.
-        path: PathBuf,
-        /// The place in the deck, what was expected and what was found.
-        fault: DeckFault,
-    },
-    /// A limit of the wall's thickness that can't be used.
+    Deck { path: PathBuf, fault: DeckFault },
     #[error("the wall's greatest thickness is {max_thickness_m} m; it must be above 0")]
-    WallThickness {
-        /// The limit given, m.
-        max_thickness_m: f64,
-    },
-    /// A skin face without wall behind it.
+    WallThickness { max_thickness_m: f64 },
     #[error(
         "the skin face of element {element} is not on the given boundary, or the material behind \
          it has no end: take skin and boundary from the same mesh"
     )]
-    OpenWall {
-        /// The element, counted from 0.
-        element: usize,
-    },
-    /// Measures that don't make a limb.
+    OpenWall { element: usize },
     #[error("shin: {why}")]
-    ShinParams {
-        /// What is asked for.
-        why: &'static str,
-    },
+    ShinParams { why: &'static str },
 }
 
 /// What to do where no face is touchable: mend a unit that makes the solid no limb, or the region.

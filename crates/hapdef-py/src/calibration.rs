@@ -24,7 +24,7 @@ pub(crate) struct PressTable {
     pub quality: PressQuality,
     /// Farthest a press may lie from the skin, m.
     pub off_skin_m: f64,
-    /// Sites at which the error is told.
+    /// Sites at which the error is reported.
     pub n_sites: usize,
 }
 

@@ -117,7 +117,7 @@ impl PyBounds {
         one(py, self.report.pair_m.clone())
     }
 
-    /// Surface nodes at which a contact can't be told.
+    /// Surface nodes at which no contact can be detected.
     #[getter]
     fn blind_nodes(&self, py: Python<'_>) -> Py<PyArray1<u64>> {
         let nodes = self.report.blind_nodes.iter();

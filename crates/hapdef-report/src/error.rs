@@ -9,7 +9,6 @@ use crate::argument::ArgumentError;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum ReportError {
-    /// An argument of a figure, a report or a metric.
     #[error(transparent)]
     Argument(#[from] ArgumentError),
     #[error("{what}: value {index} is {value}; every value must be finite")]

@@ -8,42 +8,20 @@ use hapdef_sim::SimError;
 /// Why a case has no value, or a run could not be reported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum VerifyError {
-    /// A case that can't be run here; not a failure.
     #[error("not run: {reason}")]
-    NotRun {
-        /// Why, in one line.
-        reason: String,
-    },
-    /// A mesh that could not be made or read.
+    NotRun { reason: String },
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A model that could not be built or solved.
     #[error(transparent)]
     Sim(#[from] SimError),
-    /// A figure or metric that could not be reported.
     #[error(transparent)]
     Report(#[from] hapdef_report::ReportError),
-    /// A case whose own set-up is wrong.
     #[error("{what}: expected {expected}, found {found}")]
-    Setup {
-        /// What is wrong.
-        what: &'static str,
-        /// What was expected.
-        expected: String,
-        /// What was found.
-        found: String,
-    },
-    /// A file that could not be read or written.
+    Setup { what: &'static str, expected: String, found: String },
     #[error("{action} {}: {cause}", path.display())]
-    Io {
-        /// What was tried.
-        action: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// The system's answer.
-        cause: std::io::Error,
-    },
+    Io { action: &'static str, path: PathBuf, cause: std::io::Error },
 }
 
 impl VerifyError {

@@ -47,7 +47,7 @@ impl Pipeline {
         Self::run_telling(run, limb, until, |_| {})
     }
 
-    /// The same; each part is told with the expected time of what is still to be run, s, as
+    /// The same; each part is announced with the expected time of what is still to be run, s, as
     /// [`crate::plan::pipeline_parts_s`] has it.
     ///
     /// # Errors

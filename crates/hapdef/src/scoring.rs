@@ -42,40 +42,18 @@ pub struct OneToOne {
 /// Why contacts could not be scored.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum ScoringError {
-    /// There is nothing to measure to.
     #[error("scoring: no true contacts; count false detections instead")]
     NoTruth,
-    /// A position or force is NaN or infinite.
     #[error("scoring: {list} contact {index} is not finite: {contact:?}")]
-    NotFinite {
-        /// "detected" or "true".
-        list: &'static str,
-        /// Position in that list.
-        index: usize,
-        /// The contact found.
-        contact: ScoredContact,
-    },
-    /// More contacts than every pairing can be tried for.
+    NotFinite { list: &'static str, index: usize, contact: ScoredContact },
     #[error("scoring: {found} {list} contacts, one-to-one pairing takes at most {most}")]
-    TooMany {
-        /// "detected" or "true".
-        list: &'static str,
-        /// Contacts found.
-        found: usize,
-        /// Contacts allowed.
-        most: usize,
-    },
-    /// A knob of GOSPA is out of its range.
+    TooMany { list: &'static str, found: usize, most: usize },
     #[error(
         "GOSPA: cut-off {cutoff_m} m and p = {p}; expected a positive cut-off and p of at least 1"
     )]
-    Gospa {
-        /// The cut-off found, m.
-        cutoff_m: f64,
-        /// The exponent found.
-        p: f64,
-    },
+    Gospa { cutoff_m: f64, p: f64 },
 }
 
 /// The paper's rule (Sun & Martius 2019, section on double contacts): with T = `truth.len()`,

@@ -56,21 +56,12 @@ pub enum SourceArg {
 
 /// A `--source` that can't be understood.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum SourceArgError {
-    /// It begins with none of the known words.
     #[error("found {found:?}, expected one of {SOURCE_FORMS}")]
-    Form {
-        /// What was given.
-        found: String,
-    },
-    /// A number in it is out of range.
+    Form { found: String },
     #[error("{found:?}: expected {expected}")]
-    Number {
-        /// What was given.
-        found: String,
-        /// What belongs there.
-        expected: &'static str,
-    },
+    Number { found: String, expected: &'static str },
 }
 
 impl SourceArg {

@@ -13,7 +13,7 @@ use super::live_record::{LiveRecorder, LiveRecorderState};
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more. A
-/// recording that stops is told at once; the rest goes on without it.
+/// recording that stops is reported at once; the rest goes on without it.
 pub(super) fn wait(
     live: &Live,
     seconds: Option<f64>,

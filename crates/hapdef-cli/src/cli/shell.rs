@@ -79,7 +79,7 @@ pub(crate) struct ShellArgs {
     /// Compare with a solid extruded from the same skin and wall.
     #[arg(long)]
     solid: bool,
-    /// Halve the edges of that solid this often; from 1 on the change by the last halving is told.
+    /// Halve the edges of that solid this often; from 1 on the change by the last halving is reported.
     /// Once when not given, if that makes no more than 150,000 nodes.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(..=3))]
     halve_solid: Option<usize>,

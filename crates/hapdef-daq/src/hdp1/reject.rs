@@ -7,78 +7,33 @@ use super::wire::MAJOR_VERSION;
 /// Why a packet was refused. Nothing of a refused packet is delivered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum Rejected {
-    /// The COBS code does not add up.
     #[error("a packet of {len} bytes is no COBS code: bytes were lost or damaged on the link")]
-    Cobs {
-        /// Bytes between two 0x00.
-        len: usize,
-    },
-    /// Shorter than header and CRC.
+    Cobs { len: usize },
     #[error("a packet of {len} bytes is too short: bytes were lost on the link")]
-    TooShort {
-        /// Bytes between two 0x00.
-        len: usize,
-    },
-    /// Longer than any packet.
+    TooShort { len: usize },
     #[error("no end of packet within {len} bytes: is the baud rate right, is it an HDP1 device?")]
-    TooLong {
-        /// Bytes without 0x00.
-        len: usize,
-    },
-    /// The CRC does not match.
+    TooLong { len: usize },
     #[error("CRC-32C {found:08x} instead of {expected:08x}: bytes were damaged on the link")]
-    Crc {
-        /// CRC of what arrived.
-        expected: u32,
-        /// CRC in the packet.
-        found: u32,
-    },
-    /// Another major version.
+    Crc { expected: u32, found: u32 },
     #[error(
         "the device speaks HDP version {found}, this program version {MAJOR_VERSION}: \
          flash the firmware that came with this program, or use the program of the firmware"
     )]
-    Version {
-        /// Major version of the packet.
-        found: u8,
-    },
-    /// DATA that no HELLO describes.
+    Version { found: u8 },
     #[error(
         "DATA of schema {found:02x}, but the last HELLO's is {expected:02x?}: HELLO is awaited"
     )]
-    Schema {
-        /// Schema of the last HELLO, if there was one.
-        expected: Option<u8>,
-        /// Schema of the packet.
-        found: u8,
-    },
-    /// A payload that contradicts itself or the HELLO, in a packet with a good CRC.
+    Schema { expected: Option<u8>, found: u8 },
     #[error("{what}: the firmware is at fault, flash the one that came with this program")]
-    Malformed {
-        /// What contradicts what.
-        what: &'static str,
-    },
-    /// A DATA packet that was there already.
+    Malformed { what: &'static str },
     #[error("DATA {seq} came twice")]
-    Repeat {
-        /// Its number.
-        seq: u32,
-    },
-    /// A DATA packet from before the last one.
+    Repeat { seq: u32 },
     #[error("DATA {seq} came after its time, {expected} was expected")]
-    Backwards {
-        /// Its number.
-        seq: u32,
-        /// Number that was expected.
-        expected: u32,
-    },
-    /// A type that is not known here.
+    Backwards { seq: u32, expected: u32 },
     #[error("a packet of unknown type {kind:02x} was skipped: the device's firmware may be newer")]
-    UnknownType {
-        /// Its type.
-        kind: u8,
-    },
+    UnknownType { kind: u8 },
 }
 
 /// How many packets were refused, by reason.

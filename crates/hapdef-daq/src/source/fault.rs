@@ -8,61 +8,24 @@ use thiserror::Error;
 /// Why a link is not open.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum LinkFault {
-    /// It was open and went away.
     #[error("{name}: disconnected; waiting for it to come back")]
-    Disconnected {
-        /// Which link.
-        name: String,
-    },
-    /// There is nothing of that name.
+    Disconnected { name: String },
     #[error("{name}: not there; plug it in, or see with `hapdef doctor` what the ports are called")]
-    NotFound {
-        /// Which link.
-        name: String,
-    },
-    /// The host is there, and nothing listens at the port.
+    NotFound { name: String },
     #[error("{name}: connection refused; is the device's program running, and is the port right?")]
-    Refused {
-        /// Which link.
-        name: String,
-    },
-    /// The host can't be found or reached.
+    Refused { name: String },
     #[error("{name}: {message}; check the host's name, its cable or Wi-Fi, and the firewall")]
-    Unreachable {
-        /// Which link.
-        name: String,
-        /// What the operating system says.
-        message: String,
-    },
-    /// The user may not open it.
+    Unreachable { name: String, message: String },
     #[error("{name}: permission denied; {remedy}")]
-    PermissionDenied {
-        /// Which link.
-        name: String,
-        /// The command that helps.
-        remedy: String,
-    },
-    /// Another program has it open.
+    PermissionDenied { name: String, remedy: String },
     #[error("{name}: another program has it open; close that (fuser {name} says which it is)")]
-    Busy {
-        /// Which link.
-        name: String,
-    },
-    /// What the operating system says.
+    Busy { name: String },
     #[error("{name}: {message}")]
-    Io {
-        /// Which link.
-        name: String,
-        /// Its words.
-        message: String,
-    },
-    /// The other side has said everything and won't come back.
+    Io { name: String, message: String },
     #[error("{name}: ended")]
-    Ended {
-        /// Which link.
-        name: String,
-    },
+    Ended { name: String },
 }
 
 /// What became of a link.

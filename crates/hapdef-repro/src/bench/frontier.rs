@@ -43,7 +43,7 @@ pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     println!("{}", terminal_table(&table));
     let report = Report {
         tables: vec![ReportTable {
-            title: "Every way from readings to the map".into(),
+            title: "Every method from readings to the map".into(),
             note: NOTE.into(),
             text: table,
             data: serde_json::to_value(&points)?,
@@ -77,8 +77,8 @@ pub(super) fn log_reduced(points: &[Point], log: &mut MetricLog<std::io::Stdout>
 const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one core. Map: mean \
     absolute error on simulated test samples of one to four contacts, from exact virtual gauges. \
     Contacts: mean position error on the simulated rig, the mean of single presses and of double \
-    presses (the paper's lenient rule with T + 1), through F_T, the way of the row, k-Max and F_S. \
-    Front: no other way to the whole map is both faster and better by the map (M), by contacts (C). \
+    presses (the paper's lenient rule with T + 1), through F_T, the method of the row, k-Max and F_S. \
+    Front: no other method to the whole map is both faster and better by the map (M), by contacts (C). \
     Training: of the part behind F_T. FNN is F_R trained on I–IV; ranks replace its last layer (or \
     its last two) by two thin ones, from the modes of 500 training samples; parts of the map are \
     the outputs nearest to one node, and their error is over those alone. The direct FNN gives one \
@@ -86,7 +86,7 @@ const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one 
     same rounds.";
 
 const COLUMNS: [Column<Point>; 11] = [
-    Column::new("way", |p| p.name.clone()),
+    Column::new("method", |p| p.name.clone()),
     Column::new("p50, µs", |p| format!("{:.0}", p.times.p50_us)),
     Column::new("p99, µs", |p| format!("{:.0}", p.times.p99_us)),
     Column::new("MB", |p| two_digits(p.bytes.map(|bytes| bytes as f64 * 1e-6))),

@@ -30,7 +30,7 @@ struct Row {
     floor_us: Option<f64>,
 }
 
-/// A way through both nets.
+/// A method through both nets.
 struct Chain {
     name: String,
     nets: [PreparedNet; 2],
@@ -103,7 +103,7 @@ pub(crate) fn random(spec: &MlpSpec, seed: u64) -> Result<Net> {
     Ok(Net::new(Mlp::random(spec, seed)?, input, output)?)
 }
 
-/// All ways through the nets that are timed.
+/// All methods through the nets that are timed.
 fn paths(nets: [&Net; 2], seed: u64, x: &[f32], y: &[f32]) -> Result<Vec<Chain>> {
     let mut paths = Vec::new();
     for precision in Precision::ALL {

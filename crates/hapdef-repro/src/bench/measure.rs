@@ -33,7 +33,7 @@ pub(super) struct Point {
     pub(super) training_s: Option<f64>,
     /// Bytes of both nets, or of what the method keeps; not known of other programs.
     pub(super) bytes: Option<usize>,
-    /// No other way to the whole map is both faster and better: by the map, and by contacts.
+    /// No other method to the whole map is both faster and better: by the map, and by contacts.
     pub(super) on_map_front: bool,
     pub(super) on_contact_front: bool,
 }
@@ -196,7 +196,7 @@ fn mark_fronts(points: &mut [Point]) {
     }
 }
 
-/// The fastest reduced way within 10 % of the whole f32 net's contact error; without any, that of
+/// The fastest reduced method within 10 % of the whole f32 net's contact error; without any, that of
 /// least error. And the ratio of its error to the whole net's.
 pub(super) fn best_reduced(points: &[Point]) -> Result<(&Point, f64)> {
     let whole = points.iter().find(|p| p.family == Family::Whole && p.name.ends_with("f32"));

@@ -1,11 +1,11 @@
-//! Ways from one frame's virtual gauges to its map.
+//! Methods from one frame's virtual gauges to its map.
 
 use anyhow::Result;
 use hapdef_data::Standardiser;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
 use hapdef_repro::{Knn, KnnParams, LinearRegression};
 
-/// A way from virtual gauges `[n_virtual]`, µm, to the map `[n_outputs]`, µm.
+/// A method from virtual gauges `[n_virtual]`, µm, to the map `[n_outputs]`, µm.
 pub(super) trait MapMethod: Send {
     /// One frame.
     fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()>;

@@ -1,4 +1,4 @@
-//! Frames that every way is tested on, and its errors there.
+//! Frames that every method is tested on, and its errors there.
 
 use anyhow::{Context, Result};
 use hapdef::{
@@ -18,7 +18,7 @@ use crate::run::scores::scored;
 const MOST_SIMULATED: usize = 200;
 const MOST_PRESSES: usize = 400;
 
-/// Position and force of a contact: what a direct way gives.
+/// Position and force of a contact: what a direct method gives.
 pub(super) const N_DIRECT: usize = 4;
 
 /// What is tested on.
@@ -38,14 +38,14 @@ pub(super) struct Press {
     truth: Vec<ScoredContact>,
 }
 
-/// Errors of a way.
+/// Errors of a method.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(super) struct Errors {
     /// Mean absolute error of the map on simulated samples of one to four contacts, µm; none for a
-    /// way that gives no map.
+    /// method that gives no map.
     pub(super) map_um: Option<f64>,
     /// Position error on the rig, mean of `single_mm` and, where the scene has them, `double_mm`;
-    /// none for a way that gives a part of the map, or one contact only.
+    /// none for a method that gives a part of the map, or one contact only.
     pub(super) contact_mm: Option<f64>,
     /// Mean position error of single presses, mm.
     pub(super) single_mm: Option<f64>,
@@ -136,7 +136,7 @@ impl TestSet {
         })
     }
 
-    /// Errors of a way from readings to position, m, and force, N, of a single contact.
+    /// Errors of a method from readings to position, m, and force, N, of a single contact.
     pub(super) fn direct_errors(&self, method: &mut dyn MapMethod) -> Result<Errors> {
         let (mut pairs, mut out) = (Vec::new(), [0.0_f32; N_DIRECT]);
         for press in &self.single {

@@ -1,4 +1,4 @@
-//! Every way from readings to the map that the frontier compares.
+//! Every method from readings to the map that the frontier compares.
 
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
@@ -26,11 +26,11 @@ const N_MODE_SAMPLES: usize = 500;
 /// Outputs near one point, for a scene that wants one patch.
 const N_WANTED: usize = 800;
 
-/// A way from readings to the map.
+/// A method from readings to the map.
 pub(super) struct Variant {
     pub(super) name: String,
     pub(super) family: Family,
-    /// F_T; none for a way straight from readings.
+    /// F_T; none for a method straight from readings.
     pub(super) transfer: Option<PreparedNet>,
     pub(super) method: Box<dyn MapMethod>,
     /// Nodes of the map it gives; all of them if none.

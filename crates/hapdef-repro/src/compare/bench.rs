@@ -25,7 +25,7 @@ use crate::run::facts;
 /// Sites of the scans.
 const N_SITES: usize = 800;
 
-/// Relative error of the map that the estimator is told, as after a calibration with 3,000 presses.
+/// Relative error of the map that the estimator assumes, as after a calibration with 3,000 presses.
 const MAP_ERROR: f64 = 0.01;
 
 /// Arguments of `bench-inverse`.

@@ -62,12 +62,12 @@ impl Map {
 
     /// An estimator on the map.
     pub(crate) fn estimator(&self, params: EstimatorParams) -> Result<ContactEstimator> {
-        self.estimator_told(params, 0.0, 0.0)
+        self.estimator_with_friction(params, 0.0, 0.0)
     }
 
-    /// An estimator that is told of friction up to `most_friction`, which the presses didn't have, and
+    /// An estimator that assumes friction up to `most_friction`, which the presses didn't have, and
     /// how much wider the tips are than theirs, as [`ModelError::tip_ring_m`].
-    pub(crate) fn estimator_told(
+    pub(crate) fn estimator_with_friction(
         &self,
         params: EstimatorParams,
         most_friction: f64,

@@ -32,7 +32,7 @@ pub(crate) struct FrontierInverseArgs {
     compare: CompareArgs,
 }
 
-/// One way on frames of one number of contacts.
+/// One configuration on frames of one number of contacts.
 #[derive(Clone, Debug, Serialize)]
 struct Point {
     n_contacts: usize,
@@ -156,7 +156,7 @@ fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Poin
     println!("{}", terminal_table(&table));
     let report = Report {
         tables: vec![ReportTable {
-            title: "Every way from readings to contacts".into(),
+            title: "Every configuration from readings to contacts".into(),
             note: format!(
                 "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
                 bench.args.presses
@@ -181,7 +181,7 @@ const NOTE: &str = "Contacts of 5 N to the strongest, 20 mm apart, matched one t
 
 const COLUMNS: [Column<Point>; 12] = [
     Column::new("contacts", |p| p.n_contacts.to_string()),
-    Column::new("way", |p| p.row.name.clone()),
+    Column::new("configuration", |p| p.row.name.clone()),
     Column::new("GOSPA, mm", |p| format!("{:.2}", p.row.errors.gospa_mm)),
     Column::new("mean, mm", |p| format!("{:.2}", p.row.errors.mean_mm)),
     Column::new("median", |p| format!("{:.2}", p.row.errors.median_mm)),

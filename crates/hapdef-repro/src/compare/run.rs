@@ -44,8 +44,8 @@ impl Bench<'_> {
             let frames = self.apart(k, 30 + k as u64)?;
             measured.add(name, &more.score(&estimator, &frames)?);
             let given = EstimatorParams { known_count: Some(k), ..self.params() };
-            let told = more.estimator(given)?;
-            measured.add(&format!("{name}, count given"), &more.score(&told, &frames)?);
+            let with_count = more.estimator(given)?;
+            measured.add(&format!("{name}, count given"), &more.score(&with_count, &frames)?);
         }
         Ok(())
     }
@@ -62,9 +62,9 @@ impl Bench<'_> {
         measured.add("single, 300 presses", &few.score(&of_few, &singles)?);
         measured.add("double, 300 presses", &few.score(&of_few, &doubles)?);
         let ring_m = tip_ring_m(WIDE_TIP_M, self.run.scene.contact.tip_radius_m);
-        let told = many.estimator_told(self.params(), FRICTION, ring_m)?;
+        let with_friction = many.estimator_with_friction(self.params(), FRICTION, ring_m)?;
         let rough = drawn.rough_doubles(n, FRICTION, WIDE_TIP_M)?;
-        measured.add("double, friction and wide tip", &many.score(&told, &rough)?);
+        measured.add("double, friction and wide tip", &many.score(&with_friction, &rough)?);
         self.honesty(many, &estimator, measured)
     }
 

@@ -28,7 +28,7 @@ pub(crate) struct Score {
     n_clean: usize,
     /// Sum of the frames' GOSPA, m.
     gospa_m: f64,
-    /// Of the contacts whose covariance was told: those, and those inside their 95 % region.
+    /// Of the contacts whose covariance was reported: those, and those inside their 95 % region.
     n_regions: usize,
     n_inside: usize,
     times_us: Vec<f64>,
@@ -42,7 +42,7 @@ pub(crate) struct Row {
     pub(crate) errors: Errors,
     /// Frames that the estimator says it can't decide, %.
     pub(crate) unsure_pct: f64,
-    /// Matched contacts inside their 95 % region, %, where regions are told.
+    /// Matched contacts inside their 95 % region, %, where regions are reported.
     pub(crate) coverage95_pct: Option<f64>,
     pub(crate) p50_us: f64,
     pub(crate) p99_us: f64,

@@ -20,7 +20,7 @@ const NOTE: &str = "Simulated: readings come from the scene's rig, another and p
     what its first net makes of the readings. \
     Doubles: 30 N held, 0–34 N varied, 12–75 mm apart. Triples, quadruples and arrivals: 5 N to the \
     strongest, 20 mm apart. Friction: coefficients uniform in 0–.2 in any direction and a tip 8 mm \
-    across, neither seen in calibration; the covariance is told the friction. Four arriving: the \
+    across, neither seen in calibration; the covariance assumes the friction. Four arriving: the \
     contacts when all have come, a fifth of a second apart, and the time of the last frame; two at once: \
     in pairs; one released: the other three after it; one sliding: ten times while it does, by 20 mm at \
     100 mm/s, and at rest after it.";

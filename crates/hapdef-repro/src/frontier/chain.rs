@@ -16,7 +16,7 @@ use crate::compare::score::{Errors, Score};
 use crate::compare::world::Frame;
 use crate::run::scores::scored;
 
-/// The chain in every precision, beside the usual way. Its amounts are the profile's, which stands in
+/// The chain in every precision, beside the usual configuration. Its amounts are the profile's, which stands in
 /// every name.
 pub(super) fn chain(lab: &mut Lab<'_>, usual: &Ready) -> Result<Vec<Point>> {
     let stages = chain_stages(lab.run, lab.limb)?;
@@ -46,7 +46,7 @@ fn prepared(
     };
     Ok(Point {
         name: format!("the paper's chain, {}, {} nets", precision.name(), lab.run.profile.name),
-        way: None,
+        configuration: None,
         family: Family::Chain,
         single: errors(&lab.frames.singles)?,
         double: errors(lab.frames.doubles())?,

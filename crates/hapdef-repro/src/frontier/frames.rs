@@ -4,7 +4,7 @@
 use anyhow::Result;
 use hapdef::scene::Scene;
 
-use super::way::MOST_PRESSES;
+use super::configuration::MOST_PRESSES;
 use crate::compare::cells::{Drawn, LEAST_N};
 use crate::compare::sequence::Script;
 use crate::compare::world::{Frame, World};
@@ -26,7 +26,7 @@ pub(super) struct Amounts {
     pub(super) n_frames: usize,
 }
 
-/// Everything that is pressed, drawn once for all ways.
+/// Everything that is pressed, drawn once for all configurations.
 pub(super) struct Frames {
     /// Single contacts of calibrations.
     pub(super) presses: Vec<Frame>,

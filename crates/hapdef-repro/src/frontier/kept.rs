@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::{ChainFrontierArgs, VERSION};
 use crate::run::kept::kept;
 
-/// What a point rests on besides its way. A point of any other origin is measured again: its errors may
+/// What a point rests on besides its configuration. A point of any other origin is measured again: its errors may
 /// be another program's, its times another machine's.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Origin {
@@ -99,10 +99,10 @@ mod tests {
             |o| o.n_frames = 20,
             |o| o.test_seed = 2,
         ];
-        let what = json!("a way");
+        let what = json!("a configuration");
         let own = origin().inputs(&what);
         assert_eq!(own, origin().inputs(&what));
-        assert_ne!(own, origin().inputs(&json!("another way")));
+        assert_ne!(own, origin().inputs(&json!("another configuration")));
         for (i, change) in changes.iter().enumerate() {
             let mut other = origin();
             change(&mut other);

@@ -1,5 +1,5 @@
-//! What ways are measured with: one simulated rig with the gauges of every layout, its presses and
-//! frames, and the maps that several ways share.
+//! What configurations are measured with: one simulated rig with the gauges of every layout, its presses and
+//! frames, and the maps that several configurations share.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -14,15 +14,15 @@ use hapdef_inverse::{
 };
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
+use super::configuration::{Configuration, Layout, Mesh};
 use super::frames::{Amounts, Frames};
-use super::way::{Layout, Mesh, Way};
 use crate::compare::cells::Map;
 use crate::compare::frontier::EFFORTS;
 use crate::compare::paper::TrueMaps;
 use crate::compare::world::World;
 use crate::compare::{N_STIFFNESS, placed_gauges};
 
-/// The rig, its frames, and what ways share.
+/// The rig, its frames, and what configurations share.
 pub(super) struct Lab<'a> {
     pub(super) run: &'a Run,
     pub(super) limb: &'a Limb,
@@ -99,18 +99,22 @@ impl<'a> Lab<'a> {
         })
     }
 
-    /// Makes the estimator of a way; what it shares with others is made once.
-    pub(super) fn ready(&mut self, way: &Way) -> Result<Ready> {
-        self.ready_for(way, self.run.scene.contact.max_contacts)
+    /// Makes the estimator of a configuration; what it shares with others is made once.
+    pub(super) fn ready(&mut self, configuration: &Configuration) -> Result<Ready> {
+        self.ready_for(configuration, self.run.scene.contact.max_contacts)
     }
 
     /// The same for a scene that wants at most so many contacts.
-    pub(super) fn ready_for(&mut self, way: &Way, max_contacts: usize) -> Result<Ready> {
-        let solve_s = self.solve(way)?;
-        let learn_s = self.calibrate(way)?;
-        let channels = self.layouts[&way.layout].channels.clone();
+    pub(super) fn ready_for(
+        &mut self,
+        configuration: &Configuration,
+        max_contacts: usize,
+    ) -> Result<Ready> {
+        let solve_s = self.solve(configuration)?;
+        let learn_s = self.calibrate(configuration)?;
+        let channels = self.layouts[&configuration.layout].channels.clone();
         let start = Instant::now();
-        let estimator = self.estimator(way, &channels, max_contacts)?;
+        let estimator = self.estimator(configuration, &channels, max_contacts)?;
         Ok(Ready {
             estimator,
             channels,
@@ -120,17 +124,19 @@ impl<'a> Lab<'a> {
 
     fn estimator(
         &self,
-        way: &Way,
+        configuration: &Configuration,
         channels: &Range<usize>,
         max_contacts: usize,
     ) -> Result<ContactEstimator> {
-        let effort = &EFFORTS[way.effort];
+        let effort = &EFFORTS[configuration.effort];
         let params =
             EstimatorParams { max_contacts, ..effort.params(estimator_params(&self.run.scene)) };
-        let solved = &self.responses[&(way.mesh, way.layout)];
+        let solved = &self.responses[&(configuration.mesh, configuration.layout)];
         let map = &solved.response.map;
         let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
-        if let Some(known) = self.maps.get(&(way.mesh, way.layout, way.presses)) {
+        if let Some(known) =
+            self.maps.get(&(configuration.mesh, configuration.layout, configuration.presses))
+        {
             return known.map.estimator_at(&sites, params);
         }
         let noise = NoiseParams {
@@ -144,21 +150,21 @@ impl<'a> Lab<'a> {
         Ok(ContactEstimator::new(map, sites, noise, params)?)
     }
 
-    /// Solves the response of a way unless it is there; the time that it took.
-    fn solve(&mut self, way: &Way) -> Result<f64> {
-        let key = (way.mesh, way.layout);
+    /// Solves the response of a configuration unless it is there; the time that it took.
+    fn solve(&mut self, configuration: &Configuration) -> Result<f64> {
+        let key = (configuration.mesh, configuration.layout);
         if !self.responses.contains_key(&key) {
-            let placed = self.layouts.get(&way.layout).context("a layout is missing")?;
+            let placed = self.layouts.get(&configuration.layout).context("a layout is missing")?;
             let params = UncertainParams {
                 tip_radius_m: self.run.scene.contact.tip_radius_m,
-                refinements: u32::from(way.mesh == Mesh::Refined),
+                refinements: u32::from(configuration.mesh == Mesh::Refined),
                 n_stiffness: N_STIFFNESS,
                 n_threads: self.run.threads,
             };
-            self.run.say(&format!("solving: {}", way.name()));
+            self.run.say(&format!("solving: {}", configuration.name()));
             let start = Instant::now();
             let (sites, gauges) = (&placed.sites, &placed.gauges);
-            let response = match way.mesh {
+            let response = match configuration.mesh {
                 Mesh::Solid | Mesh::Refined => {
                     UncertainResponse::solve(self.limb, sites, gauges, &params)?
                 }
@@ -174,15 +180,15 @@ impl<'a> Lab<'a> {
         Ok(self.responses[&key].elapsed_s)
     }
 
-    /// Calibrates the map of a way unless that is done; the time that it took, 0 without presses.
-    fn calibrate(&mut self, way: &Way) -> Result<f64> {
-        let key = (way.mesh, way.layout, way.presses);
-        if way.presses > 0 && !self.maps.contains_key(&key) {
-            let channels = self.layouts[&way.layout].channels.clone();
+    /// Calibrates the map of a configuration unless that is done; the time that it took, 0 without presses.
+    fn calibrate(&mut self, configuration: &Configuration) -> Result<f64> {
+        let key = (configuration.mesh, configuration.layout, configuration.presses);
+        if configuration.presses > 0 && !self.maps.contains_key(&key) {
+            let channels = self.layouts[&configuration.layout].channels.clone();
             let noise = self.world.noise(&channels)?;
-            let (run, presses) = (self.run, &self.frames.presses[..way.presses]);
-            let response = &self.responses[&(way.mesh, way.layout)].response;
-            run.say(&format!("calibrating: {}", way.name()));
+            let (run, presses) = (self.run, &self.frames.presses[..configuration.presses]);
+            let response = &self.responses[&(configuration.mesh, configuration.layout)].response;
+            run.say(&format!("calibrating: {}", configuration.name()));
             let start = Instant::now();
             let map = Map::calibrate(response, presses, channels, noise, run.threads)?;
             let elapsed_s = start.elapsed().as_secs_f64();

@@ -1,29 +1,34 @@
-//! Errors and times of ways by superposition.
+//! Errors and times of configurations by superposition.
 
 use anyhow::Result;
 
+use super::configuration::{Configuration, Knows};
 use super::frames::Scripted;
 use super::lab::{Lab, Ready, found_um};
 use super::map_error::MeanError;
 use super::point::{Family, Point};
 use super::times::{Rounds, search_times_us};
-use super::way::{Knows, Way};
 use crate::compare::cells;
 use crate::compare::score::Errors;
 use crate::compare::sequence::{Followed, Script};
 use crate::compare::world::Frame;
 
-/// Measures a way by superposition beside the usual one.
-pub(super) fn superposed(lab: &mut Lab<'_>, way: &Way) -> Result<Point> {
-    let usual = lab.ready(&Way::USUAL)?;
-    let ready = lab.ready(way)?;
-    match way.knows {
-        Knows::Nothing => searched(lab, way, &ready, &usual),
-        Knows::Before => followed(lab, way, &ready, &usual),
+/// Measures a configuration by superposition beside the usual one.
+pub(super) fn superposed(lab: &mut Lab<'_>, configuration: &Configuration) -> Result<Point> {
+    let usual = lab.ready(&Configuration::USUAL)?;
+    let ready = lab.ready(configuration)?;
+    match configuration.knows {
+        Knows::Nothing => searched(lab, configuration, &ready, &usual),
+        Knows::Before => followed(lab, configuration, &ready, &usual),
     }
 }
 
-fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Point> {
+fn searched(
+    lab: &Lab<'_>,
+    configuration: &Configuration,
+    ready: &Ready,
+    usual: &Ready,
+) -> Result<Point> {
     let errors = |frames: &[Frame]| -> Result<Errors> {
         let mut map_error = MeanError::default();
         let score =
@@ -40,8 +45,8 @@ fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
         rounds.add(search_times_us(ready, frames)?);
     }
     Ok(Point {
-        name: way.name(),
-        way: Some(*way),
+        name: configuration.name(),
+        configuration: Some(*configuration),
         family: Family::Searched,
         single: errors(&lab.frames.singles)?,
         double: errors(lab.frames.doubles())?,
@@ -51,7 +56,12 @@ fn searched(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
 }
 
 /// The contacts of the searched frames, those of a frame one after the other.
-fn followed(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Point> {
+fn followed(
+    lab: &Lab<'_>,
+    configuration: &Configuration,
+    ready: &Ready,
+    usual: &Ready,
+) -> Result<Point> {
     let mut rounds = Rounds::default();
     let (mut singles, mut doubles) = (Followed::default(), Followed::default());
     for script in &lab.frames.single_scripts {
@@ -71,8 +81,8 @@ fn followed(lab: &Lab<'_>, way: &Way, ready: &Ready, usual: &Ready) -> Result<Po
     rounds.slowest(&singles.times_us);
     rounds.slowest(&doubles.times_us);
     Ok(Point {
-        name: way.name(),
-        way: Some(*way),
+        name: configuration.name(),
+        configuration: Some(*configuration),
         family: Family::Followed,
         single: singles.score.row("").errors,
         double: doubles.score.row("").errors,

@@ -2,6 +2,8 @@
 //! and precisions; how times grow; what leaving things out is worth; what was planned.
 
 mod chain;
+mod configuration;
+mod configurations_table;
 mod error;
 mod figures;
 mod frames;
@@ -20,8 +22,6 @@ mod skips;
 mod tables;
 mod times;
 mod tube;
-mod way;
-mod ways_table;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,7 @@ use hapdef_sim::SimError;
 use serde::Serialize;
 use serde_json::json;
 
+use self::configuration::{Configuration, LAYOUTS, Mesh};
 use self::frames::Amounts;
 use self::growth::Growth;
 use self::kept::Origin;
@@ -42,12 +43,11 @@ use self::lab::Lab;
 use self::planned::Planned;
 use self::point::Point;
 use self::skips::Skips;
-use self::way::{LAYOUTS, Mesh, Way};
 
 /// Changes with what is measured: points of another version are measured again.
 const VERSION: u32 = 3;
 
-/// Ways that are measured whatever the time: the usual one, searched and followed.
+/// Configurations that are measured whatever the time: the usual one, searched and followed.
 const N_ALWAYS: usize = 2;
 
 /// Largest tubes of the scaling, nodes, below and from so many minutes.
@@ -64,7 +64,7 @@ const MINUTES_FOR_MANY: f64 = 15.0;
 pub(crate) struct ChainFrontierArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// No new point is begun after so many minutes; the usual way, searched and followed, and
+    /// No new point is begun after so many minutes; the usual configuration, searched and followed, and
     /// everything that is measured once always is.
     #[arg(long, default_value_t = 20.0)]
     minutes: f64,
@@ -81,7 +81,7 @@ pub(crate) struct ChainFrontierArgs {
     /// and what `--check` needs to a JSON file beside it.
     #[arg(long)]
     write: Option<PathBuf>,
-    /// Measures the usual way alone and fails where this file's JSON says something else.
+    /// Measures the usual configuration alone and fails where this file's JSON says something else.
     #[arg(long, conflicts_with = "write")]
     check: Option<PathBuf>,
 }
@@ -96,23 +96,24 @@ impl ChainFrontierArgs {
 #[derive(Clone, Debug, Serialize)]
 struct Measured {
     points: Vec<Point>,
-    /// Why this limb has no shell of its skin, where it has none; its ways are left out.
+    /// Why this limb has no shell of its skin, where it has none; its configurations are left out.
     no_shell: Option<String>,
-    /// Ways that were refused, as where a gauge does not read what the response tells, and why.
+    /// Configurations that were refused, as where a gauge does not read what the response tells, and why.
     refused: Vec<Refused>,
     /// Points that an earlier run of this program on this machine measured.
     n_kept: usize,
-    /// Ways by superposition that this limb can go, measured or not.
-    n_ways: usize,
+    /// Configurations by superposition that this limb allows, measured or not.
+    n_configurations: usize,
     growths: Vec<Growth>,
     skips: Skips,
     planned: Vec<Planned>,
 }
 
-/// A way that could not be measured.
+/// A configuration that could not be measured.
 #[derive(Clone, Debug, Serialize)]
 struct Refused {
-    way: String,
+    #[serde(rename = "way")]
+    configuration: String,
     why: String,
 }
 
@@ -134,10 +135,12 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     let most_nodes = if args.minutes < MINUTES_FOR_MANY { SOME_NODES } else { MANY_NODES };
     let growths = scaling::measure(&run, most_nodes, args.test_seed)?;
     let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
-    let ways = Way::in_order(args.test_seed);
-    let walked = points(args, &run, &mut lab, &ways, deadline)?;
+    let configurations = Configuration::in_order(args.test_seed);
+    let walked = points(args, &run, &mut lab, &configurations, deadline)?;
     let n_without_shell = match walked.no_shell {
-        Some(_) => ways.iter().filter(|way| way.mesh == Mesh::Shell).count(),
+        Some(_) => {
+            configurations.iter().filter(|configuration| configuration.mesh == Mesh::Shell).count()
+        }
         None => 0,
     };
     let measured = Measured {
@@ -145,7 +148,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         no_shell: walked.no_shell,
         refused: walked.refused,
         n_kept: walked.n_kept,
-        n_ways: ways.len() - n_without_shell,
+        n_configurations: configurations.len() - n_without_shell,
         growths,
         skips,
         planned,
@@ -153,7 +156,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     page::write(args, &run, &measured)
 }
 
-/// What was walked of all ways.
+/// What was walked of all configurations.
 #[derive(Default)]
 struct Walked {
     points: Vec<Point>,
@@ -162,42 +165,45 @@ struct Walked {
     n_kept: usize,
 }
 
-/// The usual way, the paper's chain, the usual way followed, and as many others as there is time for;
+/// The usual configuration, the paper's chain, the usual configuration followed, and as many others as there is time for;
 /// why there is no shell where the limb's skin makes none.
 fn points(
     args: &ChainFrontierArgs,
     run: &Run,
     lab: &mut Lab<'_>,
-    ways: &[Way],
+    configurations: &[Configuration],
     deadline: Instant,
 ) -> Result<Walked> {
     let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
     let mut walked = Walked::default();
-    for (i, way) in ways.iter().enumerate() {
+    for (i, configuration) in configurations.iter().enumerate() {
         if i >= N_ALWAYS && Instant::now() > deadline {
             break;
         }
         run.check_stop("the frontier")?;
-        if way.mesh == Mesh::Shell && walked.no_shell.is_some() {
+        if configuration.mesh == Mesh::Shell && walked.no_shell.is_some() {
             continue;
         }
-        let what = json!({ "way": way });
-        match origin.kept(run, &what, || measure::superposed(lab, way)) {
+        let what = json!({ "configuration": configuration });
+        match origin.kept(run, &what, || measure::superposed(lab, configuration)) {
             Ok((point, is_kept)) => {
                 walked.points.push(point);
                 walked.n_kept += usize::from(is_kept);
             }
-            Err(error) if way.mesh == Mesh::Shell && is_mesh_fault(&error) => {
+            Err(error) if configuration.mesh == Mesh::Shell && is_mesh_fault(&error) => {
                 walked.no_shell = Some(format!("{error:#}"));
             }
             Err(error) if i >= N_ALWAYS && is_refusal(&error) => {
-                walked.refused.push(Refused { way: way.name(), why: format!("{error:#}") });
+                walked.refused.push(Refused {
+                    configuration: configuration.name(),
+                    why: format!("{error:#}"),
+                });
             }
             Err(error) => return Err(error),
         }
         if i == 0 && !args.without_nets {
             let what = json!({ "chain": run.profile });
-            let usual = lab.ready(way)?;
+            let usual = lab.ready(configuration)?;
             let (chain, is_kept): (Vec<Point>, bool) =
                 origin.kept(run, &what, || chain::chain(lab, &usual))?;
             walked.n_kept += if is_kept { chain.len() } else { 0 };

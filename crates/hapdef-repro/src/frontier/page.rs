@@ -47,11 +47,11 @@ fn facts_of(args: &ChainFrontierArgs, measured: &Measured) -> Vec<NamedText> {
         args.frames, args.test_seed
     );
     let budget = format!(
-        "{} minutes: {} ways by superposition of {}; points that an earlier run of this program on this \
+        "{} minutes: {} configurations by superposition of {}; points that an earlier run of this program on this \
          machine measured: {}",
         args.minutes,
         n_superposed(measured),
-        measured.n_ways,
+        measured.n_configurations,
         measured.n_kept
     );
     vec![named("frames", frames), named("budget", budget)]
@@ -66,20 +66,20 @@ fn skipped(args: &ChainFrontierArgs, measured: &Measured) -> Vec<SkippedStage> {
         skip("the paper's chain, plan", "--without-nets".into());
     }
     if let Some(reason) = &measured.no_shell {
-        skip("ways on a shell of the skin", reason.clone());
+        skip("configurations on a shell of the skin", reason.clone());
     }
     for refused in &measured.refused {
-        skip(&refused.way, format!("refused: {}", refused.why));
+        skip(&refused.configuration, format!("refused: {}", refused.why));
     }
-    let n_left = measured.n_ways - n_superposed(measured) - measured.refused.len();
+    let n_left = measured.n_configurations - n_superposed(measured) - measured.refused.len();
     if n_left > 0 {
         let reason = format!("{} minutes are over; more go on from here", args.minutes);
-        skip(&format!("{n_left} further ways"), reason);
+        skip(&format!("{n_left} further configurations"), reason);
     }
     skipped
 }
 
-/// Ways by superposition that were measured.
+/// Configurations by superposition that were measured.
 fn n_superposed(measured: &Measured) -> usize {
     let points = measured.points.iter();
     points.filter(|p| p.family != Family::Chain).count()

@@ -5,8 +5,8 @@ use hapdef_bench::{against_time, by_cost, dotted_lines};
 use hapdef_report::{Figure, LineChart, Series};
 
 use super::Measured;
+use super::configuration::Knows;
 use super::point::{Family, Point, error_mm, on_front};
-use super::way::Knows;
 
 /// Every plot of the page.
 pub(super) fn figures(measured: &Measured) -> Result<Vec<Figure>> {
@@ -39,7 +39,7 @@ fn at(p: &Point) -> (f64, f64) {
     (p.frame.p50_us, error_mm(p))
 }
 
-/// The front of the ways that know the same before.
+/// The front of the configurations that know the same before.
 fn front(points: &[Point], knows: Knows, name: &str) -> Series {
     let marked = points.iter().zip(on_front(points));
     let of_front = marked.filter(|(p, is_front)| *is_front && p.family.knows() == knows);

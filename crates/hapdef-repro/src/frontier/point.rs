@@ -1,20 +1,21 @@
-//! What was measured of a way, and how ways are ranked.
+//! What was measured of a configuration, and how configurations are ranked.
 
 use hapdef_bench::pareto_front;
 use hapdef_bench::stats::mean;
 use serde::{Deserialize, Serialize};
 
+use super::configuration::{Configuration, Knows};
 use super::lab::Design;
 use super::times::FrameTimes;
-use super::way::{Knows, Way};
 use crate::compare::score::Errors;
 
-/// A way from readings to contacts with its errors and its times.
+/// A configuration from readings to contacts with its errors and its times.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Point {
     pub(super) name: String,
     /// None for the paper's chain.
-    pub(super) way: Option<Way>,
+    #[serde(rename = "way")]
+    pub(super) configuration: Option<Configuration>,
     pub(super) family: Family,
     pub(super) single: Errors,
     pub(super) double: Errors,
@@ -22,7 +23,7 @@ pub(super) struct Point {
     pub(super) frame: FrameTimes,
 }
 
-/// What the way rests on.
+/// What the configuration rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Family {
@@ -35,7 +36,7 @@ pub(super) enum Family {
 }
 
 impl Family {
-    /// What is known of a frame before: only ways that know the same solve the same problem.
+    /// What is known of a frame before: only configurations that know the same solve the same problem.
     pub(super) fn knows(self) -> Knows {
         match self {
             Self::Searched | Self::Chain => Knows::Nothing,
@@ -44,7 +45,7 @@ impl Family {
     }
 }
 
-/// Points with all times on one footing: the mean of the usual way's times beside each.
+/// Points with all times on one footing: the mean of the usual configuration's times beside each.
 pub(super) fn on_one_footing(points: &[Point]) -> Vec<Point> {
     let usual_us = mean(points.iter().map(|p| p.frame.usual_us));
     let scaled = |point: &Point| Point { frame: point.frame.beside(usual_us), ..point.clone() };
@@ -52,7 +53,7 @@ pub(super) fn on_one_footing(points: &[Point]) -> Vec<Point> {
 }
 
 /// What points are ranked by: GOSPA of two contacts over their number, mm, in which a missed or
-/// spurious contact costs 10 mm, so that no way gains by leaving out what is hard to find.
+/// spurious contact costs 10 mm, so that no configuration gains by leaving out what is hard to find.
 pub(super) fn error_mm(point: &Point) -> f64 {
     point.double.gospa_mm
 }
@@ -87,7 +88,7 @@ pub(super) mod tests {
     pub(in crate::frontier) fn point(name: &str, time_us: f64, gospa_mm: f64) -> Point {
         Point {
             name: name.into(),
-            way: None,
+            configuration: None,
             family: Family::Searched,
             single: Errors::default(),
             double: Errors { gospa_mm, ..Errors::default() },
@@ -144,7 +145,7 @@ pub(super) mod tests {
         assert_eq!(on_front(&points), [false, true]);
     }
 
-    /// A way that finds one contact of two exactly is not nearer than one that finds both roughly.
+    /// A configuration that finds one contact of two exactly is not nearer than one that finds both roughly.
     #[test]
     fn missed_contacts_count_in_the_ranking() {
         let mut exact_or_missed = point("half", 10.0, 5.0);

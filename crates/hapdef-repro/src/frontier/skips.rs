@@ -13,10 +13,10 @@ use hapdef_inverse::{
 };
 use serde::Serialize;
 
+use super::configuration::Configuration;
 use super::error::FrontierError;
 use super::lab::{Lab, found_um};
 use super::made_anew;
-use super::way::Way;
 use crate::compare::sequence::Script;
 use crate::compare::world::Frame;
 
@@ -78,7 +78,7 @@ impl Compared {
     }
 
     /// Fails where the full scene finds one contact and the lean one something else. Not for followed
-    /// contacts, whose place depends on the way there: the share of equal ones is told.
+    /// contacts, whose place depends on the way there: the share of equal ones is reported.
     fn checked(self, frames: &'static str) -> Result<Self, FrontierError> {
         let Self { n_single, n_equal, .. } = self;
         if n_equal < n_single {
@@ -98,8 +98,8 @@ impl Skips {
 pub(super) fn measure(lab: &mut Lab<'_>, folder: &Path) -> Result<Skips> {
     let (run, limb) = (lab.run, lab.limb);
     run.say("a scene that wants everything, and one that wants single contacts");
-    let full = lab.ready(&Way::USUAL)?.estimator;
-    let lean = lab.ready_for(&Way::USUAL, 1)?.estimator;
+    let full = lab.ready(&Configuration::USUAL)?.estimator;
+    let lean = lab.ready_for(&Configuration::USUAL, 1)?.estimator;
     let [full_design_s, lean_design_s] = designs(run, limb, folder)?;
     Ok(Skips {
         max_contacts: run.scene.contact.max_contacts,

@@ -1,4 +1,4 @@
-//! The frontier's tables: what to choose, every way, what leaving out pays, how times grow.
+//! The frontier's tables: what to choose, every configuration, what leaving out pays, how times grow.
 
 use anyhow::Result;
 use hapdef::Run;
@@ -11,7 +11,7 @@ use super::frames::contacts_in_words;
 use super::growth::Growth;
 use super::point::{Family, Point, best_within, error_mm};
 use super::skips::{Compared, Skips};
-use super::{Measured, planned, ways_table};
+use super::{Measured, configurations_table, planned};
 use crate::run::scores::GOSPA;
 
 /// Budgets of a frame, µs.
@@ -21,11 +21,11 @@ const BUDGETS: [(&str, f64); 3] = [("100 µs", 100.0), ("1 ms", 1000.0), ("any",
 const TIMES_NOTE: &str = "Times of n frames of two contacts, on one core, in five rounds: no pair twice in \
     searches; followed ones from the second contact on. p50: the median of the rounds' medians; p99: the \
     99 % quantile of all; each ± half the range of the rounds' own. Slowest: of followed ones any frame, \
-    those of no or one contact, too. Every way is measured beside the usual one (searched, refined mesh, the \
+    those of no or one contact, too. Every configuration is measured beside the usual one (searched, refined mesh, the \
     scene's gauges, 300 presses) and scaled by it, so that a slow hour does not count. Design: solves, \
     calibration or training, preparation; of the paper's chain in the run that made each stage. Front: no \
-    other way that knows as much before is both faster and nearer by GOSPA; S: of searches and the paper's \
-    chain, F: of followed ways.";
+    other configuration that knows as much before is both faster and nearer by GOSPA; S: of searches and the paper's \
+    chain, F: of followed configurations.";
 
 /// Every table of the page.
 pub(super) fn tables(run: &Run, measured: &Measured) -> Result<Vec<ReportTable>> {
@@ -33,15 +33,15 @@ pub(super) fn tables(run: &Run, measured: &Measured) -> Result<Vec<ReportTable>>
         recommended(&measured.points)?,
         goal_table(&GOALS, measured, GOALS_NOTE)?,
         ReportTable {
-            title: "Every way from readings to contacts: errors".into(),
+            title: "Every configuration from readings to contacts: errors".into(),
             note: errors_note(&run.scene),
-            text: ways_table::errors(&measured.points),
+            text: configurations_table::errors(&measured.points),
             data: serde_json::to_value(&measured.points)?,
         },
         ReportTable {
-            title: "Every way from readings to contacts: times".into(),
+            title: "Every configuration from readings to contacts: times".into(),
             note: TIMES_NOTE.into(),
-            text: ways_table::times(&measured.points),
+            text: configurations_table::times(&measured.points),
             data: serde_json::Value::Null,
         },
         skips_table(&measured.skips)?,
@@ -53,7 +53,7 @@ pub(super) fn tables(run: &Run, measured: &Measured) -> Result<Vec<ReportTable>>
     Ok(tables)
 }
 
-/// What is to be known of the tables of ways.
+/// What is to be known of the tables of configurations.
 pub(super) fn note(scene: &Scene) -> String {
     format!("{} {TIMES_NOTE}", errors_note(scene))
 }
@@ -62,7 +62,7 @@ fn errors_note(scene: &Scene) -> String {
     let rig = match scene.rig.mesh {
         RigMesh::Deck { .. } => "a mesh of its own, not the limb's, perturbed",
         RigMesh::Refined { .. } => {
-            "the limb's own mesh refined, perturbed: refined ways have its discretisation error, as on \
+            "the limb's own mesh refined, perturbed: refined configurations have its discretisation error, as on \
              hardware they would not"
         }
     };
@@ -72,10 +72,10 @@ fn errors_note(scene: &Scene) -> String {
     format!(
         "Simulated: the scene's rig, {rig}, with noise and converter. Mesh: the limb's own solid, each \
          element of it cut into eight, or a shell of its skin without ribs and rings. {contacts}; the \
-         same contacts for all ways. Search: every frame for itself. Followed: the contacts of a frame \
+         same contacts for all configurations. Search: every frame for itself. Followed: the contacts of a frame \
          one after the other, scored when all have been there for a while, searches left to a second \
          thread. The number of contacts is estimated by superposition and given to the paper's chain. \
-         GOSPA, by which ways are ranked: the sum over the frames of min over pairings γ of \
+         GOSPA, by which configurations are ranked: the sum over the frames of min over pairings γ of \
          Σ d + c/2 · (missed + spurious), c = {cutoff_mm} mm, over the number of true contacts \
          (Rahmathullah, García-Fernández and Svensson 2017, α = 2, p = 1): each missed or spurious \
          contact costs {alone_mm} mm, a pair farther apart than c both. All other errors are means over \
@@ -85,12 +85,12 @@ fn errors_note(scene: &Scene) -> String {
     )
 }
 
-/// The way of least error within each budget, for searches and for live use.
+/// The configuration of least error within each budget, for searches and for live use.
 fn recommended(points: &[Point]) -> Result<ReportTable> {
     let header = [
         "a frame",
         "its budget",
-        "way",
+        "configuration",
         "two: GOSPA, mm",
         "mean, mm",
         "missed",
@@ -106,16 +106,16 @@ fn recommended(points: &[Point]) -> Result<ReportTable> {
         for (budget, budget_us) in BUDGETS {
             let best = best_within(points, family, budget_us);
             let of_best = best.map_or_else(no_way, recommended_cells);
-            let [way, gospa, mean, missed, clean, p99, design] = of_best;
+            let [configuration, gospa, mean, missed, clean, p99, design] = of_best;
             let (frame, budget) = (frame.to_owned(), budget.to_owned());
-            rows.push([frame, budget, way, gospa, mean, missed, clean, p99, design]);
+            rows.push([frame, budget, configuration, gospa, mean, missed, clean, p99, design]);
             data.push(best);
         }
     }
     Ok(ReportTable {
         title: "Recommended".into(),
         note: format!(
-            "Of the ways by superposition below that of least GOSPA with two contacts whose 99 % quantile \
+            "Of the configurations by superposition below that of least GOSPA with two contacts whose 99 % quantile \
              is within the budget. Timed on this machine ({}); no microcontroller was. Followed contacts \
              leave searches to a second thread; where there is none, a frame in which something new \
              touches takes as long as its search.",

@@ -1,4 +1,4 @@
-//! Times of a way's frames, in rounds, each beside the usual way's.
+//! Times of a configuration's frames, in rounds, each beside the usual configuration's.
 
 use std::time::Instant;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::lab::Ready;
 use crate::compare::world::Frame;
 
-/// Frames of a round in which the usual way is timed, too.
+/// Frames of a round in which the usual configuration is timed, too.
 const N_BESIDE: usize = 40;
 
 /// Times of a frame of two contacts.
@@ -29,7 +29,7 @@ pub(super) struct FrameTimes {
     /// The slowest frame, µs; of scripts that are followed that of any frame, before the second contact
     /// has come, too.
     pub(super) slowest_us: f64,
-    /// The usual way's median in the same rounds, µs.
+    /// The usual configuration's median in the same rounds, µs.
     pub(super) usual_us: f64,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Rounds {
 }
 
 impl Rounds {
-    /// Times the usual way on the first of a round's frames, before the way itself.
+    /// Times the usual configuration on the first of a round's frames, before the configuration itself.
     pub(super) fn beside(&mut self, usual: &Ready, frames: &[Frame]) -> Result<()> {
         let frames = &frames[..N_BESIDE.min(frames.len())];
         self.usual.push(search_times_us(usual, frames)?);
@@ -77,7 +77,7 @@ impl Rounds {
 }
 
 impl FrameTimes {
-    /// The times as they would be where the usual way takes `usual_us`.
+    /// The times as they would be where the usual configuration takes `usual_us`.
     pub(super) fn beside(&self, usual_us: f64) -> Self {
         let scale = usual_us / self.usual_us;
         Self {

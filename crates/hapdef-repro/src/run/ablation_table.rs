@@ -1,12 +1,12 @@
 //! The ablations as one table: the chain with one thing changed, a row each.
 
+mod configurations;
 mod frames;
 mod modes;
 mod nets;
 mod refine;
 mod score;
 mod target;
-mod ways;
 
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
@@ -19,11 +19,11 @@ use hapdef_report::{ReportTable, StageTime};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use self::configurations::{Choice, Configuration, MapsFrom};
 use self::nets::{AblationNets, Trainer};
 use self::refine::Refiner;
 use self::score::{AblationRow, Tests};
 use self::target::{Target, TrueMaps};
-use self::ways::{Choice, MapsFrom, Way};
 use super::chain::{chain, reconstruction};
 use super::kept::kept;
 
@@ -97,13 +97,14 @@ impl World<'_> {
             hapdefx(nets, points, &spec)
         };
         let (on_predicted, on_normal) = (chain_of(&made.on_predicted)?, chain_of(&made.on_normal)?);
-        let mut ways = self.whole_ways(&transfer, &whole, made, &on_predicted, &refiner);
-        ways.extend(self.brief_ways(&transfer, made, &on_normal));
+        let mut configurations =
+            self.whole_configurations(&transfer, &whole, made, &on_predicted, &refiner);
+        configurations.extend(self.brief_configurations(&transfer, made, &on_normal));
         let (mut rows, mut frame_s) = (vec![], vec![]);
-        for way in &ways {
+        for configuration in &configurations {
             self.run.check_stop("the ablations")?;
-            rows.push(tests.row(way, self.truth)?);
-            frame_s.push(tests.frame_s(way, self.truth)?);
+            rows.push(tests.row(configuration, self.truth)?);
+            frame_s.push(tests.frame_s(configuration, self.truth)?);
         }
         let left_out = made.by_modes.iter();
         let left_out = left_out.map(|(target, _, modes)| (target.name().into(), modes.left_out));
@@ -111,16 +112,16 @@ impl World<'_> {
     }
 
     /// Rows that keep the run's own F_R.
-    fn whole_ways<'a>(
+    fn whole_configurations<'a>(
         &'a self,
         transfer: &'a Net,
         whole: &'a Net,
         made: &'a AblationNets,
         on_predicted: &'a Hapdefx,
         refiner: &'a Refiner<'a>,
-    ) -> Vec<Way<'a>> {
+    ) -> Vec<Configuration<'a>> {
         let maps = MapsFrom::Gauges(Some(transfer), whole, None);
-        let row = |name: &str, maps| Way {
+        let row = |name: &str, maps| Configuration {
             name: name.into(),
             against: CHAIN,
             maps,
@@ -129,11 +130,17 @@ impl World<'_> {
             refiner: None,
         };
         vec![
-            Way { against: "", ..row(CHAIN, maps) },
-            Way { choice: Choice::ForceWithSpread, ..row("point T + 1 exchanged for T", maps) },
-            Way { choice: Choice::Displacement, ..row("candidates ranked by displacement", maps) },
-            Way { refiner: Some(refiner), ..row("peaks refined between nodes", maps) },
-            Way { chain: on_predicted, ..row("F_S trained on predicted maps", maps) },
+            Configuration { against: "", ..row(CHAIN, maps) },
+            Configuration {
+                choice: Choice::ForceWithSpread,
+                ..row("point T + 1 exchanged for T", maps)
+            },
+            Configuration {
+                choice: Choice::Displacement,
+                ..row("candidates ranked by displacement", maps)
+            },
+            Configuration { refiner: Some(refiner), ..row("peaks refined between nodes", maps) },
+            Configuration { chain: on_predicted, ..row("F_S trained on predicted maps", maps) },
             row(
                 "F_T trained on superposed presses, too",
                 MapsFrom::Gauges(Some(&made.transfer), whole, None),
@@ -144,13 +151,13 @@ impl World<'_> {
     }
 
     /// Rows with an F_R of their own, all trained equally briefly.
-    fn brief_ways<'a>(
+    fn brief_configurations<'a>(
         &'a self,
         transfer: &'a Net,
         made: &'a AblationNets,
         on_normal: &'a Hapdefx,
-    ) -> Vec<Way<'a>> {
-        let row = |name: String, against, maps| Way {
+    ) -> Vec<Configuration<'a>> {
+        let row = |name: String, against, maps| Configuration {
             name,
             against,
             maps,
@@ -159,7 +166,7 @@ impl World<'_> {
             refiner: None,
         };
         let brief = MapsFrom::Gauges(Some(transfer), &made.brief, None);
-        let mut ways = vec![
+        let mut configurations = vec![
             row(BRIEF.into(), CHAIN, brief),
             row(
                 "readings straight to the map".into(),
@@ -170,7 +177,7 @@ impl World<'_> {
         for (target, net, modes) in &made.by_modes {
             let name = format!("map of the {} by {} modes", target.name(), modes.n());
             let maps = MapsFrom::Gauges(Some(transfer), net, Some((*target, modes)));
-            ways.push(Way {
+            configurations.push(Configuration {
                 chain: match target {
                     Target::Normal => on_normal,
                     _ => self.chain,
@@ -180,10 +187,10 @@ impl World<'_> {
             if *target == Target::Vector {
                 let name = "the same, virtual gauges as vectors, F_T on superposed presses".into();
                 let maps = MapsFrom::Vectors(&made.by_vectors, modes);
-                ways.push(row(name, BRIEF, maps));
+                configurations.push(row(name, BRIEF, maps));
             }
         }
-        ways
+        configurations
     }
 }
 

@@ -36,7 +36,7 @@ pub fn propose(
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(index as u64);
-    let told: &[Trial] = if trials.len() < N_STARTUP { &[] } else { trials };
+    let known: &[Trial] = if trials.len() < N_STARTUP { &[] } else { trials };
     let mut values = KnobValues::new();
     for knob in knobs {
         let broken = |message: String| ReproError::Search { message };
@@ -46,7 +46,7 @@ pub fn propose(
             .candidates(N_CANDIDATES)
             .build(parzen_estimator(), range)
             .map_err(|e| broken(e.to_string()))?;
-        for trial in told {
+        for trial in known {
             let value = trial.values.get(knob.name).ok_or_else(|| {
                 broken(format!("trial {} lacks the knob {}", trial.index, knob.name))
             })?;
@@ -57,7 +57,7 @@ pub fn propose(
         let unit = optimiser.ask(&mut rng).map_err(|e| broken(e.to_string()))?;
         values.insert(knob.name.to_owned(), knob.value(unit.clamp(0.0, 1.0)));
     }
-    let source = if told.is_empty() { TrialSource::Random } else { TrialSource::Proposed };
+    let source = if known.is_empty() { TrialSource::Random } else { TrialSource::Proposed };
     Ok((values, source))
 }
 
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn trials_that_failed_are_told_as_the_worst() {
+    fn trials_that_failed_count_as_the_worst() {
         let (_, mut trials) = best_of(12, 0, false);
         trials[4].objective = None;
         let knobs = SearchMethod::Direct.knobs(24);

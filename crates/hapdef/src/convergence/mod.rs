@@ -1,6 +1,6 @@
 //! Whether a limb's mesh is fine enough: the same presses on the mesh and on its refinements.
 //!
-//! Gauge readings are what counts; the displacement under a tip is told beside them. The
+//! Gauge readings are what counts; the displacement under a tip is reported beside them. The
 //! displacement under a point force grows without end on a solid and is shown for comparison only.
 
 mod estimate;

@@ -60,7 +60,7 @@ pub struct ShellLimbParams {
     /// be factored.
     pub n_presses: usize,
     /// How often the edges of the extruded solid are halved; from 1 on the change by the last
-    /// halving is told. Once when not given, if that makes no more than 150,000 nodes.
+    /// halving is reported. Once when not given, if that makes no more than 150,000 nodes.
     pub n_solid_halvings: Option<usize>,
     /// Worker threads; results don't depend on it.
     pub n_threads: usize,

@@ -56,14 +56,14 @@ pub struct Calibration {
     pub noise_ue: f64,
     /// Number of gauges.
     pub n_gauges: usize,
-    /// Scan sites at which the error is told, spread over the skin.
+    /// Scan sites at which the error is reported, spread over the skin.
     pub n_sites: usize,
     /// Reading per newton along x, y, z `[n_values, n_gauges]`, µε/N, at the nodes of the surface or at the
     /// [`hapdef_inverse::Skin::subdivided_points`] of its faces, to six digits; the tip is in it.
     pub adjoint_ue_per_n: Vec<[f32; 3]>,
     /// Covariance of the map at each site `[n_sites, n_gauges, n_gauges]`, µε²/N².
     pub site_error: Vec<f32>,
-    /// Factor of a place's told covariance, from presses that were held out; 1 in files without it.
+    /// Factor of a place's reported covariance, from presses that were held out; 1 in files without it.
     #[serde(default = "unchanged")]
     pub place_factor: f64,
 }

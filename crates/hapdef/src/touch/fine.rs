@@ -1,4 +1,4 @@
-//! A limb's response solved on a finer mesh than its own, and told on its own skin.
+//! A limb's response solved on a finer mesh than its own, and given on its own skin.
 
 use hapdef_inverse::{ResponseMap, ResponseParams, Skin, SkinFaces, SkinParams};
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh, refine_unfolded};

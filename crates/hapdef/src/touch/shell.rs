@@ -1,4 +1,4 @@
-//! A limb's response solved on a shell of its skin, and told on its own skin.
+//! A limb's response solved on a shell of its skin, and given on its own skin.
 
 use hapdef_mesh::{
     FeNodeId, OuterSkinParams, PointIndex, ShellSurface, SkinRegion, SkinSide, outer_skin, wall,

@@ -14,7 +14,7 @@ use super::super::live::is_bundle;
 
 /// How far from a gauge a press near it may be, m.
 const NEAR_M: f64 = 0.010;
-/// A swap is told where what is left of the readings without it is so much more than with it.
+/// A swap is reported where what is left of the readings without it is so much more than with it.
 const CLEARLY: f64 = 2.0;
 
 /// What a newton near each gauge does to all of them.
@@ -112,7 +112,7 @@ mod tests {
                 readings
             })
             .collect();
-        let told = |swapped: Option<(usize, usize)>| -> Vec<usize> {
+        let found = |swapped: Option<(usize, usize)>| -> Vec<usize> {
             let answers = (0..n).map(|gauge| {
                 let mut readings = readings[gauge].clone();
                 if let Some((a, b)) = swapped {
@@ -123,11 +123,11 @@ mod tests {
             answers.collect()
         };
         let right: Vec<usize> = (0..n).collect();
-        assert_eq!(told(None), right);
+        assert_eq!(found(None), right);
         let mut n_told = 0;
         for a in 0..n {
             for b in a + 1..n {
-                let answers = told(Some((a, b)));
+                let answers = found(Some((a, b)));
                 let [of_a, of_b] = [answers[a] == b, answers[b] == a];
                 assert!(of_a || of_b, "{a} and {b}: {answers:?}");
                 n_told += usize::from(of_a) + usize::from(of_b);

@@ -20,7 +20,7 @@ pub(crate) struct FirstPaintParams {
     pub(crate) seed: u64,
 }
 
-/// The page's first pictures; what never came is told when it is dropped, however the program ends.
+/// The page's first pictures; what never came is reported when it is dropped, however the program ends.
 pub(crate) struct FirstPaint {
     params: FirstPaintParams,
     steps: [Step; 2],
@@ -74,8 +74,8 @@ impl FirstPaint {
 impl Drop for FirstPaint {
     fn drop(&mut self) {
         for step in self.steps.iter().filter(|step| !step.is_told) {
-            let told = self.params.tell(|log| Ok(log.skipped(step.name, step.what)?));
-            if let Err(error) = told {
+            let reported = self.params.tell(|log| Ok(log.skipped(step.name, step.what)?));
+            if let Err(error) = reported {
                 let _ = writeln!(std::io::stderr(), "{}: {error:#}", step.name);
             }
         }
@@ -109,7 +109,7 @@ mod tests {
     fn the_clock_stops_when_a_contact_is_drawn_not_when_it_is_sent() {
         let folder = tempfile::tempdir().unwrap();
         let metrics = folder.path().join("metrics.json");
-        let told = || -> Vec<String> {
+        let lines = || -> Vec<String> {
             let bytes = std::fs::read(&metrics).unwrap_or_else(|_| b"[]".to_vec());
             let records: Vec<MetricRecord> = serde_json::from_slice(&bytes).unwrap();
             records.into_iter().map(|record| record.line()).collect()
@@ -125,14 +125,14 @@ mod tests {
         first.shown(2, false, true);
         first.shown(3, true, false);
         first.look(&[page(2), page(0)]).unwrap();
-        assert_eq!(told(), Vec::<String>::new());
+        assert_eq!(lines(), Vec::<String>::new());
         first.look(&[page(2), page(3)]).unwrap();
         first.look(&[page(4)]).unwrap();
-        assert_eq!(told().len(), 1);
-        assert!(told()[0].starts_with("METRIC:view.first_picture_s:"));
+        assert_eq!(lines().len(), 1);
+        assert!(lines()[0].starts_with("METRIC:view.first_picture_s:"));
         drop(first);
         assert_eq!(
-            told()[1],
+            lines()[1],
             "METRIC:view.first_colours_s:skipped:no contact was drawn with colours"
         );
     }

@@ -44,7 +44,7 @@ pub(super) struct Attendant {
     pub(super) virtual_press: Option<VirtualPress>,
     pub(super) recorder: Option<LiveRecorder>,
     pub(super) player: Option<PlayerControl>,
-    /// Where the page's first pictures are told.
+    /// Where the page's first pictures are reported.
     pub(super) first: Option<FirstPaint>,
     pub(super) pace: Pace,
     /// The page's way in for a program that opens it.

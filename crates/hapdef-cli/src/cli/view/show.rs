@@ -32,7 +32,7 @@ pub(super) struct Show {
 }
 
 impl Show {
-    /// Frames of a recording have no delay that could be told, but a place in it: `player` knows
+    /// Frames of a recording have no delay that could be shown, but a place in it: `player` knows
     /// that.
     pub(super) fn new(
         pusher: ViewPusher,

@@ -47,7 +47,7 @@ pub(super) struct AblationNets {
     pub(super) on_normal: Net,
 }
 
-/// What F_R is told of each virtual gauge.
+/// What F_R gets of each virtual gauge.
 #[derive(Clone, Copy)]
 enum Inputs {
     /// How far it moves, as in the paper.

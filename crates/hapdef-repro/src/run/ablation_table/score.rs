@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use super::super::dataset::Dataset;
 use super::super::scores::scored;
+use super::configurations::Configuration;
 use super::frames::{Frames, frames};
 use super::target::TrueMaps;
-use super::ways::Way;
 
 /// Most presses of each kind on the rig, most simulated samples of each set.
 const MOST_PRESSES: usize = 400;
@@ -66,54 +66,71 @@ impl Tests {
     }
 
     /// What a row is worth.
-    pub(super) fn row(&self, way: &Way<'_>, truth: &TrueMaps<'_>) -> Result<AblationRow> {
-        let single = self.contacts(way, truth, &self.single)?;
+    pub(super) fn row(
+        &self,
+        configuration: &Configuration<'_>,
+        truth: &TrueMaps<'_>,
+    ) -> Result<AblationRow> {
+        let single = self.contacts(configuration, truth, &self.single)?;
         let double = match self.double.is_empty() {
             true => None,
-            false => Some(self.contacts(way, truth, &self.double)?),
+            false => Some(self.contacts(configuration, truth, &self.double)?),
         };
-        let mut simulated = error_sum(way, truth);
+        let mut simulated = error_sum(configuration, truth);
         let mut has_maps = false;
         for frames in &self.simulated {
-            if let Some(maps) = way.simulated_maps(frames, truth)? {
-                simulated.add(&truth.of(way.target(), &frames.drawn), &maps);
+            if let Some(maps) = configuration.simulated_maps(frames, truth)? {
+                simulated.add(&truth.of(configuration.target(), &frames.drawn), &maps);
                 has_maps = true;
             }
         }
         Ok(AblationRow {
-            name: way.name.clone(),
-            against: way.against.into(),
+            name: configuration.name.clone(),
+            against: configuration.against.into(),
             simulated: has_maps.then(|| simulated.finish()),
             double_map: double.as_ref().map(|d| d.map),
             single: single.lenient,
             lenient: double.as_ref().map(|d| d.lenient),
             one_to_one: double.as_ref().map(|d| d.one_to_one),
-            n_weights: way.n_weights(),
+            n_weights: configuration.n_weights(),
         })
     }
 
     /// Median time of one frame up to its contacts, s.
-    pub(super) fn frame_s(&self, way: &Way<'_>, truth: &TrueMaps<'_>) -> Result<f64> {
+    pub(super) fn frame_s(
+        &self,
+        configuration: &Configuration<'_>,
+        truth: &TrueMaps<'_>,
+    ) -> Result<f64> {
         let n_surface = truth.directions.len();
         let mut times = vec![];
         for frame in &self.timed {
             let start = Instant::now();
-            let field = way.target().field(way.maps(frame, truth)?);
-            way.contacts(&field, n_surface, 1)?;
+            let field = configuration.target().field(configuration.maps(frame, truth)?);
+            configuration.contacts(&field, n_surface, 1)?;
             times.push(start.elapsed().as_secs_f64());
         }
         Ok(median(times))
     }
 
-    fn contacts(&self, way: &Way<'_>, truth: &TrueMaps<'_>, all: &[Frames]) -> Result<Scores> {
+    fn contacts(
+        &self,
+        configuration: &Configuration<'_>,
+        truth: &TrueMaps<'_>,
+        all: &[Frames],
+    ) -> Result<Scores> {
         let n_surface = truth.directions.len();
         let (mut lenient, mut strict): (Vec<ContactPair>, Vec<ContactPair>) = (vec![], vec![]);
-        let (mut map, mut n_expected) = (error_sum(way, truth), 0);
+        let (mut map, mut n_expected) = (error_sum(configuration, truth), 0);
         for frames in all {
-            let maps = way.maps(frames, truth)?;
-            map.add(&truth.of(way.target(), &frames.drawn), &maps);
+            let maps = configuration.maps(frames, truth)?;
+            map.add(&truth.of(configuration.target(), &frames.drawn), &maps);
             let n_contacts = frames.truth[0].len();
-            let found = way.contacts(&way.target().field(maps), n_surface, n_contacts)?;
+            let found = configuration.contacts(
+                &configuration.target().field(maps),
+                n_surface,
+                n_contacts,
+            )?;
             for (found, truth) in found.iter().zip(&frames.truth) {
                 let found = scored(found);
                 lenient.extend(score_lenient(&found, truth)?);
@@ -135,6 +152,6 @@ struct Scores {
     map: MapError,
 }
 
-fn error_sum(way: &Way<'_>, truth: &TrueMaps<'_>) -> MapErrorSum {
-    MapErrorSum::new(way.target().width(truth.directions.len()))
+fn error_sum(configuration: &Configuration<'_>, truth: &TrueMaps<'_>) -> MapErrorSum {
+    MapErrorSum::new(configuration.target().width(truth.directions.len()))
 }

@@ -12,7 +12,7 @@ use super::refine::Refiner;
 use super::target::{Target, TrueMaps};
 
 /// From a frame to contacts.
-pub(super) struct Way<'a> {
+pub(super) struct Configuration<'a> {
     pub(super) name: String,
     /// Name of the row that it is to be compared with; empty for a reference.
     pub(super) against: &'static str,
@@ -24,7 +24,7 @@ pub(super) struct Way<'a> {
     pub(super) refiner: Option<&'a Refiner<'a>>,
 }
 
-/// Where a way's maps come from.
+/// Where a configuration's maps come from.
 #[derive(Clone, Copy)]
 pub(super) enum MapsFrom<'a> {
     /// They are the true ones.
@@ -48,7 +48,7 @@ pub(super) enum Choice {
     Displacement,
 }
 
-impl Way<'_> {
+impl Configuration<'_> {
     /// What of the displacement its maps show.
     pub(super) fn target(&self) -> Target {
         match self.maps {
@@ -88,7 +88,7 @@ impl Way<'_> {
         }
     }
 
-    /// Maps of simulated frames from their true virtual gauges; none for ways without those.
+    /// Maps of simulated frames from their true virtual gauges; none for configurations without those.
     pub(super) fn simulated_maps(
         &self,
         frames: &Frames,

@@ -1,17 +1,17 @@
-//! Every way as a row, once for its errors and once for its times.
+//! Every configuration as a row, once for its errors and once for its times.
 
 use hapdef_bench::{Column, or_dash, table};
 use hapdef_report::TextTable;
 
+use super::configuration::Knows;
 use super::point::{Family, Point, error_mm, on_front};
-use super::way::Knows;
 
 /// A point and whether it is on its front.
 type Ranked<'a> = (&'a Point, bool);
 
 fn error_columns<'a>() -> [Column<Ranked<'a>>; 15] {
     [
-        Column::new("way", |(p, _)| words(p, 0)),
+        Column::new("configuration", |(p, _)| words(p, 0)),
         Column::new("mesh", |(p, _)| words(p, 1)),
         Column::new("gauges", |(p, _)| words(p, 2)),
         Column::new("presses", |(p, _)| words(p, 3)),
@@ -31,7 +31,7 @@ fn error_columns<'a>() -> [Column<Ranked<'a>>; 15] {
 
 fn time_columns<'a>() -> [Column<Ranked<'a>>; 11] {
     [
-        Column::new("way", |(p, _)| words(p, 0)),
+        Column::new("configuration", |(p, _)| words(p, 0)),
         Column::new("mesh", |(p, _)| words(p, 1)),
         Column::new("gauges", |(p, _)| words(p, 2)),
         Column::new("presses", |(p, _)| words(p, 3)),
@@ -65,10 +65,10 @@ fn ranked(points: &[Point]) -> Vec<Ranked<'_>> {
     marked
 }
 
-/// Search, mesh, gauges or presses of a way; of the paper's chain its name alone.
+/// Search, mesh, gauges or presses of a configuration; of the paper's chain its name alone.
 fn words(p: &Point, i: usize) -> String {
-    match &p.way {
-        Some(way) => way.words()[i].clone(),
+    match &p.configuration {
+        Some(configuration) => configuration.words()[i].clone(),
         None if i == 0 => p.name.clone(),
         None => String::new(),
     }

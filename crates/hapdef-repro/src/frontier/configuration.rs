@@ -1,4 +1,4 @@
-//! The ways from readings to contacts that are compared, and the order in which they are measured.
+//! The configurations from readings to contacts that are compared, and the order in which they are measured.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -57,9 +57,9 @@ pub(super) enum Knows {
     Before,
 }
 
-/// A way by superposition.
+/// A configuration by superposition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Way {
+pub(super) struct Configuration {
     pub(super) mesh: Mesh,
     pub(super) layout: Layout,
     pub(super) presses: usize,
@@ -68,7 +68,7 @@ pub(super) struct Way {
     pub(super) knows: Knows,
 }
 
-impl Way {
+impl Configuration {
     /// The one that every other differs from, and whose time all others are measured beside.
     pub(super) const USUAL: Self = Self {
         mesh: Mesh::Refined,
@@ -79,13 +79,13 @@ impl Way {
     };
 
     pub(super) fn name(&self) -> String {
-        let [way, mesh, gauges, presses] = self.words();
-        format!("{way}, {mesh} mesh, {gauges} gauges, {presses} presses")
+        let [configuration, mesh, gauges, presses] = self.words();
+        format!("{configuration}, {mesh} mesh, {gauges} gauges, {presses} presses")
     }
 
     /// Search, mesh, gauges, presses.
     pub(super) fn words(&self) -> [String; 4] {
-        let way = match self.knows {
+        let configuration = match self.knows {
             Knows::Nothing => format!("search: {}", EFFORTS[self.effort].name),
             Knows::Before => "followed".to_owned(),
         };
@@ -98,10 +98,10 @@ impl Way {
             Layout::Scene => "the scene's".to_owned(),
             Layout::Greedy(n) => n.to_string(),
         };
-        [way, mesh.to_owned(), gauges, self.presses.to_string()]
+        [configuration, mesh.to_owned(), gauges, self.presses.to_string()]
     }
 
-    /// Ways that differ from the usual one in one thing, then all others in an order drawn from
+    /// Configurations that differ from the usual one in one thing, then all others in an order drawn from
     /// `seed`: whenever the time is over, what was measured is spread over all of them.
     pub(super) fn in_order(seed: u64) -> Vec<Self> {
         let usual = Self::USUAL;
@@ -113,13 +113,13 @@ impl Way {
         first.extend(MESHES.map(|mesh| Self { mesh, ..usual }));
         let mut rest = Self::all();
         rest.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-        let mut ways: Vec<Self> = Vec::new();
-        for way in first.into_iter().chain(rest) {
-            if !ways.contains(&way) {
-                ways.push(way);
+        let mut configurations: Vec<Self> = Vec::new();
+        for configuration in first.into_iter().chain(rest) {
+            if !configurations.contains(&configuration) {
+                configurations.push(configuration);
             }
         }
-        ways
+        configurations
     }
 
     fn all() -> Vec<Self> {
@@ -144,20 +144,23 @@ mod tests {
 
     #[test]
     fn every_way_comes_once_and_single_changes_come_first() {
-        let ways = Way::in_order(1);
-        assert_eq!(ways[0], Way::USUAL);
-        assert_eq!(ways[1].knows, Knows::Before);
-        assert_eq!(ways.len(), MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1));
-        let changes = |w: &Way| {
-            usize::from(w.mesh != Way::USUAL.mesh)
-                + usize::from(w.layout != Way::USUAL.layout)
-                + usize::from(w.presses != Way::USUAL.presses)
-                + usize::from(w.effort != Way::USUAL.effort)
-                + usize::from(w.knows != Way::USUAL.knows)
+        let configurations = Configuration::in_order(1);
+        assert_eq!(configurations[0], Configuration::USUAL);
+        assert_eq!(configurations[1].knows, Knows::Before);
+        assert_eq!(
+            configurations.len(),
+            MESHES.len() * LAYOUTS.len() * PRESSES.len() * (EFFORTS.len() + 1)
+        );
+        let changes = |w: &Configuration| {
+            usize::from(w.mesh != Configuration::USUAL.mesh)
+                + usize::from(w.layout != Configuration::USUAL.layout)
+                + usize::from(w.presses != Configuration::USUAL.presses)
+                + usize::from(w.effort != Configuration::USUAL.effort)
+                + usize::from(w.knows != Configuration::USUAL.knows)
         };
-        let n_first = ways.iter().filter(|w| changes(w) <= 1).count();
-        assert!(ways[..n_first].iter().all(|w| changes(w) <= 1));
-        assert_eq!(ways, Way::in_order(1));
-        assert_ne!(ways, Way::in_order(2));
+        let n_first = configurations.iter().filter(|w| changes(w) <= 1).count();
+        assert!(configurations[..n_first].iter().all(|w| changes(w) <= 1));
+        assert_eq!(configurations, Configuration::in_order(1));
+        assert_ne!(configurations, Configuration::in_order(2));
     }
 }
