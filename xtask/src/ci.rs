@@ -48,15 +48,15 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     let (tests, wheel) = beside(
         || {
             let tests = steps.run("build of the tests", || Tests::build(is_nightly))?;
+            steps.run("tests", || tests.untimed())?;
             Ok((tests, steps.run("build of the wheel", python::build_wheel)?))
         },
-        || steps.run("clippy", clippy),
-    )?;
-    beside(
-        || steps.run("tests", || tests.untimed()),
         || {
+            steps.run("clippy", clippy)?;
             steps.run("docs", rustdoc)?;
-            steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))
+            steps
+                .run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))?;
+            steps.run("each crate alone", || crates_alone(is_nightly))
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
@@ -71,10 +71,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
             steps.run("fixtures", || fixtures::make(true))?;
             steps.run("demo --quick", quick_demo)
         },
-        || {
-            steps.run("each crate alone", || crates_alone(is_nightly))?;
-            steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))
-        },
+        || steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel)),
     )?;
     steps.run("commands of the docs", docs::run_commands)?;
     if is_nightly {
