@@ -3,8 +3,8 @@
 //! An estimator fills a [`Touch`]: its [`Contact`]s with their [`Uncertainty`], the [`Quality`] of the
 //! explanation, the [`Alternative`]s. The runtime, the live page, ROS messages and Python take the same
 //! types from there, so that a contact is converted only where it leaves for a file, a wire or an array.
-//! A [`DrawnContact`] is what a sample or a
-//! probing robot presses. The words of [`Phase`], [`WhyNot`], [`TouchPhase`] and [`GaugeHealth`] are those of every JSON line.
+//! A [`DrawnContact`] is what a sample or a probing robot presses. The words of [`Phase`], [`WhyNot`],
+//! [`TouchPhase`] and [`GaugeHealth`] are those of every JSON line.
 //!
 //! This crate knows nothing of skins, estimators, files or ports.
 

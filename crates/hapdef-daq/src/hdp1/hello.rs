@@ -171,6 +171,14 @@ impl ChannelKind {
     }
 }
 
+impl ChannelKind {
+    /// Whether a strain gauge is wired to the channel: a quarter, half or full bridge.
+    #[must_use]
+    pub fn is_bridge(self) -> bool {
+        matches!(self, Self::QuarterBridge | Self::HalfBridge | Self::FullBridge)
+    }
+}
+
 impl Channel {
     /// A quarter bridge of that name (at most four characters are kept) and scale, µε per count.
     #[must_use]

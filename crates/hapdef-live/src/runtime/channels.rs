@@ -1,6 +1,6 @@
 //! Which channels of a device are the gauges.
 
-use hapdef_daq::hdp1::{Channel, ChannelKind};
+use hapdef_daq::hdp1::Channel;
 
 use crate::error::LiveError;
 
@@ -18,7 +18,8 @@ pub fn gauge_channels<'a>(
     names: impl IntoIterator<Item = &'a str>,
     n_gauges: Option<usize>,
 ) -> Result<Vec<usize>, LiveError> {
-    let bridges: Vec<usize> = (0..channels.len()).filter(|&i| is_bridge(&channels[i])).collect();
+    let bridges: Vec<usize> =
+        (0..channels.len()).filter(|&i| channels[i].kind.is_bridge()).collect();
     let expected = n_gauges.unwrap_or(bridges.len());
     let named = |name: &str| {
         let short: String = name.chars().take(N_LETTERS).collect();
@@ -38,14 +39,9 @@ pub fn gauge_channels<'a>(
     Ok(places)
 }
 
-fn is_bridge(channel: &Channel) -> bool {
-    use ChannelKind as K;
-    matches!(channel.kind, K::QuarterBridge | K::HalfBridge | K::FullBridge)
-}
-
 #[cfg(test)]
 mod tests {
-    use hapdef_daq::hdp1::{Hello, SampleFormat};
+    use hapdef_daq::hdp1::{ChannelKind, Hello, SampleFormat};
 
     use super::*;
 

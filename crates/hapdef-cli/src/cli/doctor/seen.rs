@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use hapdef_daq::hdp1::{ChannelKind, FrameFlags, Hello};
+use hapdef_daq::hdp1::{FrameFlags, Hello};
 use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{Frame, Message};
 use hapdef_live::gauge_channels;
@@ -83,11 +83,9 @@ impl Seen {
 
     /// Channels with a gauge.
     pub(super) fn bridges(&self) -> impl Iterator<Item = usize> + '_ {
-        use ChannelKind as K;
         (0..self.channels.len()).filter(|&i| {
             let channel = self.hello.as_ref().and_then(|h| h.channels.get(i));
-            channel
-                .is_none_or(|c| matches!(c.kind, K::QuarterBridge | K::HalfBridge | K::FullBridge))
+            channel.is_none_or(|c| c.kind.is_bridge())
         })
     }
 }
