@@ -4,7 +4,7 @@
 //! explanation, the [`Alternative`]s. The runtime, the live page, ROS messages and Python take the same
 //! types from there, so that a contact is converted only where it leaves for a file, a wire or an array.
 //! A [`DrawnContact`] is what a sample or a probing robot presses. The words of [`Phase`], [`WhyNot`],
-//! [`TouchPhase`] and [`GaugeHealth`] are those of every JSON line.
+//! [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those of every JSON line.
 //!
 //! This crate knows nothing of skins, estimators, files or ports.
 
@@ -14,7 +14,7 @@ mod touch;
 mod uncertainty;
 
 pub use contact::{Contact, DrawnContact};
-pub use state::{GaugeHealth, Phase, TouchPhase, Verdict, WhyNot};
+pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};
 pub use touch::{Alternative, Quality, Touch};
 pub use uncertainty::Uncertainty;
 

@@ -1,5 +1,7 @@
 //! States of contacts, frames and gauges.
 
+use std::fmt::{self, Display, Formatter};
+
 /// What a contact is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -22,6 +24,23 @@ pub enum TouchPhase {
     Untouched,
     /// Something touches.
     Touched,
+    /// The sensor can't know whether and where something touches.
+    Unknown(UnknownReason),
+}
+
+/// Why the sensor can't know whether something touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnknownReason {
+    /// A contact that matters could be where the gauges that count would not see it.
+    TooFewGauges,
+    /// No readings have come for too long.
+    StreamStalled,
+    /// The baselines are not those of an untouched limb.
+    TareInvalid,
+    /// No contacts that are believed explain the readings.
+    Misfit,
+    /// The baselines drift faster than they are followed.
+    Drift,
 }
 
 /// What the frame decides.
@@ -92,7 +111,61 @@ impl TouchPhase {
             Self::Taring => "taring",
             Self::Untouched => "untouched",
             Self::Touched => "touched",
+            Self::Unknown(_) => "unknown",
         }
+    }
+
+    /// Why it is not known whether something touches; `None` while taring, too.
+    #[must_use]
+    pub const fn why_unknown(self) -> Option<UnknownReason> {
+        match self {
+            Self::Unknown(why) => Some(why),
+            Self::Taring | Self::Untouched | Self::Touched => None,
+        }
+    }
+
+    /// Whether a controller may act on the contacts, or on there being none.
+    #[must_use]
+    pub const fn is_known(self) -> bool {
+        matches!(self, Self::Untouched | Self::Touched)
+    }
+}
+
+impl Display for TouchPhase {
+    /// For people, in a few words.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Taring => f.write_str("taring, touch nothing"),
+            Self::Untouched | Self::Touched => f.write_str(self.word()),
+            Self::Unknown(why) => write!(f, "unknown: {why}"),
+        }
+    }
+}
+
+impl UnknownReason {
+    /// Its word.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::TooFewGauges => "too_few_gauges",
+            Self::StreamStalled => "stream_stalled",
+            Self::TareInvalid => "tare_invalid",
+            Self::Misfit => "misfit",
+            Self::Drift => "drift",
+        }
+    }
+}
+
+impl Display for UnknownReason {
+    /// For people, in a few words.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooFewGauges => "too few gauges count to exclude a contact",
+            Self::StreamStalled => "no readings come",
+            Self::TareInvalid => "the tare is not valid",
+            Self::Misfit => "readings not explained",
+            Self::Drift => "the readings drift faster than is followed",
+        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! A frame on its way: what was read, what it means.
 
-use hapdef_contact::{GaugeHealth, Touch, TouchPhase};
+use hapdef_contact::{Contact, GaugeHealth, Touch, TouchPhase};
 use hapdef_daq::hdp1::FrameFlags;
 
 /// One frame with everything that was found in it. What no sink wants is not computed and is as it
@@ -32,7 +32,7 @@ pub struct LiveFrame {
     pub tared_ue: Vec<f64>,
     /// Why gauges don't count `[n_gauges]`.
     pub gauges: Vec<GaugeHealth>,
-    /// Whether it is taring, and whether something touches.
+    /// Whether it is taring, whether something touches, and whether that can be known.
     pub phase: TouchPhase,
     /// Value of the first temperature channel, in its unit, where the device has one.
     pub temperature: Option<f64>,
@@ -41,6 +41,15 @@ pub struct LiveFrame {
 }
 
 impl LiveFrame {
+    /// The contacts, or none, where a controller may act on them; else the phase that says why not:
+    /// taring, or unknown with its reason.
+    ///
+    /// # Errors
+    /// The phase.
+    pub fn known_contacts(&self) -> Result<&[Contact], TouchPhase> {
+        if self.phase.is_known() { Ok(&self.touch.contacts) } else { Err(self.phase) }
+    }
+
     /// An empty frame of that many gauges.
     #[must_use]
     pub fn new(n_gauges: usize) -> Self {

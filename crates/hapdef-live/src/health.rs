@@ -49,7 +49,7 @@ pub struct Health {
     pub last_refusal: Option<Arc<str>>,
     /// Frames whose contacts came later than the deadline.
     pub n_deadline_missed: u64,
-    /// Taring, untouched or touched.
+    /// Taring, untouched, touched or unknown; none before the first frame.
     pub phase: Option<TouchPhase>,
     /// Contacts of the last frame.
     pub n_contacts: usize,
@@ -125,12 +125,7 @@ impl Health {
 impl Display for Health {
     /// One line.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let phase = match self.phase {
-            None => "waiting",
-            Some(TouchPhase::Taring) => "taring, touch nothing",
-            Some(TouchPhase::Untouched) => "untouched",
-            Some(TouchPhase::Touched) => "touched",
-        };
+        let phase: &dyn Display = self.phase.as_ref().map_or(&"waiting", |phase| phase);
         write!(
             f,
             "{:.0} Hz · {phase} · {} contacts · lost {} dropped {} · p50/p99 µs: queue {:.0}/{:.0} \

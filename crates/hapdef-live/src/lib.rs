@@ -63,8 +63,8 @@ pub use bundle::{BUNDLE_VERSION, Bundle, BundleGauge, BundleInfo, BundleMode};
 pub use error::{AnyError, LiveError};
 pub use frame::LiveFrame;
 pub use hapdef_contact::{
-    Alternative, Contact, GaugeHealth, Phase, Quality, Touch, TouchPhase, Uncertainty, Verdict,
-    WhyNot,
+    Alternative, Contact, GaugeHealth, Phase, Quality, Touch, TouchPhase, Uncertainty,
+    UnknownReason, Verdict, WhyNot,
 };
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;

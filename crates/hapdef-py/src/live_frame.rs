@@ -1,10 +1,11 @@
 //! A frame of a stream.
 
-use hapdef_live::LiveFrame;
+use hapdef_live::{LiveFrame, UnknownReason};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::array::one;
+use crate::error::HapdefError;
 use crate::estimates::PyContact;
 
 /// One frame: readings and contacts.
@@ -35,10 +36,24 @@ impl PyLiveFrame {
         missing.saturating_add(frame.n_skipped_before)
     }
 
-    /// 'taring', 'untouched' or 'touched'.
+    /// 'taring', 'untouched', 'touched' or 'unknown'.
     #[getter]
     fn phase(&self) -> &'static str {
         self.frame.phase.word()
+    }
+
+    /// Why the phase is unknown, a word; None if it is not.
+    #[getter]
+    fn why_unknown(&self) -> Option<&'static str> {
+        self.frame.phase.why_unknown().map(UnknownReason::word)
+    }
+
+    /// The contacts where a controller may act on them, also that there are none; raises HapdefError with
+    /// the reason while taring and where the phase is unknown.
+    fn known_contacts(&self) -> PyResult<Vec<PyContact>> {
+        let known = self.frame.known_contacts();
+        let known = known.map_err(|phase| HapdefError::new_err(phase.to_string()))?;
+        Ok(known.iter().map(|contact| PyContact::new(*contact)).collect())
     }
 
     /// Readings as they came, µε, `[n_gauges]`.

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use hapdef_contact::{Contact, GaugeHealth, Phase, WhyNot};
+use hapdef_contact::{Contact, GaugeHealth, Phase, UnknownReason, WhyNot};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -31,6 +31,7 @@ struct Line<'a> {
     dropped_before: u32,
     skipped_before: u32,
     phase: &'static str,
+    why_unknown: Option<&'static str>,
     temperature: Option<f64>,
     raw_ue: &'a [f64],
     tared_ue: &'a [f64],
@@ -194,6 +195,7 @@ impl<'a> Line<'a> {
             dropped_before: frame.n_dropped_before,
             skipped_before: frame.n_skipped_before,
             phase: frame.phase.word(),
+            why_unknown: frame.phase.why_unknown().map(UnknownReason::word),
             temperature: frame.temperature,
             raw_ue: &frame.raw_ue,
             tared_ue: &frame.tared_ue,

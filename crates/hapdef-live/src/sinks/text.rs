@@ -109,7 +109,7 @@ impl<W: Write + Send> Sink for TextSink<W> {
 fn in_words(frame: &LiveFrame, out: &mut String) -> std::fmt::Result {
     write!(out, "{:10.3} s ", frame.t_device_us as f64 * 1e-6)?;
     match frame.phase {
-        TouchPhase::Taring => return write!(out, "taring, touch nothing"),
+        TouchPhase::Taring | TouchPhase::Unknown(_) => return write!(out, "{}", frame.phase),
         _ if frame.touch.contacts.is_empty() => return write!(out, "nothing touches"),
         _ => {}
     }

@@ -364,7 +364,16 @@ class LiveFrame:
     @property
     def n_missing_before(self) -> int: ...
     @property
-    def phase(self) -> Literal["taring", "untouched", "touched"]: ...
+    def phase(self) -> Literal["taring", "untouched", "touched", "unknown"]: ...
+    @property
+    def why_unknown(
+        self,
+    ) -> Optional[
+        Literal["too_few_gauges", "stream_stalled", "tare_invalid", "misfit", "drift"]
+    ]: ...
+    def known_contacts(self) -> list[Contact]:
+        """The contacts, also none, where a program may act on them; raises HapdefError with the
+        reason while taring and where the phase is unknown."""
     @property
     def raw_ue(self) -> _Floats:
         """Readings as they came, µε, ``[n_gauges]``."""
