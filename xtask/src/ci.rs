@@ -5,15 +5,13 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
-use serde_json::Value;
-
 use crate::test::Tests;
 use crate::tool::{cargo, metadata, results, root, run, run_quietly, shown};
 use crate::{
     docs, first_minute, fixtures, frontier, fuzz, metrics, python, repro, robustness, soak, tidy,
     verify, weight,
 };
+use anyhow::{Context, Result, bail};
 
 /// Features that the programs are built without, which clippy and the docs cover, too.
 const LEFT_OUT: [&str; 2] = ["foxglove", "zenoh"];
@@ -54,9 +52,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         || {
             steps.run("clippy", clippy)?;
             steps.run("docs", rustdoc)?;
-            steps
-                .run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))?;
-            steps.run("each crate alone", || crates_alone(is_nightly))
+            steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
@@ -75,6 +71,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     )?;
     steps.run("commands of the docs", docs::run_commands)?;
     if is_nightly {
+        steps.run("each crate alone", crates_alone)?;
         steps.run("soak", soak::long)?;
         steps.run("fuzz", fuzz::nightly)?;
         steps.run("scenes at random", robustness::nightly)?;
@@ -130,10 +127,9 @@ fn servers(words: &[&str]) -> Command {
     command
 }
 
-/// Checks that each crate needs no feature that another one turns on: those that have features of their own,
-/// which is where such a fault begins; all of them, each of which checks what lies below it anew, at night.
-fn crates_alone(is_nightly: bool) -> Result<()> {
-    for package in crates(is_nightly)? {
+/// Checks that each crate needs no feature that another one turns on; each checks what lies below it anew.
+fn crates_alone() -> Result<()> {
+    for package in crates()? {
         let words = ["check", "--package", &package, "--no-default-features"];
         run_quietly(without_debug(&mut cargo(&words)))?;
     }
@@ -172,12 +168,10 @@ impl Steps {
 }
 
 /// Names of the crates that are checked alone.
-fn crates(is_nightly: bool) -> Result<Vec<String>> {
+fn crates() -> Result<Vec<String>> {
     let metadata = metadata()?;
     let packages = metadata["packages"].as_array().context("cargo metadata: packages")?;
-    let has_features = |p: &&Value| p["features"].as_object().is_some_and(|all| !all.is_empty());
-    let checked = packages.iter().filter(|p| is_nightly || has_features(p));
-    let names = checked.filter_map(|p| p["name"].as_str());
+    let names = packages.iter().filter_map(|package| package["name"].as_str());
     Ok(names.filter(|name| !NOT_ALONE.contains(name)).map(str::to_owned).collect())
 }
 

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use hapdef::stages::real_limb;
 use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
-use hapdef::{Limb, Run};
+use hapdef::{Limb, Run, live_limb};
 use hapdef_cli::SceneArgs;
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use hapdef_rig::{Electronics, ElectronicsParams};
@@ -44,9 +43,8 @@ pub(crate) struct ProbeArgs {
 pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    run.say("solving the simulated real limb");
-    let real = real_limb(&run, &limb, &limb.sites)?;
-    let points = limb.surface_points();
+    let real = live_limb(&run, &limb)?;
+    let (points, n_gauges) = (limb.surface_points(), limb.gauges.len());
     let mut rng = ChaCha8Rng::seed_from_u64(args.press_seed);
     let [low, high] = run.scene.contact.force_range_n;
     ensure!(low.max(LEAST_N) < high, "contact.force_range_n: expected a force above {LEAST_N} N");
@@ -54,10 +52,11 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
     for _ in 0..args.presses {
         let node = rng.random_range(0..points.len());
         let force_n = rng.random_range(low.max(LEAST_N)..=high);
-        let unit = real.response_ue_per_n(&points[node], &limb.directions[node])?;
+        let columns = &real.columns_ue_per_n()[node * n_gauges..][..n_gauges];
+        let unit: Vec<f64> = columns.iter().map(|c| c.dot(&limb.directions[node])).collect();
         presses.push((points[node], force_n, unit));
     }
-    let largest = (0..limb.gauges.len()).map(|gauge| {
+    let largest = (0..n_gauges).map(|gauge| {
         let sizes = presses.iter().map(|(_, _, unit)| unit[gauge].abs());
         sizes.fold(0.0, f64::max) * high
     });
@@ -69,7 +68,7 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
         seed: spec.seed.wrapping_add(args.press_seed),
     };
     let mut electronics = Electronics::new(params, &largest.collect::<Vec<_>>())?;
-    let mut text = header(limb.gauges.len());
+    let mut text = header(n_gauges);
     for (x, force_n, unit) in presses {
         let mut readings: Vec<f64> = unit.iter().map(|g| g * force_n).collect();
         electronics.measure(&mut readings);

@@ -18,4 +18,4 @@ pub(crate) mod world;
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};
 pub(crate) use frontier::{FrontierInverseArgs, run as run_frontier};
 pub(crate) use run::run;
-pub(crate) use setup::{CompareArgs, N_STIFFNESS, placed_gauges};
+pub(crate) use setup::{CompareArgs, N_STIFFNESS, gauge_places, placed_gauges};

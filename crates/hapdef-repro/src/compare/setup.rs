@@ -3,9 +3,10 @@
 use anyhow::Result;
 use clap::Args;
 use hapdef::touch::{
-    LayoutParams, UncertainParams, UncertainResponse, estimator_params, study_layouts,
+    LayoutCandidates, LayoutParams, PlacedGauge, UncertainParams, UncertainResponse,
+    estimator_params,
 };
-use hapdef::{Limb, Run};
+use hapdef::{HapdefError, Limb, Run};
 use hapdef_cli::SceneArgs;
 use hapdef_inverse::EstimatorParams;
 use hapdef_sim::{GaugeSite, GaugeStrain};
@@ -81,7 +82,8 @@ impl<'a> Bench<'a> {
         };
         run.say("solving the response and what may change it");
         let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
-        let (sites, gauges) = placed_gauges(run, limb, N_MORE, MARGIN_M)?;
+        let places = gauge_places(run, limb, N_MORE, MARGIN_M)?;
+        let (sites, gauges) = placed_gauges(run, limb, &places, N_MORE)?;
         let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, ten.map.skin(), &sites)?;
@@ -138,30 +140,35 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// `n_gauges` gauges where log-det puts them, no nearer than `margin_m` to the edges of the wall.
-pub(crate) fn placed_gauges(
+/// Places for up to `n_gauges` gauges, no nearer than `margin_m` to the edges of the wall.
+pub(crate) fn gauge_places(
     run: &Run,
     limb: &Limb,
     n_gauges: usize,
     margin_m: f64,
-) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
+) -> Result<LayoutCandidates, HapdefError> {
     let params = LayoutParams {
         n_gauges,
         margin_m,
         noise_ue: run.scene.rig.electronics.noise_ue,
         seed: run.scene.seed,
-        compares: false,
-        other_counts: Vec::new(),
         ..LayoutParams::default()
     };
-    let study = study_layouts(run, limb, &params)?;
-    let mut sites = Vec::with_capacity(n_gauges);
-    let mut gauges = Vec::with_capacity(n_gauges);
-    for placed in study.layouts.last().map_or(&[][..], |layout| &layout.gauges) {
+    LayoutCandidates::solve(run, limb, &params)
+}
+
+/// `n_gauges` gauges where log-det puts them.
+pub(crate) fn placed_gauges(
+    run: &Run,
+    limb: &Limb,
+    places: &LayoutCandidates,
+    n_gauges: usize,
+) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
+    let glued = |placed: PlacedGauge| {
         let site = run.scene.gauges.site(placed.position_m, placed.axis);
         let faces = &limb.boundary.faces;
-        gauges.push(GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?);
-        sites.push(site);
-    }
-    Ok((sites, gauges))
+        let gauge = GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?;
+        Ok((site, gauge))
+    };
+    places.recommended(n_gauges)?.into_iter().map(glued).collect()
 }

@@ -20,7 +20,7 @@ use crate::compare::cells::Map;
 use crate::compare::frontier::EFFORTS;
 use crate::compare::paper::TrueMaps;
 use crate::compare::world::World;
-use crate::compare::{N_STIFFNESS, placed_gauges};
+use crate::compare::{N_STIFFNESS, gauge_places, placed_gauges};
 
 /// The rig, its frames, and what configurations share.
 pub(super) struct Lab<'a> {
@@ -212,16 +212,18 @@ fn place(
 ) -> Result<(HashMap<Layout, Placed>, Vec<GaugeSite>)> {
     let mut placed = HashMap::new();
     let mut further = Vec::new();
+    let most = layouts.iter().filter_map(|layout| layout.n_chosen()).max();
+    let places = most.map(|most| gauge_places(run, limb, most, 0.0)).transpose()?;
     for &layout in layouts {
-        let (sites, gauges, first) = match layout {
-            Layout::Scene => (limb.sites.clone(), limb.gauges.clone(), 0),
-            Layout::Greedy(n) => {
+        let (sites, gauges, first) = match (layout.n_chosen(), &places) {
+            (Some(n), Some(places)) => {
                 run.say(&format!("placing {n} gauges"));
-                let (sites, gauges) = placed_gauges(run, limb, n, 0.0)?;
+                let (sites, gauges) = placed_gauges(run, limb, places, n)?;
                 let first = limb.gauges.len() + further.len();
                 further.extend_from_slice(&sites);
                 (sites, gauges, first)
             }
+            _ => (limb.sites.clone(), limb.gauges.clone(), 0),
         };
         let channels = first..first + gauges.len();
         let of_layout = Placed { sites, gauges, channels };

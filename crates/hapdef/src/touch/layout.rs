@@ -1,9 +1,12 @@
 //! Where on a limb's inner wall gauges can be put: what is asked, and the places that fit.
 
+use std::f64::consts::PI;
+
 use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
 use hapdef_sim::GaugeStrain;
 use nalgebra::{Point3, Unit, Vector3};
+use rayon::prelude::*;
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -132,19 +135,21 @@ impl Places {
         let along = Unit::new_normalize(Vector3::from(run.scene.geometry.axis.direction));
         let mut places =
             Self { gauges: Vec::new(), placed: Vec::new(), n_own: limb.gauges.len(), n_refused: 0 };
-        for node in &chosen {
-            let position = limb.mesh.position(*node).map(to_micrometres);
-            for i in 0..params.n_axes {
-                let turn = std::f64::consts::PI * i as f64 / params.n_axes as f64;
-                match gauge_at(limb, run, position, &along, turn, params.margin_m) {
-                    Some(gauge) => {
-                        places
-                            .placed
-                            .push(PlacedGauge { position_m: position, axis: gauge.axis() });
-                        places.gauges.push(gauge);
-                    }
-                    None => places.n_refused += 1,
+        let tried: Vec<_> = (0..chosen.len() * params.n_axes)
+            .into_par_iter()
+            .map(|i| {
+                let position = limb.mesh.position(chosen[i / params.n_axes]).map(to_micrometres);
+                let turn = PI * (i % params.n_axes) as f64 / params.n_axes as f64;
+                (position, gauge_at(limb, run, position, &along, turn, params.margin_m))
+            })
+            .collect();
+        for (position_m, gauge) in tried {
+            match gauge {
+                Some(gauge) => {
+                    places.placed.push(PlacedGauge { position_m, axis: gauge.axis() });
+                    places.gauges.push(gauge);
                 }
+                None => places.n_refused += 1,
             }
         }
         if places.gauges.len() < params.n_gauges {

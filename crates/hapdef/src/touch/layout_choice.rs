@@ -10,7 +10,7 @@ use hapdef_inverse::{
 };
 use hapdef_sim::{ElasticModel, ElasticParams};
 
-use super::layout::{CountedLayout, LayoutParams, LayoutStudy, Places, ScoredLayout};
+use super::layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, Places, ScoredLayout};
 use super::response::gauge_map;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -29,31 +29,63 @@ const COMPARED: [(&str, Method); 4] = [
 
 const GREEDY: (&str, Method) = ("greedy log-det", place_greedy);
 
+/// Places on the inner wall with their responses, solved once: layouts of any number of gauges are chosen among
+/// them.
+pub struct LayoutCandidates {
+    places: Places,
+    candidates: Candidates,
+    params: LayoutParams,
+    solve_s: f64,
+}
+
+impl LayoutCandidates {
+    /// Looks at places on the inner wall and solves for the gauges that fit there.
+    ///
+    /// # Errors
+    /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`].
+    pub fn solve(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
+        let start = Instant::now();
+        let places = Places::find(run, limb, params)?;
+        run.say(&format!("solving {} candidate gauges", places.gauges.len()));
+        let elastic = ElasticParams {
+            n_threads: run.threads,
+            ..ElasticParams::new(limb.material, limb.clamped.clone())
+        };
+        let model = ElasticModel::build(&limb.mesh, &elastic)?;
+        let tip_radius_m = run.scene.contact.tip_radius_m;
+        let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
+        let candidates = places.candidates(&map, params)?;
+        let solve_s = start.elapsed().as_secs_f64();
+        Ok(Self { places, candidates, params: params.clone(), solve_s })
+    }
+
+    /// The layout of `n_gauges` that is recommended: greedy log-det, improved by exchange.
+    ///
+    /// # Errors
+    /// [`HapdefError::Inverse`] when spacing and keep-out leave too few places.
+    pub fn recommended(&self, n_gauges: usize) -> Result<Vec<PlacedGauge>, HapdefError> {
+        let asked = placement_params(&self.places, &self.params, n_gauges);
+        let greedy = place_greedy(&self.candidates, &asked)?;
+        let chosen = exchange(&self.candidates, &greedy, &asked)?;
+        Ok(chosen.iter().map(|c| self.places.placed[*c]).collect())
+    }
+}
+
 /// Looks at places on the inner wall and chooses layouts.
 ///
 /// # Errors
-/// [`HapdefError::TooFewGaugeSites`] when the wall has too few places;
-/// [`HapdefError::Inverse`] when spacing and keep-out leave too few; [`HapdefError::Sim`].
+/// Those of [`LayoutCandidates::solve`] and [`LayoutCandidates::recommended`].
 pub fn study_layouts(
     run: &Run,
     limb: &Limb,
     params: &LayoutParams,
 ) -> Result<LayoutStudy, HapdefError> {
-    let start = Instant::now();
-    let places = Places::find(run, limb, params)?;
-    run.say(&format!("solving {} candidate gauges", places.gauges.len()));
-    let elastic = ElasticParams {
-        n_threads: run.threads,
-        ..ElasticParams::new(limb.material, limb.clamped.clone())
-    };
-    let model = ElasticModel::build(&limb.mesh, &elastic)?;
-    let tip_radius_m = run.scene.contact.tip_radius_m;
-    let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
-    let candidates = places.candidates(&map, params)?;
+    let LayoutCandidates { places, candidates, solve_s, .. } =
+        LayoutCandidates::solve(run, limb, params)?;
     let mut study = LayoutStudy {
         n_candidates: places.gauges.len() - places.n_own,
         n_refused: places.n_refused,
-        solve_s: start.elapsed().as_secs_f64(),
+        solve_s,
         layouts: Vec::new(),
         by_count: Vec::new(),
     };

@@ -25,7 +25,7 @@ pub use hapdef_live::estimator::{
 };
 pub use hapdef_live::{Alternative, Contact, Quality, Touch, Uncertainty};
 pub use layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout};
-pub use layout_choice::study_layouts;
+pub use layout_choice::{LayoutCandidates, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use response::{gauge_map, response_map, touchable_skin};
