@@ -9,7 +9,7 @@ use crate::pipeline::{PipelineArgs, common, finish};
 use crate::tool::{release_binary, root};
 
 /// The scene of the whole chain: the bundled limb with its gauges placed, and a rig whose mesh is not the
-/// limb's, so that no way is measured with its own discretisation error.
+/// limb's, so that none is measured with its own discretisation error.
 const PLACED_ANEW: &str = "fixtures/shin/placed_anew.json";
 
 const LIMITS: &str = "docs/limits.md";
@@ -19,7 +19,7 @@ const LIMITS: &str = "docs/limits.md";
 pub(crate) struct FrontierArgs {
     /// What is compared; the whole chain if nothing is said.
     what: Option<Subject>,
-    /// No new way is begun after so many minutes (20); whole chain only.
+    /// No new configuration is begun after so many minutes (20); whole chain only.
     #[arg(long)]
     minutes: Option<f64>,
     /// `--quick` takes the quick run's data and nets; this is also the default. `--full` takes the
@@ -29,7 +29,7 @@ pub(crate) struct FrontierArgs {
     /// Write docs/limits.md and docs/limits.json; whole chain only.
     #[arg(long)]
     write: bool,
-    /// Fail where docs/limits.md is stale: the usual way is measured again; whole chain only.
+    /// Fail where docs/limits.md is stale: the usual configuration is measured again; whole chain only.
     #[arg(long, conflicts_with = "write")]
     check: bool,
     #[command(flatten)]

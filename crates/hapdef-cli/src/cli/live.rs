@@ -60,7 +60,7 @@ pub(crate) struct LiveArgs {
     sim_seed: u64,
     #[command(flatten)]
     view: ViewArgs,
-    /// What finds contacts; the scene's way if not given.
+    /// What finds contacts; the scene's estimator if not given.
     #[arg(long, value_parser = estimator_kind())]
     estimator: Option<EstimatorKind>,
     /// Print JSON lines.

@@ -122,9 +122,9 @@ fn a_full_disk_is_told_while_it_goes_on(file: &str, recording: &str, to: &str) {
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    let told = lines.find(|line| line.as_ref().unwrap().contains("the recording stopped"));
+    let reported = lines.find(|line| line.as_ref().unwrap().contains("the recording stopped"));
     let after = start.elapsed();
-    assert!(told.is_some(), "nothing was told");
+    assert!(reported.is_some(), "nothing was reported");
     // It goes on for 4 s without it, and its last words name it again.
     assert!(child.try_wait().unwrap().is_none(), "{after:?}");
     let rest: Vec<String> = lines.map_while(Result::ok).collect();

@@ -139,9 +139,9 @@ fn a_click_presses_the_limb_and_is_found_there() {
     let shown = "document.querySelector('#contacts b').textContent";
     let shown = look.chrome.eval(shown).unwrap();
     let force_n: f64 = shown.as_str().unwrap().trim_end_matches(" N").parse().unwrap();
-    let told = look.chrome.eval("document.getElementById('force').value").unwrap();
-    let told_n: f64 = told.as_str().unwrap().parse().unwrap();
-    assert!((force_n - told_n).abs() < 0.25 * told_n, "{force_n} N for {told_n} N");
+    let shown = look.chrome.eval("document.getElementById('force').value").unwrap();
+    let shown_n: f64 = shown.as_str().unwrap().parse().unwrap();
+    assert!((force_n - shown_n).abs() < 0.25 * shown_n, "{force_n} N for {shown_n} N");
     look.chrome.pointer("mouseReleased", at).unwrap();
     look.chrome.wait_for("hapdefView.arrows.length === 0").unwrap();
 
@@ -176,7 +176,7 @@ fn a_page_that_hangs_and_one_that_never_reads_cost_the_acquisition_nothing() {
         return;
     };
     let mut other = look.program.page();
-    other.until("its rate is told", |frame| frame.rate_hz > 0.0);
+    other.until("its rate is shown", |frame| frame.rate_hz > 0.0);
     let _never_reads = look.program.page();
     let drawn = look.chrome.eval("hapdefView.drawn").unwrap();
     look.chrome.halt().unwrap();

@@ -52,7 +52,7 @@ fn a_page_presses_records_keeps_and_plays_again() {
     page.say(&json!({"cmd": "tare"}));
     page.hear("Taring: touch nothing");
     page.hear("Tared");
-    page.until("the clock's residual is told", |frame| frame.clock_residual_us.is_finite());
+    page.until("the clock's residual is shown", |frame| frame.clock_residual_us.is_finite());
 
     let port = program.port();
     drop((program, page));

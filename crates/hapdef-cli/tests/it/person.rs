@@ -116,8 +116,8 @@ fn press_check(faults: &[RigFault]) -> (bool, Vec<String>) {
     let of_presses: Vec<&Value> = of_presses.collect();
     assert_eq!(of_presses.len(), sites.len());
     let bad = of_presses.into_iter().filter(|c| c["state"] == "bad");
-    let told = bad.map(|c| format!("{} {}", c["check"], c["found"]));
-    (status.success(), told.collect())
+    let reported = bad.map(|c| format!("{} {}", c["check"], c["found"]));
+    (status.success(), reported.collect())
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn only_presses_that_were_asked_for_are_kept() {
     let mut words = vec!["calibrate", scene, table, result, "--live", &board.source];
     words.extend(["--presses", &n, "--force-n", &force, "--json"]);
     words.extend(["--out", kept.to_str().unwrap()]);
-    let (status, told) = converse(&words, |line| {
+    let (status, reported) = converse(&words, |line| {
         if line.starts_with("solving") {
             finger.set(pressed(stray));
         } else if line.starts_with("taking the tare") || line.starts_with("  let go") {
@@ -157,9 +157,9 @@ fn only_presses_that_were_asked_for_are_kept() {
         }
     });
     assert!(status.success());
-    let told: Value = serde_json::from_str(&told).unwrap();
-    let error = |key: &str| told[key].as_f64().unwrap();
-    assert!(error("relative_error") < error("relative_error_before"), "{told}");
+    let reported: Value = serde_json::from_str(&reported).unwrap();
+    let error = |key: &str| reported[key].as_f64().unwrap();
+    assert!(error("relative_error") < error("relative_error_before"), "{reported}");
 
     let rows = std::fs::read_to_string(table).unwrap();
     assert_eq!(rows.lines().count(), 1 + N_PRESSES);

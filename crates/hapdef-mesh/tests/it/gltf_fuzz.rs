@@ -193,7 +193,7 @@ fn damaged_bytes_never_panic() {
     let file = glb(&json, &bin);
     let outcomes = run(20_000, 1, |rng| damaged_bytes(&file, rng));
     assert!(outcomes.len() > 15, "too few kinds of damage were reached: {outcomes:?}");
-    assert!(outcomes["read"] > 500, "harmless damage is not told from harmful: {outcomes:?}");
+    assert!(outcomes["read"] > 500, "harmless damage is not told apart from harmful: {outcomes:?}");
 }
 
 #[test]
@@ -207,5 +207,5 @@ fn damaged_json_never_panics() {
         glb(&damaged, &bin)
     });
     assert!(outcomes.len() > 20, "too few kinds of damage were reached: {outcomes:?}");
-    assert!(outcomes["read"] > 500, "harmless damage is not told from harmful: {outcomes:?}");
+    assert!(outcomes["read"] > 500, "harmless damage is not told apart from harmful: {outcomes:?}");
 }

@@ -28,8 +28,8 @@ fn a_bow_tie_ring_is_refused_as_a_solid() {
         assert!((place.z - 0.04).abs() < 1e-12, "{place}");
         assert!((0.0399..0.040_000_1).contains(&radius_m), "{place}");
     }
-    let told = format!("crossing pairs      {}, at (", report.crossings.len());
-    assert!(report.to_string().contains(&told), "{report}");
+    let printed = format!("crossing pairs      {}, at (", report.crossings.len());
+    assert!(report.to_string().contains(&printed), "{report}");
     let fault = measure_solid(&mesh, &SolidShellParams::default()).unwrap_err();
     let MeshError::Surface(SurfaceFault::Crosses { crossings, .. }) = &fault else {
         panic!("{fault}");

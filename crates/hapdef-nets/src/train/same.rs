@@ -11,7 +11,7 @@ pub(super) fn check_same(
     saved: &TrainParams,
     asked: &TrainParams,
 ) -> Result<(), NetsError> {
-    let knobs = |p: &TrainParams| {
+    let fields = |p: &TrainParams| {
         let steps = p.final_learning_rate.map(|_| p.steps);
         // Where looks change the result, their steps must be the same.
         let look = if p.keep_best || p.patience > 0 { p.validate_every } else { 0 };
@@ -30,7 +30,7 @@ pub(super) fn check_same(
             ("steps", format!("{steps:?}")),
         ]
     };
-    for ((name, saved), (_, asked)) in knobs(saved).into_iter().zip(knobs(asked)) {
+    for ((name, saved), (_, asked)) in fields(saved).into_iter().zip(fields(asked)) {
         if saved != asked {
             return Err(NetsError::ResumeParams { path: path.to_path_buf(), name, saved, asked });
         }

@@ -156,7 +156,7 @@ class Scene:
         """Runs the paper's pipeline and returns the records of its stages. Finished stages come from
         the cache; a training that was stopped goes on."""
     def estimator(self, kind: Optional[_Kind] = None) -> "Estimator":
-        """What finds contacts in arrays of frames: the scene's own way if None."""
+        """What finds contacts in arrays of frames: the scene's own estimator if None."""
     def live(
         self,
         source: Optional[str] = None,

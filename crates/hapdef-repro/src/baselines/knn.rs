@@ -17,7 +17,7 @@ const QUERY_TILE: usize = 64;
 /// Training rows of one matrix product.
 const ROW_BLOCK: usize = 2048;
 
-/// Knobs of [`Knn::neighbours`].
+/// Parameters of [`Knn::neighbours`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KnnParams {
     /// Neighbours averaged.

@@ -25,7 +25,7 @@ const COLUMN_TILE: usize = 256;
 /// Rows that one task predicts.
 const ROW_TILE: usize = 256;
 
-/// Knobs of [`LinearAccumulator::solve`].
+/// Parameters of [`LinearAccumulator::solve`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearParams {
     /// Added to each eigenvalue of the inputs' correlation matrix; dimensionless, 0 for none.

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::error::{ReproError, check_finite, whole_rows};
 
-/// Knobs of [`Svr::train`].
+/// Parameters of [`Svr::train`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SvrParams {
     /// Penalty C of a residual beyond ε.

@@ -29,7 +29,7 @@ use script::Kind;
 
 const N_SITES: usize = 800;
 
-/// Not used while the tracker's knobs were chosen.
+/// Not used while the tracker's parameters were chosen.
 const REPORT_SEED: u64 = 4000;
 
 fn main() -> Result<()> {

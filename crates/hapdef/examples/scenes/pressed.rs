@@ -60,7 +60,7 @@ pub(crate) struct Pressed {
     pub(crate) readings_ue: Vec<f64>,
     /// Standard deviation of a reading's noise, µε.
     pub(crate) noise_ue: f64,
-    /// Relative error of the response map that the estimator is told.
+    /// Relative error of the response map that the estimator assumes.
     pub(crate) map_error: f64,
     /// Least distance of two contacts that the scene allows, m.
     pub(crate) min_spacing_m: f64,
@@ -100,7 +100,7 @@ pub(crate) fn chi2(values: &[f64], sd: f64) -> f64 {
 }
 
 /// White noise, drawn again where it is what the estimator takes for a touch: that one frame in a
-/// thousand is told by `touch_p`.
+/// thousand is shown by `touch_p`.
 fn noise(n_gauges: usize, sd_ue: f64, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     loop {

@@ -20,7 +20,7 @@ pub(crate) struct Trial {
     pub(crate) first_gauge: usize,
     /// Standard deviation of a reading's noise, log10 of µε.
     pub(crate) log10_noise_ue: f64,
-    /// Relative error of the response map that the estimator is told; on these meshes it is off from
+    /// Relative error of the response map, as assumed; on these meshes it is off from
     /// the forward solve by less than the least that is drawn.
     pub(crate) map_error: f64,
     /// Force of the first press, log10 of N.
@@ -63,15 +63,15 @@ pub(crate) fn trials() -> impl Strategy<Value = Trial> {
     let limb = (5e-4..1.9e-3_f64, 5..9_usize, 1..4_usize);
     let material = (5.0..12.0_f64, 0.0..0.49_f64);
     let gauges = (2..=10_usize, 0..10_usize);
-    let told = (-3.0..3.0_f64, 0.03..0.1_f64);
+    let noise = (-3.0..3.0_f64, 0.03..0.1_f64);
     let second = (-2.0..0.0_f64, places());
     let second = second.prop_map(|(log10_share, place)| Second { log10_share, place });
     let presses = (-3.0..4.0_f64, places(), prop::option::of(second), any::<u64>());
-    (limb, material, gauges, told, presses).prop_map(|(limb, material, gauges, told, presses)| {
+    (limb, material, gauges, noise, presses).prop_map(|(limb, material, gauges, noise, presses)| {
         let (wall_m, n_sectors, n_rib_layers) = limb;
         let (log10_e_pa, nu) = material;
         let (n_gauges, first_gauge) = gauges;
-        let (log10_noise_ue, map_error) = told;
+        let (log10_noise_ue, map_error) = noise;
         let (log10_force_n, place, second, seed) = presses;
         Trial {
             wall_m,

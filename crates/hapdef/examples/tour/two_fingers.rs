@@ -1,4 +1,4 @@
-//! Two fingers at once: readings add up, and so both can be told.
+//! Two fingers at once: readings add up, and so both can be found.
 
 use anyhow::Result;
 use hapdef::touch::{Touch, TouchEstimator};

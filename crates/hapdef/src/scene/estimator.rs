@@ -15,7 +15,7 @@ pub enum EstimatorSpec {
     Superposition(SuperpositionSpec),
 }
 
-/// Knobs of the paper's chain.
+/// Parameters of the paper's chain.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct HapdefxSpec {
@@ -25,7 +25,7 @@ pub struct HapdefxSpec {
     pub floor_um: f64,
 }
 
-/// Knobs of superposition.
+/// Parameters of superposition.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SuperpositionSpec {
@@ -96,7 +96,7 @@ impl EstimatorSpec {
         }
     }
 
-    /// The knobs of the paper's chain; the defaults where the scene chooses another estimator.
+    /// The parameters of the paper's chain; the defaults where the scene chooses another estimator.
     #[must_use]
     pub fn hapdefx(&self) -> HapdefxSpec {
         match self {
@@ -105,7 +105,7 @@ impl EstimatorSpec {
         }
     }
 
-    /// The knobs of superposition; the defaults where the scene chooses another estimator.
+    /// The parameters of superposition; the defaults where the scene chooses another estimator.
     #[must_use]
     pub fn superposition(&self) -> SuperpositionSpec {
         match self {

@@ -2,7 +2,7 @@
 
 use super::{MAX_ONE_TO_ONE, ScoredContact, ScoringError, check_finite, distance};
 
-/// Knobs of [`gospa`].
+/// Parameters of [`gospa`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GospaParams {
     /// Cut-off c, m: a pair farther apart is one missed and one false contact instead.

@@ -38,7 +38,7 @@ pub fn estimator_settings(scene: &Scene, spec: &SuperpositionSpec) -> Superposit
     }
 }
 
-/// Knobs of the estimator for a scene: no more contacts than the scene has, and no force beyond
+/// Parameters of the estimator for a scene: no more contacts than the scene has, and no force beyond
 /// half more than its strongest, which a contact of where the map is uncertain would else explain
 /// anything with.
 #[must_use]

@@ -14,7 +14,7 @@ fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin").join(name)
 }
 
-/// Single presses all over the rig, the step of its converter left out: with the calibration they are told as
+/// Single presses all over the rig, the step of its converter left out: with the calibration they are found as
 /// one contact where they are, which the computed response does not do.
 #[test]
 fn presses_of_the_rig_are_one_contact_each_with_the_calibration() {
@@ -28,7 +28,7 @@ fn presses_of_the_rig_are_one_contact_each_with_the_calibration() {
 /// What is found of the presses.
 #[derive(Debug)]
 struct Found {
-    /// Share of them that is told as one contact.
+    /// Share of them that is found as one contact.
     right: f64,
     /// Median distance of the strongest contact, mm.
     median_mm: f64,

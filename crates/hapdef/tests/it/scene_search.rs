@@ -108,7 +108,7 @@ fn nothing_found_is_honest_only_below_the_noise() {
 }
 
 /// A contact left out, one moved, one of twice the force (as a modulus wrong by two would give), and
-/// one too many are each told.
+/// one too many are each reported.
 #[test]
 fn a_sure_answer_that_is_wrong_is_told() {
     let pressed = pressed(&usual());
