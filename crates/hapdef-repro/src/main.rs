@@ -2,10 +2,17 @@
 #![expect(clippy::print_stdout, reason = "a command line program prints")]
 
 mod allocations;
+mod baselines;
 mod bench;
 mod compare;
+mod error;
 mod frontier;
+mod report;
+mod robustness;
 mod run;
+mod search;
+mod tables;
+mod tactile;
 
 use std::process::ExitCode;
 

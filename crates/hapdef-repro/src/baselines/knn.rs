@@ -73,9 +73,6 @@ pub struct Neighbours {
 
 impl Knn {
     /// Takes the training inputs `x` `[rows, n_inputs]`, row-major. Holds them in f32 and in f64.
-    ///
-    /// # Errors
-    /// No row, not whole rows, more rows than 32 bits count, or a value that is not finite.
     pub fn new(x: &[f32], n_inputs: usize) -> Result<Self, ReproError> {
         let n = whole_rows("k-NN training inputs", n_inputs, x.len())?;
         check_finite("k-NN training inputs", n_inputs, x)?;
@@ -94,7 +91,6 @@ impl Knn {
     }
 
     /// Training rows held.
-    #[must_use]
     pub fn n_rows(&self) -> usize {
         self.norm_sq.len()
     }
@@ -102,10 +98,6 @@ impl Knn {
     /// The `k` nearest training rows of each query `[n, n_inputs]` and their weights 1/distance,
     /// normalised to sum 1; rows at distance 0 share the whole weight, as with scikit-learn's
     /// `weights="distance"`. Scratch per thread: about 2 MB.
-    ///
-    /// # Errors
-    /// Bad shapes, values that are not finite, `k` of 0 or more than the rows allowed, or an own
-    /// row that does not exist.
     pub fn neighbours(
         &self,
         queries: &[f32],
@@ -226,34 +218,22 @@ fn keep_nearest(found: &mut Vec<(f64, u32)>, k: usize, slack: f64) -> f64 {
 
 impl Neighbours {
     /// Queries answered.
-    #[must_use]
     pub fn n_queries(&self) -> usize {
         self.rows.len() / self.k
     }
 
     /// Training rows nearest to query `query`, nearest first, `[k]`.
-    ///
-    /// # Panics
-    /// If `query` is out of range.
-    #[must_use]
     pub fn rows(&self, query: usize) -> &[u32] {
         &self.rows[query * self.k..(query + 1) * self.k]
     }
 
     /// Distances to [`Neighbours::rows`], in input units, `[k]`.
-    ///
-    /// # Panics
-    /// If `query` is out of range.
-    #[must_use]
+    #[cfg(test)]
     pub fn distances(&self, query: usize) -> &[f64] {
         &self.distances[query * self.k..(query + 1) * self.k]
     }
 
     /// Weights of [`Neighbours::rows`], summing to 1, `[k]`.
-    ///
-    /// # Panics
-    /// If `query` is out of range.
-    #[must_use]
     pub fn weights(&self, query: usize) -> &[f64] {
         &self.weights[query * self.k..(query + 1) * self.k]
     }
@@ -262,9 +242,6 @@ impl Neighbours {
     ///
     /// `fetch(row, buffer)` fills `buffer` `[n_outputs]` with the outputs of training row `row`;
     /// it is called only for rows of non-zero weight, nearest first.
-    ///
-    /// # Errors
-    /// A query out of range, or what `fetch` returns, with the row.
     pub fn predict<F, E>(
         &self,
         query: usize,

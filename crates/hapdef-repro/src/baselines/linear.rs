@@ -81,7 +81,6 @@ pub struct LinearAccumulator {
 
 impl LinearAccumulator {
     /// Empty sums for rows of `n_inputs` and `n_outputs` values.
-    #[must_use]
     pub fn new(n_inputs: usize, n_outputs: usize) -> Self {
         Self {
             n_samples: 0,
@@ -98,7 +97,7 @@ impl LinearAccumulator {
     }
 
     /// Samples added so far.
-    #[must_use]
+    #[cfg(test)]
     pub fn n_samples(&self) -> usize {
         self.n_samples
     }
@@ -106,10 +105,6 @@ impl LinearAccumulator {
     /// Adds a block: `x` is `[rows, n_inputs]`, `y` is `[rows, n_outputs]`, both row-major.
     ///
     /// Memory while adding: the block in f64. Blocks of about 512 rows are fast.
-    ///
-    /// # Errors
-    /// A length that is not whole rows, row counts that differ, or a value that is not finite;
-    /// nothing is added then.
     pub fn add_block(&mut self, x: &[f32], y: &[f32]) -> Result<(), ReproError> {
         let (p, q) = (self.x_shift.len(), self.y_shift.len());
         let n = whole_rows("linear regression inputs", p, x.len())?;
@@ -143,9 +138,6 @@ impl LinearAccumulator {
     }
 
     /// The regression that minimises the squared error over all rows added so far.
-    ///
-    /// # Errors
-    /// Fewer than two samples, no input that varies, or parameters out of range.
     pub fn solve(
         &self,
         params: &LinearParams,
@@ -220,30 +212,22 @@ pub struct LinearRegression {
 
 impl LinearRegression {
     /// Values in one input row.
-    #[must_use]
     pub fn n_inputs(&self) -> usize {
         self.x_mean.len()
     }
 
     /// Values in one output row.
-    #[must_use]
     pub fn n_outputs(&self) -> usize {
         self.y_mean.len()
     }
 
     /// The coefficient ∂y/∂x of input `input` and output `output`, in the rows' own units.
-    ///
-    /// # Panics
-    /// If an index is out of range.
-    #[must_use]
+    #[cfg(test)]
     pub fn coefficient(&self, input: usize, output: usize) -> f64 {
         self.weights[(input, output)] * self.x_inv_std[input]
     }
 
     /// Predicts `out` `[rows, n_outputs]` from `x` `[rows, n_inputs]`, both row-major.
-    ///
-    /// # Errors
-    /// Lengths that do not agree with the shapes, or an input that is not finite.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
         let (p, q) = (self.n_inputs(), self.n_outputs());
         let n = whole_rows("linear regression inputs", p, x.len())?;

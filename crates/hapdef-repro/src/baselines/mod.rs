@@ -4,6 +4,6 @@ mod knn;
 mod linear;
 mod svr;
 
-pub use knn::{Knn, KnnParams, Neighbours, OwnRow};
-pub use linear::{LinearAccumulator, LinearInfo, LinearParams, LinearRegression};
-pub use svr::{Svr, SvrInfo, SvrParams};
+pub use knn::{Knn, KnnParams, OwnRow};
+pub use linear::{LinearAccumulator, LinearParams, LinearRegression};
+pub use svr::{Svr, SvrParams};

@@ -67,9 +67,6 @@ impl Svr {
     ///
     /// Standardisation uses the samples trained on. An output that never varies is predicted as
     /// that constant. Machines train in parallel; the result does not depend on threads.
-    ///
-    /// # Errors
-    /// Bad shapes, values that are not finite, fewer than two samples, parameters out of range.
     pub fn train(
         x: &[f32],
         y: &[f32],
@@ -115,15 +112,11 @@ impl Svr {
     }
 
     /// Values in one output row.
-    #[must_use]
     pub fn n_outputs(&self) -> usize {
         self.machines.len()
     }
 
     /// Predicts `out` `[n, n_outputs]` from `x` `[n, n_inputs]`, row-major, in training units.
-    ///
-    /// # Errors
-    /// Bad shapes or inputs that are not finite.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
         let (p, q) = (self.x_scaling.len(), self.machines.len());
         let n = whole_rows("SVR inputs", p, x.len())?;

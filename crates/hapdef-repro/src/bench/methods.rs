@@ -1,9 +1,9 @@
 //! Methods from one frame's virtual gauges to its map.
 
+use crate::baselines::{Knn, KnnParams, LinearRegression};
 use anyhow::Result;
 use hapdef_data::Standardiser;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
-use hapdef_repro::{Knn, KnnParams, LinearRegression};
 
 /// A method from virtual gauges `[n_virtual]`, µm, to the map `[n_outputs]`, µm.
 pub(super) trait MapMethod: Send {

@@ -34,9 +34,6 @@ const BATCHES: [usize; 2] = [1024, 256];
 
 /// Samples per second of F_R's training (240-600-1200-1800-3211; forward, backward, Adam) and the
 /// ratio to PyTorch's in 32 bits on as many threads, where `python` has it.
-///
-/// # Errors
-/// When Python ends before it should, and when a training fails.
 pub(super) fn training<W: Write>(python: &Path, log: &mut MetricLog<W>) -> Result<()> {
     let spec = MlpSpec::reconstruction(240, 3211);
     let mut torch = match Torch::start(python, &spec) {

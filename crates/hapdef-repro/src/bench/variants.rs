@@ -1,12 +1,12 @@
 //! Every method from readings to the map that the frontier compares.
 
+use crate::baselines::{Knn, LinearAccumulator, LinearParams};
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
 use hapdef::{Limb, Pipeline, Run};
 use hapdef_data::Standardiser;
 use hapdef_nets::Net;
 use hapdef_nets::infer::{InferParams, LowRank, Precision, PreparedNet};
-use hapdef_repro::{Knn, LinearAccumulator, LinearParams};
 use std::time::Instant;
 
 use super::clock::Times;

@@ -7,7 +7,7 @@ use hapdef_report::{ReportError, write_text};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// Linear regression, k-NN and SVR are solved, not trained: only the order of sums differs from one
 /// processor to another.
@@ -44,9 +44,6 @@ pub struct Golden {
 
 impl Golden {
     /// Takes Tables 1 and 2 from a report's JSON.
-    ///
-    /// # Errors
-    /// [`ReproError::Golden`] when the report lacks them or a cell is empty.
     pub fn of(report: &Value) -> Result<Self, ReproError> {
         let mut values = BTreeMap::new();
         for table in report["tables"].as_array().into_iter().flatten() {
@@ -68,27 +65,18 @@ impl Golden {
     }
 
     /// Reads golden values.
-    ///
-    /// # Errors
-    /// [`ReportError::Io`], [`ReportError::Json`].
     pub fn read(path: &Path) -> Result<Self, ReproError> {
         let bytes = std::fs::read(path).map_err(ReportError::io("reading", path))?;
         Ok(serde_json::from_slice(&bytes).map_err(ReportError::json(path))?)
     }
 
     /// Writes them.
-    ///
-    /// # Errors
-    /// [`ReportError::Io`], [`ReportError::Json`].
     pub fn write(&self, path: &Path) -> Result<(), ReproError> {
         let json = serde_json::to_string_pretty(self).map_err(ReportError::json(path))?;
         Ok(write_text(path, &format!("{json}\n"))?)
     }
 
     /// Compares a report with them; how many values were compared.
-    ///
-    /// # Errors
-    /// [`ReproError::Golden`] with every value that is too far off, missing or new.
     pub fn compare(&self, report: &Value) -> Result<usize, ReproError> {
         let found = Self::of(report)?;
         let of = |g: &Self| format!("{}, {}, seed {}", g.scene, g.profile, g.seed);

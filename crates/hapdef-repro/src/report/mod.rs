@@ -4,6 +4,6 @@ mod golden;
 mod results;
 mod stale;
 
-pub use golden::{Golden, GoldenValue};
+pub use golden::Golden;
 pub use results::results_markdown;
 pub use stale::check_results;

@@ -3,7 +3,7 @@
 use hapdef_report::NamedText;
 use serde_json::Value;
 
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// Facts that a run of any amounts shares with a full one.
 const SHARED_FACTS: [&str; 3] = ["simulated", "limb", "rig"];
@@ -15,9 +15,6 @@ const N_CLAIMED: usize = 3;
 /// Compares the `page` of a full run with the `report` of a quick one of the same limb: the facts that
 /// both share, `amounts` of a full run as they are now, tables with their columns, and the claims. What
 /// was measured is not compared.
-///
-/// # Errors
-/// [`ReproError::StaleResults`] with everything that the page says otherwise or does not say.
 pub fn check_results(page: &str, report: &Value, amounts: &[NamedText]) -> Result<(), ReproError> {
     let lines: Vec<&str> = page.lines().collect();
     let mut differences = Vec::new();

@@ -2,8 +2,8 @@
 
 use super::plant::{N_OUT, N_TRAIN, Plant, largest_difference, methods, net};
 use super::table::{Rows, Trial};
-use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
+use crate::error::ReproError;
 use crate::search::Learner;
 
 /// A method on the problem that every row starts from.

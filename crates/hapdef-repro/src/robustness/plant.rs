@@ -4,8 +4,8 @@ use hapdef_nets::{Activation, TrainParams};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
+use crate::error::ReproError;
 use crate::search::{Learner, NetSettings, Samples};
 
 pub(super) const N_TRAIN: usize = 200;

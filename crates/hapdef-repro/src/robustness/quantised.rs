@@ -6,7 +6,7 @@ use hapdef_report::robustness::Expected;
 
 use super::plant::{N_OUT, Plant, largest_difference, net};
 use super::table::{MustHold, Rows, Trial};
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::search::{Fitted, Learner};
 
 /// Test samples that a row looks at.

@@ -2,7 +2,7 @@
 
 use hapdef_report::robustness::{Column, Expected, Measured, Refusal, Table};
 
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// A row to be run.
 pub(super) type Trial = hapdef_report::robustness::Trial<ReproError>;

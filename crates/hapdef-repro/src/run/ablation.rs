@@ -1,10 +1,10 @@
 //! Figure 8's ablations that need nets of their own, trained briefly.
 
+use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{Limb, Pipeline, Run, Stage};
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
-use hapdef_repro::forward;
 use serde_json::json;
 
 use super::chain::{candidates, chain, maps};

@@ -1,8 +1,8 @@
 //! The paper's claims about contacts, gauges and maps on the rig.
 
+use crate::tables::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
-use hapdef_repro::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
 
 use super::frames::Frame;
 use super::patches::SizePoint;

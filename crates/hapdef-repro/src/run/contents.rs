@@ -1,13 +1,13 @@
 //! The report's tables.
 
+use crate::tables::{
+    Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
+};
 use anyhow::Result;
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
 use hapdef_bench::text_table;
 use hapdef_report::{ReportTable, TextCell, TextTable};
-use hapdef_repro::{
-    Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
-};
 
 use super::patches::{METHODS, SizePoint};
 use super::scores::Scores;

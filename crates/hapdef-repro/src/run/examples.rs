@@ -1,8 +1,8 @@
 //! Single samples with their true and predicted maps, for pictures.
 
+use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact};
-use hapdef_repro::forward;
 
 use super::chain::{candidates, chain, maps, reconstruction};
 use super::dataset::{Dataset, rig_singles};

@@ -6,11 +6,11 @@ mod surface;
 
 use std::path::Path;
 
+use crate::tables::{Table1, table1_bars};
 use anyhow::Result;
 use hapdef::{ComplianceTable, Hapdefx, Limb, Pipeline, Run};
 use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Figure, LimbMap, LimbView, LineChart, Series};
-use hapdef_repro::{Table1, table1_bars};
 use serde_json::Value;
 
 use self::surface::Surface;

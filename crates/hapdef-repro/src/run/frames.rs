@@ -1,9 +1,9 @@
 //! What the chain finds in presses of several contacts: candidates of every press, kept.
 
+use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact, Stage};
 use hapdef_nets::Net;
-use hapdef_repro::forward;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

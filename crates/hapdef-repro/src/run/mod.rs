@@ -27,13 +27,14 @@ mod tactile;
 use std::path::Path;
 use std::time::Instant;
 
+use crate::report::{Golden, check_results, results_markdown};
+use crate::tables::{Table1, table1_claims};
 use anyhow::{Context, Result};
 use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
 use hapdef::{Limb, Pipeline, Run, Stage, Until};
 use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricLog, Report, write_report, write_text};
-use hapdef_repro::{Golden, Table1, check_results, results_markdown, table1_claims};
 
 use self::ablation_table::{Ablations, ablation_table};
 pub(crate) use self::cli::Cli;

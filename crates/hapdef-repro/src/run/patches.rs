@@ -8,12 +8,13 @@ mod source;
 
 use std::ops::Range;
 
+use crate::baselines::LinearParams;
+use crate::search::{Fitted, Learner, Samples, forward};
 use anyhow::{Context, Result};
 use hapdef::stages::compliance;
 use hapdef::{ComplianceTable, DrawnContact, Limb, MapError, MapErrorSum, Pipeline, Run, Stage};
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
-use hapdef_repro::{Fitted, Learner, LinearParams, Samples, forward};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

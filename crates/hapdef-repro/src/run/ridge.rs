@@ -1,11 +1,10 @@
 //! Table 1's linear regression with a ridge that validation samples choose.
 
+use crate::baselines::{LinearAccumulator, LinearParams, LinearRegression};
+use crate::tables::{Method, Table1, TestSet, TrainSet};
 use anyhow::{Context, Result};
 use hapdef::{MapError, Pipeline, Run, Stage};
 use hapdef_report::{ReportTable, TextCell, TextTable};
-use hapdef_repro::{
-    LinearAccumulator, LinearParams, LinearRegression, Method, Table1, TestSet, TrainSet,
-};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::robustness::{
+    INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
+};
 use anyhow::{Result, bail};
 use hapdef::Limb;
 use hapdef::touch::response_map;
 use hapdef_cli::SceneArgs;
 use hapdef_report::MetricContext;
 use hapdef_report::robustness::{Inputs, Outputs, Row, Table, publish_all};
-use hapdef_repro::{
-    INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
-};
 
 use super::facts;
 

@@ -1,9 +1,9 @@
 //! Single test presses of the rig and what each method makes of them.
 
+use crate::search::{Fitted, Learner, Samples, forward};
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage};
-use hapdef_repro::{Fitted, Learner, Samples, forward};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

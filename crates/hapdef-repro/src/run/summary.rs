@@ -2,11 +2,11 @@
 
 use std::io::Stdout;
 
+use crate::tables::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 use anyhow::Result;
 use hapdef::Pipeline;
 use hapdef_bench::terminal_table;
 use hapdef_report::{MetricLog, Report, TextTable};
-use hapdef_repro::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 
 use super::{claims, contents};
 

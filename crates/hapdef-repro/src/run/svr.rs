@@ -1,8 +1,9 @@
 //! HapDef 2018's support-vector regression on the rig's single presses.
 
+use crate::baselines::SvrParams;
+use crate::search::{Fitted, Learner, Samples};
 use anyhow::{Context, Result};
 use hapdef::{ContactPair, ContactStats, Pipeline, Run, Stage};
-use hapdef_repro::{Fitted, Learner, Samples, SvrParams};
 use serde::{Deserialize, Serialize};
 
 use super::dataset::{pair, rig_singles};

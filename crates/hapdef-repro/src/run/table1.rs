@@ -2,15 +2,14 @@
 
 use std::ops::Range;
 
+use crate::baselines::{Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, OwnRow};
+use crate::search::forward;
+use crate::tables::{MapMetric, Method, Table1, TestSet, TrainSet};
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{MapError, MapErrorSum, Pipeline, Run, Stage};
 use hapdef_data::{Standardiser, StandardiserFit};
 use hapdef_nets::Net;
-use hapdef_repro::{
-    Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, MapMetric, Method, OwnRow,
-    Table1, TestSet, TrainSet, forward,
-};
 use serde_json::{Value, json};
 
 use super::dataset::{Dataset, blocks};

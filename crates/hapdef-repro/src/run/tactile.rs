@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
-use hapdef_bench::{Column, table, terminal_table};
-use hapdef_report::MetricLog;
-use hapdef_repro::{
+use crate::tactile::{
     TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
     seeded_permutation, tactile_folder, tactile_scores,
 };
+use anyhow::Result;
+use hapdef_bench::{Column, table, terminal_table};
+use hapdef_report::MetricLog;
 
 use super::facts;
 

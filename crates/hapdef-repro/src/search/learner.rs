@@ -84,10 +84,6 @@ pub struct FittedKnn {
 
 impl Learner {
     /// Fits the method; where `stop` says so, a training ends with [`ReproError::Stopped`].
-    ///
-    /// # Errors
-    /// Bad shapes, values that are not finite, too few samples, settings out of range, a training
-    /// that diverges.
     pub fn fit(
         &self,
         samples: &Samples<'_>,
@@ -111,9 +107,6 @@ impl Learner {
 
 impl Fitted {
     /// Predicts `out` `[n, n_outputs]` for `x` `[n, n_inputs]`, raw units, row-major.
-    ///
-    /// # Errors
-    /// Bad shapes, inputs that are not finite, or so far off that a prediction overflows.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
         match self {
             Self::Linear(regression) => regression.predict(x, out)?,
@@ -125,9 +118,6 @@ impl Fitted {
     }
 
     /// The same for `n` rows, in a vector of its own.
-    ///
-    /// # Errors
-    /// As [`Self::predict`].
     pub fn predictions(&self, x: &[f32], n: usize) -> Result<Vec<f32>, ReproError> {
         let mut out = vec![0.0; n * self.n_outputs()];
         self.predict(x, &mut out)?;
@@ -146,7 +136,6 @@ impl Fitted {
 
 impl Samples<'_> {
     /// Number of samples.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.x.len() / self.n_inputs.max(1)
     }
@@ -158,9 +147,6 @@ impl Samples<'_> {
 }
 
 /// A net's outputs `[n, outputs]` for rows `x` `[n, inputs]`, in parallel.
-///
-/// # Errors
-/// Bad shapes, inputs that are not finite.
 pub fn forward(net: &Net, x: &[f32]) -> Result<Vec<f32>, ReproError> {
     let spec = net.mlp().spec();
     let mut out = vec![0.0; x.len() / spec.inputs.max(1) * spec.outputs];

@@ -9,10 +9,10 @@ mod report;
 mod space;
 mod trials;
 
-pub use learner::{Fitted, FittedKnn, Learner, NetSettings, Samples, forward};
+pub use learner::{Fitted, Learner, NetSettings, Samples, forward};
 pub use optimiser::propose;
 pub use report::{search_figures, search_markdown, values_in_words};
-pub use space::{Knob, KnobValues, SearchMethod, TrialBudget, paper_values};
+pub use space::{Knob, KnobValues, SearchMethod, TrialBudget};
 pub use trials::{
     Trial, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, read_trials, trials_text,
 };

@@ -10,7 +10,7 @@ use tpe::{TpeOptimizerBuilder, parzen_estimator};
 
 use super::space::{Knob, KnobValues, paper_values};
 use super::trials::{Trial, TrialSource};
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// Trials before the estimator is asked; until then points are drawn evenly.
 const N_STARTUP: usize = 6;
@@ -22,9 +22,6 @@ const N_CANDIDATES: usize = 24;
 const LAST_UNIT: f64 = 1.0 - 1e-9;
 
 /// The point of trial `index`: the paper's for 0, drawn evenly at first, then proposed.
-///
-/// # Errors
-/// A trial that lacks a knob.
 pub fn propose(
     knobs: &[Knob],
     trials: &[Trial],

@@ -2,12 +2,11 @@
 
 use super::space::{Knob, KnobValues};
 use super::trials::{Trial, TrialHeader, TrialSource, best_trial};
-use crate::ReproError;
+use crate::error::ReproError;
 use hapdef_bench::dotted_lines;
 use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
 
 /// The search in Markdown: what it rests on, the best point beside the paper's, every trial.
-#[must_use]
 pub fn search_markdown(header: &TrialHeader, knobs: &[Knob], trials: &[Trial]) -> String {
     let failed = trials.iter().filter(|t| t.objective.is_none()).count();
     let mut text = format!(
@@ -37,9 +36,6 @@ pub fn search_markdown(header: &TrialHeader, knobs: &[Knob], trials: &[Trial]) -
 
 /// The figures and their file names: the best so far over the trials, and the validation error
 /// against each knob.
-///
-/// # Errors
-/// No trial that ended well.
 pub fn search_figures(
     header: &TrialHeader,
     knobs: &[Knob],
@@ -54,7 +50,6 @@ pub fn search_figures(
 }
 
 /// Values in a row, such as `k 6, patch 24`.
-#[must_use]
 pub fn values_in_words(values: &KnobValues) -> String {
     let words = values.iter().map(|(name, value)| format!("{name} {}", short(*value)));
     words.collect::<Vec<_>>().join(", ")
@@ -146,7 +141,8 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::{SearchMethod, paper_values};
+    use crate::search::SearchMethod;
+    use crate::search::space::paper_values;
 
     #[test]
     fn a_search_is_shown_with_the_papers_point_and_the_best() {

@@ -6,8 +6,8 @@ use hapdef_nets::{Activation, TrainParams};
 use hapdef_report::ArgumentError;
 
 use super::learner::{Learner, NetSettings};
-use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
+use crate::error::ReproError;
 
 /// A method whose settings are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +64,6 @@ impl SearchMethod {
         [Self::Reconstruction, Self::Transfer, Self::Direct, Self::Linear, Self::Knn, Self::Svr];
 
     /// Its name in files and on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Reconstruction => "f_r",
@@ -77,7 +76,6 @@ impl SearchMethod {
     }
 
     /// What is made least, on validation samples.
-    #[must_use]
     pub fn objective(self) -> &'static str {
         match self {
             Self::Reconstruction | Self::Linear | Self::Knn => "mean |error| of the map, µm",
@@ -87,7 +85,6 @@ impl SearchMethod {
     }
 
     /// The knobs; `max_patch` is the most virtual gauges per gauge that the samples have.
-    #[must_use]
     pub fn knobs(self, max_patch: usize) -> Vec<Knob> {
         let patch = whole("patch", 1.0, max_patch as f64, 24.0, false);
         let rate = real("learning_rate", 1e-5, 1e-2, 1e-4);
@@ -123,9 +120,6 @@ impl SearchMethod {
     }
 
     /// The method with these values.
-    ///
-    /// # Errors
-    /// A knob without a value.
     pub fn learner(self, values: &KnobValues, budget: &TrialBudget) -> Result<Learner, ReproError> {
         let value = |name: &'static str| {
             values.get(name).copied().ok_or(ArgumentError::Name {
@@ -175,7 +169,6 @@ impl SearchMethod {
 
 impl Knob {
     /// The knob's value at `unit`, 0 for the least, 1 for the greatest.
-    #[must_use]
     pub fn value(&self, unit: f64) -> f64 {
         let value = if self.is_log {
             self.low * (self.high / self.low).powf(unit)
@@ -187,7 +180,6 @@ impl Knob {
     }
 
     /// Where `value` lies between the least, 0, and the greatest, 1.
-    #[must_use]
     pub fn unit(&self, value: f64) -> f64 {
         let unit = if self.is_log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -199,7 +191,6 @@ impl Knob {
 }
 
 /// The paper's point.
-#[must_use]
 pub fn paper_values(knobs: &[Knob]) -> KnobValues {
     let value = |knob: &Knob| (knob.name.to_owned(), knob.paper.clamp(knob.low, knob.high));
     knobs.iter().map(value).collect()

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::space::KnobValues;
-use crate::ReproError;
+use crate::error::ReproError;
 use hapdef_report::ReportError;
 
 /// What the trials of a file rest on: its first line. Trials of other headers don't compare.
@@ -68,9 +68,6 @@ pub struct TrialLog {
 impl TrialLog {
     /// Opens `path`, or makes it with `header`; gives the trials that are in it. A last line that a
     /// crash cut off is dropped from the file: its trial is run again.
-    ///
-    /// # Errors
-    /// A file that can't be read or written, or that rests on something else.
     pub fn open(path: &Path, header: &TrialHeader) -> Result<(Self, Vec<Trial>), ReproError> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
@@ -91,9 +88,6 @@ impl TrialLog {
     }
 
     /// Adds a trial; it is on disk when this returns.
-    ///
-    /// # Errors
-    /// A file that can't be written.
     pub fn push(&mut self, trial: &Trial) -> Result<(), ReproError> {
         self.append(trial)
     }
@@ -110,9 +104,6 @@ impl TrialLog {
 }
 
 /// The header and the trials of a file.
-///
-/// # Errors
-/// A file that can't be read or holds something else.
 pub fn read_trials(path: &Path) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
     let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
     let whole = text.rfind('\n').map_or(0, |at| at + 1);
@@ -120,9 +111,6 @@ pub fn read_trials(path: &Path) -> Result<(TrialHeader, Vec<Trial>), ReproError>
 }
 
 /// Joins the trials of several files, such as of the shards of one search, by their numbers.
-///
-/// # Errors
-/// No file, files that rest on different things, or one number with two outcomes.
 pub fn merge_trials(files: &[std::path::PathBuf]) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
     let Some((first, rest)) = files.split_first() else {
         return Err(ReproError::TooFewSamples {
@@ -155,7 +143,6 @@ pub fn merge_trials(files: &[std::path::PathBuf]) -> Result<(TrialHeader, Vec<Tr
 }
 
 /// The trial of the lowest validation error; the earliest of equals.
-#[must_use]
 pub fn best_trial(trials: &[Trial]) -> Option<&Trial> {
     let worth = |trial: &&Trial| trial.objective.unwrap_or(f64::INFINITY);
     let best = trials.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)))?;
@@ -163,9 +150,6 @@ pub fn best_trial(trials: &[Trial]) -> Option<&Trial> {
 }
 
 /// Header and trials as a file's text.
-///
-/// # Errors
-/// A number that JSON can't hold.
 pub fn trials_text(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproError> {
     let bad = ReportError::json(Path::new("trials"));
     let json = |line: serde_json::Result<String>| line.map_err(&bad);

@@ -65,7 +65,6 @@ pub struct Claim {
 
 impl Fate {
     /// In words.
-    #[must_use]
     pub fn name(self) -> &'static str {
         ["holds", "holds partly", "fails", "not measured"][self as usize]
     }
@@ -99,7 +98,6 @@ impl Check {
 
     /// Whether it holds; `None` if a side was not measured. A number that is not finite on either
     /// side proves nothing and breaks it.
-    #[must_use]
     pub fn holds(&self) -> Option<bool> {
         let (low, high) = (self.low?, self.high?);
         let kept = if self.or_equal { low <= high } else { low < high };
@@ -130,7 +128,6 @@ impl Check {
 
 impl MetricVerdict {
     /// Judges a claim by its comparisons, whose values are in `unit`.
-    #[must_use]
     pub fn of(metric: impl Into<String>, unit: &str, checks: &[Check]) -> Self {
         let n_held = checks.iter().filter(|c| c.holds() == Some(true)).count();
         let n_missing = checks.iter().filter(|c| c.holds().is_none()).count();
@@ -169,7 +166,6 @@ fn reason(fate: Fate, n_held: usize, unit: &str, checks: &[Check]) -> String {
 
 impl Claim {
     /// Over all metrics: holds or fails where every measured metric says so.
-    #[must_use]
     pub fn fate(&self) -> Fate {
         let measured = || self.verdicts.iter().filter(|v| v.fate != Fate::NotMeasured);
         if measured().next().is_none() || measured().count() < self.verdicts.len() {
@@ -185,7 +181,6 @@ impl Claim {
 }
 
 /// One row per claim and metric; what holds stands out.
-#[must_use]
 pub fn claims_text(claims: &[Claim]) -> TextTable {
     let header = ["claim", "paper", "metric", "verdict", "why"];
     let rows = claims.iter().flat_map(|claim| {

@@ -18,13 +18,11 @@ impl MapMetric {
     pub const ALL: [Self; 3] = [Self::MeanAbs, Self::Rms, Self::Fvu];
 
     /// For tables.
-    #[must_use]
     pub fn name(self) -> &'static str {
         ["mean |error|", "RMS", "FVU"][self as usize]
     }
 
     /// The unit that is printed.
-    #[must_use]
     pub fn unit(self) -> &'static str {
         ["µm", "µm", "%"][self as usize]
     }

@@ -9,7 +9,6 @@ const PAPER_FNN_OVER_LR: [f64; 4] = [0.52, 0.44, 0.60, 0.70];
 
 /// Every claim about Table 1, with a verdict for each metric's table; the quotient of FNN and LR by
 /// errors alone, as squares have other quotients.
-#[must_use]
 pub fn table1_claims(tables: &[Table1]) -> Vec<Claim> {
     let claim = |id, text, paper, checks: fn(&Table1) -> Vec<Check>| Claim {
         id,
@@ -62,7 +61,6 @@ pub fn table1_claims(tables: &[Table1]) -> Vec<Claim> {
 }
 
 /// The FNN's error over LR's, both trained on I–IV, by test set.
-#[must_use]
 pub fn fnn_over_lr(table: &Table1) -> [Option<f64>; 4] {
     TestSet::ALL.map(|test| {
         let of = |method| table.test(method, TrainSet::ToIV, test);

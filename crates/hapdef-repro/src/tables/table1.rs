@@ -35,6 +35,7 @@ pub enum TrainSet {
 
 /// How many contacts the test samples have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[allow(clippy::upper_case_acronyms, reason = "the paper's names")]
 pub enum TestSet {
     /// One.
     I,
@@ -51,7 +52,6 @@ impl Method {
     pub const ALL: [Self; 3] = [Self::Linear, Self::Knn, Self::Fnn];
 
     /// The paper's name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         ["LR", "k-NN", "FNN"][self as usize]
     }
@@ -62,13 +62,11 @@ impl TrainSet {
     pub const ALL: [Self; 4] = [Self::I, Self::ToII, Self::ToIII, Self::ToIV];
 
     /// The paper's name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         ["I", "I–II", "I–III", "I–IV"][self as usize]
     }
 
     /// Whether samples with as many contacts as `test` were trained on.
-    #[must_use]
     pub fn contains(self, test: TestSet) -> bool {
         test as usize <= self as usize
     }
@@ -79,7 +77,6 @@ impl TestSet {
     pub const ALL: [Self; 4] = [Self::I, Self::II, Self::III, Self::IV];
 
     /// The paper's name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         ["I", "II", "III", "IV"][self as usize]
     }
@@ -155,20 +152,17 @@ pub struct Table1Record {
 
 impl Table1 {
     /// An empty table of `metric`.
-    #[must_use]
     pub fn new(metric: MapMetric) -> Self {
         Self { metric, ..Self::default() }
     }
 
     /// What its cells measure.
-    #[must_use]
     pub fn metric(&self) -> MapMetric {
         self.metric
     }
 
     /// The paper's own numbers. It calls them displacement errors in µm and does not say whether
     /// absolute values or squares were averaged.
-    #[must_use]
     pub fn paper() -> Self {
         Self {
             metric: MapMetric::MeanAbs,
@@ -188,26 +182,22 @@ impl Table1 {
     }
 
     /// A test error, m or a share; `None` if not measured.
-    #[must_use]
     pub fn test(&self, method: Method, train: TrainSet, test: TestSet) -> Option<f64> {
         self.tests[method as usize][train as usize][test as usize]
     }
 
     /// A training error, m or a share; `None` if not measured.
-    #[must_use]
     pub fn training(&self, method: Method, train: TrainSet) -> Option<f64> {
         self.trainings[method as usize][train as usize]
     }
 
     /// All 60 cells: 48 test errors, 12 training errors.
-    #[must_use]
     pub fn cells(&self) -> CellCount {
         let test = self.tests.iter().flatten().flatten();
         CellCount::of(test.chain(self.trainings.iter().flatten()).copied())
     }
 
     /// All 60 cells beside the paper's, training error after the test errors of its row.
-    #[must_use]
     pub fn records(&self) -> Vec<Table1Record> {
         let mut records = Vec::with_capacity(60);
         let paper = Self::paper();
@@ -238,7 +228,6 @@ impl Table1 {
 
     /// One row per method and training set, "ours (paper)"; of each training and test set
     /// the best method is strong.
-    #[must_use]
     pub fn to_text(&self) -> TextTable {
         let header = ["method", "trained on", "I", "II", "III", "IV", "training error"];
         let rows = self.records().chunks(5).map(|row| self.text_row(row)).collect();

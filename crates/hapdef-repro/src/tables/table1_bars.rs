@@ -6,7 +6,6 @@ use super::{Method, Table1, TestSet, TrainSet};
 
 /// Table 1 as bars on a log axis: a panel per training set, a group per test set, the paper's
 /// number as a black tick; µm.
-#[must_use]
 pub fn table1_bars(table: &Table1) -> BarChart {
     let paper = Table1::paper();
     let cells = |table: &Table1, train| {

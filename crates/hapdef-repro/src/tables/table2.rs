@@ -55,13 +55,11 @@ pub struct Table2 {
 
 impl Table2 {
     /// Two cells per column of ours.
-    #[must_use]
     pub fn cells(&self) -> CellCount {
         CellCount::of(self.ours.iter().flat_map(|c| [c.location_m, c.magnitude_n]))
     }
 
     /// One row per column of the paper, then ours without a counterpart there.
-    #[must_use]
     pub fn to_text(&self) -> TextTable {
         let header = ["", "location, mm", "paper", "magnitude, N", "paper"];
         let of = |name: &str| self.ours.iter().find(|c| c.name == name);

@@ -7,8 +7,8 @@ use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_nets::{Activation, TrainParams};
 
 use super::runs::TactileRun;
-use crate::ReproError;
 use crate::baselines::{LinearParams, SvrParams};
+use crate::error::ReproError;
 use crate::search::{Learner, NetSettings, Samples};
 
 /// A method of the check.
@@ -61,7 +61,6 @@ impl TactileMethod {
     pub const ALL: [Self; 4] = [Self::Linear, Self::Knn, Self::Svr, Self::Fnn];
 
     /// The table's name for it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "LR",
@@ -129,9 +128,6 @@ fn net(
 /// `order` is a permutation of the presses: the first four fifths train, the rest test. Settings
 /// are chosen by the mean distance on the last fifth of the training presses, then fitted to all
 /// training presses.
-///
-/// # Errors
-/// What a method's fit returns.
 pub fn tactile_scores(
     run: &TactileRun,
     order: &[usize],
@@ -168,12 +164,6 @@ pub fn tactile_scores(
 
 /// Distances between the places that `learner` finds and the true ones, `[queries.len()]`, mm;
 /// `train` and `queries` are presses of the run.
-///
-/// # Errors
-/// What the method's fit returns.
-///
-/// # Panics
-/// If a press is out of range.
 pub fn tactile_distances_mm(
     run: &TactileRun,
     learner: &Learner,

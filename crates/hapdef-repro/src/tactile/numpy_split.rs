@@ -10,7 +10,6 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Permutations of `0..n` for each of `sizes`, drawn one after the other by NumPy's
 /// `default_rng(seed)`.
-#[must_use]
 pub fn numpy_permutations(seed: u32, sizes: &[usize]) -> Vec<Vec<usize>> {
     let mut words = Pcg64::new(seed);
     let mut next = || words.next_u32();
@@ -18,7 +17,6 @@ pub fn numpy_permutations(seed: u32, sizes: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// A permutation of `0..n` from the project's own generator.
-#[must_use]
 pub fn seeded_permutation(seed: u64, n: usize) -> Vec<usize> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     shuffled(n, &mut || rng.next_u32())

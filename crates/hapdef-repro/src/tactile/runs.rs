@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::ReproError;
+use crate::error::ReproError;
 use hapdef_report::ReportError;
 
 /// Channels of the skin: five magnetometers of three axes.
@@ -30,24 +30,18 @@ pub struct TactileRun {
 
 impl TactileRun {
     /// Presses of the run.
-    #[must_use]
     pub fn n(&self) -> usize {
         self.place_mm.len() / 2
     }
 }
 
 /// Where the skin's runs lie below a folder of shared inputs.
-#[must_use]
 pub fn tactile_folder(shared: &Path) -> PathBuf {
     shared.join("inputs/tactile/eflesh_spatial_resolution")
 }
 
 /// Reads both runs below `folder`; the probe's depth is left out, it is the same everywhere up to
 /// 2 mm.
-///
-/// # Errors
-/// A file that can't be read, a line that is not so many finite numbers, or tables of different
-/// lengths.
 pub fn read_tactile_runs(folder: &Path) -> Result<Vec<TactileRun>, ReproError> {
     RUNS.iter().map(|name| read_run(folder, name)).collect()
 }

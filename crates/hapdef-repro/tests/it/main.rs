@@ -8,4 +8,3 @@
 
 mod bench_nets;
 mod determinism;
-mod tactile;

@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par, Side};
 
 use super::LinearParams;
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// W = V (Λ + ridge)⁻¹ Vᵀ B over the eigenvalues above the tolerance; with rank and condition.
 pub(super) fn pseudo_solve(

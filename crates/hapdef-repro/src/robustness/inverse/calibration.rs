@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::table::{MustHold, Rows};
 use super::world::{InverseWorld, SD, add_noise};
-use crate::ReproError;
+use crate::error::ReproError;
 
 const STATED: MustHold = ("map error over the larger of that before and the stated one", 1.2);
 

@@ -4,7 +4,7 @@ use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, TouchPhase};
 
 use super::super::table::{MustHold, Rows};
 use super::world::{add_noise, rng};
-use crate::ReproError;
+use crate::error::ReproError;
 
 const N: usize = 10;
 const PERIOD_S: f64 = 1e-3;

@@ -9,7 +9,7 @@ use super::world::{
     Answers, InverseWorld, SD, SURE_AND_WRONG, WRONG, add_noise, answers, is_unseen, sure, worst,
     worst_single,
 };
-use crate::ReproError;
+use crate::error::ReproError;
 
 pub(super) const IN_SDS: MustHold = ("sure answers are one contact within 5 sd", 5.0);
 const N_FRAMES: usize = 40;

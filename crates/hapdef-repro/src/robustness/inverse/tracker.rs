@@ -10,7 +10,7 @@ use rand::RngExt;
 
 use super::super::table::{MustHold, Rows};
 use super::world::{InverseWorld, SD, add_noise};
-use crate::ReproError;
+use crate::error::ReproError;
 
 const FOUND: MustHold = ("mm from a held contact to the one found", 10.0);
 

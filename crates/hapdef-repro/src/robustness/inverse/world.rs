@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::super::table::MustHold;
-use crate::ReproError;
+use crate::error::ReproError;
 
 const N_SITES: usize = 400;
 
@@ -40,9 +40,6 @@ pub struct InverseWorld {
 
 impl InverseWorld {
     /// A limb with its response, µε/N, the places where it is held, m, and the seed of what rows draw.
-    ///
-    /// # Errors
-    /// [`ReproError::Inverse`] for a skin that can't be scanned.
     pub fn new(
         map: ResponseMap,
         clamped_m: Vec<Point3<f64>>,

@@ -5,7 +5,7 @@ use std::path::Path;
 use hapdef::{ComplianceTable, DrawnContact};
 
 use super::{in_folder, keep_share};
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 /// Surface nodes; there is a virtual gauge besides.

@@ -5,7 +5,7 @@ use std::path::Path;
 use hapdef_data::{DatasetReader, DatasetWriter, Split, StandardiserFit, TensorSpec};
 
 use super::{in_folder, keep_share};
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 /// Values at the ends of what 32 bits hold.

@@ -2,7 +2,7 @@
 
 use hapdef_kmax::{KMaxGraph, KMaxParams, Peak};
 
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 /// Points along each side of the plate, and the gap between them, m.

@@ -3,7 +3,7 @@
 use hapdef_mesh::{FeNodeId, Tet10Mesh, kuhn_block, tet10};
 use nalgebra::{Point3, Vector3};
 
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 const ROUND_OFF: f64 = 1e-12;

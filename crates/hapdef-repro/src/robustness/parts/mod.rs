@@ -12,7 +12,7 @@ mod wire;
 use std::path::Path;
 
 use super::table::Trial;
-use crate::ReproError;
+use crate::error::ReproError;
 
 /// Every row of docs/stability-parts.md.
 pub(super) fn trials(seed: u64) -> Vec<Trial> {

@@ -8,7 +8,7 @@ use hapdef_daq::record::{Content, RecordParams, Recording, record, recover};
 use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, memory_link};
 use hapdef_daq::{AcquireParams, Message, acquire};
 
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 const N_FRAMES: u32 = 40_000;

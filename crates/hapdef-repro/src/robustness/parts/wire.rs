@@ -5,7 +5,7 @@ use hapdef_daq::hdp1::{Decoder, Encoder, Event, FrameFlags, Hello, MAX_CHANNELS,
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::ReproError;
+use crate::error::ReproError;
 use crate::robustness::table::{Rows, Trial};
 
 /// Packets of a stream, and channels of each.

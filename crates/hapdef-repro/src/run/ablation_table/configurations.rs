@@ -1,9 +1,9 @@
 //! The rows: the chain with one thing changed.
 
+use crate::search::forward;
 use anyhow::Result;
 use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
-use hapdef_repro::forward;
 
 use super::super::chain::candidates;
 use super::frames::Frames;

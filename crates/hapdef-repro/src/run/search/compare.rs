@@ -1,10 +1,10 @@
 //! The paper's settings beside the search's best, on test samples.
 
+use crate::search::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 use anyhow::{Result, bail};
 use hapdef_bench::{terminal_table, text_table};
 use hapdef_cli::SceneArgs;
 use hapdef_report::write_text;
-use hapdef_repro::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 use super::data::MethodData;
 use super::{PatchArg, Prepared, budget, folder, found_trials, prepare};

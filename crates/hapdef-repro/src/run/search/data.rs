@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use crate::error::ReproError;
+use crate::search::{Fitted, KnobValues, Learner, Samples, SearchMethod};
 use anyhow::{Context, Result};
 use hapdef::MapErrorSum;
-use hapdef_repro::{Fitted, KnobValues, Learner, ReproError, Samples, SearchMethod};
 
 use super::Prepared;
 use crate::run::dataset::{Dataset, rig_singles};

@@ -6,14 +6,15 @@ mod data;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::error::ReproError;
+use crate::search::{
+    Knob, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
+    propose, search_figures, search_markdown, trials_text, values_in_words,
+};
 use anyhow::{Context, Result, bail};
 use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
 use hapdef_cli::SceneArgs;
 use hapdef_report::write_text;
-use hapdef_repro::{
-    Knob, ReproError, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial,
-    merge_trials, propose, search_figures, search_markdown, trials_text, values_in_words,
-};
 
 use self::data::MethodData;
 
@@ -274,7 +275,7 @@ impl Shard {
 pub(crate) fn found_trials(folder: &Path) -> Result<Option<(TrialHeader, Vec<Trial>)>> {
     let whole = folder.join("trials.jsonl");
     if whole.exists() {
-        return Ok(Some(hapdef_repro::read_trials(&whole)?));
+        return Ok(Some(crate::search::read_trials(&whole)?));
     }
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Ok(None);
