@@ -2,13 +2,14 @@
 
 use anyhow::{Context, Result};
 use hapdef_bench::{Column, or_dash, table, terminal_table};
-use hapdef_nets::infer::{InferParams, InferScratch, LowRank, Precision, PreparedNet};
+use hapdef_nets::infer::{InferParams, LowRank, Precision, PreparedNet};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, Scratch};
 use hapdef_report::MetricLog;
 use serde::Serialize;
 
 use super::BenchNetsArgs;
 use super::clock::{Quantiles, Stream, Times};
+use super::methods::{Method, Passes};
 use super::peers::Peers;
 
 /// Gauges, virtual gauges and surface nodes of the paper's limb.
@@ -33,9 +34,7 @@ struct Row {
 /// A method through both nets.
 struct Chain {
     name: String,
-    nets: [PreparedNet; 2],
-    scratch: InferScratch,
-    middle: Vec<f32>,
+    passes: Passes,
     out: Vec<f32>,
     times: Times,
     floor: Stream,
@@ -147,32 +146,22 @@ impl Chain {
         let second = PreparedNet::new(nets[1], params)?;
         let mut path = Self {
             name,
-            scratch: InferScratch::default(),
-            middle: vec![0.0; first.n_outputs()],
             out: vec![0.0; second.n_outputs()],
-            nets: [first, second],
+            passes: Passes::new(Some(first), Method::Net(second)),
             times: Times::default(),
             floor: Stream::new(0),
             weight_bytes: 0,
             relative_error: None,
         };
-        path.weight_bytes = path.pass(x)?;
+        path.weight_bytes = path.passes.map(x, &mut path.out)?;
         path.floor = Stream::new(path.weight_bytes);
         path.relative_error = y.map(|y| relative_error(&path.out, y));
         Ok(path)
     }
 
-    fn pass(&mut self, x: &[f32]) -> Result<usize> {
-        let [first, second] = &self.nets;
-        let bytes = first.forward(x, &mut self.scratch, &mut self.middle)?;
-        let more = second.forward(&self.middle, &mut self.scratch, &mut self.out)?;
-        Ok(bytes.weight_bytes + more.weight_bytes)
-    }
-
     fn round(&mut self, x: &[f32]) -> Result<()> {
-        let mut times = std::mem::take(&mut self.times);
-        times.round(|| self.pass(x).map(|_| ()))?;
-        self.times = times;
+        let Self { passes, out, times, .. } = self;
+        times.round(|| passes.map(x, out).map(drop))?;
         self.floor.round()
     }
 

@@ -9,7 +9,6 @@ use hapdef::stages::NetKind;
 use hapdef::{Limb, Pipeline, Run, Until};
 use hapdef_bench::pareto_front;
 use hapdef_nets::Scratch;
-use hapdef_nets::infer::{InferScratch, PreparedNet};
 use serde::Serialize;
 
 use super::clock::Quantiles;
@@ -61,10 +60,9 @@ pub(super) fn measure(
     let mut errors = Vec::with_capacity(variants.len());
     for variant in &mut variants {
         run.check_stop("the frontier")?;
-        let (outputs, method) = (variant.outputs.as_deref(), variant.method.as_mut());
-        errors.push(match &variant.transfer {
-            Some(transfer) => tests.errors(transfer, method, outputs)?,
-            None => tests.direct_errors(method)?,
+        errors.push(match variant.passes.is_direct() {
+            false => tests.errors(&mut variant.passes, variant.outputs.as_deref())?,
+            true => tests.direct_errors(&mut variant.passes)?,
         });
     }
     let (mut peers, missing) = match python {
@@ -89,8 +87,6 @@ fn time(
     mut peers: Option<&mut Peers>,
     rounds: usize,
 ) -> Result<()> {
-    let mut virtual_um = vec![0.0; tests.n_virtual];
-    let mut scratch = InferScratch::default();
     let mut map = vec![0.0; tests.n_surface];
     let presses = tests.presses();
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
@@ -107,13 +103,7 @@ fn time(
             let mut work = || -> Result<()> {
                 let press = &presses[frame % presses.len()];
                 frame += 1;
-                match &variant.transfer {
-                    Some(transfer) => {
-                        transfer.forward(&press.readings_ue, &mut scratch, &mut virtual_um)?;
-                        variant.method.map(&virtual_um, map)?;
-                    }
-                    None => variant.method.map(&press.readings_ue, map)?,
-                }
+                variant.passes.map(&press.readings_ue, map)?;
                 black_box(&*map);
                 Ok(())
             };
@@ -176,9 +166,7 @@ fn point((variant, errors): (&Variant, Errors)) -> Point {
         errors,
         times: variant.times.quantiles(),
         training_s: Some(variant.training_s),
-        bytes: Some(
-            variant.transfer.as_ref().map_or(0, PreparedNet::bytes) + variant.method.bytes(),
-        ),
+        bytes: Some(variant.passes.bytes()),
         on_map_front: false,
         on_contact_front: false,
     }

@@ -1,75 +1,67 @@
-//! Methods from one frame's virtual gauges to its map.
+//! From one frame's readings to its map, by a net or a baseline behind F_T.
 
-use crate::baselines::{Knn, KnnParams, LinearRegression};
 use anyhow::Result;
-use hapdef_data::Standardiser;
 use hapdef_nets::infer::{InferScratch, PreparedNet};
 
-/// A method from virtual gauges `[n_virtual]`, µm, to the map `[n_outputs]`, µm.
-pub(super) trait MapMethod: Send {
-    /// One frame.
-    fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()>;
+use crate::search::Fitted;
 
-    /// Bytes of what it keeps in memory.
-    fn bytes(&self) -> usize;
+/// From virtual gauges `[n_virtual]`, µm, to the map `[n_outputs]`, µm; without F_T from readings.
+pub(crate) enum Method {
+    /// A prepared net.
+    Net(PreparedNet),
+    /// A baseline.
+    Fitted(Fitted),
 }
 
-/// A prepared F_R.
-pub(super) struct Fnn {
-    pub(super) net: PreparedNet,
-    pub(super) scratch: InferScratch,
+/// F_T, where there is one, and what follows it, with their buffers.
+pub(crate) struct Passes {
+    transfer: Option<PreparedNet>,
+    method: Method,
+    scratch: InferScratch,
+    virtual_um: Vec<f32>,
 }
 
-/// Linear regression.
-pub(super) struct Linear {
-    pub(super) regression: LinearRegression,
-}
-
-/// k nearest neighbours on standardised virtual gauges, all training maps in memory.
-pub(super) struct Neighbourhood {
-    pub(super) knn: Knn,
-    pub(super) standardiser: Standardiser,
-    /// `[n, n_surface]`, µm.
-    pub(super) maps: Vec<f32>,
-}
-
-impl MapMethod for Fnn {
-    fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()> {
-        self.net.forward(virtual_um, &mut self.scratch, out)?;
-        Ok(())
+impl Passes {
+    pub(crate) fn new(transfer: Option<PreparedNet>, method: Method) -> Self {
+        let virtual_um = vec![0.0; transfer.as_ref().map_or(0, PreparedNet::n_outputs)];
+        Self { transfer, method, scratch: InferScratch::default(), virtual_um }
     }
 
-    fn bytes(&self) -> usize {
-        self.net.bytes()
-    }
-}
-
-impl MapMethod for Linear {
-    fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()> {
-        Ok(self.regression.predict(virtual_um, out)?)
-    }
-
-    fn bytes(&self) -> usize {
-        let n_in = self.regression.n_inputs();
-        (n_in + 1) * self.regression.n_outputs() * size_of::<f32>()
-    }
-}
-
-impl MapMethod for Neighbourhood {
-    fn map(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<()> {
-        let mut query = virtual_um.to_vec();
-        self.standardiser.apply(&mut query)?;
-        let found = self.knn.neighbours(&query, &KnnParams::default())?;
-        let width = out.len();
-        let fetch = |row: usize, buffer: &mut [f32]| -> std::io::Result<()> {
-            buffer.copy_from_slice(&self.maps[row * width..(row + 1) * width]);
-            Ok(())
+    /// The map of one frame's readings; bytes of weights that were read.
+    pub(crate) fn map(&mut self, readings_ue: &[f32], out: &mut [f32]) -> Result<usize> {
+        let Some(transfer) = &self.transfer else {
+            return self.method.map(readings_ue, &mut self.scratch, out);
         };
-        Ok(found.predict(0, fetch, out)?)
+        let first = transfer.forward(readings_ue, &mut self.scratch, &mut self.virtual_um)?;
+        let bytes = self.method.map(&self.virtual_um, &mut self.scratch, out)?;
+        Ok(first.weight_bytes + bytes)
     }
 
-    fn bytes(&self) -> usize {
-        size_of_val(&self.maps[..])
-            + self.knn.n_rows() * self.standardiser.width() * size_of::<f32>()
+    /// The map of one frame's virtual gauges.
+    pub(super) fn map_of_gauges(&mut self, virtual_um: &[f32], out: &mut [f32]) -> Result<usize> {
+        self.method.map(virtual_um, &mut self.scratch, out)
+    }
+
+    /// Whether it goes from readings to a contact, without F_T and a map.
+    pub(super) fn is_direct(&self) -> bool {
+        self.transfer.is_none()
+    }
+
+    /// Bytes of what both keep in memory.
+    pub(super) fn bytes(&self) -> usize {
+        let own = match &self.method {
+            Method::Net(net) => net.bytes(),
+            Method::Fitted(fitted) => fitted.bytes(),
+        };
+        self.transfer.as_ref().map_or(0, PreparedNet::bytes) + own
+    }
+}
+
+impl Method {
+    fn map(&self, x: &[f32], scratch: &mut InferScratch, out: &mut [f32]) -> Result<usize> {
+        match self {
+            Self::Net(net) => Ok(net.forward(x, scratch, out)?.weight_bytes),
+            Self::Fitted(fitted) => fitted.predict(x, out).map(|()| 0).map_err(Into::into),
+        }
     }
 }

@@ -23,6 +23,7 @@ use crate::run::facts;
 
 pub(crate) use frontier::{FrontierArgs, run as run_frontier};
 pub(crate) use inference::random;
+pub(crate) use methods::{Method, Passes};
 
 /// Arguments of `bench-nets`.
 #[derive(Args, Clone, Debug)]

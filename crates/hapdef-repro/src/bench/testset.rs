@@ -6,12 +6,11 @@ use hapdef::{
     ScoredContact, Stage, score_lenient,
 };
 use hapdef_bench::stats::mean;
-use hapdef_nets::infer::{InferScratch, PreparedNet};
 use serde::Serialize;
 
-use super::methods::MapMethod;
+use super::methods::Passes;
 use crate::run::chain::chain;
-use crate::run::dataset::{Dataset, evenly};
+use crate::run::dataset::{Dataset, Part, Rows, evenly};
 use crate::run::scores::scored;
 
 /// Most simulated samples of each set, and most presses of each kind on the rig.
@@ -24,7 +23,7 @@ pub(super) const N_DIRECT: usize = 4;
 /// What is tested on.
 pub(super) struct TestSet {
     /// Virtual gauges `[n, n_virtual]` and maps `[n, n_surface]` of simulated samples, µm.
-    simulated: (Vec<f32>, Vec<f32>),
+    simulated: Rows,
     single: Vec<Press>,
     double: Vec<Press>,
     chain: Hapdefx,
@@ -61,11 +60,10 @@ impl TestSet {
         let data = done.data.as_ref().context("no datasets")?;
         let sets = Dataset::open_all(data)?;
         let (n_virtual, n_surface) = (sets[0].n_virtual, sets[0].n_surface);
-        let mut simulated = (Vec::new(), Vec::new());
+        let mut simulated = Rows::default();
         for mut set in sets {
             for row in evenly(set.split()?.test, MOST_SIMULATED) {
-                simulated.0.extend(set.inputs(row..row + 1)?);
-                simulated.1.extend(set.maps(row..row + 1)?);
+                simulated.add(&mut set, [Part::Gauges, Part::Map], row..row + 1)?;
             }
         }
         let single = presses(&data.rig_single, true)?;
@@ -81,23 +79,13 @@ impl TestSet {
         &self.single
     }
 
-    /// Errors of `method` behind `transfer`; `outputs` are the nodes of the map it gives, all of
-    /// them if none.
-    pub(super) fn errors(
-        &self,
-        transfer: &PreparedNet,
-        method: &mut dyn MapMethod,
-        outputs: Option<&[usize]>,
-    ) -> Result<Errors> {
-        let map_um = Some(self.map_error(method, outputs)?);
+    /// Errors of maps; `outputs` are the nodes that they have, all of them if none.
+    pub(super) fn errors(&self, passes: &mut Passes, outputs: Option<&[usize]>) -> Result<Errors> {
+        let map_um = Some(self.map_error(passes, outputs)?);
         if outputs.is_some() {
             return Ok(Errors { map_um, ..Errors::default() });
         }
-        let (mut own, mut virtual_um) = (InferScratch::default(), vec![0.0; self.n_virtual]);
-        self.errors_of(map_um, |press, map| {
-            transfer.forward(&press.readings_ue, &mut own, &mut virtual_um)?;
-            method.map(&virtual_um, map)
-        })
+        self.errors_of(map_um, |press, map| passes.map(&press.readings_ue, map).map(drop))
     }
 
     /// Readings of every press, `[n, n_gauges]`: single presses, then double ones.
@@ -137,10 +125,10 @@ impl TestSet {
     }
 
     /// Errors of a method from readings to position, m, and force, N, of a single contact.
-    pub(super) fn direct_errors(&self, method: &mut dyn MapMethod) -> Result<Errors> {
+    pub(super) fn direct_errors(&self, passes: &mut Passes) -> Result<Errors> {
         let (mut pairs, mut out) = (Vec::new(), [0.0_f32; N_DIRECT]);
         for press in &self.single {
-            method.map(&press.readings_ue, &mut out)?;
+            passes.map(&press.readings_ue, &mut out)?;
             let [x, y, z, force_n] = out.map(f64::from);
             pairs.extend(score_lenient(&[([x, y, z], force_n)], &press.truth)?);
         }
@@ -148,12 +136,12 @@ impl TestSet {
         Ok(Errors { single_mm: mean_mm(&stats), ..Errors::default() })
     }
 
-    fn map_error(&self, method: &mut dyn MapMethod, outputs: Option<&[usize]>) -> Result<f64> {
+    fn map_error(&self, passes: &mut Passes, outputs: Option<&[usize]>) -> Result<f64> {
         let n_outputs = outputs.map_or(self.n_surface, <[usize]>::len);
         let (mut sum, mut map) = (MapErrorSum::new(n_outputs), vec![0.0; n_outputs]);
-        let maps = self.simulated.1.chunks_exact(self.n_surface);
-        for (x, truth) in self.simulated.0.chunks_exact(self.n_virtual).zip(maps) {
-            method.map(x, &mut map)?;
+        let maps = self.simulated.y.chunks_exact(self.n_surface);
+        for (x, truth) in self.simulated.x.chunks_exact(self.n_virtual).zip(maps) {
+            passes.map_of_gauges(x, &mut map)?;
             match outputs {
                 Some(outputs) => {
                     let wanted: Vec<f32> = outputs.iter().map(|&node| truth[node]).collect();
@@ -197,7 +185,7 @@ fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {
     let rows = if test_only { set.split()?.test } else { 0..set.n() };
     let press = |row: usize| {
         let rows = row..row + 1;
-        let readings_ue = set.read("readings", rows.clone())?;
+        let readings_ue = set.readings(rows.clone())?;
         Ok(Press { readings_ue, truth: set.truth(rows)?.concat() })
     };
     evenly(rows, MOST_PRESSES).map(press).collect()

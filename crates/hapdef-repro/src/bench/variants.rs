@@ -1,17 +1,19 @@
 //! Every method from readings to the map that the frontier compares.
 
-use crate::baselines::{Knn, LinearAccumulator, LinearParams};
+use std::time::Instant;
+
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
 use hapdef::{Limb, Pipeline, Run};
-use hapdef_data::Standardiser;
 use hapdef_nets::Net;
 use hapdef_nets::infer::{InferParams, LowRank, Precision, PreparedNet};
-use std::time::Instant;
 
 use super::clock::Times;
-use super::methods::{Fnn, Linear, MapMethod, Neighbourhood};
-use super::narrow::{TrainingRows, narrow};
+use super::methods::{Method, Passes};
+use super::narrow::narrow;
+use crate::baselines::LinearParams;
+use crate::run::dataset::{Dataset, Rows};
+use crate::search::Learner;
 
 /// Hidden layers of narrow F_Rs.
 const NARROW: [&[usize]; 3] = [&[256, 256, 64], &[400, 400, 128], &[600, 600, 128]];
@@ -30,9 +32,7 @@ const N_WANTED: usize = 800;
 pub(super) struct Variant {
     pub(super) name: String,
     pub(super) family: Family,
-    /// F_T; none for a method straight from readings.
-    pub(super) transfer: Option<PreparedNet>,
-    pub(super) method: Box<dyn MapMethod>,
+    pub(super) passes: Passes,
     /// Nodes of the map it gives; all of them if none.
     pub(super) outputs: Option<Vec<usize>>,
     /// Training of the part from virtual gauges to the map, s.
@@ -84,7 +84,7 @@ struct Maker<'a> {
     transfer: Net,
     reconstruction: Net,
     training_s: f64,
-    rows: TrainingRows,
+    rows: Rows,
 }
 
 /// Makes every variant; narrow nets come from the cache or are trained.
@@ -98,9 +98,11 @@ pub(super) fn variants(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Va
         transfer: nets.load(NetKind::Transfer)?,
         reconstruction: nets.load(whole)?,
         training_s: training_s(nets, whole)?,
-        rows: TrainingRows::read(data)?,
+        rows: Rows::training(&mut Dataset::open_all(data)?)?,
     };
-    let mut variants = vec![maker.linear()?, maker.neighbours()?];
+    let linear = Learner::Linear(LinearParams::default());
+    let mut variants =
+        vec![maker.baseline("LR", &linear)?, maker.baseline("k-NN", &Learner::Knn { k: 6 })?];
     maker.whole(&mut variants)?;
     maker.low_rank(&mut variants)?;
     maker.narrow(&mut variants)?;
@@ -120,13 +122,16 @@ impl Maker<'_> {
         name: String,
         family: Family,
         precision: Precision,
-        method: Box<dyn MapMethod>,
+        method: Method,
     ) -> Result<Variant> {
+        let transfer = match family {
+            Family::Direct => None,
+            _ => Some(PreparedNet::new(&self.transfer, &InferParams::of(precision))?),
+        };
         Ok(Variant {
             name,
             family,
-            transfer: Some(PreparedNet::new(&self.transfer, &InferParams::of(precision))?),
-            method,
+            passes: Passes::new(transfer, method),
             outputs: None,
             training_s: self.training_s,
             times: Times::default(),
@@ -134,35 +139,15 @@ impl Maker<'_> {
     }
 
     fn fnn(&self, name: &str, family: Family, net: &Net, params: &InferParams) -> Result<Variant> {
-        let net = PreparedNet::new(net, params)?;
-        let scratch = net.scratch();
+        let method = Method::Net(PreparedNet::new(net, params)?);
         let name = format!("{name}, {}", params.precision.name());
-        let method = Box::new(Fnn { net, scratch });
         self.variant(name, family, params.precision, method)
     }
 
-    fn linear(&self) -> Result<Variant> {
+    fn baseline(&self, name: &str, learner: &Learner) -> Result<Variant> {
         let start = Instant::now();
-        let mut fit = LinearAccumulator::new(self.rows.n_virtual, self.rows.n_surface);
-        fit.add_block(&self.rows.x, &self.rows.y)?;
-        let (regression, _) = fit.solve(&LinearParams::default())?;
-        let method = Box::new(Linear { regression });
-        let variant = self.variant("LR".into(), Family::Baseline, Precision::F32, method)?;
-        Ok(Variant { training_s: start.elapsed().as_secs_f64(), ..variant })
-    }
-
-    fn neighbours(&self) -> Result<Variant> {
-        let start = Instant::now();
-        let scale = self.reconstruction.input_scale();
-        let standardiser = Standardiser { mean: scale.mean().to_vec(), std: scale.std().to_vec() };
-        let mut x = self.rows.x.clone();
-        standardiser.apply(&mut x)?;
-        let method = Box::new(Neighbourhood {
-            knn: Knn::new(&x, self.rows.n_virtual)?,
-            standardiser,
-            maps: self.rows.y.clone(),
-        });
-        let variant = self.variant("k-NN".into(), Family::Baseline, Precision::F32, method)?;
+        let method = Method::Fitted(learner.fit(&self.rows.samples(), &|| false)?);
+        let variant = self.variant(name.into(), Family::Baseline, Precision::F32, method)?;
         Ok(Variant { training_s: start.elapsed().as_secs_f64(), ..variant })
     }
 
@@ -177,8 +162,8 @@ impl Maker<'_> {
     fn low_rank(&self, variants: &mut Vec<Variant>) -> Result<()> {
         let net = &self.reconstruction;
         let last = net.mlp().layers().len() - 1;
-        let x = self.rows.some_inputs(N_MODE_SAMPLES);
-        let most = (x.len() / self.rows.n_virtual).min(self.rows.n_surface);
+        let x = self.some_inputs();
+        let most = (x.len() / self.rows.n_inputs()).min(self.rows.n_outputs());
         let mut add = |name: &str, low_rank: Vec<LowRank>| {
             let params = InferParams { low_rank, ..InferParams::of(Precision::Int8) };
             variants.push(self.fnn(name, Family::LowRank, net, &params)?);
@@ -201,6 +186,13 @@ impl Maker<'_> {
         Ok(())
     }
 
+    /// Inputs of at most [`N_MODE_SAMPLES`] samples, evenly apart.
+    fn some_inputs(&self) -> Vec<f32> {
+        let step = self.rows.n.div_ceil(N_MODE_SAMPLES).max(1);
+        let rows = self.rows.x.chunks_exact(self.rows.n_inputs());
+        rows.step_by(step).flatten().copied().collect()
+    }
+
     fn narrow(&self, variants: &mut Vec<Variant>) -> Result<()> {
         for hidden in NARROW {
             let (net, stage) = narrow(self.run, self.data, &self.rows, hidden)?;
@@ -221,11 +213,7 @@ impl Maker<'_> {
         for precision in Precision::ALL {
             let params = InferParams::of(precision);
             let variant = self.fnn("direct FNN", Family::Direct, &net, &params)?;
-            variants.push(Variant {
-                transfer: None,
-                training_s: training_s(nets, NetKind::Direct)?,
-                ..variant
-            });
+            variants.push(Variant { training_s: training_s(nets, NetKind::Direct)?, ..variant });
         }
         Ok(())
     }
@@ -233,7 +221,7 @@ impl Maker<'_> {
     /// The outputs nearest to the first surface node.
     fn part(&self, limb: &Limb, variants: &mut Vec<Variant>) -> Result<()> {
         let points = limb.surface_points();
-        let mut nodes: Vec<usize> = (0..self.rows.n_surface).collect();
+        let mut nodes: Vec<usize> = (0..self.rows.n_outputs()).collect();
         let distance = |node: &usize| (points[*node] - points[0]).norm();
         nodes.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
         nodes.truncate(N_WANTED);

@@ -6,12 +6,13 @@ use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
 use hapdef::{Hapdefx, HapdefxScratch, ScoredContact};
-use hapdef_nets::infer::{InferParams, InferScratch, Precision, PreparedNet};
+use hapdef_nets::infer::{InferParams, Precision, PreparedNet};
 
 use super::lab::{Design, Lab, Ready};
 use super::map_error::MeanError;
 use super::point::{Family, Point};
 use super::times::Rounds;
+use crate::bench::{Method, Passes};
 use crate::compare::score::{Errors, Score};
 use crate::compare::world::Frame;
 use crate::run::scores::scored;
@@ -73,10 +74,8 @@ fn design(stages: &ChainStages, prepare_s: f64) -> Result<Design> {
 /// The chain with F_T and F_R prepared for run time.
 struct Passed<'a> {
     chain: &'a Hapdefx,
-    nets: [PreparedNet; 2],
-    scratch: InferScratch,
+    nets: Passes,
     peaks: HapdefxScratch,
-    virtual_um: Vec<f32>,
     map_um: Vec<f32>,
 }
 
@@ -92,12 +91,11 @@ impl<'a> Passed<'a> {
             let net = stages.nets.load(kind)?;
             Ok(PreparedNet::new(&net, &InferParams::of(precision))?)
         };
+        let to_map = Method::Net(net(NetKind::Reconstruction { n_sets })?);
         Ok(Self {
             chain,
-            nets: [net(NetKind::Transfer)?, net(NetKind::Reconstruction { n_sets })?],
-            scratch: InferScratch::default(),
+            nets: Passes::new(Some(net(NetKind::Transfer)?), to_map),
             peaks: HapdefxScratch::default(),
-            virtual_um: Vec::new(),
             map_um: vec![0.0; lab.maps_of.n_surface()],
         })
     }
@@ -121,10 +119,7 @@ impl<'a> Passed<'a> {
 
     fn contacts(&mut self, readings_ue: &[f64], n_contacts: usize) -> Result<Vec<ScoredContact>> {
         let readings: Vec<f32> = readings_ue.iter().map(|r| *r as f32).collect();
-        let [transfer, reconstruction] = &self.nets;
-        self.virtual_um.resize(transfer.n_outputs(), 0.0);
-        transfer.forward(&readings, &mut self.scratch, &mut self.virtual_um)?;
-        reconstruction.forward(&self.virtual_um, &mut self.scratch, &mut self.map_um)?;
+        self.nets.map(&readings, &mut self.map_um)?;
         let found = self.chain.candidates(&self.map_um, &mut self.peaks)?;
         let taken = self.chain.top(&found, n_contacts);
         Ok(scored(&taken))

@@ -1,6 +1,5 @@
 //! Figure 8's ablations that need nets of their own, trained briefly.
 
-use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{Limb, Pipeline, Run, Stage};
 use hapdef_nets::train::MemorySource;
@@ -8,9 +7,10 @@ use hapdef_nets::{MlpSpec, Net};
 use serde_json::json;
 
 use super::chain::{candidates, chain, maps};
-use super::dataset::{Dataset, blocks, rig_singles};
-use super::fit::{Brief, fit};
+use super::dataset::{Dataset, Part, Rows, blocks, rig_singles};
+use super::fit::{Training, fit};
 use super::singles::{MethodAnswers, contacts, strongest};
+use crate::search::forward;
 
 /// Presses computed together.
 const BLOCK: usize = 512;
@@ -22,13 +22,12 @@ pub(crate) fn ablations(
     done: &Pipeline,
 ) -> Result<(Vec<MethodAnswers>, Vec<Stage>)> {
     let data = done.data.as_ref().context("no datasets")?;
-    let brief = Brief::reconstruction(&run.profile);
     let (to_map, map_stage) = readings_to_map(run, done)?;
     let (to_contact, contact_stage) = fit(
         run,
         "D → P, A",
         &json!({ "set": data.simulated[0].key }),
-        brief,
+        &Training::reconstruction(run),
         |n_surface, _| MlpSpec::direct(n_surface),
         || maps_to_contacts(&data.simulated[0]),
     )?;
@@ -38,7 +37,7 @@ pub(crate) fn ablations(
     let (mut presses, split) = rig_singles(done)?;
     for rows in blocks(split.test, BLOCK) {
         run.check_stop("the ablations")?;
-        let readings = presses.read("readings", rows.clone())?;
+        let readings = presses.readings(rows.clone())?;
         let found = candidates(&chain, &forward(&to_map, &readings)?, presses.n_surface)?;
         answers[0].found.extend(found.iter().map(|c| strongest(c)));
         let maps = maps(&chain, &readings, rows.len(), presses.n_surface)?;
@@ -54,7 +53,7 @@ pub(crate) fn readings_to_map(run: &Run, done: &Pipeline) -> Result<(Net, Stage)
         run,
         "R → D",
         &json!({ "presses": data.rig_single.key }),
-        Brief::reconstruction(&run.profile),
+        &Training::reconstruction(run),
         MlpSpec::reconstruction,
         || readings_to_maps(done),
     )
@@ -62,15 +61,11 @@ pub(crate) fn readings_to_map(run: &Run, done: &Pipeline) -> Result<(Net, Stage)
 
 fn readings_to_maps(done: &Pipeline) -> Result<MemorySource> {
     let (mut presses, split) = rig_singles(done)?;
-    let x = presses.read("readings", split.train.clone())?;
-    let y = presses.maps(split.train)?;
-    Ok(MemorySource::new(presses.width("readings")?, presses.n_surface, x, y)?)
+    Rows::of(&mut presses, [Part::Readings, Part::Map], split.train)?.source()
 }
 
 fn maps_to_contacts(stage: &Stage) -> Result<MemorySource> {
     let mut presses = Dataset::open(stage)?;
     let train = presses.split()?.train;
-    let x = presses.maps(train.clone())?;
-    let y = presses.contacts(train)?.into_flattened();
-    Ok(MemorySource::new(presses.n_surface, 4, x, y)?)
+    Rows::of(&mut presses, [Part::Map, Part::Contact], train)?.source()
 }

@@ -1,6 +1,5 @@
 //! The paper's claims about contacts, gauges and maps on the rig.
 
-use crate::tables::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
 
@@ -8,6 +7,7 @@ use super::frames::Frame;
 use super::patches::SizePoint;
 use super::scores::{Rule, Scores};
 use super::singles::Singles;
+use crate::tables::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
 
 /// What the claims are judged by.
 pub(crate) struct Measured<'a> {

@@ -1,8 +1,5 @@
 //! The report's tables.
 
-use crate::tables::{
-    Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
-};
 use anyhow::Result;
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
@@ -11,6 +8,9 @@ use hapdef_report::{ReportTable, TextCell, TextTable};
 
 use super::patches::{METHODS, SizePoint};
 use super::scores::Scores;
+use crate::tables::{
+    Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
+};
 
 /// Title of the claims' table.
 pub(crate) const CLAIMS: &str = "What the paper claims";

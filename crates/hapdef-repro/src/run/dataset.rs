@@ -5,10 +5,90 @@ use std::ops::Range;
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, samples_path};
 use hapdef::{ContactPair, DrawnContact, Pipeline, ScoredContact, Stage};
-use hapdef_data::{DataError, DatasetReader, Split};
+use hapdef_data::{DatasetReader, Split};
+use hapdef_nets::train::MemorySource;
+
+use crate::search::Samples;
 
 /// Position, m, and force, N, of a contact.
 pub(crate) type Contact = [f32; 4];
+
+/// What is an input or an output of a method.
+#[derive(Clone, Copy)]
+pub(crate) enum Part {
+    /// Readings, µε.
+    Readings,
+    /// Virtual gauges, µm.
+    Gauges,
+    /// The map, µm.
+    Map,
+    /// Position, m, and force, N, of the only contact.
+    Contact,
+}
+
+/// Inputs and outputs of samples in memory, row-major.
+#[derive(Default)]
+pub(crate) struct Rows {
+    /// Samples.
+    pub(crate) n: usize,
+    /// Inputs `[n, n_inputs]` and outputs `[n, n_outputs]`.
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+}
+
+impl Rows {
+    /// Those of the presses `rows` of a set.
+    pub(crate) fn of(set: &mut Dataset, parts: [Part; 2], rows: Range<usize>) -> Result<Self> {
+        let mut all = Self::default();
+        all.add(set, parts, rows)?;
+        Ok(all)
+    }
+
+    /// Virtual gauges and maps of the training samples of these sets.
+    pub(crate) fn training(sets: &mut [Dataset]) -> Result<Self> {
+        let mut all = Self::default();
+        for set in sets {
+            let rows = set.split()?.train;
+            all.add(set, [Part::Gauges, Part::Map], rows)?;
+        }
+        Ok(all)
+    }
+
+    /// Adds the presses `rows` of a set.
+    pub(crate) fn add(
+        &mut self,
+        set: &mut Dataset,
+        [inputs, outputs]: [Part; 2],
+        rows: Range<usize>,
+    ) -> Result<()> {
+        self.n += rows.len();
+        self.x.extend(set.part(inputs, rows.clone())?);
+        self.y.extend(set.part(outputs, rows)?);
+        Ok(())
+    }
+
+    /// Inputs of a sample.
+    pub(crate) fn n_inputs(&self) -> usize {
+        self.x.len() / self.n.max(1)
+    }
+
+    /// Outputs of a sample.
+    pub(crate) fn n_outputs(&self) -> usize {
+        self.y.len() / self.n.max(1)
+    }
+
+    /// For a method.
+    pub(crate) fn samples(&self) -> Samples<'_> {
+        let (n_inputs, n_outputs) = (self.n_inputs(), self.n_outputs());
+        Samples { x: &self.x, n_inputs, y: &self.y, n_outputs }
+    }
+
+    /// For the training of a net.
+    pub(crate) fn source(self) -> Result<MemorySource> {
+        let (n_inputs, n_outputs) = (self.n_inputs(), self.n_outputs());
+        Ok(MemorySource::new(n_inputs, n_outputs, self.x, self.y)?)
+    }
+}
 
 /// Presses, simulated or on the rig.
 pub(crate) struct Dataset {
@@ -48,16 +128,16 @@ impl Dataset {
         Ok(Split::of(self.n())?)
     }
 
-    /// Numbers of a tensor's row.
-    pub(crate) fn width(&self, tensor: &str) -> Result<usize> {
-        Ok(self.reader.width(tensor)?)
-    }
-
     /// A tensor of `rows`, row-major.
-    pub(crate) fn read(&mut self, tensor: &str, rows: Range<usize>) -> Result<Vec<f32>> {
+    fn read(&mut self, tensor: &str, rows: Range<usize>) -> Result<Vec<f32>> {
         let mut values = vec![0.0; rows.len() * self.reader.width(tensor)?];
         self.reader.read_rows(tensor, rows, &mut values)?;
         Ok(values)
+    }
+
+    /// Readings of `rows`, `[n, n_gauges]`, µε.
+    pub(crate) fn readings(&mut self, rows: Range<usize>) -> Result<Vec<f32>> {
+        self.read("readings", rows)
     }
 
     /// Virtual gauges of `rows`, `[n, n_virtual]`, µm.
@@ -70,9 +150,14 @@ impl Dataset {
         self.read("deformation", rows)
     }
 
-    /// The map of one press into `out` `[n_surface]`, µm.
-    pub(crate) fn map_into(&mut self, row: usize, out: &mut [f32]) -> Result<(), DataError> {
-        self.reader.read_rows("deformation", row..row + 1, out)
+    /// A part of `rows`, row-major.
+    pub(crate) fn part(&mut self, part: Part, rows: Range<usize>) -> Result<Vec<f32>> {
+        match part {
+            Part::Readings => self.readings(rows),
+            Part::Gauges => self.inputs(rows),
+            Part::Map => self.maps(rows),
+            Part::Contact => Ok(self.contacts(rows)?.into_flattened()),
+        }
     }
 
     /// Positions, m, and forces, N, of the contacts of `rows`, `[n * n_contacts]`.

@@ -1,11 +1,11 @@
 //! Single samples with their true and predicted maps, for pictures.
 
-use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact};
 
 use super::chain::{candidates, chain, maps, reconstruction};
 use super::dataset::{Dataset, rig_singles};
+use crate::search::forward;
 
 /// Weakest single press that is shown, N: a faint one shows little.
 const LEAST_SHOWN_N: f64 = 15.0;
@@ -88,7 +88,7 @@ impl Maker<'_> {
             let net = reconstruction(self.done)?;
             forward(&net, &presses.inputs(rows.clone())?)?
         } else {
-            let readings = presses.read("readings", rows.clone())?;
+            let readings = presses.readings(rows.clone())?;
             maps(&self.chain, &readings, 1, presses.n_surface)?
         };
         let candidates = candidates(&self.chain, &found_um, presses.n_surface)?.remove(0);

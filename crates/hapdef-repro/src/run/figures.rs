@@ -6,7 +6,6 @@ mod surface;
 
 use std::path::Path;
 
-use crate::tables::{Table1, table1_bars};
 use anyhow::Result;
 use hapdef::{ComplianceTable, Hapdefx, Limb, Pipeline, Run};
 use hapdef_mesh::{VertexField, write_glb};
@@ -18,6 +17,7 @@ use super::examples::Example;
 use super::frames::Frames;
 use super::patches::SizePoint;
 use super::singles::Singles;
+use crate::tables::{Table1, table1_bars};
 
 /// What the figures show.
 pub(crate) struct Shown<'a> {

@@ -1,6 +1,5 @@
 //! What the chain finds in presses of several contacts: candidates of every press, kept.
 
-use crate::search::forward;
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact, Stage};
 use hapdef_nets::Net;
@@ -10,6 +9,7 @@ use serde_json::json;
 use super::chain::{candidates, chain, maps, reconstruction};
 use super::dataset::{Dataset, blocks, rig_singles};
 use super::kept::kept;
+use crate::search::forward;
 
 const VERSION: u32 = 1;
 
@@ -111,7 +111,7 @@ fn find(
         let maps = match from_virtual {
             Some(net) => forward(net, &presses.inputs(rows)?)?,
             None => {
-                let readings = presses.read("readings", rows.clone())?;
+                let readings = presses.readings(rows.clone())?;
                 maps(chain, &readings, rows.len(), presses.n_surface)?
             }
         };

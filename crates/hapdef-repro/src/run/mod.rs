@@ -10,7 +10,7 @@ pub(crate) mod dataset;
 mod examples;
 pub(crate) mod facts;
 mod figures;
-mod fit;
+pub(crate) mod fit;
 mod frames;
 pub(crate) mod kept;
 mod patches;
@@ -27,8 +27,6 @@ mod tactile;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::report::{Golden, check_results, results_markdown};
-use crate::tables::{Table1, table1_claims};
 use anyhow::{Context, Result};
 use hapdef::convergence::{Convergence, ConvergenceParams};
 use hapdef::stages;
@@ -45,6 +43,8 @@ use self::ridge::RidgeRows;
 use self::singles::Singles;
 use self::summary::Printed;
 use self::svr::SvrScore;
+use crate::report::{Golden, check_results, results_markdown};
+use crate::tables::{Table1, table1_claims};
 use crate::{bench, compare, frontier};
 
 /// Does what the arguments say.

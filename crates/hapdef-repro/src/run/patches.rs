@@ -8,22 +8,21 @@ mod source;
 
 use std::ops::Range;
 
-use crate::baselines::LinearParams;
-use crate::search::{Fitted, Learner, Samples, forward};
 use anyhow::{Context, Result};
 use hapdef::stages::compliance;
 use hapdef::{ComplianceTable, DrawnContact, Limb, MapError, MapErrorSum, Pipeline, Run, Stage};
-use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use self::source::{Patches, SuperposedSource};
-use super::dataset::{Dataset, rig_singles};
-use super::fit::{Brief, Outputs, fit, fit_outputs};
+use super::dataset::{Dataset, Rows, rig_singles};
+use super::fit::{Training, fit};
 use super::kept::kept;
+use crate::baselines::LinearParams;
+use crate::search::{Fitted, Learner, forward};
 
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// Virtual gauges around each gauge, full and quick profile.
 const SIZES: [usize; 11] = [1, 2, 4, 8, 12, 16, 24, 32, 40, 50, 60];
@@ -59,10 +58,9 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
     let mut table = None;
     for &size in sizes.iter().filter(|size| **size <= wide.scene.gauges.patch_nodes) {
         run.check_stop("figure 5A")?;
-        let briefs = [Brief::reconstruction(&run.profile), Brief::transfer(&run.profile)];
+        let trainings = [in_modes(run), Training::transfer(run)];
         let inputs = json!({
-            "version": VERSION, "limb": stages[0].key, "size": size, "briefs": briefs,
-            "outputs": Outputs::reconstruction(&run.profile),
+            "version": VERSION, "limb": stages[0].key, "size": size, "trainings": trainings,
             "keys": super::keys_of(run, done), "doubles": doubles(done)?.key,
         });
         let (point, stage) = kept(run, "patch-size", &inputs, |_| {
@@ -72,6 +70,12 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
         stages.push(stage);
     }
     Ok((points, stages))
+}
+
+/// A brief training of F_R in the profile's modes of the map.
+fn in_modes(run: &Run) -> Training {
+    let (scale, modes) = (run.profile.output_scale, run.profile.output_modes);
+    Training { scale, modes, ..Training::reconstruction(run) }
 }
 
 fn doubles(done: &Pipeline) -> Result<&Stage> {
@@ -132,12 +136,11 @@ impl<'a> AtSize<'a> {
         let data = self.done.data.as_ref().context("no datasets")?;
         let keys: Vec<&str> = data.simulated.iter().map(|s| s.key.as_str()).collect();
         let of = json!({ "limb": self.key, "size": size, "sets": keys });
-        let profile = &self.run.profile;
-        let (map_net, _) = fit_outputs(
+        let (map_net, _) = fit(
             self.run,
             &format!("F_R for {size} virtual gauges"),
             &of,
-            (Brief::reconstruction(profile), Outputs::reconstruction(profile)),
+            &in_modes(self.run),
             MlpSpec::reconstruction,
             || Ok(SuperposedSource::new(self.patches, training_contacts(self.done)?)),
         )?;
@@ -169,7 +172,7 @@ impl<'a> AtSize<'a> {
             self.run.check_stop("figure 5A")?;
             let (mut readings, mut truth) = (vec![], vec![]);
             for &row in rows {
-                readings.extend(presses.read("readings", row..row + 1)?);
+                readings.extend(presses.readings(row..row + 1)?);
                 truth.extend(presses.maps(row..row + 1)?);
             }
             for (sum, transfer) in sums.iter_mut().zip(transfers) {
@@ -182,11 +185,10 @@ impl<'a> AtSize<'a> {
 
     /// F_T by each of [`METHODS`], on the rig's single training presses.
     fn transfers(&self, presses: &mut Dataset, train: Range<usize>) -> Result<[Fitted; 3]> {
-        let x = presses.read("readings", train.clone())?;
-        let (n_gauges, width) = (presses.width("readings")?, self.patches.width());
-        let y = self.patches.virtual_gauges(&presses.drawn(train)?);
-        let samples = Samples { x: &x, n_inputs: n_gauges, y: &y, n_outputs: width };
-        let fit_to = |learner: Learner| learner.fit(&samples, &|| false);
+        let x = presses.readings(train.clone())?;
+        let y = self.patches.virtual_gauges(&presses.drawn(train.clone())?);
+        let rows = Rows { n: train.len(), x, y };
+        let fit_to = |learner: Learner| learner.fit(&rows.samples(), &|| false);
         let linear = fit_to(Learner::Linear(LinearParams::default()))?;
         let nearest = fit_to(Learner::Knn { k: 6 })?;
         let data = self.done.data.as_ref().context("no datasets")?;
@@ -196,9 +198,9 @@ impl<'a> AtSize<'a> {
             self.run,
             &format!("F_T for {size} virtual gauges"),
             &of,
-            Brief::transfer(&self.run.profile),
+            &Training::transfer(self.run),
             MlpSpec::transfer,
-            || Ok(MemorySource::new(n_gauges, width, x.clone(), y.clone())?),
+            || rows.source(),
         )?;
         Ok([linear, nearest, Fitted::Net(Box::new(net))])
     }

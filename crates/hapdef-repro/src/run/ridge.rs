@@ -1,7 +1,5 @@
 //! Table 1's linear regression with a ridge that validation samples choose.
 
-use crate::baselines::{LinearAccumulator, LinearParams, LinearRegression};
-use crate::tables::{Method, Table1, TestSet, TrainSet};
 use anyhow::{Context, Result};
 use hapdef::{MapError, Pipeline, Run, Stage};
 use hapdef_report::{ReportTable, TextCell, TextTable};
@@ -11,6 +9,9 @@ use serde_json::json;
 use super::dataset::Dataset;
 use super::kept::kept;
 use super::table1::{add_training, error_on, test_error};
+use crate::baselines::{LinearAccumulator, LinearParams};
+use crate::search::Fitted;
+use crate::tables::{Method, Table1, TestSet, TrainSet};
 
 const VERSION: u32 = 1;
 
@@ -52,8 +53,8 @@ fn fill(run: &Run, done: &Pipeline) -> Result<RidgeRows> {
     for n_sets in 1..=sets.len() {
         run.check_stop("linear regression with a ridge")?;
         add_training(&mut sums, &mut sets[n_sets - 1])?;
-        let (ridge, mut best) = choose(&sums, &mut sets, n_sets)?;
-        let test = (0..sets.len()).map(|set| test_error(&mut best, &mut sets, set));
+        let (ridge, best) = choose(&sums, &mut sets[..n_sets])?;
+        let test = sets.iter_mut().map(|set| test_error(&best, set));
         let test = test.collect::<Result<_>>()?;
         rows.push(RidgeRow { ridge, test });
     }
@@ -61,20 +62,17 @@ fn fill(run: &Run, done: &Pipeline) -> Result<RidgeRows> {
 }
 
 /// The ridge of least error on validation samples of the sets trained on, and its regression.
-fn choose(
-    sums: &LinearAccumulator,
-    sets: &mut [Dataset],
-    n_sets: usize,
-) -> Result<(f64, LinearRegression)> {
-    let mut best: Option<(f64, f64, LinearRegression)> = None;
+fn choose(sums: &LinearAccumulator, sets: &mut [Dataset]) -> Result<(f64, Fitted)> {
+    let most = MAX_VALIDATION / sets.len();
+    let mut best: Option<(f64, f64, Fitted)> = None;
     for ridge in RIDGES {
         let params = LinearParams { ridge, ..LinearParams::default() };
-        let (mut regression, _) = sums.solve(&params)?;
+        let regression = Fitted::Linear(sums.solve(&params)?.0);
         let mut error = 0.0;
-        for set in 0..n_sets {
-            let rows = sets[set].split()?.validation;
-            let end = rows.end.min(rows.start + MAX_VALIDATION / n_sets);
-            error += error_on(&mut regression, sets, set, rows.start..end)?.mean_abs_um;
+        for set in &mut *sets {
+            let rows = set.split()?.validation;
+            let end = rows.end.min(rows.start + most);
+            error += error_on(&regression, set, rows.start..end)?.mean_abs_um;
         }
         if best.as_ref().is_none_or(|(least, ..)| error < *least) {
             best = Some((error, ridge, regression));

@@ -3,9 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::robustness::{
-    INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
-};
 use anyhow::{Result, bail};
 use hapdef::Limb;
 use hapdef::touch::response_map;
@@ -14,6 +11,9 @@ use hapdef_report::MetricContext;
 use hapdef_report::robustness::{Inputs, Outputs, Row, Table, publish_all};
 
 use super::facts;
+use crate::robustness::{
+    INVERSE_TABLE, InverseWorld, NETS_TABLE, PARTS_TABLE, inverse_rows, nets_rows, parts_rows,
+};
 
 /// Arguments of `robustness` and `robustness-parts`.
 #[derive(clap::Args)]

@@ -1,6 +1,5 @@
 //! Single test presses of the rig and what each method makes of them.
 
-use crate::search::{Fitted, Learner, Samples, forward};
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage};
@@ -8,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::chain::{candidates, chain, maps, reconstruction};
-use super::dataset::{Contact, Dataset, blocks, pair, rig_singles};
+use super::dataset::{Contact, Part, Rows, blocks, pair, rig_singles};
 use super::kept::kept;
 use super::svr::SvrScore;
+use crate::search::{Learner, forward};
 
 const VERSION: u32 = 1;
 
@@ -85,13 +85,14 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
     let direct = nets.load(NetKind::Direct)?;
     let chain = chain(run, limb, done)?;
     let from_virtual = reconstruction(done)?;
-    let knn = nearest_presses(&mut presses, split.train)?;
+    let training = Rows::of(&mut presses, [Part::Readings, Part::Contact], split.train)?;
+    let knn = Learner::Knn { k: 6 }.fit(&training.samples(), &|| false)?;
     let names = ["k-NN", "direct FNN", "R → S → D → k-Max", "true S → D → k-Max", "true D → k-Max"];
     let mut answers = names.map(|name| MethodAnswers { name: name.into(), found: vec![] });
     for rows in blocks(split.test, BLOCK) {
         run.check_stop("the single presses")?;
         let n_surface = presses.n_surface;
-        let readings = presses.read("readings", rows.clone())?;
+        let readings = presses.readings(rows.clone())?;
         let virtual_um = presses.inputs(rows.clone())?;
         let truth_um = presses.maps(rows.clone())?;
         answers[0].found.extend(contacts(&knn.predictions(&readings, rows.len())?));
@@ -117,15 +118,6 @@ pub(crate) fn strongest(found: &[FoundContact]) -> Option<Contact> {
     let first = found.first()?;
     let [x, y, z] = first.position_m;
     Some([x, y, z, first.force_n].map(|v| v as f32))
-}
-
-/// k nearest training presses by standardised readings, k = 6, weights 1/distance.
-fn nearest_presses(presses: &mut Dataset, train: std::ops::Range<usize>) -> Result<Fitted> {
-    let x = presses.read("readings", train.clone())?;
-    let y = presses.contacts(train)?;
-    let samples =
-        Samples { x: &x, n_inputs: presses.width("readings")?, y: y.as_flattened(), n_outputs: 4 };
-    Ok(Learner::Knn { k: 6 }.fit(&samples, &|| false)?)
 }
 
 impl Singles {

@@ -2,13 +2,13 @@
 
 use std::io::Stdout;
 
-use crate::tables::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 use anyhow::Result;
 use hapdef::Pipeline;
 use hapdef_bench::terminal_table;
 use hapdef_report::{MetricLog, Report, TextTable};
 
 use super::{claims, contents};
+use crate::tables::{Claim, Table1, Table2, TestSet, fnn_over_lr};
 
 /// What the metrics are taken from.
 pub(crate) struct Printed<'a> {

@@ -1,13 +1,13 @@
 //! HapDef 2018's support-vector regression on the rig's single presses.
 
-use crate::baselines::SvrParams;
-use crate::search::{Fitted, Learner, Samples};
 use anyhow::{Context, Result};
 use hapdef::{ContactPair, ContactStats, Pipeline, Run, Stage};
 use serde::{Deserialize, Serialize};
 
-use super::dataset::{pair, rig_singles};
+use super::dataset::{Part, Rows, pair, rig_singles};
 use super::kept::kept;
+use crate::baselines::SvrParams;
+use crate::search::{Fitted, Learner};
 
 const VERSION: u32 = 3;
 
@@ -40,21 +40,19 @@ pub(crate) fn svr(run: &Run, done: &Pipeline) -> Result<(SvrScore, Stage)> {
 
 fn train_and_score(params: SvrParams, done: &Pipeline) -> Result<SvrScore> {
     let (mut presses, split) = rig_singles(done)?;
-    let (x, y) = (presses.read("readings", split.train.clone())?, presses.contacts(split.train)?);
-    let n_inputs = presses.width("readings")?;
-    let samples = Samples { x: &x, n_inputs, y: y.as_flattened(), n_outputs: 4 };
-    let fitted = Learner::Svr(params).fit(&samples, &|| false)?;
+    let training = Rows::of(&mut presses, [Part::Readings, Part::Contact], split.train)?;
+    let fitted = Learner::Svr(params).fit(&training.samples(), &|| false)?;
     let truth = presses.contacts(split.test.clone())?;
-    let found = fitted.predictions(&presses.read("readings", split.test)?, truth.len())?;
+    let found = fitted.predictions(&presses.readings(split.test)?, truth.len())?;
     let found = found.as_chunks::<4>().0.to_vec();
     let pairs: Vec<ContactPair> = truth.iter().zip(&found).map(|(t, f)| pair(t, f)).collect();
     Ok(SvrScore {
         stats: ContactStats::of(&pairs, truth.len()),
         n_trained: match fitted {
             Fitted::Svr(_, n_trained) => n_trained,
-            _ => y.len(),
+            _ => training.n,
         },
-        n_offered: y.len(),
+        n_offered: training.n,
         found,
     })
 }

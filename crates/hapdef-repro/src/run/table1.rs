@@ -2,18 +2,16 @@
 
 use std::ops::Range;
 
-use crate::baselines::{Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, OwnRow};
-use crate::search::forward;
-use crate::tables::{MapMetric, Method, Table1, TestSet, TrainSet};
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{MapError, MapErrorSum, Pipeline, Run, Stage};
-use hapdef_data::{Standardiser, StandardiserFit};
-use hapdef_nets::Net;
 use serde_json::{Value, json};
 
-use super::dataset::{Dataset, blocks};
+use super::dataset::{Dataset, Rows, blocks};
 use super::kept::kept;
+use crate::baselines::{LinearAccumulator, LinearParams, OwnRow};
+use crate::search::{Fitted, Learner};
+use crate::tables::{MapMetric, Method, Table1, TestSet, TrainSet};
 
 const VERSION: u32 = 2;
 
@@ -45,17 +43,17 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
         add_training(&mut linear, &mut sets[n_sets - 1])?;
         let (regression, info) = linear.solve(&LinearParams::default())?;
         let net = nets.load(NetKind::Reconstruction { n_sets })?;
-        let mut predictors: [(Method, Box<dyn Predictor>); 3] = [
-            (Method::Linear, Box::new(regression)),
-            (Method::Knn, Box::new(Neighbourhood::new(&mut sets, n_sets)?)),
-            (Method::Fnn, Box::new(net)),
-        ];
-        for (method, predictor) in &mut predictors {
+        let knn = Learner::Knn { k: 6 };
+        let knn = knn.fit(&Rows::training(&mut sets[..n_sets])?.samples(), &|| false)?;
+        for (method, fitted) in [
+            (Method::Linear, Fitted::Linear(regression)),
+            (Method::Knn, knn),
+            (Method::Fnn, Fitted::Net(Box::new(net))),
+        ] {
             run.check_stop("Table 1")?;
-            let test: Vec<MapError> = (0..sets.len())
-                .map(|set| test_error(predictor.as_mut(), &mut sets, set))
-                .collect::<Result<_>>()?;
-            let training = training_error(predictor.as_mut(), &mut sets, n_sets)?;
+            let test = sets.iter_mut().map(|set| test_error(&fitted, set));
+            let test: Vec<MapError> = test.collect::<Result<_>>()?;
+            let training = training_error(&fitted, &mut sets[..n_sets])?;
             cells.push(json!({
                 "method": method.name(), "n_sets": n_sets, "test": test,
                 "training": training,
@@ -64,100 +62,6 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
         cells.push(json!({ "linear_rank": info.rank, "condition": info.condition }));
     }
     Ok(json!({ "cells": cells }))
-}
-
-/// Turns virtual gauges into maps.
-pub(super) trait Predictor {
-    /// Maps `[n, n_surface]`, µm, for virtual gauges `x` `[n, n_virtual]`, µm. `own` names the
-    /// rows of a training set that the samples are, if they are.
-    fn predict(
-        &mut self,
-        sets: &mut [Dataset],
-        x: &[f32],
-        own: Option<(usize, Range<usize>)>,
-        out: &mut [f32],
-    ) -> Result<()>;
-}
-
-impl Predictor for LinearRegression {
-    fn predict(
-        &mut self,
-        _: &mut [Dataset],
-        x: &[f32],
-        _: Option<(usize, Range<usize>)>,
-        out: &mut [f32],
-    ) -> Result<()> {
-        Ok(LinearRegression::predict(self, x, out)?)
-    }
-}
-
-impl Predictor for Net {
-    fn predict(
-        &mut self,
-        _: &mut [Dataset],
-        x: &[f32],
-        _: Option<(usize, Range<usize>)>,
-        out: &mut [f32],
-    ) -> Result<()> {
-        out.copy_from_slice(&forward(self, x)?);
-        Ok(())
-    }
-}
-
-/// k nearest neighbours over a union of training sets, on standardised virtual gauges.
-struct Neighbourhood {
-    knn: Knn,
-    standardiser: Standardiser,
-    /// First training row of each set in the union.
-    starts: Vec<usize>,
-}
-
-impl Neighbourhood {
-    fn new(sets: &mut [Dataset], n_sets: usize) -> Result<Self> {
-        let n_virtual = sets[0].n_virtual;
-        let (mut x, mut starts) = (Vec::new(), Vec::new());
-        for set in &mut sets[..n_sets] {
-            starts.push(x.len() / n_virtual);
-            let rows = set.split()?.train;
-            x.extend(set.inputs(rows)?);
-        }
-        let mut fit = StandardiserFit::new(n_virtual);
-        fit.push(&x)?;
-        let (standardiser, _) = fit.finish()?;
-        standardiser.apply(&mut x)?;
-        Ok(Self { knn: Knn::new(&x, n_virtual)?, standardiser, starts })
-    }
-
-    /// The set and its row behind a training row of the union.
-    fn locate(&self, row: usize) -> (usize, usize) {
-        let set = self.starts.partition_point(|start| *start <= row) - 1;
-        (set, row - self.starts[set])
-    }
-}
-
-impl Predictor for Neighbourhood {
-    fn predict(
-        &mut self,
-        sets: &mut [Dataset],
-        x: &[f32],
-        own: Option<(usize, Range<usize>)>,
-        out: &mut [f32],
-    ) -> Result<()> {
-        let mut x = x.to_vec();
-        self.standardiser.apply(&mut x)?;
-        let own_row = own.map_or(OwnRow::None, |(set, rows)| OwnRow::Exclude {
-            first: self.starts[set] + rows.start,
-        });
-        let found = self.knn.neighbours(&x, &KnnParams { own_row, ..KnnParams::default() })?;
-        for (query, out) in out.chunks_exact_mut(sets[0].n_surface).enumerate() {
-            let fetch = |row: usize, buffer: &mut [f32]| {
-                let (set, row) = self.locate(row);
-                sets[set].map_into(row, buffer)
-            };
-            found.predict(query, fetch, out)?;
-        }
-        Ok(())
-    }
 }
 
 /// Adds a set's training samples to the sums of linear regression.
@@ -170,62 +74,49 @@ pub(super) fn add_training(linear: &mut LinearAccumulator, set: &mut Dataset) ->
 }
 
 /// Error on a set's test samples.
-pub(super) fn test_error(
-    predictor: &mut dyn Predictor,
-    sets: &mut [Dataset],
-    set: usize,
-) -> Result<MapError> {
-    let test = sets[set].split()?.test;
-    error_on(predictor, sets, set, test)
+pub(super) fn test_error(fitted: &Fitted, set: &mut Dataset) -> Result<MapError> {
+    let test = set.split()?.test;
+    error_on(fitted, set, test)
 }
 
 /// Error on some rows of a set that it was not trained on.
-pub(super) fn error_on(
-    predictor: &mut dyn Predictor,
-    sets: &mut [Dataset],
-    set: usize,
-    rows: Range<usize>,
-) -> Result<MapError> {
-    let mut sum = MapErrorSum::new(sets[set].n_surface);
-    for rows in blocks(rows, BLOCK) {
-        add_error(predictor, sets, set, rows, false, &mut sum)?;
-    }
+pub(super) fn error_on(fitted: &Fitted, set: &mut Dataset, rows: Range<usize>) -> Result<MapError> {
+    let mut sum = MapErrorSum::new(set.n_surface);
+    add_error(fitted, set, rows, None, &mut sum)?;
     Ok(sum.finish())
 }
 
 /// Error on the union's own training samples, each set by its share.
-fn training_error(
-    predictor: &mut dyn Predictor,
-    sets: &mut [Dataset],
-    n_sets: usize,
-) -> Result<MapError> {
+fn training_error(fitted: &Fitted, sets: &mut [Dataset]) -> Result<MapError> {
     let n_of = |set: &Dataset| Ok(set.split()?.train.len());
-    let n_training: Vec<usize> = sets[..n_sets].iter().map(n_of).collect::<Result<_>>()?;
+    let n_training: Vec<usize> = sets.iter().map(n_of).collect::<Result<_>>()?;
     let share = (MAX_TRAINING as f64 / n_training.iter().sum::<usize>() as f64).min(1.0);
     let mut sum = MapErrorSum::new(sets[0].n_surface);
-    for (set, n) in n_training.into_iter().enumerate() {
-        let n = (n as f64 * share).round() as usize;
-        for rows in blocks(0..n, BLOCK) {
-            add_error(predictor, sets, set, rows, true, &mut sum)?;
-        }
+    let mut first = 0;
+    for (set, n_of_set) in sets.iter_mut().zip(n_training) {
+        let n = (n_of_set as f64 * share).round() as usize;
+        add_error(fitted, set, 0..n, Some(first), &mut sum)?;
+        first += n_of_set;
     }
     Ok(sum.finish())
 }
 
+/// Adds the errors on `rows`; `own` is the training sample that the first of the set is, if it is one.
 fn add_error(
-    predictor: &mut dyn Predictor,
-    sets: &mut [Dataset],
-    set: usize,
+    fitted: &Fitted,
+    set: &mut Dataset,
     rows: Range<usize>,
-    is_training: bool,
+    own: Option<usize>,
     sum: &mut MapErrorSum,
 ) -> Result<()> {
-    let x = sets[set].inputs(rows.clone())?;
-    let truth = sets[set].maps(rows.clone())?;
-    let mut found = vec![0.0; truth.len()];
-    let own = is_training.then_some((set, rows));
-    predictor.predict(sets, &x, own, &mut found)?;
-    sum.add(&truth, &found);
+    for rows in blocks(rows, BLOCK) {
+        let x = set.inputs(rows.clone())?;
+        let truth = set.maps(rows.clone())?;
+        let mut found = vec![0.0; truth.len()];
+        let own = own.map_or(OwnRow::None, |own| OwnRow::Exclude { first: own + rows.start });
+        fitted.predict_own(&x, own, &mut found)?;
+        sum.add(&truth, &found);
+    }
     Ok(())
 }
 

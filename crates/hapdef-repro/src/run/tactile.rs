@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crate::tactile::{
-    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
-    seeded_permutation, tactile_folder, tactile_scores,
-};
 use anyhow::Result;
 use hapdef_bench::{Column, table, terminal_table};
 use hapdef_report::MetricLog;
 
 use super::facts;
+use crate::tactile::{
+    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
+    seeded_permutation, tactile_folder, tactile_scores,
+};
 
 /// Mean distance that the reference's k-NN reaches on each run, mm.
 const REFERENCE_KNN_MM: [f64; 2] = [0.95, 0.39];

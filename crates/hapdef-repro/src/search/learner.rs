@@ -10,7 +10,7 @@ use hapdef_report::check_len;
 use rayon::prelude::*;
 
 use crate::baselines::{
-    Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, Svr, SvrParams,
+    Knn, KnnParams, LinearAccumulator, LinearParams, LinearRegression, OwnRow, Svr, SvrParams,
 };
 use crate::error::{ReproError, check_finite, whole_rows};
 
@@ -108,9 +108,14 @@ impl Learner {
 impl Fitted {
     /// Predicts `out` `[n, n_outputs]` for `x` `[n, n_inputs]`, raw units, row-major.
     pub fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
+        self.predict_own(x, OwnRow::None, out)
+    }
+
+    /// The same for training samples; nearest neighbours leave a sample itself out.
+    pub fn predict_own(&self, x: &[f32], own: OwnRow, out: &mut [f32]) -> Result<(), ReproError> {
         match self {
             Self::Linear(regression) => regression.predict(x, out)?,
-            Self::Knn(knn) => knn.predict(x, out)?,
+            Self::Knn(knn) => knn.predict(x, own, out)?,
             Self::Svr(svr, _) => svr.predict(x, out)?,
             Self::Net(net) => predict_net(net, x, out)?,
         }
@@ -122,6 +127,17 @@ impl Fitted {
         let mut out = vec![0.0; n * self.n_outputs()];
         self.predict(x, &mut out)?;
         Ok(out)
+    }
+
+    /// Bytes of what it keeps in memory.
+    pub fn bytes(&self) -> usize {
+        size_of::<f32>()
+            * match self {
+                Self::Linear(regression) => (regression.n_inputs() + 1) * regression.n_outputs(),
+                Self::Knn(knn) => knn.y.len() + knn.knn.n_rows() * knn.standardiser.width(),
+                Self::Svr(svr, n_trained) => n_trained * svr.n_outputs(),
+                Self::Net(net) => net.mlp().spec().n_parameters(),
+            }
     }
 
     fn n_outputs(&self) -> usize {
@@ -182,16 +198,20 @@ impl FittedKnn {
         })
     }
 
-    fn predict(&self, x: &[f32], out: &mut [f32]) -> Result<(), ReproError> {
-        let params = KnnParams { k: self.k, ..KnnParams::default() };
+    fn predict(&self, x: &[f32], own: OwnRow, out: &mut [f32]) -> Result<(), ReproError> {
         let (n_in, n_out) = (self.standardiser.width(), self.n_outputs);
         let n = whole_rows("k-NN queries", n_in, x.len())?;
         check_len("k-NN predictions", n * n_out, out.len())?;
         check_finite("k-NN queries", n_in, x)?;
-        for (x, out) in x.chunks(BLOCK * n_in).zip(out.chunks_mut(BLOCK * n_out)) {
+        let blocks = x.chunks(BLOCK * n_in).zip(out.chunks_mut(BLOCK * n_out));
+        for (block, (x, out)) in blocks.enumerate() {
             let mut x = x.to_vec();
             self.standardiser.apply(&mut x)?;
-            let found = self.knn.neighbours(&x, &params)?;
+            let own_row = match own {
+                OwnRow::None => own,
+                OwnRow::Exclude { first } => OwnRow::Exclude { first: first + block * BLOCK },
+            };
+            let found = self.knn.neighbours(&x, &KnnParams { k: self.k, own_row })?;
             let rows = out.par_chunks_mut(n_out).enumerate();
             rows.try_for_each(|(query, out)| {
                 let fetch = |row: usize, buffer: &mut [f32]| {

@@ -1,10 +1,11 @@
 //! A search as a table and figures.
 
+use hapdef_bench::dotted_lines;
+use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
+
 use super::space::{Knob, KnobValues};
 use super::trials::{Trial, TrialHeader, TrialSource, best_trial};
 use crate::error::ReproError;
-use hapdef_bench::dotted_lines;
-use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
 
 /// The search in Markdown: what it rests on, the best point beside the paper's, every trial.
 pub fn search_markdown(header: &TrialHeader, knobs: &[Knob], trials: &[Trial]) -> String {

@@ -4,11 +4,11 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::Path;
 
+use hapdef_report::ReportError;
 use serde::{Deserialize, Serialize};
 
 use super::space::KnobValues;
 use crate::error::ReproError;
-use hapdef_report::ReportError;
 
 /// What the trials of a file rest on: its first line. Trials of other headers don't compare.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,8 @@
 //! Table 1: displacement error of maps from virtual gauges.
 
-use super::{CellCount, MapMetric};
 use hapdef_report::{TextCell, TextTable, cell_text};
+
+use super::{CellCount, MapMetric};
 
 /// What turns virtual gauges into a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -1,8 +1,9 @@
 //! Table 2: accuracy of position and force.
 
-use super::CellCount;
 use hapdef_bench::text_table;
 use hapdef_report::{TextTable, cell_text};
+
+use super::CellCount;
 
 /// Fraction of variance unexplained of the map, one contact (Sun & Martius 2019).
 pub const PAPER_FVU_SINGLE: f64 = 0.04;

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::ReproError;
 use hapdef_report::ReportError;
+
+use crate::error::ReproError;
 
 /// Channels of the skin: five magnetometers of three axes.
 const N_CHANNELS: usize = 15;

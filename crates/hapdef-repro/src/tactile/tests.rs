@@ -3,11 +3,12 @@
 
 use std::path::PathBuf;
 
+use hapdef_nets::{Activation, TrainParams};
+
 use super::methods::tactile_distances_mm;
 use super::{TactileRun, numpy_permutations, read_tactile_runs, tactile_folder};
 use crate::baselines::LinearParams;
 use crate::search::{Learner, NetSettings};
-use hapdef_nets::{Activation, TrainParams};
 
 /// Both runs with the reference's order of presses; none, with the reason printed, where the
 /// shared inputs are absent.

@@ -1,6 +1,5 @@
 //! The rows: the chain with one thing changed.
 
-use crate::search::forward;
 use anyhow::Result;
 use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
@@ -10,6 +9,7 @@ use super::frames::Frames;
 use super::modes::Modes;
 use super::refine::Refiner;
 use super::target::{Target, TrueMaps};
+use crate::search::forward;
 
 /// From a frame to contacts.
 pub(super) struct Configuration<'a> {

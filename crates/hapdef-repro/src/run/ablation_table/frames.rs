@@ -50,7 +50,7 @@ pub(super) fn frames(
         for &row in block {
             let rows = row..row + 1;
             if has_readings {
-                frames.readings.extend(presses.read("readings", rows.clone())?);
+                frames.readings.extend(presses.readings(rows.clone())?);
             }
             frames.virtual_um.extend(presses.inputs(rows.clone())?);
             frames.drawn.extend(presses.drawn(rows.clone())?);

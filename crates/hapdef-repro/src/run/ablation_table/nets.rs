@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::super::chain::maps;
 use super::super::dataset::{Dataset, blocks, evenly};
-use super::super::fit::{Brief, Outputs, fit, fit_outputs};
+use super::super::fit::{Training, fit};
 use super::super::patches::training_contacts;
 use super::modes::Modes;
 use super::target::{Target, TrueMaps};
@@ -79,7 +79,8 @@ pub(super) struct Trainer<'a> {
 impl Trainer<'_> {
     /// All of them, and their stages.
     pub(super) fn all(&self) -> Result<(AblationNets, Vec<Stage>)> {
-        let brief = Brief::reconstruction(&self.run.profile);
+        let brief = &Training::reconstruction(self.run);
+        let to_modes = &Training { scale: OutputScale::One, ..brief.clone() };
         let mut stages = vec![];
         let mut keep = |(net, stage): (Net, Stage)| {
             stages.push(stage);
@@ -94,10 +95,9 @@ impl Trainer<'_> {
         for target in Target::ALL {
             let modes = self.modes(target)?;
             let name = format!("F_R to modes, {}", target.name());
-            let scaled = (brief, Outputs::scaled_by(OutputScale::One));
             let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
             let open = || self.map_samples(Inputs::Magnitudes, Some((target, &modes)));
-            let net = keep(fit_outputs(self.run, &name, &of, scaled, spec, open)?);
+            let net = keep(fit(self.run, &name, &of, to_modes, spec, open)?);
             by_modes.push((target, net, modes));
         }
         let vectors = by_modes.iter().find(|(target, ..)| *target == Target::Vector);
@@ -105,8 +105,7 @@ impl Trainer<'_> {
         let open = || self.map_samples(Inputs::Vectors, Some((Target::Vector, modes)));
         let of = json!({ "sets": sets, "modes": N_MODES, "snapshots": N_SNAPSHOTS });
         let name = "F_R to modes, from vectors";
-        let scaled = (brief, Outputs::scaled_by(OutputScale::One));
-        let from_vectors = keep(fit_outputs(self.run, name, &of, scaled, spec, open)?);
+        let from_vectors = keep(fit(self.run, name, &of, to_modes, spec, open)?);
         let to_vectors =
             keep(self.transfer("F_T to vectors", |all| self.truth.virtual_vectors(all))?);
         let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
@@ -172,9 +171,9 @@ impl Trainer<'_> {
     ) -> Result<(Net, Stage)> {
         let n_sets = self.data.simulated.len();
         let of = json!({ "presses": self.data.rig_single.key, "superposed": n_sets });
-        let brief = Brief::whole(&self.run.profile.transfer);
+        let training = Training::whole(self.run, &self.run.profile.transfer);
         let open = || self.superposed(n_sets, &gauges_of);
-        fit(self.run, name, &of, brief, MlpSpec::transfer, open)
+        fit(self.run, name, &of, &training, MlpSpec::transfer, open)
     }
 
     /// Readings → virtual gauges of the presses themselves and, for each number of contacts from 2
@@ -186,7 +185,7 @@ impl Trainer<'_> {
     ) -> Result<MemorySource> {
         let mut presses = Dataset::open(&self.data.rig_single)?;
         let train = presses.split()?.train;
-        let readings = presses.read("readings", train.clone())?;
+        let readings = presses.readings(train.clone())?;
         let contacts = presses.drawn(train)?;
         let n_gauges = readings.len() / contacts.len();
         let mut rng = ChaCha8Rng::seed_from_u64(self.run.scene.seed ^ SUPERPOSED_SEED);
@@ -218,7 +217,7 @@ impl Trainer<'_> {
             .collect();
         let of = json!({ "presses": self.data.rig_single.key, "nets": behind });
         let displacement = |presses: &mut Dataset, rows: std::ops::Range<usize>| {
-            let readings = presses.read("readings", rows.clone())?;
+            let readings = presses.readings(rows.clone())?;
             maps(self.chain, &readings, rows.len(), presses.n_surface)
         };
         let stage = &self.data.rig_single;
@@ -243,7 +242,7 @@ impl Trainer<'_> {
         stage: &Stage,
         maps_of: impl Fn(&mut Dataset, std::ops::Range<usize>) -> Result<Vec<f32>>,
     ) -> Result<(Net, Stage)> {
-        let brief = Brief::whole(&self.run.profile.sensitivity);
+        let training = Training::whole(self.run, &self.run.profile.sensitivity);
         let open = || {
             let mut presses = Dataset::open(stage)?;
             let (mut x, mut y) = (vec![], vec![]);
@@ -262,6 +261,6 @@ impl Trainer<'_> {
             }
             Ok(MemorySource::new(4, 1, x, y)?)
         };
-        fit(self.run, name, of, brief, |_, _| MlpSpec::sensitivity(), open)
+        fit(self.run, name, of, &training, |_, _| MlpSpec::sensitivity(), open)
     }
 }

@@ -1,6 +1,5 @@
 //! The paper's settings beside the search's best, on test samples.
 
-use crate::search::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 use anyhow::{Result, bail};
 use hapdef_bench::{terminal_table, text_table};
 use hapdef_cli::SceneArgs;
@@ -8,6 +7,7 @@ use hapdef_report::write_text;
 
 use super::data::MethodData;
 use super::{PatchArg, Prepared, budget, folder, found_trials, prepare};
+use crate::search::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 /// Arguments of `search-compare`.
 #[derive(clap::Args)]
@@ -62,7 +62,7 @@ fn scored(
     run.say(&format!("{} with the settings of the {from}", method.name()));
     let learner = method.learner(values, &budget(&args.scene, run, method))?;
     let fitted = data.fit(&learner, values, &|| run.stopping())?;
-    let row = |(name, rows): &(String, super::data::Rows)| {
+    let row = |(name, rows): &(String, crate::run::dataset::Rows)| {
         let error = data.error(&fitted, values, rows)?;
         Ok([
             method.name().to_owned(),

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use crate::error::ReproError;
-use crate::search::{Fitted, KnobValues, Learner, Samples, SearchMethod};
 use anyhow::{Context, Result};
 use hapdef::MapErrorSum;
 
 use super::Prepared;
-use crate::run::dataset::{Dataset, rig_singles};
+use crate::error::ReproError;
+use crate::run::dataset::{Dataset, Part, Rows, rig_singles};
+use crate::search::{Fitted, KnobValues, Learner, Samples, SearchMethod};
 
 /// Most validation samples of all sets together.
 const MAX_VALIDATION: usize = 1000;
@@ -16,14 +16,6 @@ const MAX_VALIDATION: usize = 1000;
 const BLOCK: usize = 256;
 /// The paper's virtual gauges per gauge (Sun & Martius 2019, figure 5A).
 const PAPER_PATCH: usize = 24;
-
-/// Inputs and outputs of some samples.
-#[derive(Default)]
-pub(crate) struct Rows {
-    x: Vec<f32>,
-    y: Vec<f32>,
-    n: usize,
-}
 
 /// The samples of one method.
 pub(crate) struct MethodData {
@@ -48,13 +40,6 @@ pub(crate) struct MethodError {
     pub(crate) main: f64,
     /// Mean absolute error of the force, N, where there is one.
     pub(crate) force_n: Option<f64>,
-}
-
-impl Rows {
-    /// Samples.
-    pub(crate) fn n(&self) -> usize {
-        self.n
-    }
 }
 
 impl MethodData {
@@ -93,11 +78,11 @@ impl MethodData {
         for (i, set) in sets.iter_mut().enumerate() {
             (self.n_inputs, self.n_outputs) = (set.n_virtual, set.n_surface);
             let split = set.split()?;
-            add_maps(&mut self.train, set, split.train)?;
-            add_maps(&mut self.validation, set, first_of(split.validation, most))?;
+            let maps = [Part::Gauges, Part::Map];
+            self.train.add(set, maps, split.train)?;
+            self.validation.add(set, maps, first_of(split.validation, most))?;
             if with_tests {
-                let mut rows = Rows::default();
-                add_maps(&mut rows, set, split.test)?;
+                let rows = Rows::of(set, maps, split.test)?;
                 self.tests.push((format!("{} contacts", i + 1), rows));
             }
         }
@@ -108,12 +93,8 @@ impl MethodData {
         let data = prepared.done.data.as_ref().context("no datasets")?;
         self.keys = data.rig_single.key.clone();
         let (mut set, split) = rig_singles(&prepared.done)?;
-        self.n_inputs = set.width("readings")?;
-        self.n_outputs = match self.method {
-            SearchMethod::Transfer => self.n_inputs * PAPER_PATCH.min(self.max_patch),
-            _ => 4,
-        };
         self.train = self.presses(&mut set, split.train)?;
+        (self.n_inputs, self.n_outputs) = (self.train.n_inputs(), self.train.n_outputs());
         self.validation = self.presses(&mut set, first_of(split.validation, MAX_VALIDATION))?;
         if with_tests {
             let rows = self.presses(&mut set, split.test)?;
@@ -130,7 +111,7 @@ impl MethodData {
             }
             _ => set.contacts(rows.clone())?.into_flattened(),
         };
-        Ok(Rows { n: rows.len(), x: set.read("readings", rows)?, y })
+        Ok(Rows { n: rows.len(), x: set.readings(rows)?, y })
     }
 
     /// Fits a method to the training samples.
@@ -188,13 +169,6 @@ fn first_of_patches(x: &[f32], max_patch: usize, patch: usize) -> Vec<f32> {
 
 fn first_of(rows: Range<usize>, most: usize) -> Range<usize> {
     rows.start..rows.end.min(rows.start + most)
-}
-
-fn add_maps(rows: &mut Rows, set: &mut Dataset, picked: Range<usize>) -> Result<()> {
-    rows.n += picked.len();
-    rows.x.extend(set.inputs(picked.clone())?);
-    rows.y.extend(set.maps(picked)?);
-    Ok(())
 }
 
 /// Sums of errors over blocks.

@@ -6,17 +6,17 @@ mod data;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::error::ReproError;
-use crate::search::{
-    Knob, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
-    propose, search_figures, search_markdown, trials_text, values_in_words,
-};
 use anyhow::{Context, Result, bail};
 use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
 use hapdef_cli::SceneArgs;
 use hapdef_report::write_text;
 
 use self::data::MethodData;
+use crate::error::ReproError;
+use crate::search::{
+    Knob, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
+    propose, search_figures, search_markdown, trials_text, values_in_words,
+};
 
 pub(crate) use self::compare::{CompareArgs, compare};
 
@@ -173,10 +173,7 @@ fn header(
         objective: method.objective().to_owned(),
         data: format!(
             "version {VERSION}, datasets {}, {} training and {} validation samples, patches up to {}",
-            data.keys,
-            data.train.n(),
-            data.validation.n(),
-            prepared.max_patch
+            data.keys, data.train.n, data.validation.n, prepared.max_patch
         ),
         budget,
         seed: prepared.run.scene.seed,
@@ -209,8 +206,8 @@ fn try_point(
     };
     run.check_stop("the search")?;
     let n_train = match method {
-        SearchMethod::Svr => data.train.n().min(budget.n_svr),
-        _ => data.train.n(),
+        SearchMethod::Svr => data.train.n.min(budget.n_svr),
+        _ => data.train.n,
     };
     Ok(Trial {
         index,
