@@ -41,7 +41,9 @@ pub use calibration::{
     BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError,
     LEAST_PRESSES, ModeMap, ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
-pub use conditioning::{Conditioned, Conditioner, ConditionerParams};
+pub use conditioning::{
+    Conditioned, Conditioner, ConditionerParams, DriftState, MoveKind, TareEnd, TareMove,
+};
 pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{

@@ -3,46 +3,36 @@
 use hapdef_contact::{GaugeHealth, TouchPhase};
 
 use crate::chi_square::upper_tail;
+use crate::conditioning::conditioned::{Conditioned, DriftState, TareEnd};
 use crate::conditioning::detector::TouchDetector;
+use crate::conditioning::drift::Drift;
 use crate::conditioning::faults::{Converter, Watch};
+use crate::conditioning::limits::DriftLimits;
 use crate::conditioning::params::ConditionerParams;
+use crate::conditioning::tare::TareCheck;
 use crate::conditioning::tracker::Tracker;
 use crate::error::{InverseError, check_length, check_positive};
 
-/// A frame after conditioning.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Conditioned {
-    /// Readings less baseline, temperature and creep `[n_gauges]`; 0 for gauges that don't count.
-    pub readings: Vec<f64>,
-    /// Standard deviation of what was taken off `[n_gauges]`, to be added to the noise.
-    pub baseline_sd: Vec<f64>,
-    /// Gauges that count `[n_gauges]`.
-    pub live: Vec<bool>,
-    /// Whether `live` differs from the frame before: time for [`crate::ContactEstimator::masked`].
-    pub is_mask_new: bool,
-    /// Why gauges don't count `[n_gauges]`.
-    pub health: Vec<GaugeHealth>,
-    /// What is going on.
-    pub phase: TouchPhase,
-}
-
 /// Takes tare, drift, temperature and creep off raw readings and masks bad gauges.
 ///
-/// A contact whose readings grow more slowly than baselines are allowed to walk can't be distinguished from
-/// drift and is learned.
+/// A contact whose readings grow more slowly than zeros may drift can't be distinguished from drift and is
+/// learned; [`ConditionerParams::drift_limit`] says how slowly.
 #[derive(Clone, Debug)]
 pub struct Conditioner {
     params: ConditionerParams,
     trackers: Vec<Tracker>,
     watches: Vec<Watch>,
     touch: TouchDetector,
-    n_tared: usize,
-    sums: Vec<f64>,
+    drift: Drift,
+    is_taring: bool,
+    check: TareCheck,
+    /// What there was before the tare that is taken or was the last one.
+    before: Before,
     tare_temperature_k: Option<f64>,
     /// Running means of the readings since the last frame that was surely touched `[n_gauges]`.
     slow: Vec<f64>,
     n_slow: usize,
-    /// Frames that baselines have not learned from yet `[lag_frames][n_gauges + 2]`: raw values, the
+    /// Frames that baselines have not learned from yet `[lag_frames + 1][n_gauges + 2]`: raw values less drift, the
     /// temperature above the tare's, the time since the release.
     ring: Vec<f64>,
     ring_start: usize,
@@ -51,6 +41,18 @@ pub struct Conditioner {
     load: Vec<f64>,
     touched_s: f64,
     released_s: f64,
+}
+
+/// Running means are no contact that drift within its limits explains which began this long ago: it is seen and
+/// followed after 0.2 s. Without it the first tenths of a second of each drift were contacts.
+const DRIFT_S: f64 = 0.3;
+
+/// What a tare is compared with, and goes back to.
+#[derive(Clone, Debug, Default)]
+struct Before {
+    zero: Option<(Vec<Tracker>, Drift, Option<f64>)>,
+    /// Where nothing was tared before: the readings with which the first tare that was refused began.
+    first: Option<Vec<f64>>,
 }
 
 impl Conditioner {
@@ -66,12 +68,14 @@ impl Conditioner {
             trackers: params.gauge_sd.iter().map(tracker).collect(),
             watches: vec![Watch::new(); n],
             touch: TouchDetector::new(),
-            n_tared: 0,
-            sums: vec![0.0; n],
+            drift: Drift::new(n, DriftLimits::new(&params), params.period_s),
+            is_taring: true,
+            check: TareCheck::new(n, params.tare_frames, params.period_s),
+            before: Before::default(),
             tare_temperature_k: None,
             slow: vec![0.0; n],
             n_slow: 0,
-            ring: vec![0.0; params.lag_frames * (n + 2)],
+            ring: vec![0.0; (params.lag_frames + 1) * (n + 2)],
             ring_start: 0,
             ring_len: 0,
             load: vec![0.0; n],
@@ -92,18 +96,83 @@ impl Conditioner {
             is_mask_new: false,
             health: vec![GaugeHealth::Good; n],
             phase: TouchPhase::Taring,
+            tare_end: None,
+            drift: DriftState::Still,
         }
     }
 
-    /// Forgets the baselines: the next frames, untouched, are the new tare. What was learned of
-    /// temperature and creep stays.
+    /// The next frames, untouched, are the new tare. What was learned of temperature and creep stays.
     pub fn tare(&mut self) {
-        self.n_tared = 0;
-        self.sums.fill(0.0);
+        if !self.is_taring {
+            let zero = (self.trackers.clone(), self.drift.clone(), self.tare_temperature_k);
+            self.before = Before { zero: Some(zero), first: None };
+        }
+        self.begin_tare();
+    }
+
+    fn begin_tare(&mut self) {
+        self.is_taring = true;
+        self.check.start_over();
+        self.start_over();
+        self.tare_temperature_k = None;
+    }
+
+    fn start_over(&mut self) {
         (self.n_slow, self.ring_len) = (0, 0);
+        self.slow.fill(0.0);
         self.touch = TouchDetector::new();
         (self.touched_s, self.released_s) = (0.0, 0.0);
-        self.tare_temperature_k = None;
+    }
+
+    /// Takes back the tare: the zero is the one before it, or the tare begins again where there was none.
+    pub fn refuse_tare(&mut self) {
+        match self.before.zero.take() {
+            Some((trackers, drift, temperature_k)) => {
+                (self.trackers, self.drift) = (trackers, drift);
+                self.start_over();
+                (self.is_taring, self.tare_temperature_k) = (false, temperature_k);
+            }
+            None => {
+                self.before.first.get_or_insert_with(|| self.check.ends()[0].to_vec());
+                self.begin_tare();
+            }
+        }
+    }
+
+    /// What the readings of the last tare are above those that were untouched before it `[n_gauges]`: the zero
+    /// before it, or how the first tare began that was refused; none after the first tare.
+    #[must_use]
+    pub fn tare_shift(&self) -> Option<Vec<f64>> {
+        let zero = |(trackers, drift, _): &(Vec<Tracker>, Drift, Option<f64>)| {
+            let zeros = trackers.iter().zip(&drift.offset);
+            zeros.map(|(tracker, offset)| tracker.expected(0.0, 0.0) + offset).collect()
+        };
+        let before: Option<Vec<f64>> = match &self.before.zero {
+            Some(before) => Some(zero(before)),
+            None => self.before.first.clone(),
+        };
+        let pairs =
+            |before: Vec<f64>| self.check.mean.iter().zip(before).map(|(m, b)| m - b).collect();
+        before.map(pairs)
+    }
+
+    /// How far the readings of the last tare moved from its beginning to its end `[n_gauges]`.
+    #[must_use]
+    pub fn tare_moved(&self) -> Vec<f64> {
+        let [first, last] = self.check.ends();
+        last.iter().zip(first).map(|(last, first)| last - first).collect()
+    }
+
+    /// Moves the zero by `by` `[n_gauges]`, as by what is known to have pressed during the tare: nothing touches
+    /// from now on.
+    ///
+    /// # Errors
+    /// [`InverseError::Length`].
+    pub fn shift(&mut self, by: &[f64]) -> Result<(), InverseError> {
+        check_length("the shift", self.trackers.len(), by.len())?;
+        self.trackers.iter_mut().zip(by).for_each(|(tracker, by)| tracker.shift(*by));
+        self.start_over();
+        Ok(())
     }
 
     /// Another standard deviation of the readings' noise `[n_gauges]`, as if it had been given at first.
@@ -143,14 +212,22 @@ impl Conditioner {
             (Some(now), Some(then)) => now - then,
             _ => 0.0,
         };
-        if self.n_tared < self.params.tare_frames {
+        (out.tare_end, out.drift) = (None, DriftState::Still);
+        if self.is_taring {
             self.add_to_tare(raw, out);
             return Ok(());
         }
+        self.drift.pass();
         self.take_off(raw, warmer_k, out);
         self.find_faults(raw, out);
         let is_new = self.decide(out);
         self.follow(raw, warmer_k, is_new, out);
+        let is_touched = self.touch.is_touched;
+        if let Some(moved) = self.drift.take(out, &self.params.gauge_sd, is_touched) {
+            // as what is learned
+            self.slow.iter_mut().zip(moved).for_each(|(slow, moved)| *slow -= moved);
+        }
+        out.drift = self.drift.state;
         out.phase = if self.touch.is_touched { TouchPhase::Touched } else { TouchPhase::Untouched };
         Ok(())
     }
@@ -161,13 +238,23 @@ impl Conditioner {
         if raw.iter().any(|r| !r.is_finite()) {
             return;
         }
-        self.sums.iter_mut().zip(raw).for_each(|(sum, r)| *sum += r);
-        self.n_tared += 1;
-        if self.n_tared == self.params.tare_frames {
-            for (tracker, sum) in self.trackers.iter_mut().zip(&self.sums) {
-                tracker.tare(sum / self.n_tared as f64, self.n_tared);
-            }
+        if !self.check.take(raw) {
+            return;
         }
+        out.tare_end = Some(match self.check.judge(&self.params.gauge_sd, self.drift.limits) {
+            Some(found) => TareEnd::Refused(found),
+            None => TareEnd::Taken,
+        });
+        if out.tare_end != Some(TareEnd::Taken) {
+            self.refuse_tare();
+            return;
+        }
+        self.is_taring = false;
+        let n = self.params.tare_frames;
+        for (tracker, mean) in self.trackers.iter_mut().zip(&self.check.mean) {
+            tracker.tare(*mean, n);
+        }
+        self.drift.tare(&self.check, n as f64 * self.params.period_s);
     }
 
     /// ln of what a contact that lasted `touched_s` leaves `released_s` after it went, per unit of
@@ -188,7 +275,8 @@ impl Conditioner {
         for (gauge, tracker) in self.trackers.iter_mut().enumerate() {
             tracker.drift(walk);
             let creep = self.load[gauge] * crept;
-            out.readings[gauge] = raw[gauge] - tracker.expected(warmer_k, creep);
+            out.readings[gauge] =
+                raw[gauge] - tracker.expected(warmer_k, creep) - self.drift.offset[gauge];
             out.baseline_sd[gauge] = tracker.variance(warmer_k, creep).max(0.0).sqrt();
         }
     }
@@ -231,7 +319,7 @@ impl Conditioner {
 
     /// Whether something began or ceased to touch.
     fn decide(&mut self, out: &Conditioned) -> bool {
-        let (mut chi2, mut slow_chi2, mut n_dof) = (0.0, 0.0, 0);
+        let (mut chi2, mut n_dof) = (0.0, 0);
         self.n_slow = (self.n_slow + 1).min(self.params.slow_frames);
         let gain = 1.0 / self.n_slow as f64;
         // variance of a mean, then of an exponential average
@@ -246,13 +334,23 @@ impl Conditioner {
             let r = out.readings[gauge];
             self.slow[gauge] += gain * (r - self.slow[gauge]);
             chi2 += r * r / (noise + baseline);
-            slow_chi2 += self.slow[gauge].powi(2) / (noise * share + baseline);
             n_dof += 1;
+        }
+        let slow_variance = |gauge: usize| {
+            self.params.gauge_sd[gauge].powi(2) * share + out.baseline_sd[gauge].powi(2)
+        };
+        let slow_chi2 = |slow: &[f64]| -> f64 {
+            let live = (0..slow.len()).filter(|&gauge| out.live[gauge]);
+            live.map(|gauge| slow[gauge].powi(2) / slow_variance(gauge)).sum()
+        };
+        let mut slow = slow_chi2(&self.slow);
+        if upper_tail(slow, n_dof) < self.params.release_p {
+            slow = slow_chi2(self.drift.beyond(&self.slow, DRIFT_S));
         }
         if upper_tail(chi2, n_dof) < self.params.touch_p {
             self.n_slow = 0;
         }
-        self.touch.decide(chi2, slow_chi2, n_dof, &self.params)
+        self.touch.decide(chi2, slow, n_dof, &self.params)
     }
 
     /// Learns from an old frame while nothing touches; keeps the load while something does.
@@ -284,28 +382,25 @@ impl Conditioner {
         }
         self.released_s += period_s;
         let width = raw.len() + 2;
-        let lag = self.params.lag_frames;
-        if lag == 0 {
-            self.learn(raw, warmer_k, self.released_s);
-            return;
-        }
-        if self.ring_len == lag {
-            let at = self.ring_start * width;
-            let old = std::mem::take(&mut self.ring);
-            let row = &old[at..at + width];
-            self.learn(&row[..raw.len()], row[raw.len()], row[raw.len() + 1]);
-            self.ring = old;
-            self.ring_start = (self.ring_start + 1) % lag;
-            self.ring_len -= 1;
-        }
-        let at = (self.ring_start + self.ring_len) % lag * width;
+        let n_rows = self.ring.len() / width;
+        let at = (self.ring_start + self.ring_len) % n_rows * width;
         let row = &mut self.ring[at..at + width];
         for gauge in 0..raw.len() {
-            row[gauge] = if out.live[gauge] { raw[gauge] } else { f64::NAN };
+            let free = raw[gauge] - self.drift.offset[gauge];
+            row[gauge] = if out.live[gauge] { free } else { f64::NAN };
         }
         row[raw.len()] = warmer_k;
         row[raw.len() + 1] = self.released_s;
         self.ring_len += 1;
+        if self.ring_len == n_rows {
+            let at = self.ring_start * width;
+            let ring = std::mem::take(&mut self.ring);
+            let row = &ring[at..at + width];
+            self.learn(&row[..raw.len()], row[raw.len()], row[raw.len() + 1]);
+            self.ring = ring;
+            self.ring_start = (self.ring_start + 1) % n_rows;
+            self.ring_len -= 1;
+        }
     }
 
     fn learn(&mut self, raw: &[f64], warmer_k: f64, released_s: f64) {

@@ -3,11 +3,16 @@
 //! What drifts is tracked only while nothing touches; a compensator that runs during a contact eats
 //! it. Gauges that can't be believed are masked.
 
+mod conditioned;
 mod conditioner;
 mod detector;
+mod drift;
 mod faults;
+mod limits;
 mod params;
+mod tare;
 mod tracker;
 
-pub use conditioner::{Conditioned, Conditioner};
+pub use conditioned::{Conditioned, DriftState, MoveKind, TareEnd, TareMove};
+pub use conditioner::Conditioner;
 pub use params::ConditionerParams;

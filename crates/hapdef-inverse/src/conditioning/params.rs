@@ -13,6 +13,13 @@ pub struct ConditionerParams {
     pub tare_frames: usize,
     /// Random walk of a gauge's baseline, per √s.
     pub drift_sd: f64,
+    /// Rates up to which zeros are followed, per s: of each gauge in any direction, …
+    pub drift_limit: f64,
+    /// … of all gauges together, as by their temperature, …
+    pub common_drift_limit: f64,
+    /// … and of one gauge more than the others, as by its creep. A press that moves the readings no faster is
+    /// taken for drift.
+    pub single_drift_limit: f64,
     /// Standard deviation of a gauge's temperature coefficient before it is learned, per K; 0 without
     /// a temperature channel.
     pub temperature_sd: f64,
@@ -60,6 +67,11 @@ impl ConditionerParams {
             // a fourteenth of one frame's noise
             tare_frames: 200,
             drift_sd: 0.02,
+            // a board that is heated by a degree in a second drifts by 1.2 µε/s; with 1.0 noise on top of a drift
+            // of 1 µε/s was cut off, and the rest became a contact within a minute
+            drift_limit: 1.2,
+            common_drift_limit: 3.0,
+            single_drift_limit: 3.0,
             temperature_sd: 0.0,
             creep_sd: 0.0,
             creep_time_s: 1.0,
@@ -68,7 +80,7 @@ impl ConditionerParams {
             touch_p: 1e-6,
             release_p: 1e-3,
             release_frames: 20,
-            // contacts an eighth as strong as one frame shows are seen in these …
+            // contacts a quarter as strong as one frame shows are seen in these, drift taken off …
             slow_frames: 64,
             // … and are not in the baseline yet when they are
             lag_frames: 200,
@@ -94,6 +106,9 @@ impl ConditionerParams {
         check_positive("period_s", self.period_s)?;
         check_positive("tare_frames", self.tare_frames as f64)?;
         check_not_negative("drift_sd", self.drift_sd)?;
+        check_not_negative("drift_limit", self.drift_limit)?;
+        check_not_negative("common_drift_limit", self.common_drift_limit)?;
+        check_not_negative("single_drift_limit", self.single_drift_limit)?;
         check_not_negative("temperature_sd", self.temperature_sd)?;
         check_not_negative("creep_sd", self.creep_sd)?;
         check_positive("creep_time_s", self.creep_time_s)?;

@@ -30,6 +30,11 @@ impl Tracker {
         self.covariance[0][0] = self.noise / n as f64;
     }
 
+    /// The baseline is another.
+    pub(crate) fn shift(&mut self, by: f64) {
+        self.state[0] += by;
+    }
+
     pub(crate) fn set_noise(&mut self, sd: f64) {
         self.noise = sd * sd;
     }

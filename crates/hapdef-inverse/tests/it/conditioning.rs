@@ -1,6 +1,8 @@
 //! What conditioning takes off, and what it leaves.
 
-use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, GaugeHealth, TouchPhase};
+use hapdef_inverse::{
+    Conditioned, Conditioner, ConditionerParams, DriftState, GaugeHealth, TareEnd, TouchPhase,
+};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -224,5 +226,108 @@ proptest! {
         rig.rng = ChaCha8Rng::seed_from_u64(seed);
         rig.run(3.0, |_| None, |g, _| offset(g));
         prop_assert_eq!(rig.out.phase, TouchPhase::Untouched);
+    }
+}
+
+/// Frames of `seconds` in which something touches, and the largest mean reading over 64 of them.
+fn worst_of(rig: &mut Rig, seconds: f64, signal: impl Fn(usize, f64) -> f64) -> (usize, f64) {
+    let (mut n_touched, mut slow, mut worst) = (0, vec![0.0; N], 0.0_f64);
+    for _ in 0..(seconds / PERIOD_S).round() as usize {
+        rig.run(PERIOD_S, |_| None, &signal);
+        n_touched += usize::from(rig.out.phase == TouchPhase::Touched);
+        for (slow, reading) in slow.iter_mut().zip(&rig.out.readings) {
+            *slow += (reading - *slow) / 64.0;
+            worst = worst.max(slow.abs());
+        }
+    }
+    (n_touched, worst)
+}
+
+/// A press that grows during the tare, one that begins in it, a tap in it: refused, and the zero before stays.
+#[test]
+fn a_tare_whose_readings_move_is_refused() {
+    let rise = |t: f64| (t / 0.2).clamp(0.0, 1.0);
+    let step = |t: f64| f64::from(t > 0.15);
+    let tap = |t: f64| f64::from((0.08..0.11).contains(&t));
+    let moves: [(&str, &dyn Fn(f64) -> f64); 3] = [("rise", &rise), ("step", &step), ("tap", &tap)];
+    for (what, part) in moves {
+        let mut rig = Rig::new(|_| ());
+        let touched = |g: usize, t: f64| offset(g) + contact(g) * part(t);
+        rig.run(0.2, |_| None, touched);
+        let Some(TareEnd::Refused(found)) = rig.out.tare_end else { panic!("{what}") };
+        assert!(found.by.abs() > 5.0, "{what}: {found:?}");
+        assert_eq!(rig.out.phase, TouchPhase::Taring);
+        // it began again by itself, and what it began with is remembered
+        rig.run(0.2, |_| None, |g, _| offset(g) + contact(g));
+        assert_eq!(rig.out.tare_end, Some(TareEnd::Taken));
+        let shift = rig.conditioner.tare_shift().unwrap();
+        let seen = shift.iter().zip(0..).map(|(s, g)| s * contact(g)).sum::<f64>();
+        assert!(seen > 0.0, "{what}: {shift:?}");
+        // where there was a zero, it stays
+        let mut rig = Rig::new(|_| ());
+        rig.run(1.0, |_| None, |g, _| offset(g));
+        rig.conditioner.tare();
+        let start_s = rig.t_s;
+        rig.run(0.2, |_| None, |g, t| touched(g, t - start_s));
+        assert!(matches!(rig.out.tare_end, Some(TareEnd::Refused(_))), "{what}");
+        let mean = rig.mean(0.2, |_| None, |g, _| offset(g) + contact(g));
+        for (gauge, found) in mean.iter().enumerate() {
+            assert!((found - contact(gauge)).abs() < 0.4, "{what}, {gauge}: {found}");
+        }
+    }
+}
+
+/// At the limit, in the directions that drift has, from the tare on and from later on.
+#[test]
+fn drift_up_to_the_limit_is_followed() {
+    let up = |_: usize| 1.0;
+    let alternating = |g: usize| if g.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let one = |g: usize| if g == 3 { 2.5 } else { 0.0 };
+    let common = |_: usize| -2.5;
+    let directions: [(&dyn Fn(usize) -> f64, f64); 6] = [
+        (&up, 0.0),
+        (&alternating, 0.0),
+        (&alternating, 5.0),
+        (&one, 0.0),
+        (&common, 0.0),
+        (&up, 5.0),
+    ];
+    for (k, (direction, start_s)) in directions.into_iter().enumerate() {
+        let mut rig = Rig::new(|_| ());
+        let drift = |g: usize, t: f64| offset(g) + direction(g) * (t - start_s).max(0.0);
+        rig.run(0.2, |_| None, drift);
+        assert_eq!(rig.out.tare_end, Some(TareEnd::Taken), "{k}");
+        let (n_touched, worst) = worst_of(&mut rig, 60.0, drift);
+        println!("{k}: {n_touched} frames touched, {worst:.2} µε left at most");
+        assert_eq!(n_touched, 0, "{k}");
+        assert!(worst < 0.9, "{k}: {worst}");
+        // what presses then is read as it is
+        let pressed = |g: usize, t: f64| drift(g, t) + contact(g);
+        rig.run(2.0, |_| None, pressed);
+        let mean = rig.mean(0.5, |_| None, pressed);
+        for (gauge, found) in mean.iter().enumerate() {
+            assert!((found - contact(gauge)).abs() < 0.5, "{k}, {gauge}: {found}");
+        }
+        rig.run(0.5, |_| None, drift);
+        assert_eq!(rig.out.phase, TouchPhase::Untouched, "{k}");
+    }
+}
+
+#[test]
+fn drift_beyond_the_limit_is_said() {
+    for (rate, is_too_fast) in [(1.0, false), (2.5, true), (20.0, true)] {
+        let mut rig = Rig::new(|_| ());
+        rig.run(1.0, |_| None, |g, _| offset(g));
+        let drift = |g: usize, t: f64| {
+            let sign = if g % 3 == 0 { -1.0 } else { 1.0 };
+            offset(g) + sign * rate * (t - 1.0)
+        };
+        rig.run(6.0, |_| None, drift);
+        let found = match rig.out.drift {
+            DriftState::TooFast { rate: found, .. } => (found.abs() / rate - 1.0).abs() < 0.1,
+            _ => false,
+        };
+        assert_eq!(found, is_too_fast, "{rate}: {:?}", rig.out.drift);
+        assert_eq!(rig.out.phase == TouchPhase::Touched, is_too_fast, "{rate}");
     }
 }

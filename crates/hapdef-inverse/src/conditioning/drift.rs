@@ -1,0 +1,307 @@
+//! Zeros that drift steadily, followed while nothing touches.
+
+use crate::chi_square::upper_tail;
+use crate::conditioning::conditioned::{Conditioned, DriftState};
+use crate::conditioning::limits::DriftLimits;
+use crate::conditioning::tare::TareCheck;
+
+/// Length of a block whose mean is one measurement, s.
+const BLOCK_S: f64 = 0.032;
+
+/// Blocks over which misses are averaged. A drift of 1 noise per second is seen after 0.2 s.
+const N_MISSES: usize = 8;
+
+/// Misses less probable than this start a line anew, and slopes of a tare less probable than this are followed:
+/// noise alone hardly does in hours, and where it does, a rate of hundredths of the noise is followed for a second.
+const MOVES_P: f64 = 1e-6;
+
+/// A rate that is as probable as this by noise alone is none …
+const STANDS_P: f64 = 1e-2;
+
+/// … once its line is this many blocks long.
+const LEAST_LINE: usize = 16;
+
+/// A line forgets what is older than this many blocks, 10 s: drift by temperature bends within minutes.
+const LONGEST_LINE: usize = 312;
+
+/// Blocks that a line is taken for that starts anew: its value follows at half of each miss.
+const FRESH_LINE: usize = 4;
+
+/// A zero may be moved so much faster than drift is allowed to be, to catch up with what was missed.
+const CATCH_UP: f64 = 1.25;
+
+/// Blocks in a row on one line from which it is sure how fast readings drift that are too fast, 2 s.
+const SURE_LINE: usize = 62;
+
+/// Value and rate of each gauge by a line through all blocks since it was started anew: the expanding-memory
+/// polynomial filter of degree 1 (Morrison, Introduction to Sequential Smoothing and Prediction, 1969).
+#[derive(Clone, Debug)]
+struct Line {
+    n: usize,
+    /// Means of the last misses `[n_gauges]`.
+    misses: Vec<f64>,
+    n_misses: usize,
+}
+
+/// Zeros that drift steadily.
+#[derive(Clone, Debug)]
+pub(crate) struct Drift {
+    pub(crate) limits: DriftLimits,
+    period_s: f64,
+    block: usize,
+    line: Line,
+    n_frames: usize,
+    sums: Vec<f64>,
+    counts: Vec<usize>,
+    /// What the zero has drifted by, and how fast, per s `[n_gauges]`.
+    pub(crate) offset: Vec<f64>,
+    rate: Vec<f64>,
+    /// While touched: the readings' own line, which nothing is taken off by `[n_gauges]`.
+    touched: [Vec<f64>; 2],
+    was_touched: bool,
+    pub(crate) state: DriftState,
+    beyond: Vec<f64>,
+    sorted: Vec<f64>,
+}
+
+impl Line {
+    fn start_over(&mut self, n: usize) {
+        (self.n, self.n_misses) = (n, 0);
+        self.misses.fill(0.0);
+    }
+
+    /// Shares of a miss that value and rate, per block, take.
+    fn gains(&mut self) -> (f64, f64) {
+        self.n = (self.n + 1).min(LONGEST_LINE);
+        let n = self.n as f64;
+        // one block says nothing of a rate
+        let of_rate = if self.n > 1 { 6.0 / (n * (n + 1.0)) } else { 0.0 };
+        (2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), of_rate)
+    }
+
+    /// Averages `misses`; whether they are beyond noise of `noise.0` each about zeros known to `noise.1`,
+    /// variances.
+    fn is_missed(&mut self, misses: &[f64], noise: impl Fn(usize) -> (f64, f64)) -> bool {
+        self.n_misses = (self.n_misses + 1).min(N_MISSES);
+        let gain = 1.0 / self.n_misses as f64;
+        let share = if self.n_misses == N_MISSES { gain / (2.0 - gain) } else { gain };
+        // what a short line knows is itself as noisy as a miss
+        let known = 1.0 + 4.0 / self.n.max(1) as f64;
+        let (mut chi2, mut n_dof) = (0.0, 0);
+        for (gauge, &miss) in misses.iter().enumerate() {
+            if miss.is_finite() {
+                self.misses[gauge] += gain * (miss - self.misses[gauge]);
+                let (each, zero) = noise(gauge);
+                chi2 += self.misses[gauge].powi(2) / (each * share * known + zero);
+                n_dof += 1;
+            }
+        }
+        self.n_misses > 2 && upper_tail(chi2, n_dof) < MOVES_P
+    }
+
+    /// Variance of the rate, per block, from blocks of variance 1.
+    fn rate_variance(&self) -> f64 {
+        let n = self.n.max(2) as f64;
+        12.0 / (n * (n * n - 1.0))
+    }
+}
+
+impl Drift {
+    pub(crate) fn new(n_gauges: usize, limits: DriftLimits, period_s: f64) -> Self {
+        let zeros = || vec![0.0; n_gauges];
+        Self {
+            limits,
+            period_s,
+            block: (BLOCK_S / period_s).round().max(1.0) as usize,
+            line: Line { n: 0, misses: zeros(), n_misses: 0 },
+            n_frames: 0,
+            sums: zeros(),
+            counts: vec![0; n_gauges],
+            offset: zeros(),
+            rate: zeros(),
+            touched: [zeros(), zeros()],
+            was_touched: false,
+            state: DriftState::Still,
+            beyond: zeros(),
+            sorted: zeros(),
+        }
+    }
+
+    /// The zero is that of a tare; where its slopes are surely not noise, it goes on at their rates.
+    pub(crate) fn tare(&mut self, tare: &TareCheck, time_s: f64) {
+        self.offset.fill(0.0);
+        self.rate.fill(0.0);
+        self.state = DriftState::Still;
+        self.was_touched = false;
+        self.start_block();
+        self.line.start_over(0);
+        let slopes = tare.slope.iter().zip(&tare.slope_sd);
+        let chi2: f64 = slopes.map(|(slope, sd)| (slope / sd).powi(2)).sum();
+        if tare.can_judge() && upper_tail(chi2, self.rate.len()) < MOVES_P {
+            self.rate.copy_from_slice(&tare.slope);
+            let rates = self.offset.iter_mut().zip(&tare.slope);
+            rates.for_each(|(offset, slope)| *offset = 0.5 * time_s * slope);
+            self.line.start_over(((time_s / self.block_s()) as usize).max(FRESH_LINE));
+            self.state = DriftState::Followed;
+        }
+    }
+
+    /// A frame passes.
+    pub(crate) fn pass(&mut self) {
+        if self.state == DriftState::Still {
+            return;
+        }
+        for (offset, rate) in self.offset.iter_mut().zip(&self.rate) {
+            *offset += rate * self.period_s;
+        }
+    }
+
+    /// What of the running means `slow` is beyond a drift that began in the last `time_s`.
+    pub(crate) fn beyond(&mut self, slow: &[f64], time_s: f64) -> &[f64] {
+        self.limits.beyond(slow, time_s, &mut self.sorted, &mut self.beyond);
+        &self.beyond
+    }
+
+    /// Takes what a frame leaves over the zero; by how much the zero was moved then, if it was `[n_gauges]`.
+    /// `sd` is the noise of a frame.
+    pub(crate) fn take(
+        &mut self,
+        left: &Conditioned,
+        sd: &[f64],
+        is_touched: bool,
+    ) -> Option<&[f64]> {
+        if is_touched != self.was_touched {
+            self.turn(is_touched);
+        }
+        for gauge in 0..sd.len() {
+            if left.live[gauge] {
+                self.sums[gauge] += left.readings[gauge];
+                self.counts[gauge] += 1;
+            }
+        }
+        self.n_frames += 1;
+        if self.n_frames < self.block {
+            return None;
+        }
+        for gauge in 0..sd.len() {
+            let n = self.counts[gauge];
+            // half a block of a gauge counts for none
+            let is_enough = 2 * n > self.block;
+            self.sums[gauge] = if is_enough { self.sums[gauge] / n as f64 } else { f64::NAN };
+        }
+        if is_touched {
+            self.watch(sd);
+        } else {
+            self.follow(sd, &left.baseline_sd);
+        }
+        self.start_block();
+        (!is_touched).then_some(&self.beyond)
+    }
+
+    fn start_block(&mut self) {
+        self.n_frames = 0;
+        self.sums.fill(0.0);
+        self.counts.fill(0);
+    }
+
+    fn block_s(&self) -> f64 {
+        self.block as f64 * self.period_s
+    }
+
+    /// Something began or ceased to touch: the zero's line goes on where it was.
+    fn turn(&mut self, is_touched: bool) {
+        self.was_touched = is_touched;
+        self.start_block();
+        if is_touched {
+            self.touched.iter_mut().for_each(|line| line.fill(0.0));
+            self.line.start_over(0);
+        } else {
+            // what it drifted meanwhile is known less well than before
+            self.line.start_over(LEAST_LINE);
+            if matches!(self.state, DriftState::TooFast { .. }) {
+                self.state = DriftState::Followed;
+            }
+        }
+    }
+
+    /// Moves the zero by what the block's mean leaves, within the limits.
+    fn follow(&mut self, sd: &[f64], zero_sd: &[f64]) {
+        let time_s = self.block_s();
+        let n_block = self.block as f64;
+        let noise = |gauge: usize| (sd[gauge].powi(2) / n_block, zero_sd[gauge].powi(2));
+        let is_missed = self.line.is_missed(&self.sums, noise);
+        if is_missed {
+            self.line.start_over(FRESH_LINE);
+            self.state = DriftState::Followed;
+        } else if self.state == DriftState::Still {
+            self.beyond.fill(0.0);
+            return;
+        }
+        let (of_value, of_rate) = self.line.gains();
+        for gauge in 0..sd.len() {
+            let miss = if self.sums[gauge].is_finite() { self.sums[gauge] } else { 0.0 };
+            self.rate[gauge] += of_rate * miss / time_s;
+            // the drift since the last block and what is caught up
+            self.sums[gauge] = self.rate[gauge] * time_s + of_value * miss;
+        }
+        self.limits.beyond(&self.rate, 1.0, &mut self.sorted, &mut self.beyond);
+        for (rate, beyond) in self.rate.iter_mut().zip(&self.beyond) {
+            *rate -= beyond;
+        }
+        self.limits.beyond(&self.sums, CATCH_UP * time_s, &mut self.sorted, &mut self.beyond);
+        for gauge in 0..sd.len() {
+            let moved = self.sums[gauge] - self.beyond[gauge] - self.rate[gauge] * time_s;
+            self.beyond[gauge] = moved;
+            self.offset[gauge] += moved;
+        }
+        self.stand(sd);
+    }
+
+    /// Ends following where the rates are no more than noise.
+    fn stand(&mut self, sd: &[f64]) {
+        if self.line.n < LEAST_LINE {
+            return;
+        }
+        let scale = self.line.rate_variance() / self.block_s().powi(2);
+        let each = self.rate.iter().zip(sd);
+        let chi2: f64 =
+            each.map(|(rate, sd)| (rate / sd).powi(2)).sum::<f64>() * self.block as f64 / scale;
+        if upper_tail(chi2, sd.len()) > STANDS_P {
+            self.rate.fill(0.0);
+            self.state = DriftState::Still;
+        }
+    }
+
+    /// Fits the line of readings that something touches, or that drift too fast.
+    fn watch(&mut self, sd: &[f64]) {
+        let time_s = self.block_s();
+        let n_block = self.block as f64;
+        let [value, rate] = &mut self.touched;
+        for gauge in 0..sd.len() {
+            value[gauge] += rate[gauge] * time_s;
+            self.sums[gauge] -= value[gauge];
+        }
+        if self.line.is_missed(&self.sums, |gauge| (sd[gauge].powi(2) / n_block, 0.0)) {
+            self.line.start_over(0);
+        }
+        let (of_value, of_rate) = self.line.gains();
+        for gauge in 0..sd.len() {
+            if self.sums[gauge].is_finite() {
+                value[gauge] += of_value * self.sums[gauge];
+                rate[gauge] += of_rate * self.sums[gauge] / time_s;
+            }
+            // with that of the zero it is the drift of the raw readings
+            self.sums[gauge] = rate[gauge] + self.rate[gauge];
+        }
+        self.limits.beyond(&self.sums, 1.0, &mut self.sorted, &mut self.beyond);
+        let rate_sd = (self.line.rate_variance() / n_block).sqrt() / time_s;
+        let beyond = |gauge: &usize| self.beyond[*gauge].abs() / (sd[*gauge] * rate_sd);
+        let worst = (0..sd.len()).max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+        let found = worst.filter(|gauge| self.line.n >= SURE_LINE && beyond(gauge) > 5.0);
+        self.state = match found {
+            Some(gauge) => DriftState::TooFast { gauge, rate: self.sums[gauge] },
+            None if self.rate.iter().all(|rate| *rate == 0.0) => DriftState::Still,
+            None => DriftState::Followed,
+        };
+    }
+}
