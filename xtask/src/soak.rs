@@ -1,4 +1,4 @@
-//! Acquisition and recording at length.
+//! Acquisition and recording at length, and what a stream's answers are worth.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::pipeline::finish;
-use crate::tool::{cargo, release_example, results, run as run_tool};
+use crate::tool::{cargo, release_binary, release_example, results, root, run as run_tool};
 
 /// Arguments of `soak`.
 #[derive(clap::Args)]
@@ -34,6 +34,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<()> {
     if !args.short {
         run_tool(&mut stalled_client())?;
     }
+    run_tool(&mut trust(args)?)?;
     finish(&mut soak)
 }
 
@@ -48,13 +49,29 @@ fn stalled_client() -> Command {
 /// The short form, as CI runs it.
 pub(crate) fn short() -> Result<()> {
     let args = SoakArgs { short: true, seed: 1, scene: None, rest: Vec::new() };
+    run_tool(&mut trust(&args)?)?;
     run_tool(&mut command(&args)?)
 }
 
 /// The long form, as the nightly run of CI has it, whose tests have had the stalled client.
 pub(crate) fn long() -> Result<()> {
     let args = SoakArgs { short: false, seed: 1, scene: None, rest: Vec::new() };
+    run_tool(&mut trust(&args)?)?;
     run_tool(&mut command(&args)?)
+}
+
+/// What a limb's stream says while its zeros drift and when a hidden press lets go, in simulated time.
+fn trust(args: &SoakArgs) -> Result<Command> {
+    std::fs::create_dir_all(results())?;
+    let bundle = results().join("trust.hapdef");
+    let mut command = Command::new(release_binary("hapdef")?);
+    command.arg("bundle").arg(root().join("fixtures/shin/demo.json")).arg("-o").arg(&bundle);
+    run_tool(&mut command)?;
+    let mut command = Command::new(release_example("trust")?);
+    command.arg(&bundle).args((!args.short).then_some("--long"));
+    command.args(["--seed", &args.seed.to_string(), "--metrics"]);
+    command.arg(results().join("metrics.json"));
+    Ok(command)
 }
 
 /// Builds the program and says how it is started.

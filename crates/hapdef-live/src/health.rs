@@ -7,6 +7,7 @@ use hapdef_contact::{GaugeHealth, TouchPhase};
 use hapdef_daq::source::{LinkState, SourceStats};
 
 pub use crate::histogram::Latency;
+use crate::tare_fault::TareFault;
 
 /// What came to pass. Counts are since the start.
 #[derive(Clone, Debug, Default)]
@@ -51,6 +52,8 @@ pub struct Health {
     pub n_deadline_missed: u64,
     /// Taring, untouched, touched or unknown; none before the first frame.
     pub phase: Option<TouchPhase>,
+    /// Why the last tare was refused or does not hold.
+    pub tare_fault: Option<Arc<TareFault>>,
     /// Contacts of the last frame.
     pub n_contacts: usize,
     /// Why gauges don't count, as of the last frame `[n_gauges]`.
@@ -157,6 +160,9 @@ impl Display for Health {
         }
         if let Some(state) = self.link.as_ref().filter(|s| **s != LinkState::Open) {
             write!(f, " · {state}")?;
+        }
+        if let Some(fault) = &self.tare_fault {
+            write!(f, " · {fault}")?;
         }
         let faults = [&self.reader_fault, &self.device_fault, &self.realtime_fault];
         for fault in faults.into_iter().flatten() {

@@ -58,6 +58,7 @@ mod histogram;
 mod runtime;
 mod sink;
 pub mod sinks;
+mod tare_fault;
 
 pub use bundle::{BUNDLE_VERSION, Bundle, BundleGauge, BundleInfo, BundleMode};
 pub use error::{AnyError, LiveError};
@@ -70,3 +71,4 @@ pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
 pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
 pub use sink::{Delivery, FnSink, LiveEvent, Sink, Wants};
+pub use tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};

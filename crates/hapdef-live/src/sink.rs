@@ -9,6 +9,7 @@ use crate::error::AnyError;
 use crate::estimator::TouchWanted;
 use crate::frame::LiveFrame;
 use crate::health::{ClientHealth, Health};
+use crate::tare_fault::TareFault;
 
 /// Takes frames and events. It runs on a thread of its own, and a slow one loses frames, which are
 /// counted, instead of holding up others.
@@ -102,6 +103,8 @@ pub enum LiveEvent {
     Log(Arc<str>),
     /// The baselines are known: from now on contacts are found.
     Tared,
+    /// A tare was refused, or turned out to be wrong.
+    TareFault(Arc<TareFault>),
     /// How the runtime is doing; each second, to the sinks that want it, and at the end.
     Health(Arc<Health>),
 }

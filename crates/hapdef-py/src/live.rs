@@ -46,6 +46,14 @@ impl PyLive {
         self.with(|running| running.live().control().tare());
     }
 
+    /// Why the last tare was refused or does not hold, and what to do; `None` if it holds. As of at most a
+    /// second ago.
+    #[getter]
+    fn tare_fault(&self) -> Option<String> {
+        let health = self.with(|running| running.live().health())?;
+        health.tare_fault.as_ref().map(|fault| fault.to_string())
+    }
+
     /// Counts since the start: frames, lost, dropped, refused, and the 99th percentile of the
     /// computing time in µs; `None` when it is closed.
     fn health<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, pyo3::types::PyDict>>> {

@@ -20,7 +20,7 @@ use hapdef_cli::SceneArgs;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
-use hapdef_live::{Bundle, Live, LiveBuilder, LiveGauge, LiveParams};
+use hapdef_live::{Bundle, Live, LiveBuilder, LiveGauge, LiveParams, Retare};
 use hapdef_rig::live::TruthFrame;
 
 use super::files::new_file;
@@ -81,6 +81,10 @@ pub(crate) struct LiveArgs {
     /// Time whose mean is the tare, s; 0 for readings that come tared.
     #[arg(long, default_value_t = 1.0)]
     tare_s: f64,
+    /// A tare that was taken while something pressed is found out when that lets go: ask for another one, or
+    /// put the zero right at once.
+    #[arg(long, value_enum, default_value_t = RetareArg::Ask)]
+    retare: RetareArg,
     /// End after that many seconds.
     #[arg(long)]
     seconds: Option<f64>,
@@ -90,6 +94,13 @@ pub(crate) struct LiveArgs {
     /// Real-time priority of the reader, 1 to 99, where the system grants it.
     #[arg(long, value_name = "PRIORITY")]
     realtime: Option<u8>,
+}
+
+/// [`Retare`] in words.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum RetareArg {
+    Ask,
+    Auto,
 }
 
 /// A model and a source, made ready.
@@ -204,6 +215,10 @@ impl Model {
         let params = LiveParams {
             tare_s: args.tare_s,
             noise_ue: Some(self.noise_ue),
+            retare: match args.retare {
+                RetareArg::Ask => Retare::Ask,
+                RetareArg::Auto => Retare::Auto,
+            },
             deadline: Duration::from_micros(args.deadline_us),
             is_recorded: args.is_recorded(),
             is_lossless: args.is_unpaced(),

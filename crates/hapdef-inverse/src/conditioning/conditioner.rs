@@ -139,6 +139,18 @@ impl Conditioner {
         }
     }
 
+    /// Whether the next frames are a tare.
+    #[must_use]
+    pub fn is_taring(&self) -> bool {
+        self.is_taring
+    }
+
+    /// Whether there was a zero before the last tare.
+    #[must_use]
+    pub fn has_zero_before(&self) -> bool {
+        self.before.zero.is_some()
+    }
+
     /// What the readings of the last tare are above those that were untouched before it `[n_gauges]`: the zero
     /// before it, or how the first tare began that was refused; none after the first tare.
     #[must_use]

@@ -300,7 +300,9 @@ fn drift_up_to_the_limit_is_followed() {
         let (n_touched, worst) = worst_of(&mut rig, 60.0, drift);
         println!("{k}: {n_touched} frames touched, {worst:.2} µε left at most");
         assert_eq!(n_touched, 0, "{k}");
-        assert!(worst < 0.9, "{k}: {worst}");
+        // what it drifts by until that is seen, with the noise of the mean
+        let fastest = (0..N).map(|g| direction(g).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.45 + 0.35 * fastest, "{k}: {worst}");
         // what presses then is read as it is
         let pressed = |g: usize, t: f64| drift(g, t) + contact(g);
         rig.run(2.0, |_| None, pressed);

@@ -7,7 +7,7 @@ mod settings;
 mod superposition;
 mod tracking;
 
-use hapdef_contact::Touch;
+use hapdef_contact::{Contact, Touch};
 use hapdef_inverse::ContactEstimator;
 
 #[cfg(feature = "nets")]
@@ -47,6 +47,19 @@ pub trait TouchEstimator: Send {
         self.estimate_frame(&TouchFrame::whole(readings_ue), touch)
     }
 
+    /// What explains `readings_ue` `[n_gauges]`, µε, on their own: contacts that press, and contacts that
+    /// pressed and are gone, by the mirrored readings. None for an estimator that can't tell how well.
+    ///
+    /// # Errors
+    /// As [`TouchEstimator::estimate_frame`].
+    fn explain(
+        &mut self,
+        _readings_ue: &[f64],
+        _live: Option<&[bool]>,
+    ) -> Result<Option<[Explained; 2]>, LiveError> {
+        Ok(None)
+    }
+
     /// Forgets what earlier frames said: the stream begins anew.
     fn start_over(&mut self) {}
 
@@ -67,6 +80,36 @@ pub trait TouchEstimator: Send {
     fn set_least_noise(&mut self, _least_ue: &[f64]) -> Result<(), LiveError> {
         Ok(())
     }
+}
+
+/// Contacts that explain readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explained {
+    /// The strongest first.
+    pub contacts: Vec<Contact>,
+    /// The probability of a residual as large by noise and the map's error.
+    pub p_value: f64,
+}
+
+/// What explains readings by `estimator`, pressing and mirrored.
+fn explain(
+    estimator: &ContactEstimator,
+    readings_ue: &[f64],
+    live: Option<&[bool]>,
+) -> Result<[Explained; 2], LiveError> {
+    let masked = match live.filter(|live| live.contains(&false)) {
+        Some(live) => Some(estimator.masked(live)?),
+        None => None,
+    };
+    let estimator = masked.as_ref().unwrap_or(estimator);
+    let explained = |sign: f64| -> Result<Explained, LiveError> {
+        let signed: Vec<f64> = readings_ue.iter().map(|reading| sign * reading).collect();
+        let found = estimator.estimate(&signed)?;
+        let skin = estimator.map().skin();
+        let contacts = found.contacts.iter().map(|contact| contact.contact(skin, true)).collect();
+        Ok(Explained { contacts, p_value: found.p_value })
+    };
+    Ok([explained(1.0)?, explained(-1.0)?])
 }
 
 /// Noise that is larger by less than this share is not worth weighing the readings anew.

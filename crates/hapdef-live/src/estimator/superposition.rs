@@ -3,7 +3,7 @@
 use hapdef_contact::{Alternative, Quality, Touch};
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
 
-use super::{EstimatorKind, TouchEstimator, TouchFrame, TouchWanted, noisier};
+use super::{EstimatorKind, Explained, TouchEstimator, TouchFrame, TouchWanted, explain, noisier};
 use crate::error::LiveError;
 
 /// [`ContactEstimator`] with its buffers. When gauges fail it is whitened anew without them, which
@@ -105,6 +105,14 @@ impl TouchEstimator for Superposition {
         self.search(frame)?;
         self.report(frame.wanted, touch);
         Ok(())
+    }
+
+    fn explain(
+        &mut self,
+        readings_ue: &[f64],
+        live: Option<&[bool]>,
+    ) -> Result<Option<[Explained; 2]>, LiveError> {
+        explain(&self.estimator, readings_ue, live).map(Some)
     }
 
     fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {

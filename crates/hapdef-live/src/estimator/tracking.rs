@@ -6,7 +6,7 @@ use hapdef_inverse::{
     TrackerParams,
 };
 
-use super::{EstimatorKind, TouchEstimator, TouchFrame, TouchWanted, noisier};
+use super::{EstimatorKind, Explained, TouchEstimator, TouchFrame, TouchWanted, explain, noisier};
 use crate::error::LiveError;
 
 /// Where a full search runs that the tracker asks for when its contacts don't explain the frames.
@@ -193,6 +193,14 @@ impl TouchEstimator for Tracking {
         self.params = params;
         self.first_id = self.next_id;
         Ok(())
+    }
+
+    fn explain(
+        &mut self,
+        readings_ue: &[f64],
+        live: Option<&[bool]>,
+    ) -> Result<Option<[Explained; 2]>, LiveError> {
+        explain(&self.estimator, readings_ue, live).map(Some)
     }
 
     fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {

@@ -1,12 +1,12 @@
 //! The computing thread: from messages to frames with contacts.
 
 mod conditioning;
+mod tare;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
 use hapdef_daq::{Acquisition, Frame, Message, Receiver};
@@ -21,6 +21,7 @@ use crate::frame::LiveFrame;
 use crate::health::Health;
 use crate::sink::{LiveEvent, Wants};
 use conditioning::Conditioning;
+use tare::TareWatch;
 
 /// Longest wait for a message, so that a stop is seen.
 const POLL: Duration = Duration::from_millis(20);
@@ -49,6 +50,7 @@ pub(super) struct Compute {
     shared: Arc<Shared>,
     device: Option<Device>,
     conditioning: Option<Conditioning>,
+    tare_watch: TareWatch,
     frame: LiveFrame,
     counts: Counts,
     stages: Stages,
@@ -77,6 +79,7 @@ impl Compute {
             shared,
             device: None,
             conditioning: None,
+            tare_watch: TareWatch::default(),
             counts: Counts::default(),
             stages: Stages::new(),
             start_ns,
@@ -195,11 +198,11 @@ impl Compute {
         let wants = self.setup.wants;
         let to = &mut self.frame;
         to.touch.clear();
-        let is_taring = to.phase == TouchPhase::Taring;
+        let has_zero = to.phase.is_known();
         let Some(estimator) = &mut self.setup.estimator else {
             return;
         };
-        if !wants.has_contacts() || is_taring {
+        if !wants.has_contacts() || !has_zero {
             return;
         }
         self.counts.n_estimated += 1;
@@ -212,6 +215,7 @@ impl Compute {
                 self.counts.last_refusal = Some(error.to_string().into());
             }
         }
+        self.judge_contacts();
     }
 
     fn hello(&mut self, hello: Arc<Hello>) {
@@ -247,6 +251,7 @@ impl Compute {
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
             self.frame = LiveFrame::new(device.n_gauges());
+            self.tare_watch = TareWatch::default();
         }
         self.device = Some(device);
         Ok(())

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hapdef_daq::source::LinkState;
 
 use crate::health::Health;
+use crate::tare_fault::TareFault;
 
 /// Counts since the start, and what was said last.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +22,7 @@ pub(super) struct Counts {
     pub(super) n_deadline_missed: u64,
     pub(super) last_refusal: Option<Arc<str>>,
     pub(super) device_fault: Option<Arc<str>>,
+    pub(super) tare_fault: Option<Arc<TareFault>>,
     pub(super) link: Option<LinkState>,
     pub(super) noise_ue: Vec<f64>,
     pub(super) n_noisier: usize,
@@ -41,6 +43,7 @@ impl Counts {
         health.n_deadline_missed = self.n_deadline_missed;
         health.last_refusal.clone_from(&self.last_refusal);
         health.device_fault.clone_from(&self.device_fault);
+        health.tare_fault.clone_from(&self.tare_fault);
         health.link.clone_from(&self.link);
         health.noise_ue.clone_from(&self.noise_ue);
         health.n_noisier = self.n_noisier;

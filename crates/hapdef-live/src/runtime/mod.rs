@@ -27,6 +27,7 @@ use crate::runtime::compute::{Compute, Setup};
 use crate::runtime::sink_worker::{SinkThread, SinkWorker};
 use crate::runtime::source::{InFlight, LiveSource};
 use crate::sink::{Sink, Wants};
+use crate::tare_fault::Retare;
 
 /// How long a sink may take to end, unless the runtime is lossless.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -45,6 +46,8 @@ pub struct LiveParams {
     /// Parameters of conditioning; noise, period, tare and rails in it are replaced. Its defaults if
     /// `None`.
     pub conditioning: Option<ConditionerParams>,
+    /// What becomes of a zero that was taken while something pressed unseen, once that lets go.
+    pub retare: Retare,
     /// Time from the sample instant to the contacts beyond which a frame counts as late.
     pub deadline: Duration,
     /// The frames' times are those of a recording: how long frames waited is unknown.
@@ -114,6 +117,7 @@ impl Default for LiveParams {
             noise_ue: None,
             rate_hz: 1000.0,
             conditioning: None,
+            retare: Retare::Ask,
             deadline: Duration::from_millis(1),
             is_recorded: false,
             is_lossless: false,

@@ -10,6 +10,7 @@ use crate::error::AnyError;
 use crate::frame::LiveFrame;
 use crate::health::{Health, Latency};
 use crate::sink::{Delivery, LiveEvent, Sink, Wants};
+use crate::tare_fault::TareFault;
 
 /// Frames that wait for a slow file or pipe.
 const N_QUEUED: usize = 4096;
@@ -137,6 +138,7 @@ pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, 
         LiveEvent::Link(state) => json!({"event": "link", "text": state.to_string()}),
         LiveEvent::Log(text) => json!({"event": "log", "text": &**text}),
         LiveEvent::Tared => json!({"event": "tared"}),
+        LiveEvent::TareFault(fault) => tare_fault_value(fault),
         LiveEvent::Health(health) => health_value(health),
         LiveEvent::Status(_) => return Ok(false),
     };
@@ -144,6 +146,20 @@ pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, 
     serde_json::to_writer(&mut *line, &value)?;
     line.push(b'\n');
     Ok(true)
+}
+
+fn tare_fault_value(fault: &TareFault) -> Value {
+    let contacts = fault.contacts.iter().map(|contact| {
+        let position_m: [f64; 3] = contact.position_m.into();
+        json!({"position_m": position_m, "force_n": contact.force_n})
+    });
+    json!({
+        "event": "tare_fault",
+        "kind": fault.kind.word(),
+        "outcome": fault.outcome.word(),
+        "contacts": contacts.collect::<Vec<_>>(),
+        "text": fault.to_string(),
+    })
 }
 
 fn health_value(health: &Health) -> Value {

@@ -95,6 +95,7 @@ impl<W: Write + Send> Sink for TextSink<W> {
             LiveEvent::Link(state) => self.say(format_args!("link: {state}")),
             LiveEvent::Log(text) => self.say(format_args!("device says: {text}")),
             LiveEvent::Tared => self.say(format_args!("tared")),
+            LiveEvent::TareFault(fault) => self.say(format_args!("{fault}")),
             LiveEvent::Health(health) => self.say(format_args!("{health}")),
             LiveEvent::Status(_) => Ok(()),
         }

@@ -13,4 +13,5 @@ mod runtime;
 mod sinks;
 mod stalled_client;
 mod support;
+mod tare;
 mod wire;

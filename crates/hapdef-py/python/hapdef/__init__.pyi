@@ -394,6 +394,9 @@ class Live:
     def source(self) -> str: ...
     def tare(self) -> None:
         """Takes a new tare of the next frames, which must be untouched."""
+    @property
+    def tare_fault(self) -> Optional[str]:
+        """Why the last tare was refused or does not hold, and what to do; None if it holds."""
     def health(self) -> Optional[dict[str, Any]]:
         """Counts since the start; None when it is closed."""
     def close(self) -> None: ...

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hapdef_daq::source::LinkState;
-use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, Sink, Wants};
+use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, Sink, TareOutcome, Wants};
 use hapdef_view::{DeviceState, ViewPusher};
 
 use super::Shared;
@@ -76,6 +76,12 @@ impl Sink for ViewSink {
             LiveEvent::Tared => {
                 self.shared.is_tared.store(true, Ordering::Relaxed);
                 self.pusher.say("Tared");
+            }
+            LiveEvent::TareFault(fault) => {
+                // a tare that begins again needs the virtual hand away
+                let is_over = fault.outcome != TareOutcome::Again;
+                self.shared.is_tared.store(is_over, Ordering::Relaxed);
+                self.pusher.say(&fault.to_string());
             }
             LiveEvent::Restarted if !self.is_recorded => {
                 self.pusher.say("The device started anew");

@@ -6,13 +6,12 @@ use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError};
 use super::Compute;
 use crate::runtime::device::Device;
 use crate::runtime::noise::TareNoise;
-use crate::sink::LiveEvent;
 
 /// The filter in front of the estimator, with its output.
 pub(super) struct Conditioning {
-    conditioner: Conditioner,
+    pub(super) conditioner: Conditioner,
     pub(super) out: Conditioned,
-    noise: TareNoise,
+    pub(super) noise: TareNoise,
     /// Readings for the filter `[n_gauges]`, µε: at the end of their range where the device says so.
     raw_ue: Vec<f64>,
     /// Highest reading of each gauge `[n_gauges]`, µε.
@@ -43,13 +42,14 @@ impl Compute {
             return;
         };
         let was_taring = conditioning.out.phase == TouchPhase::Taring;
-        if was_taring && conditioning.noise.take(&to.raw_ue) {
-            self.take_noise();
+        if was_taring {
+            conditioning.noise.take(&to.raw_ue);
         }
-        self.step(was_taring);
+        self.step();
+        self.judge_zero();
     }
 
-    fn step(&mut self, was_taring: bool) {
+    fn step(&mut self) {
         let to = &mut self.frame;
         let (Some(conditioning), Some(device)) = (&mut self.conditioning, &self.device) else {
             return;
@@ -73,13 +73,13 @@ impl Compute {
         for gauge in device.saturated() {
             to.gauges[gauge] = GaugeHealth::Saturated;
         }
-        if was_taring && !is_taring {
-            self.tell(&LiveEvent::Tared);
+        if let Some(end) = out.tare_end {
+            self.end_tare(end);
         }
     }
 
     /// Noise of the tare that is surely larger than assumed counts from now on.
-    fn take_noise(&mut self) {
+    pub(super) fn take_noise(&mut self) {
         let Some(conditioning) = &mut self.conditioning else {
             return;
         };

@@ -1,0 +1,230 @@
+//! Tares that don't hold: refused, or found out when what pressed unseen lets go.
+
+use std::sync::Arc;
+
+use hapdef_contact::{TouchPhase, UnknownReason};
+use hapdef_inverse::{DriftState, TareEnd};
+
+use super::Compute;
+use crate::estimator::Explained;
+use crate::sink::LiveEvent;
+use crate::tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};
+
+/// An explanation less probable than this is none.
+const LEAST_P: f64 = 1e-2;
+
+/// A contact with less force explains nothing here, N: it is as strong as what contacts are let go at.
+const LEAST_FORCE_N: f64 = 0.5;
+
+/// Times after something began to touch when it is looked whether it is a release, s: at once, and later for
+/// hands that let go slowly.
+const LOOKS_S: [f64; 5] = [0.08, 0.16, 0.32, 0.64, 1.28];
+
+/// Time over which readings are averaged for a look, s.
+const MEAN_S: f64 = 0.032;
+
+/// Readings have settled whose halves of that time differ by so many standard deviations, or by this share.
+const SETTLED_SDS: f64 = 5.0;
+const SETTLED_SHARE: f64 = 0.03;
+
+/// What is watched after the zero was taken.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TareWatch {
+    /// The fault that makes the zero invalid.
+    fault: Option<Arc<TareFault>>,
+    /// Frames since something began to touch.
+    n_touched: usize,
+    /// Sums of the readings in both halves of the time before a look `[n_gauges]`.
+    halves: [Vec<f64>; 2],
+}
+
+impl TareWatch {
+    /// Whether the zero is not that of an untouched limb.
+    pub(super) fn is_invalid(&self) -> bool {
+        self.fault.is_some()
+    }
+
+    /// Adds a frame in which something touches; the mean readings when it is time for a look and they have
+    /// settled.
+    fn look(&mut self, readings: &[f64], period_s: f64, sd_ue: f64) -> Option<Vec<f64>> {
+        self.n_touched += 1;
+        let n_mean = ((MEAN_S / period_s) as usize).max(2);
+        let n_look = LOOKS_S.map(|at_s| (at_s / period_s).round() as usize);
+        let &n_look = n_look.iter().find(|n| **n >= self.n_touched)?;
+        if self.n_touched + n_mean <= n_look {
+            return None;
+        }
+        if self.n_touched + n_mean == n_look + 1 {
+            self.halves = [vec![0.0; readings.len()], vec![0.0; readings.len()]];
+        }
+        let n_left = n_look - self.n_touched;
+        let half = &mut self.halves[usize::from(2 * n_left < n_mean)];
+        half.iter_mut().zip(readings).for_each(|(sum, r)| *sum += 2.0 * r / n_mean as f64);
+        if n_left > 0 {
+            return None;
+        }
+        let pairs = || self.halves[0].iter().zip(&self.halves[1]);
+        let most = pairs().map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
+        let apart = pairs().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let noise = SETTLED_SDS * sd_ue * (4.0 / n_mean as f64).sqrt();
+        let is_settled = apart < noise.max(SETTLED_SHARE * most);
+        is_settled.then(|| pairs().map(|(a, b)| 0.5 * (a + b)).collect())
+    }
+}
+
+impl Compute {
+    /// What the end of a tare means: it is taken, or refused with what presses.
+    pub(super) fn end_tare(&mut self, end: TareEnd) {
+        let Some(conditioning) = &self.conditioning else {
+            return;
+        };
+        let conditioner = &conditioning.conditioner;
+        let (kind, readings) = match end {
+            TareEnd::Refused(found) => {
+                let kind = TareFaultKind::Moved { gauge: found.gauge, by_ue: found.by };
+                (Some(kind), Some(conditioner.tare_moved()))
+            }
+            // what let go unseen is no press when its zero is given up
+            TareEnd::Taken if self.tare_watch.is_invalid() && conditioner.has_zero_before() => {
+                (None, None)
+            }
+            TareEnd::Taken => (None, conditioner.tare_shift()),
+        };
+        let explained = readings.and_then(|readings| self.explain(&readings));
+        let pressing = explained.map(|[pressing, released]| {
+            let is_pressed = is_press(&pressing) && !is_better(&released, &pressing);
+            if is_pressed { pressing.contacts } else { Vec::new() }
+        });
+        let contacts = pressing.unwrap_or_default();
+        let kind = match kind {
+            None if contacts.len() == 1 => TareFaultKind::Pressed,
+            None => return self.tare_taken(),
+            Some(kind) => kind,
+        };
+        let Some(conditioning) = &mut self.conditioning else {
+            return;
+        };
+        if kind == TareFaultKind::Pressed {
+            conditioning.conditioner.refuse_tare();
+        }
+        conditioning.noise.start_over();
+        let is_again = conditioning.conditioner.is_taring();
+        let outcome = match (is_again, self.tare_watch.is_invalid()) {
+            (true, _) => TareOutcome::Again,
+            (false, true) => TareOutcome::Waits,
+            (false, false) => TareOutcome::Kept,
+        };
+        self.tare_watch.n_touched = 0;
+        self.tell_tare_fault(TareFault { kind, contacts, outcome });
+    }
+
+    fn tare_taken(&mut self) {
+        self.take_noise();
+        self.tare_watch = TareWatch::default();
+        self.counts.tare_fault = None;
+        self.tell(&LiveEvent::Tared);
+    }
+
+    fn tell_tare_fault(&mut self, fault: TareFault) {
+        let fault = Arc::new(fault);
+        if matches!(fault.outcome, TareOutcome::Again | TareOutcome::Waits) {
+            self.tare_watch.fault = Some(Arc::clone(&fault));
+        }
+        self.counts.tare_fault = Some(Arc::clone(&fault));
+        self.tell(&LiveEvent::TareFault(fault));
+    }
+
+    /// Says what the zero is worth: after conditioning, before contacts are looked for.
+    pub(super) fn judge_zero(&mut self) {
+        if self.frame.phase == TouchPhase::Untouched {
+            self.tare_watch.n_touched = 0;
+        }
+        if self.tare_watch.is_invalid() {
+            self.frame.phase = TouchPhase::Unknown(UnknownReason::TareInvalid);
+        }
+    }
+
+    /// Looks at the contacts found: whether they are a release or drift.
+    pub(super) fn judge_contacts(&mut self) {
+        let Some(conditioning) = &self.conditioning else {
+            return;
+        };
+        let drift = conditioning.out.drift;
+        let touch = &mut self.frame.touch;
+        if self.frame.phase == TouchPhase::Untouched && drift == DriftState::Followed {
+            // what the filter catches up with within tenths of a second
+            if !touch.contacts.is_empty() {
+                touch.clear();
+            }
+            return;
+        }
+        if self.frame.phase != TouchPhase::Touched {
+            return;
+        }
+        let quality = touch.quality;
+        let is_explained = quality.is_some_and(|quality| quality.is_identified());
+        if matches!(drift, DriftState::TooFast { .. }) && !is_explained {
+            self.frame.phase = TouchPhase::Unknown(UnknownReason::Drift);
+        }
+        self.look_for_release();
+    }
+
+    /// Finds out whether what touches is the release of what pressed during the tare.
+    fn look_for_release(&mut self) {
+        let Some(device) = &self.device else {
+            return;
+        };
+        let sd_ue = self.counts.noise_ue.iter().copied().fold(self.setup.noise_ue, f64::max);
+        let watch = &mut self.tare_watch;
+        let Some(mean) = watch.look(&self.frame.tared_ue, device.period_s, sd_ue) else {
+            return;
+        };
+        let touch = &self.frame.touch;
+        let is_press = touch.contacts.len() == 1
+            && touch.quality.is_some_and(|q| q.is_identified() && q.p_value > LEAST_P);
+        if is_press {
+            return;
+        }
+        let Some([pressing, released]) = self.explain(&mean) else {
+            return;
+        };
+        if !is_strong(&released) || !is_better(&released, &pressing) {
+            return;
+        }
+        let is_put_right = self.setup.params.retare == Retare::Auto;
+        if is_put_right && let Some(conditioning) = &mut self.conditioning {
+            // lengths are those of the device
+            let _ = conditioning.conditioner.shift(&mean);
+            self.start_over();
+            self.tare_watch.n_touched = 0;
+            self.frame.phase = TouchPhase::Untouched;
+        } else {
+            self.frame.phase = TouchPhase::Unknown(UnknownReason::TareInvalid);
+        }
+        self.frame.touch.clear();
+        let outcome = if is_put_right { TareOutcome::PutRight } else { TareOutcome::Waits };
+        let (kind, contacts) = (TareFaultKind::PressedUnseen, released.contacts);
+        self.tell_tare_fault(TareFault { kind, contacts, outcome });
+    }
+
+    fn explain(&mut self, readings_ue: &[f64]) -> Option<[Explained; 2]> {
+        let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
+        let estimator = self.setup.estimator.as_mut()?;
+        estimator.explain(readings_ue, live).ok().flatten()
+    }
+}
+
+/// Whether contacts explain the readings.
+fn is_press(found: &Explained) -> bool {
+    found.p_value > LEAST_P && is_strong(found)
+}
+
+fn is_strong(found: &Explained) -> bool {
+    found.contacts.iter().any(|contact| contact.force_n > LEAST_FORCE_N)
+}
+
+/// Whether `found` explains the readings within their noise, and `other` does not with as few contacts.
+fn is_better(found: &Explained, other: &Explained) -> bool {
+    let is_good = found.p_value > LEAST_P && !found.contacts.is_empty();
+    is_good && (other.p_value <= LEAST_P || other.contacts.len() > found.contacts.len())
+}
