@@ -28,6 +28,7 @@ pub struct Conditioner {
     check: TareCheck,
     /// What there was before the tare that is taken or was the last one.
     before: Before,
+    moved: Vec<f64>,
     tare_temperature_k: Option<f64>,
     /// Running means of the readings since the last frame that was surely touched `[n_gauges]`.
     slow: Vec<f64>,
@@ -72,6 +73,7 @@ impl Conditioner {
             is_taring: true,
             check: TareCheck::new(n, params.tare_frames, params.period_s),
             before: Before::default(),
+            moved: Vec::new(),
             tare_temperature_k: None,
             slow: vec![0.0; n],
             n_slow: 0,
@@ -168,11 +170,11 @@ impl Conditioner {
         before.map(pairs)
     }
 
-    /// How far the readings of the last tare moved from its beginning to its end `[n_gauges]`.
+    /// How far the readings of the last tare that was refused for it moved from its beginning to its end
+    /// `[n_gauges]`.
     #[must_use]
-    pub fn tare_moved(&self) -> Vec<f64> {
-        let [first, last] = self.check.ends();
-        last.iter().zip(first).map(|(last, first)| last - first).collect()
+    pub fn tare_moved(&self) -> &[f64] {
+        &self.moved
     }
 
     /// Moves the zero by `by` `[n_gauges]`, as by what is known to have pressed during the tare: nothing touches
@@ -258,6 +260,8 @@ impl Conditioner {
             None => TareEnd::Taken,
         });
         if out.tare_end != Some(TareEnd::Taken) {
+            let [first, last] = self.check.ends();
+            self.moved = last.iter().zip(first).map(|(last, first)| last - first).collect();
             self.refuse_tare();
             return;
         }

@@ -82,7 +82,7 @@ impl Compute {
         let (kind, readings) = match end {
             TareEnd::Refused(found) => {
                 let kind = TareFaultKind::Moved { gauge: found.gauge, by_ue: found.by };
-                (Some(kind), Some(conditioner.tare_moved()))
+                (Some(kind), Some(conditioner.tare_moved().to_vec()))
             }
             // what let go unseen is no press when its zero is given up
             TareEnd::Taken if self.tare_watch.is_invalid() && conditioner.has_zero_before() => {

@@ -31,7 +31,7 @@ impl FrameSource for Endless {
             sink(Message::Hello(Arc::clone(&self.hello)));
         }
         while self.start.elapsed() > Duration::from_millis(u64::from(self.n_sent)) {
-            let wave = |c: i32| 100_000 * c + (self.n_sent % 97) as i32;
+            let wave = |c: i32| 100_000 * c + (self.n_sent * 57 % 97) as i32;
             let counts = (0..self.hello.channels.len() as i32).map(wave);
             sink(Message::Frame(Frame::new(self.n_sent, SampleFormat::I32, counts)));
             self.n_sent += 1;
