@@ -251,7 +251,7 @@ impl Compute {
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
             self.frame = LiveFrame::new(device.n_gauges());
-            self.tare_watch = TareWatch::default();
+            self.tare_watch = TareWatch::new(device.n_gauges());
         }
         self.device = Some(device);
         Ok(())

@@ -44,31 +44,39 @@ impl TareWatch {
         self.fault.is_some()
     }
 
-    /// Adds a frame in which something touches; the mean readings when it is time for a look and they have
-    /// settled.
-    fn look(&mut self, readings: &[f64], period_s: f64, sd_ue: f64) -> Option<Vec<f64>> {
+    /// Of readings of so many gauges.
+    pub(super) fn new(n_gauges: usize) -> Self {
+        Self { halves: [vec![0.0; n_gauges], vec![0.0; n_gauges]], ..Self::default() }
+    }
+
+    /// Adds a frame in which something touches; whether it is time for a look at [`TareWatch::mean`], the
+    /// readings having settled.
+    fn look(&mut self, readings: &[f64], period_s: f64, sd_ue: f64) -> bool {
         self.n_touched += 1;
         let n_mean = ((MEAN_S / period_s) as usize).max(2);
         let n_look = LOOKS_S.map(|at_s| (at_s / period_s).round() as usize);
-        let &n_look = n_look.iter().find(|n| **n >= self.n_touched)?;
-        if self.n_touched + n_mean <= n_look {
-            return None;
-        }
-        if self.n_touched + n_mean == n_look + 1 {
-            self.halves = [vec![0.0; readings.len()], vec![0.0; readings.len()]];
-        }
+        let Some(&n_look) = n_look.iter().find(|n| **n >= self.n_touched) else {
+            return false;
+        };
         let n_left = n_look - self.n_touched;
+        if n_left >= n_mean {
+            return false;
+        }
+        if n_left + 1 == n_mean {
+            self.halves.iter_mut().for_each(|half| half.fill(0.0));
+        }
         let half = &mut self.halves[usize::from(2 * n_left < n_mean)];
         half.iter_mut().zip(readings).for_each(|(sum, r)| *sum += 2.0 * r / n_mean as f64);
-        if n_left > 0 {
-            return None;
-        }
         let pairs = || self.halves[0].iter().zip(&self.halves[1]);
         let most = pairs().map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
         let apart = pairs().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let noise = SETTLED_SDS * sd_ue * (4.0 / n_mean as f64).sqrt();
-        let is_settled = apart < noise.max(SETTLED_SHARE * most);
-        is_settled.then(|| pairs().map(|(a, b)| 0.5 * (a + b)).collect())
+        n_left == 0 && apart < noise.max(SETTLED_SHARE * most)
+    }
+
+    /// Mean readings before a look `[n_gauges]`, µε.
+    fn mean(&self) -> Vec<f64> {
+        self.halves[0].iter().zip(&self.halves[1]).map(|(a, b)| 0.5 * (a + b)).collect()
     }
 }
 
@@ -120,7 +128,7 @@ impl Compute {
 
     fn tare_taken(&mut self) {
         self.take_noise();
-        self.tare_watch = TareWatch::default();
+        (self.tare_watch.fault, self.tare_watch.n_touched) = (None, 0);
         self.counts.tare_fault = None;
         self.tell(&LiveEvent::Tared);
     }
@@ -176,15 +184,16 @@ impl Compute {
         };
         let sd_ue = self.counts.noise_ue.iter().copied().fold(self.setup.noise_ue, f64::max);
         let watch = &mut self.tare_watch;
-        let Some(mean) = watch.look(&self.frame.tared_ue, device.period_s, sd_ue) else {
+        if !watch.look(&self.frame.tared_ue, device.period_s, sd_ue) {
             return;
-        };
+        }
         let touch = &self.frame.touch;
         let is_press = touch.contacts.len() == 1
             && touch.quality.is_some_and(|q| q.is_identified() && q.p_value > LEAST_P);
         if is_press {
             return;
         }
+        let mean = self.tare_watch.mean();
         let Some([pressing, released]) = self.explain(&mean) else {
             return;
         };
