@@ -321,7 +321,7 @@ fn drift_beyond_the_limit_is_said() {
         let mut rig = Rig::new(|_| ());
         rig.run(1.0, |_| None, |g, _| offset(g));
         let drift = |g: usize, t: f64| {
-            let sign = if g % 3 == 0 { -1.0 } else { 1.0 };
+            let sign = if g.is_multiple_of(3) { -1.0 } else { 1.0 };
             offset(g) + sign * rate * (t - 1.0)
         };
         rig.run(6.0, |_| None, drift);

@@ -93,9 +93,9 @@ fn release(bundle: &Bundle, seed: u64) -> Option<f64> {
         let share = 1.0 - (index.saturating_sub(BEFORE) as f64 / 40.0).min(1.0);
         y.iter_mut().zip(&g).for_each(|(y, g)| *y += g * force_n * share);
     });
-    let after = frames.iter().filter(|seen| seen.seq >= BEFORE);
     // the zero was put right, and nothing came after it
-    let last = after.filter(|seen| seen.phase != TouchPhase::Untouched).map(|seen| seen.seq).last();
+    let mut last_first = frames.iter().rev().take_while(|seen| seen.seq >= BEFORE);
+    let last = last_first.find(|seen| seen.phase != TouchPhase::Untouched).map(|seen| seen.seq);
     let is_right = frames.last().is_some_and(|seen| seen.phase == TouchPhase::Untouched);
     last.filter(|_| is_right).map(|seq| (seq + 1 - BEFORE) as f64 * PERIOD_S * 1e3)
 }
