@@ -15,7 +15,7 @@ use super::python::Python;
 /// The script, as it was when this program was built.
 const SCRIPT: &str = include_str!("../../scripts/nets_peers.py");
 
-/// A running Python that times its rows when told to.
+/// A running Python that times its rows when asked to.
 pub(super) struct Peers {
     python: Python,
     folder: PathBuf,

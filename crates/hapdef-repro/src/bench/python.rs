@@ -1,4 +1,4 @@
-//! A Python that does what it is told line by line.
+//! A Python that answers line by line.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};

@@ -65,11 +65,11 @@ impl Bench<'_> {
         let with_friction = many.estimator_with_friction(self.params(), FRICTION, ring_m)?;
         let rough = drawn.rough_doubles(n, FRICTION, WIDE_TIP_M)?;
         measured.add("double, friction and wide tip", &many.score(&with_friction, &rough)?);
-        self.honesty(many, &estimator, measured)
+        self.coverage(many, &estimator, measured)
     }
 
     /// Coverage of the 95 % regions over many frames, and how near the bound is.
-    fn honesty(
+    fn coverage(
         &self,
         many: &Map,
         estimator: &ContactEstimator,

@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn so_many_contacts_press_from_the_frame_that_is_told_to_the_end() {
+    fn so_many_contacts_press_from_the_stated_frame_to_the_end() {
         let (_, contacts) = on_a_triangle(&[[0.03, 0.03]; 3]);
         let whole = Script::new(contacts);
         for n in 1..=3 {

@@ -204,6 +204,11 @@ pub(crate) fn blocks(rows: Range<usize>, n: usize) -> impl Iterator<Item = Range
     rows.step_by(n).map(move |start| start..(start + n).min(end))
 }
 
+/// The first of `rows`, at most `most`.
+pub(crate) fn first_of(rows: Range<usize>, most: usize) -> Range<usize> {
+    rows.start..rows.end.min(rows.start + most)
+}
+
 /// At most `most` of `rows`, evenly apart.
 pub(crate) fn evenly(rows: Range<usize>, most: usize) -> impl Iterator<Item = usize> {
     let n = rows.len().min(most);

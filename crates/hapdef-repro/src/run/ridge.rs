@@ -6,7 +6,7 @@ use hapdef_report::{ReportTable, TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::dataset::Dataset;
+use super::dataset::{Dataset, first_of};
 use super::kept::kept;
 use super::table1::{add_training, error_on, test_error};
 use crate::baselines::{LinearAccumulator, LinearParams};
@@ -71,8 +71,7 @@ fn choose(sums: &LinearAccumulator, sets: &mut [Dataset]) -> Result<(f64, Fitted
         let mut error = 0.0;
         for set in &mut *sets {
             let rows = set.split()?.validation;
-            let end = rows.end.min(rows.start + most);
-            error += error_on(&regression, set, rows.start..end)?.mean_abs_um;
+            error += error_on(&regression, set, first_of(rows, most))?.mean_abs_um;
         }
         if best.as_ref().is_none_or(|(least, ..)| error < *least) {
             best = Some((error, ridge, regression));

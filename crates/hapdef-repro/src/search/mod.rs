@@ -1,6 +1,6 @@
 //! Settings found by Bayesian optimisation, the paper's beside them.
 //!
-//! A [`SearchMethod`] has [`Knob`]s and makes a [`Learner`] of their values; [`propose`] gives the
+//! A [`SearchMethod`] has [`Parameter`]s and makes a [`Learner`] of their values; [`propose`] gives the
 //! next point from the trials so far; a [`TrialLog`] keeps them, [`merge_trials`] joins shards.
 
 mod learner;
@@ -12,7 +12,7 @@ mod trials;
 pub use learner::{Fitted, Learner, NetSettings, Samples, forward};
 pub use optimiser::propose;
 pub use report::{search_figures, search_markdown, values_in_words};
-pub use space::{Knob, KnobValues, SearchMethod, TrialBudget};
+pub use space::{Parameter, ParameterValues, SearchMethod, TrialBudget};
 pub use trials::{
     Trial, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, read_trials, trials_text,
 };

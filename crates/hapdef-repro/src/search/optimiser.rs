@@ -1,4 +1,4 @@
-//! The next point to try: a tree-structured Parzen estimator over each knob (J. Bergstra et al.,
+//! The next point to try: a tree-structured Parzen estimator over each parameter (J. Bergstra et al.,
 //! "Algorithms for Hyper-Parameter Optimization", NIPS 2011, section 4).
 //!
 //! A proposal depends on seed, index and the trials so far alone: the estimator is built anew from
@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use tpe::{TpeOptimizerBuilder, parzen_estimator};
 
-use super::space::{Knob, KnobValues, paper_values};
+use super::space::{Parameter, ParameterValues, paper_values};
 use super::trials::{Trial, TrialSource};
 use crate::error::ReproError;
 
@@ -23,19 +23,19 @@ const LAST_UNIT: f64 = 1.0 - 1e-9;
 
 /// The point of trial `index`: the paper's for 0, drawn evenly at first, then proposed.
 pub fn propose(
-    knobs: &[Knob],
+    parameters: &[Parameter],
     trials: &[Trial],
     index: usize,
     seed: u64,
-) -> Result<(KnobValues, TrialSource), ReproError> {
+) -> Result<(ParameterValues, TrialSource), ReproError> {
     if index == 0 {
-        return Ok((paper_values(knobs), TrialSource::Paper));
+        return Ok((paper_values(parameters), TrialSource::Paper));
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(index as u64);
     let known: &[Trial] = if trials.len() < N_STARTUP { &[] } else { trials };
-    let mut values = KnobValues::new();
-    for knob in knobs {
+    let mut values = ParameterValues::new();
+    for parameter in parameters {
         let broken = |message: String| ReproError::Search { message };
         let range = tpe::range(0.0, 1.0).map_err(|e| broken(e.to_string()))?;
         let mut optimiser = TpeOptimizerBuilder::new()
@@ -44,15 +44,15 @@ pub fn propose(
             .build(parzen_estimator(), range)
             .map_err(|e| broken(e.to_string()))?;
         for trial in known {
-            let value = trial.values.get(knob.name).ok_or_else(|| {
-                broken(format!("trial {} lacks the knob {}", trial.index, knob.name))
+            let value = trial.values.get(parameter.name).ok_or_else(|| {
+                broken(format!("trial {} lacks the parameter {}", trial.index, parameter.name))
             })?;
-            let unit = knob.unit(*value).min(LAST_UNIT);
+            let unit = parameter.unit(*value).min(LAST_UNIT);
             let objective = trial.objective.unwrap_or(f64::INFINITY);
             optimiser.tell(unit, objective).map_err(|e| broken(e.to_string()))?;
         }
         let unit = optimiser.ask(&mut rng).map_err(|e| broken(e.to_string()))?;
-        values.insert(knob.name.to_owned(), knob.value(unit.clamp(0.0, 1.0)));
+        values.insert(parameter.name.to_owned(), parameter.value(unit.clamp(0.0, 1.0)));
     }
     let source = if known.is_empty() { TrialSource::Random } else { TrialSource::Proposed };
     Ok((values, source))
@@ -63,20 +63,20 @@ mod tests {
     use super::*;
     use crate::search::SearchMethod;
 
-    /// A bowl over the direct net's knobs with its lowest point at 0.3 of each range.
-    fn bowl(knobs: &[Knob], values: &KnobValues) -> f64 {
-        let unit = |knob: &Knob| knob.unit(values[knob.name]) - 0.3;
-        knobs.iter().map(|knob| unit(knob).powi(2)).sum()
+    /// A bowl over the direct net's parameters with its lowest point at 0.3 of each range.
+    fn bowl(parameters: &[Parameter], values: &ParameterValues) -> f64 {
+        let unit = |parameter: &Parameter| parameter.unit(values[parameter.name]) - 0.3;
+        parameters.iter().map(|parameter| unit(parameter).powi(2)).sum()
     }
 
     /// Best of `n` trials; random ones where `blind`.
     fn best_of(n: usize, seed: u64, blind: bool) -> (f64, Vec<Trial>) {
-        let knobs = SearchMethod::Direct.knobs(24);
+        let parameters = SearchMethod::Direct.parameters(24);
         let mut trials: Vec<Trial> = Vec::new();
         for index in 0..n {
             let known = if blind { &[][..] } else { &trials };
-            let (values, source) = propose(&knobs, known, index, seed).unwrap();
-            let objective = Some(bowl(&knobs, &values));
+            let (values, source) = propose(&parameters, known, index, seed).unwrap();
+            let objective = Some(bowl(&parameters, &values));
             trials.push(Trial {
                 index,
                 source,
@@ -102,10 +102,10 @@ mod tests {
     #[test]
     fn a_search_goes_on_from_its_trials() {
         let (_, whole) = best_of(15, 3, false);
-        let knobs = SearchMethod::Direct.knobs(24);
-        let (next, source) = propose(&knobs, &whole[..12], 12, 3).unwrap();
+        let parameters = SearchMethod::Direct.parameters(24);
+        let (next, source) = propose(&parameters, &whole[..12], 12, 3).unwrap();
         assert_eq!((&next, source), (&whole[12].values, TrialSource::Proposed));
-        assert_ne!(propose(&knobs, &whole[..12], 12, 4).unwrap().0, next);
+        assert_ne!(propose(&parameters, &whole[..12], 12, 4).unwrap().0, next);
         assert_eq!(whole[0].source, TrialSource::Paper);
         assert_eq!(whole[5].source, TrialSource::Random);
     }
@@ -114,7 +114,7 @@ mod tests {
     fn trials_that_failed_count_as_the_worst() {
         let (_, mut trials) = best_of(12, 0, false);
         trials[4].objective = None;
-        let knobs = SearchMethod::Direct.knobs(24);
-        assert!(propose(&knobs, &trials, 12, 0).is_ok());
+        let parameters = SearchMethod::Direct.parameters(24);
+        assert!(propose(&parameters, &trials, 12, 0).is_ok());
     }
 }

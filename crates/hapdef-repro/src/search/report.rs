@@ -3,12 +3,12 @@
 use hapdef_bench::dotted_lines;
 use hapdef_report::{LineChart, Series, TextCell, TextTable, lines_svg};
 
-use super::space::{Knob, KnobValues};
+use super::space::{Parameter, ParameterValues};
 use super::trials::{Trial, TrialHeader, TrialSource, best_trial};
 use crate::error::ReproError;
 
 /// The search in Markdown: what it rests on, the best point beside the paper's, every trial.
-pub fn search_markdown(header: &TrialHeader, knobs: &[Knob], trials: &[Trial]) -> String {
+pub fn search_markdown(header: &TrialHeader, parameters: &[Parameter], trials: &[Trial]) -> String {
     let failed = trials.iter().filter(|t| t.objective.is_none()).count();
     let mut text = format!(
         "# Search: {}\n\nMade least: {}, on validation samples. {} trials, {failed} of them failed; \
@@ -32,38 +32,42 @@ pub fn search_markdown(header: &TrialHeader, knobs: &[Knob], trials: &[Trial]) -
     let mut sorted: Vec<&Trial> = trials.iter().collect();
     let worth = |t: &Trial| t.objective.unwrap_or(f64::INFINITY);
     sorted.sort_by(|a, b| worth(a).total_cmp(&worth(b)).then(a.index.cmp(&b.index)));
-    text + &table(knobs, &sorted).to_markdown()
+    text + &table(parameters, &sorted).to_markdown()
 }
 
 /// The figures and their file names: the best so far over the trials, and the validation error
-/// against each knob.
+/// against each parameter.
 pub fn search_figures(
     header: &TrialHeader,
-    knobs: &[Knob],
+    parameters: &[Parameter],
     trials: &[Trial],
 ) -> Result<Vec<(String, String)>, ReproError> {
     let mut figures = vec![("best-so-far.svg".to_owned(), best_so_far(header, trials)?)];
-    for knob in knobs {
-        let chart = against(header, knob, trials);
-        figures.push((format!("knob-{}.svg", knob.name), lines_svg(&chart)?));
+    for parameter in parameters {
+        let chart = against(header, parameter, trials);
+        figures.push((format!("parameter-{}.svg", parameter.name), lines_svg(&chart)?));
     }
     Ok(figures)
 }
 
 /// Values in a row, such as `k 6, patch 24`.
-pub fn values_in_words(values: &KnobValues) -> String {
+pub fn values_in_words(values: &ParameterValues) -> String {
     let words = values.iter().map(|(name, value)| format!("{name} {}", short(*value)));
     words.collect::<Vec<_>>().join(", ")
 }
 
-fn table(knobs: &[Knob], trials: &[&Trial]) -> TextTable {
+fn table(parameters: &[Parameter], trials: &[&Trial]) -> TextTable {
     let ends = ["error", "samples", "s", "note"];
-    let header =
-        ["trial", "from"].into_iter().chain(knobs.iter().map(|knob| knob.name)).chain(ends);
+    let header = ["trial", "from"]
+        .into_iter()
+        .chain(parameters.iter().map(|parameter| parameter.name))
+        .chain(ends);
     let row = |trial: &&Trial| {
-        let value = |knob: &Knob| trial.values.get(knob.name).map_or(String::new(), |v| short(*v));
+        let value = |parameter: &Parameter| {
+            trial.values.get(parameter.name).map_or(String::new(), |v| short(*v))
+        };
         let mut cells = vec![trial.index.to_string(), source(trial.source).to_owned()];
-        cells.extend(knobs.iter().map(value));
+        cells.extend(parameters.iter().map(value));
         cells.extend([
             figure(trial.objective),
             trial.n_train.to_string(),
@@ -98,17 +102,17 @@ fn best_so_far(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproEr
     Ok(lines_svg(&dotted_lines(title, ["trial", &header.objective], [false, true], series))?)
 }
 
-fn against(header: &TrialHeader, knob: &Knob, trials: &[Trial]) -> LineChart {
+fn against(header: &TrialHeader, parameter: &Parameter, trials: &[Trial]) -> LineChart {
     let of = |kind: TrialSource| {
         let points = trials
             .iter()
             .filter(move |t| t.source == kind)
-            .filter_map(|t| Some((*t.values.get(knob.name)?, t.objective?)));
+            .filter_map(|t| Some((*t.values.get(parameter.name)?, t.objective?)));
         Series { name: source(kind).to_owned(), points: loose(points) }
     };
     let series = [TrialSource::Paper, TrialSource::Random, TrialSource::Proposed].map(of);
-    let title = format!("{}: {}", header.method, knob.name);
-    dotted_lines(title, [knob.name, &header.objective], [knob.is_log, true], series)
+    let title = format!("{}: {}", header.method, parameter.name);
+    dotted_lines(title, [parameter.name, &header.objective], [parameter.is_log, true], series)
 }
 
 /// Points that no line joins: what is not finite breaks a line.
@@ -154,11 +158,11 @@ mod tests {
             budget: "b".into(),
             seed: 1,
         };
-        let knobs = SearchMethod::Knn.knobs(60);
+        let parameters = SearchMethod::Knn.parameters(60);
         let trial = |index, source, objective| Trial {
             index,
             source,
-            values: paper_values(&knobs),
+            values: paper_values(&parameters),
             objective,
             note: None,
             n_train: 3,
@@ -169,10 +173,10 @@ mod tests {
             trial(1, TrialSource::Random, None),
             trial(2, TrialSource::Proposed, Some(0.5)),
         ];
-        let text = search_markdown(&header, &knobs, &trials);
+        let text = search_markdown(&header, &parameters, &trials);
         assert!(text.contains("Best: trial 2, 0.5000. The paper's point: 2.0000."), "{text}");
         assert!(text.contains("| **0** | **paper** |"), "{text}");
-        let figures = search_figures(&header, &knobs, &trials).unwrap();
+        let figures = search_figures(&header, &parameters, &trials).unwrap();
         assert_eq!(figures.len(), 3);
         for (name, svg) in figures {
             assert!(roxmltree::Document::parse(&svg).is_ok(), "{name}");

@@ -1,4 +1,4 @@
-//! What can be varied: the methods, their knobs, and the paper's point among them.
+//! What can be varied: the methods, their parameters, and the paper's point among them.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ pub enum SearchMethod {
 
 /// One number that is varied.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Knob {
+pub struct Parameter {
     /// Its name in files and tables.
     pub name: &'static str,
     /// Least value.
@@ -55,8 +55,8 @@ pub struct TrialBudget {
     pub seed: u64,
 }
 
-/// Values of the knobs by name.
-pub type KnobValues = BTreeMap<String, f64>;
+/// Values of the parameters by name.
+pub type ParameterValues = BTreeMap<String, f64>;
 
 impl SearchMethod {
     /// Every method.
@@ -84,8 +84,8 @@ impl SearchMethod {
         }
     }
 
-    /// The knobs; `max_patch` is the most virtual gauges per gauge that the samples have.
-    pub fn knobs(self, max_patch: usize) -> Vec<Knob> {
+    /// The parameters; `max_patch` is the most virtual gauges per gauge that the samples have.
+    pub fn parameters(self, max_patch: usize) -> Vec<Parameter> {
         let patch = whole("patch", 1.0, max_patch as f64, 24.0, false);
         let rate = real("learning_rate", 1e-5, 1e-2, 1e-4);
         match self {
@@ -120,12 +120,16 @@ impl SearchMethod {
     }
 
     /// The method with these values.
-    pub fn learner(self, values: &KnobValues, budget: &TrialBudget) -> Result<Learner, ReproError> {
+    pub fn learner(
+        self,
+        values: &ParameterValues,
+        budget: &TrialBudget,
+    ) -> Result<Learner, ReproError> {
         let value = |name: &'static str| {
             values.get(name).copied().ok_or(ArgumentError::Name {
-                what: "knob",
+                what: "parameter",
                 name: name.to_owned(),
-                expected: "a value for every knob of the method",
+                expected: "a value for every parameter of the method",
             })
         };
         let count = |name| value(name).map(|v| v as usize);
@@ -167,8 +171,8 @@ impl SearchMethod {
     }
 }
 
-impl Knob {
-    /// The knob's value at `unit`, 0 for the least, 1 for the greatest.
+impl Parameter {
+    /// The parameter's value at `unit`, 0 for the least, 1 for the greatest.
     pub fn value(&self, unit: f64) -> f64 {
         let value = if self.is_log {
             self.low * (self.high / self.low).powf(unit)
@@ -191,9 +195,11 @@ impl Knob {
 }
 
 /// The paper's point.
-pub fn paper_values(knobs: &[Knob]) -> KnobValues {
-    let value = |knob: &Knob| (knob.name.to_owned(), knob.paper.clamp(knob.low, knob.high));
-    knobs.iter().map(value).collect()
+pub fn paper_values(parameters: &[Parameter]) -> ParameterValues {
+    let value = |parameter: &Parameter| {
+        (parameter.name.to_owned(), parameter.paper.clamp(parameter.low, parameter.high))
+    };
+    parameters.iter().map(value).collect()
 }
 
 /// Widths that grow evenly from the first to the last hidden layer; a single layer has the last.
@@ -208,12 +214,12 @@ fn widths(layers: usize, [first, last]: [usize; 2]) -> Vec<usize> {
     (0..layers).map(at).collect()
 }
 
-fn whole(name: &'static str, low: f64, high: f64, paper: f64, is_log: bool) -> Knob {
-    Knob { name, low, high, is_log, is_whole: true, paper }
+fn whole(name: &'static str, low: f64, high: f64, paper: f64, is_log: bool) -> Parameter {
+    Parameter { name, low, high, is_log, is_whole: true, paper }
 }
 
-fn real(name: &'static str, low: f64, high: f64, paper: f64) -> Knob {
-    Knob { name, low, high, is_log: true, is_whole: false, paper }
+fn real(name: &'static str, low: f64, high: f64, paper: f64) -> Parameter {
+    Parameter { name, low, high, is_log: true, is_whole: false, paper }
 }
 
 #[cfg(test)]
@@ -224,7 +230,7 @@ mod tests {
     const BUDGET: TrialBudget = TrialBudget { steps: 1, n_svr: 2, seed: 0 };
 
     fn paper_net(method: SearchMethod) -> NetSettings {
-        let values = paper_values(&method.knobs(60));
+        let values = paper_values(&method.parameters(60));
         match method.learner(&values, &BUDGET).unwrap() {
             Learner::Net(net) => net,
             other => panic!("{other:?}"),
@@ -245,12 +251,12 @@ mod tests {
     }
 
     #[test]
-    fn a_knobs_value_and_place_are_inverse() {
-        for knob in SearchMethod::ALL.iter().flat_map(|m| m.knobs(60)) {
+    fn a_parameters_value_and_place_are_inverse() {
+        for parameter in SearchMethod::ALL.iter().flat_map(|m| m.parameters(60)) {
             for unit in [0.0, 0.3, 0.71, 1.0] {
-                let value = knob.value(unit);
-                assert!((knob.low..=knob.high).contains(&value), "{knob:?} {value}");
-                assert!((knob.value(knob.unit(value)) / value - 1.0).abs() < 1e-12);
+                let value = parameter.value(unit);
+                assert!((parameter.low..=parameter.high).contains(&value), "{parameter:?} {value}");
+                assert!((parameter.value(parameter.unit(value)) / value - 1.0).abs() < 1e-12);
             }
         }
     }

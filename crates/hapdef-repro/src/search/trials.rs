@@ -7,7 +7,7 @@ use std::path::Path;
 use hapdef_report::ReportError;
 use serde::{Deserialize, Serialize};
 
-use super::space::KnobValues;
+use super::space::ParameterValues;
 use crate::error::ReproError;
 
 /// What the trials of a file rest on: its first line. Trials of other headers don't compare.
@@ -46,8 +46,8 @@ pub struct Trial {
     pub index: usize,
     /// How it came about.
     pub source: TrialSource,
-    /// Its knobs.
-    pub values: KnobValues,
+    /// Its parameters.
+    pub values: ParameterValues,
     /// The validation error; none where the fit failed.
     pub objective: Option<f64>,
     /// Why it failed.

@@ -1,5 +1,6 @@
 //! Device time to host time: drift, jitter, jumps, counters that begin again.
 
+use hapdef_bench::stats::{sorted, upper_quantile};
 use hapdef_daq::clock::ClockMap;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -70,7 +71,6 @@ impl World {
                 errors.push(mapped_ns.abs_diff(true_ns + DELAY_NS) as f64 * 1e-3);
             }
         }
-        errors.sort_unstable_by(f64::total_cmp);
-        (errors[errors.len() * 99 / 100], f64::from(n_back))
+        (upper_quantile(&sorted(errors), 0.99), f64::from(n_back))
     }
 }

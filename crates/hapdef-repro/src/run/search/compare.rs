@@ -7,7 +7,7 @@ use hapdef_report::write_text;
 
 use super::data::MethodData;
 use super::{PatchArg, Prepared, budget, folder, found_trials, prepare};
-use crate::search::{KnobValues, SearchMethod, TrialSource, best_trial, values_in_words};
+use crate::search::{ParameterValues, SearchMethod, TrialSource, best_trial, values_in_words};
 
 /// Arguments of `search-compare`.
 #[derive(clap::Args)]
@@ -56,7 +56,7 @@ fn scored(
     prepared: &Prepared,
     data: &MethodData,
     method: SearchMethod,
-    (from, values, n_trials): (&str, &KnobValues, usize),
+    (from, values, n_trials): (&str, &ParameterValues, usize),
 ) -> Result<Vec<[String; 7]>> {
     let run = &prepared.run;
     run.say(&format!("{} with the settings of the {from}", method.name()));

@@ -7,8 +7,8 @@ use hapdef::MapErrorSum;
 
 use super::Prepared;
 use crate::error::ReproError;
-use crate::run::dataset::{Dataset, Part, Rows, rig_singles};
-use crate::search::{Fitted, KnobValues, Learner, Samples, SearchMethod};
+use crate::run::dataset::{Dataset, Part, Rows, first_of, rig_singles};
+use crate::search::{Fitted, Learner, ParameterValues, Samples, SearchMethod};
 
 /// Most validation samples of all sets together.
 const MAX_VALIDATION: usize = 1000;
@@ -118,7 +118,7 @@ impl MethodData {
     pub(crate) fn fit(
         &self,
         learner: &Learner,
-        values: &KnobValues,
+        values: &ParameterValues,
         stop: &dyn Fn() -> bool,
     ) -> Result<Fitted, ReproError> {
         let (x, n_inputs) = self.inputs(&self.train.x, values);
@@ -130,7 +130,7 @@ impl MethodData {
     pub(crate) fn error(
         &self,
         fitted: &Fitted,
-        values: &KnobValues,
+        values: &ParameterValues,
         rows: &Rows,
     ) -> Result<MethodError, ReproError> {
         let mut sums = ErrorSums::new(self.method, self.n_outputs);
@@ -148,7 +148,7 @@ impl MethodData {
     fn inputs<'a>(
         &self,
         x: &'a [f32],
-        values: &KnobValues,
+        values: &ParameterValues,
     ) -> (std::borrow::Cow<'a, [f32]>, usize) {
         match values.get("patch") {
             Some(&patch) => {
@@ -165,10 +165,6 @@ impl MethodData {
 fn first_of_patches(x: &[f32], max_patch: usize, patch: usize) -> Vec<f32> {
     let each = x.chunks_exact(max_patch);
     each.flat_map(|gauge| &gauge[..patch]).copied().collect()
-}
-
-fn first_of(rows: Range<usize>, most: usize) -> Range<usize> {
-    rows.start..rows.end.min(rows.start + most)
 }
 
 /// Sums of errors over blocks.

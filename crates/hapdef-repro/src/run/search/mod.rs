@@ -14,7 +14,7 @@ use hapdef_report::write_text;
 use self::data::MethodData;
 use crate::error::ReproError;
 use crate::search::{
-    Knob, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
+    Parameter, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
     propose, search_figures, search_markdown, trials_text, values_in_words,
 };
 
@@ -91,7 +91,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
     let folder = folder(&args.scene, run, method);
     let path = folder.join(args.shard.file_name());
     let header = header(&prepared, method, &budget, &data)?;
-    let knobs = method.knobs(prepared.max_patch);
+    let parameters = method.parameters(prepared.max_patch);
     let (mut log, mut trials) = TrialLog::open(&path, &header)?;
     run.say(&format!("{}: {} trials are there", path.display(), trials.len()));
     let start = Instant::now();
@@ -104,7 +104,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
             run.say("the minutes are over");
             break;
         }
-        let trial = try_point(run, method, &data, &budget, &knobs, &trials, index)?;
+        let trial = try_point(run, method, &data, &budget, &parameters, &trials, index)?;
         log.push(&trial)?;
         run.say(&format!(
             "trial {index}: {} → {}",
@@ -116,7 +116,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
         ));
         trials.push(trial);
     }
-    write_report(&folder, &header, &knobs, &trials)
+    write_report(&folder, &header, &parameters, &trials)
 }
 
 /// Joins shards.
@@ -127,7 +127,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
     write_text(&args.into, &trials_text(&header, &trials)?)?;
     println!("{} trials in {}", trials.len(), args.into.display());
-    write_report(folder, &header, &method.knobs(usize::MAX), &trials)
+    write_report(folder, &header, &method.parameters(usize::MAX), &trials)
 }
 
 /// The datasets of a scene whose patches have `max_patch` virtual gauges.
@@ -185,11 +185,11 @@ fn try_point(
     method: SearchMethod,
     data: &MethodData,
     budget: &TrialBudget,
-    knobs: &[Knob],
+    parameters: &[Parameter],
     trials: &[Trial],
     index: usize,
 ) -> Result<Trial> {
-    let (values, source) = propose(knobs, trials, index, run.scene.seed)?;
+    let (values, source) = propose(parameters, trials, index, run.scene.seed)?;
     let start = Instant::now();
     let learner = method.learner(&values, budget)?;
     let fitted = data.fit(&learner, &values, &|| run.stopping());
@@ -223,14 +223,14 @@ fn try_point(
 fn write_report(
     folder: &Path,
     header: &TrialHeader,
-    knobs: &[Knob],
+    parameters: &[Parameter],
     trials: &[Trial],
 ) -> Result<()> {
-    let text = search_markdown(header, knobs, trials);
+    let text = search_markdown(header, parameters, trials);
     write_text(&folder.join("search.md"), &text)?;
     println!("{text}");
     if best_trial(trials).is_some() {
-        for (name, svg) in search_figures(header, knobs, trials)? {
+        for (name, svg) in search_figures(header, parameters, trials)? {
             write_text(&folder.join(name), &svg)?;
         }
     }
