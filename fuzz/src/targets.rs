@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use hapdef_daq::hdp1::{Command, Decoder, Encoder, Event, Header, MAJOR_VERSION};
 use hapdef_daq::record::recover;
 use hapdef_live::estimator::Hapdefx;
-use hapdef_mesh::{DeckParams, GltfParams, read_deck_with, read_gltf};
+use hapdef_mesh::{DeckParams, DeckReading, GltfParams, read_deck_with, read_gltf};
 use hapdef_nets::{Activation, Mlp, MlpSpec, Net, Scale, TrainParams, TrainRecord};
 
 /// A target: its name, and what is done with the bytes; `folder` is for files.
@@ -138,13 +138,16 @@ fn gltf(bytes: &[u8], folder: &Path) {
     let _ = read_gltf(&path, &params);
 }
 
-/// The first byte chooses the deck's kind.
+/// The first byte chooses the deck's kind; it is read whole and for a scene.
 fn deck(bytes: &[u8], folder: &Path) {
     let Some((&first, rest)) = bytes.split_first() else {
         return;
     };
-    let name = ["deck.inp", "deck.dat", "deck.cdb"][usize::from(first % 3)];
-    let _ = read_deck_with(&written(rest, folder, name), &DeckParams::default());
+    let name = ["deck.inp", "deck.dat", "deck.cdb", "deck.msh"][usize::from(first % 4)];
+    let path = written(rest, folder, name);
+    for reading in [DeckReading::Whole, DeckReading::Supports, DeckReading::Mesh] {
+        let _ = read_deck_with(&path, &DeckParams { reading, ..DeckParams::default() });
+    }
 }
 
 /// A bundle, a net in one file, the places of the paper's chain, and a checkpoint whose weights are

@@ -23,6 +23,7 @@ pub mod shin;
 pub mod colour;
 
 mod atomic;
+mod beside;
 mod error;
 mod ids;
 mod unit;
@@ -34,8 +35,8 @@ pub use self::remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surfac
 pub use self::shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use atomic::atomic_write;
 pub use deck::{
-    DeckFault, DeckMaterial, DeckParams, FaceTraction, SolidDeck, read_deck, read_deck_with,
-    write_inp,
+    DeckFault, DeckMaterial, DeckParams, DeckReading, FaceTraction, SolidDeck, deck_includes,
+    read_deck, read_deck_with, write_inp,
 };
 pub use error::MeshError;
 pub use ids::{FeNodeId, GaugeId, SurfaceNodeId, VirtualGaugeId};
@@ -48,8 +49,8 @@ pub use skin::{
     face_positions, farthest_nodes, gauge_patch, outer_skin, radial_region, wall,
 };
 pub use solid::{
-    BoundarySurface, PointField, PointValues, RefinedSolid, SolidFault, TET10_EDGES, TET10_FACES,
-    Tet10Mesh, Tri6Face, connected_faces, is_folded, kuhn_block, kuhn_cell, kuhn_tube,
+    BoundarySurface, PointField, PointValues, RefinedSolid, SolidBody, SolidFault, TET10_EDGES,
+    TET10_FACES, Tet10Mesh, Tri6Face, connected_faces, is_folded, kuhn_block, kuhn_cell, kuhn_tube,
     refine_unfolded, tet10, tri6, write_vtu,
 };
 pub use surface::{

@@ -62,6 +62,19 @@ pub enum HapdefError {
     Gauge { index: usize, name: String, source: Box<HapdefError> },
     #[error("mount: {what}; {advice}")]
     NoMount { what: String, advice: String },
+    #[error(
+        "mount: it holds none of the {n_elements} elements of the body centred at ({:.1}, {:.1}, \
+         {:.1}) mm, {:.1} x {:.1} x {:.1} mm in size, one of {n_bodies} that share no node: join the \
+         bodies in the mesh, leave this one out, or let the mount reach it",
+        centre_m[0] * 1e3, centre_m[1] * 1e3, centre_m[2] * 1e3,
+        size_m[0] * 1e3, size_m[1] * 1e3, size_m[2] * 1e3
+    )]
+    Floating { n_bodies: usize, n_elements: usize, centre_m: [f64; 3], size_m: [f64; 3] },
+    #[error(
+        "geometry.unit: the deck says by /units that its lengths are in {deck}, the scene says \
+         {scene}; correct the one that is wrong"
+    )]
+    DeckUnit { deck: hapdef_mesh::LengthUnit, scene: hapdef_mesh::LengthUnit },
     #[error("{field}: {path}: {source}; the path is relative to the scene file: correct it")]
     NoDeck { field: &'static str, path: PathBuf, source: std::io::Error },
     #[error(

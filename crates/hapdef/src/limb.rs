@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    BoundarySurface, FeNodeId, GaugePatch, LengthUnit, MeshError, OuterSkinParams,
-    RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh, gauge_patch, outer_skin, radial_region,
-    read_deck, refine_unfolded,
+    BoundarySurface, DeckMaterial, DeckParams, DeckReading, FeNodeId, GaugePatch, LengthUnit,
+    MeshError, OuterSkinParams, RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh,
+    deck_includes, gauge_patch, outer_skin, radial_region, read_deck_with, refine_unfolded,
 };
 use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin};
 use nalgebra::{Point3, Unit, Vector3};
@@ -41,8 +41,10 @@ pub struct Limb {
     pub gauges: Vec<GaugeStrain>,
     /// Patch of virtual gauges of each gauge.
     pub patches: Vec<GaugePatch>,
-    /// Hash of the deck file's bytes.
+    /// Hash of the bytes of the deck and of what it includes.
     pub deck_hash: String,
+    /// What of the deck was passed over, and what was made of it, a sentence each.
+    pub deck_notes: Vec<String>,
 }
 
 /// A deck's solid with what the scene finds on it.
@@ -85,7 +87,29 @@ impl Limb {
             gauges,
             patches,
             deck_hash,
+            deck_notes: deck.notes,
         })
+    }
+
+    /// Whether every body of the limb is held by the mount; for the first that isn't, where it is.
+    ///
+    /// # Errors
+    /// [`HapdefError::Floating`].
+    pub fn check_held(&self) -> Result<(), HapdefError> {
+        let bodies = self.mesh.bodies();
+        let is_held = |elements: &[usize]| {
+            let nodes = elements.iter().flat_map(|element| self.mesh.elements()[*element]);
+            nodes.into_iter().any(|node| self.clamped.binary_search(&node).is_ok())
+        };
+        match bodies.iter().find(|body| !is_held(&body.elements)) {
+            None => Ok(()),
+            Some(body) => Err(HapdefError::Floating {
+                n_bodies: bodies.len(),
+                n_elements: body.elements.len(),
+                centre_m: body.bounding_box.centre().into(),
+                size_m: body.bounding_box.size_m().into(),
+            }),
+        }
     }
 
     /// Number of surface nodes.
@@ -129,7 +153,12 @@ impl Solid {
     /// [`HapdefError`] when the deck, the mount or the skin is not usable.
     pub(crate) fn load(scene: &Scene, path: &Path, refinements: u32) -> Result<Self, HapdefError> {
         let hash = deck_hash(path)?;
-        let deck = in_metres(read_deck(path)?, &scene.geometry)?;
+        let reading = match scene.mount {
+            Mount::Deck {} => DeckReading::Supports,
+            Mount::NodeSet { .. } | Mount::Box { .. } => DeckReading::Mesh,
+        };
+        let params = DeckParams { reading, ..DeckParams::default() };
+        let deck = in_metres(read_deck_with(path, &params)?, &scene.geometry)?;
         let mut clamped = find_mount(&scene.mount, &deck)?;
         let mut mesh = deck.mesh.clone();
         for _ in 0..refinements {
@@ -144,17 +173,25 @@ impl Solid {
     }
 }
 
-/// Hash of the bytes of a deck file.
+/// Hash of the bytes of a deck file and of the files it includes.
 ///
 /// # Errors
 /// [`HapdefError::NoDeck`] when it can't be read.
 pub(crate) fn deck_hash(path: &Path) -> Result<String, HapdefError> {
-    let bytes = std::fs::read(path).map_err(|source| HapdefError::NoDeck {
-        field: "geometry.solid_deck",
-        path: path.to_path_buf(),
-        source,
-    })?;
-    Ok(blake3::hash(&bytes).to_hex().to_string())
+    let mut hasher = blake3::Hasher::new();
+    let mut add = |path: &Path| -> Result<(), HapdefError> {
+        hasher.update(&std::fs::read(path).map_err(|source| HapdefError::NoDeck {
+            field: "geometry.solid_deck",
+            path: path.to_path_buf(),
+            source,
+        })?);
+        Ok(())
+    };
+    add(path)?;
+    // a deck that can't be read at all says so when it is read
+    let included = deck_includes(path, DeckParams::default().max_bytes).unwrap_or_default();
+    included.iter().try_for_each(|file| add(file))?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// The boundary faces that the scene's contact region names.
@@ -179,23 +216,20 @@ fn find_skin(
     }
 }
 
-/// Millimetre decks become metres; their MPa and t/mm³ become Pa and kg/m³.
-fn in_metres(deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, HapdefError> {
-    if geometry.unit == LengthUnit::Metre {
-        return Ok(deck);
+/// Millimetre decks become metres, unless they say their unit and were read in it; their MPa and
+/// t/mm³ become Pa and kg/m³.
+fn in_metres(mut deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, HapdefError> {
+    match deck.unit {
+        Some(unit) if unit == geometry.unit => return Ok(deck),
+        Some(deck) => return Err(HapdefError::DeckUnit { deck, scene: geometry.unit }),
+        None if geometry.unit == LengthUnit::Metre => return Ok(deck),
+        None => {}
     }
     let nodes = deck.mesh.nodes().iter().map(|x| x * 1e-3).collect();
-    let mesh = Tet10Mesh::new(nodes, deck.mesh.elements().to_vec())?;
-    let material = deck.material.map(|mut material| {
-        material.youngs_modulus_pa *= 1e6;
-        material.density_kg_m3 = material.density_kg_m3.map(|d| d * 1e12);
-        material
-    });
-    let face_tractions = deck.face_tractions.iter().cloned().map(|mut face| {
-        face.traction_pa *= 1e6;
-        face
-    });
-    Ok(SolidDeck { mesh, material, face_tractions: face_tractions.collect(), ..deck })
+    deck.mesh = Tet10Mesh::new(nodes, deck.mesh.elements().to_vec())?;
+    deck.material.iter_mut().for_each(DeckMaterial::from_millimetres);
+    deck.face_tractions.iter_mut().for_each(|face| face.traction_pa *= 1e6);
+    Ok(deck)
 }
 
 fn find_material(

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use hapdef::scene::GaugeEntry;
 use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
 use hapdef::{Limb, Run, live_limb};
 use hapdef_cli::SceneArgs;
@@ -17,6 +18,7 @@ use serde_json::json;
 
 use super::calibrate_args::CalibrateArgs;
 use super::calibrate_live::calibrate_live;
+use super::table::{Row, read_table};
 
 /// Least force of a press on the simulated rig, N: less says little.
 const LEAST_N: f64 = 2.0;
@@ -104,7 +106,7 @@ fn from_table(
     run: &Run,
     limb: &Limb,
 ) -> Result<(Calibration, CalibrationInfo)> {
-    let presses = read_presses(args, &touchable_skin(limb)?, limb.gauges.len())?;
+    let presses = read_presses(args, &touchable_skin(limb)?, &run.scene.gauges.sites)?;
     let quality = PressQuality {
         noise_ue: args.noise_ue,
         position_sd_m: args.position_sd_mm * 1e-3,
@@ -119,30 +121,17 @@ fn header(n_gauges: usize) -> String {
     format!("x_m,y_m,z_m,force_n{}\n", gauges.collect::<String>())
 }
 
-fn read_presses(args: &CalibrateArgs, skin: &Skin, n_gauges: usize) -> Result<Vec<Press>> {
-    let file = args.table.display();
-    let text = std::fs::read_to_string(&args.table).with_context(|| format!("{file}: reading"))?;
-    let is_names = |line: &str| line.starts_with(|c: char| c.is_ascii_alphabetic());
-    let mut presses = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        if line.trim().is_empty() || (i == 0 && is_names(line)) {
-            continue;
-        }
-        let place = format!("{file}: line {}", i + 1);
-        let numbers: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
-        let numbers = numbers
-            .with_context(|| format!("{place}: expected numbers with commas, found {line:?}"))?;
-        let (expected, found) = (4 + n_gauges, numbers.len());
-        ensure!(
-            expected == found,
-            "{place}: expected {expected} numbers (place, force, {n_gauges} gauges), found {found}"
-        );
-        let position = Point3::new(numbers[0], numbers[1], numbers[2]);
-        let (off_m, readings) = (args.off_skin_mm * 1e-3, numbers[4..].to_vec());
-        let press = Press::at_position(skin, &position, off_m, numbers[3], readings);
-        presses.push(press.context(place)?);
-    }
-    Ok(presses)
+fn read_presses(args: &CalibrateArgs, skin: &Skin, gauges: &[GaugeEntry]) -> Result<Vec<Press>> {
+    let names: Vec<&str> = gauges.iter().map(|site| site.name.as_str()).collect();
+    let rows = read_table(&args.table, &["x_m", "y_m", "z_m", "force_n"], &names)?;
+    let press = |row: &Row| {
+        let (place, readings) = row.values.split_at(4);
+        let position = Point3::new(place[0], place[1], place[2]);
+        let off_m = args.off_skin_mm * 1e-3;
+        Press::at_position(skin, &position, off_m, place[3], readings.to_vec())
+            .with_context(|| format!("{}: line {}", args.table.display(), row.line))
+    };
+    rows.iter().map(press).collect()
 }
 
 fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {

@@ -3,12 +3,14 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{Touch, touch_estimator};
 use hapdef_cli::SceneArgs;
 use serde_json::{Value, json};
+
+use super::table::read_table;
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
@@ -18,7 +20,8 @@ use serde_json::{Value, json};
 pub(crate) struct ContactsArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Tared readings, µε: a frame a line, a column for each gauge, commas between.
+    /// Tared readings, µε: a frame a line, a column for each gauge by its name or in order; commas,
+    /// semicolons or tabs between.
     readings: PathBuf,
     /// Print a frame a line as JSON.
     #[arg(long)]
@@ -28,13 +31,14 @@ pub(crate) struct ContactsArgs {
 pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let frames = read_frames(&args.readings, limb.gauges.len())?;
+    let names: Vec<&str> = run.scene.gauges.sites.iter().map(|site| site.name.as_str()).collect();
+    let frames = read_table(&args.readings, &[], &names)?;
     let mut estimator = touch_estimator(&run, &limb)?;
     let mut touch = Touch::default();
     let mut out = std::io::stdout().lock();
     for (i, frame) in frames.iter().enumerate() {
         estimator
-            .estimate(frame, &mut touch)
+            .estimate(&frame.values, &mut touch)
             .with_context(|| format!("{}: frame {}", args.readings.display(), i + 1))?;
         if args.json {
             writeln!(out, "{}", as_json(i, &touch))?;
@@ -43,28 +47,6 @@ pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn read_frames(path: &PathBuf, n_gauges: usize) -> Result<Vec<Vec<f64>>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("{}: reading", path.display()))?;
-    let mut frames = Vec::new();
-    for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.is_empty()) {
-        let place = || format!("{}: line {}", path.display(), i + 1);
-        let numbers: Result<Vec<f64>, _> = line.split(',').map(|v| v.trim().parse()).collect();
-        let frame = numbers.with_context(|| {
-            format!("{}: expected numbers with commas between, found {line:?}", place())
-        })?;
-        if frame.len() != n_gauges {
-            bail!(
-                "{}: expected {n_gauges} readings, one for each gauge, found {}",
-                place(),
-                frame.len()
-            );
-        }
-        frames.push(frame);
-    }
-    Ok(frames)
 }
 
 fn in_words(touch: &Touch) -> String {

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use hapdef_mesh::{GltfParams, LengthUnit, QualityReport, WeldInfo, read_deck, read_gltf};
+use hapdef_mesh::{
+    DeckParams, DeckReading, GltfParams, LengthUnit, MeshError, QualityReport, SolidDeck, WeldInfo,
+    read_deck, read_deck_with, read_gltf,
+};
 
 /// What `hapdef inspect` is given.
 #[derive(Args)]
@@ -37,9 +40,9 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     match name.rsplit('.').next().unwrap_or_default() {
         "glb" | "gltf" => inspect_surface(args),
-        "inp" | "dat" | "cdb" => inspect_deck(file, args.json),
+        "inp" | "dat" | "cdb" | "msh" => inspect_deck(file, args.json),
         other => bail!(
-            "{}: expected .glb, .gltf, .inp, .dat or .cdb (the last three also with .gz), found \
+            "{}: expected .glb, .gltf, .inp, .dat, .cdb or .msh (the last four also with .gz), found \
              {other:?}; convert the file first",
             file.display()
         ),
@@ -97,9 +100,20 @@ fn surface_json(report: &QualityReport, weld: &WeldInfo, n_parts: usize) -> serd
     })
 }
 
+/// The whole deck, or what a scene reads of it where it can't be solved as it is.
+fn deck_or_mesh(file: &Path) -> Result<SolidDeck, MeshError> {
+    read_deck(file).or_else(|refused| {
+        let params = DeckParams { reading: DeckReading::Mesh, ..DeckParams::default() };
+        let mut deck = read_deck_with(file, &params)?;
+        deck.notes.push(format!("read for a scene; `hapdef deck` refuses it: {refused}"));
+        Ok(deck)
+    })
+}
+
 fn inspect_deck(file: &Path, json: bool) -> Result<()> {
-    let deck = read_deck(file)?;
+    let deck = deck_or_mesh(file)?;
     let boundary = deck.mesh.boundary();
+    let bodies = deck.mesh.bodies();
     let sets: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
     let material = deck.material.as_ref().map(|m| (m.youngs_modulus_pa, m.poissons_ratio));
     if json {
@@ -108,9 +122,11 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
             serde_json::json!({
                 "n_fe_nodes": deck.mesh.nodes().len(),
                 "n_elements": deck.mesh.elements().len(),
+                "n_bodies": bodies.len(),
                 "n_boundary_faces": boundary.faces.len(),
                 "n_fixed_nodes": deck.fixed_nodes.len(),
                 "node_sets": sets,
+                "notes": deck.notes,
             })
         );
         return Ok(());
@@ -118,6 +134,15 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
     println!("{}", file.display());
     println!("FE nodes        {}", deck.mesh.nodes().len());
     println!("elements        {} ten-node tetrahedra", deck.mesh.elements().len());
+    println!("bodies          {}", bodies.len());
+    if bodies.len() > 1 {
+        for body in &bodies {
+            let (n, unit_box) = (body.elements.len(), &body.bounding_box);
+            let [x, y, z] = unit_box.centre().into();
+            let [a, b, c] = unit_box.size_m().into();
+            println!("    {n} elements around ({x:.4}, {y:.4}, {z:.4}), {a:.4} x {b:.4} x {c:.4}");
+        }
+    }
     println!("boundary faces  {}", boundary.faces.len());
     println!("fixed nodes     {}", deck.fixed_nodes.len());
     println!("nodal forces    {}", deck.nodal_forces.len());
@@ -127,5 +152,6 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
         Some((e, nu)) => println!("material        E = {e:.4e}, ν = {nu}"),
         None => println!("material        none: the scene must name one"),
     }
+    deck.notes.iter().for_each(|note| println!("note: {note}"));
     Ok(())
 }

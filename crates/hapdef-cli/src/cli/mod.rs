@@ -31,6 +31,7 @@ mod shell_table;
 mod signals;
 mod sim;
 mod stage;
+mod table;
 mod truth;
 mod view;
 

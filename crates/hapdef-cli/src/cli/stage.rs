@@ -22,6 +22,8 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
         limb.clamped.len(),
         limb.gauges.len(),
     );
+    limb.deck_notes.iter().for_each(|note| println!("deck: {note}"));
+    limb.check_held()?;
     if let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, &limb)? {
         let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());
         println!("drawn skin: {n} vertices, {n_beside} of them beside the touchable skin");

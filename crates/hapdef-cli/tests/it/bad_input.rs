@@ -1,6 +1,7 @@
 //! Bad input gets one clear error, exit code 2, and leaves nothing half-written.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -218,6 +219,38 @@ fn a_mount_that_holds_nothing() {
             scene["mount"] = json!({"kind": "box", "min_m": [1, 1, 1], "max_m": [2, 2, 2]});
         },
         &["mount", "no node lies in the box", "name a node set"],
+    );
+}
+
+/// A second body, far from the first: a deck goes on where its compressed file does.
+#[test]
+fn a_body_that_nothing_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    scene_with(folder.path(), |_| {});
+    let path = folder.path().join("shin.inp.gz");
+    let mut file = fs::OpenOptions::new().append(true).open(path).unwrap();
+    let mut more = flate2::write::GzEncoder::new(&mut file, flate2::Compression::fast());
+    let body = "*NODE\n900001, 1., 0., 0.\n900002, 1.01, 0., 0.\n900003, 1., 0.02, 0.\n\
+                900004, 1., 0., 0.03\n*ELEMENT, TYPE=C3D4\n900001, 900001, 900002, 900003, 900004\n";
+    more.write_all(body.as_bytes()).unwrap();
+    more.finish().unwrap();
+    let expected = ["none of the 1 elements", "(1005.0, 10.0, 15.0) mm", "10.0 x 20.0 x 30.0 mm"];
+    refused_by("check", folder.path(), &expected);
+
+    let shared = std::env::var_os("HAPDEF_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let tubes = shared.join("inputs/field/gmsh/two_tubes_scene.json");
+    if !tubes.exists() {
+        println!("skipped: {} is absent (set HAPDEF_SHARED)", tubes.display());
+        return;
+    }
+    let tubes = tubes.display().to_string();
+    refused_words(
+        &["check", &tubes],
+        folder.path(),
+        &["mount: it holds none of the", "one of 2 that"],
     );
 }
 

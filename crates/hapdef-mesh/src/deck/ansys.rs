@@ -8,12 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Matrix3;
 
-use super::DeckFault;
 use super::ansys_blocks::Lines;
 use super::ansys_parameters::Parameters;
 use super::ansys_state::{PendingLoad, Selection};
 use super::builder::DeckBuilder;
 use super::inp_keyword::quoted;
+use super::{DeckFault, DeckReading};
+use crate::LengthUnit;
 
 /// Commands that don't change a linear static model: output, display, solver choice, bookkeeping,
 /// a reference temperature without temperature loads, active coordinate systems (blocks are always
@@ -30,10 +31,17 @@ const HARMLESS: [&str; 50] = [
 pub(super) const UNKNOWN: &str =
     "it may change the model, so it can't be skipped; remove it or restate the model without it";
 
+/// Commands that make, move or drop nodes and elements one by one or read them from elsewhere: no
+/// mesh can be read without them.
+const MESH_MAKING: [&str; 24] = [
+    "n", "e", "en", "ngen", "egen", "nsca", "nmod", "numm", "numc", "nume", "numo", "nele", "edel",
+    "ndel", "fill", "vmes", "ames", "vswe", "esiz", "/inp", "cdre", "nrea", "erea", "*do",
+];
+
 /// Reads a deck's text.
-pub(super) fn read(text: &str) -> Result<DeckBuilder, DeckFault> {
+pub(super) fn read(text: &str, deck: DeckBuilder) -> Result<DeckBuilder, DeckFault> {
     let mut lines = Lines::new(text);
-    let mut reader = Reader { time: 1.0, ..Reader::default() };
+    let mut reader = Reader { deck, time: 1.0, ..Reader::default() };
     while let Some((line, text)) = lines.next() {
         reader.line(line, text, &mut lines)?;
     }
@@ -98,6 +106,9 @@ impl Reader {
         }
         let word = content.split([',', ' ', '\t']).next().unwrap_or("").to_lowercase();
         let name: String = word.chars().take(4).collect();
+        if self.solved && !self.deck.is_whole() && name != "/wb" {
+            return Ok(()); // the mesh was complete
+        }
         if self.in_post {
             self.in_post = !matches!(name.as_str(), "fini" | "/pre" | "/sol");
             return Ok(());
@@ -106,7 +117,24 @@ impl Reader {
             return self.parameters.assign(line, left, right);
         }
         let command = Command { line, name, fields: fields(content) };
-        self.command(&command, lines)
+        let known = self.command(&command, lines);
+        if self.deck.is_whole() || command.is_needed(self.deck.reading) {
+            return known;
+        }
+        match known {
+            Err(
+                DeckFault::Unsupported { .. }
+                | DeckFault::Undefined { .. }
+                | DeckFault::Unexpected { .. },
+            ) => {
+                // data lines of a block that a scene has no use for come without a command
+                if content.starts_with(|c: char| c.is_ascii_alphabetic() || "/*".contains(c)) {
+                    self.deck.pass_over(&command.name.to_uppercase());
+                }
+                Ok(())
+            }
+            known => known,
+        }
     }
 
     fn command(&mut self, command: &Command<'_>, lines: &mut Lines<'_>) -> Result<(), DeckFault> {
@@ -117,7 +145,9 @@ impl Reader {
             "*if" => return self.skip_condition(command, lines),
             "*els" => skip_to_end(lines)?,
             name if HARMLESS.contains(&name) => {}
+            "n" | "en" if command.is_end_mark() => {}
             "solv" if !self.solved => self.solved = true,
+            "f" | "sfe" if !self.deck.is_whole() => self.deck.pass_over(command.field(0)),
             _ if self.solved => {
                 return Err(command.unsupported("only one load step, ended by SOLVE, is supported"));
             }
@@ -125,9 +155,10 @@ impl Reader {
             "eblo" => return self.elements(command, lines),
             "cmbl" => return self.component(command, lines),
             "et" => return self.element_type(command),
+            "etbl" => return self.element_types(lines),
             "keyo" => return self.element_option(command),
             "mp" | "mpda" | "mpte" => return self.property(command),
-            "/uni" => return units(command),
+            "/uni" => self.deck.unit = units(command)?,
             "loca" => return self.local_axes(command),
             "cmse" | "nsel" | "esel" | "nsle" | "esln" | "alls" | "cm" => {
                 return self.select(command);
@@ -201,11 +232,14 @@ fn skip_to_end(lines: &mut Lines<'_>) -> Result<(), DeckFault> {
     }
 }
 
-fn units(command: &Command<'_>) -> Result<(), DeckFault> {
+/// The unit of length that `/units` names.
+fn units(command: &Command<'_>) -> Result<Option<LengthUnit>, DeckFault> {
     match command.field(1).to_lowercase().as_str() {
-        "mks" | "si" => Ok(()),
-        _ => Err(command
-            .unsupported("only /units,MKS and /units,SI are supported: lengths must be metres")),
+        "mks" | "si" => Ok(Some(LengthUnit::Metre)),
+        "mpa" => Ok(Some(LengthUnit::Millimetre)),
+        _ => Err(command.unsupported(
+            "only /units,MKS and /units,SI (metres) and /units,MPA (millimetres) are supported",
+        )),
     }
 }
 
@@ -233,6 +267,20 @@ pub(super) struct Command<'a> {
 }
 
 impl Command<'_> {
+    /// Must `reading` have what the command says? Then it is refused where it can't be read.
+    fn is_needed(&self, reading: DeckReading) -> bool {
+        let name = self.name.as_str();
+        let of_mesh = ["nblo", "eblo", "cmbl", "et", "etbl", "/uni", "*if", "*use"];
+        of_mesh.contains(&name)
+            || MESH_MAKING.contains(&name)
+            || (reading == DeckReading::Supports && name == "d")
+    }
+
+    /// `N,R5.3,LOC,-1,` and `EN,R5.5,ATTR,-1,`: old end marks of blocks.
+    fn is_end_mark(&self) -> bool {
+        matches!(self.field(2).to_lowercase().as_str(), "loc" | "attr") && self.field(3) == "-1"
+    }
+
     /// Argument `i`, counted from 1; empty if it is not there.
     pub(super) fn field(&self, i: usize) -> &str {
         self.fields.get(i).copied().unwrap_or("")

@@ -42,15 +42,13 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A block's format: `(1i9,3e20.9e3)`, `(19i10)`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A block's format, whole numbers and then reals: `(1i9,3e20.9e3)`, `(1i7,2i9,6e21.13)`, `(19i10)`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Format {
-    /// How many integers come first.
-    pub(super) n_integers: usize,
-    integer_width: usize,
-    /// How many reals follow.
-    pub(super) n_reals: usize,
-    real_width: usize,
+    /// Widths of the columns of whole numbers.
+    integers: Vec<usize>,
+    /// Widths of those of the reals that follow.
+    pub(super) reals: Vec<usize>,
 }
 
 impl Format {
@@ -67,43 +65,42 @@ impl Format {
 
     fn parse(text: &str) -> Option<Self> {
         let inner = text.trim().strip_prefix('(')?.strip_suffix(')')?.to_lowercase();
-        let mut format = Self { n_integers: 0, integer_width: 0, n_reals: 0, real_width: 0 };
+        let mut format = Self::default();
         for part in inner.split(',').map(str::trim) {
-            let at = part.find(['i', 'e'])?;
+            let at = part.find(['i', 'a', 'e'])?;
             let count = if at == 0 { 1 } else { part[..at].parse().ok()? };
             let rest = &part[at + 1..];
             let width: usize = rest.split('.').next()?.parse().ok()?;
-            let sane = (1..=64).contains(&width) && (1..=64).contains(&count);
-            match part.as_bytes()[at] {
-                b'i' if sane && format.n_integers == 0 && format.n_reals == 0 => {
-                    (format.n_integers, format.integer_width) = (count, width);
-                }
-                b'e' if sane && format.n_reals == 0 => {
-                    (format.n_reals, format.real_width) = (count, width);
-                }
-                _ => return None,
+            let is_real = part.as_bytes()[at] == b'e';
+            let columns = if is_real { &mut format.reals } else { &mut format.integers };
+            if !(1..=64).contains(&width) || !(1..=64 - columns.len()).contains(&count) {
+                return None;
+            }
+            columns.extend(std::iter::repeat_n(width, count));
+            if !is_real && !format.reals.is_empty() {
+                return None;
             }
         }
-        (format.n_integers > 0).then_some(format)
+        (!format.integers.is_empty()).then_some(format)
     }
 
     /// The integers of a line, as many as there are.
     pub(super) fn integers(&self, line: usize, text: &str) -> Result<Vec<i64>, DeckFault> {
-        let end = (self.n_integers * self.integer_width).min(text.len());
+        let end = self.integers.iter().sum::<usize>().min(text.len());
         let integers = column_text(line, text, 0, end)?;
-        columns(integers, self.integer_width)
+        columns(integers, &self.integers)
             .map(|field| parse(line, field.trim(), "a whole number"))
             .collect()
     }
 
     /// The reals of a line; columns the line lacks or leaves blank are 0.
     pub(super) fn reals(&self, line: usize, text: &str) -> Result<Vec<f64>, DeckFault> {
-        let start = (self.n_integers * self.integer_width).min(text.len());
-        let end = (start + self.n_reals * self.real_width).min(text.len());
-        let mut reals = columns(column_text(line, text, start, end)?, self.real_width)
+        let start = self.integers.iter().sum::<usize>().min(text.len());
+        let end = (start + self.reals.iter().sum::<usize>()).min(text.len());
+        let mut reals = columns(column_text(line, text, start, end)?, &self.reals)
             .map(|field| real(line, field.trim()))
             .collect::<Result<Vec<f64>, _>>()?;
-        reals.resize(self.n_reals, 0.0);
+        reals.resize(self.reals.len(), 0.0);
         Ok(reals)
     }
 }
@@ -117,8 +114,14 @@ fn column_text(line: usize, text: &str, start: usize, end: usize) -> Result<&str
     })
 }
 
-fn columns(text: &str, width: usize) -> impl Iterator<Item = &str> {
-    (0..text.len()).step_by(width.max(1)).map(move |at| &text[at..(at + width).min(text.len())])
+/// The columns of `text`, as many as it reaches into.
+fn columns<'a>(text: &'a str, widths: &[usize]) -> impl Iterator<Item = &'a str> {
+    let mut rest = text;
+    widths.iter().map_while(move |width| {
+        let column;
+        (column, rest) = rest.split_at((*width).min(rest.len()));
+        (!column.is_empty()).then_some(column)
+    })
 }
 
 fn real(line: usize, field: &str) -> Result<f64, DeckFault> {
@@ -151,10 +154,12 @@ pub(super) fn label(line: usize, value: i64) -> Result<u32, DeckFault> {
 /// Is this the line that ends a block: `-1`, or `N,R5.3,LOC,-1,` in older decks?
 fn ends_block(text: &str) -> bool {
     let text = text.trim();
-    text == "-1" || (text.starts_with(['N', 'n']) && text.trim_end_matches(',').ends_with("-1"))
+    text == "-1"
+        || (text.starts_with(['N', 'n', 'E', 'e']) && text.trim_end_matches(',').ends_with("-1"))
 }
 
-/// The data lines of an nblock or eblock up to its end mark: each number and text.
+/// The data lines of a block up to its end mark, or to the next command where there is none: each
+/// number and text.
 pub(super) fn block<'a>(
     lines: &mut Lines<'a>,
     what: &str,
@@ -165,7 +170,16 @@ pub(super) fn block<'a>(
         if ends_block(text) {
             return Ok(data);
         }
+        let is_command =
+            text.trim_start().starts_with(|c: char| c.is_ascii_alphabetic() || c == '/');
+        if is_command {
+            lines.next -= 1;
+            return Ok(data);
+        }
         data.push((line, text));
+    }
+    if count.is_some_and(|count| data.len() >= count) {
+        return Ok(data);
     }
     let announced = count.map_or_else(String::new, |count| format!(" of {count} {what} announced"));
     Err(DeckFault::Truncated {

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::DeckFault;
 use super::ansys::{Command, Reader, SurfaceElement};
 use super::ansys_state::{LoadKind, PendingLoad, Selection};
 use super::builder::{DeckBuilder, HELD_ALL, SurfaceLoad};
+use super::{DeckFault, DeckReading};
 
 /// Options of SURF154 that matter here: loads in the element's coordinate system (2 = 1) on the
 /// real, not the projected, area (11 = 2), with mid-side nodes (4 = 0). Option 7 acts only in large
@@ -65,15 +65,23 @@ impl Reader {
         Ok(())
     }
 
+    /// `LOCAL,number,kind,x,y,z,angles` and CDWRITE's `LOCAL,R5.0,ANG,number,kind,angles`, the
+    /// Cartesian ones; loads in another are refused where one uses it.
     pub(super) fn local_axes(&mut self, command: &Command<'_>) -> Result<(), DeckFault> {
-        if !matches!(command.field(2).to_lowercase().as_str(), "" | "0" | "cart") {
-            return Err(command.unsupported("only Cartesian coordinate systems (0) are supported"));
+        let (number, kind, angles) = match command.field(2).to_lowercase().as_str() {
+            "loc" | "prm" => return Ok(()),
+            "ang" => (3, 4, 5),
+            _ => (1, 2, 6),
+        };
+        if !matches!(command.field(kind).to_lowercase().as_str(), "" | "0" | "cart") {
+            self.axes.remove(&command.whole(number)?);
+            return Ok(());
         }
         let angle = |i| {
             if command.field(i).is_empty() { Ok(0.0) } else { command.real(i) }
         };
-        let axes = axes([angle(6)?, angle(7)?, angle(8)?]);
-        self.axes.insert(command.whole(1)?, axes);
+        let axes = axes([angle(angles)?, angle(angles + 1)?, angle(angles + 2)?]);
+        self.axes.insert(command.whole(number)?, axes);
         Ok(())
     }
 
@@ -173,14 +181,22 @@ impl Reader {
     /// The deck with its loads at the end of the step.
     pub(super) fn finish(mut self) -> Result<DeckBuilder, DeckFault> {
         self.deck.material = self.material()?;
-        self.check_solid_options()?;
+        if self.deck.is_whole() {
+            self.check_solid_options()?;
+        }
         let mut tractions: BTreeMap<u32, Vector3<f64>> = BTreeMap::new();
         for load in std::mem::take(&mut self.pending) {
-            let value = self.parameters.value(load.line, &load.value, self.time)?;
+            let value = match self.parameters.value(load.line, &load.value, self.time) {
+                Err(_) if self.deck.reading == DeckReading::Mesh => f64::NAN,
+                value => value?,
+            };
             for target in load.targets {
                 match load.kind {
                     LoadKind::Hold(directions) if value == 0.0 => {
                         self.deck.hold(target, directions);
+                    }
+                    LoadKind::Hold(_) if self.deck.reading == DeckReading::Mesh => {
+                        self.deck.pass_over("D with a displacement");
                     }
                     LoadKind::Hold(_) => {
                         return Err(DeckFault::Unsupported {

@@ -7,10 +7,21 @@ use super::ansys_blocks::{Format, Lines, block, component, label};
 use super::inp_keyword::quoted;
 use super::{DeckFault, DeckMaterial};
 
-/// Material properties that act only with temperature, time, friction or damping.
-const HARMLESS_PROPERTIES: [&str; 16] = [
-    "alpx", "alpy", "alpz", "ctex", "thsx", "kxx", "kyy", "kzz", "c", "enth", "reft", "mu", "damp",
-    "dmpr", "alpd", "betd",
+/// Material properties that act only with temperature, time, friction, damping, electricity,
+/// magnetism, sound or flow, and names (ANSYS Mechanical APDL command reference, MP).
+const HARMLESS_PROPERTIES: [&str; 44] = [
+    "alpx", "alpy", "alpz", "ctex", "ctey", "ctez", "thsx", "thsy", "thsz", "kxx", "kyy", "kzz",
+    "c", "enth", "reft", "mu", "damp", "dmpr", "dmps", "alpd", "betd", "rsvx", "rsvy", "rsvz",
+    "murx", "mury", "murz", "mgxx", "mgyy", "mgzz", "perx", "pery", "perz", "lsst", "sbkx", "sbky",
+    "sbkz", "emis", "hf", "qrat", "visc", "sonc", "uvid", "umid",
+];
+
+/// Element types that are no solids: links, beams, shells, masses, springs, contacts, surfaces
+/// (ANSYS Mechanical APDL element reference).
+const NO_SOLIDS: [u32; 44] = [
+    3, 4, 8, 10, 14, 21, 28, 33, 34, 37, 39, 40, 41, 43, 57, 63, 68, 91, 93, 99, 131, 132, 151,
+    152, 153, 154, 155, 156, 169, 170, 171, 172, 173, 174, 175, 177, 178, 179, 180, 181, 184, 188,
+    189, 281,
 ];
 
 /// One element of an eblock.
@@ -30,12 +41,12 @@ impl Reader {
         lines: &mut Lines<'_>,
     ) -> Result<(), DeckFault> {
         let format = Format::read(lines)?;
-        if format.n_reals < 3 {
+        if format.reals.len() < 3 {
             return Err(unexpected(lines.line(), "a format with three or six reals", "fewer"));
         }
         let count = announced(command)?;
         let data = block(lines, "nodes", count)?;
-        check_count(lines, "nodes", count, data.len())?;
+        self.check_count(lines, "nodes", count, data.len())?;
         for (line, text) in data {
             let integers = format.integers(line, text)?;
             let reals = format.reals(line, text)?;
@@ -69,7 +80,7 @@ impl Reader {
                 .map(|(line, text)| plain_row(&format, *line, text))
                 .collect::<Result<_, _>>()?,
         };
-        check_count(lines, "elements", count, rows.len())?;
+        self.check_count(lines, "elements", count, rows.len())?;
         rows.into_iter().try_for_each(|row| self.element(row))
     }
 
@@ -91,7 +102,11 @@ impl Reader {
                 self.materials_used.insert(row.material);
                 self.deck.add_element(line, row.label, nodes)
             }
-            Some(154) => self.surface_element(&row),
+            Some(154) if self.deck.is_whole() => self.surface_element(&row),
+            Some(other) if NO_SOLIDS.contains(&other) && !self.deck.is_whole() => {
+                self.deck.skip_element(&format!("of type {other}"), row.label, Vec::new());
+                Ok(())
+            }
             Some(other) => Err(DeckFault::Unsupported {
                 line,
                 command: format!("element type {other}"),
@@ -142,6 +157,22 @@ impl Reader {
         Ok(())
     }
 
+    /// The rows of an etblock up to -1: number, kind, options from the first on.
+    pub(super) fn element_types(&mut self, lines: &mut Lines<'_>) -> Result<(), DeckFault> {
+        let format = Format::read(lines)?;
+        for (line, text) in block(lines, "element types", None)? {
+            let row = format.integers(line, text)?;
+            let [number, kind, options @ ..] = row.as_slice() else {
+                return Err(unexpected(line, "a type's number and its kind", text));
+            };
+            let number = label(line, *number)?;
+            let options = (1..).zip(options).filter(|(_, value)| **value != 0);
+            let options = options.map(|(option, value)| (option, value.to_string())).collect();
+            self.types.insert(number, ElementType { line, number: label(line, *kind)?, options });
+        }
+        Ok(())
+    }
+
     pub(super) fn element_type(&mut self, command: &Command<'_>) -> Result<(), DeckFault> {
         let name = command.field(2).to_lowercase();
         let digits = name.trim_start_matches(|c: char| c.is_ascii_alphabetic());
@@ -175,7 +206,6 @@ impl Reader {
             "mp" => (1, 3),
             _ => (3, 6),
         };
-        command.nothing_from(value + 1, why)?;
         let label = match command.field(first).to_lowercase().as_str() {
             "ex" => "ex",
             "dens" => "dens",
@@ -184,6 +214,7 @@ impl Reader {
             other if HARMLESS_PROPERTIES.contains(&other) => return Ok(()),
             _ => return Err(command.unsupported(UNKNOWN)),
         };
+        command.nothing_from(value + 1, why)?;
         if command.name == "mpda" && command.field(5) != "1" {
             return Err(command.unsupported(why));
         }
@@ -191,10 +222,39 @@ impl Reader {
         Ok(())
     }
 
+    /// Refuses a block that is shorter or longer than announced. Of nodes there may be fewer for a
+    /// scene, as Workbench counts some that it does not write; one that is missing is found by its
+    /// elements.
+    fn check_count(
+        &mut self,
+        lines: &Lines<'_>,
+        what: &str,
+        expected: Option<usize>,
+        found: usize,
+    ) -> Result<(), DeckFault> {
+        let line = lines.line();
+        match expected {
+            Some(expected) if expected > found && what == "nodes" && !self.deck.is_whole() => {
+                let note = format!(
+                    "the block of {what} that ends in line {line} announces {expected} and has {found}"
+                );
+                self.deck.notes.push(note);
+                Ok(())
+            }
+            Some(expected) if expected != found => Err(DeckFault::Unexpected {
+                line,
+                expected: format!("{expected} {what}, as the block announces"),
+                found: found.to_string(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// The one material that the elements use.
     pub(super) fn material(&self) -> Result<Option<DeckMaterial>, DeckFault> {
         if self.materials_used.len() > 1 {
-            return Err(DeckFault::SeveralMaterials { found: self.materials_used.len() });
+            let several = DeckFault::SeveralMaterials { found: self.materials_used.len() };
+            return if self.deck.is_whole() { Err(several) } else { Ok(None) };
         }
         let Some(&number) = self.materials_used.first() else {
             return Ok(None);
@@ -224,22 +284,6 @@ fn announced(command: &Command<'_>) -> Result<Option<usize>, DeckFault> {
     match command.field(4) {
         "" => Ok(None),
         _ => command.whole(4).map(Some),
-    }
-}
-
-fn check_count(
-    lines: &Lines<'_>,
-    what: &str,
-    expected: Option<usize>,
-    found: usize,
-) -> Result<(), DeckFault> {
-    match expected {
-        Some(expected) if expected != found => Err(DeckFault::Unexpected {
-            line: lines.line(),
-            expected: format!("{expected} {what}, as the block announces"),
-            found: found.to_string(),
-        }),
-        _ => Ok(()),
     }
 }
 

@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector3};
 
-use super::{DeckFault, DeckMaterial, FaceTraction, SolidDeck};
-use crate::{FeNodeId, SolidFault, TET10_FACES, Tet10Mesh, face_positions, tri6};
+use super::{DeckFault, DeckMaterial, DeckReading, FaceTraction, SolidDeck};
+use crate::{
+    FeNodeId, LengthUnit, SolidFault, TET10_EDGES, TET10_FACES, Tet10Mesh, face_positions, tri6,
+};
 
 /// Directions held at a node: bit 0 for x, 1 for y, 2 for z.
 pub(super) const HELD_ALL: u8 = 0b111;
@@ -22,8 +24,13 @@ pub(super) enum SurfaceLoad {
 /// A deck under construction.
 #[derive(Debug, Default)]
 pub(super) struct DeckBuilder {
+    pub(super) reading: DeckReading,
     nodes: Vec<(u32, Point3<f64>)>,
     elements: Vec<(u32, [u32; 10])>,
+    /// Places of elements that have corners only so far.
+    linear: BTreeSet<usize>,
+    /// Nodes of elements that are no solids, by their numbers; none where they are no faces.
+    pub(super) faces: BTreeMap<u32, Vec<u32>>,
     node_places: BTreeMap<u32, usize>,
     element_places: BTreeMap<u32, usize>,
     pub(super) node_sets: BTreeMap<String, BTreeSet<u32>>,
@@ -31,9 +38,58 @@ pub(super) struct DeckBuilder {
     held: BTreeMap<u32, u8>,
     forces: BTreeMap<u32, (usize, Vector3<f64>)>,
     pub(super) surface_loads: Vec<SurfaceLoad>,
+    /// The unit of length that the deck states.
+    pub(super) unit: Option<LengthUnit>,
+    /// Kinds of elements that are no solids, and how many of each.
+    skipped: BTreeMap<String, usize>,
+    /// Commands that a scene has no use for.
+    passed_over: BTreeSet<String>,
+    pub(super) notes: Vec<String>,
 }
 
 impl DeckBuilder {
+    pub(super) fn new(reading: DeckReading) -> Self {
+        Self { reading, ..Self::default() }
+    }
+
+    /// Is the whole model wanted?
+    pub(super) fn is_whole(&self) -> bool {
+        self.reading == DeckReading::Whole
+    }
+
+    /// Passes over `command`, for which a scene has no use.
+    pub(super) fn pass_over(&mut self, command: &str) {
+        self.passed_over.insert(command.to_owned());
+    }
+
+    /// Passes over an element that is no solid; `nodes` of those that are faces.
+    pub(super) fn skip_element(&mut self, kind: &str, label: u32, nodes: Vec<u32>) {
+        match self.skipped.get_mut(kind) {
+            Some(count) => *count += 1,
+            None => drop(self.skipped.insert(kind.to_owned(), 1)),
+        }
+        self.faces.insert(label, nodes);
+    }
+
+    /// The nodes of a group of faces; `None` where something else is in the group.
+    pub(super) fn face_nodes(&self, members: &BTreeSet<u32>) -> Option<BTreeSet<u32>> {
+        let nodes = members.iter().map(|label| self.faces.get(label).filter(|n| !n.is_empty()));
+        let nodes: Vec<&Vec<u32>> = nodes.collect::<Option<_>>()?;
+        (!nodes.is_empty()).then(|| nodes.into_iter().flatten().copied().collect())
+    }
+
+    /// A four-node tetrahedron, whose mid-edge nodes are made at the end.
+    pub(super) fn add_linear(
+        &mut self,
+        line: usize,
+        label: u32,
+        corners: [u32; 4],
+    ) -> Result<(), DeckFault> {
+        let [a, b, c, d] = corners;
+        self.linear.insert(self.elements.len());
+        self.add_element(line, label, [a, b, c, d, a, a, a, a, a, a])
+    }
+
     pub(super) fn add_node(
         &mut self,
         line: usize,
@@ -79,6 +135,11 @@ impl DeckBuilder {
         self.nodes.iter().map(|(label, _)| *label)
     }
 
+    /// Puts every node where `place` moves it.
+    pub(super) fn move_nodes(&mut self, place: impl Fn(Point3<f64>) -> Point3<f64>) {
+        self.nodes.iter_mut().for_each(|(_, position)| *position = place(*position));
+    }
+
     pub(super) fn hold(&mut self, label: u32, directions: u8) {
         *self.held.entry(label).or_default() |= directions;
     }
@@ -90,7 +151,10 @@ impl DeckBuilder {
     }
 
     /// The deck, checked.
-    pub(super) fn finish(self) -> Result<SolidDeck, DeckFault> {
+    pub(super) fn finish(mut self) -> Result<SolidDeck, DeckFault> {
+        self.say_what_was_skipped()?;
+        self.add_mid_edge_nodes();
+        self.scale_to_si();
         let ids = DenseIds::new(&self);
         let mesh = self.mesh(&ids)?;
         let fixed_nodes = self.fixed_nodes(&ids)?;
@@ -110,7 +174,100 @@ impl DeckBuilder {
             nodal_forces,
             face_tractions,
             unused_node_labels: ids.unused,
+            unit: self.unit,
+            notes: self.notes,
         })
+    }
+
+    fn say_what_was_skipped(&mut self) -> Result<(), DeckFault> {
+        let kinds = self.skipped.iter().map(|(kind, count)| format!("{count} {kind}"));
+        let skipped = kinds.collect::<Vec<_>>().join(", ");
+        if self.elements.is_empty() && !skipped.is_empty() {
+            return Err(DeckFault::NoSolid { skipped });
+        }
+        if !skipped.is_empty() {
+            self.notes.push(format!("elements that are no solids are passed over: {skipped}"));
+        }
+        if !self.passed_over.is_empty() {
+            let commands: Vec<&str> = self.passed_over.iter().map(String::as_str).collect();
+            self.notes.push(format!(
+                "what a scene has of its own is passed over: {}",
+                commands.join(", ")
+            ));
+        }
+        Ok(())
+    }
+
+    /// A node halfway between each two corners of four-node tetrahedra, the neighbour's where that
+    /// has one. It joins the sets and supports that both ends are in.
+    fn add_mid_edge_nodes(&mut self) {
+        if self.linear.is_empty() {
+            return;
+        }
+        let mut mids: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+        for (i, (_, nodes)) in self.elements.iter().enumerate() {
+            if !self.linear.contains(&i) {
+                let edges = TET10_EDGES.iter().zip(&nodes[4..]);
+                mids.extend(edges.map(|(&ends, mid)| (ends_of(nodes, ends), *mid)));
+            }
+        }
+        let mut made: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
+        let top = self.node_places.last_key_value().map_or(1, |(label, _)| *label);
+        let labels = (top..=u32::MAX).chain(1..top);
+        let mut free = labels.filter(|label| !self.node_places.contains_key(label));
+        let mut new_nodes = Vec::new();
+        for &i in &self.linear {
+            let nodes = self.elements[i].1;
+            for (j, &ends) in TET10_EDGES.iter().enumerate() {
+                let [a, b] = ends_of(&nodes, ends);
+                let mid = *mids.entry([a, b]).or_insert_with(|| {
+                    let mid = free.next().unwrap_or(0);
+                    let ends = [a, b].map(|label| self.nodes[self.node_places[&label]].1);
+                    new_nodes.push((mid, nalgebra::center(&ends[0], &ends[1])));
+                    made.entry(a).or_default().push([b, mid]);
+                    mid
+                });
+                self.elements[i].1[4 + j] = mid;
+            }
+        }
+        for labels in self.node_sets.values_mut() {
+            let of = |a: &u32| made.get(a).into_iter().flatten();
+            let inside = labels.iter().flat_map(of).filter(|[b, _]| labels.contains(b));
+            let inside: Vec<u32> = inside.map(|[_, mid]| *mid).collect();
+            labels.extend(inside);
+        }
+        for (a, b, mid) in made.iter().flat_map(|(a, m)| m.iter().map(move |[b, mid]| (a, b, mid)))
+        {
+            if let (Some(a), Some(b)) = (self.held.get(a), self.held.get(b)) {
+                let both = a & b;
+                self.held.insert(*mid, both);
+            }
+        }
+        self.held.retain(|_, held| *held != 0);
+        self.notes.push(format!(
+            "{} four-node tetrahedra became ten-node ones by {} straight mid-edge nodes",
+            self.linear.len(),
+            new_nodes.len()
+        ));
+        for (label, position) in new_nodes {
+            self.node_places.insert(label, self.nodes.len());
+            self.nodes.push((label, position));
+        }
+    }
+
+    /// Brings mm, MPa and t/mm³ to SI; newtons are newtons in both.
+    fn scale_to_si(&mut self) {
+        if self.unit != Some(LengthUnit::Millimetre) {
+            return;
+        }
+        self.nodes.iter_mut().for_each(|(_, position)| *position *= 1e-3);
+        self.material.iter_mut().for_each(DeckMaterial::from_millimetres);
+        for load in &mut self.surface_loads {
+            match load {
+                SurfaceLoad::Traction { traction_pa, .. } => *traction_pa *= 1e6,
+                SurfaceLoad::Pressure { pressure_pa, .. } => *pressure_pa *= 1e6,
+            }
+        }
     }
 
     fn mesh(&self, ids: &DenseIds) -> Result<Tet10Mesh, DeckFault> {
@@ -128,9 +285,17 @@ impl DeckBuilder {
         })
     }
 
-    fn fixed_nodes(&self, ids: &DenseIds) -> Result<Vec<FeNodeId>, DeckFault> {
+    fn fixed_nodes(&mut self, ids: &DenseIds) -> Result<Vec<FeNodeId>, DeckFault> {
         let mut partial = self.held.iter().filter(|(_, held)| **held != HELD_ALL);
-        if let Some((&first_node, &held)) = partial.next() {
+        if self.reading == DeckReading::Mesh {
+            let n_partial = partial.count();
+            if n_partial > 0 {
+                self.notes.push(format!(
+                    "supports in some directions only, at {n_partial} nodes, are passed over"
+                ));
+                self.held.retain(|_, held| *held == HELD_ALL);
+            }
+        } else if let Some((&first_node, &held)) = partial.next() {
             return Err(DeckFault::PartialSupport {
                 n_nodes: 1 + partial.count(),
                 first_node,
@@ -204,6 +369,11 @@ impl BoundaryFaces {
     fn find(&self, corners: [FeNodeId; 3]) -> Option<[FeNodeId; 6]> {
         self.0.get(&sorted(corners)).copied()
     }
+}
+
+/// The labels of two corners, the lower first.
+fn ends_of(nodes: &[u32; 10], [a, b]: [usize; 2]) -> [u32; 2] {
+    [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])]
 }
 
 fn sorted(mut corners: [FeNodeId; 3]) -> [FeNodeId; 3] {

@@ -8,8 +8,8 @@ use crate::SolidFault;
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum DeckFault {
     #[error(
-        "the name ends in `{found}`; expected .inp (Abaqus, CalculiX) or .dat, .cdb (ANSYS), \
-         each also with .gz"
+        "the name ends in `{found}`; expected .inp (Abaqus, CalculiX), .dat, .cdb (ANSYS) or \
+         .msh (gmsh), each also with .gz"
     )]
     FileName { found: String },
     #[error(
@@ -20,6 +20,13 @@ pub enum DeckFault {
     Unexpected { line: usize, expected: String, found: String },
     #[error("line {line}: the deck ends where {expected} is expected, {found}: it is cut short")]
     Truncated { line: usize, expected: String, found: String },
+    #[error("in the included file {file}: {fault}")]
+    Included { file: String, fault: Box<DeckFault> },
+    #[error(
+        "no tetrahedron is left: the deck has {skipped} only; mesh the limb's volume with ten-node \
+         tetrahedra"
+    )]
+    NoSolid { skipped: String },
     #[error("line {line}: `{command}` is not supported: {why}")]
     Unsupported { line: usize, command: String, why: &'static str },
     #[error("line {line}: {kind} `{name}` is not defined before it is used")]

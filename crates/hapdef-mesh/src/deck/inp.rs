@@ -1,13 +1,15 @@
-//! Abaqus and CalculiX decks (`.inp`) with C3D10 elements: one part, one linear static step.
+//! Abaqus and CalculiX decks (`.inp`) with C3D10 elements: one part and its instance, one linear
+//! static step.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
 use super::builder::{DeckBuilder, SurfaceLoad};
+use super::include::Includes;
 use super::inp_keyword::{Card, DataLine, cards, number, real, real_or_zero};
-use super::inp_sets::{held_range, integers, named, one_row, set_members, unexpected};
-use super::{DeckFault, DeckMaterial};
+use super::inp_sets::{held_range, named, one_row, set_members, unexpected};
+use super::{DeckFault, DeckMaterial, DeckReading};
 
 /// Keywords that don't change a linear static model: titles, output requests, step frames,
 /// properties that act only with temperature, time or damping, and surface definitions, which
@@ -44,54 +46,144 @@ const HARMLESS: [&str; 29] = [
     "PHYSICAL CONSTANTS",
 ];
 
-/// Reads a deck's text.
-pub(super) fn read(text: &str) -> Result<DeckBuilder, DeckFault> {
-    let mut reader = Reader::default();
-    for card in cards(text)? {
-        reader.card(&card)?;
-    }
+/// Keywords that make or move nodes and elements: no mesh can be read without them.
+const MESH_MAKING: [&str; 12] = [
+    "NGEN",
+    "NFILL",
+    "NCOPY",
+    "NMAP",
+    "ELGEN",
+    "ELCOPY",
+    "SYSTEM",
+    "IMPORT",
+    "PARAMETER",
+    "ADAPTIVE MESH",
+    "SUBSTRUCTURE GENERATE",
+    "MAP SOLUTION",
+];
+
+/// Why a keyword is refused.
+const UNKNOWN: &str =
+    "it may change the model, so it can't be skipped; remove it or restate the model without it";
+
+/// Reads a deck's text and the files it includes.
+pub(super) fn read(
+    text: &str,
+    deck: DeckBuilder,
+    includes: &mut Includes,
+) -> Result<DeckBuilder, DeckFault> {
+    let mut reader = Reader { deck, ..Reader::default() };
+    reader.text(text, includes)?;
     reader.finish(text.lines().count())
 }
 
 #[derive(Default)]
-struct Reader {
-    deck: DeckBuilder,
-    element_sets: BTreeMap<String, BTreeSet<u32>>,
+pub(super) struct Reader {
+    pub(super) deck: DeckBuilder,
+    pub(super) element_sets: BTreeMap<String, BTreeSet<u32>>,
     materials: BTreeMap<String, DeckMaterial>,
     open_material: Option<String>,
     used_materials: BTreeSet<String>,
+    /// Is the material none that could be used?
+    no_material: bool,
     forces_given: BTreeSet<(u32, usize)>,
     steps_open: usize,
     steps: usize,
+    parts: usize,
+    instances: usize,
+    /// Within *ASSEMBLY and no *INSTANCE: nodes there are reference points, numbered on their own.
+    in_assembly: bool,
 }
 
 impl Reader {
+    fn text(&mut self, text: &str, includes: &mut Includes) -> Result<(), DeckFault> {
+        for card in cards(text)? {
+            if card.name != "INCLUDE" {
+                self.card(&card)?;
+                continue;
+            }
+            let file = card.required("INPUT")?;
+            includes.open(file, |includes, text| match text {
+                Ok(text) => self.text(text, includes).map_err(|fault| DeckFault::Included {
+                    file: file.to_owned(),
+                    fault: Box::new(fault),
+                }),
+                Err(why) => Err(card.unsupported(format!("*INCLUDE, INPUT={file}"), why)),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Reads a card. For a scene, what is refused in other cards than those of mesh and supports is
+    /// passed over.
     fn card(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
+        let done = self.known(card);
+        let needed = match card.name.as_str() {
+            "NODE" | "ELEMENT" | "PART" | "INSTANCE" => true,
+            "BOUNDARY" => self.deck.reading != DeckReading::Mesh,
+            name => MESH_MAKING.contains(&name),
+        };
+        match done {
+            Err(DeckFault::Unsupported { .. }) if !self.deck.is_whole() && !needed => {
+                let material = ["ELASTIC", "DENSITY", "SOLID SECTION", "MATERIAL"];
+                self.no_material |= material.contains(&card.name.as_str());
+                self.deck.pass_over(&format!("*{}", card.name));
+                Ok(())
+            }
+            Err(DeckFault::Undefined { .. }) if card.name == "BOUNDARY" && !needed => {
+                self.deck.pass_over("*BOUNDARY");
+                Ok(())
+            }
+            done => done,
+        }
+    }
+
+    fn known(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
         match card.name.as_str() {
+            "NODE" | "ELEMENT" | "NSET" | "ELSET"
+                if self.in_assembly && card.parameter("INSTANCE").is_none() =>
+            {
+                if self.deck.is_whole() {
+                    return Err(card.unsupported(
+                        format!("*{} of the assembly", card.name),
+                        "only the nodes and sets of one part and its instance are read",
+                    ));
+                }
+                self.deck.pass_over(&format!("*{} of the assembly", card.name));
+                Ok(())
+            }
             "NODE" => self.nodes(card),
             "ELEMENT" => self.elements(card),
             "NSET" => self.node_set(card),
             "ELSET" => self.element_set(card),
+            "PART" => one_only(card, &mut self.parts),
+            "INSTANCE" => self.instance(card),
+            "ASSEMBLY" | "END INSTANCE" => {
+                self.in_assembly = true;
+                Ok(())
+            }
+            "END ASSEMBLY" => {
+                self.in_assembly = false;
+                Ok(())
+            }
+            "END PART" => Ok(()),
             "MATERIAL" => self.material(card),
             "ELASTIC" => self.elastic(card),
             "DENSITY" => self.density(card),
             "SOLID SECTION" => self.section(card),
             "BOUNDARY" => self.boundary(card),
+            "STEP" => self.step(card),
+            "CLOAD" | "DLOAD" if !self.deck.is_whole() => {
+                self.deck.pass_over(&format!("*{}", card.name));
+                Ok(())
+            }
             "CLOAD" => self.point_forces(card),
             "DLOAD" => self.pressures(card),
-            "STEP" => self.step(card),
-            "INCLUDE" => Err(card.unsupported(
-                "*INCLUDE".into(),
-                "a deck must be one file; put the included text in its place",
-            )),
             name if HARMLESS.contains(&name) => {
                 self.steps_open -= usize::from(name == "END STEP" && self.steps_open > 0);
                 Ok(())
             }
-            name => Err(card.unsupported(
-                format!("*{name}"),
-                "it may change the model, so it can't be skipped; remove it or restate the model without it",
-            )),
+            name => Err(card.unsupported(format!("*{name}"), UNKNOWN)),
         }
     }
 
@@ -112,44 +204,29 @@ impl Reader {
         Ok(())
     }
 
-    fn elements(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(&["TYPE", "ELSET"], "only TYPE= and ELSET= are read here")?;
-        let kind = card.required("TYPE")?;
-        if kind != "C3D10" {
-            return Err(card.unsupported(
-                format!("*ELEMENT, TYPE={kind}"),
-                "only ten-node tetrahedra (C3D10) are supported",
-            ));
-        }
-        let mut labels = Vec::new();
-        let mut lines = card.data.iter();
-        while let Some(first) = lines.next() {
-            let mut numbers = integers(first)?;
-            let mut last = first;
-            while numbers.len() < 11 {
-                last = lines.next().ok_or_else(|| DeckFault::Truncated {
-                    line: last.0,
-                    expected: "an element number and ten nodes".into(),
-                    found: format!("{} numbers", numbers.len()),
-                })?;
-                numbers.extend(integers(last)?);
-            }
-            let nodes: [u32; 10] = numbers[1..].try_into().map_err(|_| DeckFault::Unexpected {
-                line: last.0,
-                expected: "an element number and ten nodes".into(),
-                found: format!("{} numbers", numbers.len()),
-            })?;
-            self.deck.add_element(first.0, numbers[0], nodes)?;
-            labels.push(numbers[0]);
-        }
-        if let Some(name) = card.parameter("ELSET") {
-            self.element_sets.entry(name.to_owned()).or_default().extend(labels);
-        }
+    /// The part's one instance, with its mesh moved and turned to where the instance is: a line with
+    /// a translation, a line with two points of an axis and an angle in degrees.
+    fn instance(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
+        one_only(card, &mut self.instances)?;
+        self.in_assembly = false;
+        let row = |i: usize, n: usize| -> Result<Vec<f64>, DeckFault> {
+            let Some(data) = card.data.get(i) else { return Ok(vec![0.0; n]) };
+            (0..n).map(|i| real_or_zero(data, i)).collect()
+        };
+        let (shift, turn) = (row(0, 3)?, row(1, 7)?);
+        let (a, b) = (Point3::from_slice(&turn[..3]), Point3::from_slice(&turn[3..6]));
+        let axis = Unit::try_new(b - a, 0.0).unwrap_or(Vector3::z_axis());
+        let turn = Rotation3::from_axis_angle(&axis, turn[6].to_radians());
+        let shift = Vector3::from_column_slice(&shift);
+        self.deck.move_nodes(|position| a + turn * (position + shift - a));
         Ok(())
     }
 
     fn node_set(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(&["NSET", "GENERATE"], "only NSET= and GENERATE are read here")?;
+        card.only(
+            &["NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"],
+            "only NSET= and GENERATE are read here",
+        )?;
         let name = card.required("NSET")?.to_owned();
         let labels = set_members(card, &self.deck.node_sets, "node set", |line, label| {
             self.deck.require_node(line, label)
@@ -165,11 +242,18 @@ impl Reader {
     }
 
     fn element_set(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
-        card.only(&["ELSET", "GENERATE", "INTERNAL"], "only ELSET= and GENERATE are read here")?;
+        card.only(
+            &["ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"],
+            "only ELSET= and GENERATE are read here",
+        )?;
         let name = card.required("ELSET")?.to_owned();
-        let labels = set_members(card, &self.element_sets, "element set", |line, label| {
-            self.deck.require_element(line, label)
-        })?;
+        let labels =
+            set_members(card, &self.element_sets, "element set", |line, label| {
+                match self.deck.faces.contains_key(&label) {
+                    true => Ok(()),
+                    false => self.deck.require_element(line, label),
+                }
+            })?;
         self.element_sets.entry(name).or_default().extend(labels);
         Ok(())
     }
@@ -215,6 +299,14 @@ impl Reader {
     fn section(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
         card.only(&["ELSET", "MATERIAL", "CONTROLS"], "only ELSET= and MATERIAL= are read here")?;
         let material = card.required("MATERIAL")?.to_owned();
+        let members = card.parameter("ELSET").and_then(|name| self.element_sets.get(name));
+        if members.is_some_and(|m| m.iter().any(|label| self.deck.faces.contains_key(label))) {
+            if self.deck.is_whole() {
+                let command = "*SOLID SECTION of elements that are no solids".into();
+                return Err(card.unsupported(command, "only ten-node tetrahedra may bear load"));
+            }
+            return Ok(());
+        }
         self.used_materials.insert(material);
         Ok(())
     }
@@ -276,6 +368,7 @@ impl Reader {
             };
             let pressure_pa = real(data, 2)?;
             for element in self.named_elements(data)? {
+                self.deck.require_element(data.0, element)?;
                 let load = SurfaceLoad::Pressure { element, face, pressure_pa };
                 self.deck.surface_loads.push(load);
             }
@@ -286,6 +379,9 @@ impl Reader {
     fn step(&mut self, card: &Card<'_>) -> Result<(), DeckFault> {
         self.steps += 1;
         self.steps_open += 1;
+        if !self.deck.is_whole() {
+            return Ok(());
+        }
         if self.steps > 1 {
             return Err(
                 card.unsupported("a second *STEP".into(), "one load case a deck is supported")
@@ -320,21 +416,42 @@ impl Reader {
                 found: "the end of the file".into(),
             });
         }
-        if self.used_materials.len() > 1 {
-            return Err(DeckFault::SeveralMaterials { found: self.used_materials.len() });
+        for (name, members) in std::mem::take(&mut self.element_sets) {
+            if let Some(nodes) = self.deck.face_nodes(&members) {
+                self.deck.node_sets.entry(name).or_insert(nodes);
+            }
         }
-        let used = match self.used_materials.pop_first() {
+        self.deck.material = match self.used_material(n_lines) {
+            Err(_) if !self.deck.is_whole() => None,
+            used => used?.filter(|m| m.youngs_modulus_pa.is_finite() && !self.no_material),
+        };
+        Ok(self.deck)
+    }
+
+    fn used_material(&mut self, line: usize) -> Result<Option<DeckMaterial>, DeckFault> {
+        let found = self.used_materials.len().max(1);
+        match self.used_materials.pop_first() {
+            Some(_) if found > 1 => Err(DeckFault::SeveralMaterials { found }),
             Some(name) => {
-                let found = self.materials.get(&name).copied();
-                let undefined = DeckFault::Undefined { line: n_lines, kind: "material", name };
-                Some(found.ok_or(undefined)?)
+                let used = self.materials.get(&name).copied();
+                used.map(Some).ok_or(DeckFault::Undefined { line, kind: "material", name })
             }
             None if self.materials.len() > 1 => {
-                return Err(DeckFault::SeveralMaterials { found: self.materials.len() });
+                Err(DeckFault::SeveralMaterials { found: self.materials.len() })
             }
-            None => self.materials.into_values().next(),
-        };
-        self.deck.material = used.filter(|material| material.youngs_modulus_pa.is_finite());
-        Ok(self.deck)
+            None => Ok(self.materials.values().next().copied()),
+        }
+    }
+}
+
+/// Refuses a second card of this name.
+fn one_only(card: &Card<'_>, count: &mut usize) -> Result<(), DeckFault> {
+    *count += 1;
+    match *count {
+        1 => Ok(()),
+        _ => Err(card.unsupported(
+            format!("a second *{}", card.name),
+            "one part and one instance of it are read; export them merged to one part",
+        )),
     }
 }

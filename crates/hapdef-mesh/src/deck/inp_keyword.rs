@@ -59,12 +59,13 @@ impl Card<'_> {
     fn add_parameters(&mut self, text: &str) {
         for field in text.split(',').map(str::trim).filter(|field| !field.is_empty()) {
             let (key, value) = field.split_once('=').unwrap_or((field, ""));
-            let value = value.trim().trim_matches('"').to_uppercase();
-            self.parameters.push((key.trim().to_uppercase(), value));
+            let (key, value) = (key.trim().to_uppercase(), value.trim().trim_matches('"'));
+            let value = if key == "INPUT" { value.to_owned() } else { value.to_uppercase() };
+            self.parameters.push((key, value));
         }
     }
 
-    /// A parameter's value in upper case, empty if it has none.
+    /// A parameter's value, in upper case unless it is a file's name; empty if it has none.
     pub(super) fn parameter(&self, key: &str) -> Option<&str> {
         self.parameters.iter().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }

@@ -52,7 +52,13 @@ pub(super) fn named(
         return Ok(vec![label]);
     }
     let name = field.trim_matches('"').to_uppercase();
-    match sets.get(&name) {
+    // `PART-1-1.BASE`: a set or a number of the only instance
+    let (_, of_instance) = name.rsplit_once('.').unwrap_or(("", &name));
+    if let (true, Ok(label)) = (of_instance.len() < name.len(), of_instance.parse()) {
+        require(data.0, label)?;
+        return Ok(vec![label]);
+    }
+    match sets.get(&name).or_else(|| sets.get(of_instance)) {
         Some(members) => Ok(members.iter().copied().collect()),
         None => Err(DeckFault::Undefined { line: data.0, kind, name }),
     }

@@ -1,12 +1,13 @@
-//! A deck's text: plain or gzip, never longer than allowed.
+//! A deck's bytes and text: plain or gzip, never longer than allowed.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use super::{DeckFault, DeckParams};
+use super::DeckFault;
 use crate::MeshError;
 
 /// Which reader a deck needs.
@@ -16,6 +17,8 @@ pub(super) enum DeckKind {
     Inp,
     /// ANSYS commands.
     Ansys,
+    /// gmsh's own format.
+    Msh,
 }
 
 /// The kind a file name states.
@@ -25,25 +28,29 @@ pub(super) fn kind(path: &Path) -> Result<DeckKind, DeckFault> {
     match plain.rsplit_once('.').map(|(_, ending)| ending) {
         Some("inp") => Ok(DeckKind::Inp),
         Some("dat" | "cdb") => Ok(DeckKind::Ansys),
+        Some("msh") => Ok(DeckKind::Msh),
         _ => Err(DeckFault::FileName { found: name }),
     }
 }
 
-/// The decompressed text. Bytes that are not UTF-8 occur in comments and titles of decks written
-/// on Windows; they become replacement characters.
-pub(super) fn read(path: &Path, params: &DeckParams) -> Result<String, MeshError> {
+/// The decompressed bytes.
+pub(super) fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MeshError> {
     let failed = |cause| MeshError::Io { action: "read", path: path.to_owned(), cause };
+    let too_long =
+        || MeshError::Deck { path: path.to_owned(), fault: DeckFault::TooLong { max_bytes } };
     let file = File::open(path).map_err(failed)?;
     let bytes = if is_gzip(path) {
-        read_capped(MultiGzDecoder::new(io::BufReader::new(file)), params)
+        read_capped(MultiGzDecoder::new(io::BufReader::new(file)), max_bytes)
     } else {
-        read_capped(file, params)
+        read_capped(file, max_bytes)
     };
-    let too_long = || DeckFault::TooLong { max_bytes: params.max_bytes };
-    let bytes = bytes
-        .map_err(failed)?
-        .ok_or_else(|| MeshError::Deck { path: path.to_owned(), fault: too_long() })?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    bytes.map_err(failed)?.ok_or_else(too_long)
+}
+
+/// The text without a byte-order mark. Bytes that are not UTF-8 occur in comments and titles of
+/// decks written on Windows; they become replacement characters.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 
 fn is_gzip(path: &Path) -> bool {
@@ -51,8 +58,8 @@ fn is_gzip(path: &Path) -> bool {
 }
 
 /// `None` if there is more than allowed.
-fn read_capped(source: impl Read, params: &DeckParams) -> io::Result<Option<Vec<u8>>> {
+fn read_capped(source: impl Read, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
-    source.take(params.max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 <= params.max_bytes).then_some(bytes))
+    source.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= max_bytes).then_some(bytes))
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
@@ -11,6 +11,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf::json::Root;
 
 use super::GltfFault;
+use crate::beside::{path_beside, stays_inside};
 
 /// Exporters disagree on the closing `=`, which carries nothing.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -93,15 +94,7 @@ impl<'a> BufferSource<'a> {
         let refused = |why| GltfFault::BufferUri { buffer, uri: shortened(uri), why };
         let failed = |cause| GltfFault::BufferIo { buffer, uri: shortened(uri), cause };
         let relative = relative_path(uri).map_err(refused)?;
-        let folder = self.folder.canonicalize().map_err(failed)?;
-        let path = folder.join(relative).canonicalize().map_err(failed)?;
-        if !path.starts_with(&folder) {
-            return Err(refused("leads out of the file's own folder"));
-        }
-        // A named pipe would block for ever.
-        if !path.metadata().map_err(failed)?.is_file() {
-            return Err(refused("is not a regular file"));
-        }
+        let path = path_beside(self.folder, &relative).map_err(failed)?.map_err(refused)?;
         read_at_most(&path, declared).map_err(failed)
     }
 
@@ -136,8 +129,7 @@ fn relative_path(uri: &str) -> Result<PathBuf, &'static str> {
         return Err("contains a backslash");
     }
     let path = PathBuf::from(decoded);
-    let plain = |c: Component| matches!(c, Component::Normal(_) | Component::CurDir);
-    if path.components().all(plain) { Ok(path) } else { Err("is absolute or contains `..`") }
+    if stays_inside(&path) { Ok(path) } else { Err("is absolute or contains `..`") }
 }
 
 fn percent_decoded(text: &str) -> Option<String> {

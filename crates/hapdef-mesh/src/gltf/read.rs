@@ -9,6 +9,7 @@ use super::buffers::{self, BufferSource};
 use super::params::{GltfInfo, GltfParams, GltfPart};
 use super::source::Source;
 use super::{GltfFault, container, document};
+use crate::beside::folder_of;
 use crate::{MeshError, SurfaceMesh};
 
 /// The surface of a glTF scene, in world coordinates.
@@ -68,8 +69,7 @@ fn parse<'a>(path: &Path, bytes: &[u8], params: &'a GltfParams) -> Result<Assemb
         }
     };
     let root = document::parse(json)?;
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let source = BufferSource { folder, bin, budget_bytes, limit_bytes: limit };
+    let source = BufferSource { folder: folder_of(path), bin, budget_bytes, limit_bytes: limit };
     let buffers = buffers::load(&root, source)?;
     let mut assembly = Assembly::new(params);
     assembly.info.n_trailing_bytes = n_trailing_bytes;

@@ -123,6 +123,8 @@ pub fn shin(params: &ShinParams) -> Result<Shin, MeshError> {
         nodal_forces: Vec::new(),
         face_tractions: Vec::new(),
         unused_node_labels: Vec::new(),
+        unit: None,
+        notes: Vec::new(),
     };
     Ok(Shin { deck, skin })
 }

@@ -1,6 +1,7 @@
 //! Solids of ten-node tetrahedra: the mesh, its boundary, shape functions, refinement, blocks and
 //! tubes, and a file for ParaView.
 
+mod bodies;
 pub(crate) mod boundary;
 mod fault;
 mod kuhn;
@@ -11,6 +12,7 @@ mod tetrahedra;
 pub mod tri6;
 mod vtu;
 
+pub use bodies::SolidBody;
 pub use boundary::{BoundarySurface, TET10_FACES, Tri6Face, connected_faces};
 pub use fault::SolidFault;
 pub use kuhn::{kuhn_block, kuhn_cell, kuhn_tube};

@@ -93,10 +93,11 @@ pub(crate) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
     half_edges
 }
 
-fn root(parent: &mut [usize], mut triangle: usize) -> usize {
-    while parent[triangle] != triangle {
-        parent[triangle] = parent[parent[triangle]];
-        triangle = parent[triangle];
+/// The representative of the set that `member` is in; paths are halved on the way.
+pub(crate) fn root(parent: &mut [usize], mut member: usize) -> usize {
+    while parent[member] != member {
+        parent[member] = parent[parent[member]];
+        member = parent[member];
     }
-    triangle
+    member
 }

@@ -150,7 +150,7 @@ fn what_would_change_the_model_is_refused() {
         ("fini\n/solu", "/input,more,dat\nfini\n/solu"),
         ("*if,ANSINTER_,ne,0,then", "*if,x,eq,0,then"),
         ("antype,0", "antype,modal"),
-        ("/units,MKS", "/units,MPA"),
+        ("/units,MKS", "/units,BIN"),
         ("et,1,187", "et,1,186"),
         ("et,1,187", "et,1,187\nkeyopt,1,6,1"),
         ("MP,ALPX,1,1e-5", "MP,EY,1,1e9"),

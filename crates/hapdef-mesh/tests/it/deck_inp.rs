@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use hapdef_mesh::{
-    DeckFault, DeckParams, FeNodeId, MeshError, SolidDeck, read_deck, read_deck_with,
+    DeckFault, DeckParams, DeckReading, FeNodeId, MeshError, SolidDeck, read_deck, read_deck_with,
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -61,10 +61,14 @@ U
 ";
 
 fn read_text(text: &str) -> Result<SolidDeck, MeshError> {
+    read_for(DeckReading::Whole, text)
+}
+
+fn read_for(reading: DeckReading, text: &str) -> Result<SolidDeck, MeshError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.inp");
     fs::write(&path, text).unwrap();
-    read_deck(&path)
+    read_deck_with(&path, &DeckParams { reading, ..DeckParams::default() })
 }
 
 #[track_caller]
@@ -218,7 +222,7 @@ fn the_decompressed_size_is_bounded() {
     encoder.write_all(&b"** padding\n".repeat(100_000)).unwrap();
     encoder.finish().unwrap();
     assert!(read_deck(&path).is_ok());
-    let found = read_deck_with(&path, &DeckParams { max_bytes: 1000 });
+    let found = read_deck_with(&path, &DeckParams { max_bytes: 1000, ..DeckParams::default() });
     let Err(MeshError::Deck { fault, .. }) = found else { panic!("{found:?}") };
     assert_eq!(fault, DeckFault::TooLong { max_bytes: 1000 });
 
@@ -265,6 +269,8 @@ proptest! {
         if cut {
             bytes.truncate(place);
         }
-        let _ = read_text(&String::from_utf8_lossy(&bytes));
+        for reading in [DeckReading::Whole, DeckReading::Supports, DeckReading::Mesh] {
+            let _ = read_for(reading, &String::from_utf8_lossy(&bytes));
+        }
     }
 }

@@ -8,7 +8,10 @@
 
 mod authors_limb;
 mod deck_ansys;
+mod deck_field;
 mod deck_inp;
+mod deck_msh;
+mod deck_scene;
 mod deck_write;
 mod examples;
 mod extrude;

@@ -173,6 +173,8 @@ fn deck(problem: &Problem, load: &NodalLoad) -> Result<SolidDeck, VerifyError> {
         nodal_forces: forces.into_iter().collect(),
         face_tractions: Vec::new(),
         unused_node_labels: Vec::new(),
+        unit: None,
+        notes: Vec::new(),
     })
 }
 

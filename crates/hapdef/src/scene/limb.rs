@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Geometry {
-    /// Deck of ten-node tetrahedra (`.inp`, `.dat`, `.cdb`, each also `.gz`), relative to the
-    /// scene file.
+    /// Deck or volume mesh of tetrahedra (`.inp`, `.dat`, `.cdb`, `.msh`, each also `.gz`), relative
+    /// to the scene file.
     pub solid_deck: PathBuf,
     /// Unit of the deck's lengths, metres or millimetres. Stresses and densities go along: Pa and
     /// kg/m³ with metres, MPa and t/mm³ with millimetres.

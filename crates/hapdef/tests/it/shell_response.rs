@@ -44,6 +44,7 @@ fn tube() -> Limb {
         material: IsotropicMaterial::new(1.7e9, 0.394, 1000.0).unwrap(),
         patches: Vec::new(),
         deck_hash: String::new(),
+        deck_notes: Vec::new(),
         mesh,
         boundary,
         skin,

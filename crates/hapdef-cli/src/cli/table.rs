@@ -1,0 +1,234 @@
+//! Tables of numbers as loggers and spreadsheets write them: commas, semicolons or tabs between,
+//! decimal commas, comments, a byte-order mark, names in the first line, columns of other things.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// A row and where it stands.
+#[derive(Debug, PartialEq)]
+pub(super) struct Row {
+    /// Its line, from 1.
+    pub(super) line: usize,
+    /// The columns that were asked for, in their order.
+    pub(super) values: Vec<f64>,
+}
+
+/// Reads the columns `leading` and then one for each of `gauges` from the table at `path`.
+///
+/// A first line that is no numbers names the columns: a gauge's has its name, with or without `_ue`,
+/// and columns with other names, such as the time, are passed over. Where it names no gauge at all,
+/// or numbers them as `hapdef probe` does, and without names, the columns are all there are, in order.
+/// Lines that start with `#` are comments.
+///
+/// # Errors
+/// A table without rows, a column that is not there, or what is no finite number, with its line.
+pub(super) fn read_table(path: &Path, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
+    let file = path.display();
+    let bytes = std::fs::read(path).with_context(|| format!("{file}: reading"))?;
+    rows(&String::from_utf8_lossy(&bytes), leading, gauges).with_context(|| format!("{file}"))
+}
+
+fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim_end()));
+    let mut lines = lines.filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+    let Some((first_line, first)) = lines.next() else {
+        bail!("no row of numbers: the table is empty");
+    };
+    let separator = [';', '\t'].into_iter().find(|s| first.contains(*s)).unwrap_or(',');
+    let names = fields(first, separator);
+    let is_header =
+        names.iter().any(|field| !field.is_empty() && number(field, separator).is_none());
+    let n_wanted = leading.len() + gauges.len();
+    let columns = match is_header {
+        true => named_columns(&names, leading, gauges)
+            .with_context(|| format!("line {first_line}: names of columns"))?,
+        false => (0..n_wanted).collect(),
+    };
+    let n_columns = if is_header { names.len() } else { n_wanted };
+    let head = (!is_header).then_some((first_line, first));
+    let mut rows = Vec::new();
+    for (line, text) in head.into_iter().chain(lines) {
+        let fields = fields(text, separator);
+        ensure!(
+            fields.len() == n_columns,
+            "line {line}: expected {n_columns} numbers{}, found {}; name the columns in a first line \
+             where there are others",
+            expected(leading, gauges, is_header),
+            fields.len()
+        );
+        let value = |column: &usize| {
+            let name = if is_header { format!(" ({})", names[*column]) } else { String::new() };
+            let value = number(fields[*column], separator).with_context(|| {
+                format!(
+                    "line {line}, column {}{name}: expected a number, found {:?}",
+                    column + 1,
+                    fields[*column]
+                )
+            })?;
+            ensure!(
+                value.is_finite(),
+                "line {line}, column {}{name}: {value} is no reading; leave the row out, or find out \
+                 why the gauge has none",
+                column + 1
+            );
+            Ok(value)
+        };
+        let values = columns.iter().map(value).collect::<Result<_>>()?;
+        rows.push(Row { line, values });
+    }
+    ensure!(!rows.is_empty(), "no row of numbers: the table has names only");
+    Ok(rows)
+}
+
+fn expected(leading: &[&str], gauges: &[&str], is_header: bool) -> String {
+    match (is_header, leading.is_empty()) {
+        (true, _) => " as in the line of names".into(),
+        (false, true) => ", one for each gauge".into(),
+        (false, false) => format!(" ({}, then {} gauges)", leading.join(", "), gauges.len()),
+    }
+}
+
+/// The fields of a line, without quotes around them; a separator at its end closes the last.
+fn fields(line: &str, separator: char) -> Vec<&str> {
+    let line = line.strip_suffix(separator).unwrap_or(line);
+    line.split(separator).map(|field| field.trim().trim_matches('"').trim()).collect()
+}
+
+/// A number; with a decimal comma where commas don't separate.
+fn number(field: &str, separator: char) -> Option<f64> {
+    match separator {
+        ',' => field.parse().ok(),
+        _ => field.replacen(',', ".", 1).parse().ok(),
+    }
+}
+
+/// The places of the wanted columns among `names`.
+fn named_columns(names: &[&str], leading: &[&str], gauges: &[&str]) -> Result<Vec<usize>> {
+    let plain = |name: &str| {
+        let name = name.to_lowercase();
+        name.strip_suffix("_ue").map_or(name.clone(), str::to_owned)
+    };
+    let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+    let wanted: Vec<String> = leading.iter().chain(gauges).map(|name| plain(name)).collect();
+    let numbered = |i: usize, name: &String| *name == format!("g{i}");
+    let of_gauges = names.get(leading.len()..).unwrap_or_default();
+    let as_probe_writes = of_gauges.len() == gauges.len()
+        && of_gauges.iter().enumerate().all(|(i, name)| numbered(i, name));
+    let has_gauge = wanted[leading.len()..].iter().any(|gauge| names.contains(gauge));
+    if as_probe_writes || (!has_gauge && names.len() == wanted.len()) {
+        return Ok((0..wanted.len()).collect());
+    }
+    let place = |name: &String| {
+        let place = names.iter().position(|found| found == name);
+        place.with_context(|| format!("expected one named {name:?}, found {}", names.join(", ")))
+    };
+    wanted.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAUGES: [&str; 2] = ["g0", "Tip"];
+
+    #[track_caller]
+    fn check(text: &str, expected: &[[f64; 2]]) {
+        let rows = rows(text, &[], &GAUGES).unwrap();
+        let values: Vec<_> = rows.iter().map(|row| row.values.as_slice()).collect();
+        assert_eq!(
+            values,
+            expected.iter().map(|row| row.as_slice()).collect::<Vec<_>>(),
+            "{text:?}"
+        );
+    }
+
+    #[track_caller]
+    fn refused(text: &str, expected: &str) {
+        let error = rows(text, &["x_m"], &GAUGES).unwrap_err();
+        let found = format!("{error:#}");
+        assert!(found.contains(expected), "{text:?}: {found}");
+    }
+
+    #[test]
+    fn tables_as_loggers_write_them() {
+        check("1,2\n3.5,-4e1\n", &[[1.0, 2.0], [3.5, -40.0]]);
+        check("\u{feff}g0_ue,tip_ue\r\n1,2\r\n", &[[1.0, 2.0]]);
+        check("# a comment\nTIP;g0\n1,5;2\n\n# another\n-3;4,25\n", &[[2.0, 1.5], [4.25, -3.0]]);
+        check("1,5\t2\n", &[[1.5, 2.0]]);
+        check("\"g0\",\"Tip\"\n\"1\",\"2\"\n", &[[1.0, 2.0]]);
+        check("1,2,\n3,4,\n", &[[1.0, 2.0], [3.0, 4.0]]);
+        check("time,g0_ue,tip_ue,note\n0.1,1,2,soft\n0.2,3,4,nan\n", &[[1.0, 2.0], [3.0, 4.0]]);
+        // names of no gauge: by place, as are the numbers that `hapdef probe` writes
+        check("left,right\n1,2\n", &[[1.0, 2.0]]);
+        check("g0_ue,g1_ue\n1,2\n", &[[1.0, 2.0]]);
+    }
+
+    #[test]
+    fn a_table_that_says_too_little_is_refused_with_its_place() {
+        refused("", "the table is empty");
+        refused("# only a comment\n", "the table is empty");
+        refused("x_m,g0,tip\n", "has names only");
+        refused("1,2,3\n1,2\n", "line 2: expected 3 numbers (x_m, then 2 gauges), found 2");
+        refused(
+            "1,2,3,4\n",
+            "line 1: expected 3 numbers (x_m, then 2 gauges), found 4; name the columns",
+        );
+        refused(
+            "x_m,g0,tip\n1,2,3,4\n",
+            "line 2: expected 3 numbers as in the line of names, found 4",
+        );
+        refused(
+            "x_m,g0,other\n1,2,3\n",
+            "line 1: names of columns: expected one named \"tip\", found x_m, g0, other",
+        );
+        refused(
+            "Reading: 8388607\nReading: 1\n",
+            "line 1: names of columns: expected one named \"x_m\"",
+        );
+        refused("1,2,3\n4,nan,6\n", "line 2, column 2: NaN is no reading");
+        refused("x_m,g0,tip\n4,5,inf\n", "line 2, column 3 (tip): inf is no reading");
+        refused(
+            "x_m,g0,tip\n4,5,six\n",
+            "line 2, column 3 (tip): expected a number, found \"six\"",
+        );
+    }
+
+    /// What loggers wrote, of ten gauges.
+    #[test]
+    #[allow(clippy::print_stdout, reason = "what is skipped is said")]
+    fn tables_from_the_field() {
+        let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+        let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.into());
+        let folder = Path::new(&shared).join("inputs/field/csv");
+        if !folder.exists() {
+            println!("skipped: {} is absent (set HAPDEF_SHARED)", folder.display());
+            return;
+        }
+        let names: Vec<String> = (0..10).map(|i| format!("g{i}")).collect();
+        let gauges: Vec<&str> = names.iter().map(String::as_str).collect();
+        let read = |file: &str| read_table(&folder.join(file), &[], &gauges);
+        let last = [12.1, -3.2, 5.5, 0.1, 7.7, -2.2, 1.0, 0.4, 3.3, -1.1];
+        for file in [
+            "bom_crlf",
+            "ok",
+            "ok_header",
+            "quoted",
+            "semicolon_decimalcomma",
+            "tab",
+            "timestamped",
+            "trailing_comma",
+        ] {
+            let rows = read(&format!("{file}.csv")).unwrap();
+            assert_eq!((rows.len(), rows[1].values.as_slice()), (2, last.as_slice()), "{file}");
+        }
+        let found = format!("{:#}", read("nan.csv").unwrap_err());
+        assert!(found.contains("line 3, column 1") && found.contains("NaN"), "{found}");
+        let found = format!("{:#}", read("hx711.csv").unwrap_err());
+        assert!(
+            found.contains("names of columns") && found.contains("reading: 8388607"),
+            "{found}"
+        );
+    }
+}
