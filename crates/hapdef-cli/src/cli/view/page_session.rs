@@ -187,6 +187,10 @@ impl Attendant {
         match command {
             ViewCommand::Tare => {
                 self.shared.is_tared.store(false, Ordering::Relaxed);
+                // the virtual hand lets go before, not somewhere within the tare
+                if let Some(virtual_press) = &mut self.virtual_press {
+                    virtual_press.step(false);
+                }
                 self.control.tare();
                 self.handle.say("Taring: touch nothing");
             }

@@ -142,6 +142,7 @@ impl Compute {
             conditioning.conditioner.tare();
             conditioning.noise.start_over();
             conditioning.out.phase = TouchPhase::Taring;
+            self.tare_watch.n_repeats = 0;
             self.start_over();
         }
     }

@@ -6,6 +6,7 @@ use hapdef_contact::{TouchPhase, UnknownReason};
 use hapdef_inverse::{DriftState, TareEnd};
 
 use super::Compute;
+use super::conditioning::Conditioning;
 use crate::estimator::Explained;
 use crate::sink::LiveEvent;
 use crate::tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};
@@ -27,11 +28,17 @@ const MEAN_S: f64 = 0.032;
 const SETTLED_SDS: f64 = 5.0;
 const SETTLED_SHARE: f64 = 0.03;
 
+/// Times that a tare that was asked for begins again by itself because its readings moved: a hand that asks for it
+/// has often not let go yet.
+const MOST_REPEATS: usize = 2;
+
 /// What is watched after the zero was taken.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TareWatch {
     /// The fault that makes the zero invalid.
     fault: Option<Arc<TareFault>>,
+    /// Times that the tare began again.
+    pub(super) n_repeats: usize,
     /// Frames since something began to touch.
     n_touched: usize,
     /// Sums of the readings in both halves of the time before a look `[n_gauges]`.
@@ -116,7 +123,13 @@ impl Compute {
             conditioning.conditioner.refuse_tare();
         }
         conditioning.noise.start_over();
-        let is_again = conditioning.conditioner.is_taring();
+        let conditioner = &mut conditioning.conditioner;
+        let is_moved = matches!(kind, TareFaultKind::Moved { .. });
+        if is_moved && !conditioner.is_taring() && self.tare_watch.n_repeats < MOST_REPEATS {
+            self.tare_watch.n_repeats += 1;
+            conditioner.tare();
+        }
+        let is_again = conditioner.is_taring();
         let outcome = match (is_again, self.tare_watch.is_invalid()) {
             (true, _) => TareOutcome::Again,
             (false, true) => TareOutcome::Waits,
@@ -135,7 +148,12 @@ impl Compute {
 
     fn tell_tare_fault(&mut self, fault: TareFault) {
         let fault = Arc::new(fault);
-        if matches!(fault.outcome, TareOutcome::Again | TareOutcome::Waits) {
+        let has_zero = |c: &Conditioning| c.conditioner.has_zero_before();
+        let is_invalid = match fault.outcome {
+            TareOutcome::Again => !self.conditioning.as_ref().is_some_and(has_zero),
+            outcome => outcome == TareOutcome::Waits,
+        };
+        if is_invalid {
             self.tare_watch.fault = Some(Arc::clone(&fault));
         }
         self.counts.tare_fault = Some(Arc::clone(&fault));
