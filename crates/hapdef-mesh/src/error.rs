@@ -14,6 +14,8 @@ pub enum MeshError {
     Io { action: &'static str, path: PathBuf, cause: std::io::Error },
     #[error("{}: {fault}", path.display())]
     Gltf { path: PathBuf, fault: Box<GltfFault> },
+    #[error("{}: no surface could be read: {cause}; export it again", path.display())]
+    SurfaceFile { path: PathBuf, cause: String },
     #[error(
         "triangle {triangle} uses vertex {vertex}, but the surface has {n_vertices} vertices (0-based)"
     )]

@@ -56,6 +56,6 @@ pub use solid::{
 pub use surface::{
     BodyChoice, BoundingBox, CleanInfo, CleanParams, Closest, ClosestPoint, Crossing, Defect,
     FaceCurve, QualityReport, RefinedSurface, SLIVER_ANGLE_DEG, SurfaceDefects, SurfaceFault,
-    SurfaceMesh, WeldInfo, clean_surface, self_intersections,
+    SurfaceMesh, WeldInfo, clean_surface, read_surface, self_intersections,
 };
 pub use unit::{LengthUnit, UnitGuess};

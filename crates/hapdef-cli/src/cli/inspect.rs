@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use hapdef_mesh::{
     DeckParams, DeckReading, GltfParams, LengthUnit, MeshError, QualityReport, SolidDeck, WeldInfo,
-    read_deck, read_deck_with, read_gltf,
+    read_deck, read_deck_with, read_surface,
 };
 
 /// What `hapdef inspect` is given.
@@ -20,6 +20,9 @@ pub(crate) struct InspectArgs {
     /// Vertices of a surface no farther apart than this are joined before it is judged, m.
     #[arg(long, default_value_t = 1e-6)]
     weld_m: f64,
+    /// Turn a surface's triangles over until neighbours agree on the outside, before it is judged.
+    #[arg(long)]
+    orient: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -39,10 +42,10 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
     let name = file.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     match name.rsplit('.').next().unwrap_or_default() {
-        "glb" | "gltf" => inspect_surface(args),
+        "glb" | "gltf" | "stl" | "obj" | "dae" => inspect_surface(args),
         "inp" | "dat" | "cdb" | "msh" => inspect_deck(file, args.json),
         other => bail!(
-            "{}: expected .glb, .gltf, .inp, .dat, .cdb or .msh (the last four also with .gz), found \
+            "{}: expected .glb, .gltf, .stl, .obj, .dae, .inp, .dat, .cdb or .msh (the last four also with .gz), found \
              {other:?}; convert the file first",
             file.display()
         ),
@@ -56,11 +59,12 @@ fn inspect_surface(args: &InspectArgs) -> Result<()> {
         Unit::Cm => LengthUnit::Centimetre,
         Unit::In => LengthUnit::Inch,
     };
-    let surface = read_gltf(&args.file, &GltfParams { unit, ..GltfParams::default() })?;
+    let surface = read_surface(&args.file, &GltfParams { unit, ..GltfParams::default() })?;
     let (mesh, weld) = surface.mesh.weld(args.weld_m)?;
+    let (mesh, n_turned) = if args.orient { mesh.oriented() } else { (mesh, 0) };
     let report = QualityReport::of(&mesh);
     if args.json {
-        println!("{}", surface_json(&report, &weld, surface.parts.len()));
+        println!("{}", surface_json(&report, &weld, surface.parts.len(), n_turned));
         return Ok(());
     }
     println!("{}\n{report}", args.file.display());
@@ -71,15 +75,24 @@ fn inspect_surface(args: &InspectArgs) -> Result<()> {
         weld.n_collapsed_triangles,
         weld.n_repeated_corner_triangles
     );
+    if n_turned > 0 {
+        println!("turned over: {n_turned} triangles");
+    }
     Ok(())
 }
 
-fn surface_json(report: &QualityReport, weld: &WeldInfo, n_parts: usize) -> serde_json::Value {
+fn surface_json(
+    report: &QualityReport,
+    weld: &WeldInfo,
+    n_parts: usize,
+    n_turned: usize,
+) -> serde_json::Value {
     let size_m: [f64; 3] = report.bounding_box.size_m().into();
     let places = report.crossings.iter().map(|c| c.place.coords.into());
     let crossings_m: Vec<[f64; 3]> = places.collect();
     serde_json::json!({
         "n_parts": n_parts,
+        "n_turned_triangles": n_turned,
         "n_merged_vertices": weld.n_merged_vertices,
         "n_collapsed_triangles": weld.n_collapsed_triangles,
         "n_vertices": report.n_vertices,

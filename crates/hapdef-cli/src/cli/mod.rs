@@ -58,7 +58,8 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Reads a surface (.glb, .gltf) or a solid deck (.inp, .dat, .cdb) and reports its quality.
+    /// Reads a surface (.glb, .gltf, .stl, .obj, .dae) or a solid (.inp, .dat, .cdb, .msh) and reports its
+    /// quality.
     #[command(
         after_help = "Examples:\n  hapdef inspect fixtures/shin/shin_skin.glb\n  hapdef inspect fixtures/shin/shin.inp.gz --json"
     )]
@@ -83,7 +84,7 @@ enum Command {
     Plan(plan::PlanArgs),
     /// Whether the limb's mesh is fine enough: the same presses on finer and finer meshes.
     Converge(converge::ConvergeArgs),
-    /// From a glTF surface to gauge readings with a shell model, and how far it is from a solid.
+    /// From a surface to gauge readings with a shell model, and how far it is from a solid.
     Shell(shell::ShellArgs),
     /// What the scene's gauges can tell about contacts: bounds on the limb, blind spots.
     Limits(limits::LimitsArgs),

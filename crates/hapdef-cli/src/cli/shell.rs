@@ -1,4 +1,4 @@
-//! `hapdef shell`: from a glTF surface to gauge readings.
+//! `hapdef shell`: from a surface to gauge readings.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use hapdef::shell_limb::{
 };
 use hapdef::{HapdefError, Limb};
 use hapdef_mesh::{
-    BodyChoice, CleanParams, GltfParams, LengthUnit, SkinSide, SurfaceMesh, UnitGuess, read_gltf,
+    BodyChoice, CleanParams, GltfParams, LengthUnit, SkinSide, SurfaceMesh, UnitGuess, read_surface,
 };
 use hapdef_sim::{IsotropicMaterial, ShellKind};
 
@@ -24,9 +24,9 @@ const DENSITY_KG_M3: f64 = 930.0;
 #[derive(Args)]
 #[command(after_help = "Example:\n  \
     hapdef shell fixtures/shin/shin_skin.glb --unit m --wall 1 --solid\n\n\
-    Nothing is repaired unless asked. Results go to target/hapdef/<file>/.")]
+    Vertices within 1 µm are joined; nothing else is repaired unless asked. Results go to target/hapdef/<file>/.")]
 pub(crate) struct ShellArgs {
-    /// The surface (.glb, .gltf).
+    /// The surface (.glb, .gltf, .stl, .obj, .dae).
     file: PathBuf,
     /// Unit of its coordinates; without it the command only tells which unit fits.
     #[arg(long)]
@@ -65,8 +65,11 @@ pub(crate) struct ShellArgs {
     #[arg(long, default_value_t = 2.0)]
     tip: f64,
     /// Join vertices no farther apart than this, µm.
+    #[arg(long, default_value_t = 1.0)]
+    weld: f64,
+    /// Turn triangles over until neighbours agree on the outside.
     #[arg(long)]
-    weld: Option<f64>,
+    orient: bool,
     /// Drop triangles without area.
     #[arg(long)]
     drop_degenerate: bool,
@@ -180,7 +183,7 @@ fn hash_of(path: &Path) -> Result<String> {
 fn read_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
     let read = |unit| {
         let params = GltfParams { unit, ..GltfParams::default() };
-        read_gltf(&args.file, &params).map(|surface| surface.mesh)
+        read_surface(&args.file, &params).map(|surface| surface.mesh)
     };
     let unit = match args.unit {
         Some(Unit::M) => LengthUnit::Metre,
@@ -236,9 +239,10 @@ impl ShellArgs {
         let metres = |mm: f64| mm * 1e-3;
         Ok(ShellLimbParams {
             clean: CleanParams {
-                weld_tolerance_m: self.weld.map(|um| um * 1e-6),
+                weld_tolerance_m: Some(self.weld * 1e-6),
                 drop_degenerate: self.drop_degenerate,
                 drop_doubled: self.drop_doubled,
+                orient: self.orient,
                 body: if self.largest_body { BodyChoice::LargestArea } else { BodyChoice::All },
             },
             side: match self.side {

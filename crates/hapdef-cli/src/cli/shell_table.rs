@@ -53,6 +53,9 @@ const SHOWN_PRESSES: usize = 24;
 fn show_wall(wall: &WallInfo) {
     println!("as read           {}", surface_line(&wall.given));
     let n_dropped: usize = wall.n_dropped_triangles.iter().sum();
+    if wall.n_turned_triangles > 0 {
+        println!("turned over       {} triangles", wall.n_turned_triangles);
+    }
     if wall.n_welded_vertices + n_dropped > 0 {
         let [collapsed, degenerate, doubled, other] = wall.n_dropped_triangles;
         println!(

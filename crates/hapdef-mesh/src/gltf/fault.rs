@@ -5,7 +5,9 @@
 #[non_exhaustive]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum GltfFault {
-    #[error("the name ends in `{found}`, expected `.glb` or `.gltf`")]
+    #[error(
+        "the name ends in `{found}`, expected `.glb` or `.gltf` (or `.stl`, `.obj`, `.dae`, where any surface is read)"
+    )]
     FileKind { found: String },
     #[error(
         "{what}: {found} exceeds the limit of {limit}; raise `GltfParams::{param}` if this is wanted"

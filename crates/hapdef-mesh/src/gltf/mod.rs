@@ -18,5 +18,6 @@ mod write;
 
 pub use fault::GltfFault;
 pub use params::{GltfInfo, GltfParams, GltfPart};
+pub(crate) use read::read_bounded;
 pub use read::{GltfSurface, read_gltf};
 pub use write::{VertexField, write_glb};

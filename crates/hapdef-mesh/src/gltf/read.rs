@@ -42,7 +42,8 @@ pub fn read_gltf(path: &Path, params: &GltfParams) -> Result<GltfSurface, MeshEr
     Ok(GltfSurface { mesh, parts: assembly.parts, info: assembly.info })
 }
 
-fn read_bounded(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MeshError> {
+/// The file's bytes, one more than allowed at most.
+pub(crate) fn read_bounded(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MeshError> {
     let failed = |cause| MeshError::Io { action: "read", path: path.to_owned(), cause };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(failed)?;

@@ -26,6 +26,8 @@ pub struct CleanParams {
     pub drop_degenerate: bool,
     /// Drop triangles with the corners of an earlier one.
     pub drop_doubled: bool,
+    /// Turn triangles over until neighbours agree ([`SurfaceMesh::oriented`]).
+    pub orient: bool,
     /// Keep these bodies.
     pub body: BodyChoice,
 }
@@ -36,6 +38,7 @@ impl Default for CleanParams {
             weld_tolerance_m: None,
             drop_degenerate: false,
             drop_doubled: false,
+            orient: false,
             body: BodyChoice::All,
         }
     }
@@ -56,6 +59,8 @@ pub struct CleanInfo {
     pub n_degenerate_dropped: usize,
     /// Repeated triangles, dropped.
     pub n_doubled_dropped: usize,
+    /// Triangles turned over.
+    pub n_turned: usize,
     /// Signed volume of every body before one was chosen, m³, by number.
     pub body_volumes_m3: Vec<f64>,
     /// Area of every body before one was chosen, m², by number.
@@ -65,7 +70,7 @@ pub struct CleanInfo {
 }
 
 /// The surface with what `params` asks for done to it, in the order: weld, drop degenerate, drop
-/// doubled, choose a body, drop vertices that no triangle uses. Compare [`CleanInfo::before`] with
+/// doubled, orient, choose a body, drop vertices that no triangle uses. Compare [`CleanInfo::before`] with
 /// [`CleanInfo::after`]: volume, area and open edges say whether the result still is the part.
 ///
 /// # Errors
@@ -88,6 +93,7 @@ pub fn clean_surface(
         if params.drop_degenerate { drop_degenerate(&surface, &mut triangles) } else { 0 };
     let n_doubled_dropped = if params.drop_doubled { drop_doubled(&mut triangles) } else { 0 };
     let surface = SurfaceMesh::new(surface.vertices().to_vec(), triangles)?;
+    let (surface, n_turned) = if params.orient { surface.oriented() } else { (surface, 0) };
     let bodies = bodies(surface.triangles());
     let parts: Vec<SurfaceMesh> =
         bodies.iter().map(|body| part(&surface, body)).collect::<Result<_, _>>()?;
@@ -101,6 +107,7 @@ pub fn clean_surface(
         n_collapsed_triangles,
         n_degenerate_dropped,
         n_doubled_dropped,
+        n_turned,
         body_volumes_m3,
         body_areas_m2: areas,
         n_other_body_triangles: surface.triangles().len() - kept.triangles().len(),

@@ -9,7 +9,7 @@ use super::defects::SurfaceDefects;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum SurfaceFault {
-    #[error("{wanted} is wanted, but the surface has {defects}")]
+    #[error("{wanted} is wanted, but the surface has {defects}{}", remedies(defects))]
     Defects { wanted: &'static str, defects: Box<SurfaceDefects> },
     #[error(
         "one solid is wanted, but the surface holds {} bodies with volumes {} cm3: choose one of \
@@ -112,6 +112,16 @@ pub enum SurfaceFault {
         volume_change: f64,
         max_volume_change: f64,
     },
+}
+
+/// The settings that may help, in the library and on the command line.
+fn remedies(defects: &SurfaceDefects) -> String {
+    let open = "; join vertices that lie farther apart (`weld_tolerance_m`, --weld), if its seams are open";
+    let misoriented = "; turn triangles over until neighbours agree (`orient`, --orient)";
+    [(defects.open_edges.n, open), (defects.misoriented_edges.n, misoriented)]
+        .into_iter()
+        .filter_map(|(n, remedy)| (n > 0).then_some(remedy))
+        .collect()
 }
 
 fn cubic_centimetres(volumes_m3: &[f64]) -> String {

@@ -1,4 +1,4 @@
-//! Triangle surfaces: quality, defects, welding, self-intersections, nearest points, refinement.
+//! Triangle surfaces: files, quality, defects, welding, self-intersections, nearest points, refinement.
 
 pub(crate) mod clean;
 pub(crate) mod closest;
@@ -7,7 +7,9 @@ pub(crate) mod curve;
 mod defects;
 mod fault;
 pub(crate) mod find_defects;
+mod orient;
 pub(crate) mod quality;
+pub(crate) mod read;
 mod refine;
 pub(crate) mod self_intersection;
 pub(crate) mod topology;
@@ -21,6 +23,7 @@ pub use curve::FaceCurve;
 pub use defects::{Defect, SurfaceDefects};
 pub use fault::SurfaceFault;
 pub use quality::{QualityReport, SLIVER_ANGLE_DEG};
+pub use read::read_surface;
 pub use refine::RefinedSurface;
 pub use self_intersection::self_intersections;
 pub use triangles::{BoundingBox, SurfaceMesh};

@@ -68,6 +68,11 @@ impl SurfaceMesh {
         Ok(Self { vertices, triangles })
     }
 
+    /// The surface with its triangles' corners in another order.
+    pub(crate) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+        Self { vertices: self.vertices.clone(), triangles }
+    }
+
     /// Vertex positions `[n_vertices]`, m.
     #[must_use]
     pub fn vertices(&self) -> &[Point3<f64>] {

@@ -31,4 +31,5 @@ mod shin;
 mod solid_common;
 mod solid_mesh;
 mod surface_common;
+mod surface_files;
 mod wall;

@@ -221,6 +221,7 @@ fn cleaning_does_what_is_asked_and_counts_it() {
         weld_tolerance_m: Some(0.0),
         drop_degenerate: true,
         drop_doubled: true,
+        orient: false,
         body: BodyChoice::LargestArea,
     };
     let (clean, info) = clean_surface(&dirty, &params).unwrap();

@@ -61,6 +61,8 @@ pub struct WallInfo {
     pub n_welded_vertices: usize,
     /// Triangles dropped: collapsed by welding, without area, doubled, of other bodies.
     pub n_dropped_triangles: [usize; 4],
+    /// Triangles turned over.
+    pub n_turned_triangles: usize,
     /// Volume of every body before one was chosen, m³.
     pub body_volumes_m3: Vec<f64>,
     /// What was measured, where the wall is measured.

@@ -52,6 +52,7 @@ impl Wall {
                 clean.n_doubled_dropped,
                 clean.n_other_body_triangles,
             ],
+            n_turned_triangles: clean.n_turned,
             body_volumes_m3: clean.body_volumes_m3,
             measured: source.found.as_ref().map(measured_wall),
             remeshed: count(&made.skin, &SurfaceDefects::of(&made.skin)),
