@@ -137,7 +137,7 @@ enum Kind {
 /// Makes the shell, compares it with the solids asked for, prints and writes everything; where a
 /// comparison fails, what there is without it.
 pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
-    let given = read_surface(args)?;
+    let given = given_surface(args)?;
     let params = args.params()?;
     let out = args.out_folder();
     let limb = match shell_limb(&given, &params) {
@@ -180,7 +180,7 @@ fn hash_of(path: &Path) -> Result<String> {
     Ok(blake3::hash(&bytes).to_hex().to_string())
 }
 
-fn read_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
+fn given_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
     let read = |unit| {
         let params = GltfParams { unit, ..GltfParams::default() };
         read_surface(&args.file, &params).map(|surface| surface.mesh)
