@@ -26,6 +26,8 @@ pub struct CsvDecoder {
     overlong: bool,
     is_joining: bool,
     values: Vec<i32>,
+    /// Integers of the last line that had another number of them.
+    n_other: Option<usize>,
     counts: CsvCounts,
 }
 
@@ -39,6 +41,7 @@ impl CsvDecoder {
             overlong: false,
             is_joining: true,
             values: Vec::with_capacity(n_channels),
+            n_other: None,
             counts: CsvCounts::default(),
         }
     }
@@ -65,6 +68,11 @@ impl CsvDecoder {
     #[must_use]
     pub fn counts(&self) -> CsvCounts {
         self.counts
+    }
+
+    /// Integers that a line has to have, and that the last one had which was refused for nothing else.
+    pub(crate) fn other_channels(&self) -> Option<(usize, usize)> {
+        self.n_other.map(|found| (self.n_channels, found))
     }
 
     fn append(&mut self, bytes: &[u8]) {
@@ -99,7 +107,9 @@ impl CsvDecoder {
                 _ => return false,
             }
         }
-        self.values.len() == self.n_channels
+        let found = self.values.len();
+        self.n_other = (found != self.n_channels).then_some(found);
+        self.n_other.is_none()
     }
 }
 

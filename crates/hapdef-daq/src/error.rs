@@ -28,6 +28,10 @@ pub enum DaqError {
     DiskFull { path: std::path::PathBuf, free_bytes: u64, needed_bytes: u64 },
     #[error("{path}: is there already, {remedy}")]
     AlreadyThere { path: std::path::PathBuf, remedy: &'static str },
+    #[error(
+        "{path}: another program is writing it: wait until that has ended, or record to another name"
+    )]
+    BeingWritten { path: std::path::PathBuf },
     #[error("recording {path} stopped: {fault}; what was written until then can be read")]
     Recording { path: std::path::PathBuf, fault: String },
     #[error("{path}: {n_bytes} bytes and not one readable chunk: is it a recording of hapdef?")]

@@ -141,7 +141,7 @@ impl PyLive {
         let Some(health) = self.with(|running| running.live().health()) else {
             return Ok(());
         };
-        match health.device_fault.as_ref().filter(|_| health.n_unusable > 0) {
+        match &health.device_fault {
             Some(fault) => {
                 let text = format!("{}: {fault}", health.source_name);
                 Err(HapdefError::new_err(text))

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
+use hapdef_daq::source::LinkState;
 use hapdef_live::{Health, Live};
 
 use super::live_record::{LiveRecorder, LiveRecorderState};
@@ -12,8 +13,8 @@ use super::live_record::{LiveRecorder, LiveRecorderState};
 /// How often it looks whether to end.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Until the source has ended, the person or `--seconds` ends it, or nobody listens any more. A
-/// recording that stops is reported at once; the rest goes on without it.
+/// Until the source has ended, the person or `--seconds` ends it, nobody listens any more, or the device is
+/// another than the gauges'. A recording that stops is reported at once; the rest goes on without it.
 pub(super) fn wait(
     live: &Live,
     seconds: Option<f64>,
@@ -22,18 +23,29 @@ pub(super) fn wait(
 ) {
     let start = Instant::now();
     let is_over = || seconds.is_some_and(|s| start.elapsed().as_secs_f64() >= s);
-    let nobody_listens = || {
+    let is_in_vain = || {
         let health = live.health();
-        !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some())
+        let nobody_listens =
+            !health.sinks.is_empty() && health.sinks.iter().all(|sink| sink.failure.is_some());
+        nobody_listens || other_device(&health).is_some()
     };
     let mut recorder = recorder;
-    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !nobody_listens() {
+    while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !is_in_vain() {
         if let Some(LiveRecorderState::Failed { why }) = recorder.map(LiveRecorder::state) {
             // Nobody may read it any more: what becomes of the recording is said in the end, too.
             let _ = writeln!(std::io::stderr(), "the recording stopped: {why}");
             recorder = None;
         }
         std::thread::sleep(LOOK);
+    }
+}
+
+/// What waiting does not mend: why the device that is there can't be used.
+fn other_device(health: &Health) -> Option<String> {
+    match (&health.device_fault, &health.link) {
+        (Some(fault), _) => Some(fault.to_string()),
+        (None, Some(state @ LinkState::OtherChannels { .. })) => Some(state.to_string()),
+        _ => None,
     }
 }
 
@@ -61,16 +73,16 @@ pub(super) fn report(health: &Health) -> Result<()> {
     if let Some(fault) = &health.reader_fault {
         bail!("{name}: {fault}");
     }
+    if let Some(fault) = other_device(health) {
+        bail!("{name}: {fault}");
+    }
     if health.n_frames == 0 {
         let link = health.link.as_ref();
         let link = link.map_or(String::new(), |link| format!(": {link}"));
         bail!("{name}: not one reading came{link}");
     }
-    if let Some(state @ hapdef_daq::source::LinkState::Damaged { .. }) = &health.link {
+    if let Some(state @ LinkState::Damaged { .. }) = &health.link {
         writeln!(err, "{name}: {state}")?;
-    }
-    if let Some(fault) = health.device_fault.as_ref().filter(|_| health.n_unusable > 0) {
-        bail!("{name}: {fault}");
     }
     Ok(())
 }

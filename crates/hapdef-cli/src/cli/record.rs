@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef::{SOURCE_FORMS, SourceArg};
-use hapdef_daq::record::{RecordParams, RecordStats, Recorder, record};
+use hapdef_daq::record::{RecordParams, RecordStats, Recorder, check_unclaimed, record};
 use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{AcquireParams, Acquisition, Message, Receiver, acquire};
 
@@ -60,6 +60,8 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
         realtime_priority: args.realtime,
         ..AcquireParams::default()
     };
+    // The device has one host: who is refused must not take it from who records.
+    check_unclaimed(out)?;
     let stop = stop_flag()?;
     let (acquisition, receivers) = acquire(args.source.open()?, acquire_params)?;
     let [for_file, for_us]: [Receiver; 2] =
@@ -137,6 +139,7 @@ impl Watch {
             }
         }
         let is_over = stats.fault.is_some()
+            || matches!(self.link, Some(LinkState::OtherChannels { .. }))
             || limit.is_some_and(|limit| elapsed >= limit)
             || self.acquisition.has_ended();
         let pause = limit.map_or(Duration::MAX, |limit| limit.saturating_sub(elapsed));

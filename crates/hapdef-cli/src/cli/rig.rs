@@ -9,10 +9,13 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, random_presses, virtual_device};
 use hapdef_cli::SceneArgs;
+use hapdef_daq::record::claim;
 use hapdef_rig::live::{
     DevicePort, LiveLimb, PressScript, PtyPort, RigFault, RunInfo, RunParams, TcpPort, TruthFrame,
     run_rig,
 };
+
+use super::network::{IS_READ, check_reach};
 
 #[derive(Args)]
 #[command(after_help = "Example, in two terminals:\n  \
@@ -34,6 +37,9 @@ pub(crate) struct RigArgs {
     /// Listen on TCP, such as 127.0.0.1:7878; port 0 takes a free one.
     #[arg(long)]
     tcp: Option<String>,
+    /// Let --tcp listen beyond this machine: whoever reaches the port reads everything.
+    #[arg(long, requires = "tcp")]
+    insecure_bind: bool,
     /// Play a script of presses.
     #[arg(long, conflicts_with = "random")]
     script: Option<PathBuf>,
@@ -64,6 +70,9 @@ pub(crate) struct RigArgs {
 pub(crate) fn rig(args: &RigArgs) -> Result<()> {
     if let Some(seconds) = args.seconds {
         ensure!(seconds > 0.0, "--seconds: expected a time above 0, found {seconds}");
+    }
+    if let Some(address) = &args.tcp {
+        check_reach("--tcp", address, IS_READ, args.insecure_bind)?;
     }
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
@@ -148,8 +157,7 @@ impl TruthFile {
         let mut partial = path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
-        let file =
-            File::create(&partial).with_context(|| format!("writing {}", partial.display()))?;
+        let file = claim(&partial, None)?;
         Ok(Self { path: path.to_path_buf(), partial, out: BufWriter::new(file), fault: None })
     }
 

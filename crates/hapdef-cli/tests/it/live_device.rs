@@ -33,7 +33,11 @@ struct Board {
 impl Board {
     fn start(bundle: &Bundle, uid: [u8; 16]) -> Self {
         let point = SkinPoint::new(bundle.skin(), 700, [0.5, 0.3, 0.2]).unwrap();
-        let unit_ue = bundle.map().normal(&point);
+        Self::of(bundle.map().normal(&point), uid)
+    }
+
+    /// One whose gauges read that many µε for a newton.
+    fn of(unit_ue: Vec<f64>, uid: [u8; 16]) -> Self {
         let mut hello = Hello::plain(unit_ue.len(), SampleFormat::I32, 1000);
         hello.uid = uid;
         hello.channels.iter_mut().for_each(|c| c.scale = SCALE);
@@ -141,5 +145,25 @@ fn a_device_that_is_away_and_one_that_is_simulated_are_told() {
         let kept: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(kept["simulated"], is_simulated);
         is_named(&kept["device_fault"]);
+    }
+}
+
+#[test]
+fn another_number_of_channels_ends_it_at_once_with_both_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, _) = bundle(folder.path());
+    for n_channels in [7, 11] {
+        let board = Board::of(vec![1.0; n_channels], *b"a board of steel");
+        let source = format!("tcp:{}", board.address);
+        let start = std::time::Instant::now();
+        let ended = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+            .args(["live", path.to_str().unwrap(), "--source", &source, "--seconds", "60"])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{said}");
+        let both = format!("expected 10 gauges, the device has {n_channels} bridges");
+        assert!(said.contains(&both), "{said}");
+        assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     }
 }

@@ -106,6 +106,80 @@ fn check_wire(form: &[&str], ended_by: Signal) {
 }
 
 #[test]
+fn a_second_recorder_of_the_same_name_is_refused_and_the_first_loses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = made(folder.path(), 1500);
+    let (mut child, source) = device(&["replay", text(&original), "--tcp", "127.0.0.1:0"]);
+    let path = folder.path().join("two.mcap");
+    let record = |source: &str| {
+        let mut command = hapdef(&["record", "--source", source, "--quiet", "-o", text(&path)]);
+        command.stderr(Stdio::piped()).stdout(Stdio::piped());
+        command
+    };
+    let first = record(&source).spawn().unwrap();
+    while !folder.path().join("two.partial.mcap").exists() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let second = record(&source).arg("--force").output().unwrap();
+    let said = String::from_utf8_lossy(&second.stderr);
+    assert_eq!(second.status.code(), Some(2), "{said}");
+    assert!(said.contains("two.partial.mcap: another program is writing it"), "{said}");
+    assert!(child.wait().unwrap().success());
+    std::thread::sleep(Duration::from_millis(300));
+    let pid = rustix::process::Pid::from_child(&first);
+    rustix::process::kill_process(pid, Signal::TERM).unwrap();
+    let output = first.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(frames(&path), frames(&original));
+}
+
+#[test]
+fn devices_listen_beyond_this_machine_only_when_asked_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = made(folder.path(), 100);
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin/placed.json");
+    for words in [["rig", text(&scene)], ["replay", text(&original)]] {
+        for address in ["0.0.0.0:0", "[::]:0"] {
+            let refused = run(&[&words[..], &["--tcp", address]].concat());
+            let said = String::from_utf8_lossy(&refused.stderr);
+            assert_eq!(refused.status.code(), Some(2), "{said}");
+            assert!(said.contains("--insecure-bind") && said.contains(address), "{said}");
+        }
+    }
+    let words = ["replay", text(&original), "--tcp", "0.0.0.0:0", "--insecure-bind"];
+    let (mut child, address) = device(&words);
+    assert!(address.starts_with("tcp:0.0.0.0:"), "{address}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn lines_of_another_number_end_a_recording_with_both_numbers() {
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&master).unwrap();
+    unlockpt(&master).unwrap();
+    rustix::io::ioctl_fionbio(&master, true).unwrap();
+    let path = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let source = format!("csv:{path}@9");
+    let out = folder.path().join("x.mcap");
+    let child = hapdef(&["record", "--source", &source, "--quiet", "-o", text(&out)])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_secs(4) {
+        let _ = rustix::io::write(&master, b"1,2,3,4,5,6,7,8,9,10\r\n");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(2), "{said}");
+    assert!(said.contains("lines of 10 numbers come, 9 are expected"), "{said}");
+}
+
+#[test]
 fn a_recording_played_over_tcp_and_recorded_again_is_the_same() {
     check_wire(&["--tcp", "127.0.0.1:0"], Signal::TERM);
 }

@@ -233,7 +233,7 @@ impl State {
     }
 
     fn hello(&mut self, payload: &[u8], sink: &mut impl FnMut(Event<'_>)) -> Result<(), Rejected> {
-        let new = Hello::from_payload(payload).map_err(|what| Rejected::Malformed { what })?;
+        let new = Hello::from_payload(payload).map_err(|what| Rejected::BadHello { what })?;
         let other_device = self.hello.as_ref().is_some_and(|old| old.uid != new.uid);
         let restarted = other_device || self.boot_id.is_some_and(|id| id != new.boot_id);
         if other_device {
@@ -263,17 +263,21 @@ impl State {
             Some(hello) if hello.schema_id() == header.schema => hello,
             other => {
                 self.sequence.note(&header);
-                return Err(Rejected::Schema {
-                    expected: other.as_ref().map(Hello::schema_id),
+                return Err(other.as_ref().map_or(Rejected::NoHello, |hello| Rejected::Schema {
+                    expected: hello.schema_id(),
                     found: header.schema,
-                });
+                }));
             }
         };
         let n_channels = usize::from(header.n_channels);
         if n_channels != hello.channels.len() || payload.len() != hello.data_len() {
             self.sequence.note(&header);
-            let what = "DATA has not the channels or the length that HELLO says";
-            return Err(Rejected::Malformed { what });
+            return Err(Rejected::SampleCount {
+                channels: header.n_channels,
+                len: payload.len(),
+                expected_channels: hello.channels.len(),
+                expected_len: hello.data_len(),
+            });
         }
         let n_lost_before = self.sequence.deliver(&header)?;
         sink(Event::Data(Data { header, n_lost_before, hello, payload }));

@@ -23,9 +23,22 @@ pub enum Rejected {
     )]
     Version { found: u8 },
     #[error(
-        "DATA of schema {found:02x}, but the last HELLO's is {expected:02x?}: HELLO is awaited"
+        "DATA of schema {found:02x}, but the last HELLO's is {expected:02x}: HELLO is awaited, which the \
+         device has to send where its channels change"
     )]
-    Schema { expected: Option<u8>, found: u8 },
+    Schema { expected: u8, found: u8 },
+    #[error(
+        "DATA without a HELLO, which says what is in it: HELLO is awaited, which the device has to send \
+         when it is asked, and every second"
+    )]
+    NoHello,
+    #[error("{what}: the device's firmware has to send a HELLO that can be used")]
+    BadHello { what: &'static str },
+    #[error(
+        "DATA of {channels} channels in {len} bytes, HELLO says {expected_channels} channels in \
+         {expected_len} bytes: the firmware is at fault, flash the one that came with this program"
+    )]
+    SampleCount { channels: u8, len: usize, expected_channels: usize, expected_len: usize },
     #[error("{what}: the firmware is at fault, flash the one that came with this program")]
     Malformed { what: &'static str },
     #[error("DATA {seq} came twice")]
@@ -55,6 +68,23 @@ pub struct RejectedCounts {
     pub n_unknown: u64,
 }
 
+impl Rejected {
+    /// Where whole packets come and none can be used, that of the highest rank is why; none where the packet
+    /// was not whole.
+    pub(crate) fn rank(self) -> Option<u8> {
+        Some(match self {
+            Self::Cobs { .. } | Self::TooShort { .. } | Self::TooLong { .. } | Self::Crc { .. } => {
+                return None;
+            }
+            Self::UnknownType { .. } => 0,
+            Self::Repeat { .. } | Self::Backwards { .. } | Self::Malformed { .. } => 1,
+            // What DATA is refused for after a HELLO that was, too.
+            Self::Schema { .. } | Self::NoHello => 2,
+            Self::Version { .. } | Self::BadHello { .. } | Self::SampleCount { .. } => 3,
+        })
+    }
+}
+
 impl RejectedCounts {
     pub(crate) fn count(&mut self, reason: Rejected) {
         let counter = match reason {
@@ -63,8 +93,10 @@ impl RejectedCounts {
             | Rejected::TooLong { .. }
             | Rejected::Crc { .. } => &mut self.n_damaged,
             Rejected::Version { .. } => &mut self.n_version,
-            Rejected::Schema { .. } => &mut self.n_schema,
-            Rejected::Malformed { .. } => &mut self.n_malformed,
+            Rejected::Schema { .. } | Rejected::NoHello => &mut self.n_schema,
+            Rejected::Malformed { .. }
+            | Rejected::BadHello { .. }
+            | Rejected::SampleCount { .. } => &mut self.n_malformed,
             Rejected::Repeat { .. } => &mut self.n_repeats,
             Rejected::Backwards { .. } => &mut self.n_backwards,
             Rejected::UnknownType { .. } => &mut self.n_unknown,

@@ -1,9 +1,11 @@
 //! The MCAP file of a recording: definitions, messages, flushes, ending.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -13,6 +15,9 @@ use super::further::{TopicDef, channel_of, is_ros2};
 use super::topics::TOPICS;
 use crate::DaqError;
 
+/// Time from one chunk to the next: a damaged byte costs no more readings than that, and with some for the
+/// flush itself nothing older than 100 ms is unwritten.
+pub(crate) const CHUNK_SPAN: Duration = Duration::from_millis(80);
 /// A chunk is closed when it is larger; with one message more it is still below 256 KiB.
 const CHUNK_LEN: u64 = 192 << 10;
 
@@ -145,13 +150,58 @@ const ENDING: [u8; 50] = {
     bytes
 };
 
-/// A file that is not there yet, to be written.
-pub(crate) fn new_file(path: &Path, remedy: &'static str) -> Result<File, DaqError> {
-    let new = OpenOptions::new().write(true).create_new(true).open(path);
-    new.map_err(|source| match source.kind() {
-        io::ErrorKind::AlreadyExists => DaqError::AlreadyThere { path: path.to_owned(), remedy },
-        _ => DaqError::File { action: "writing", path: path.to_owned(), source },
-    })
+/// An empty file to write, which no other recorder, of whatever process, is given until this handle and its
+/// copies are gone. A file that is there is overwritten where there is no `remedy`, what to do about it.
+///
+/// # Errors
+/// [`DaqError::BeingWritten`], [`DaqError::AlreadyThere`] with the remedy; a file that can't be made.
+pub fn claim(path: &Path, remedy: Option<&'static str>) -> Result<File, DaqError> {
+    let failed = |source| DaqError::File { action: "writing", path: path.to_owned(), source };
+    let being_written = || DaqError::BeingWritten { path: path.to_owned() };
+    if is_claimed(path) {
+        return Err(being_written());
+    }
+    let mut options = OpenOptions::new();
+    options.write(true).truncate(false).create(true).create_new(remedy.is_some());
+    let file = options.open(path).map_err(|source| match (source.kind(), remedy) {
+        (io::ErrorKind::AlreadyExists, Some(remedy)) => {
+            DaqError::AlreadyThere { path: path.to_owned(), remedy }
+        }
+        _ => failed(source),
+    })?;
+    // A file system without locks claims nothing.
+    let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+    let found = file.metadata().map_err(failed)?;
+    // It may have been finished, and so renamed, since it was opened.
+    if is_taken || !std::fs::metadata(path).is_ok_and(|data| is_same_file(&data, &found)) {
+        return Err(being_written());
+    }
+    if found.len() > 0 {
+        file.set_len(0).map_err(failed)?;
+    }
+    Ok(file)
+}
+
+/// Refuses a recording to `path` while another is written there.
+///
+/// # Errors
+/// [`DaqError::BeingWritten`].
+pub fn check_unclaimed(path: &Path) -> Result<(), DaqError> {
+    match [path.to_owned(), partial_path(path)].into_iter().find(|path| is_claimed(path)) {
+        Some(path) => Err(DaqError::BeingWritten { path }),
+        None => Ok(()),
+    }
+}
+
+fn is_claimed(path: &Path) -> bool {
+    let is_file = std::fs::metadata(path).is_ok_and(|data| data.is_file());
+    is_file
+        && File::open(path)
+            .is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
+pub(crate) fn is_same_file(a: &std::fs::Metadata, b: &std::fs::Metadata) -> bool {
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
 }
 
 /// The name while a recording is not finished: `x.mcap` is `x.partial.mcap` until then.
@@ -171,6 +221,10 @@ fn with_state(path: &Path, state: &str) -> PathBuf {
 
 /// Gives the file its final name, which is on the disk when this returns.
 pub(crate) fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    if is_claimed(to) {
+        let words = format!("another program is writing {}", to.display());
+        return Err(io::Error::new(io::ErrorKind::ResourceBusy, words));
+    }
     std::fs::rename(from, to)?;
     let folder = to.parent().filter(|p| !p.as_os_str().is_empty());
     File::open(folder.unwrap_or(Path::new(".")))?.sync_all()

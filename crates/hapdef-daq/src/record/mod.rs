@@ -19,6 +19,7 @@ mod topics;
 mod writer;
 
 pub use export::{export_csv, export_json_lines};
+pub use file::{check_unclaimed, claim};
 pub use further::{MAX_MESSAGE_LEN, TopicDef, TopicWriter};
 pub use params::{RecordInfo, RecordParams, RecordStats};
 pub use player::{Player, PlayerControl};

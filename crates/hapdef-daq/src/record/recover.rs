@@ -2,10 +2,11 @@
 
 use std::fs::File;
 use std::io;
-use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-use super::file::{RecordFile, new_file, recovering_path, rename};
+use super::file::{
+    CHUNK_SPAN, RecordFile, check_unclaimed, claim, is_same_file, recovering_path, rename,
+};
 use super::recording::{Content, Recording};
 use super::scan::DamageInfo;
 use crate::{DaqError, Frame, Message};
@@ -38,19 +39,22 @@ pub struct RecoverInfo {
 /// complete. `from` is never written to.
 ///
 /// # Errors
-/// Files that can't be read or written, [`DaqError::AlreadyThere`] where `to` is `from` or another
+/// Files that can't be read or written, [`DaqError::BeingWritten`], [`DaqError::AlreadyThere`] where `to` is `from` or another
 /// recovery is under way, and [`DaqError::NothingToRecover`] if there is not one record: a program
 /// that gets any of them should end with an exit code other than 0.
 pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
     let recording = Recording::open(from)?;
-    if is_same_file(from, to) {
+    let data = |path: &Path| std::fs::metadata(path);
+    if matches!((data(from), data(to)), (Ok(from), Ok(to)) if is_same_file(&from, &to)) {
         return Err(DaqError::AlreadyThere {
             path: to.to_owned(),
             remedy: "and is the recording itself: give what is saved another name",
         });
     }
     let new = recovering_path(to);
-    let file = new_file(&new, LEFT_OVER)?;
+    check_unclaimed(to)?;
+    let file = claim(&new, Some(LEFT_OVER))?;
+    let _claim = file.try_clone().map_err(writing(&new))?;
     let saved = copy(recording, from, file, &new).and_then(|info| {
         rename(&new, to).map_err(writing(&new))?;
         Ok(info)
@@ -59,11 +63,6 @@ pub fn recover(from: &Path, to: &Path) -> Result<RecoverInfo, DaqError> {
         let _ = std::fs::remove_file(&new);
     }
     saved
-}
-
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    let id = |path: &Path| std::fs::metadata(path).map(|data| (data.dev(), data.ino()));
-    matches!((id(a), id(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 fn writing(path: &Path) -> impl Fn(io::Error) -> DaqError {
@@ -82,6 +81,7 @@ fn copy(
     let mut info = RecoverInfo::default();
     let mut last_seq = None;
     let mut n_damaged = 0;
+    let mut chunk = None;
     while let Some(record) = recording.next_record()? {
         if let Some(file) = file.take() {
             let new = RecordFile::with_own_topics(file, recording.is_ros2());
@@ -90,6 +90,14 @@ fn copy(
         let Some(out) = &mut out else { continue };
         if let Content::Further(topic) = &record.content {
             out.define(record.channel, topic).map_err(&file_error)?;
+        }
+        let (now_ns, n_chunks) = (record.log_time_ns, recording.damage().n_chunks);
+        let (since_ns, n_before) = *chunk.get_or_insert((now_ns, n_chunks));
+        let passed_ns = u128::from(now_ns.abs_diff(since_ns));
+        // As small as the recorder's: what a flipped bit costs doesn't grow by being saved.
+        if n_chunks != n_before || passed_ns >= CHUNK_SPAN.as_nanos() {
+            out.flush().map_err(&file_error)?;
+            chunk = Some((now_ns, n_chunks));
         }
         let sequence = info.n_records as u32;
         out.write(record.channel, sequence, record.log_time_ns, &record.bytes)

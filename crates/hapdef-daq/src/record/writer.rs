@@ -11,16 +11,13 @@ use std::time::{Duration, Instant};
 use arc_swap::ArcSwapOption;
 
 use super::disk::{check_space, keep_syncing};
-use super::file::{RecordFile, new_file, partial_path, rename};
+use super::file::{CHUNK_SPAN, RecordFile, check_unclaimed, claim, partial_path, rename};
 use super::further::{Puts, QUEUE_LEN, TopicWriter, queue, topics_json};
 use super::params::{RecordInfo, RecordParams, RecordStats};
 use super::topics::{Topic, device_json, write_frame};
 use crate::clock::HostClock;
 use crate::{DaqError, Message, Receiver};
 
-/// Time from one flush to the next: with some for the flush itself, nothing older than 100 ms is
-/// unwritten.
-const FLUSH: Duration = Duration::from_millis(80);
 const SPACE_CHECK: Duration = Duration::from_secs(1);
 const BROKEN_OFF: &str = "from a recording that was broken off: save what is in it with `hapdef \
                           recover`, record to another name, or say --force to overwrite it";
@@ -30,6 +27,8 @@ pub struct Recorder {
     path: PathBuf,
     shared: Arc<Shared>,
     topics: TopicWriter,
+    /// A handle of the file: nobody else writes it until it has its name.
+    _claim: File,
     writer: Option<JoinHandle<io::Result<u64>>>,
     syncer: Option<JoinHandle<()>>,
 }
@@ -70,7 +69,8 @@ struct Writing {
 ///
 /// # Errors
 /// A calibration that is no JSON object, too little room on the disk, a file or thread that can't
-/// be made, and [`DaqError::AlreadyThere`] where a recording of that name was broken off.
+/// be made, [`DaqError::BeingWritten`] where another program records to that name, and
+/// [`DaqError::AlreadyThere`] where a recording of that name was broken off.
 pub fn record(receiver: Receiver, path: &Path, params: RecordParams) -> Result<Recorder, DaqError> {
     record_by(receiver, path, params, File::sync_data)
 }
@@ -85,14 +85,12 @@ pub(super) fn record_by(
     let partial = partial_path(path);
     let file_error = |source| DaqError::File { action: "writing", path: partial.clone(), source };
     check_calibration(params.calibration.as_deref())?;
+    check_unclaimed(path)?;
     let folder = partial.parent().filter(|p| !p.as_os_str().is_empty());
     check_space(folder.unwrap_or(Path::new(".")), params.min_free_bytes)?;
-    let file = if params.overwrites {
-        File::create(&partial).map_err(file_error)?
-    } else {
-        new_file(&partial, BROKEN_OFF)?
-    };
+    let file = claim(&partial, (!params.overwrites).then_some(BROKEN_OFF))?;
     let handle = file.try_clone().map_err(file_error)?;
+    let _claim = file.try_clone().map_err(file_error)?;
     let wall_offset_ns = params.clock.wall_ns().wrapping_sub(params.clock.now_ns());
     let (topics, puts) = queue(wall_offset_ns);
     let begun = RecordFile::begin(file, &params.topics).and_then(|file| {
@@ -128,6 +126,7 @@ pub(super) fn record_by(
         path: path.to_owned(),
         shared,
         topics,
+        _claim,
         writer: Some(writer),
         syncer: Some(syncer),
     })
@@ -239,18 +238,18 @@ impl Writing {
         loop {
             let is_last = shared.stop.load(Ordering::Acquire);
             let has_ended = self.receiver.has_ended();
-            let wait = FLUSH.saturating_sub(flushed.elapsed());
+            let wait = CHUNK_SPAN.saturating_sub(flushed.elapsed());
             let mut next = self.receiver.recv(if is_last { Duration::ZERO } else { wait });
             let is_drained = next.is_none();
             while let Some(message) = next {
                 self.message(&message)?;
-                let is_due = flushed.elapsed() >= FLUSH;
+                let is_due = flushed.elapsed() >= CHUNK_SPAN;
                 next = if is_due { None } else { self.receiver.try_recv() };
             }
             // A source that has ended leaves whoever computes from its frames time to catch up.
             let is_idle = is_drained && has_ended && !is_last && self.has_topics;
-            self.further(if is_idle { FLUSH } else { Duration::ZERO })?;
-            if flushed.elapsed() >= FLUSH || is_last {
+            self.further(if is_idle { CHUNK_SPAN } else { Duration::ZERO })?;
+            if flushed.elapsed() >= CHUNK_SPAN || is_last {
                 self.file.flush()?;
                 self.count(shared, flushed.elapsed());
                 flushed = Instant::now();

@@ -48,6 +48,20 @@ pub enum LinkState {
         /// What to try.
         remedy: Arc<str>,
     },
+    /// Whole packets come, and no reading can be had of them.
+    Refused {
+        /// How many packets.
+        n_packets: u64,
+        /// Why, and what to do.
+        why: Arc<str>,
+    },
+    /// Lines of another number of integers come.
+    OtherChannels {
+        /// Integers that a line has to have.
+        expected: usize,
+        /// Integers that they have.
+        found: usize,
+    },
     /// A recording was played to its end, and parts of it could not be read.
     Damaged {
         /// Whole chunks that were played.
@@ -93,6 +107,14 @@ impl std::fmt::Display for LinkState {
             Self::NotUnderstood { n_bytes, remedy } => {
                 write!(f, "{n_bytes} bytes came, none of them a packet: {remedy}")
             }
+            Self::Refused { n_packets, why } => {
+                write!(f, "{n_packets} whole packets came, and no reading: {why}")
+            }
+            Self::OtherChannels { expected, found } => write!(
+                f,
+                "lines of {found} numbers come, {expected} are expected: connect the device of this \
+                 limb, or set the number of channels"
+            ),
             Self::Damaged { n_chunks: 0, .. } => {
                 write!(f, "not one readable chunk in the file: is it a recording of hapdef?")
             }

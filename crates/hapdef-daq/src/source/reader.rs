@@ -22,9 +22,10 @@ enum Decoding {
 struct State {
     map: ClockMap,
     has_hello: bool,
-    version: Option<Rejected>,
     /// Packets or lines that were understood.
     n_good: u64,
+    /// Whole packets that were refused since somebody asked, and the weightiest reason.
+    refused: Option<(u64, Rejected)>,
     /// Lines refused before the last frame.
     n_refused: u64,
     /// Time and count of frames when the rate was last computed.
@@ -55,9 +56,22 @@ impl Reader {
         self.state.n_good
     }
 
-    /// What to do about packets of another version, if there were any.
-    pub(crate) fn version_fault(&self) -> Option<String> {
-        self.state.version.map(|fault| fault.to_string())
+    /// Frames so far.
+    pub(crate) fn n_frames(&self) -> u64 {
+        self.state.stats.n_frames
+    }
+
+    /// Whole packets that were refused since this was asked last, and why.
+    pub(crate) fn take_refused(&mut self) -> Option<(u64, Rejected)> {
+        self.state.refused.take()
+    }
+
+    /// How many integers a line has to have and how many the last had, where those differ.
+    pub(crate) fn other_channels(&self) -> Option<(usize, usize)> {
+        match &self.decoding {
+            Decoding::Hdp1(_) => None,
+            Decoding::Csv { decoder, .. } => decoder.other_channels(),
+        }
     }
 
     pub(crate) fn link_closed(&mut self) {
@@ -120,8 +134,16 @@ impl State {
                 sink(Message::RoundTrip(self.stats.round_trip_ns));
             }
             Event::Log(text) => sink(Message::Log(String::from_utf8_lossy(text).into())),
-            Event::Rejected(reason @ Rejected::Version { .. }) => self.version = Some(reason),
-            Event::Command(_) | Event::Rejected(_) => {}
+            Event::Rejected(reason) => self.refused(reason),
+            Event::Command(_) => {}
+        }
+    }
+
+    fn refused(&mut self, reason: Rejected) {
+        if reason.rank().is_some() {
+            let (n, before) = self.refused.unwrap_or((0, reason));
+            let weightier = if reason.rank() > before.rank() { reason } else { before };
+            self.refused = Some((n + 1, weightier));
         }
     }
 

@@ -51,7 +51,7 @@ impl Session {
     ) -> Vec<u8> {
         self.n_bytes += bytes.len() as u64;
         self.reader.take(bytes, now_ns, sink);
-        self.watch.look(bytes, now_ns, &self.reader, sink);
+        self.watch.look(bytes, now_ns, &mut self.reader, sink);
         if now_ns < self.ping_ns {
             return Vec::new();
         }

@@ -19,6 +19,7 @@ mod receivers;
 mod record;
 mod record_names;
 mod record_survival;
+mod refusals;
 mod serial_pty;
 mod sources;
 mod support;

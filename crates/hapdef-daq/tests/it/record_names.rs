@@ -5,9 +5,10 @@ use crate::support;
 
 use std::path::Path;
 
+use hapdef_daq::hdp1::SampleFormat;
 use hapdef_daq::record::{RecordParams, Recording, record, recover};
 use hapdef_daq::source::{LinkState, ReplaySource};
-use hapdef_daq::{AcquireParams, DaqError, Message, Receiver, acquire};
+use hapdef_daq::{AcquireParams, DaqError, Frame, Message, Receiver, acquire};
 use support::recorded::{check_frames, frames, params, recorded};
 
 const N: u32 = 8000;
@@ -128,4 +129,62 @@ fn what_is_gone_before_the_first_frame_is_reported_as_unknown() {
     assert!(info.n_frames < u64::from(N) && info.exit_code() == 1);
     let words = info.to_string();
     assert!(words.contains("unknown number before"), "{words}");
+}
+
+#[test]
+fn what_is_being_written_is_nobody_elses() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.mcap");
+    let forced = || RecordParams { overwrites: true, ..params() };
+    let first = record(nothing(), &path, params()).unwrap();
+    let partial = folder.path().join("two.partial.mcap");
+    let is_refused = |refused: Result<(), DaqError>| {
+        let refused = refused.unwrap_err();
+        assert!(matches!(refused, DaqError::BeingWritten { .. }), "{refused}");
+        let words = refused.to_string();
+        assert!(words.contains("two.partial.mcap: another program is writing it"), "{words}");
+    };
+    for params in [params(), forced()] {
+        is_refused(record(nothing(), &path, params).map(|_| ()));
+        // By the name that it has now, too.
+        is_refused(record(nothing(), &partial, forced()).map(|_| ()));
+    }
+    let other = folder.path().join("other.mcap");
+    recorded(&other, 100);
+    is_refused(recover(&other, &path).map(|_| ()));
+    is_refused(recover(&other, &partial).map(|_| ()));
+    first.finish().unwrap();
+    let mut recording = Recording::open(&path).unwrap();
+    while recording.next_record().unwrap().is_some() {}
+    assert!(recording.damage().is_finished && recording.damage().n_damaged == 0);
+    record(nothing(), &path, forced()).unwrap().finish().unwrap();
+}
+
+/// A flipped bit costs no more readings in what was saved than in what a recorder wrote.
+#[test]
+fn what_was_saved_has_chunks_as_small_as_the_recorders() {
+    let frame = |i: u32| {
+        let mut frame = Frame::new(i, SampleFormat::I16, (0..10).map(|k| (i % 97) as i32 - k));
+        frame.t_host_ns = 1_000_000 * u64::from(i);
+        Message::Frame(frame)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [path, saved] = ["whole", "saved"].map(|name| folder.path().join(format!("{name}.mcap")));
+    let source = ReplaySource::new("made up", (0..4000).map(frame), f64::INFINITY);
+    let params = AcquireParams { ring_len: 8000, ..AcquireParams::default() };
+    let (acquisition, mut receivers) = acquire(source, params).unwrap();
+    let recorder = record(receivers.remove(0), &path, support::recorded::params()).unwrap();
+    while !acquisition.has_ended() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert_eq!(recorder.finish().unwrap().n_frames, 4000);
+    assert_eq!(recover(&path, &saved).unwrap().n_frames, 4000);
+    let bytes = std::fs::read(&saved).unwrap();
+    for at in (1..20).map(|k| k * bytes.len() / 20) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 4;
+        std::fs::write(&path, damaged).unwrap();
+        let n_lost = 4000 - frames(&path).len();
+        assert!(n_lost <= 81, "{n_lost} readings by a bit of byte {at}");
+    }
 }

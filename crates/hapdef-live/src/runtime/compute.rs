@@ -231,6 +231,8 @@ impl Compute {
             Err(fault) => {
                 self.device = None;
                 self.counts.device_fault = Some(fault.into());
+                // Whoever started this can do nothing but end it.
+                self.tell_health();
             }
         }
         self.tell(&LiveEvent::Hello(hello));

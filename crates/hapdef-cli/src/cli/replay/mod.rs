@@ -15,6 +15,7 @@ use hapdef_daq::Message;
 use hapdef_daq::record::{Content, Recording};
 
 use super::export::tell_damage;
+use super::network::{IS_READ, check_reach};
 use super::signals::stop_flag;
 
 #[derive(Args)]
@@ -32,6 +33,9 @@ pub(crate) struct ReplayArgs {
     speed: f64,
     #[command(flatten)]
     form: Form,
+    /// Let --tcp listen beyond this machine: whoever reaches the port reads everything.
+    #[arg(long, requires = "tcp")]
+    insecure_bind: bool,
 }
 
 #[derive(Args)]
@@ -55,6 +59,7 @@ pub(crate) fn run(args: &ReplayArgs) -> Result<()> {
         return device::play(&args.file, args.speed, wire, &stop);
     }
     if let Some(address) = &args.form.tcp {
+        check_reach("--tcp", address, IS_READ, args.insecure_bind)?;
         let wire = wire::TcpWire::bind(address)?;
         return device::play(&args.file, args.speed, wire, &stop);
     }
