@@ -11,6 +11,6 @@ mod signals;
 
 pub use args::{ProfileName, SceneArgs};
 pub use error::PrepareError;
-pub use exit::exit_code;
+pub use exit::{exit_code, shown};
 pub use progress::on_stderr;
 pub use signals::stop_on_signals;

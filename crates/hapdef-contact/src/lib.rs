@@ -6,14 +6,18 @@
 //! A [`DrawnContact`] is what a sample or a probing robot presses. The words of [`Phase`], [`WhyNot`],
 //! [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those of every JSON line.
 //!
+//! [`printable`] is how text from outside is shown, whoever shows it.
+//!
 //! This crate knows nothing of skins, estimators, files or ports.
 
 mod contact;
+mod printable;
 mod state;
 mod touch;
 mod uncertainty;
 
 pub use contact::{Contact, DrawnContact};
+pub use printable::printable;
 pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};
 pub use touch::{Alternative, Quality, Touch};
 pub use uncertainty::Uncertainty;

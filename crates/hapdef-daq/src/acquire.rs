@@ -28,7 +28,7 @@ pub struct AcquireParams {
     /// Messages that wait for each receiver at most; beyond that frames are dropped and counted.
     /// 8192 are 8 s at 1 kHz, and 2.6 MB.
     pub ring_len: usize,
-    /// Real-time priority of the reader's thread, 1 to 99, with all memory locked; feature
+    /// Real-time priority of the reader's thread, 1 to 99, with the memory that is used locked; feature
     /// `realtime`, Linux.
     pub realtime_priority: Option<u8>,
 }
@@ -237,7 +237,7 @@ fn read(
     mut writers: Vec<RingWriter>,
     shared: &Shared,
 ) {
-    let fault = params.realtime_priority.and_then(|p| crate::realtime::enter(p).err());
+    let fault = params.realtime_priority.and_then(|p| crate::enter_realtime(p).err());
     let realtime_fault: Option<Arc<str>> = fault.map(Into::into);
     let publish = |source: &dyn FrameSource| {
         shared.stats.store(Arc::new(AcquireStats {

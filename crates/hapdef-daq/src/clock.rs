@@ -18,6 +18,31 @@ const EARLY_S: f64 = 2e-3;
 /// A least delay that much above the line, twice in a row, says the same.
 const LATE_S: f64 = 5e-3;
 
+/// No oscillator is that far off: a line this steep was put through points from before and after a leap, and its
+/// times were seconds off.
+const MAX_SLOPE: f64 = 0.02;
+/// A device's time that leaps by more than the host's while nothing is known of the delays has jumped: packets of
+/// a backlog are a period apart, or as many as were lost.
+const LEAP_US: i64 = 100_000;
+/// Packets of one time for so long, and the clock is called stuck: a coarse one has a few of one time.
+const STUCK_US: i64 = 100_000;
+/// A clock is not believed that passes less than a third, or more than three times, of the host's time in two
+/// stretches of this length one after the other: a program that was held up sees a slow one, then a fast one.
+const STRETCH_US: i64 = 500_000;
+
+/// What is wrong with a device's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "a variant's message is its documentation")]
+pub enum ClockFault {
+    #[error("it stands still")]
+    Stuck,
+    #[error("it has jumped")]
+    Jumped,
+    #[error("it passes less than a third or more than three times of the host's time")]
+    Rate,
+}
+
 /// The host's two clocks; tests bring their own.
 pub trait HostClock: Send + Sync {
     /// Monotonic time, ns, from any origin. Nothing sets this clock.
@@ -45,6 +70,19 @@ pub struct ClockMap {
     n_late: u32,
     last_ns: u64,
     n_jumps: u64,
+    fault: Option<ClockFault>,
+    seen: Seen,
+}
+
+/// What is remembered of the packets before, whether their times are believed or not.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Device time, µs, and arrival, ns, of the last packet, and of the first of the present stretch.
+    last: Option<[(u64, u64); 2]>,
+    /// Stretches one after the other that were too slow, as negative, or too fast.
+    n_odd: i8,
+    /// How long the clock has stood still, µs.
+    stuck_us: i64,
 }
 
 impl HostClock for SystemClock {
@@ -67,13 +105,21 @@ impl ClockMap {
     }
 
     /// Takes a packet's device time, µs, and its arrival, ns; returns the host time of that device
-    /// time, ns. It never goes back, whatever the clocks do.
+    /// time, ns. It never goes back, whatever the clocks do; where the device's clock is not believed
+    /// it is the arrival, and [`Self::fault`] says why.
     pub fn map(&mut self, device_us: u64, arrival_ns: u64) -> u64 {
+        self.fault = self.seen.judge(self.fault, self.minima.len() > 2, device_us, arrival_ns);
+        match self.fault {
+            Some(ClockFault::Stuck | ClockFault::Rate) => return self.forward(arrival_ns),
+            Some(ClockFault::Jumped) => self.jumped(),
+            None => {}
+        }
         let (device_0, host_0) = *self.origin.get_or_insert((device_us, arrival_ns));
         let x = device_us.wrapping_sub(device_0).cast_signed() as f64 * 1e-6;
         let since = arrival_ns.wrapping_sub(host_0).cast_signed() as f64 * 1e-9;
         self.observe(x, since - x);
         if self.origin.is_none() {
+            self.fault = Some(ClockFault::Jumped);
             self.start(device_us, arrival_ns);
             return self.forward(arrival_ns);
         }
@@ -103,6 +149,23 @@ impl ClockMap {
         let above = |p: &[f64; 2]| p[1] - self.line[0] - self.line[1] * p[0];
         let square: f64 = self.minima.iter().map(|p| above(p).powi(2)).sum();
         Some(1e6 * (square / n_free as f64).sqrt())
+    }
+
+    /// The last host time that it gave, ns.
+    pub(crate) fn last_ns(&self) -> u64 {
+        self.last_ns
+    }
+
+    /// Why the last packet's time was not believed, if it was not.
+    #[must_use]
+    pub fn fault(&self) -> Option<ClockFault> {
+        self.fault
+    }
+
+    /// True where the clock has stood still for longer than a coarse one does between two of its steps.
+    #[must_use]
+    pub fn is_stuck(&self) -> bool {
+        self.seen.stuck_us >= STUCK_US
     }
 
     /// How often one of the clocks jumped.
@@ -136,7 +199,7 @@ impl ClockMap {
         }
         if x >= self.window_end_s {
             self.close_window(x);
-            if self.n_late >= 2 {
+            if self.n_late >= 2 || self.line[1].abs() > MAX_SLOPE {
                 return self.jumped();
             }
         }
@@ -180,9 +243,48 @@ impl ClockMap {
     }
 
     fn jumped(&mut self) {
-        let n_jumps = self.n_jumps + 1;
+        let (n_jumps, fault, seen) = (self.n_jumps + 1, self.fault, self.seen);
         self.restart();
-        self.n_jumps = n_jumps;
+        (self.n_jumps, self.fault, self.seen) = (n_jumps, fault, seen);
+    }
+}
+
+impl Seen {
+    /// What is wrong with a packet's time, going by those before it. `fault` is what was wrong with the last;
+    /// where delays are known, a leap is seen by them.
+    fn judge(
+        &mut self,
+        fault: Option<ClockFault>,
+        are_delays_known: bool,
+        device_us: u64,
+        arrival_ns: u64,
+    ) -> Option<ClockFault> {
+        let here = (device_us, arrival_ns);
+        let [last, begin] = self.last.replace([here, here])?;
+        let since = |(device, arrival): (u64, u64)| {
+            let passed_us = arrival_ns.wrapping_sub(arrival).cast_signed() / 1000;
+            (device_us.wrapping_sub(device).cast_signed(), passed_us)
+        };
+        let (device, host) = since(begin);
+        if host >= STRETCH_US {
+            let odd = i8::from(device > host.saturating_mul(3)) - i8::from(device < host / 3);
+            let goes_on = self.n_odd.signum() == odd;
+            self.n_odd = if goes_on { self.n_odd.saturating_add(odd) } else { odd };
+        } else {
+            self.last = Some([here, begin]);
+        }
+        let (step, passed) = since(last);
+        if step == 0 {
+            self.stuck_us = self.stuck_us.saturating_add(passed);
+            return Some(ClockFault::Stuck);
+        }
+        let was_stuck = std::mem::take(&mut self.stuck_us) >= STUCK_US;
+        if self.n_odd.abs() >= 2 {
+            return Some(ClockFault::Rate);
+        }
+        let leaps = !are_delays_known && step > passed.saturating_add(LEAP_US);
+        let is_back = was_stuck || fault == Some(ClockFault::Rate);
+        (step < 0 || leaps || is_back).then_some(ClockFault::Jumped)
     }
 }
 

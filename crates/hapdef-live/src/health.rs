@@ -155,6 +155,13 @@ impl Display for Health {
             let (restarts, back) = (self.n_restarts, self.n_reconnects);
             write!(f, " · restarts {restarts} reconnects {back}")?;
         }
+        if self.source.n_host_time > 0 {
+            let n = self.source.n_host_time;
+            write!(
+                f,
+                " · {n} readings timed by their arrival: the device's clock is not believed"
+            )?;
+        }
         if self.n_refused > 0 {
             write!(f, " · refused {}", self.n_refused)?;
         }

@@ -1,5 +1,7 @@
 //! Tables of short texts, for Markdown and HTML.
 
+use hapdef_contact::printable;
+
 /// Longest number with its unit, characters.
 const MOST_FIGURE: usize = 14;
 
@@ -33,7 +35,7 @@ impl TextTable {
     /// As a Markdown table; strong cells are bold.
     #[must_use]
     pub fn to_markdown(&self) -> String {
-        let escape = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+        let escape = |text: &str| printable(&text.replace('\n', " ")).replace('|', "\\|");
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let mut text = line(self.header.iter().map(|h| escape(h)).collect());
         text.push_str(&format!("|{}\n", "---|".repeat(self.header.len())));
@@ -92,10 +94,16 @@ pub fn cell_text(value: Option<f64>) -> String {
     }
 }
 
-/// Text for HTML, in elements and in quoted attributes.
+/// Text for HTML, in elements and in quoted attributes; ends of lines stay.
 #[must_use]
 pub fn escape_html(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let lines: Vec<String> = text.split('\n').map(printable).collect();
+    lines
+        .join("\n")
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -106,6 +114,13 @@ mod tests {
     fn numbers_keep_their_leading_digits() {
         let found = [286.9, 73.36, 1.05, 0.6, 0.004, 0.0].map(|v| cell_text(Some(v)));
         assert_eq!(found, ["287", "73.4", "1.1", "0.60", "4.0e-3", "0.00"]);
+    }
+
+    #[test]
+    fn nothing_from_outside_is_an_element_or_turns_the_writing() {
+        let found = escape_html("<b onload=\"x\">\u{202e}&\u{1b}[2J\ntwo");
+        let expected = "&lt;b onload=&quot;x&quot;&gt;\\u{202e}&amp;\\u{1b}[2J\ntwo";
+        assert_eq!(found, expected);
     }
 
     #[test]

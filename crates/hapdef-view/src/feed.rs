@@ -104,7 +104,7 @@ impl Feed {
     pub(crate) fn say(&self, text: &str) {
         self.notice.rcu(|before| {
             let seq = before.as_ref().map_or(0, |notice| notice.seq) + 1;
-            let value = text.to_owned();
+            let value = hapdef_contact::printable(text);
             Some(Arc::new(Numbered { seq, value }))
         });
     }

@@ -1,5 +1,6 @@
 //! The server: one thread of its own.
 
+use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -13,8 +14,12 @@ use axum::http::{StatusCode, Uri, header::CONTENT_TYPE};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use tokio::sync::oneshot;
-use tokio::time::interval;
+use tokio::task::AbortHandle;
+use tokio::time::{interval, sleep, timeout};
 
 use crate::assets;
 use crate::client;
@@ -31,6 +36,15 @@ use crate::token::Token;
 
 /// Largest message of a page, bytes.
 const MAX_INBOUND: usize = 64 << 10;
+/// Time that a connection has for the head of a request, its first or a further one.
+const HEAD_TIME: Duration = Duration::from_secs(5);
+/// Time that a connection has until it is a page's: slow readers of a file go, too.
+const PLAIN_TIME: Duration = Duration::from_secs(60);
+/// Connections that are no page's yet: a browser opens six at a time. Where one more comes the oldest goes, so
+/// that those that never ask for anything keep nobody out.
+const MAX_PLAIN: usize = 64;
+/// Pause after a connection that could not be accepted, as where no file handle is left.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 /// Between looks for a release that found no room.
 const SETTLE_TIME: Duration = Duration::from_millis(50);
 /// Commands that wait for the program.
@@ -190,7 +204,7 @@ fn spawn(
     let serve = async move {
         tokio::select! {
             () = settle(Arc::clone(&feed)) => {}
-            _ = axum::serve(listener, router(feed)) => {}
+            () = accept(listener, router(feed)) => {}
             _ = stopped => {}
         }
     };
@@ -198,6 +212,29 @@ fn spawn(
         .name("hapdef-view".to_owned())
         .spawn(move || runtime.block_on(serve))
         .map_err(failed)
+}
+
+/// Serves everybody who connects, for ever.
+async fn accept(listener: tokio::net::TcpListener, router: Router) {
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(HEAD_TIME);
+    let mut plain = VecDeque::<AbortHandle>::with_capacity(MAX_PLAIN);
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            sleep(ACCEPT_PAUSE).await;
+            continue;
+        };
+        plain.retain(|connection| !connection.is_finished());
+        if plain.len() >= MAX_PLAIN
+            && let Some(oldest) = plain.pop_front()
+        {
+            oldest.abort();
+        }
+        let service = TowerToHyperService::new(router.clone());
+        let connection = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
+        // It ends when it becomes a page's, which goes on by itself.
+        plain.push_back(tokio::spawn(timeout(PLAIN_TIME, connection)).abort_handle());
+    }
 }
 
 /// Sees to it that a press ends whose release found no room among the commands.

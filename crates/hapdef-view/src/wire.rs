@@ -81,6 +81,7 @@ impl<'a> HelloGauge<'a> {
 /// Where readings come from.
 pub(crate) fn device(state: &DeviceState) -> String {
     let DeviceState { is_simulated, fault } = state;
+    let fault = fault.as_deref().map(hapdef_contact::printable);
     serde_json::json!({"type": "device", "simulated": is_simulated, "fault": fault}).to_string()
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hapdef_mesh::{GltfParams, PointIndex, SurfaceMesh, read_gltf};
+use hapdef_mesh::{ClosestPoint, GltfParams, PointIndex, SurfaceMesh, read_gltf};
 use nalgebra::{Point3, Vector3};
 
 use crate::error::HapdefError;
@@ -54,6 +54,20 @@ impl DrawnSkin {
                 reach_mm: reach_m * 1e3,
             }
         })
+    }
+
+    /// Largest distance from the touchable skin of `limb` to this one, m, and where: a contact there seems to
+    /// float, or to be inside.
+    ///
+    /// # Errors
+    /// [`HapdefError::Mesh`] for triangles that make no surface.
+    pub fn farthest(&self, limb: &Limb) -> Result<(f64, Point3<f64>), HapdefError> {
+        let surface = SurfaceMesh::new(self.vertices_m.clone(), self.triangles.clone())?;
+        let drawn = ClosestPoint::of_surface(&surface);
+        let gap_m = |point: &Point3<f64>| drawn.nearest(point).map_or(0.0, |near| near.distance_m);
+        let gaps = limb.surface_points().into_iter().map(|point| (gap_m(&point), point));
+        let farthest = gaps.max_by(|(a, _), (b, _)| a.total_cmp(b));
+        Ok(farthest.unwrap_or_default())
     }
 
     /// `surface` on the nodes of a skin; how far the nearest vertex is where none is within `reach_m`.

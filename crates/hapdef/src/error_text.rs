@@ -2,6 +2,8 @@
 
 use std::error::Error;
 
+use hapdef_contact::printable;
+
 /// The error's text, then the texts of its causes that are not in it already.
 #[must_use]
 pub fn error_text(error: &(dyn Error + 'static)) -> String {
@@ -15,7 +17,7 @@ pub fn error_text(error: &(dyn Error + 'static)) -> String {
         }
         cause = inner.source();
     }
-    text
+    printable(&text)
 }
 
 #[cfg(test)]

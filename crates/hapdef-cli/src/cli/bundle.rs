@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{BundleRequest, make_bundle};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, shown};
 use hapdef_live::Bundle;
 use hapdef_mesh::atomic_write;
 use serde_json::json;
@@ -41,18 +41,18 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let path = &args.scene.scene;
-    let text = std::fs::read_to_string(path).with_context(|| format!("{}", path.display()))?;
+    let text = std::fs::read_to_string(path).with_context(|| shown(path))?;
     let request = BundleRequest { n_stiffness: args.modes, has_nets: args.nets };
     let bundle = make_bundle(&run, &limb, text, &request)?;
     let bytes = bundle.to_bytes()?;
     atomic_write(&args.bundle, |file| file.write_all(&bytes))
-        .with_context(|| format!("writing {}", args.bundle.display()))?;
+        .with_context(|| format!("writing {}", shown(&args.bundle)))?;
     if args.json {
         println!("{}", as_json(&bundle, bytes.len()));
     } else {
         println!(
             "{}: {} gauges, {} skin nodes, {:.1} MB{}{}{}",
-            args.bundle.display(),
+            shown(&args.bundle),
             bundle.info.gauges.len(),
             bundle.skin().n_nodes(),
             bytes.len() as f64 * 1e-6,

@@ -8,6 +8,7 @@ use anyhow::{Result, bail, ensure};
 use hapdef::session::{CalibrationSession, SessionEvent, SessionParams, write_press_table};
 use hapdef::touch::{Calibration, PressQuality};
 use hapdef::{Limb, Run, SourceArg, VirtualRigParams, live_limb, virtual_device};
+use hapdef_cli::shown;
 use hapdef_daq::hdp1::{Channel, Hello, MAX_CHANNELS, Status};
 use hapdef_daq::source::{FrameSource, ReplaySource, SourceStatus, StreamParams, StreamSource};
 use hapdef_daq::{Frame, Message};
@@ -56,7 +57,7 @@ pub(super) fn calibrate_live(
         !table.exists(),
         "{}: is there already, and the presses would overwrite it: name a new table, or calibrate \
          with that one, without --live",
-        table.display()
+        shown(table)
     );
     let mut feed = Feed::open(source, run, limb)?;
     run.say(&format!("waiting for {}", feed.source.name()));
@@ -83,10 +84,10 @@ pub(super) fn calibrate_live(
     if !feed.guide(run, &mut session, table)? {
         let n = session.rows().len();
         ensure!(n > 0, "stopped before the first press was kept");
-        let table = table.display();
+        let table = shown(table);
         bail!("stopped after {n} presses; {table} has them: calibrate with it, without --live");
     }
-    run.say(&format!("presses: {}", table.display()));
+    run.say(&format!("presses: {}", shown(table)));
     Ok(session.finish(run, limb)?)
 }
 

@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use hapdef_cli::shown;
 use hapdef_mesh::{PointField, PointValues, SolidDeck, read_deck, write_vtu};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
@@ -55,7 +56,7 @@ pub(crate) fn solve(file: &Path, reference: Option<&Path>, vtu: Option<&Path>) -
         let field =
             PointField { name: "displacement_m", values: PointValues::Vectors(&displacement) };
         write_vtu(path, &deck.mesh, &[field])?;
-        println!("displacement in  {}", path.display());
+        println!("displacement in  {}", shown(path));
     }
     Ok(())
 }
@@ -81,10 +82,10 @@ fn compare(deck: &SolidDeck, displacement: &[Vector3<f64>], reference: &Path) ->
         n_compared += 1;
     }
     if n_compared == 0 {
-        bail!("{}: has no displacement for any node of the deck", reference.display());
+        bail!("{}: has no displacement for any node of the deck", shown(reference));
     }
     let relative = worst / largest(displacement);
-    println!("against {}: {n_compared} nodes", reference.display());
+    println!("against {}: {n_compared} nodes", shown(reference));
     println!("METRIC:deck.u_rel_err:{relative:.3e}:1");
     Ok(())
 }
@@ -95,7 +96,7 @@ fn largest(displacement: &[Vector3<f64>]) -> f64 {
 
 /// Rows `node vx vy vz` of a CalculiX result file, by rising node, m.
 fn read_displacements(path: &Path) -> Result<Vec<(u32, Vector3<f64>)>> {
-    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    let bytes = std::fs::read(path).with_context(|| format!("reading {}", shown(path)))?;
     let mut text = String::new();
     if bytes.starts_with(&[0x1f, 0x8b]) {
         flate2::read::GzDecoder::new(bytes.as_slice()).read_to_string(&mut text)?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
+use hapdef_cli::shown;
 use hapdef_daq::record::{DamageInfo, Recording, export_csv, export_json_lines};
 
 use super::files::new_file;
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
         (export_json_lines(&mut recording, &mut buffered)?, "records")
     };
     buffered.flush()?;
-    eprintln!("{}: {n} {what}", args.file.display());
+    eprintln!("{}: {n} {what}", shown(&args.file));
     tell_damage(recording.damage());
     Ok(())
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::touch::{LimitsReport, LimitsRequest, limits, response_map};
 use hapdef::{Limb, Run, write_json};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::LimitParams;
 use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Block, LimbMap, LimbView, Page, TextTable};
@@ -182,7 +182,7 @@ fn print(request: &LimitsRequest, report: &LimitsReport, page: &Path) {
         report.blind_nodes.len(),
         report.single_m.len(),
         request.carried.usable_sd_m * 1e3,
-        page.display()
+        shown(page)
     );
 }
 

@@ -91,7 +91,8 @@ pub(crate) struct LiveArgs {
     /// A frame is late whose contacts come that many µs after its sample instant.
     #[arg(long, default_value_t = 1000)]
     deadline_us: u64,
-    /// Real-time priority of the reader, 1 to 99, where the system grants it.
+    /// Real-time priority of the reader, 1 to 99, and one less of what finds contacts, where the system
+    /// grants it; `hapdef doctor` says whether it does.
     #[arg(long, value_name = "PRIORITY")]
     realtime: Option<u8>,
 }

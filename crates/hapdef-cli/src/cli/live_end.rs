@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
+use hapdef_contact::printable;
 use hapdef_daq::source::LinkState;
 use hapdef_live::{Health, Live};
 
@@ -33,7 +34,7 @@ pub(super) fn wait(
     while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !is_in_vain() {
         if let Some(LiveRecorderState::Failed { why }) = recorder.map(LiveRecorder::state) {
             // Nobody may read it any more: what becomes of the recording is said in the end, too.
-            let _ = writeln!(std::io::stderr(), "the recording stopped: {why}");
+            let _ = writeln!(std::io::stderr(), "the recording stopped: {}", printable(&why));
             recorder = None;
         }
         std::thread::sleep(LOOK);
@@ -67,7 +68,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
         total.compute.max_us,
     )?;
     if let Some(refusal) = &health.last_refusal {
-        writeln!(err, "the estimator refused frames: {refusal}")?;
+        writeln!(err, "the estimator refused frames: {}", printable(refusal))?;
     }
     let name = &health.source_name;
     if let Some(fault) = &health.reader_fault {
@@ -82,7 +83,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
         bail!("{name}: not one reading came{link}");
     }
     if let Some(state @ LinkState::Damaged { .. }) = &health.link {
-        writeln!(err, "{name}: {state}")?;
+        writeln!(err, "{}", printable(&format!("{name}: {state}")))?;
     }
     Ok(())
 }

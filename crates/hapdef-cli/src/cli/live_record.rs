@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail};
+use hapdef_cli::shown;
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::record::{RecordInfo, RecordParams, Recorder, TopicDef, TopicWriter, record};
@@ -236,7 +237,7 @@ impl Shared {
 fn in_words(info: &RecordInfo, n_missed: u64) -> String {
     format!(
         "{}: {} readings, {} messages; missing because the disk was too slow: {n_missed}, {}",
-        info.path.display(),
+        shown(&info.path),
         info.n_frames,
         info.n_messages,
         info.n_messages_dropped,

@@ -9,7 +9,7 @@ use clap::builder::RangedU64ValueParser;
 use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
 use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, study_layouts};
 use hapdef::{Limb, Run, write_json};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::PlacementScore;
 use hapdef_report::{Block, Figure, LimbMap, LimbView, LineChart, Page, Series, TextTable};
 use nalgebra::Point3;
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     write_json(&path, &sites(best))?;
     let curves = path.with_file_name("placement.csv");
     std::fs::write(&curves, as_csv(&study))
-        .with_context(|| format!("writing {}", curves.display()))?;
+        .with_context(|| format!("writing {}", shown(&curves)))?;
     let origin = pages::origin(&run, &LEFT_OUT)?;
     let figures = origin.with(as_json(&study));
     write_json(&curves.with_extension("json"), &figures)?;
@@ -122,8 +122,8 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
         println!("{figures}");
     } else {
         print(&study, &params);
-        println!("\n{}: {} (gauges.sites)", best.name, path.display());
-        println!("page: {}", page_file.display());
+        println!("\n{}: {} (gauges.sites)", best.name, shown(&path));
+        println!("page: {}", shown(&page_file));
     }
     Ok(())
 }
@@ -257,8 +257,8 @@ fn write_scene(path: &Path, run: &Run, layout: &ScoredLayout, args: &PlaceArgs) 
     ensure!(
         folder(path)? == folder(&args.scene.scene)?,
         "--write {}: expected a file beside {}, whose paths are relative to its folder",
-        path.display(),
-        args.scene.scene.display()
+        shown(path),
+        shown(&args.scene.scene)
     );
     let mut scene = run.scene.clone();
     scene.name.push_str("-placed");

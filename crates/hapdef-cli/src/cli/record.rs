@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use hapdef::{SOURCE_FORMS, SourceArg};
+use hapdef_cli::shown;
+use hapdef_contact::printable;
 use hapdef_daq::record::{RecordParams, RecordStats, Recorder, check_unclaimed, record};
 use hapdef_daq::source::{LinkState, SourceStats};
 use hapdef_daq::{AcquireParams, Acquisition, Message, Receiver, acquire};
@@ -44,11 +46,10 @@ pub(crate) struct RecordArgs {
 pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let out = &args.out;
     if !args.force && out.exists() {
-        bail!("{}: is there already; choose another name or say --force", out.display());
+        bail!("{}: is there already; choose another name or say --force", shown(out));
     }
-    let read = |path: &PathBuf| {
-        std::fs::read(path).with_context(|| format!("{}: reading", path.display()))
-    };
+    let read =
+        |path: &PathBuf| std::fs::read(path).with_context(|| format!("{}: reading", shown(path)));
     let params = RecordParams {
         calibration: args.calibration.as_ref().map(read).transpose()?,
         source: args.source.to_string(),
@@ -69,29 +70,39 @@ pub(crate) fn run(args: &RecordArgs) -> Result<()> {
     let recorder = record(for_file, out, params)?;
     let mut watch = Watch::new(acquisition, for_us, args.quiet);
     while !stop.load(Ordering::Relaxed) && watch.goes_on(&recorder, args.seconds) {}
-    let acquired = watch.acquisition.stop();
+    let Watch { acquisition, link, n_restarts, n_exchanges, .. } = watch;
+    let acquired = acquisition.stop();
     let stats = acquired.source;
     let info = recorder.finish()?;
     if acquired.is_panicked {
         bail!(
             "{}: the reader's thread panicked; the readings until then are in {}",
             args.source,
-            out.display()
+            shown(out)
         );
     }
     if info.n_frames == 0 {
-        let link = watch.link.map_or(String::new(), |link| format!(": {link}"));
-        bail!("{}: not one reading came{link}", out.display());
+        let link = link.map_or(String::new(), |link| format!(": {link}"));
+        bail!("{}: not one reading came{link}", shown(out));
     }
     println!(
         "{}: {} frames, {} bytes; {} packets lost on the way, {} refused, {} frames dropped",
-        out.display(),
+        shown(out),
         info.n_frames,
         info.n_bytes,
         stats.losses.n_lost,
         n_refused(&stats),
         info.n_dropped,
     );
+    if n_restarts > 0 {
+        eprintln!("{n_restarts} restarts of the device, {n_exchanges} times another one came");
+    }
+    if stats.n_host_time > 0 {
+        eprintln!(
+            "{} readings are timed by their arrival: the device's clock was not believed",
+            stats.n_host_time
+        );
+    }
     if info.n_events_dropped > 0 {
         eprintln!(
             "{} messages of the device, such as STATUS, were dropped: the disk was too slow",
@@ -106,6 +117,9 @@ struct Watch {
     acquisition: Acquisition,
     messages: Receiver,
     link: Option<LinkState>,
+    uid: Option<[u8; 16]>,
+    n_restarts: u64,
+    n_exchanges: u64,
     start: Instant,
     n_lines: u32,
     is_quiet: bool,
@@ -113,15 +127,41 @@ struct Watch {
 
 impl Watch {
     fn new(acquisition: Acquisition, messages: Receiver, is_quiet: bool) -> Self {
-        Self { acquisition, messages, link: None, start: Instant::now(), n_lines: 0, is_quiet }
+        Self {
+            acquisition,
+            messages,
+            link: None,
+            uid: None,
+            n_restarts: 0,
+            n_exchanges: 0,
+            start: Instant::now(),
+            n_lines: 0,
+            is_quiet,
+        }
     }
 
     /// Waits a little and says how it goes; false when it is over.
     fn goes_on(&mut self, recorder: &Recorder, limit: Option<Duration>) -> bool {
         while let Some(message) = self.messages.try_recv() {
-            if let Message::Link(state) = message {
-                eprintln!("link: {state}");
-                self.link = Some(state);
+            match message {
+                Message::Link(state) => {
+                    eprintln!("link: {}", printable(&state.to_string()));
+                    // A clock says nothing of the link.
+                    if !matches!(state, LinkState::Clock(_)) {
+                        self.link = Some(state);
+                    }
+                }
+                Message::Restarted => {
+                    self.n_restarts += 1;
+                    eprintln!("the device started anew, or another one took its place");
+                }
+                Message::Hello(hello) if self.uid.is_some_and(|uid| uid != hello.uid) => {
+                    self.n_exchanges += 1;
+                    self.uid = Some(hello.uid);
+                    eprintln!("another device: {}", hello.uid.escape_ascii());
+                }
+                Message::Hello(hello) => self.uid = Some(hello.uid),
+                _ => {}
             }
         }
         let elapsed = self.start.elapsed();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
+use hapdef_cli::shown;
 use hapdef_daq::DaqError;
 use hapdef_daq::record::{RecoverInfo, recover};
 use serde_json::{Value, json};
@@ -30,7 +31,7 @@ pub(crate) struct RecoverArgs {
 pub(crate) fn run(args: &RecoverArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| beside(&args.file));
     if out.exists() {
-        bail!("{}: is there already; choose another name with -o", out.display());
+        bail!("{}: is there already; choose another name with -o", shown(&out));
     }
     let code = match recover(&args.file, &out) {
         Ok(info) => {
@@ -62,7 +63,7 @@ fn report(args: &RecoverArgs, out: &Path, info: &RecoverInfo) -> Result<()> {
     if args.json {
         writeln!(stdout, "{}", as_json(out, info))?;
     } else {
-        writeln!(stdout, "{}: {info}", out.display())?;
+        writeln!(stdout, "{}: {info}", shown(out))?;
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hapdef::{Limb, Run, VirtualRigParams, live_limb, random_presses, virtual_device};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, shown};
 use hapdef_daq::record::claim;
 use hapdef_rig::live::{
     DevicePort, LiveLimb, PressScript, PtyPort, RigFault, RunInfo, RunParams, TcpPort, TruthFrame,
@@ -120,7 +120,7 @@ fn announced<P: DevicePort>(port: P) -> Result<P> {
 fn script(args: &RigArgs, run: &Run, limb: &LiveLimb) -> Result<PressScript> {
     let script = match &args.script {
         Some(path) => {
-            let file = path.display().to_string();
+            let file = shown(path).to_string();
             let text = std::fs::read_to_string(path).with_context(|| format!("{file}: reading"))?;
             PressScript::from_json(&text).context(file)?
         }
@@ -128,7 +128,7 @@ fn script(args: &RigArgs, run: &Run, limb: &LiveLimb) -> Result<PressScript> {
     };
     if let Some(path) = &args.write_script {
         std::fs::write(path, script.to_json()?)
-            .with_context(|| format!("writing {}", path.display()))?;
+            .with_context(|| format!("writing {}", shown(path)))?;
     }
     Ok(script)
 }
@@ -170,10 +170,10 @@ impl TruthFile {
 
     fn finish(mut self) -> Result<()> {
         let written = self.fault.take().map_or_else(|| self.out.flush(), Err);
-        written.with_context(|| format!("writing {}", self.partial.display()))?;
+        written.with_context(|| format!("writing {}", shown(&self.partial)))?;
         std::fs::rename(&self.partial, &self.path)
-            .with_context(|| format!("naming {}", self.path.display()))?;
-        println!("truth {}", self.path.display());
+            .with_context(|| format!("naming {}", shown(&self.path)))?;
+        println!("truth {}", shown(&self.path));
         Ok(())
     }
 }

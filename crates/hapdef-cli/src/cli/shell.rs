@@ -11,6 +11,7 @@ use hapdef::shell_limb::{
     ShellLimb, ShellLimbParams, WallChoice, shell_limb, write_measured_wall,
 };
 use hapdef::{HapdefError, Limb};
+use hapdef_cli::shown;
 use hapdef_mesh::{
     BodyChoice, CleanParams, GltfParams, LengthUnit, SkinSide, SurfaceMesh, UnitGuess, read_surface,
 };
@@ -154,29 +155,29 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
         let report = limb.report(comparisons);
         println!("{}", serde_json::to_string_pretty(&report)?);
     } else {
-        println!("{}", args.file.display());
+        println!("{}", shown(&args.file));
         show(&limb, comparisons);
         if !comparisons.is_empty() {
-            println!("report            {}", out.join(SHELL_REPORT_HTML).display());
+            println!("report            {}", shown(out.join(SHELL_REPORT_HTML)));
         }
-        println!("written to        {}", out.display());
+        println!("written to        {}", shown(&out));
     }
     compared.map(|_| ())
 }
 
 fn source(args: &ShellArgs) -> Result<ReportSource> {
     let scene = args.against.as_deref().map(|path| -> Result<_> {
-        Ok(SceneSource { file: path.display().to_string(), file_hash: hash_of(path)? })
+        Ok(SceneSource { file: shown(path).to_string(), file_hash: hash_of(path)? })
     });
     Ok(ReportSource {
-        file: args.file.display().to_string(),
+        file: shown(&args.file).to_string(),
         file_hash: hash_of(&args.file)?,
         scene: scene.transpose()?,
     })
 }
 
 fn hash_of(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    let bytes = std::fs::read(path).with_context(|| format!("reading {}", shown(path)))?;
     Ok(blake3::hash(&bytes).to_hex().to_string())
 }
 
@@ -209,7 +210,7 @@ fn refused(
     if params.wall == WallChoice::Measured {
         let path = out.join("wall.glb");
         if write_measured_wall(given, params, &path)? {
-            println!("the wall as far as it is one, coloured by thickness: {}", path.display());
+            println!("the wall as far as it is one, coloured by thickness: {}", shown(&path));
         } else {
             println!("no part of the surface has a wall that could be drawn");
         }

@@ -27,6 +27,12 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
     if let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, &limb)? {
         let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());
         println!("drawn skin: {n} vertices, {n_beside} of them beside the touchable skin");
+        let (gap_m, at) = drawn.farthest(&limb)?;
+        let [x, y, z] = (at.coords * 1e3).into();
+        let gap_mm = gap_m * 1e3;
+        println!(
+            "the touchable skin is at most {gap_mm:.1} mm off the drawn one, at ({x:.0}, {y:.0}, {z:.0}) mm"
+        );
     }
     if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
         println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");

@@ -29,7 +29,7 @@ pub(crate) const STOP: u8 = 0x13;
 /// CRC-32C (Castagnoli), eight tables of 1 KiB.
 static CRC_32C: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISCSI);
 
-/// What a DATA packet says about itself, the low nibble of header byte 1.
+/// What a DATA packet says about itself, the low nibble of header byte 1, and what the host says of its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FrameFlags(u8);
 
@@ -62,13 +62,16 @@ impl FrameFlags {
     /// First DATA packet after the device started.
     pub const FIRST_AFTER_BOOT: Self = Self(8);
 
-    /// Flags from the low nibble of `bits`.
+    /// The device's clock was not believed, so the frame has the time at which it arrived; never on the wire.
+    pub const HOST_TIME: Self = Self(16);
+
+    /// Flags from the low five bits.
     #[must_use]
     pub const fn from_bits(bits: u8) -> Self {
-        Self(bits & 0x0f)
+        Self(bits & 0x1f)
     }
 
-    /// The flags as a nibble.
+    /// The flags as five bits.
     #[must_use]
     pub const fn bits(self) -> u8 {
         self.0
@@ -91,7 +94,7 @@ impl Header {
     pub(crate) fn to_bytes(self) -> [u8; HEADER_LEN] {
         let mut bytes = [0; HEADER_LEN];
         bytes[0] = self.kind;
-        bytes[1] = self.major << 4 | self.flags.bits();
+        bytes[1] = self.major << 4 | self.flags.bits() & 0x0f;
         bytes[2] = self.schema;
         bytes[3] = self.n_channels;
         bytes[4..8].copy_from_slice(&self.seq.to_le_bytes());
@@ -104,7 +107,7 @@ impl Header {
         Self {
             kind: body[0],
             major: body[1] >> 4,
-            flags: FrameFlags::from_bits(body[1]),
+            flags: FrameFlags::from_bits(body[1] & 0x0f),
             schema: body[2],
             n_channels: body[3],
             seq: u32_at(body, 4),

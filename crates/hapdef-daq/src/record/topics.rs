@@ -29,7 +29,7 @@ const GAUGES_SCHEMA: &str = r#"{
   "properties": {
     "seq": {"type": "integer", "description": "number of the packet"},
     "scan": {"type": "integer", "description": "place in the packet"},
-    "flags": {"type": "integer", "description": "1 overrun before, 2 saturated, 4 bridge fault, 8 first after boot"},
+    "flags": {"type": "integer", "description": "1 overrun before, 2 saturated, 4 bridge fault, 8 first after boot, 16 time of arrival as the device's clock was not believed"},
     "format": {"type": "string", "enum": ["i16", "u16", "i24", "i32", "f32"]},
     "lost_before": {"type": "integer", "description": "packets missing directly before, on the link or in the device"},
     "dropped_before": {"type": "integer", "description": "frames directly before that the host dropped"},

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::clock::ClockFault;
+
 /// Why a link is not open.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
@@ -62,6 +64,8 @@ pub enum LinkState {
         /// Integers that they have.
         found: usize,
     },
+    /// The device's clock is not believed: frames have the time of their arrival while it is not.
+    Clock(ClockFault),
     /// A recording was played to its end, and parts of it could not be read.
     Damaged {
         /// Whole chunks that were played.
@@ -114,6 +118,11 @@ impl std::fmt::Display for LinkState {
                 f,
                 "lines of {found} numbers come, {expected} are expected: connect the device of this \
                  limb, or set the number of channels"
+            ),
+            Self::Clock(fault) => write!(
+                f,
+                "the device's clock is not believed, {fault}: readings get the time of their arrival; \
+                 reset the device, and see to it that its firmware counts µs since it started"
             ),
             Self::Damaged { n_chunks: 0, .. } => {
                 write!(f, "not one readable chunk in the file: is it a recording of hapdef?")

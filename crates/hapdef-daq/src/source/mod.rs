@@ -90,6 +90,8 @@ pub struct SourceStats {
     pub n_opened: u64,
     /// Frames per second, as counted over the last full second.
     pub rate_hz: f64,
+    /// Frames whose time is that of their arrival, as the device's clock was not believed.
+    pub n_host_time: u64,
     /// Round trip of the last PING, ns; 0 before the first.
     pub round_trip_ns: u64,
     /// How much faster the device's clock runs than the host's, ppm; 0 until it is known.

@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{Protocol, SourceStats};
-use crate::clock::ClockMap;
+use super::{LinkState, Protocol, SourceStats};
+use crate::clock::{ClockFault, ClockMap};
 use crate::csv_line::{CsvCounts, CsvDecoder};
-use crate::hdp1::{Data, Decoder, Event, Hello, Rejected, SampleFormat};
+use crate::hdp1::{Data, Decoder, Event, FrameFlags, Hello, Rejected, SampleFormat};
 use crate::{Frame, Message};
+
+/// A clock that is still wrong is named again after so long, and one that jumps all the time as often.
+const CLOCK_PAUSE_NS: u64 = 10_000_000_000;
 
 pub(crate) struct Reader {
     decoding: Decoding,
@@ -26,6 +29,8 @@ struct State {
     n_good: u64,
     /// Whole packets that were refused since somebody asked, and the weightiest reason.
     refused: Option<(u64, Rejected)>,
+    /// What was said of the device's clock, and when.
+    clock: Option<(ClockFault, u64)>,
     /// Lines refused before the last frame.
     n_refused: u64,
     /// Time and count of frames when the rate was last computed.
@@ -154,6 +159,12 @@ impl State {
 
     /// The scans of a packet.
     fn frames(&mut self, data: &Data<'_>, now_ns: u64, sink: &mut dyn FnMut(Message)) {
+        // The last scan waits least for its packet.
+        let last_us = data.t_us(usize::from(data.hello.n_scans.max(1)) - 1);
+        let before_ns = self.map.last_ns();
+        let last_ns = self.map.map(last_us, now_ns);
+        let fault = self.map.fault();
+        self.complain_of_clock(fault, now_ns, sink);
         for scan in 0..data.hello.n_scans {
             let at = usize::from(scan);
             let mut frame = Frame::new(data.header.seq, data.hello.format, data.bits(at));
@@ -161,9 +172,33 @@ impl State {
             frame.flags = data.header.flags;
             frame.n_lost_before = if scan == 0 { data.n_lost_before } else { 0 };
             frame.t_device_us = data.t_us(at);
-            frame.t_host_ns = self.map.map(frame.t_device_us, now_ns);
+            let ago_ns = last_us.wrapping_sub(frame.t_device_us).saturating_mul(1000);
+            frame.t_host_ns = last_ns.saturating_sub(ago_ns).max(before_ns);
+            if fault.is_some() {
+                frame.flags = frame.flags.union(FrameFlags::HOST_TIME);
+                self.stats.n_host_time += 1;
+            }
             self.stats.n_frames += 1;
             sink(Message::Frame(frame));
+        }
+    }
+
+    fn complain_of_clock(
+        &mut self,
+        fault: Option<ClockFault>,
+        now_ns: u64,
+        sink: &mut dyn FnMut(Message),
+    ) {
+        let Some(fault) = fault.filter(|f| *f != ClockFault::Stuck || self.map.is_stuck()) else {
+            return;
+        };
+        let is_said = self.clock.is_some_and(|(before, at_ns)| {
+            let pause_ns = if before == fault { CLOCK_PAUSE_NS } else { CLOCK_PAUSE_NS / 10 };
+            now_ns.saturating_sub(at_ns) < pause_ns
+        });
+        if !is_said {
+            self.clock = Some((fault, now_ns));
+            sink(Message::Link(LinkState::Clock(fault)));
         }
     }
 

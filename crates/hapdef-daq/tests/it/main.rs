@@ -6,6 +6,7 @@
     reason = "what can't be prepared fails its test; what is skipped or measured is printed"
 )]
 
+mod clock_laws;
 mod examples;
 mod firmware;
 mod hdp1;

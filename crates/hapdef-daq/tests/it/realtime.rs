@@ -37,6 +37,24 @@ fn real_time_is_given_or_the_refusal_says_what_to_do() {
     }
 }
 
+/// What is reserved and not used costs no memory: it was a gigabyte.
+#[test]
+fn locked_memory_is_that_which_is_used() {
+    let resident_mb = || {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.trim().trim_end_matches(" kB").parse::<f64>().unwrap() / 1024.0
+    };
+    let before = resident_mb();
+    let reserved = Vec::<u8>::with_capacity(4 << 30);
+    let entered = std::thread::spawn(|| hapdef_daq::enter_realtime(1)).join().unwrap();
+    let later = Vec::<u8>::with_capacity(4 << 30);
+    let more_mb = resident_mb() - before;
+    // Tests beside this one use some of it.
+    assert!(more_mb < 1024.0, "{more_mb} MB more, {entered:?}");
+    drop((reserved, later));
+}
+
 /// The scheduling policy of each thread of this process: field 41 of `stat`, proc(5).
 fn threads_policies() -> Vec<u32> {
     let tasks = std::fs::read_dir("/proc/self/task").unwrap();

@@ -336,3 +336,46 @@ fn another_version_is_named_with_the_remedy() {
     };
     assert!(state.to_string().contains("HDP version 2"), "{state}");
 }
+
+#[test]
+fn a_clock_that_is_not_believed_is_told_once_and_frames_are_flagged() {
+    use hapdef_daq::clock::ClockFault;
+    let (link, device) = memory_link();
+    let clock = Arc::new(FakeClock::default());
+    let params = StreamParams { clock: clock.clone(), ..StreamParams::default() };
+    let mut source = StreamSource::new(link, params);
+    poll(&mut source);
+    let mut hello = Hello::plain(2, SampleFormat::I16, 2000);
+    hello.n_scans = 2;
+    hello.seal();
+    let mut encoder = Encoder::new();
+    let (mut said, mut flagged, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    let mut bytes = Vec::new();
+    encoder.hello(&hello, 0, &mut bytes).unwrap();
+    // Two scans a packet, a packet each ms; after a second it stays at the end of its range.
+    for i in 0..3000u64 {
+        clock.now_ns.fetch_add(1_000_000, Ordering::Relaxed);
+        let t_us = if i < 1000 { i * 1000 } else { u64::MAX - 500 };
+        encoder.data(&hello, t_us, FrameFlags::default(), &[1, 2, 3, 4], &mut bytes).unwrap();
+        device.send(&std::mem::take(&mut bytes));
+        for message in poll(&mut source) {
+            match message {
+                Message::Link(LinkState::Clock(fault)) => said.push((i, fault)),
+                Message::Frame(frame) => {
+                    flagged.push(frame.flags.contains(FrameFlags::HOST_TIME));
+                    times.push(frame.t_host_ns);
+                }
+                _ => {}
+            }
+        }
+    }
+    let [(1000, ClockFault::Jumped), (stuck_at, ClockFault::Stuck)] = said[..] else {
+        panic!("{said:?}");
+    };
+    assert!((2000..2300).contains(&stuck_at), "{stuck_at}");
+    assert_eq!(flagged.iter().filter(|is_flagged| **is_flagged).count(), 4000);
+    assert!(!flagged[..2000].contains(&true));
+    // Each scan has a time of its own, half a ms after the last.
+    assert!(times.windows(2).all(|pair| pair[1] - pair[0] <= 1_000_000 && pair[0] < pair[1]));
+    assert_eq!(source.stats().n_host_time, 4000);
+}

@@ -91,6 +91,10 @@ impl Compute {
 
     /// Until the source has ended or it is stopped.
     pub(super) fn run(mut self) {
+        if let Some(priority) = self.setup.params.realtime_priority {
+            // Below the reader, which then loses nothing while this computes. The reader says what is refused.
+            let _ = hapdef_daq::enter_realtime(priority.saturating_sub(1).max(1));
+        }
         while !self.shared.stop.load(Ordering::Acquire) {
             let is_last = self.receiver.has_ended();
             match self.receiver.recv(POLL) {
@@ -127,7 +131,10 @@ impl Compute {
                     LinkState::Away(_) => self.start_over(),
                     _ => {}
                 }
-                self.counts.link = Some(state.clone());
+                // A clock that jumped is counted, and the link is as it was.
+                if !matches!(state, LinkState::Clock(_)) {
+                    self.counts.link = Some(state.clone());
+                }
                 self.tell(&LiveEvent::Link(state));
             }
             Message::Status(status) => {
@@ -168,7 +175,8 @@ impl Compute {
         let mut latency_ns = done_ns - taken_ns;
         if !self.setup.params.is_recorded {
             stages.add(Stage::Queue, queued_ns);
-            latency_ns += queued_ns;
+            let rest_ns = self.device.as_ref().map_or(0, |d| d.rest_of_packet_ns(frame.scan));
+            latency_ns += queued_ns.saturating_sub(rest_ns);
         }
         let deadline_ns = self.setup.params.deadline.as_nanos();
         self.counts.n_deadline_missed += u64::from(u128::from(latency_ns) > deadline_ns);

@@ -62,6 +62,12 @@ impl Device {
         key(&self.hello) == key(&other.hello)
     }
 
+    /// Time from a scan to the last one of its packet, ns: it can't be here before.
+    pub(super) fn rest_of_packet_ns(&self, scan: u8) -> u64 {
+        let n_later = self.hello.n_scans.saturating_sub(1).saturating_sub(scan);
+        (f64::from(n_later) * self.period_s * 1e9) as u64
+    }
+
     pub(super) fn n_gauges(&self) -> usize {
         self.gauges.len()
     }

@@ -48,7 +48,8 @@ pub struct LiveParams {
     pub conditioning: Option<ConditionerParams>,
     /// What becomes of a zero that was taken while something pressed unseen, once that lets go.
     pub retare: Retare,
-    /// Time from the sample instant to the contacts beyond which a frame counts as late.
+    /// Time from the sample instant to the contacts beyond which a frame counts as late; where a packet has
+    /// several scans, from the last of them.
     pub deadline: Duration,
     /// The frames' times are those of a recording: how long frames waited is unknown.
     pub is_recorded: bool,
@@ -59,7 +60,8 @@ pub struct LiveParams {
     pub n_receivers: usize,
     /// Messages that wait for the computing thread at most.
     pub ring_len: usize,
-    /// Real-time priority of the reader's thread; see [`AcquireParams`].
+    /// Real-time priority of the reader's thread, and one less of the computing thread; see
+    /// [`AcquireParams`].
     pub realtime_priority: Option<u8>,
     /// The host's clock: the one that the source has.
     pub clock: Arc<dyn HostClock>,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use hapdef_contact::{Contact, TouchPhase};
+use hapdef_contact::{Contact, TouchPhase, printable};
 
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
@@ -41,7 +41,7 @@ impl<W: Write + Send> TextSink<W> {
     /// A line that stays.
     fn say(&mut self, words: std::fmt::Arguments<'_>) -> Result<(), AnyError> {
         self.wipe()?;
-        writeln!(self.out, "{words}")?;
+        writeln!(self.out, "{}", printable(&words.to_string()))?;
         Ok(self.out.flush()?)
     }
 

@@ -213,3 +213,40 @@ fn a_page_that_does_not_greet_is_let_go() {
     ));
     assert!(view.commands().try_recv().is_err());
 }
+
+/// Connections that send half a request, or nothing, keep no page out and are closed after 5 s.
+#[test]
+fn half_open_connections_end_and_keep_nobody_out() {
+    use std::io::{Read, Write};
+    let view = serve(params());
+    let port = view.address().port();
+    let opened = Instant::now();
+    let mut half: Vec<std::net::TcpStream> = (0..300)
+        .map(|i| {
+            let mut stream = std::net::TcpStream::connect(view.address()).unwrap();
+            let begin = &b"GET / HTTP/1.1\r\nHost: 127.0.0.1"[..[0, 3, 31][i % 3]];
+            stream.write_all(begin).unwrap();
+            stream
+        })
+        .collect();
+    let asked = Instant::now();
+    let host = format!("Host: 127.0.0.1:{port}");
+    let (status, _, _) = request(port, "GET", "/", &[&host]);
+    assert_eq!(status, 200);
+    assert!(asked.elapsed() < SOON, "{:?}", asked.elapsed());
+    // A page that is open stays so.
+    let mut socket = connect(port);
+    greet(&mut socket, Some(TOKEN));
+    let is_closed = |stream: &mut std::net::TcpStream| {
+        stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+        let mut rest = Vec::new();
+        !matches!(stream.read_to_end(&mut rest), Err(error)
+            if matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut))
+    };
+    for (i, stream) in half.iter_mut().enumerate() {
+        assert!(is_closed(stream), "connection {i} after {:?}", opened.elapsed());
+    }
+    assert!(opened.elapsed() < Duration::from_secs(9), "{:?}", opened.elapsed());
+    view.say("still here");
+    next_text(&mut socket);
+}

@@ -1,5 +1,6 @@
 //! One thing that was looked at.
 
+use hapdef_contact::printable;
 use serde_json::{Value, json};
 
 /// How a check ended.
@@ -61,10 +62,10 @@ impl State {
 
 impl std::fmt::Display for Check {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { name, found, .. } = self;
+        let [name, found] = [&self.name, &self.found].map(|text| printable(text));
         write!(f, "{:4} {name}: {found}", self.state.word())?;
         match &self.fix {
-            Some(fix) => write!(f, "\n     → {fix}"),
+            Some(fix) => write!(f, "\n     → {}", printable(fix)),
             None => Ok(()),
         }
     }

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Resource, getrlimit, getuid};
 
-use super::check::Check;
+use super::check::{Check, State};
+use hapdef_cli::shown;
 
 /// Bytes that are written to measure the disk.
 const TRIAL_LEN: usize = 1 << 20;
@@ -27,7 +28,7 @@ pub(super) fn checks(folder: &Path) -> Vec<Check> {
         space(folder),
         speed(folder),
         core_count(cores),
-        realtime(rtprio, memlock, getuid().is_root()),
+        granted(realtime(rtprio, memlock, getuid().is_root())),
     ]
 }
 
@@ -35,12 +36,12 @@ fn space(folder: &Path) -> Check {
     let stat = match rustix::fs::statvfs(folder) {
         Ok(stat) => stat,
         Err(error) => {
-            let fix = format!("name a folder that is there: {}", folder.display());
+            let fix = format!("name a folder that is there: {}", shown(folder));
             return Check::bad("disk space", error.to_string(), fix);
         }
     };
     let free = stat.f_bavail.saturating_mul(stat.f_frsize);
-    let found = format!("{:.1} GB free in {}", free as f64 * 1e-9, folder.display());
+    let found = format!("{:.1} GB free in {}", free as f64 * 1e-9, shown(folder));
     let fix = "make room or record elsewhere: 64 channels at 1 kHz take 2 GB an hour";
     if free < LEAST_BYTES {
         Check::bad("disk space", found, fix)
@@ -72,7 +73,7 @@ fn speed(folder: &Path) -> Check {
         }
         Err(error) => Check::bad(
             "disk speed",
-            format!("{}: {error}", folder.display()),
+            format!("{}: {error}", shown(folder)),
             "choose a folder that you may write to with --folder",
         ),
     }
@@ -103,6 +104,20 @@ fn core_count(n: usize) -> Check {
     Check::warn("cores", found, fix)
 }
 
+/// What the limits allow, tried: a container may refuse it all the same.
+fn granted(by_limits: Check) -> Check {
+    let tried = std::thread::spawn(|| hapdef_daq::enter_realtime(1)).join();
+    match tried {
+        Ok(Ok(())) => Check::ok("real time", "priority and locked memory are granted"),
+        Ok(Err(fault)) if by_limits.state == State::Ok => Check::warn(
+            "real time",
+            fault,
+            "in a container: grant SYS_NICE and IPC_LOCK, as by --cap-add, and real-time run time",
+        ),
+        _ => by_limits,
+    }
+}
+
 /// `None` is without limit.
 fn realtime(rtprio: Option<u64>, memlock: Option<u64>, is_root: bool) -> Check {
     let may = is_root || rtprio.is_none_or(|limit| limit > 0);
@@ -125,7 +140,6 @@ fn realtime(rtprio: Option<u64>, memlock: Option<u64>, is_root: bool) -> Check {
 
 #[cfg(test)]
 mod tests {
-    use super::super::check::State;
     use super::*;
 
     #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hapdef::SourceArg;
+use hapdef_cli::shown;
 use hapdef_daq::source::{permission_remedy, serial_ports};
 use rustix::fs::{Access, access};
 
@@ -28,7 +29,7 @@ pub(super) fn checks(source: Option<&SourceArg>) -> Vec<Check> {
 }
 
 fn permission(path: &Path) -> Check {
-    let name = format!("port {}", path.display());
+    let name = format!("port {}", shown(path));
     match access(path, Access::READ_OK | Access::WRITE_OK) {
         Ok(()) => Check::ok(&name, "may be opened"),
         Err(rustix::io::Errno::NOENT) => Check::bad(

@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
+use hapdef_cli::shown;
+use hapdef_contact::printable;
 use hapdef_daq::Message;
 use hapdef_daq::hdp1::{Command, Decoder, Event};
 use hapdef_daq::record::Recording;
@@ -33,13 +35,13 @@ pub(super) fn play(file: &Path, speed: f64, wire: impl Wire, stop: &AtomicBool) 
         std::thread::sleep(PAUSE);
     }
     let messages = Recording::open(file)?.messages();
-    let mut source = ReplaySource::new(&file.display().to_string(), messages, speed);
+    let mut source = ReplaySource::new(&shown(file).to_string(), messages, speed);
     let mut status = SourceStatus::Open;
     while status == SourceStatus::Open && !stop.load(Ordering::Relaxed) {
         let mut fault = None;
         status = source.poll(PAUSE, &mut |message| {
             if let Message::Link(state) = &message {
-                eprintln!("{state}");
+                eprintln!("{}", printable(&state.to_string()));
             }
             fault = device.take(message, stop).err().or(fault.take());
         });
@@ -144,7 +146,7 @@ fn rate_mhz(file: &Path) -> Result<u32> {
         .take(200)
         .collect();
     let [first, .., last] = times[..] else {
-        bail!("{}: has fewer than two readings", file.display());
+        bail!("{}: has fewer than two readings", shown(file));
     };
     let span_s = last.saturating_sub(first) as f64 * 1e-9;
     let rate_mhz = 1e3 * (times.len() - 1) as f64 / span_s.max(1e-9);

@@ -6,6 +6,7 @@ use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use hapdef_cli::shown;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 /// A link on which a host may be.
@@ -50,7 +51,7 @@ impl PtyWire {
         let path = ptsname(&master, Vec::new())?.to_string_lossy().into_owned();
         if let Some(link) = &link {
             point(link, Path::new(&path))
-                .with_context(|| format!("{}: linking to {path}", link.display()))?;
+                .with_context(|| format!("{}: linking to {path}", shown(link)))?;
         }
         Ok(Self { master, path, link })
     }

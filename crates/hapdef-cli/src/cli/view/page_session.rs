@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use hapdef_cli::shown;
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{LiveControl, LiveFrame};
 use hapdef_view::{ViewCommand, ViewHandle};
@@ -243,7 +244,7 @@ impl Attendant {
             Ok(path)
         });
         match started {
-            Ok(path) => self.say(&format!("Recording to {}", path.display())),
+            Ok(path) => self.say(&format!("Recording to {}", shown(&path))),
             Err(error) => self.say(&format!("Not recording: {error:#}")),
         }
     }

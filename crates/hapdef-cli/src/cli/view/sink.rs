@@ -40,7 +40,7 @@ impl Newest {
     fn take_link(&mut self, state: &LinkState) {
         self.is_closed = matches!(state, LinkState::Away(_));
         // A link that is open again says nothing before its first frame does.
-        if !matches!(state, LinkState::Open | LinkState::Damaged { .. }) {
+        if !matches!(state, LinkState::Open | LinkState::Damaged { .. } | LinkState::Clock(_)) {
             self.device.fault = Some(state.to_string());
         }
     }
