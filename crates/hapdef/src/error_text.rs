@@ -17,7 +17,9 @@ pub fn error_text(error: &(dyn Error + 'static)) -> String {
         }
         cause = inner.source();
     }
-    printable(&text)
+    // What is on further lines stays there, indented: a name with an end of line makes no line of its own.
+    let lines: Vec<String> = text.lines().map(|line| printable(line.trim_start())).collect();
+    lines.join("\n  ")
 }
 
 #[cfg(test)]
