@@ -17,6 +17,10 @@ const LEAST_P: f64 = 1e-2;
 /// A contact with less force explains nothing here, N: it is as strong as what contacts are let go at.
 const LEAST_FORCE_N: f64 = 0.5;
 
+/// A release is believed with so many numbers to check it by beside the three of each of its contacts: with one left, a
+/// wrong map lets three mirrored contacts explain a press.
+const LEAST_CHECKS: usize = 4;
+
 /// Times after something began to touch when it is looked whether it is a release, s: at once, and later for
 /// hands that let go slowly.
 const LOOKS_S: [f64; 5] = [0.08, 0.16, 0.32, 0.64, 1.28];
@@ -215,7 +219,8 @@ impl Compute {
         let Some([pressing, released]) = self.explain(&mean) else {
             return;
         };
-        if !is_strong(&released) || !is_better(&released, &pressing) {
+        let is_checked = 3 * released.contacts.len() + LEAST_CHECKS <= mean.len();
+        if !is_checked || !is_strong(&released) || !is_better(&released, &pressing) {
             return;
         }
         let is_put_right = self.setup.params.retare == Retare::Auto;
