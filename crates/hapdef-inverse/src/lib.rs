@@ -48,7 +48,7 @@ pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{
     CHI2_95, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
-    IfTwo, LocatedContact, RunnerUp, ShearContact,
+    IfTwo, LocatedContact, RunnerUp, SeenForces, ShearContact,
 };
 pub use hapdef_contact::{GaugeHealth, MAX_CONTACTS, Phase, TouchPhase, Verdict, WhyNot};
 pub use limits::{

@@ -34,6 +34,11 @@ pub struct LiveFrame {
     pub gauges: Vec<GaugeHealth>,
     /// Whether it is taring, whether something touches, and whether that can be known.
     pub phase: TouchPhase,
+    /// The contacts are not this frame's but the last ones that were explained, or the frame itself is old.
+    pub is_stale: bool,
+    /// The smallest force, N, that the gauges that count would show in one frame wherever it pressed, where
+    /// the estimator knows; infinite where none would.
+    pub smallest_seen_n: Option<f64>,
     /// Value of the first temperature channel, in its unit, where the device has one.
     pub temperature: Option<f64>,
     /// The contacts; none while taring, and in a frame that was refused.
@@ -47,7 +52,11 @@ impl LiveFrame {
     /// # Errors
     /// The phase.
     pub fn known_contacts(&self) -> Result<&[Contact], TouchPhase> {
-        if self.phase.is_known() { Ok(&self.touch.contacts) } else { Err(self.phase) }
+        if self.phase.is_known() && !self.is_stale {
+            Ok(&self.touch.contacts)
+        } else {
+            Err(self.phase)
+        }
     }
 
     /// An empty frame of that many gauges.
@@ -67,6 +76,8 @@ impl LiveFrame {
             tared_ue: vec![0.0; n_gauges],
             gauges: vec![GaugeHealth::Good; n_gauges],
             phase: TouchPhase::Untouched,
+            is_stale: false,
+            smallest_seen_n: None,
             temperature: None,
             touch: Touch::with_room(),
         }
@@ -87,6 +98,7 @@ impl LiveFrame {
         self.tared_ue.clone_from(&from.tared_ue);
         self.gauges.clone_from(&from.gauges);
         self.phase = from.phase;
+        (self.is_stale, self.smallest_seen_n) = (from.is_stale, from.smallest_seen_n);
         self.temperature = from.temperature;
         self.touch.copy_from(&from.touch);
     }

@@ -54,6 +54,10 @@ pub struct Health {
     pub phase: Option<TouchPhase>,
     /// Why the last tare was refused or does not hold.
     pub tare_fault: Option<Arc<TareFault>>,
+    /// The last frame's contacts are stale.
+    pub is_stale: bool,
+    /// As [`crate::LiveFrame::smallest_seen_n`], of the last frame.
+    pub smallest_seen_n: Option<f64>,
     /// Contacts of the last frame.
     pub n_contacts: usize,
     /// Why gauges don't count, as of the last frame `[n_gauges]`.
@@ -131,9 +135,10 @@ impl Display for Health {
         let phase: &dyn Display = self.phase.as_ref().map_or(&"waiting", |phase| phase);
         write!(
             f,
-            "{:.0} Hz · {phase} · {} contacts · lost {} dropped {} · p50/p99 µs: queue {:.0}/{:.0} \
+            "{:.0} Hz · {phase} · {}{} contacts · lost {} dropped {} · p50/p99 µs: queue {:.0}/{:.0} \
              compute {:.0}/{:.0} · deadline missed {}",
             self.rate_hz,
+            if self.is_stale { "stale: " } else { "" },
             self.n_contacts,
             self.n_lost,
             self.n_dropped,

@@ -70,5 +70,5 @@ pub use hapdef_contact::{
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
 pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
-pub use sink::{Delivery, FnSink, LiveEvent, Sink, Wants};
+pub use sink::{Delivery, FnSink, LiveEvent, PhaseStatus, Sink, Wants};
 pub use tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};

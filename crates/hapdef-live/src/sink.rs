@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::{Hello, Status};
 use hapdef_daq::source::LinkState;
 
@@ -105,8 +106,24 @@ pub enum LiveEvent {
     Tared,
     /// A tare was refused, or turned out to be wrong.
     TareFault(Arc<TareFault>),
+    /// What is known of touch while no frame comes: when contacts become stale, when the phase becomes
+    /// unknown, and twice a second from then on.
+    Phase(PhaseStatus),
     /// How the runtime is doing; each second, to the sinks that want it, and at the end.
     Health(Arc<Health>),
+}
+
+/// What is known of touch while no frame comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseStatus {
+    /// The last frame's phase, or unknown.
+    pub phase: TouchPhase,
+    /// What the last frame said is old.
+    pub is_stale: bool,
+    /// Contacts that are not yet let go.
+    pub n_contacts: usize,
+    /// Time since the last usable frame, s.
+    pub silent_s: f64,
 }
 
 /// A closure as a sink.

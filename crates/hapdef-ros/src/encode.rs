@@ -1,16 +1,16 @@
 //! Plain structs to messages of all topics.
 
-use hapdef_contact::Touch;
+use hapdef_contact::{Touch, UnknownReason};
 use serde::Serialize;
 
 use crate::cdr::to_cdr;
 use crate::error::RosError;
 use crate::frames::frame_of;
-use crate::input::{Health, Readings};
+use crate::input::{Health, Known, Readings};
 use crate::markers::markers;
 use crate::msg::{
     Alternative, Contact, Contacts, DiagnosticArray, DiagnosticStatus, Gauges, Header, KeyValue,
-    TfMessage, Time, Transform, TransformStamped, Wrench, WrenchStamped,
+    Status, TfMessage, Time, Transform, TransformStamped, Wrench, WrenchStamped,
 };
 use crate::sink::MessageSink;
 use crate::slots::{Slot, Slots};
@@ -76,6 +76,23 @@ impl<S: MessageSink> RosEncoder<S> {
     /// It can't be encoded.
     pub fn truth(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
         self.put(TopicKind::Truth, stamp_ns, |this| this.list(stamp_ns, seq, touch))
+    }
+
+    /// Whether contacts can be known.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn status(&mut self, known: &Known) -> Result<(), RosError> {
+        let Known { stamp_ns, phase, is_stale, .. } = *known;
+        self.put(TopicKind::Status, stamp_ns, |this| Status {
+            header: this.header(stamp_ns),
+            is_known: phase.is_known() && !is_stale,
+            phase: phase.word().to_owned(),
+            why_unknown: phase.why_unknown().map_or("", UnknownReason::word).to_owned(),
+            is_stale,
+            contacts: known.n_contacts as u32,
+            smallest_seen_force: known.smallest_seen_n.unwrap_or(f64::NAN),
+        })
     }
 
     /// How parts are doing: one message for all of them.

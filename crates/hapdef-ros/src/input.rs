@@ -1,5 +1,7 @@
 //! What is said, in plain numbers: readings, health.
 
+use hapdef_contact::TouchPhase;
+
 /// A reading of all gauges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Readings<'a> {
@@ -11,6 +13,21 @@ pub struct Readings<'a> {
     pub n_lost_before: u32,
     /// One a gauge, tared, µε.
     pub microstrain: &'a [f64],
+}
+
+/// Whether contacts can be known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Known {
+    /// When, ns since 1970 UTC.
+    pub stamp_ns: u64,
+    /// Whether something touches, or why that is not known.
+    pub phase: TouchPhase,
+    /// The contacts are those of an earlier time.
+    pub is_stale: bool,
+    /// Contacts of the last reading.
+    pub n_contacts: usize,
+    /// Smallest force that would show wherever it pressed, N.
+    pub smallest_seen_n: Option<f64>,
 }
 
 /// How a part is doing.

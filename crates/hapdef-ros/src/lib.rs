@@ -31,7 +31,7 @@ pub use encode::RosEncoder;
 pub use error::RosError;
 #[cfg(feature = "foxglove")]
 pub use foxglove_server::FoxgloveServer;
-pub use input::{Health, Level, Readings};
+pub use input::{Health, Known, Level, Readings};
 pub use mcap_sink::McapSink;
 pub use schema::{dds_name, definition, type_hash};
 pub use sink::{MessageSink, Sinks};

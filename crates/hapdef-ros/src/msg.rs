@@ -149,6 +149,25 @@ pub struct Contacts {
     pub alternatives: Vec<Alternative>,
 }
 
+/// hapdef_msgs/Status.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// When, and the frame of the limb.
+    pub header: Header,
+    /// Whether a controller may act on the contacts, or on there being none.
+    pub is_known: bool,
+    /// The phase's word.
+    pub phase: String,
+    /// Empty, or the word for why it is unknown.
+    pub why_unknown: String,
+    /// The contacts are those of an earlier time.
+    pub is_stale: bool,
+    /// Contacts of the last reading.
+    pub contacts: u32,
+    /// Smallest force that would show wherever it pressed, N.
+    pub smallest_seen_force: f64,
+}
+
 /// hapdef_msgs/Alternative.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {

@@ -34,6 +34,7 @@ const DEFINITIONS: &[(&str, &str)] = definitions![
     "hapdef_msgs" / "Contact",
     "hapdef_msgs" / "Contacts",
     "hapdef_msgs" / "Gauges",
+    "hapdef_msgs" / "Status",
     "sensor_msgs" / "CompressedImage",
     "std_msgs" / "ColorRGBA",
     "std_msgs" / "Header",
@@ -62,6 +63,10 @@ const HASHES: &[(&str, &str)] = &[
     (
         "hapdef_msgs/Gauges",
         "RIHS01_93d2b568749a3032576ca46b0266a6e9466d44602210b71590766590695bd031",
+    ),
+    (
+        "hapdef_msgs/Status",
+        "RIHS01_83fe54b65cd00d9734055bd81dcfc060a619707b7705d1418f47a07ee7a42038",
     ),
     (
         "tf2_msgs/TFMessage",

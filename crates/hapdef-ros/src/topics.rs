@@ -38,6 +38,8 @@ pub enum TopicKind {
     Transforms,
     /// diagnostic_msgs/DiagnosticArray on `/diagnostics`.
     Diagnostics,
+    /// hapdef_msgs/Status on `<prefix>/status`: whether contacts can be known.
+    Status,
     /// geometry_msgs/WrenchStamped on `<prefix>/contact_<slot>/wrench`.
     Wrench(usize),
 }
@@ -102,6 +104,7 @@ impl TopicKind {
             Self::Markers,
             Self::Transforms,
             Self::Diagnostics,
+            Self::Status,
         ]
         .into_iter()
         .chain(wrenches)
@@ -117,7 +120,8 @@ impl TopicKind {
             Self::Markers => 3,
             Self::Transforms => 4,
             Self::Diagnostics => 5,
-            Self::Wrench(slot) => 6 + slot,
+            Self::Status => 6,
+            Self::Wrench(slot) => 7 + slot,
         }
     }
 
@@ -132,6 +136,7 @@ impl TopicKind {
             Self::Markers => format!("{prefix}/markers"),
             Self::Transforms => "/tf".to_owned(),
             Self::Diagnostics => "/diagnostics".to_owned(),
+            Self::Status => format!("{prefix}/status"),
             Self::Wrench(slot) => format!("{prefix}/contact_{slot}/wrench"),
         }
     }
@@ -145,6 +150,7 @@ impl TopicKind {
             Self::Markers => "visualization_msgs/MarkerArray",
             Self::Transforms => "tf2_msgs/TFMessage",
             Self::Diagnostics => "diagnostic_msgs/DiagnosticArray",
+            Self::Status => "hapdef_msgs/Status",
             Self::Wrench(_) => "geometry_msgs/WrenchStamped",
         }
     }
@@ -180,7 +186,7 @@ mod tests {
         }
         let topics = topics(&params).unwrap();
         assert!(topics.iter().all(|topic| !topic.schema.is_empty()));
-        assert_eq!(topics[7].name, "/hapdef/contact_1/wrench");
+        assert_eq!(topics[8].name, "/hapdef/contact_1/wrench");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use tokio::sync::mpsc;
-use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio::time::{Instant, MissedTickBehavior, interval, interval_at, timeout};
 
 use crate::client_stats::ClientStats;
 use crate::command::{PageMessage, ViewCommand};
@@ -24,6 +24,10 @@ const FRAME_TIME: Duration = Duration::from_micros(16_667);
 const MAX_ANSWERS: usize = 16;
 /// Pings in the time for which a page may answer nothing.
 const PINGS: u32 = 3;
+/// Between signs of life: a page without any for three of them knows that the program is gone.
+const ALIVE_TIME: Duration = Duration::from_millis(500);
+/// A sign of life.
+const ALIVE: &str = r#"{"type":"alive"}"#;
 /// Close code of a page without the token where one is needed.
 const CLOSE_TOKEN: u16 = 4401;
 
@@ -135,10 +139,12 @@ impl Page<'_> {
         let mut ticks = interval(FRAME_TIME);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut pings = interval(self.feed.patience / PINGS);
+        let mut beats = interval_at(Instant::now() + ALIVE_TIME, ALIVE_TIME);
         loop {
             let sent = tokio::select! {
                 Some(answer) = answers.recv() => sink.send(Message::Text(answer.into())).await,
                 _ = ticks.tick() => self.send_newest(&mut sink, &mut seen).await,
+                _ = beats.tick() => sink.send(Message::Text(ALIVE.into())).await,
                 _ = pings.tick() => sink.send(Message::Ping(Bytes::new())).await,
             };
             if sent.is_err() {

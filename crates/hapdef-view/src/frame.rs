@@ -1,6 +1,6 @@
 //! What is shown at one time.
 
-use hapdef_contact::{Contact, GaugeHealth};
+use hapdef_contact::{Contact, GaugeHealth, TouchPhase};
 use nalgebra::Vector3;
 
 use crate::error::ViewError;
@@ -14,6 +14,12 @@ pub struct ViewFrame {
     pub readings_ue: Vec<f64>,
     /// State of the gauges `[n_gauges]`; empty: all well.
     pub gauge_health: Vec<GaugeHealth>,
+    /// Whether something touches, and whether that can be known.
+    pub phase: TouchPhase,
+    /// The contacts are those of an earlier time.
+    pub is_stale: bool,
+    /// Probability of readings that are explained as badly; not finite: not known.
+    pub p_value: f64,
     /// The contacts.
     pub contacts: Vec<ContactMark>,
     /// Other explanations of the same readings, with their probabilities; each has its contacts.

@@ -1,6 +1,6 @@
 //! Messages to the page, byte by byte as `docs/view.md` has them. Little-endian.
 
-use hapdef_contact::GaugeHealth;
+use hapdef_contact::{GaugeHealth, TouchPhase, UnknownReason};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use crate::params::Offers;
 use crate::picture::LimbPicture;
 
 /// Version of the messages.
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 /// First byte of the limb's surface.
 const KIND_SURFACE: u8 = 1;
 /// First byte of a frame.
@@ -102,7 +102,7 @@ pub(crate) fn surface(picture: &LimbPicture) -> Vec<u8> {
     out
 }
 
-/// A frame that was checked: 68 bytes, readings, states, contacts, alternatives, displacement.
+/// A frame that was checked: 72 bytes, readings, states, contacts, alternatives, displacement.
 pub(crate) fn frame(frame: &ViewFrame, seq: u64) -> Vec<u8> {
     let n_gauges = frame.readings_ue.len();
     let mut out = Vec::with_capacity(256 + 8 * n_gauges + displacement_bytes(&frame.displacement));
@@ -146,8 +146,7 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_u16(out, frame.readings_ue.len());
     put_u16(out, marks(&frame.contacts).len());
     put_u16(out, alternative_marks(frame).count());
-    let is_paused = frame.replay.is_some_and(|replay| replay.is_paused);
-    put_u16(out, usize::from(is_paused));
+    put_u16(out, flags(frame));
     put_u32(out, n_nodes as u64);
     put_f32(out, health.rate_hz);
     put_u32(out, health.n_lost);
@@ -159,6 +158,28 @@ fn put_header(out: &mut Vec<u8>, frame: &ViewFrame, seq: u64) {
     put_f32(out, frame.replay.map_or(f64::NAN, |replay| replay.position_s));
     put_f32(out, frame.replay.map_or(f64::NAN, |replay| replay.duration_s));
     put_u32(out, health.n_dropped);
+    put_f32(out, frame.p_value);
+}
+
+/// Bit 0: a replay stands still, bit 1: the contacts are old; bits 4 to 6 the phase, 8 to 10 why it is
+/// unknown.
+fn flags(frame: &ViewFrame) -> usize {
+    let is_paused = frame.replay.is_some_and(|replay| replay.is_paused);
+    let phase = match frame.phase {
+        TouchPhase::Taring => 0,
+        TouchPhase::Untouched => 1,
+        TouchPhase::Touched => 2,
+        TouchPhase::Unknown(_) => 3,
+    };
+    let why = match frame.phase.why_unknown() {
+        None => 0,
+        Some(UnknownReason::TooFewGauges) => 1,
+        Some(UnknownReason::StreamStalled) => 2,
+        Some(UnknownReason::TareInvalid) => 3,
+        Some(UnknownReason::Misfit) => 4,
+        Some(UnknownReason::Drift) => 5,
+    };
+    usize::from(is_paused) | usize::from(frame.is_stale) << 1 | phase << 4 | why << 8
 }
 
 /// 0 good, 1 at an end of its range, 2 gives nothing, 3 not counted at the moment.
@@ -231,7 +252,7 @@ fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
 
 #[cfg(test)]
 mod tests {
-    use hapdef_contact::{Contact, GaugeHealth as H, Uncertainty};
+    use hapdef_contact::{Contact, GaugeHealth as H, TouchPhase, Uncertainty, UnknownReason};
     use nalgebra::{Matrix3, Point3, Vector3};
     use serde_json::json;
 
@@ -258,7 +279,7 @@ mod tests {
         };
         let bytes = surface(&picture);
         assert_eq!(bytes.len(), 16 + 3 * 24 + 12);
-        assert_eq!(bytes[..12], [1, 2, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(bytes[..12], [1, 3, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0]);
         assert_eq!(f32_at(&bytes, 16 + 12), 0.25);
         assert_eq!(f32_at(&bytes, 16 + 36 + 8), 1.0);
         assert_eq!(bytes[16 + 72 + 8], 2);
@@ -308,6 +329,9 @@ mod tests {
             t_s: 1.5,
             readings_ue: vec![3.0, -8.0, 0.0, 1.0],
             gauge_health: vec![H::Good, H::Saturated, H::Dead, H::Spike],
+            phase: TouchPhase::Unknown(UnknownReason::Misfit),
+            is_stale: true,
+            p_value: 0.125,
             contacts: vec![contact],
             alternatives: vec![(0.25, vec![other])],
             displacement: Displacement::Vector(vec![[1.0, 2.0, 3.0]; 2]),
@@ -322,8 +346,8 @@ mod tests {
         shown.health.clock_residual_us = 4.25;
         shown.health.recording = Recording::On { recorded_s: 2.0 };
         let bytes = frame(&shown, 258);
-        assert_eq!(bytes.len(), 68 + 16 + 4 + 72 + 72 + 24);
-        assert_eq!(bytes[..8], [2, 2, 3, 1, 2, 1, 0, 0]);
+        assert_eq!(bytes.len(), 72 + 16 + 4 + 72 + 72 + 24);
+        assert_eq!(bytes[..8], [2, 3, 3, 1, 2, 1, 0, 0]);
         assert_eq!(f64::from_le_bytes(bytes[8..16].try_into().unwrap()), 1.5);
         assert_eq!([16, 18, 20].map(|at| u16_at(&bytes, at)), [4, 1, 1]);
         assert_eq!(bytes[24..28], [2, 0, 0, 0]);
@@ -333,18 +357,18 @@ mod tests {
         assert_eq!([40, 44, 48, 52].map(|at| f32_at(&bytes, at)), [182.5, 950.25, 4.25, 2.0]);
         assert!(f32_at(&bytes, 56).is_nan());
         assert_eq!(bytes[64..68], [1, 2, 0, 0]);
-        assert_eq!([68, 72].map(|at| f32_at(&bytes, at)), [3.0, -8.0]);
-        assert_eq!(bytes[84..88], [0, 1, 2, 3]);
-        assert_eq!(bytes[88], 7);
-        assert_eq!([92, 96, 112, 124].map(|at| f32_at(&bytes, at)), [1.0, 0.5, 1.0, -4.0]);
-        assert_eq!([132, 136, 156].map(|at| f32_at(&bytes, at)), [0.125, 0.5, 0.25]);
-        assert_eq!(f32_at(&bytes, 160 + 4), 0.25);
-        assert!(f32_at(&bytes, 160 + 44).is_nan());
-        assert_eq!(f32_at(&bytes, 232 + 20), 3.0);
-        assert_eq!(u16_at(&bytes, 22), 0);
+        assert_eq!([68, 72, 76].map(|at| f32_at(&bytes, at)), [0.125, 3.0, -8.0]);
+        assert_eq!(bytes[88..92], [0, 1, 2, 3]);
+        assert_eq!(bytes[92], 7);
+        assert_eq!([96, 100, 116, 128].map(|at| f32_at(&bytes, at)), [1.0, 0.5, 1.0, -4.0]);
+        assert_eq!([136, 140, 160].map(|at| f32_at(&bytes, at)), [0.125, 0.5, 0.25]);
+        assert_eq!(f32_at(&bytes, 164 + 4), 0.25);
+        assert!(f32_at(&bytes, 164 + 44).is_nan());
+        assert_eq!(f32_at(&bytes, 236 + 20), 3.0);
+        assert_eq!(u16_at(&bytes, 22), 4 << 8 | 3 << 4 | 2);
         shown.replay = Some(ReplayPosition { position_s: 4.0, duration_s: 8.0, is_paused: true });
         let bytes = frame(&shown, 259);
-        assert_eq!(u16_at(&bytes, 22), 1);
+        assert_eq!(u16_at(&bytes, 22) & 1, 1);
         assert_eq!([56, 60].map(|at| f32_at(&bytes, at)), [4.0, 8.0]);
     }
 }

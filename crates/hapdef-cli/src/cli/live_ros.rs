@@ -8,10 +8,13 @@ use clap::Args;
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::{
-    AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Touch, Wants,
+    AnyError, Delivery, GaugeHealth, Health, LiveEvent, LiveFrame, Sink, Touch, TouchPhase,
+    UnknownReason, Wants,
 };
 use hapdef_rig::live::TruthFrame;
-use hapdef_ros::{Health as Part, Level, MessageSink, Readings, RosEncoder, RosParams, Sinks};
+use hapdef_ros::{
+    Health as Part, Known, Level, MessageSink, Readings, RosEncoder, RosParams, Sinks,
+};
 
 use super::live_record::LiveRecorder;
 use super::truth::Truth;
@@ -67,6 +70,8 @@ pub(super) struct RosSink {
     recorder: Option<LiveRecorder>,
     /// Wall clock less monotonic clock.
     wall_offset_ns: u64,
+    /// What was said last of whether contacts can be known.
+    known: Option<Known>,
 }
 
 impl RosArgs {
@@ -113,6 +118,7 @@ impl RosArgs {
                 truth,
                 recorder: recorder.clone(),
                 wall_offset_ns: SystemClock.wall_ns().wrapping_sub(SystemClock.now_ns()),
+                known: None,
             }),
         };
         Ok(Attached { source, sink, recorder })
@@ -160,6 +166,16 @@ fn zenoh(_: &RosParams, _: u32) -> Result<Box<dyn MessageSink>> {
 }
 
 impl RosSink {
+    /// Says whether contacts can be known, where that has changed or is to be said again.
+    fn know(&mut self, now: Known, is_again: bool) -> Result<(), AnyError> {
+        let key = |known: &Known| (known.phase, known.is_stale, known.n_contacts);
+        if is_again || self.known.as_ref().map(key) != Some(key(&now)) {
+            self.encoder.status(&now)?;
+        }
+        self.known = Some(now);
+        Ok(())
+    }
+
     fn stamp_ns(&self, t_host_ns: u64) -> u64 {
         match &self.recorder {
             Some(recorder) => recorder.wall_ns(t_host_ns),
@@ -190,6 +206,14 @@ impl Sink for RosSink {
             microstrain: &frame.tared_ue,
         })?;
         self.encoder.contacts(stamp_ns, frame.seq, &frame.touch)?;
+        let now = Known {
+            stamp_ns,
+            phase: frame.phase,
+            is_stale: frame.is_stale,
+            n_contacts: frame.touch.contacts.len(),
+            smallest_seen_n: frame.smallest_seen_n,
+        };
+        self.know(now, false)?;
         if let Some(truth) = &mut self.truth {
             truth.frame(frame.seq, stamp_ns, &mut put_truth(&mut self.encoder))?;
         }
@@ -201,6 +225,22 @@ impl Sink for RosSink {
             (LiveEvent::Health(health), _) => {
                 let stamp_ns = self.stamp_ns(SystemClock.now_ns());
                 self.encoder.health(&parts(health, stamp_ns))?;
+                if let Some(known) = self.known {
+                    self.know(Known { stamp_ns, ..known }, true)?;
+                }
+            }
+            (LiveEvent::Phase(status), _) => {
+                let now = Known {
+                    stamp_ns: self.stamp_ns(SystemClock.now_ns()),
+                    phase: status.phase,
+                    is_stale: status.is_stale,
+                    n_contacts: status.n_contacts,
+                    smallest_seen_n: self.known.and_then(|known| known.smallest_seen_n),
+                };
+                self.know(now, true)?;
+                if status.n_contacts == 0 {
+                    self.encoder.contacts(now.stamp_ns, 0, &Touch::default())?;
+                }
             }
             (LiveEvent::Restarted, Some(truth)) => truth.restarted()?,
             _ => {}
@@ -246,9 +286,13 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
             ("drift_ppm", format!("{:.1}", health.source.drift_ppm)),
         ],
     );
+    let why = health.phase.and_then(TouchPhase::why_unknown).map_or("", UnknownReason::word);
     let compute = part(
         "contacts",
-        level(health.device_fault.is_none(), health.n_deadline_missed == 0),
+        level(
+            health.device_fault.is_none() && health.phase.is_none_or(|p| p.why_unknown().is_none()),
+            health.n_deadline_missed == 0 && !health.is_stale,
+        ),
         health.to_string(),
         &[
             ("compute_p50_us", format!("{:.0}", health.second.compute.p50_us)),
@@ -256,6 +300,9 @@ fn parts(health: &Health, stamp_ns: u64) -> Vec<Part> {
             ("deadline_missed", health.n_deadline_missed.to_string()),
             ("refused", health.n_refused.to_string()),
             ("contacts", health.n_contacts.to_string()),
+            ("phase", health.phase.map_or("waiting", TouchPhase::word).to_owned()),
+            ("why_unknown", why.to_owned()),
+            ("stale", health.is_stale.to_string()),
         ],
     );
     let bad = health.gauges.iter().enumerate();

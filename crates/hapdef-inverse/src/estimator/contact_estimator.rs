@@ -89,6 +89,12 @@ impl ContactEstimator {
         Ok(estimator)
     }
 
+    /// How contacts are looked for.
+    #[must_use]
+    pub fn params(&self) -> &EstimatorParams {
+        &self.params
+    }
+
     /// The response map.
     #[must_use]
     pub fn map(&self) -> &ResponseMap {

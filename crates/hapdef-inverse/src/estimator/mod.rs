@@ -18,6 +18,7 @@ mod report;
 mod scan;
 mod scratch;
 mod search;
+mod seen;
 mod shared;
 mod shear;
 
@@ -28,6 +29,7 @@ pub use output::{
 };
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
+pub use seen::SeenForces;
 
 pub(crate) use explanation::Explanation;
 pub(crate) use forces::non_negative;

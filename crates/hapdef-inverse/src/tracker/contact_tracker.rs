@@ -36,6 +36,9 @@ pub struct ContactTracker {
     is_adopted: bool,
 }
 
+/// A force that is not believed is searched for anew after so many times fewer frames.
+const HASTE: usize = 4;
+
 impl ContactTracker {
     /// A tracker on the map, sites, noise and live gauges of `estimator`.
     ///
@@ -122,7 +125,10 @@ impl ContactTracker {
     /// hypothesis has explained [`crate::TrackerParams::search_frames`] frames.
     pub fn wanted_search(&mut self) -> Option<SearchRequest<'_>> {
         let recent = &mut self.recent;
-        let patience = self.work.params.search_frames;
+        let params = &self.work.params;
+        let most_n = self.work.settings.max_force_n;
+        let is_beyond = self.work.hypotheses.best().tracks().iter().any(|t| t.force_n > most_n);
+        let patience = params.search_frames / if is_beyond { HASTE } else { 1 };
         let is_new = recent.asked.is_none_or(|n| n > PATIENCE * patience);
         if recent.n_bad < patience || !is_new || recent.gathered.n_frames == 0 {
             return None;

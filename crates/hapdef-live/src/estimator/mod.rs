@@ -8,12 +8,12 @@ mod superposition;
 mod tracking;
 
 use hapdef_contact::{Contact, Touch};
-use hapdef_inverse::ContactEstimator;
+use hapdef_inverse::{ContactEstimator, SeenForces};
 
 #[cfg(feature = "nets")]
 pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
 pub use kind::{EstimatorKind, UnknownEstimator};
-pub use settings::{SuperpositionSettings, friction_rms};
+pub use settings::{BELIEVED_OF_RANGE, SuperpositionSettings, friction_rms};
 pub use superposition::Superposition;
 pub use tracking::{SearchPlace, Tracking};
 
@@ -58,6 +58,11 @@ pub trait TouchEstimator: Send {
         _live: Option<&[bool]>,
     ) -> Result<Option<[Explained; 2]>, LiveError> {
         Ok(None)
+    }
+
+    /// What it can and can't see, where it knows.
+    fn sight(&self) -> Option<Sight<'_>> {
+        None
     }
 
     /// Forgets what earlier frames said: the stream begins anew.
@@ -149,6 +154,15 @@ pub struct TouchFrame<'a> {
     pub wanted: TouchWanted,
 }
 
+/// What an estimator can see, and what it believes.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<'a> {
+    /// The smallest forces that show.
+    pub seen: &'a SeenForces,
+    /// The strongest force that touches are expected to have, N.
+    pub range_n: f64,
+}
+
 /// What is asked for beside the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TouchWanted {
@@ -156,6 +170,12 @@ pub struct TouchWanted {
     pub uncertainty: bool,
     /// [`Touch::alternatives`].
     pub alternatives: bool,
+}
+
+impl<'a> Sight<'a> {
+    fn new(seen: &'a SeenForces, estimator: &ContactEstimator) -> Self {
+        Self { seen, range_n: estimator.params().max_force_n / BELIEVED_OF_RANGE }
+    }
 }
 
 impl<'a> TouchFrame<'a> {

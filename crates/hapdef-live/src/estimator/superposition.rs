@@ -1,9 +1,11 @@
 //! Contacts of every frame on its own, by superposition.
 
 use hapdef_contact::{Alternative, Quality, Touch};
-use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch};
+use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch, SeenForces};
 
-use super::{EstimatorKind, Explained, TouchEstimator, TouchFrame, TouchWanted, explain, noisier};
+use super::{
+    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, explain, noisier,
+};
 use crate::error::LiveError;
 
 /// [`ContactEstimator`] with its buffers. When gauges fail it is whitened anew without them, which
@@ -11,6 +13,7 @@ use crate::error::LiveError;
 pub struct Superposition {
     estimator: ContactEstimator,
     made_with_ue: Vec<f64>,
+    seen: SeenForces,
     scratch: EstimatorScratch,
     masked: Option<Masked>,
     estimate: ContactEstimate,
@@ -32,6 +35,7 @@ impl Superposition {
             masked: None,
             estimate: ContactEstimate::default(),
             made_with_ue: estimator.gauge_sd().to_vec(),
+            seen: SeenForces::new(&estimator),
             estimator,
         }
     }
@@ -115,10 +119,15 @@ impl TouchEstimator for Superposition {
         explain(&self.estimator, readings_ue, live).map(Some)
     }
 
+    fn sight(&self) -> Option<Sight<'_>> {
+        Some(Sight::new(&self.seen, &self.estimator))
+    }
+
     fn set_least_noise(&mut self, least_ue: &[f64]) -> Result<(), LiveError> {
         if let Some(estimator) = noisier(&self.estimator, &self.made_with_ue, least_ue)? {
             self.scratch = estimator.scratch();
             self.masked = None;
+            self.seen = SeenForces::new(&estimator);
             self.estimator = estimator;
         }
         Ok(())

@@ -3,21 +3,27 @@
 use hapdef_contact::{Alternative, Contact, Quality, Touch};
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome,
-    TrackerParams,
+    SeenForces, TrackerParams,
 };
 
-use super::{EstimatorKind, Explained, TouchEstimator, TouchFrame, TouchWanted, explain, noisier};
+use super::{
+    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, explain, noisier,
+};
 use crate::error::LiveError;
+
+/// Time from a search's request to its outcome, s: what is found is taken over so many frames later,
+/// wherever it ran, so that the same frames give the same contacts live and replayed. Four times as long as
+/// a search takes; one on a machine that is too busy comes late, which is counted.
+const SEARCH_S: f64 = 0.04;
 
 /// Where a full search runs that the tracker asks for when its contacts don't explain the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SearchPlace {
-    /// On a thread of its own: no frame waits for it, and when its outcome is adopted depends on
-    /// the clock.
+    /// On a thread of its own: no frame waits for it.
     #[default]
     Background,
-    /// Within the frame that asks for it, which takes milliseconds then: the same frames always
-    /// give the same contacts. For replays.
+    /// Within the frame that asks for it, which takes milliseconds then. For replays, which have
+    /// the same contacts as [`SearchPlace::Background`] unless a search there was late.
     Here,
     /// Nowhere.
     Never,
@@ -27,20 +33,34 @@ pub enum SearchPlace {
 pub struct Tracking {
     estimator: ContactEstimator,
     made_with_ue: Vec<f64>,
+    seen: SeenForces,
     tracker: ContactTracker,
     params: TrackerParams,
     place: SearchPlace,
     search: Search,
     n_failed_searches: u64,
+    n_late_searches: u64,
+    /// Frames so far.
+    n_frames: u64,
+    pending: Option<Pending>,
     /// Added to the tracker's names, so that none comes twice when the tracker is made anew.
     first_id: u64,
     /// One more than the largest name given.
     next_id: u64,
 }
 
+/// A search whose outcome is still to be taken over.
+#[derive(Clone, Copy)]
+struct Pending {
+    /// Before which frame.
+    due: u64,
+    /// The stream has begun anew since.
+    is_void: bool,
+}
+
 enum Search {
     Background(BackgroundSearch),
-    Here(Box<(EstimatorScratch, SearchOutcome)>),
+    Here(Box<(EstimatorScratch, Option<SearchOutcome>)>),
     Never,
 }
 
@@ -50,9 +70,7 @@ impl Search {
             SearchPlace::Background => {
                 Self::Background(BackgroundSearch::start(estimator.clone())?)
             }
-            SearchPlace::Here => {
-                Self::Here(Box::new((estimator.scratch(), SearchOutcome::default())))
-            }
+            SearchPlace::Here => Self::Here(Box::new((estimator.scratch(), None))),
             SearchPlace::Never => Self::Never,
         })
     }
@@ -72,10 +90,14 @@ impl Tracking {
             search: Search::new(&estimator, place)?,
             tracker: ContactTracker::new(&estimator, params)?,
             made_with_ue: estimator.gauge_sd().to_vec(),
+            seen: SeenForces::new(&estimator),
             estimator,
             params,
             place,
             n_failed_searches: 0,
+            n_late_searches: 0,
+            n_frames: 0,
+            pending: None,
             first_id: 0,
             next_id: 0,
         })
@@ -93,38 +115,67 @@ impl Tracking {
         self.n_failed_searches
     }
 
-    fn adopt_background(&mut self) {
-        if let Search::Background(background) = &mut self.search {
-            let tracker = &mut self.tracker;
-            let polled = background.poll(|outcome| {
+    /// Full searches whose outcome came later than it was due: from there on a replay may differ.
+    #[must_use]
+    pub fn n_late_searches(&self) -> u64 {
+        self.n_late_searches
+    }
+
+    /// Takes over the outcome of a search that is due.
+    fn adopt_if_due(&mut self) {
+        let Some(pending) = self.pending.filter(|pending| pending.due <= self.n_frames) else {
+            return;
+        };
+        let tracker = &mut self.tracker;
+        let mut adopt = |outcome: &SearchOutcome| {
+            if !pending.is_void {
                 tracker.adopt(outcome);
-            });
-            self.n_failed_searches += u64::from(polled.is_err());
+            }
+        };
+        match &mut self.search {
+            Search::Background(background) => match background.poll(adopt) {
+                Ok(false) => {
+                    self.n_late_searches += u64::from(pending.due == self.n_frames);
+                    return;
+                }
+                polled => self.n_failed_searches += u64::from(polled.is_err()),
+            },
+            Search::Here(buffers) => match &buffers.1 {
+                Some(outcome) => adopt(outcome),
+                None => self.n_failed_searches += 1,
+            },
+            Search::Never => {}
+        }
+        self.pending = None;
+    }
+
+    /// What a search finds now is of a stream that has ended.
+    fn void(&mut self) {
+        if let Some(pending) = &mut self.pending {
+            pending.is_void = true;
         }
     }
 
     fn search_if_wanted(&mut self) {
-        if matches!(self.search, Search::Never) {
+        if self.pending.is_some() || matches!(self.search, Search::Never) {
             return;
         }
         let Some(request) = self.tracker.wanted_search() else {
             return;
         };
-        match &mut self.search {
-            Search::Background(background) => {
-                // a busy thread is asked again when the tracker asks again
-                background.submit(&request);
-            }
+        let is_begun = match &mut self.search {
+            Search::Background(background) => background.submit(&request),
             Search::Here(buffers) => {
                 let (scratch, outcome) = &mut **buffers;
-                if request.run(&self.estimator, scratch, outcome).is_ok() {
-                    self.tracker.adopt(outcome);
-                } else {
-                    self.n_failed_searches += 1;
-                }
+                let mut found = outcome.take().unwrap_or_default();
+                *outcome =
+                    request.run(&self.estimator, scratch, &mut found).is_ok().then_some(found);
+                true
             }
-            Search::Never => {}
-        }
+            Search::Never => false,
+        };
+        let wait = (SEARCH_S / self.params.frame_period_s).round().max(1.0) as u64;
+        self.pending = is_begun.then_some(Pending { due: self.n_frames + wait, is_void: false });
     }
 
     fn report(&mut self, wanted: TouchWanted, touch: &mut Touch) {
@@ -173,15 +224,21 @@ impl TouchEstimator for Tracking {
         touch: &mut Touch,
     ) -> Result<(), LiveError> {
         frame.check(self.n_gauges())?;
-        self.adopt_background();
+        self.adopt_if_due();
         self.tracker.step(frame.readings_ue, frame.live)?;
         self.report(frame.wanted, touch);
         self.search_if_wanted();
+        self.n_frames += 1;
         Ok(())
+    }
+
+    fn sight(&self) -> Option<Sight<'_>> {
+        Some(Sight::new(&self.seen, &self.estimator))
     }
 
     fn start_over(&mut self) {
         self.tracker.reset();
+        self.void();
     }
 
     fn set_frame_period(&mut self, period_s: f64) -> Result<(), LiveError> {
@@ -192,6 +249,7 @@ impl TouchEstimator for Tracking {
         self.tracker = ContactTracker::new(&self.estimator, params)?;
         self.params = params;
         self.first_id = self.next_id;
+        self.void();
         Ok(())
     }
 
@@ -208,7 +266,9 @@ impl TouchEstimator for Tracking {
             return Ok(());
         };
         self.search = Search::new(&estimator, self.place)?;
+        self.pending = None;
         self.tracker = ContactTracker::new(&estimator, self.params)?;
+        self.seen = SeenForces::new(&estimator);
         self.estimator = estimator;
         self.first_id = self.next_id;
         Ok(())

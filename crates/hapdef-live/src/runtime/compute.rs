@@ -15,6 +15,7 @@ use super::counts::Counts;
 use super::device::Device;
 use super::sink_worker::SinkWorker;
 use super::stages::{Stage, Stages};
+use super::trust::{Signs, Trust};
 use super::{LiveGauge, LiveParams, Shared};
 use crate::estimator::{TouchEstimator, TouchFrame};
 use crate::frame::LiveFrame;
@@ -51,6 +52,7 @@ pub(super) struct Compute {
     device: Option<Device>,
     conditioning: Option<Conditioning>,
     tare_watch: TareWatch,
+    trust: Trust,
     frame: LiveFrame,
     counts: Counts,
     stages: Stages,
@@ -71,7 +73,8 @@ impl Compute {
     ) -> Self {
         let start_ns = setup.params.clock.now_ns();
         Self {
-            frame: LiveFrame::new(setup.n_gauges.unwrap_or(0)),
+            frame: empty(setup.n_gauges.unwrap_or(0)),
+            trust: Trust::new(setup.params.stale_after, setup.params.unknown_after, start_ns),
             setup,
             acquisition,
             receiver,
@@ -108,6 +111,7 @@ impl Compute {
             if self.shared.tare.swap(false, Ordering::AcqRel) {
                 self.tare();
             }
+            self.wait();
             if self.now_ns() >= self.second_ns + SECOND_NS {
                 self.tell_health();
             }
@@ -157,6 +161,7 @@ impl Compute {
             self.counts.n_unusable += 1;
             return;
         }
+        self.trust.hear(taken_ns);
         self.condition();
         let conditioned_ns = self.now_ns();
         self.estimate();
@@ -202,10 +207,21 @@ impl Compute {
         true
     }
 
+    /// Says what is known while no frame comes.
+    fn wait(&mut self) {
+        if self.setup.params.is_recorded {
+            return;
+        }
+        if let Some(status) = self.trust.wait(&mut self.frame, self.setup.params.clock.now_ns()) {
+            self.tell(&LiveEvent::Phase(status));
+        }
+    }
+
     fn estimate(&mut self) {
         let wants = self.setup.wants;
         let to = &mut self.frame;
         to.touch.clear();
+        (to.is_stale, to.smallest_seen_n) = (false, None);
         let has_zero = to.phase.is_known();
         let Some(estimator) = &mut self.setup.estimator else {
             return;
@@ -215,9 +231,15 @@ impl Compute {
         }
         self.counts.n_estimated += 1;
         let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
+        let is_frozen = self.conditioning.as_ref().is_some_and(|c| c.frozen.is_whole());
         let frame = TouchFrame { readings_ue: &to.tared_ue, live, wanted: wants.of_touch() };
-        if let Err(error) = estimator.estimate_frame(&frame, &mut to.touch) {
+        let found = estimator.estimate_frame(&frame, &mut to.touch);
+        let (sight, is_refused) = (estimator.sight(), found.is_err());
+        if is_refused {
             to.touch.clear();
+        }
+        self.trust.judge(to, &Signs { sight, live, is_frozen, is_refused });
+        if let Err(error) = found {
             self.counts.n_refused += 1;
             if !std::mem::replace(&mut self.is_refusal_reported, true) {
                 self.counts.last_refusal = Some(error.to_string().into());
@@ -260,7 +282,8 @@ impl Compute {
             }
             let conditioning = self.conditioning(&device);
             self.conditioning = conditioning.map_err(|error| error.to_string())?;
-            self.frame = LiveFrame::new(device.n_gauges());
+            self.frame = empty(device.n_gauges());
+            self.trust.start_over();
             self.tare_watch = TareWatch::new(device.n_gauges());
         }
         self.device = Some(device);
@@ -268,6 +291,7 @@ impl Compute {
     }
 
     fn start_over(&mut self) {
+        self.trust.start_over();
         if let Some(estimator) = &mut self.setup.estimator {
             estimator.start_over();
         }
@@ -292,6 +316,8 @@ impl Compute {
             reader_fault: stats.is_panicked.then(|| READER_PANICKED.into()),
             rate_hz: n_new as f64 / passed_s.max(1e-9),
             phase: has_frames.then_some(self.frame.phase),
+            is_stale: has_frames && self.frame.is_stale,
+            smallest_seen_n: self.frame.smallest_seen_n,
             n_contacts: self.frame.touch.contacts.len(),
             gauges: self.frame.gauges.clone(),
             second,
@@ -310,4 +336,9 @@ impl Compute {
     fn now_ns(&self) -> u64 {
         self.setup.params.clock.now_ns()
     }
+}
+
+/// A frame before any has come: nothing is known.
+fn empty(n_gauges: usize) -> LiveFrame {
+    LiveFrame { phase: TouchPhase::Taring, ..LiveFrame::new(n_gauges) }
 }

@@ -4,10 +4,12 @@ pub(crate) mod channels;
 mod compute;
 mod counts;
 mod device;
+mod frozen;
 mod noise;
 mod sink_worker;
 mod source;
 mod stages;
+mod trust;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -51,6 +53,10 @@ pub struct LiveParams {
     /// Time from the sample instant to the contacts beyond which a frame counts as late; where a packet has
     /// several scans, from the last of them.
     pub deadline: Duration,
+    /// Time without a usable frame after which contacts are stale; not for recordings …
+    pub stale_after: Duration,
+    /// … and after which the phase is unknown and they are let go.
+    pub unknown_after: Duration,
     /// The frames' times are those of a recording: how long frames waited is unknown.
     pub is_recorded: bool,
     /// For recordings as fast as they go: nothing is left out, and the source waits for the slowest
@@ -121,6 +127,9 @@ impl Default for LiveParams {
             conditioning: None,
             retare: Retare::Ask,
             deadline: Duration::from_millis(1),
+            // a hundred frames at 1 kHz: longer than a busy machine or a link makes one wait
+            stale_after: Duration::from_millis(100),
+            unknown_after: Duration::from_millis(300),
             is_recorded: false,
             is_lossless: false,
             n_receivers: 0,

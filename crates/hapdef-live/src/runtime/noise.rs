@@ -61,6 +61,13 @@ impl TareNoise {
         &self.larger_ue
     }
 
+    /// The smaller of `noise_ue`, the noise without the converter, and what the tare measured, of each
+    /// gauge, µε.
+    pub(super) fn least_ue(&self, noise_ue: f64) -> impl Iterator<Item = f64> + '_ {
+        let n_free = self.n.saturating_sub(1).max(1) as f64;
+        self.square_ue2.iter().map(move |square| (square / n_free).sqrt().min(noise_ue))
+    }
+
     /// The larger of the assumed noise and `larger_ue` `[n_gauges]`, µε.
     pub(super) fn to_use_ue(&self) -> Vec<f64> {
         let pairs = self.assumed_ue.iter().zip(&self.larger_ue);

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use hapdef_contact::{Contact, GaugeHealth, Phase, UnknownReason, WhyNot};
+use hapdef_contact::{Contact, GaugeHealth, Phase, TouchPhase, UnknownReason, WhyNot};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -33,6 +33,8 @@ struct Line<'a> {
     skipped_before: u32,
     phase: &'static str,
     why_unknown: Option<&'static str>,
+    is_stale: bool,
+    smallest_seen_n: Option<f64>,
     temperature: Option<f64>,
     raw_ue: &'a [f64],
     tared_ue: &'a [f64],
@@ -139,6 +141,14 @@ pub(super) fn event_line(event: &LiveEvent, line: &mut Vec<u8>) -> Result<bool, 
         LiveEvent::Log(text) => json!({"event": "log", "text": &**text}),
         LiveEvent::Tared => json!({"event": "tared"}),
         LiveEvent::TareFault(fault) => tare_fault_value(fault),
+        LiveEvent::Phase(status) => json!({
+            "event": "phase",
+            "phase": status.phase.word(),
+            "why_unknown": status.phase.why_unknown().map(UnknownReason::word),
+            "is_stale": status.is_stale,
+            "n_contacts": status.n_contacts,
+            "silent_s": status.silent_s,
+        }),
         LiveEvent::Health(health) => health_value(health),
         LiveEvent::Status(_) => return Ok(false),
     };
@@ -168,6 +178,11 @@ fn health_value(health: &Health) -> Value {
     json!({
         "event": "health",
         "text": health.to_string(),
+        "phase": health.phase.map(TouchPhase::word),
+        "why_unknown": health.phase.and_then(TouchPhase::why_unknown).map(UnknownReason::word),
+        "is_stale": health.is_stale,
+        "smallest_seen_n": health.smallest_seen_n,
+        "n_contacts": health.n_contacts,
         "rate_hz": health.rate_hz,
         "n_frames": health.n_frames,
         "n_lost": health.n_lost,
@@ -212,6 +227,8 @@ impl<'a> Line<'a> {
             skipped_before: frame.n_skipped_before,
             phase: frame.phase.word(),
             why_unknown: frame.phase.why_unknown().map(UnknownReason::word),
+            is_stale: frame.is_stale,
+            smallest_seen_n: frame.smallest_seen_n,
             temperature: frame.temperature,
             raw_ue: &frame.raw_ue,
             tared_ue: &frame.tared_ue,

@@ -97,6 +97,13 @@ impl<W: Write + Send> Sink for TextSink<W> {
             LiveEvent::Tared => self.say(format_args!("tared")),
             LiveEvent::TareFault(fault) => self.say(format_args!("{fault}")),
             LiveEvent::Health(health) => self.say(format_args!("{health}")),
+            LiveEvent::Phase(status) => {
+                let (phase, s) = (status.phase, status.silent_s);
+                self.say(format_args!(
+                    "{phase}, {} contacts, no readings for {s:.1} s",
+                    status.n_contacts
+                ))
+            }
             LiveEvent::Status(_) => Ok(()),
         }
     }

@@ -29,6 +29,7 @@ fn value(topic: TopicKind, bytes: &[u8]) -> Value {
         TopicKind::Markers => json::<msg::MarkerArray>(bytes),
         TopicKind::Transforms => json::<msg::TfMessage>(bytes),
         TopicKind::Diagnostics => json::<msg::DiagnosticArray>(bytes),
+        TopicKind::Status => json::<msg::Status>(bytes),
         TopicKind::Wrench(_) => json::<msg::WrenchStamped>(bytes),
     }
 }

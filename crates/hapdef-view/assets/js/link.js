@@ -5,6 +5,11 @@ import { kindOf, readSurface } from "./wire.js";
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
 const CLOSE_TOKEN = 4401;
+/** Without a sign of life for so long the program does not answer; it sends one every half second. */
+const SILENT_MS = 1500;
+/** A connection that says nothing for so long is given up. */
+const DEAD_MS = 10000;
+const LOOK_MS = 250;
 
 /** Connects for ever; `on` has hello(hello, surface), device(message), frame(buffer),
  * text(message), state(name). */
@@ -13,7 +18,17 @@ export class Link {
     this.on = on;
     this.wait = FIRST_WAIT_MS;
     this.token = new URLSearchParams(location.hash.slice(1)).get("token");
+    this.heard = performance.now();
     this.connect();
+    setInterval(() => this.look(), LOOK_MS);
+  }
+
+  /** Whether the program still says something. */
+  look() {
+    const silent = performance.now() - this.heard;
+    if (this.socket.readyState !== WebSocket.OPEN || silent < SILENT_MS) return;
+    if (silent < DEAD_MS) this.on.state("silent");
+    else this.socket.close();
   }
 
   connect() {
@@ -37,15 +52,19 @@ export class Link {
   }
 
   read(data) {
+    this.heard = performance.now();
+    if (this.hello?.isRead) this.on.state("live");
     if (typeof data === "string") {
       const message = JSON.parse(data);
       if (message.type === "hello") this.hello = message;
       else if (message.type === "device") this.on.device(message);
+      else if (message.type === "alive") return;
       else this.on.text(message);
     } else if (kindOf(data) === 1) {
       this.wait = FIRST_WAIT_MS;
       this.on.state("live");
       this.on.hello(this.hello, readSurface(data));
+      this.hello.isRead = true;
     } else {
       this.on.frame(data);
     }

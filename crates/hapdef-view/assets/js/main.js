@@ -16,7 +16,7 @@ import { Sites } from "./sites.js";
 import { Stage } from "./stage.js";
 import { put } from "./text.js";
 
-const STATES = { live: "live", away: "reconnecting", locked: "needs its token" };
+const STATES = { live: "live", away: "reconnecting", silent: "no answer", locked: "needs its token" };
 const SAY_MS = 4000;
 
 const byId = (id) => document.getElementById(id);
@@ -26,7 +26,7 @@ const legend = new Legend(byId("legend"), byId("ruler"));
 const axes = new Axes(byId("axes"));
 const panel = new Panel(byId);
 const history = new History();
-const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null };
+const view = { limb: null, marks: null, sites: null, exaggeration: 0, map: "viridis", held: null, fresh: false, shown: null, offers: {}, drawn: 0, drawnSeq: null, workMs: 0, fault: null, cameAt: null };
 const press = new Press(stage, () => view.limb, send);
 panel.onlook = () => { view.fresh = true; };
 
@@ -101,11 +101,21 @@ function device({ simulated, fault }) {
   put(byId("device"), fault ? "device away" : "");
   byId("device").title = fault ?? "";
   view.fault = fault;
-  panel.setFault(fault && `Device away: ${fault}`);
+  tellFault();
   if (!history.last) panel.wait();
   view.fresh = true;
   age();
 }
+
+/** Why nothing new is known, beside the contacts: the program is gone, or the device. */
+function tellFault() {
+  const { state } = byId("link").dataset;
+  const gone = state !== "live" && `No connection, ${lastFrame()}`;
+  panel.setFault(gone || (view.fault && `Device away: ${view.fault}`));
+}
+
+/** When the last frame came, by the clock on the wall. */
+const lastFrame = () => (view.cameAt ? `last frame at ${view.cameAt.toTimeString().slice(0, 8)}` : "no frame yet");
 
 /** Dims a limb that nothing new is known of. */
 function age() {
@@ -113,6 +123,7 @@ function age() {
 }
 
 function frame(buffer) {
+  view.cameAt = new Date();
   const before = history.last;
   const now = history.add(buffer);
   announce(before, now);
@@ -128,8 +139,15 @@ function text({ type, text: words }) {
 }
 
 function state(name) {
+  if (byId("link").dataset.state === name) return;
+  const isLive = name === "live";
   byId("link").dataset.state = name;
-  byId("link").textContent = STATES[name];
+  byId("link").textContent = isLive || !view.cameAt ? STATES[name] : `${STATES[name]} · ${lastFrame()}`;
+  document.body.classList.toggle("gone", !isLive);
+  for (const control of document.querySelectorAll("button, input, select")) control.disabled = !isLive;
+  tellFault();
+  if (!isLive) panel.wait();
+  view.fresh = isLive;
   age();
 }
 
@@ -169,6 +187,7 @@ function show(chosen, now) {
   legend.setRange(view.limb.range);
   controls.showExaggeration(view.limb.drawnExaggeration);
   panel.show(chosen, recent, now);
+  byId("stage").classList.toggle("unknown", chosen.phase === "unknown");
   view.shown = chosen;
   stage.stale = true;
   showTime(chosen);

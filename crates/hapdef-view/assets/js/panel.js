@@ -76,10 +76,13 @@ export class Panel {
     this.strains.draw(frame.t, lines, true);
   }
 
-  showContacts({ contacts, others }) {
+  showContacts({ contacts, others, phase, why, stale }) {
     const marks = [...contacts.map((mark) => ({ mark, other: false })), ...others.map((mark) => ({ mark, other: true }))];
     this.byId("no-contacts").hidden = marks.length > 0;
-    if (!marks.length) this.showNoContacts(this.fault ?? "Nothing touches");
+    const unknown = phase === "unknown" ? why : null;
+    put(this.byId("unknown"), (marks.length && unknown) || "");
+    this.byId("contacts").classList.toggle("stale", Boolean(stale));
+    if (!marks.length) this.showNoContacts(this.fault || unknown || (phase === "taring" ? "Taring: touch nothing" : "Nothing touches"));
     for (const [row, item] of keep(this.byId("contacts"), marks, makeContact)) fillContact(row, item);
   }
 
@@ -90,7 +93,7 @@ export class Panel {
   /** Before there is a frame. */
   wait() {
     this.showContacts({ contacts: [], others: [] });
-    this.showNoContacts(this.fault ?? "Waiting for readings");
+    this.showNoContacts(this.fault || "Waiting for readings");
   }
 
   /** Why no readings come; null: they do. */

@@ -1,8 +1,11 @@
 // Messages of the server, byte by byte as docs/view.md has them. Little-endian.
 
-const VERSION = 2;
-const HEADER_BYTES = 68;
+const VERSION = 3;
+const HEADER_BYTES = 72;
 const MARK_BYTES = 72;
+const PHASES = ["taring", "untouched", "touched", "unknown"];
+/** Why a phase is unknown. */
+const WHY = ["", "Too few gauges count to exclude a contact", "No readings come", "The tare is not valid", "Readings not explained", "The readings drift too fast"];
 
 /** Kind of a binary message: 1 surface, 2 frame. */
 export function kindOf(buffer) {
@@ -34,6 +37,7 @@ export function readFrame(buffer) {
   const nGauges = view.getUint16(16, true);
   const nContacts = view.getUint16(18, true);
   const nOthers = view.getUint16(20, true);
+  const flags = view.getUint16(22, true);
   const components = view.getUint8(2);
   const statesAt = HEADER_BYTES + 4 * nGauges;
   const contactsAt = statesAt + 4 * Math.ceil(nGauges / 4);
@@ -46,7 +50,11 @@ export function readFrame(buffer) {
       rate: f32(28), lost: u32(32), dropped: u32(64), crc: u32(36), p50: f32(40), p99: f32(44), clock: f32(48),
       recording: ["off", "on", "failed"][view.getUint8(3)], recorded: f32(52),
     },
-    replay: Number.isFinite(f32(60)) ? { position: f32(56), duration: f32(60), paused: Boolean(view.getUint16(22, true) & 1) } : null,
+    replay: Number.isFinite(f32(60)) ? { position: f32(56), duration: f32(60), paused: Boolean(flags & 1) } : null,
+    phase: PHASES[(flags >> 4) & 7],
+    why: WHY[(flags >> 8) & 7],
+    stale: Boolean(flags & 2),
+    p: f32(68),
     readings: new Float32Array(buffer, HEADER_BYTES, nGauges),
     states: new Uint8Array(buffer, statesAt, nGauges),
     contacts: readMarks(buffer, contactsAt, nContacts),

@@ -25,6 +25,11 @@ const N_WHILE_IT_HANGS: u64 = 200;
 /// Frames that are sent to a page before it takes one.
 const ON_THE_WAY: u64 = 3;
 
+/// Lets a page hear nothing of what its connection brings while it is `deaf`.
+const DEAF: &str = "globalThis.WebSocket = class extends WebSocket {
+    set onmessage(hear) { super.onmessage = (event) => { if (!globalThis.deaf) hear(event); }; }
+};";
+
 /// One browser at a time.
 static ONE: Mutex<()> = Mutex::new(());
 
@@ -242,10 +247,47 @@ fn the_page_comes_back_with_its_server() {
     let bind = view.address();
     drop(view);
     scene.chrome.wait_for("document.getElementById('link').dataset.state === 'away'").unwrap();
+    is_gone(&mut scene.chrome);
     scene.feed = Feed::start(ViewParams { bind, ..params() });
     scene.chrome.wait_for("document.getElementById('link').dataset.state === 'live'").unwrap();
     let drawn = scene.chrome.eval("hapdefView.drawn").unwrap();
     scene.chrome.wait_for(&format!("hapdefView.drawn > {drawn} + 2")).unwrap();
+    scene.chrome.eval("document.getElementById('tare').click()").unwrap();
+    scene.feed.hears(|c| *c == ViewCommand::Tare);
+}
+
+/// The page of a program that is gone: grey, the time of its last frame, no force, no button that works.
+fn is_gone(chrome: &mut Chrome) {
+    for seen in [
+        "/last frame at \\d\\d:\\d\\d:\\d\\d/.test(document.getElementById('link').textContent)",
+        "/^No connection, last frame at /.test(document.getElementById('no-contacts').textContent)",
+        "document.querySelector('#contacts li') === null",
+        "getComputedStyle(document.querySelector('main')).filter === 'grayscale(1)'",
+        "[...document.querySelectorAll('button, input, select')].every((control) => control.disabled)",
+    ] {
+        assert_eq!(chrome.eval(seen).unwrap(), true, "{seen}");
+    }
+}
+
+/// A program that is stopped in its tracks closes no connection: its page knows within two seconds all the same.
+#[test]
+fn a_program_that_does_not_answer_greys_its_page() {
+    let Some(mut scene) = scene((900, 700)) else {
+        return;
+    };
+    scene.chrome.before_pages(DEAF).unwrap();
+    scene.chrome.open("about:blank").unwrap();
+    scene.chrome.open(&scene.feed.url).unwrap();
+    scene.chrome.wait_for("globalThis.hapdefView?.drawn > 1").unwrap();
+    scene.chrome.eval("globalThis.deaf = true").unwrap();
+    let start = Instant::now();
+    scene.chrome.wait_for("document.getElementById('link').dataset.state === 'silent'").unwrap();
+    let took = start.elapsed();
+    println!("grey after {took:?}");
+    assert!(took < Duration::from_secs(2), "{took:?}");
+    is_gone(&mut scene.chrome);
+    scene.chrome.eval("globalThis.deaf = false").unwrap();
+    scene.chrome.wait_for("document.getElementById('link').dataset.state === 'live'").unwrap();
     scene.chrome.eval("document.getElementById('tare').click()").unwrap();
     scene.feed.hears(|c| *c == ViewCommand::Tare);
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hapdef_inverse::{EstimatorParams, ResponseMap, tip_ring_m};
 pub(super) use hapdef_live::estimator::friction_rms;
-use hapdef_live::estimator::{Superposition, SuperpositionSettings};
+use hapdef_live::estimator::{BELIEVED_OF_RANGE, Superposition, SuperpositionSettings};
 
 use crate::error::HapdefError;
 use crate::scene::{Scene, SuperpositionSpec};
@@ -45,7 +45,7 @@ pub fn estimator_settings(scene: &Scene, spec: &SuperpositionSpec) -> Superposit
 pub fn estimator_params(scene: &Scene) -> EstimatorParams {
     EstimatorParams {
         max_contacts: scene.contact.max_contacts,
-        max_force_n: 1.5 * scene.contact.force_range_n[1],
+        max_force_n: BELIEVED_OF_RANGE * scene.contact.force_range_n[1],
         ..EstimatorParams::default()
     }
 }

@@ -115,7 +115,7 @@ impl Attendant {
         if since < PERIOD {
             return Ok(());
         }
-        let (is_new, health, device) = {
+        let (is_new, health, device, silence) = {
             let newest = lock(&self.shared.newest);
             let is_new = newest.n_frames != pace.n_frames;
             if let Some(frame) = newest.frame.as_ref().filter(|_| is_new) {
@@ -124,7 +124,7 @@ impl Attendant {
                     .get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len()))
                     .copy_from(frame);
             }
-            (is_new, newest.health.clone(), newest.device.clone())
+            (is_new, newest.health.clone(), newest.device.clone(), newest.silence)
         };
         self.handle.set_device(&device);
         let Some(frame) = &pace.frame else {
@@ -137,6 +137,9 @@ impl Attendant {
         if is_new {
             let t_s = self.show.take(frame);
             pace.shown.add(t_s, frame);
+        }
+        if let Some(status) = silence {
+            self.show.take_silence(status);
         }
         if device.fault.is_some() {
             self.show.lose();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use hapdef_daq::record::PlayerControl;
-use hapdef_live::{Alternative, Contact, Health, LiveFrame, Touch};
+use hapdef_live::{Alternative, Contact, Health, LiveFrame, PhaseStatus, Touch};
 use hapdef_view::{ContactMark, Displacement, Recording, ReplayPosition, ViewFrame, ViewPusher};
 
 use super::Shared;
@@ -59,6 +59,7 @@ impl Show {
         self.take_time(frame);
         self.take_readings(frame);
         self.take_touch(&frame.touch);
+        self.take_phase(frame);
         self.deform(&frame.touch);
         self.take_delay(frame);
         self.shown.t_s
@@ -124,6 +125,22 @@ impl Show {
     fn take_readings(&mut self, frame: &LiveFrame) {
         self.shown.readings_ue.clone_from(&frame.tared_ue);
         self.shown.gauge_health.clone_from(&frame.gauges);
+    }
+
+    fn take_phase(&mut self, frame: &LiveFrame) {
+        self.shown.phase = frame.phase;
+        self.shown.is_stale = frame.is_stale;
+        self.shown.p_value = frame.touch.quality.map_or(f64::NAN, |quality| quality.p_value);
+    }
+
+    /// What is known while no frame comes.
+    pub(super) fn take_silence(&mut self, status: PhaseStatus) {
+        self.shown.phase = status.phase;
+        self.shown.is_stale = status.is_stale;
+        if status.n_contacts == 0 {
+            self.take_touch(&Touch::default());
+            self.deform(&Touch::default());
+        }
     }
 
     fn take_touch(&mut self, touch: &Touch) {

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hapdef_daq::source::LinkState;
-use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, Sink, TareOutcome, Wants};
+use hapdef_live::{AnyError, Health, LiveEvent, LiveFrame, PhaseStatus, Sink, TareOutcome, Wants};
 use hapdef_view::{DeviceState, ViewPusher};
 
 use super::Shared;
@@ -22,6 +22,8 @@ pub(super) struct Newest {
     /// Frames so far.
     pub(super) n_frames: u64,
     pub(super) frame: Option<LiveFrame>,
+    /// What is known since no frame came any more.
+    pub(super) silence: Option<PhaseStatus>,
     pub(super) health: Option<Arc<Health>>,
     pub(super) device: DeviceState,
     /// Frames may still come of a link that is closed, but they say nothing of the device now.
@@ -34,6 +36,7 @@ impl Newest {
             self.device.fault = None;
         }
         self.n_frames += 1;
+        self.silence = None;
         self.frame.get_or_insert_with(|| LiveFrame::new(frame.raw_ue.len())).copy_from(frame);
     }
 
@@ -89,6 +92,7 @@ impl Sink for ViewSink {
             LiveEvent::Hello(hello) => {
                 lock(&self.shared.newest).device.is_simulated = hello.is_simulated();
             }
+            LiveEvent::Phase(status) => lock(&self.shared.newest).silence = Some(*status),
             LiveEvent::Health(health) => lock(&self.shared.newest).take_health(health),
             LiveEvent::Link(state) => {
                 lock(&self.shared.newest).take_link(state);

@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(240);
 /// Bytes of a contact.
 const MARK_LEN: usize = 72;
 /// Bytes of a frame before its readings.
-const HEADER_LEN: usize = 68;
+const HEADER_LEN: usize = 72;
 
 /// The page's token; its program says it in the page's address.
 const TOKEN: &str = "00112233445566778899aabbccddeeff";

@@ -61,6 +61,35 @@ fn a_slide_is_followed() {
     assert!(n_good >= 7, "{n_good} of 8 slides");
 }
 
+/// A third contact comes while one of two slides: it is found where it is 20 frames after its force has come,
+/// and nothing is ever stronger than what presses, but for the first frames' share.
+#[test]
+fn a_press_beside_a_sliding_contact_is_no_phantom() {
+    let mut n_good = 0;
+    for seed in 0..8 {
+        let world = World::new(10, 600, 40 + seed);
+        let mut tracker = tracker(&world, 0.0, TrackerParams::default());
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let points = world.draw_points(3, 0.03, &mut rng);
+        let skin = world.map.skin();
+        let along = skin.tangents(&points[1])[0] * 0.02;
+        let mut is_good = true;
+        for index in 0..900 {
+            let share = (index as f64 - 500.0).clamp(0.0, 500.0) / 500.0;
+            let place = skin.walk(&points[1], &(along * share), AtWall::Slide).point;
+            let forces = [ramp(index, 20, 12.0), ramp(index, 250, 20.0), ramp(index, 700, 14.0)];
+            let places = [points[0], place, points[2]];
+            let contacts: Vec<_> = places.into_iter().zip(forces).filter(|c| c.1 > 0.0).collect();
+            let found = tracker.step(&frame(&world, &contacts, SD, &mut rng), None).unwrap();
+            let strongest = found.contacts.iter().map(|c| c.contact.force_n).fold(0.0, f64::max);
+            is_good &= strongest < 40.0;
+            is_good &= index < 750 || worst_m(&world, &contacts, found) < 5e-3;
+        }
+        n_good += usize::from(is_good);
+    }
+    assert!(n_good >= 7, "{n_good} of 8 presses");
+}
+
 /// While a force grows by kilonewtons a frame two contacts beside each other may explain it better than
 /// one whose place is not exact yet.
 #[test]

@@ -5,6 +5,7 @@ use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError};
 
 use super::Compute;
 use crate::runtime::device::Device;
+use crate::runtime::frozen::Frozen;
 use crate::runtime::noise::TareNoise;
 
 /// The filter in front of the estimator, with its output.
@@ -12,6 +13,7 @@ pub(super) struct Conditioning {
     pub(super) conditioner: Conditioner,
     pub(super) out: Conditioned,
     pub(super) noise: TareNoise,
+    pub(super) frozen: Frozen,
     /// Readings for the filter `[n_gauges]`, µε: at the end of their range where the device says so.
     raw_ue: Vec<f64>,
     /// Highest reading of each gauge `[n_gauges]`, µε.
@@ -35,6 +37,7 @@ impl Compute {
         self.counts.n_conditioned += 1;
         let to = &mut self.frame;
         let Some(conditioning) = &mut self.conditioning else {
+            to.phase = TouchPhase::Untouched;
             to.tared_ue.copy_from_slice(&to.raw_ue);
             for (health, raw) in to.gauges.iter_mut().zip(&to.raw_ue) {
                 *health = health_of_number(*raw);
@@ -54,12 +57,18 @@ impl Compute {
         let (Some(conditioning), Some(device)) = (&mut self.conditioning, &self.device) else {
             return;
         };
+        conditioning.frozen.take(&to.raw_ue);
         conditioning.take_raw(&to.raw_ue, device);
-        let Conditioning { conditioner, out, raw_ue, .. } = conditioning;
+        let Conditioning { conditioner, out, raw_ue, frozen, .. } = conditioning;
         if let Err(error) = conditioner.step_into(raw_ue, to.temperature, out) {
             // lengths are those of the device; said all the same
             self.counts.device_fault = Some(error.to_string().into());
             return;
+        }
+        for gauge in frozen.gauges() {
+            if std::mem::replace(&mut out.live[gauge], false) {
+                (out.health[gauge], out.readings[gauge]) = (GaugeHealth::Dead, 0.0);
+            }
         }
         to.phase = out.phase;
         to.tared_ue.copy_from_slice(&out.readings);
@@ -74,6 +83,9 @@ impl Compute {
             to.gauges[gauge] = GaugeHealth::Saturated;
         }
         if let Some(end) = out.tare_end {
+            let sds = conditioning.noise.least_ue(self.setup.noise_ue);
+            conditioning.frozen.end_tare(sds.zip(device.steps_ue()));
+            self.trust.start_over();
             self.end_tare(end);
         }
     }
@@ -132,6 +144,7 @@ impl Compute {
             out: conditioner.output(),
             conditioner,
             noise,
+            frozen: Frozen::new(device.n_gauges()),
             raw_ue: ends_ue.clone(),
             ends_ue,
         }))
@@ -141,6 +154,7 @@ impl Compute {
         if let Some(conditioning) = &mut self.conditioning {
             conditioning.conditioner.tare();
             conditioning.noise.start_over();
+            conditioning.frozen.start_over();
             conditioning.out.phase = TouchPhase::Taring;
             self.tare_watch.n_repeats = 0;
             self.start_over();

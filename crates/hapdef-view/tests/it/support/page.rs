@@ -93,11 +93,14 @@ pub fn say(socket: &mut Socket, text: &str) {
     socket.send(Message::text(text)).unwrap();
 }
 
-/// The next message in JSON; frames before it are passed over.
+/// The next message in JSON; frames and signs of life before it are passed over.
 pub fn next_text(socket: &mut Socket) -> Value {
     loop {
         if let Message::Text(text) = socket.read().unwrap() {
-            return serde_json::from_str(&text).unwrap();
+            let value: Value = serde_json::from_str(&text).unwrap();
+            if value["type"] != "alive" {
+                return value;
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A made-up limb with made-up readings: nothing here is computed by elasticity.
 
-use hapdef_contact::{Contact, GaugeHealth, Uncertainty};
+use hapdef_contact::{Contact, GaugeHealth, TouchPhase, Uncertainty};
 use hapdef_view::{ContactMark, Displacement, GaugeSite, LimbPicture, ViewFrame};
 use nalgebra::{Matrix3, Vector3};
 
@@ -85,6 +85,7 @@ pub fn wandering(t: f64) -> Vec<Touch> {
 /// What the page shows of `touches` at `t`, into `frame`. The contacts are where the touches are.
 pub fn show(picture: &LimbPicture, touches: &[Touch], t: f64, frame: &mut ViewFrame) {
     frame.t_s = t;
+    frame.phase = if touches.is_empty() { TouchPhase::Untouched } else { TouchPhase::Touched };
     frame.contacts = touches.iter().map(mark).collect();
     let depth = |point: [f64; 3], normal: [f64; 3]| {
         let mut moved = [0.0; 3];
