@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
 use hapdef_daq::{Acquisition, Frame, Message, Receiver};
@@ -231,21 +232,25 @@ impl Compute {
         }
         self.counts.n_estimated += 1;
         let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
-        let is_frozen = self.conditioning.as_ref().is_some_and(|c| c.frozen.is_whole());
         let frame = TouchFrame { readings_ue: &to.tared_ue, live, wanted: wants.of_touch() };
         let found = estimator.estimate_frame(&frame, &mut to.touch);
-        let (sight, is_refused) = (estimator.sight(), found.is_err());
-        if is_refused {
-            to.touch.clear();
-        }
-        self.trust.judge(to, &Signs { sight, live, is_frozen, is_refused });
+        let is_refused = found.is_err();
         if let Err(error) = found {
+            to.touch.clear();
             self.counts.n_refused += 1;
             if !std::mem::replace(&mut self.is_refusal_reported, true) {
                 self.counts.last_refusal = Some(error.to_string().into());
             }
         }
         self.judge_contacts();
+        let conditioning = self.conditioning.as_ref();
+        let signs = Signs {
+            sight: self.setup.estimator.as_ref().and_then(|estimator| estimator.sight()),
+            live: conditioning.map(|c| &c.out.live[..]),
+            is_frozen: conditioning.is_some_and(|c| c.frozen.is_whole()),
+            is_refused,
+        };
+        self.trust.judge(&mut self.frame, &signs);
     }
 
     fn hello(&mut self, hello: Arc<Hello>) {

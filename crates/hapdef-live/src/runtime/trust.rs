@@ -93,11 +93,12 @@ impl Trust {
         } else if self.is_blind(signs) {
             Some(UnknownReason::TooFewGauges)
         } else {
-            (is_misfit || is_beyond).then_some(UnknownReason::Misfit)
+            let misfit = (is_misfit || is_beyond).then_some(UnknownReason::Misfit);
+            frame.phase.why_unknown().or(misfit)
         };
         frame.smallest_seen_n = self.smallest_n;
         frame.is_stale = false;
-        if let Some(why) = why.or(frame.phase.why_unknown()) {
+        if let Some(why) = why {
             frame.phase = TouchPhase::Unknown(why);
         } else {
             if !frame.touch.contacts.is_empty() {
