@@ -210,12 +210,15 @@ impl Page {
             Message::Text(text) => {
                 let value: Value = serde_json::from_str(&text).unwrap();
                 println!("page: {value}");
-                if value["type"] == "device" {
-                    self.device = value;
-                    return Next::Nothing;
+                match value["type"].as_str() {
+                    Some("notice") => Next::Text(value["text"].as_str().unwrap().to_owned()),
+                    Some("device") => {
+                        self.device = value;
+                        Next::Nothing
+                    }
+                    Some("alive") => Next::Nothing,
+                    _ => panic!("{value}"),
                 }
-                assert_eq!(value["type"], "notice", "{value}");
-                Next::Text(value["text"].as_str().unwrap().to_owned())
             }
             _ => Next::Nothing,
         }
