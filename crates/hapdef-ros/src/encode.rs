@@ -62,12 +62,16 @@ impl<S: MessageSink> RosEncoder<S> {
     /// They can't be encoded.
     pub fn contacts(&mut self, stamp_ns: u64, seq: u32, touch: &Touch) -> Result<(), RosError> {
         self.put(TopicKind::Contacts, stamp_ns, |this| this.list(stamp_ns, seq, touch))?;
-        let placed = self.slots.place(&touch.contacts);
-        self.transforms(stamp_ns, &placed)?;
-        for (slot, held) in placed.iter().enumerate() {
-            self.wrench(stamp_ns, slot, held)?;
-        }
-        self.markers(stamp_ns, &placed)
+        self.held(stamp_ns, touch)
+    }
+
+    /// Lets go what was held, without a reading: wrenches are zero and markers go; no list says that nothing
+    /// touches.
+    ///
+    /// # Errors
+    /// It can't be encoded.
+    pub fn release(&mut self, stamp_ns: u64) -> Result<(), RosError> {
+        self.held(stamp_ns, &Touch::default())
     }
 
     /// What is known to touch at that reading, from a simulated rig.
@@ -110,6 +114,16 @@ impl<S: MessageSink> RosEncoder<S> {
     /// The sink.
     pub fn sink(&mut self) -> &mut S {
         &mut self.sink
+    }
+
+    /// Frames, wrenches and markers of what is held.
+    fn held(&mut self, stamp_ns: u64, touch: &Touch) -> Result<(), RosError> {
+        let placed = self.slots.place(&touch.contacts);
+        self.transforms(stamp_ns, &placed)?;
+        for (slot, held) in placed.iter().enumerate() {
+            self.wrench(stamp_ns, slot, held)?;
+        }
+        self.markers(stamp_ns, &placed)
     }
 
     fn put<T: Serialize>(

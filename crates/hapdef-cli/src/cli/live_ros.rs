@@ -239,7 +239,7 @@ impl Sink for RosSink {
                 };
                 self.know(now, true)?;
                 if status.n_contacts == 0 {
-                    self.encoder.contacts(now.stamp_ns, 0, &Touch::default())?;
+                    self.encoder.release(now.stamp_ns)?;
                 }
             }
             (LiveEvent::Restarted, Some(truth)) => truth.restarted()?,
