@@ -6,7 +6,7 @@
 //! A [`DrawnContact`] is what a sample or a probing robot presses. The words of [`Phase`], [`WhyNot`],
 //! [`TouchPhase`], [`UnknownReason`] and [`GaugeHealth`] are those of every JSON line.
 //!
-//! [`printable`] is how text from outside is shown, whoever shows it.
+//! [`printable()`] is how text from outside is shown, whoever shows it.
 //!
 //! This crate knows nothing of skins, estimators, files or ports.
 
