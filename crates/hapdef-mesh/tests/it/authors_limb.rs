@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use crate::gltf_common::shared;
 use hapdef_mesh::{
     FeNodeId, MeshError, OuterSkinParams, RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh,
     gauge_patch, outer_skin, radial_region, read_deck, tet10, tri6, wall,
@@ -10,14 +11,7 @@ use hapdef_mesh::{
 use nalgebra::{Point3, Vector3};
 
 fn input(name: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.into());
-    let path = PathBuf::from(shared).join("inputs/hapdef-shin").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {} is absent (set HAPDEF_SHARED)", path.display());
-    None
+    shared(&format!("hapdef-shin/{name}"))
 }
 
 fn deck(name: &str) -> Option<SolidDeck> {

@@ -3,17 +3,11 @@
 
 use std::path::PathBuf;
 
+use crate::gltf_common::shared;
 use hapdef_mesh::{DeckParams, DeckReading, LengthUnit, MeshError, SolidDeck, read_deck_with};
 
 fn field(file: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.into());
-    let path = PathBuf::from(shared).join("inputs/field").join(file);
-    if !path.exists() {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", path.display());
-        return None;
-    }
-    Some(path)
+    shared(&format!("field/{file}"))
 }
 
 fn read(file: &str) -> Option<Result<SolidDeck, MeshError>> {

@@ -2,8 +2,8 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
 
+use crate::gltf_common::shared;
 use hapdef_mesh::{
     DeckFault, DeckParams, DeckReading, FeNodeId, MeshError, SolidDeck, read_deck, read_deck_with,
 };
@@ -236,13 +236,7 @@ fn the_decompressed_size_is_bounded() {
 /// CalculiX's own test beam: C3D10, held in some directions only, which is said and not dropped.
 #[test]
 fn calculix_beam_s_partial_supports_are_refused() {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.into());
-    let path = PathBuf::from(shared).join("inputs/fe/calculix/beam10p.inp");
-    if !path.exists() {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", path.display());
-        return;
-    }
+    let Some(path) = shared("fe/calculix/beam10p.inp") else { return };
     let text = fs::read_to_string(&path).unwrap();
     let expected = DeckFault::PartialSupport { n_nodes: 8, first_node: 2, held: "z".into() };
     let found = fault(&text);

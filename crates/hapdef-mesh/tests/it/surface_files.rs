@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::gltf_common::shared;
 use hapdef_mesh::{
     CleanParams, GltfParams, LengthUnit, MeshError, QualityReport, SurfaceMesh, clean_surface,
     read_surface,
@@ -89,14 +90,7 @@ fn what_is_cut_short_or_too_large_is_refused() {
 }
 
 fn field(file: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.into());
-    let path = PathBuf::from(shared).join("inputs/field").join(file);
-    if !path.exists() {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", path.display());
-        return None;
-    }
-    Some(path)
+    shared(&format!("field/{file}"))
 }
 
 /// The surface welded at 1 µm, as every command does, and cleaned as asked.

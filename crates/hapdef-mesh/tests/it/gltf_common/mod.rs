@@ -87,12 +87,12 @@ pub fn kind(fault: &GltfFault) -> String {
     text.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned()
 }
 
-/// A folder of the shared inputs, or nothing (with the reason printed) where they are absent.
-pub fn shared(folder: &str) -> Option<PathBuf> {
+/// A folder or file of the shared inputs, or nothing (with the reason printed) where it is absent.
+pub fn shared(name: &str) -> Option<PathBuf> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
     let shared = std::env::var("HAPDEF_SHARED").unwrap_or_else(|_| default.to_owned());
-    let path = Path::new(&shared).join("inputs").join(folder);
-    if !path.is_dir() {
+    let path = Path::new(&shared).join("inputs").join(name);
+    if !path.exists() {
         println!("skipped: {} is absent; set HAPDEF_SHARED", path.display());
         return None;
     }
