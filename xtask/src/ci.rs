@@ -61,15 +61,17 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     steps.run("demo --live", first_minute::check)?;
     beside(
         || {
+            steps.run("demo --quick", quick_demo)?;
+            steps.run("commands of the docs", docs::run_commands)
+        },
+        || {
             steps.run("verification table", verify::check)?;
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
-            steps.run("demo --quick", quick_demo)
+            steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))
         },
-        || steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel)),
     )?;
-    steps.run("commands of the docs", docs::run_commands)?;
     if is_nightly {
         steps.run("each crate alone", crates_alone)?;
         steps.run("soak", soak::long)?;
@@ -79,7 +81,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     Ok(())
 }
 
-/// Two series of steps at a time: programs, and what compiles in another folder than theirs.
+/// Two series of steps at a time that need nothing of each other: hardly a step fills both cores alone.
 fn beside<T: Send>(
     first: impl FnOnce() -> Result<T>,
     second: impl FnOnce() -> Result<()> + Send,

@@ -128,21 +128,26 @@ impl<W: Write> MetricLog<W> {
 
     /// Adds what was kept to the JSON array in `path`, making file and folder when absent.
     ///
-    /// The file is replaced as a whole; two processes must not append at the same time.
+    /// The file is replaced as a whole; programs that append at the same time wait for each other, by a lock on
+    /// the file of the same name with the ending `lock`.
     ///
     /// # Errors
     /// A file that can't be read or written, or that holds no array of metric records; it is
     /// left as it is then.
     pub fn append_to(&self, path: &Path) -> Result<(), ReportError> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
+        }
+        // Two programs that read the same array would each write it without the other's figures.
+        let lock = path.with_extension("lock");
+        let held = std::fs::File::create(&lock).and_then(|file| file.lock().map(|()| file));
+        let _held = held.map_err(ReportError::io("locking", &lock))?;
         let mut all: Vec<MetricRecord> = match std::fs::read(path) {
             Ok(bytes) => serde_json::from_slice(&bytes).map_err(ReportError::json(path))?,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             Err(source) => return Err(ReportError::io("reading", path)(source)),
         };
         all.extend_from_slice(&self.records);
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
-        }
         let json = serde_json::to_vec_pretty(&all).map_err(ReportError::json(path))?;
         atomic_write(path, |file| file.write_all(&json)).map_err(ReportError::io("writing", path))
     }
@@ -234,6 +239,26 @@ mod tests {
         assert_eq!(all.len(), 4);
         assert_eq!(all[2].line(), "METRIC:demo.wall_s:13.5:s");
         assert_eq!((all[3].context.clone(), all[3].line().contains("skipped")), (context(), true));
+    }
+
+    #[test]
+    fn what_is_appended_at_the_same_time_is_all_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("metrics.json");
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..25 {
+                        let mut log = MetricLog::new(Vec::new(), context());
+                        log.value("demo.wall_s", 1.0, "s").unwrap();
+                        log.append_to(&path).unwrap();
+                    }
+                });
+            }
+        });
+        let all: Vec<MetricRecord> =
+            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        assert_eq!(all.len(), 100);
     }
 
     #[test]

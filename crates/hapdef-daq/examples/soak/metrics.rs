@@ -1,5 +1,6 @@
 //! Figures as METRIC lines and in metrics.json.
 
+use std::fs::File;
 use std::path::Path;
 use std::process::Command;
 
@@ -11,6 +12,11 @@ pub fn report(figures: &[(&str, f64, &str)], seed: u64, path: Option<&Path>) {
         println!("METRIC:{name}:{value}:{unit}");
     }
     let Some(path) = path else { return };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).expect("a folder for metrics.json");
+    }
+    let held = File::create(path.with_extension("lock")).expect("a lock beside metrics.json");
+    held.lock().expect("metrics.json is another's for a moment only");
     let mut all: Vec<Value> = match std::fs::read(path) {
         Ok(bytes) => serde_json::from_slice(&bytes).expect("metrics.json is an array"),
         Err(_) => Vec::new(),
@@ -24,9 +30,6 @@ pub fn report(figures: &[(&str, f64, &str)], seed: u64, path: Option<&Path>) {
             "name": name, "value": value, "unit": unit,
             "commit": commit, "machine": machine(), "seed": seed, "time": time,
         }));
-    }
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).expect("a folder for metrics.json");
     }
     let whole = path.with_extension("json.partial");
     let text = serde_json::to_vec_pretty(&all).expect("figures are JSON");

@@ -16,6 +16,7 @@ mod superposition;
 
 use std::collections::BTreeMap;
 
+use hapdef_live::estimator::EstimatorKind;
 use serde::Serialize;
 
 pub use measured::MeasuredStep;
@@ -33,8 +34,8 @@ use crate::work::Work;
 pub struct Plan {
     /// Name of the scene.
     pub scene: String,
-    /// `hapdefx` or `superposition`.
-    pub estimator: &'static str,
+    /// What finds contacts.
+    pub estimator: EstimatorKind,
     /// Name of the profile.
     pub profile: String,
     /// The steps, those of the design time first, then those of one frame.
@@ -101,9 +102,9 @@ pub enum StepState {
 /// calibration of another limb; [`HapdefError::File`] where that is missing.
 pub fn plan(run: &Run, limb: &Limb, rates: &Rates) -> Result<Plan, HapdefError> {
     let (estimator, steps) = match &run.scene.estimator {
-        EstimatorSpec::Hapdefx(_) => ("hapdefx", chain::steps(run, limb, rates)?),
+        EstimatorSpec::Hapdefx(_) => (EstimatorKind::Hapdefx, chain::steps(run, limb, rates)?),
         EstimatorSpec::Superposition(spec) => {
-            ("superposition", superposition::steps(run, limb, spec, rates)?)
+            (EstimatorKind::Superposition, superposition::steps(run, limb, spec, rates)?)
         }
     };
     Ok(Plan { scene: run.scene.name.clone(), estimator, profile: run.profile.name.clone(), steps })

@@ -8,7 +8,7 @@ use hapdef_rig::{DoublePressParams, SinglePressParams, double_presses, single_pr
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::keys;
 use super::rig::read_response;
@@ -23,8 +23,6 @@ use crate::sampling::draw_contacts;
 use crate::work::{Work, table_bytes};
 
 const DATASET_FILE: &str = "samples.safetensors";
-const VERSION: u32 = 1;
-
 /// Samples computed between two writes; also the grain of the parallel work.
 const BLOCK: usize = 256;
 
@@ -97,7 +95,8 @@ impl<'a> Maker<'a> {
     }
 
     fn make(&self, kind: DatasetKind) -> Result<Stage, HapdefError> {
-        let inputs = self.inputs(kind);
+        let stages = [&self.compliance.key, &self.rig.key];
+        let inputs = keys::dataset(kind, stages, &self.run.scene, &self.run.profile);
         self.run.cache.stage("dataset", &inputs, |dir| {
             let contacts = self.contacts(kind)?;
             let work = self.work(&contacts);
@@ -270,26 +269,6 @@ impl<'a> Maker<'a> {
             DatasetKind::RigSingle => scene.rig.presses.single_seed,
             DatasetKind::RigDouble => scene.rig.presses.double_seed,
         }
-    }
-
-    fn inputs(&self, kind: DatasetKind) -> Value {
-        let (profile, scene) = (&self.run.profile, &self.run.scene);
-        let mut inputs = json!({
-            "version": VERSION, "kind": kind, "limb": self.compliance.key,
-            "contact": keys::draws(&scene.contact),
-        });
-        match kind {
-            DatasetKind::Simulated { n_contacts } => {
-                let n = if n_contacts == 1 { profile.n_single } else { profile.n_multi };
-                inputs["draws"] = json!([n, scene.seed]);
-            }
-            DatasetKind::RigSingle | DatasetKind::RigDouble => {
-                let n = [profile.n_real_single, profile.n_pairs, profile.n_amplitudes];
-                let (electronics, presses) = (scene.rig.electronics, scene.rig.presses);
-                inputs["draws"] = json!([self.rig.key, electronics, presses, n]);
-            }
-        }
-        inputs
     }
 }
 

@@ -4,7 +4,12 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::dataset::DatasetKind;
+use crate::profile::Profile;
 use crate::scene::{ContactSpec, Scene};
+
+/// Version of the datasets' content.
+const DATASET_VERSION: u32 = 1;
 
 /// What the solved limb depends on. The deck counts by its bytes, not by its path.
 pub(crate) fn limb(scene: &Scene, deck_hash: &str) -> Value {
@@ -29,6 +34,31 @@ pub(crate) fn rig(scene: &Scene, own_deck_hash: Option<&str>) -> Value {
 /// How contacts are drawn, a given number at a time.
 pub(super) fn draws(contact: &ContactSpec) -> Value {
     all_but(contact, &["max_contacts"])
+}
+
+/// What a dataset depends on: the keys of the `[compliance, rig]` stages that it superposes, how
+/// contacts are drawn, how many and with which seeds.
+pub(super) fn dataset(
+    kind: DatasetKind,
+    [compliance, rig]: [&String; 2],
+    scene: &Scene,
+    profile: &Profile,
+) -> Value {
+    let draws = match kind {
+        DatasetKind::Simulated { n_contacts: 1 } => json!([profile.n_single, scene.seed]),
+        DatasetKind::Simulated { .. } => json!([profile.n_multi, scene.seed]),
+        DatasetKind::RigSingle | DatasetKind::RigDouble => {
+            let n = [profile.n_real_single, profile.n_pairs, profile.n_amplitudes];
+            json!([rig, scene.rig.electronics, scene.rig.presses, n])
+        }
+    };
+    json!({
+        "version": DATASET_VERSION,
+        "kind": kind,
+        "limb": compliance,
+        "contact": self::draws(&scene.contact),
+        "draws": draws,
+    })
 }
 
 /// Settings as they are written, without the fields that change nothing.
@@ -140,5 +170,42 @@ mod tests {
     #[test]
     fn every_field_of_the_contacts_changes_the_key_of_their_draws() {
         check(|scene| draws(&scene.contact), &["/contact"], &["/contact/max_contacts"]);
+    }
+
+    #[test]
+    fn every_field_of_a_scene_that_draws_a_dataset_changes_its_key() {
+        let stages = ["limb".to_owned(), "rig".to_owned()];
+        let key = |kind, scene: &Scene| dataset(kind, stages.each_ref(), scene, &Profile::quick());
+        let without = ["/contact/max_contacts"];
+        let simulated = DatasetKind::Simulated { n_contacts: 2 };
+        check(|scene| key(simulated, scene), &["/contact", "/seed"], &without);
+        for kind in [DatasetKind::RigSingle, DatasetKind::RigDouble] {
+            let sections = ["/contact", "/rig/electronics", "/rig/presses"];
+            check(|scene| key(kind, scene), &sections, &without);
+        }
+    }
+
+    #[test]
+    fn every_amount_of_a_profile_changes_the_keys_of_the_datasets_that_have_it() {
+        let rig: &[&str] = &["/n_real_single", "/n_pairs", "/n_amplitudes"];
+        let kinds = [
+            (DatasetKind::Simulated { n_contacts: 1 }, &["/n_single"][..]),
+            (DatasetKind::Simulated { n_contacts: 2 }, &["/n_multi"]),
+            (DatasetKind::RigSingle, rig),
+            (DatasetKind::RigDouble, rig),
+        ];
+        let (scene, stages) = (scene(), ["limb".to_owned(), "rig".to_owned()]);
+        let profile = json!(Profile::quick());
+        let amounts = profile.as_object().unwrap().keys().filter(|name| name.starts_with("n_"));
+        let amounts: Vec<String> = amounts.map(|name| format!("/{name}")).collect();
+        assert!(amounts.len() >= 5, "{amounts:?}");
+        for (kind, own) in kinds {
+            let key = |profile: &Profile| dataset(kind, stages.each_ref(), &scene, profile);
+            for path in &amounts {
+                let other = changed::<Profile>(&profile, path).unwrap();
+                let counts = own.contains(&path.as_str());
+                assert_eq!(key(&other) != key(&Profile::quick()), counts, "{kind:?} {path}");
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@ use hapdef::plan::Plan;
 use hapdef::shell_limb::{
     ReportSource, ShellComparison, ShellLimb, ShellLimbParams, ShellVerdict, WallChoice, shell_limb,
 };
+use hapdef_live::estimator::EstimatorKind;
 use hapdef_mesh::{FeNodeId, SurfaceMesh};
 use hapdef_sim::{IsotropicMaterial, NodalLoad};
 use nalgebra::{Point3, Vector3};
@@ -266,7 +267,7 @@ fn check_plan(limb: &ShellLimb, comparison: ShellComparison, solid: &Limb) {
     limb.write_report(&folder, &source, &[comparison]).unwrap();
     let plan = Plan {
         scene: String::new(),
-        estimator: "superposition",
+        estimator: EstimatorKind::Superposition,
         profile: String::new(),
         steps: Vec::new(),
     };
