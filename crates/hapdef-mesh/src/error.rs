@@ -44,6 +44,9 @@ pub enum MeshError {
     Solid(#[from] SolidFault),
     #[error(transparent)]
     Surface(#[from] SurfaceFault),
+    #[cfg(feature = "wrap")]
+    #[error(transparent)]
+    Wrap(#[from] crate::WrapFault),
     #[error(
         "no boundary face belongs to the contact region: {} (the solid measures {:.6} x {:.6} x {:.6} m)",
         region_remedy(size_m), size_m[0], size_m[1], size_m[2]

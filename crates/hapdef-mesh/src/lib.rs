@@ -22,6 +22,9 @@ pub mod shin;
 
 pub mod colour;
 
+#[cfg(feature = "wrap")]
+pub mod wrap;
+
 mod atomic;
 mod beside;
 mod error;
@@ -59,3 +62,5 @@ pub use surface::{
     SurfaceMesh, WeldInfo, clean_surface, read_surface, self_intersections,
 };
 pub use unit::{LengthUnit, UnitGuess};
+#[cfg(feature = "wrap")]
+pub use wrap::{WrapFault, WrapInfo, WrapParams, WrapPlaces, WrapSeconds, Wrapped, wrap};

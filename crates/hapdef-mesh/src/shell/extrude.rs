@@ -3,6 +3,8 @@
 use nalgebra::{Point3, Vector3};
 
 use super::surface::{check_thickness, steps};
+#[cfg(feature = "wrap")]
+use crate::self_intersections;
 use crate::surface::curve::EdgeMiddles;
 use crate::surface::find_defects::check_manifold;
 use crate::surface::self_intersection::check_uncrossed;
@@ -70,12 +72,7 @@ pub fn extrude(
     check_manifold(skin)?;
     check_thickness(skin.vertices().len(), thickness_m)?;
     let columns = Columns::new(skin, thickness_m, params)?;
-    let tets: Vec<[Corner; 4]> = skin
-        .triangles()
-        .iter()
-        .flat_map(|triangle| (0..params.n_layers).flat_map(|layer| wedge(triangle, layer)))
-        .collect();
-    let (nodes, elements) = columns.nodes_and_elements(&tets);
+    let (nodes, elements) = columns.nodes_and_elements(&wedges(skin, params.n_layers));
     let (volume_m3, least_jacobian_m3) = check_folds(skin, thickness_m, params, &nodes, &elements)?;
     let advice = "there is no room for the wall there: thin it, or give the skin as the side that \
                   leaves room";
@@ -88,8 +85,39 @@ pub fn extrude(
     })
 }
 
+/// The triangles under which the wall of [`extrude`] folds or, where none does, at which its sides
+/// cross; ascending, none where it fits. The skin is an oriented manifold.
+#[cfg(feature = "wrap")]
+pub(crate) fn unfit_triangles(
+    skin: &SurfaceMesh,
+    thickness_m: &[f64],
+    params: &ExtrudeParams<'_>,
+) -> Result<Vec<usize>, MeshError> {
+    let columns = Columns::new(skin, thickness_m, params)?;
+    let (nodes, elements) = columns.nodes_and_elements(&wedges(skin, params.n_layers));
+    let folds =
+        |(_, ids): &(usize, &[FeNodeId; 10])| least_jacobian_m3(&places(&nodes, ids)) <= 0.0;
+    let folded = elements.iter().enumerate().filter(folds);
+    let mut unfit: Vec<usize> =
+        folded.map(|(element, _)| element / (3 * params.n_layers)).collect();
+    if unfit.is_empty() {
+        let crossings = self_intersections(&columns.sides()?);
+        unfit = crossings.iter().flat_map(|crossing| crossing.triangles).collect();
+        unfit.iter_mut().for_each(|triangle| *triangle %= skin.triangles().len());
+    }
+    unfit.sort_unstable();
+    unfit.dedup();
+    Ok(unfit)
+}
+
 /// A vertex of the skin and a level below the outside.
 type Corner = (u32, usize);
+
+/// The tetrahedra of all wedges, triangle by triangle, then layer by layer.
+fn wedges(skin: &SurfaceMesh, n_layers: usize) -> Vec<[Corner; 4]> {
+    let layers = |triangle| (0..n_layers).flat_map(move |layer| wedge(triangle, layer));
+    skin.triangles().iter().flat_map(layers).collect()
+}
 
 /// The wedge under a triangle between level `layer` and the next, as three tetrahedra of positive
 /// volume where the triangle runs counter-clockwise seen from outside.
@@ -225,11 +253,9 @@ fn check_folds(
 ) -> Result<(f64, f64), SurfaceFault> {
     let (mut volume_m3, mut least) = (0.0, f64::INFINITY);
     for (element, ids) in elements.iter().enumerate() {
-        let places = ids.map(|id| nodes[id.index()]);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|i| places[i]);
-        let straight = (b - a).cross(&(c - a)).dot(&(d - a));
-        let jacobian_m3 = tet10::min_gauss_jacobian(&places).min(straight);
-        if jacobian_m3.is_nan() || jacobian_m3 <= 0.0 {
+        let places = places(nodes, ids);
+        let jacobian_m3 = least_jacobian_m3(&places);
+        if jacobian_m3 <= 0.0 {
             let triangle = element / (3 * params.n_layers);
             let corners = skin.triangles()[triangle].map(|v| v as usize);
             let thicker = |a: usize, b: usize| {
@@ -248,4 +274,17 @@ fn check_folds(
         least = least.min(jacobian_m3);
     }
     Ok((volume_m3, least))
+}
+
+fn places(nodes: &[Point3<f64>], ids: &[FeNodeId; 10]) -> [Point3<f64>; 10] {
+    ids.map(|id| nodes[id.index()])
+}
+
+/// The smallest Jacobian determinant at a Gauss point or of the straight tetrahedron; -∞ where it is not
+/// a number.
+fn least_jacobian_m3(places: &[Point3<f64>; 10]) -> f64 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| places[i]);
+    let straight = (b - a).cross(&(c - a)).dot(&(d - a));
+    let least = tet10::min_gauss_jacobian(places).min(straight);
+    if least.is_nan() { f64::NEG_INFINITY } else { least }
 }

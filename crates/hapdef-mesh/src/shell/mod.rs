@@ -1,7 +1,7 @@
 //! Thin walls: from a surface or a closed solid to a shell's mid-surface and thickness, and from a
 //! skin with a thickness to a wall of solid elements.
 
-mod extrude;
+pub(crate) mod extrude;
 mod params;
 mod pieces;
 mod solid;

@@ -33,3 +33,5 @@ mod solid_mesh;
 mod surface_common;
 mod surface_files;
 mod wall;
+#[cfg(feature = "wrap")]
+mod wrap;
