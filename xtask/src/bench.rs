@@ -46,19 +46,25 @@ enum Subject {
     Inverse,
     /// From a frame to its contacts through a pseudo-terminal at 1 kHz, against a bare reader.
     Live,
+    /// The same with a busy loop for each core beside it, with `--realtime` and without, and the memory that
+    /// `--realtime` takes; where SCHED_FIFO is refused, it says so.
+    Realtime,
     /// The live page in a headless Chromium: its main thread's time for a picture, pictures a second.
     View,
 }
 
 /// `cargo xtask bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
-    if args.seconds.is_some() && !matches!(args.what, Subject::Live) {
-        bail!("--seconds is for `bench live`: the others take as long as they need");
+    if args.seconds.is_some() && !matches!(args.what, Subject::Live | Subject::Realtime) {
+        bail!("--seconds is for `bench live` and `realtime`: the others take as long as they need");
     }
     match args.what {
         Subject::Fe => fe(args),
         Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
         Subject::Live => live::bench(args.scene.as_deref(), args.seed, args.seconds, &args.rest),
+        Subject::Realtime => {
+            live::bench_realtime(args.scene.as_deref(), args.seed, args.seconds, &args.rest)
+        }
         Subject::View => browser::bench(args.scene.as_deref(), args.seed, &args.rest),
         Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
     }

@@ -7,16 +7,17 @@ use std::process::ExitCode;
 use hapdef::error_text;
 use hapdef_contact::printable;
 
+use crate::note_line;
+
 /// Exit code for everything that a person can correct.
 const FAILED: u8 = 2;
 
 /// The exit code of a program that ended with `result`; prints the error, if there is one.
-#[expect(clippy::print_stderr, reason = "standard error is where a program says what is wrong")]
 pub fn exit_code(result: Result<(), Box<dyn Error + Send + Sync>>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", error_text(error.as_ref()));
+            note_line(format_args!("error: {}", error_text(error.as_ref())));
             ExitCode::from(FAILED)
         }
     }

@@ -1,6 +1,7 @@
 //! Progress on the terminal: bars with the time left, plain lines where there is no terminal.
 
 use hapdef::{Bar, Display, Progress};
+use hapdef_contact::printable_lines;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// Progress on standard error.
@@ -18,12 +19,11 @@ struct Terminal {
 struct TerminalBar(ProgressBar);
 
 impl Display for Terminal {
-    #[expect(clippy::print_stderr, reason = "standard error is where progress goes")]
     fn say(&self, text: &str) {
         if self.bars.is_hidden() {
-            eprintln!("{text}");
+            crate::note_line(format_args!("{text}"));
         } else {
-            drop(self.bars.println(text));
+            drop(self.bars.println(printable_lines(text)));
         }
     }
 

@@ -17,7 +17,7 @@ mod touch;
 mod uncertainty;
 
 pub use contact::{Contact, DrawnContact};
-pub use printable::printable;
+pub use printable::{printable, printable_lines};
 pub use state::{GaugeHealth, Phase, TouchPhase, UnknownReason, Verdict, WhyNot};
 pub use touch::{Alternative, Quality, Touch};
 pub use uncertainty::Uncertainty;

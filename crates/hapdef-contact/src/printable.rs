@@ -15,6 +15,12 @@ pub fn printable(text: &str) -> String {
     shown
 }
 
+/// The same for a text of several lines, which stay.
+#[must_use]
+pub fn printable_lines(text: &str) -> String {
+    text.split('\n').map(printable).collect::<Vec<_>>().join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -41,6 +47,8 @@ mod tests {
             let ends_a_line = shown.contains(['\u{2028}', '\u{2029}', '\u{200b}', '\u{feff}']);
             prop_assert!(!ends_a_line);
             prop_assert_eq!(&printable(&shown), &shown);
+            let lines = printable_lines(&format!("{text}\n{text}"));
+            prop_assert_eq!(lines.replace('\n', ""), printable(&text.replace('\n', "")).repeat(2));
         }
     }
 }

@@ -3,7 +3,8 @@
 //! A packet arrives some delay after its sample instant, never before. So the least of arrival −
 //! device time over a second is the best point of it (Olson, "A passive solution to the sensor
 //! synchronization problem", IROS 2010); a line through the least of the last 20 seconds follows the
-//! drift of the device's oscillator.
+//! drift of the device's oscillator. Seconds are those of arrivals: what waited while the program was held
+//! up arrives at once and is in one second with what comes after it, so that each second has a fast packet.
 
 use std::collections::VecDeque;
 use std::sync::OnceLock;
@@ -26,9 +27,10 @@ const MAX_SLOPE: f64 = 0.02;
 const LEAP_US: i64 = 100_000;
 /// Packets of one time for so long, and the clock is called stuck: a coarse one has a few of one time.
 const STUCK_US: i64 = 100_000;
-/// A clock is not believed that passes less than a third, or more than three times, of the host's time in two
-/// stretches of this length one after the other: a program that was held up sees a slow one, then a fast one.
-const STRETCH_US: i64 = 500_000;
+/// A clock is not believed that passes less than a third, or more than three times, of the host's time from the
+/// fastest packet of one stretch of arrivals of this length to that of the next, twice in a row. A program that
+/// was held up finds the fastest packet as fast as before.
+const STRETCH_US: i64 = 300_000;
 
 /// What is wrong with a device's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,6 +66,7 @@ pub struct ClockMap {
     /// Least (x, y) of each window: device time and arrival − device time, both from the origin, s.
     minima: VecDeque<[f64; 2]>,
     current: Option<[f64; 2]>,
+    /// Arrival from the origin at which the present window ends, s.
     window_end_s: f64,
     /// `y = line[0] + line[1] x`.
     line: [f64; 2],
@@ -77,12 +80,23 @@ pub struct ClockMap {
 /// What is remembered of the packets before, whether their times are believed or not.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    /// Device time, µs, and arrival, ns, of the last packet, and of the first of the present stretch.
-    last: Option<[(u64, u64); 2]>,
+    /// Device time, µs, and arrival, ns, of the last packet.
+    last: Option<(u64, u64)>,
+    /// The stretch before the present one, and that one.
+    stretches: [Option<Stretch>; 2],
     /// Stretches one after the other that were too slow, as negative, or too fast.
     n_odd: i8,
     /// How long the clock has stood still, µs.
     stuck_us: i64,
+}
+
+/// Packets that arrived in a time of at least [`STRETCH_US`].
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    begin_us: i64,
+    length_us: i64,
+    /// Least arrival − device time, µs.
+    least_us: i64,
 }
 
 impl HostClock for SystemClock {
@@ -190,15 +204,15 @@ impl ClockMap {
         let above = |line: [f64; 2], x: f64, y: f64| y - line[0] - line[1] * x;
         let is_first = self.current.is_none() && self.minima.is_empty();
         if is_first {
-            (self.window_end_s, self.line) = (x + WINDOW_S, [y, 0.0]);
+            (self.window_end_s, self.line) = (x + y + WINDOW_S, [y, 0.0]);
         }
         let height = above(self.line, x, y);
         let known = self.minima.len() > 2;
-        if (known && height < -EARLY_S) || x < self.window_end_s - 2.0 * WINDOW_S {
+        if known && height < -EARLY_S {
             return self.jumped();
         }
-        if x >= self.window_end_s {
-            self.close_window(x);
+        if x + y >= self.window_end_s {
+            self.close_window(x + y);
             if self.n_late >= 2 || self.line[1].abs() > MAX_SLOPE {
                 return self.jumped();
             }
@@ -212,8 +226,8 @@ impl ClockMap {
         }
     }
 
-    fn close_window(&mut self, x: f64) {
-        self.window_end_s = x + WINDOW_S;
+    fn close_window(&mut self, arrival_s: f64) {
+        self.window_end_s = arrival_s + WINDOW_S;
         let Some([x, y]) = self.current.take() else {
             return;
         };
@@ -259,21 +273,11 @@ impl Seen {
         device_us: u64,
         arrival_ns: u64,
     ) -> Option<ClockFault> {
-        let here = (device_us, arrival_ns);
-        let [last, begin] = self.last.replace([here, here])?;
-        let since = |(device, arrival): (u64, u64)| {
-            let passed_us = arrival_ns.wrapping_sub(arrival).cast_signed() / 1000;
-            (device_us.wrapping_sub(device).cast_signed(), passed_us)
-        };
-        let (device, host) = since(begin);
-        if host >= STRETCH_US {
-            let odd = i8::from(device > host.saturating_mul(3)) - i8::from(device < host / 3);
-            let goes_on = self.n_odd.signum() == odd;
-            self.n_odd = if goes_on { self.n_odd.saturating_add(odd) } else { odd };
-        } else {
-            self.last = Some([here, begin]);
-        }
-        let (step, passed) = since(last);
+        let arrival_us = (arrival_ns / 1000).cast_signed();
+        self.weigh(arrival_us, arrival_us.wrapping_sub(device_us.cast_signed()));
+        let (last_device_us, last_ns) = self.last.replace((device_us, arrival_ns))?;
+        let step = device_us.wrapping_sub(last_device_us).cast_signed();
+        let passed = arrival_ns.wrapping_sub(last_ns).cast_signed() / 1000;
         if step == 0 {
             self.stuck_us = self.stuck_us.saturating_add(passed);
             return Some(ClockFault::Stuck);
@@ -285,6 +289,28 @@ impl Seen {
         let leaps = !are_delays_known && step > passed.saturating_add(LEAP_US);
         let is_back = was_stuck || fault == Some(ClockFault::Rate);
         (step < 0 || leaps || is_back).then_some(ClockFault::Jumped)
+    }
+
+    /// Adds a packet to the present stretch, or ends that and compares it with the one before.
+    fn weigh(&mut self, arrival_us: i64, delay_us: i64) {
+        let [before, current] = &mut self.stretches;
+        if let Some(current) = current {
+            current.length_us = arrival_us.wrapping_sub(current.begin_us);
+            if current.length_us < STRETCH_US {
+                current.least_us = current.least_us.min(delay_us);
+                return;
+            }
+            if let Some(before) = before {
+                let rise_us = current.least_us.wrapping_sub(before.least_us);
+                let length_us = current.length_us.max(before.length_us);
+                let odd =
+                    i8::from(rise_us / 2 < -length_us) - i8::from(rise_us / 2 > length_us / 3);
+                let goes_on = self.n_odd.signum() == odd;
+                self.n_odd = if goes_on { self.n_odd.saturating_add(odd) } else { odd };
+            }
+        }
+        *before = *current;
+        *current = Some(Stretch { begin_us: arrival_us, length_us: 0, least_us: delay_us });
     }
 }
 

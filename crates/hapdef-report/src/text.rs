@@ -1,6 +1,6 @@
 //! Tables of short texts, for Markdown and HTML.
 
-use hapdef_contact::printable;
+use hapdef_contact::{printable, printable_lines};
 
 /// Longest number with its unit, characters.
 const MOST_FIGURE: usize = 14;
@@ -97,9 +97,7 @@ pub fn cell_text(value: Option<f64>) -> String {
 /// Text for HTML, in elements and in quoted attributes; ends of lines stay.
 #[must_use]
 pub fn escape_html(text: &str) -> String {
-    let lines: Vec<String> = text.split('\n').map(printable).collect();
-    lines
-        .join("\n")
+    printable_lines(text)
         .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -1,6 +1,6 @@
 //! Plain structs to messages of all topics.
 
-use hapdef_contact::{Touch, UnknownReason};
+use hapdef_contact::{Touch, UnknownReason, printable};
 use serde::Serialize;
 
 use crate::cdr::to_cdr;
@@ -215,13 +215,15 @@ impl<S: MessageSink> RosEncoder<S> {
 }
 
 fn status(part: &Health) -> DiagnosticStatus {
-    let values =
-        part.values.iter().map(|(key, value)| KeyValue { key: key.clone(), value: value.clone() });
+    let values = part
+        .values
+        .iter()
+        .map(|(key, value)| KeyValue { key: printable(key), value: printable(value) });
     DiagnosticStatus {
         level: part.level as u8,
-        name: part.name.clone(),
-        message: part.message.clone(),
-        hardware_id: part.hardware_id.clone(),
+        name: printable(&part.name),
+        message: printable(&part.message),
+        hardware_id: printable(&part.hardware_id),
         values: values.collect(),
     }
 }

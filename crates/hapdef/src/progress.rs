@@ -76,7 +76,7 @@ impl TrainingBar {
 impl Display for Lines {
     #[expect(clippy::print_stderr, reason = "standard error is where progress goes")]
     fn say(&self, text: &str) {
-        eprintln!("{text}");
+        eprintln!("{}", hapdef_contact::printable_lines(text));
     }
 
     fn bar(&self, _: &str, _: u64) -> Option<Box<dyn Bar>> {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{BundleRequest, make_bundle};
-use hapdef_cli::{SceneArgs, shown};
+use hapdef_cli::{SceneArgs, print_json, shown};
 use hapdef_live::Bundle;
 use hapdef_mesh::atomic_write;
 use serde_json::json;
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &BundleArgs) -> Result<()> {
     atomic_write(&args.bundle, |file| file.write_all(&bytes))
         .with_context(|| format!("writing {}", shown(&args.bundle)))?;
     if args.json {
-        println!("{}", as_json(&bundle, bytes.len()));
+        print_json(&as_json(&bundle, bytes.len()), false)?;
     } else {
         println!(
             "{}: {} gauges, {} skin nodes, {:.1} MB{}{}{}",

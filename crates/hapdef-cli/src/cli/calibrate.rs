@@ -8,7 +8,7 @@ use clap::Args;
 use hapdef::scene::GaugeEntry;
 use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
 use hapdef::{Limb, Run, live_limb};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, print_json, shown};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
 use hapdef_rig::{Electronics, ElectronicsParams};
 use nalgebra::Point3;
@@ -78,9 +78,8 @@ pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
         let words: Vec<String> = numbers.map(|v| v.to_string()).collect();
         writeln!(text, "{}", words.join(","))?;
     }
-    std::fs::write(&args.table, text)
-        .with_context(|| format!("writing {}", args.table.display()))?;
-    println!("{} simulated presses: {}", args.presses, args.table.display());
+    std::fs::write(&args.table, text).with_context(|| format!("writing {}", shown(&args.table)))?;
+    println!("{} simulated presses: {}", args.presses, shown(&args.table));
     Ok(())
 }
 
@@ -94,7 +93,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
     };
     calibration.write(&args.calibration)?;
     if args.json {
-        println!("{}", as_json(&calibration, &info));
+        print_json(&as_json(&calibration, &info), false)?;
     } else {
         print(&calibration, &info, &args.calibration);
     }
@@ -129,7 +128,7 @@ fn read_presses(args: &CalibrateArgs, skin: &Skin, gauges: &[GaugeEntry]) -> Res
         let position = Point3::new(place[0], place[1], place[2]);
         let off_m = args.off_skin_mm * 1e-3;
         Press::at_position(skin, &position, off_m, place[3], readings.to_vec())
-            .with_context(|| format!("{}: line {}", args.table.display(), row.line))
+            .with_context(|| format!("{}: line {}", shown(&args.table), row.line))
     };
     rows.iter().map(press).collect()
 }
@@ -169,7 +168,7 @@ fn print(calibration: &Calibration, info: &CalibrationInfo, path: &Path) {
         let [x, y, z] = (next.position_m.coords * 1e3).into();
         println!("  ({x:.1}, {y:.1}, {z:.1}): ±{:.1} %", next.relative_sd * 100.0);
     }
-    println!("\n{}", path.display());
+    println!("\n{}", shown(path));
 }
 
 fn as_json(calibration: &Calibration, info: &CalibrationInfo) -> serde_json::Value {

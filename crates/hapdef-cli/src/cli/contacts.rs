@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use hapdef::Limb;
 use hapdef::touch::{Touch, touch_estimator};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, shown};
 use serde_json::{Value, json};
 
 use super::table::read_table;
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &ContactsArgs) -> Result<()> {
     for (i, frame) in frames.iter().enumerate() {
         estimator
             .estimate(&frame.values, &mut touch)
-            .with_context(|| format!("{}: frame {}", args.readings.display(), i + 1))?;
+            .with_context(|| format!("{}: frame {}", shown(&args.readings), i + 1))?;
         if args.json {
             writeln!(out, "{}", as_json(i, &touch))?;
         } else {

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::convergence::{Convergence, ConvergenceParams, Quantity, QuantityEstimate};
 use hapdef::{Limb, stages};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, print_json};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  hapdef converge fixtures/shin/scene.json")]
@@ -33,7 +33,7 @@ pub(crate) fn converge(args: &ConvergeArgs) -> Result<()> {
     };
     let (_, study) = stages::mesh_check(&run, &limb, &params)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&study)?);
+        print_json(&study, true)?;
     } else {
         show(&study);
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef_cli::shown;
+use hapdef_cli::{JsonLines, shown};
 use hapdef_daq::record::{DamageInfo, Recording, export_csv, export_json_lines};
 
 use super::files::new_file;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<()> {
     let (n, what) = if args.form.csv {
         (export_csv(&mut recording, &mut buffered)?, "readings")
     } else {
-        (export_json_lines(&mut recording, &mut buffered)?, "records")
+        (export_json_lines(&mut recording, &mut JsonLines(&mut buffered))?, "records")
     };
     buffered.flush()?;
     eprintln!("{}: {n} {what}", shown(&args.file));

@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use hapdef_cli::shown;
 
 /// A new file for what `option` names; a pipe or a device may be there already.
 pub(super) fn new_file(path: &Path, option: &str) -> Result<File> {
@@ -12,8 +13,8 @@ pub(super) fn new_file(path: &Path, option: &str) -> Result<File> {
     let is_no_file = std::fs::metadata(path).is_ok_and(|data| !data.is_file());
     match options.write(true).create_new(!is_no_file).open(path) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            bail!("{option}: {} is there already; choose another name or remove it", path.display())
+            bail!("{option}: {} is there already; choose another name or remove it", shown(path))
         }
-        opened => opened.with_context(|| format!("{option}: writing {}", path.display())),
+        opened => opened.with_context(|| format!("{option}: writing {}", shown(path))),
     }
 }

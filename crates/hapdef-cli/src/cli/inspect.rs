@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
+use hapdef_cli::{print_json, shown};
+use hapdef_contact::printable;
 use hapdef_mesh::{
     DeckParams, DeckReading, GltfParams, LengthUnit, MeshError, QualityReport, SolidDeck, WeldInfo,
     read_deck, read_deck_with, read_surface,
@@ -47,7 +49,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
         other => bail!(
             "{}: expected .glb, .gltf, .stl, .obj, .dae, .inp, .dat, .cdb or .msh (the last four also with .gz), found \
              {other:?}; convert the file first",
-            file.display()
+            shown(file)
         ),
     }
 }
@@ -64,10 +66,10 @@ fn inspect_surface(args: &InspectArgs) -> Result<()> {
     let (mesh, n_turned) = if args.orient { mesh.oriented() } else { (mesh, 0) };
     let report = QualityReport::of(&mesh);
     if args.json {
-        println!("{}", surface_json(&report, &weld, surface.parts.len(), n_turned));
-        return Ok(());
+        let json = surface_json(&report, &weld, surface.parts.len(), n_turned);
+        return Ok(print_json(&json, false)?);
     }
-    println!("{}\n{report}", args.file.display());
+    println!("{}\n{report}", shown(&args.file));
     println!(
         "welded at {:.1} µm: {} vertices joined, {} triangles collapsed, {} had a corner twice",
         args.weld_m * 1e6,
@@ -130,21 +132,18 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
     let sets: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
     let material = deck.material.as_ref().map(|m| (m.youngs_modulus_pa, m.poissons_ratio));
     if json {
-        println!(
-            "{}",
-            serde_json::json!({
-                "n_fe_nodes": deck.mesh.nodes().len(),
-                "n_elements": deck.mesh.elements().len(),
-                "n_bodies": bodies.len(),
-                "n_boundary_faces": boundary.faces.len(),
-                "n_fixed_nodes": deck.fixed_nodes.len(),
-                "node_sets": sets,
-                "notes": deck.notes,
-            })
-        );
-        return Ok(());
+        let json = serde_json::json!({
+            "n_fe_nodes": deck.mesh.nodes().len(),
+            "n_elements": deck.mesh.elements().len(),
+            "n_bodies": bodies.len(),
+            "n_boundary_faces": boundary.faces.len(),
+            "n_fixed_nodes": deck.fixed_nodes.len(),
+            "node_sets": sets,
+            "notes": deck.notes,
+        });
+        return Ok(print_json(&json, false)?);
     }
-    println!("{}", file.display());
+    println!("{}", shown(file));
     println!("FE nodes        {}", deck.mesh.nodes().len());
     println!("elements        {} ten-node tetrahedra", deck.mesh.elements().len());
     println!("bodies          {}", bodies.len());
@@ -160,11 +159,11 @@ fn inspect_deck(file: &Path, json: bool) -> Result<()> {
     println!("fixed nodes     {}", deck.fixed_nodes.len());
     println!("nodal forces    {}", deck.nodal_forces.len());
     println!("loaded faces    {}", deck.face_tractions.len());
-    println!("node sets       {}", sets.join(", "));
+    println!("node sets       {}", printable(&sets.join(", ")));
     match material {
         Some((e, nu)) => println!("material        E = {e:.4e}, ν = {nu}"),
         None => println!("material        none: the scene must name one"),
     }
-    deck.notes.iter().for_each(|note| println!("note: {note}"));
+    deck.notes.iter().for_each(|note| println!("note: {}", printable(note)));
     Ok(())
 }

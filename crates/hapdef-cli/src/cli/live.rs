@@ -1,7 +1,7 @@
 //! `hapdef live`: contacts from a stream of frames.
 
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal, Write, stdout};
+use std::io::{BufWriter, IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,7 +16,8 @@ use hapdef::touch::{
     EstimatorKind, SearchPlace, TouchEstimator, calibration_in_use, live_estimator,
 };
 use hapdef::{Limb, Run, SOURCE_FORMS, SourceArg};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{JsonLines, SceneArgs, shown};
+use hapdef_contact::printable;
 use hapdef_daq::record::{Player, PlayerControl};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::sinks::{CsvSink, JsonServer, JsonSink, TextSink};
@@ -149,7 +150,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     drop(page_session);
     let health = live.stop()?;
     if let Some(recorded) = recorder.map_or(Ok(None), |recorder| recorder.finish())? {
-        eprintln!("{recorded}");
+        eprintln!("{}", printable(&recorded.to_string()));
     }
     report(&health)
 }
@@ -335,7 +336,7 @@ fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> 
             check_reach("--serve", address, IS_READ, args.insecure_bind)?;
         }
         let server = JsonServer::bind(address)?;
-        writeln!(std::io::stderr(), "JSON lines at {}", server.address())?;
+        eprintln!("JSON lines at {}", server.address());
         builder = builder.sink(server);
     }
     if let Some(path) = &args.csv {
@@ -343,7 +344,7 @@ fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> 
         builder = builder.sink(CsvSink::new(BufWriter::new(file)));
     }
     Ok(if args.json {
-        builder.sink(JsonSink::new(BufWriter::new(stdout())))
+        builder.sink(JsonSink::new(JsonLines(BufWriter::new(stdout()))))
     } else if stdout().is_terminal() {
         builder.sink(TextSink::refreshed(stdout()))
     } else {
@@ -354,7 +355,7 @@ fn with_sinks(mut builder: LiveBuilder, args: &LiveArgs) -> Result<LiveBuilder> 
 /// A bundle begins with the length of a header and `{`; a scene is text.
 pub(super) fn is_bundle(path: &Path) -> Result<bool> {
     use std::io::Read;
-    let shown = || path.display().to_string();
+    let shown = || shown(path);
     let mut begin = [0; 9];
     let mut file = File::open(path).with_context(|| format!("{}: check the path", shown()))?;
     let n = file.read(&mut begin).with_context(shown)?;

@@ -1,6 +1,5 @@
 //! When `hapdef live` ends, and what it says then.
 
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -34,7 +33,7 @@ pub(super) fn wait(
     while !live.has_ended() && !stop.load(Ordering::Relaxed) && !is_over() && !is_in_vain() {
         if let Some(LiveRecorderState::Failed { why }) = recorder.map(LiveRecorder::state) {
             // Nobody may read it any more: what becomes of the recording is said in the end, too.
-            let _ = writeln!(std::io::stderr(), "the recording stopped: {}", printable(&why));
+            eprintln!("the recording stopped: {}", printable(&why));
             recorder = None;
         }
         std::thread::sleep(LOOK);
@@ -52,10 +51,8 @@ fn other_device(health: &Health) -> Option<String> {
 
 /// The last line, and whether there were frames, and frames that could be used.
 pub(super) fn report(health: &Health) -> Result<()> {
-    let mut err = std::io::stderr().lock();
     let total = &health.total;
-    writeln!(
-        err,
+    eprintln!(
         "{} frames, {} lost, {} dropped, {} late, {} refused; compute p50 {:.0} µs, p99 {:.0} µs, \
          longest {:.0} µs",
         health.n_frames,
@@ -66,9 +63,9 @@ pub(super) fn report(health: &Health) -> Result<()> {
         total.compute.p50_us,
         total.compute.p99_us,
         total.compute.max_us,
-    )?;
+    );
     if let Some(refusal) = &health.last_refusal {
-        writeln!(err, "the estimator refused frames: {}", printable(refusal))?;
+        eprintln!("the estimator refused frames: {}", printable(refusal));
     }
     let name = &health.source_name;
     if let Some(fault) = &health.reader_fault {
@@ -83,7 +80,7 @@ pub(super) fn report(health: &Health) -> Result<()> {
         bail!("{name}: not one reading came{link}");
     }
     if let Some(state @ LinkState::Damaged { .. }) = &health.link {
-        writeln!(err, "{}", printable(&format!("{name}: {state}")))?;
+        eprintln!("{}", printable(&format!("{name}: {state}")));
     }
     Ok(())
 }

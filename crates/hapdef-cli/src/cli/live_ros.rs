@@ -5,6 +5,7 @@ use std::sync::mpsc::Receiver;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use hapdef_cli::shown;
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::source::FrameSource;
 use hapdef_live::{
@@ -130,13 +131,13 @@ impl RosArgs {
             return Ok(in_use.map(String::into_bytes));
         };
         let json = std::fs::read(path);
-        json.map(Some).with_context(|| format!("{}: reading", path.display()))
+        json.map(Some).with_context(|| format!("{}: reading", shown(path)))
     }
 }
 
 fn is_new(path: &Path) -> Result<()> {
     if path.exists() {
-        bail!("--record: {} is there already; choose another name", path.display());
+        bail!("--record: {} is there already; choose another name", shown(path));
     }
     Ok(())
 }

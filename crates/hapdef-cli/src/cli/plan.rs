@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
 use hapdef::plan::{MeasuredStep, Plan, PlanStep, Rates, StepState, When, plan};
-use hapdef_cli::SceneArgs;
+use hapdef_cli::{SceneArgs, print_json};
 use hapdef_report::{MetricContext, MetricLog};
 
 #[derive(Args)]
@@ -37,7 +37,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
         plan = plan.with_calibration(&run, &limb, &rates, n_presses)?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&plan)?);
+        print_json(&plan, true)?;
     } else {
         print(&plan);
     }

@@ -1,11 +1,10 @@
 //! `hapdef recover`: a whole file from a damaged or unfinished one.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
-use hapdef_cli::shown;
+use hapdef_cli::{check_printed, print_json, shown};
 use hapdef_daq::DaqError;
 use hapdef_daq::record::{RecoverInfo, recover};
 use serde_json::{Value, json};
@@ -44,7 +43,7 @@ pub(crate) fn run(args: &RecoverArgs) -> Result<()> {
         }
         Err(error) => return Err(error.into()),
     };
-    std::io::stdout().flush()?;
+    check_printed()?;
     match code {
         0 => Ok(()),
         code => std::process::exit(code.into()),
@@ -59,12 +58,10 @@ fn beside(file: &Path) -> PathBuf {
 }
 
 fn report(args: &RecoverArgs, out: &Path, info: &RecoverInfo) -> Result<()> {
-    let mut stdout = std::io::stdout().lock();
     if args.json {
-        writeln!(stdout, "{}", as_json(out, info))?;
-    } else {
-        writeln!(stdout, "{}: {info}", shown(out))?;
+        return Ok(print_json(&as_json(out, info), false)?);
     }
+    println!("{}: {info}", shown(out));
     Ok(())
 }
 

@@ -11,7 +11,7 @@ use hapdef::shell_limb::{
     ShellLimb, ShellLimbParams, WallChoice, shell_limb, write_measured_wall,
 };
 use hapdef::{HapdefError, Limb};
-use hapdef_cli::shown;
+use hapdef_cli::{print_json, shown};
 use hapdef_mesh::{
     BodyChoice, CleanParams, GltfParams, LengthUnit, SkinSide, SurfaceMesh, UnitGuess, read_surface,
 };
@@ -152,8 +152,7 @@ pub(crate) fn shell(args: &ShellArgs) -> Result<()> {
         limb.write_report(&out, &source(args)?, comparisons)?;
     }
     if args.json {
-        let report = limb.report(comparisons);
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        print_json(&limb.report(comparisons), true)?;
     } else {
         println!("{}", shown(&args.file));
         show(&limb, comparisons);

@@ -1,13 +1,12 @@
 //! `hapdef check|simulate|dataset|train|eval`: the pipeline up to a stage.
 
-use std::io::Write;
-
 use anyhow::Result;
 use hapdef::plan::{Rates, pipeline_parts_s};
 use hapdef::stages::check_rig_mesh;
 use hapdef::touch::calibration_in_use;
-use hapdef::{DrawnSkin, Limb, Pipeline, Stage, Until};
-use hapdef_cli::SceneArgs;
+use hapdef::{DrawnSkin, Limb, Pipeline, Run, Stage, Until};
+use hapdef_cli::{SceneArgs, print_json};
+use hapdef_contact::printable;
 
 /// Reads the scene and its limb and says what is there.
 pub(crate) fn check(args: &SceneArgs) -> Result<()> {
@@ -22,24 +21,32 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
         limb.clamped.len(),
         limb.gauges.len(),
     );
-    limb.deck_notes.iter().for_each(|note| println!("deck: {note}"));
+    limb.deck_notes.iter().for_each(|note| println!("deck: {}", printable(note)));
     limb.check_held()?;
-    if let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, &limb)? {
-        let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());
-        println!("drawn skin: {n} vertices, {n_beside} of them beside the touchable skin");
-        let (gap_m, at) = drawn.farthest(&limb)?;
-        let [x, y, z] = (at.coords * 1e3).into();
-        let gap_mm = gap_m * 1e3;
-        println!(
-            "the touchable skin is at most {gap_mm:.1} mm off the drawn one, at ({x:.0}, {y:.0}, {z:.0}) mm"
-        );
-    }
+    say_what_is_drawn(&run, &limb)?;
     if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
         println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");
     }
     if calibration_in_use(&run, &limb)?.is_some() {
         println!("calibration: of this limb and its gauges");
     }
+    Ok(())
+}
+
+/// How far what the page draws is off what can be touched.
+fn say_what_is_drawn(run: &Run, limb: &Limb) -> Result<()> {
+    let Some(drawn) = DrawnSkin::load(&run.scene, &run.scene_dir, limb)? else {
+        println!("drawn skin: the deck's, of which the touchable skin is a part");
+        return Ok(());
+    };
+    let (n, n_beside) = (drawn.vertices_m.len(), drawn.moves_with.len());
+    println!("drawn skin: {n} vertices, {n_beside} of them beside the touchable skin");
+    let (gap_m, at) = drawn.farthest(limb)?;
+    let [x, y, z] = (at.coords * 1e3).into();
+    println!(
+        "the touchable skin is at most {:.1} mm off the drawn one, at ({x:.0}, {y:.0}, {z:.0}) mm",
+        gap_m * 1e3
+    );
     Ok(())
 }
 
@@ -57,16 +64,14 @@ pub(crate) fn run_until(args: &SceneArgs, until: Until, json: bool) -> Result<()
 }
 
 fn show(stage: &Stage, json: bool) -> Result<()> {
-    let mut out = std::io::stdout().lock();
     if json {
-        writeln!(out, "{}", serde_json::to_string(&stage.record)?)?;
-        return Ok(());
+        return Ok(print_json(&stage.record, false)?);
     }
     let origin = if stage.cached { "cached" } else { "new" };
-    writeln!(out, "{:10} {origin:6} {:8.1} s", stage.record.stage, stage.record.elapsed_s)?;
+    println!("{:10} {origin:6} {:8.1} s", stage.record.stage, stage.record.elapsed_s);
     for (name, value) in stage.record.info.as_object().into_iter().flatten() {
         if !value.is_object() {
-            writeln!(out, "    {name}: {value}")?;
+            println!("    {name}: {value}");
         }
     }
     Ok(())

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use hapdef_cli::shown;
 
 /// A row and where it stands.
 #[derive(Debug, PartialEq)]
@@ -24,9 +25,9 @@ pub(super) struct Row {
 /// # Errors
 /// A table without rows, a column that is not there, or what is no finite number, with its line.
 pub(super) fn read_table(path: &Path, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {
-    let file = path.display();
+    let file = shown(path);
     let bytes = std::fs::read(path).with_context(|| format!("{file}: reading"))?;
-    rows(&String::from_utf8_lossy(&bytes), leading, gauges).with_context(|| format!("{file}"))
+    rows(&String::from_utf8_lossy(&bytes), leading, gauges).context(file)
 }
 
 fn rows(text: &str, leading: &[&str], gauges: &[&str]) -> Result<Vec<Row>> {

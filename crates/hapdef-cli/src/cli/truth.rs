@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::Receiver;
 
 use anyhow::{Context, Result, bail, ensure};
+use hapdef_cli::shown;
 use hapdef_live::Touch;
 use hapdef_rig::live::{TrueContact, TruthFrame};
 
@@ -51,7 +52,7 @@ impl Truth {
             ErrorKind::NotFound => File::open(partial),
             _ => Err(error),
         });
-        let file = file.with_context(|| format!("{}: reading", path.display()))?;
+        let file = file.with_context(|| format!("{}: reading", shown(path)))?;
         Ok(Self::new(Lines::File {
             path: path.to_owned(),
             lines: BufReader::with_capacity(1 << 16, file),
@@ -132,13 +133,13 @@ impl Lines {
             .by_ref()
             .take(room)
             .read_line(partial)
-            .with_context(|| format!("{}: reading", path.display()))?;
+            .with_context(|| format!("{}: reading", shown(&*path)))?;
         if !partial.ends_with('\n') {
             ensure!(
                 partial.len() < MAX_LINE_LEN,
                 "{}: expected lines of a rig's ground truth, found {MAX_LINE_LEN} bytes without an end \
                  of a line: name the file that hapdef rig --truth writes",
-                path.display()
+                shown(&*path)
             );
             return Ok(None);
         }
@@ -146,7 +147,7 @@ impl Lines {
             bail!(
                 "{}: expected a line of a rig's ground truth with boot_id, seq and contacts, found \
                  {:.60}",
-                path.display(),
+                shown(&*path),
                 partial.trim_end()
             );
         };

@@ -8,6 +8,8 @@ use std::process::{Command, Output};
 use hapdef_mesh::{SurfaceMesh, write_glb};
 use serde_json::{Value, json};
 
+use crate::support::page::scene_with_gltf;
+
 fn shin() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
 }
@@ -329,6 +331,26 @@ fn a_drawn_skin_that_is_missing_or_elsewhere() {
     write_glb(&folder.path().join("skin.glb"), &surface, None).unwrap();
     let expected = ["geometry.skin_gltf", "skin.glb", "in the deck's frame"];
     refused_by("check", folder.path(), &expected);
+}
+
+/// The bundled skin is drawn from y = 46 mm to 156 mm, and touched from 40 to 162.
+#[test]
+fn how_far_the_touchable_skin_is_off_the_drawn_one_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |scene: &Path| {
+        let output = hapdef(&["check", scene.to_str().unwrap()], folder.path());
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let own = said(&shin().join("demo.json"));
+    assert!(own.contains("drawn skin: the deck's, of which the touchable skin is a part"), "{own}");
+    let shorter = said(&scene_with_gltf(folder.path()));
+    let words = shorter.split_once("the touchable skin is at most ").expect(&shorter).1;
+    let (gap_mm, rest) = words.split_once(" mm off the drawn one, at (").expect(&shorter);
+    let gap_mm: f64 = gap_mm.parse().unwrap();
+    let y_mm: f64 = rest.split(", ").nth(1).unwrap().parse().unwrap();
+    assert!((4.0..8.0).contains(&gap_mm), "{shorter}");
+    assert!(!(46.0..=156.0).contains(&y_mm), "{shorter}");
 }
 
 /// A deck of another limb: what the scene names is not on it.

@@ -14,6 +14,7 @@ mod live_browser;
 mod live_device;
 mod live_page;
 mod person;
+mod printed;
 mod recording_commands;
 mod shell_limb_command;
 #[path = "../../../hapdef/tests/it/shell_limb_common/mod.rs"]

@@ -29,7 +29,7 @@ fn text(path: &Path) -> &str {
 
 /// A device of four channels at 1 kHz in two scans a packet: one moves, one is dead, one is at the
 /// end of its range, one has a tooth; packets 100 to 104 are lost.
-fn made(folder: &Path, n: u32) -> PathBuf {
+pub(crate) fn made(folder: &Path, n: u32) -> PathBuf {
     let mut hello = Hello::plain(4, SampleFormat::I16, 1000);
     hello.n_scans = 2;
     hello.seal();

@@ -1,7 +1,8 @@
 //! From a frame's first byte to its contacts, against a reader that does nothing else: 64 × i32 at
-//! 1 kHz by a pseudo-terminal, in turns within one run.
+//! 1 kHz by a pseudo-terminal, in turns within one run. With `--busy`: with a busy loop for each core
+//! beside it, with real-time priority and without.
 //!
-//! `cargo xtask bench live` makes the bundle, runs this and keeps its figures.
+//! `cargo xtask bench live` and `bench realtime` make the bundle, run this and keep its figures.
 
 #![expect(
     clippy::print_stdout,
@@ -12,6 +13,7 @@
 mod device;
 #[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
+mod realtime;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +28,7 @@ use hapdef_live::{Bundle, Delivery, FnSink, Health, Live, LiveParams, Wants};
 
 use crate::device::{SENT_NS, pty, readings};
 
-const USAGE: &str = "latency BUNDLE [--seconds N] [--seed N] [--metrics FILE]";
+const USAGE: &str = "latency BUNDLE [--busy] [--seconds N] [--seed N] [--metrics FILE]";
 
 /// Time at the start of a turn that is not counted, with the tare.
 const WARM: Duration = Duration::from_secs(1);
@@ -42,17 +44,21 @@ struct Plan {
     turn: Duration,
     seed: u64,
     metrics: Option<PathBuf>,
+    is_busy: bool,
 }
 
 fn main() {
     let plan = plan();
     let bundle = Bundle::read(&plan.bundle).unwrap();
     let counts = Arc::new(readings(&bundle, plan.seed));
+    if plan.is_busy {
+        return realtime::measure(&plan, &bundle, &counts);
+    }
     let (mut bare_us, mut live_us) = (Vec::new(), Vec::new());
     for _ in 0..plan.n_rounds {
-        bare_us.extend(turn(&bundle, &counts, |path| bare(path, plan.turn)));
-        live_us.extend(turn(&bundle, &counts, |path| {
-            let (times, health) = live(&bundle, path, plan.turn);
+        bare_us.extend(turn(&bundle, &counts, None, |path| bare(path, plan.turn)));
+        live_us.extend(turn(&bundle, &counts, None, |path| {
+            let (times, health) = live(&bundle, path, plan.turn, Delivery::Queue(1024), None);
             println!("  {health}");
             times
         }));
@@ -98,20 +104,25 @@ fn plan() -> Plan {
         turn,
         seed: number("--seed", 1),
         metrics: value("--metrics").map(PathBuf::from),
+        is_busy: words.iter().any(|word| word == "--busy"),
     }
 }
 
-/// A device plays on a pseudo-terminal while `read` reads it.
-fn turn(
+/// A device plays on a pseudo-terminal, at a real-time priority if one is given, while `read` reads it.
+fn turn<T>(
     bundle: &Bundle,
     counts: &Arc<Vec<Vec<i32>>>,
-    read: impl FnOnce(&str) -> Vec<u64>,
-) -> Vec<u64> {
+    priority: Option<u8>,
+    read: impl FnOnce(&str) -> T,
+) -> T {
     let (master, path) = pty();
     let stop = Arc::new(AtomicBool::new(false));
     let (theirs, counts) = (Arc::clone(&stop), Arc::clone(counts));
     let hello = device::hello(bundle);
-    let device = std::thread::spawn(move || device::play(&master, &hello, &counts, &theirs));
+    let device = std::thread::spawn(move || {
+        let _ = priority.map(hapdef_daq::enter_realtime);
+        device::play(&master, &hello, &counts, &theirs);
+    });
     let times = read(&path);
     stop.store(true, Ordering::Release);
     device.join().unwrap();
@@ -145,8 +156,14 @@ fn bare(path: &str, turn: Duration) -> Vec<u64> {
     times
 }
 
-/// Reads, tares, follows contacts and hands them to a sink on its own thread.
-fn live(bundle: &Bundle, path: &str, turn: Duration) -> (Vec<u64>, Health) {
+/// Reads, tares, follows contacts and hands them to a sink, on its own thread or directly.
+fn live(
+    bundle: &Bundle,
+    path: &str,
+    turn: Duration,
+    delivery: Delivery,
+    realtime_priority: Option<u8>,
+) -> (Vec<u64>, Health) {
     let times = Arc::new(Mutex::new(Vec::with_capacity(1 << 16)));
     let (to, start) = (Arc::clone(&times), Instant::now());
     let sink = FnSink::new("robot", Wants::ALL, move |frame| {
@@ -157,9 +174,9 @@ fn live(bundle: &Bundle, path: &str, turn: Duration) -> (Vec<u64>, Health) {
     let link = SerialLink::new(path, SerialParams::default());
     let live = Live::builder(StreamSource::new(link, StreamParams::default()))
         .bundle(bundle)
-        .params(LiveParams { tare_s: 0.2, ..LiveParams::default() })
+        .params(LiveParams { tare_s: 0.2, realtime_priority, ..LiveParams::default() })
         .estimator(bundle.tracking(SearchPlace::Background).unwrap())
-        .sink(sink.with_delivery(Delivery::Queue(1024)))
+        .sink(sink.with_delivery(delivery))
         .start()
         .unwrap();
     std::thread::sleep(turn);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use hapdef_contact::GaugeHealth;
+use hapdef_contact::{GaugeHealth, TouchPhase, UnknownReason};
 use hapdef_view::{Displacement, ReplayPosition, ViewCommand, ViewFrame, ViewParams};
 use look::{Look, Served, look};
 use page::params;
@@ -121,6 +121,37 @@ fn a_light_page_marks_what_is_dead_saturated_and_doubtful() {
         assert_eq!(pixel[3], 255);
     }
     assert_eq!(look.chrome.complaints().unwrap(), Vec::<String>::new());
+}
+
+/// Whether the limb is hatched all over, by what is painted above it.
+const HATCHED: &str = "(() => {
+    const above = getComputedStyle(document.getElementById('stage'), '::after');
+    return above.content !== 'none' && above.backgroundImage.startsWith('repeating-linear-gradient')
+        && above.inset === '0px'; })()";
+
+/// A second of good frames in turn with one that no believed contact explains.
+#[test]
+fn readings_that_nothing_explains_look_bad() {
+    let is_bad = |n: u32| n / 100 % 2 == 1;
+    let make = move |n: u32| {
+        let mut frame = touched(n, 1.0, 5.0);
+        if is_bad(n) {
+            frame.phase = TouchPhase::Unknown(UnknownReason::Misfit);
+            frame.is_stale = true;
+        }
+        frame
+    };
+    let Some(mut look) = look((1200, 800), true, "", make) else {
+        return;
+    };
+    let said = "document.getElementById('unknown').textContent";
+    let opacity = "Number(getComputedStyle(document.getElementById('contacts')).opacity)";
+    let good = format!("!{HATCHED} && {said} === '' && {opacity} === 1");
+    let bad = format!("{HATCHED} && {said} === 'Readings not explained' && {opacity} < 1");
+    for _ in 0..2 {
+        look.until(&good);
+        look.until(&bad);
+    }
 }
 
 #[test]

@@ -9,7 +9,6 @@ mod ports;
 mod press;
 mod seen;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -17,6 +16,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::scene::read_scene;
 use hapdef::{SOURCE_FORMS, SourceArg};
+use hapdef_cli::print_json;
 use serde_json::Value;
 
 use self::check::{Check, State};
@@ -100,15 +100,10 @@ fn scene(args: &DoctorArgs) -> Result<(Vec<Check>, Option<Vec<String>>)> {
 }
 
 fn print(args: &DoctorArgs, checks: &[Check]) -> Result<()> {
-    let mut out = std::io::stdout().lock();
     if args.json {
         let all = Value::Array(checks.iter().map(Check::as_json).collect());
-        writeln!(out, "{all}")?;
-    } else {
-        for check in checks {
-            writeln!(out, "{check}")?;
-        }
+        return Ok(print_json(&all, false)?);
     }
-    out.flush()?;
+    checks.iter().for_each(|check| println!("{check}"));
     Ok(())
 }

@@ -76,7 +76,7 @@ impl Drop for FirstPaint {
         for step in self.steps.iter().filter(|step| !step.is_told) {
             let reported = self.params.tell(|log| Ok(log.skipped(step.name, step.what)?));
             if let Err(error) = reported {
-                let _ = writeln!(std::io::stderr(), "{}: {error:#}", step.name);
+                eprintln!("{}: {error:#}", step.name);
             }
         }
     }

@@ -10,7 +10,6 @@ mod sink;
 mod snapshots;
 mod virtual_press;
 
-use std::io::Write;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -179,7 +178,7 @@ impl View {
         let device = DeviceState { is_simulated: origin == Origin::Sim, fault: None };
         handle.set_device(&device);
         lock(&shared.newest).device = device;
-        writeln!(std::io::stderr(), "live page: {}", handle.url())?;
+        eprintln!("live page: {}", handle.url());
         let open = |program: &PathBuf| -> Result<PageOpener> {
             let opener = PageOpener::new(&folder, handle.url())?;
             opener.open_with(program)?;

@@ -1,6 +1,5 @@
 //! Who sits at the page: shows what is newest, does what people ask for.
 
-use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use hapdef_cli::shown;
+use hapdef_contact::printable;
 use hapdef_daq::record::PlayerControl;
 use hapdef_live::{LiveControl, LiveFrame};
 use hapdef_view::{ViewCommand, ViewHandle};
@@ -184,7 +184,7 @@ impl Attendant {
     /// Tells the page and the terminal; lost where nobody reads it any more.
     fn say(&self, text: &str) {
         self.handle.say(text);
-        let _ = writeln!(std::io::stderr(), "{text}");
+        eprintln!("{}", printable(text));
     }
 
     fn obey(&mut self, command: ViewCommand) {

@@ -168,3 +168,33 @@ fn view_from(normals: &[Vector3<f64>], axis: &Vector3<f64>) -> Option<[f64; 3]> 
     let (sin, cos) = 40_f64.to_radians().sin_cos();
     Some((facing * cos + side.try_normalize(0.0).unwrap_or_default() * sin).into())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use hapdef::scene::read_scene;
+
+    use super::*;
+
+    /// A contact anywhere on the skin is on what the demo draws: it neither floats nor is inside.
+    #[test]
+    fn the_demo_draws_what_can_be_touched() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin");
+        let scene = read_scene(&folder.join("demo.json")).unwrap();
+        let limb = Limb::load(&scene, &folder).unwrap();
+        assert!(DrawnSkin::load(&scene, &folder, &limb).unwrap().is_none());
+        let picture = boundary(&limb);
+        let touchable = limb.surface_points();
+        let as_drawn = |p: &Point3<f64>| <[f32; 3]>::from(p.coords.map(|c| c as f32));
+        let expected: Vec<[f32; 3]> = touchable.iter().map(as_drawn).collect();
+        assert_eq!(picture.vertices_m[..touchable.len()], expected);
+        let mut is_drawn = vec![false; touchable.len()];
+        for node in picture.triangles.as_flattened() {
+            if let Some(drawn) = is_drawn.get_mut(*node as usize) {
+                *drawn = true;
+            }
+        }
+        assert!(is_drawn.iter().all(|drawn| *drawn));
+    }
+}

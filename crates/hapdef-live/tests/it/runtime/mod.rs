@@ -1,6 +1,7 @@
 //! The runtime over sources in memory: what it computes, what it loses, how it ends.
 
 mod converter;
+mod late;
 use crate::support::endless;
 mod stand_ins;
 use crate::support;
