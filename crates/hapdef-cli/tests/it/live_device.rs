@@ -2,10 +2,10 @@
 
 use crate::support::page;
 
-use std::io::Write;
+use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -167,4 +167,33 @@ fn another_number_of_channels_ends_it_at_once_with_both_numbers() {
         assert!(said.contains(&both), "{said}");
         assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
     }
+}
+
+/// Locked is what is touched: it was a gigabyte that the allocator had in store.
+#[cfg(target_os = "linux")]
+#[test]
+fn real_time_takes_at_most_100_mb_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, bundle) = bundle(folder.path());
+    let most_mb = |words: &[&str]| {
+        let board = Board::start(&bundle, *b"a board of steel");
+        let source = format!("tcp:{}", board.address);
+        let mut live = Command::new(env!("CARGO_BIN_EXE_hapdef"))
+            .args(["live", path.to_str().unwrap(), "--source", &source, "--json"])
+            .args(words)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(live.stdout.take().unwrap()).lines();
+        // Some of them pressed.
+        assert_eq!(lines.take(1500).map(Result::unwrap).count(), 1500);
+        let status = std::fs::read_to_string(format!("/proc/{}/status", live.id())).unwrap();
+        live.kill().unwrap();
+        live.wait().unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+        line.trim().trim_end_matches(" kB").parse::<f64>().unwrap() / 1024.0
+    };
+    let (plain, realtime) = (most_mb(&[]), most_mb(&["--realtime", "50"]));
+    assert!(realtime - plain <= 100.0, "{plain} MB, with real time {realtime} MB");
 }

@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 use hapdef_daq::enter_realtime;
 use hapdef_live::{Bundle, Delivery};
 
-use crate::{Plan, device, live, metrics, quantiles_us, turn};
+use crate::{Plan, live, metrics, quantiles_us, turn};
 
 /// Of the device, which is a board of its own, above that of the reader.
 const DEVICE_PRIORITY: u8 = 70;
