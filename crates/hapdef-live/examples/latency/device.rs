@@ -1,5 +1,6 @@
-//! A device of 64 channels on a pseudo-terminal, the first of them the gauges of a bundle.
+//! A device of 64 channels on a pseudo-terminal or by TCP, the first of them the gauges of a bundle.
 
+use std::net::TcpListener;
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -73,15 +74,36 @@ pub fn readings(bundle: &Bundle, seed: u64) -> Vec<Vec<i32>> {
     frames
 }
 
-/// The device's end of a pty and the path of the host's end.
-pub fn pty() -> (OwnedFd, String) {
+/// Between the device and its host.
+pub struct Wire {
+    /// What the host opens.
+    pub address: String,
+    /// What gives the device's end of it, as soon as there is a host.
+    pub end: Box<dyn FnOnce() -> OwnedFd + Send>,
+}
+
+/// A connection on this machine: what is written is there at once.
+pub fn tcp() -> Wire {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    let end = Box::new(move || {
+        let (host, _) = listener.accept().unwrap();
+        host.set_nonblocking(true).unwrap();
+        host.set_nodelay(true).unwrap();
+        host.into()
+    });
+    Wire { address, end }
+}
+
+/// A pseudo-terminal: what is written is handed on by a thread of the kernel, as with every serial port.
+pub fn pty() -> Wire {
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
     grantpt(&master).unwrap();
     unlockpt(&master).unwrap();
     let name = ptsname(&master, Vec::new()).unwrap();
     rustix::io::ioctl_fionbio(&master, true).unwrap();
-    (master, name.into_string().unwrap())
+    Wire { address: name.into_string().unwrap(), end: Box::new(move || master) }
 }
 
 /// A packet every millisecond, from when the host has opened the port and said something until it

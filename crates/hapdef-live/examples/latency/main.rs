@@ -22,11 +22,11 @@ use std::time::{Duration, Instant};
 
 use hapdef_daq::clock::{HostClock, SystemClock};
 use hapdef_daq::hdp1::{Decoder, Event};
-use hapdef_daq::source::{Link, SerialLink, SerialParams, StreamParams, StreamSource};
+use hapdef_daq::source::{FrameSource, Link, SerialLink, SerialParams, StreamParams, StreamSource};
 use hapdef_live::estimator::SearchPlace;
 use hapdef_live::{Bundle, Delivery, FnSink, Health, Live, LiveParams, Wants};
 
-use crate::device::{SENT_NS, pty, readings};
+use crate::device::{SENT_NS, Wire, pty, readings};
 
 const USAGE: &str = "latency BUNDLE [--busy] [--seconds N] [--seed N] [--metrics FILE]";
 
@@ -56,9 +56,10 @@ fn main() {
     }
     let (mut bare_us, mut live_us) = (Vec::new(), Vec::new());
     for _ in 0..plan.n_rounds {
-        bare_us.extend(turn(&bundle, &counts, None, |path| bare(path, plan.turn)));
-        live_us.extend(turn(&bundle, &counts, None, |path| {
-            let (times, health) = live(&bundle, path, plan.turn, Delivery::Queue(1024), None);
+        bare_us.extend(turn(&bundle, &counts, pty(), None, |path| bare(path, plan.turn)));
+        live_us.extend(turn(&bundle, &counts, pty(), None, |path| {
+            let queue = Delivery::Queue(1024);
+            let (times, health) = live(&bundle, serial(path), plan.turn, queue, None);
             println!("  {health}");
             times
         }));
@@ -94,36 +95,38 @@ fn plan() -> Plan {
     let value = |name: &str| words.iter().skip_while(|word| *word != name).nth(1);
     let number =
         |name: &str, default: u64| value(name).map_or(default, |v| v.parse().expect(USAGE));
+    let is_busy = words.iter().any(|word| word == "--busy");
+    let n_kinds: u64 = if is_busy { 4 } else { 2 };
     let all_s = number("--seconds", 2 * MOST_ROUNDS * LEAST_TURN_S);
-    let n_rounds = (all_s / (2 * LEAST_TURN_S)).clamp(1, MOST_ROUNDS);
-    let turn = Duration::from_secs(all_s) / (2 * n_rounds as u32);
-    assert!(turn > WARM, "--seconds: more than {} is needed", 2 * WARM.as_secs());
+    let n_rounds = (all_s / (n_kinds * LEAST_TURN_S)).clamp(1, MOST_ROUNDS);
+    let turn = Duration::from_secs(all_s) / (n_kinds * n_rounds) as u32;
+    assert!(turn > WARM, "--seconds: more than {} s is needed", n_kinds * WARM.as_secs());
     Plan {
         bundle: words.first().expect(USAGE).into(),
         n_rounds,
         turn,
         seed: number("--seed", 1),
         metrics: value("--metrics").map(PathBuf::from),
-        is_busy: words.iter().any(|word| word == "--busy"),
+        is_busy,
     }
 }
 
-/// A device plays on a pseudo-terminal, at a real-time priority if one is given, while `read` reads it.
+/// A device plays on a wire, at a real-time priority if one is given, while `read` reads it.
 fn turn<T>(
     bundle: &Bundle,
     counts: &Arc<Vec<Vec<i32>>>,
+    wire: Wire,
     priority: Option<u8>,
     read: impl FnOnce(&str) -> T,
 ) -> T {
-    let (master, path) = pty();
     let stop = Arc::new(AtomicBool::new(false));
     let (theirs, counts) = (Arc::clone(&stop), Arc::clone(counts));
     let hello = device::hello(bundle);
     let device = std::thread::spawn(move || {
         let _ = priority.map(hapdef_daq::enter_realtime);
-        device::play(&master, &hello, &counts, &theirs);
+        device::play(&(wire.end)(), &hello, &counts, &theirs);
     });
-    let times = read(&path);
+    let times = read(&wire.address);
     stop.store(true, Ordering::Release);
     device.join().unwrap();
     times
@@ -159,7 +162,7 @@ fn bare(path: &str, turn: Duration) -> Vec<u64> {
 /// Reads, tares, follows contacts and hands them to a sink, on its own thread or directly.
 fn live(
     bundle: &Bundle,
-    path: &str,
+    source: impl FrameSource + 'static,
     turn: Duration,
     delivery: Delivery,
     realtime_priority: Option<u8>,
@@ -171,8 +174,7 @@ fn live(
             to.lock().unwrap().push(since_sent_ns(frame.seq));
         }
     });
-    let link = SerialLink::new(path, SerialParams::default());
-    let live = Live::builder(StreamSource::new(link, StreamParams::default()))
+    let live = Live::builder(source)
         .bundle(bundle)
         .params(LiveParams { tare_s: 0.2, realtime_priority, ..LiveParams::default() })
         .estimator(bundle.tracking(SearchPlace::Background).unwrap())
@@ -183,6 +185,11 @@ fn live(
     let health = live.stop().unwrap();
     let times = std::mem::take(&mut *times.lock().unwrap());
     (times, health)
+}
+
+fn serial(path: &str) -> impl FrameSource + use<> {
+    let link = SerialLink::new(path, SerialParams::default());
+    StreamSource::new(link, StreamParams::default())
 }
 
 /// Median and 99th percentile, µs.
