@@ -27,4 +27,4 @@ pub use acquire::{AcquireParams, AcquireStats, Acquisition, Receiver, acquire};
 pub use error::DaqError;
 pub use fanout::{Bounded, Fanout, Latest};
 pub use frame::{Frame, Message};
-pub use realtime::enter_realtime;
+pub use realtime::{enter_realtime, without_realtime};

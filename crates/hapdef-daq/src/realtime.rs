@@ -29,6 +29,34 @@ pub fn enter_realtime(priority: u8) -> Result<(), String> {
     })
 }
 
+/// Runs `work` without the real-time priority that this thread was given: threads inherit it, and one that searches
+/// would hold up what has it for a reason.
+pub fn without_realtime<T>(priority: Option<u8>, work: impl FnOnce() -> T) -> T {
+    let Some(priority) = priority else {
+        return work();
+    };
+    leave_realtime();
+    let done = work();
+    // Who was refused it before is refused again, and was told.
+    let _ = enter_realtime(priority);
+    done
+}
+
+#[cfg(all(feature = "realtime", target_os = "linux"))]
+fn leave_realtime() {
+    use thread_priority::{
+        NormalThreadSchedulePolicy, ThreadPriority, ThreadPriorityOsValue, ThreadSchedulePolicy,
+        set_thread_priority_and_policy, thread_native_id,
+    };
+    let normal = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let nice = ThreadPriority::Os(ThreadPriorityOsValue::default());
+    // A niceness that may not be set stays; the policy is normal then, too.
+    let _ = set_thread_priority_and_policy(thread_native_id(), nice, normal);
+}
+
+#[cfg(not(all(feature = "realtime", target_os = "linux")))]
+fn leave_realtime() {}
+
 /// Says that this build can't.
 ///
 /// # Errors

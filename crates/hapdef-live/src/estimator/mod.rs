@@ -8,7 +8,7 @@ mod superposition;
 mod tracking;
 
 use hapdef_contact::{Contact, Touch};
-use hapdef_inverse::{ContactEstimator, SeenForces};
+use hapdef_inverse::{ContactEstimate, ContactEstimator, SeenForces};
 
 #[cfg(feature = "nets")]
 pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
@@ -60,6 +60,25 @@ pub trait TouchEstimator: Send {
         Ok(None)
     }
 
+    /// The same for a stream, whose frames don't wait: what was found where that is known at once, else none, and
+    /// [`TouchEstimator::explained`] has it later. What was begun before is given up.
+    ///
+    /// # Errors
+    /// As [`TouchEstimator::estimate_frame`].
+    fn begin_to_explain(
+        &mut self,
+        readings_ue: &[f64],
+        live: Option<&[bool]>,
+    ) -> Result<Option<[Explained; 2]>, LiveError> {
+        self.explain(readings_ue, live)
+    }
+
+    /// What was begun to be explained, once, so many frames later that replays have it in the same one; to be
+    /// asked after each frame.
+    fn explained(&mut self) -> Option<[Explained; 2]> {
+        None
+    }
+
     /// What it can and can't see, where it knows.
     fn sight(&self) -> Option<Sight<'_>> {
         None
@@ -109,12 +128,17 @@ fn explain(
     let estimator = masked.as_ref().unwrap_or(estimator);
     let explained = |sign: f64| -> Result<Explained, LiveError> {
         let signed: Vec<f64> = readings_ue.iter().map(|reading| sign * reading).collect();
-        let found = estimator.estimate(&signed)?;
-        let skin = estimator.map().skin();
-        let contacts = found.contacts.iter().map(|contact| contact.contact(skin, true)).collect();
-        Ok(Explained { contacts, p_value: found.p_value })
+        Ok(Explained::of(estimator, &estimator.estimate(&signed)?))
     };
     Ok([explained(1.0)?, explained(-1.0)?])
+}
+
+impl Explained {
+    fn of(estimator: &ContactEstimator, found: &ContactEstimate) -> Self {
+        let skin = estimator.map().skin();
+        let contacts = found.contacts.iter().map(|contact| contact.contact(skin, true)).collect();
+        Self { contacts, p_value: found.p_value }
+    }
 }
 
 /// Noise that is larger by less than this share is not worth weighing the readings anew.

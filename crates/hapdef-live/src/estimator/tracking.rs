@@ -3,7 +3,7 @@
 use hapdef_contact::{Alternative, Contact, Quality, Touch};
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome,
-    SeenForces, TrackerParams,
+    SearchRequest, SeenForces, TrackerParams,
 };
 
 use super::{
@@ -15,6 +15,10 @@ use crate::error::LiveError;
 /// wherever it ran, so that the same frames give the same contacts live and replayed. Four times as long as
 /// a search takes; one on a machine that is too busy comes late, which is counted.
 const SEARCH_S: f64 = 0.04;
+
+/// Time from when readings are begun to be explained to the answer, s: four times as long as the two searches for it
+/// take, one after the other.
+const EXPLAIN_S: f64 = 0.08;
 
 /// Where a full search runs that the tracker asks for when its contacts don't explain the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +42,9 @@ pub struct Tracking {
     params: TrackerParams,
     place: SearchPlace,
     search: Search,
+    /// Explains readings beside the frames, where searches run there.
+    explainer: Option<BackgroundSearch>,
+    explaining: Option<Explaining>,
     n_failed_searches: u64,
     n_late_searches: u64,
     /// Frames so far.
@@ -58,6 +65,16 @@ struct Pending {
     is_void: bool,
 }
 
+/// Readings that are being explained.
+struct Explaining {
+    /// Before which frame the answer is due.
+    due: u64,
+    live: Vec<bool>,
+    /// As they are, and mirrored `[2][n_gauges]`.
+    signed: [Vec<f64>; 2],
+    found: Vec<Explained>,
+}
+
 enum Search {
     Background(BackgroundSearch),
     Here(Box<(EstimatorScratch, Option<SearchOutcome>)>),
@@ -76,6 +93,14 @@ impl Search {
     }
 }
 
+fn explainer(
+    estimator: &ContactEstimator,
+    place: SearchPlace,
+) -> Result<Option<BackgroundSearch>, LiveError> {
+    let is_beside = place == SearchPlace::Background;
+    Ok(is_beside.then(|| BackgroundSearch::start(estimator.clone())).transpose()?)
+}
+
 impl Tracking {
     /// Follows contacts on the map, sites and noise of `estimator`.
     ///
@@ -88,6 +113,8 @@ impl Tracking {
     ) -> Result<Self, LiveError> {
         Ok(Self {
             search: Search::new(&estimator, place)?,
+            explainer: explainer(&estimator, place)?,
+            explaining: None,
             tracker: ContactTracker::new(&estimator, params)?,
             made_with_ue: estimator.gauge_sd().to_vec(),
             seen: SeenForces::new(&estimator),
@@ -149,8 +176,13 @@ impl Tracking {
         self.pending = None;
     }
 
+    fn frames_of(&self, time_s: f64) -> u64 {
+        (time_s / self.params.frame_period_s).round().max(1.0) as u64
+    }
+
     /// What a search finds now is of a stream that has ended.
     fn void(&mut self) {
+        self.explaining = None;
         if let Some(pending) = &mut self.pending {
             pending.is_void = true;
         }
@@ -174,8 +206,8 @@ impl Tracking {
             }
             Search::Never => false,
         };
-        let wait = (SEARCH_S / self.params.frame_period_s).round().max(1.0) as u64;
-        self.pending = is_begun.then_some(Pending { due: self.n_frames + wait, is_void: false });
+        let due = self.n_frames + self.frames_of(SEARCH_S);
+        self.pending = is_begun.then_some(Pending { due, is_void: false });
     }
 
     fn report(&mut self, wanted: TouchWanted, touch: &mut Touch) {
@@ -232,6 +264,55 @@ impl TouchEstimator for Tracking {
         Ok(())
     }
 
+    fn begin_to_explain(
+        &mut self,
+        readings_ue: &[f64],
+        live: Option<&[bool]>,
+    ) -> Result<Option<[Explained; 2]>, LiveError> {
+        let found = match &self.explainer {
+            Some(_) => Vec::new(),
+            None => explain(&self.estimator, readings_ue, live)?.into(),
+        };
+        self.explaining = Some(Explaining {
+            due: self.n_frames + self.frames_of(EXPLAIN_S),
+            live: live.map_or_else(|| vec![true; readings_ue.len()], <[bool]>::to_vec),
+            signed: [1.0, -1.0].map(|sign| readings_ue.iter().map(|r| sign * r).collect()),
+            found,
+        });
+        Ok(None)
+    }
+
+    fn explained(&mut self) -> Option<[Explained; 2]> {
+        let explaining = self.explaining.as_mut()?;
+        if let Some(explainer) = &mut self.explainer {
+            let estimator = &self.estimator;
+            // Of the two searches for one answer, which are due in the same frame.
+            let number =
+                |explaining: &Explaining| 2 * explaining.due + explaining.found.len() as u64;
+            let polled = explainer.poll(|outcome| {
+                if outcome.frame == number(explaining) {
+                    explaining.found.push(Explained::of(estimator, &outcome.estimate));
+                }
+            });
+            if polled.is_err() {
+                self.n_failed_searches += 1;
+                self.explaining = None;
+                return None;
+            }
+            if let Some(readings) = explaining.signed.get(explaining.found.len()) {
+                let (frame, live) = (number(explaining), &explaining.live[..]);
+                // False while it is still busy: it is asked again after the next frame.
+                explainer.submit(&SearchRequest { frame, readings, live });
+            }
+        }
+        let is_whole = explaining.found.len() == explaining.signed.len();
+        self.n_late_searches += u64::from(!is_whole && self.n_frames == explaining.due);
+        if !is_whole || self.n_frames < explaining.due {
+            return None;
+        }
+        self.explaining.take().and_then(|explaining| explaining.found.try_into().ok())
+    }
+
     fn sight(&self) -> Option<Sight<'_>> {
         Some(Sight::new(&self.seen, &self.estimator))
     }
@@ -266,7 +347,8 @@ impl TouchEstimator for Tracking {
             return Ok(());
         };
         self.search = Search::new(&estimator, self.place)?;
-        self.pending = None;
+        self.explainer = explainer(&estimator, self.place)?;
+        (self.pending, self.explaining) = (None, None);
         self.tracker = ContactTracker::new(&estimator, self.params)?;
         self.seen = SeenForces::new(&estimator);
         self.estimator = estimator;

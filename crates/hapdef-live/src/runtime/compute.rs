@@ -10,7 +10,7 @@ use std::time::Duration;
 use hapdef_contact::TouchPhase;
 use hapdef_daq::hdp1::Hello;
 use hapdef_daq::source::LinkState;
-use hapdef_daq::{Acquisition, Frame, Message, Receiver};
+use hapdef_daq::{Acquisition, Frame, Message, Receiver, without_realtime};
 
 use super::counts::Counts;
 use super::device::Device;
@@ -95,9 +95,9 @@ impl Compute {
 
     /// Until the source has ended or it is stopped.
     pub(super) fn run(mut self) {
-        if let Some(priority) = self.setup.params.realtime_priority {
-            // Below the reader, which then loses nothing while this computes. The reader says what is refused.
-            let _ = hapdef_daq::enter_realtime(priority.saturating_sub(1).max(1));
+        if let Some(priority) = self.setup.params.computing_priority() {
+            // The reader says what is refused.
+            let _ = hapdef_daq::enter_realtime(priority);
         }
         while !self.shared.stop.load(Ordering::Acquire) {
             let is_last = self.receiver.has_ended();
@@ -281,8 +281,9 @@ impl Compute {
         }
         if !is_same {
             let least_ue = self.assumed_noise_ue(&device);
+            let priority = self.setup.params.computing_priority();
             if let Some(estimator) = &mut self.setup.estimator {
-                let accepted = estimator.set_least_noise(&least_ue);
+                let accepted = without_realtime(priority, || estimator.set_least_noise(&least_ue));
                 accepted.map_err(|error| error.to_string())?;
             }
             let conditioning = self.conditioning(&device);

@@ -141,6 +141,11 @@ impl Default for LiveParams {
 }
 
 impl LiveParams {
+    /// One less than the reader's, which then loses nothing while frames are computed.
+    fn computing_priority(&self) -> Option<u8> {
+        self.realtime_priority.map(|priority| priority.saturating_sub(1).max(1))
+    }
+
     fn check(&self) -> Result<(), LiveError> {
         check_not_negative("tare_s", self.tare_s)?;
         check_positive("rate_hz", self.rate_hz)?;

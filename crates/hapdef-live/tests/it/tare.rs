@@ -3,13 +3,14 @@
 use crate::support;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use hapdef_daq::source::ReplaySource;
 use hapdef_inverse::SkinPoint;
-use hapdef_live::estimator::SearchPlace;
+use hapdef_live::estimator::{SearchPlace, TouchEstimator};
 use hapdef_live::{
     AnyError, Delivery, Health, Live, LiveEvent, LiveFrame, LiveParams, Retare, Sink, TareFault,
-    TareFaultKind, TareOutcome, TouchPhase, UnknownReason, Wants,
+    TareFaultKind, TareOutcome, Touch, TouchPhase, UnknownReason, Wants,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -215,4 +216,31 @@ fn drift_is_no_contact() {
         let [contact] = &played.frames[11_500].touch.contacts[..] else { panic!("{seed}") };
         assert!((contact.force_n - 10.0).abs() < 0.6, "{seed}: {contact:?}");
     }
+}
+
+/// No frame waits for it, and a replay has it in the same frame as a stream.
+#[test]
+fn what_explains_readings_comes_in_the_same_frame_wherever_it_is_found() {
+    let world = World::new(N_GAUGES, 400, 5);
+    let bundle = bundle(&world);
+    let points = world.draw_points(2, 0.03, &mut ChaCha8Rng::seed_from_u64(4));
+    let readings = world.readings(&[(points[0], 12.0), (points[1], 18.0)]);
+    let answer = |place: SearchPlace| {
+        let mut tracking = bundle.tracking(place).unwrap();
+        tracking.set_frame_period(1e-3).unwrap();
+        let mut touch = Touch::default();
+        assert_eq!(tracking.begin_to_explain(&readings, None).unwrap(), None);
+        let later = (1..=1000).find_map(|n_frames| {
+            if place == SearchPlace::Background {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+            tracking.estimate(&readings, &mut touch).unwrap();
+            tracking.explained().map(|found| (n_frames, found))
+        });
+        assert_eq!(tracking.explained(), None);
+        let (n_frames, found) = later.unwrap();
+        assert_eq!(tracking.explain(&readings, None).unwrap().unwrap(), found);
+        n_frames
+    };
+    assert_eq!([SearchPlace::Here, SearchPlace::Background].map(answer), [80, 80]);
 }

@@ -1,6 +1,7 @@
 //! Tare, drift, bad gauges, noise: what is between a reading and the estimator.
 
 use hapdef_contact::{GaugeHealth, TouchPhase};
+use hapdef_daq::without_realtime;
 use hapdef_inverse::{Conditioned, Conditioner, ConditionerParams, InverseError};
 
 use super::Compute;
@@ -98,8 +99,10 @@ impl Compute {
         let larger_ue = conditioning.noise.larger_ue();
         self.counts.n_noisier = larger_ue.iter().filter(|sd| **sd > 0.0).count();
         self.counts.noise_ue = conditioning.noise.to_use_ue();
+        let priority = self.setup.params.computing_priority();
+        let noise_ue = &self.counts.noise_ue;
         let accepted = match &mut self.setup.estimator {
-            Some(estimator) => estimator.set_least_noise(&self.counts.noise_ue),
+            Some(estimator) => without_realtime(priority, || estimator.set_least_noise(noise_ue)),
             None => Ok(()),
         };
         let conditioner = &mut conditioning.conditioner;

@@ -45,6 +45,8 @@ pub(super) struct TareWatch {
     pub(super) n_repeats: usize,
     /// Frames since something began to touch.
     n_touched: usize,
+    /// Mean readings that are being explained `[n_gauges]`, µε.
+    asked: Option<Vec<f64>>,
     /// Sums of the readings in both halves of the time before a look `[n_gauges]`.
     halves: [Vec<f64>; 2],
 }
@@ -58,6 +60,11 @@ impl TareWatch {
     /// Of readings of so many gauges.
     pub(super) fn new(n_gauges: usize) -> Self {
         Self { halves: [vec![0.0; n_gauges], vec![0.0; n_gauges]], ..Self::default() }
+    }
+
+    /// Nothing touches: what is asked about is over.
+    fn let_go(&mut self) {
+        (self.n_touched, self.asked) = (0, None);
     }
 
     /// Adds a frame in which something touches; whether it is time for a look at [`TareWatch::mean`], the
@@ -139,13 +146,14 @@ impl Compute {
             (false, true) => TareOutcome::Waits,
             (false, false) => TareOutcome::Kept,
         };
-        self.tare_watch.n_touched = 0;
+        self.tare_watch.let_go();
         self.tell_tare_fault(TareFault { kind, contacts, outcome });
     }
 
     fn tare_taken(&mut self) {
         self.take_noise();
-        (self.tare_watch.fault, self.tare_watch.n_touched) = (None, 0);
+        self.tare_watch.fault = None;
+        self.tare_watch.let_go();
         self.counts.tare_fault = None;
         self.tell(&LiveEvent::Tared);
     }
@@ -167,7 +175,7 @@ impl Compute {
     /// Says what the zero is worth: after conditioning, before contacts are looked for.
     pub(super) fn judge_zero(&mut self) {
         if self.frame.phase == TouchPhase::Untouched {
-            self.tare_watch.n_touched = 0;
+            self.tare_watch.let_go();
         }
         if self.tare_watch.is_invalid() {
             self.frame.phase = TouchPhase::Unknown(UnknownReason::TareInvalid);
@@ -199,24 +207,39 @@ impl Compute {
         self.look_for_release();
     }
 
-    /// Finds out whether what touches is the release of what pressed during the tare.
+    /// Finds out whether what touches is the release of what pressed during the tare: it is looked at now and then,
+    /// and the answer comes later, as full searches take longer than frames may.
     fn look_for_release(&mut self) {
         let Some(device) = &self.device else {
             return;
         };
         let sd_ue = self.counts.noise_ue.iter().copied().fold(self.setup.noise_ue, f64::max);
-        let watch = &mut self.tare_watch;
-        if !watch.look(&self.frame.tared_ue, device.period_s, sd_ue) {
-            return;
-        }
+        let is_due = self.tare_watch.look(&self.frame.tared_ue, device.period_s, sd_ue);
         let touch = &self.frame.touch;
         let is_press = touch.contacts.len() == 1
             && touch.quality.is_some_and(|q| q.is_identified() && q.p_value > LEAST_P);
-        if is_press {
+        let answer = self.setup.estimator.as_mut().and_then(|estimator| estimator.explained());
+        self.judge_release(answer);
+        let is_over = self.frame.phase != TouchPhase::Touched;
+        let Some(estimator) = &mut self.setup.estimator else {
+            return;
+        };
+        if !is_due || is_press || is_over {
             return;
         }
+        let live = self.conditioning.as_ref().map(|c| &c.out.live[..]);
         let mean = self.tare_watch.mean();
-        let Some([pressing, released]) = self.explain(&mean) else {
+        let answer = estimator.begin_to_explain(&mean, live).ok().flatten();
+        self.tare_watch.asked = Some(mean);
+        self.judge_release(answer);
+    }
+
+    /// What explains the readings that were asked about, pressing and released, says whether something was let go.
+    fn judge_release(&mut self, found: Option<[Explained; 2]>) {
+        let Some([pressing, released]) = found else {
+            return;
+        };
+        let Some(mean) = self.tare_watch.asked.take() else {
             return;
         };
         let is_checked = 3 * released.contacts.len() + LEAST_CHECKS <= mean.len();
@@ -228,7 +251,7 @@ impl Compute {
             // lengths are those of the device
             let _ = conditioning.conditioner.shift(&mean);
             self.start_over();
-            self.tare_watch.n_touched = 0;
+            self.tare_watch.let_go();
             self.frame.phase = TouchPhase::Untouched;
         } else {
             self.frame.phase = TouchPhase::Unknown(UnknownReason::TareInvalid);

@@ -2,6 +2,7 @@
 
 mod converter;
 mod late;
+mod priority;
 use crate::support::endless;
 mod stand_ins;
 use crate::support;
