@@ -7,9 +7,9 @@ use hapdef_data::{DatasetWriter, Manifest, Split, TensorSpec};
 use hapdef_rig::{DoublePressParams, SinglePressParams, double_presses, single_presses};
 use nalgebra::Point3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use super::dataset_kind::DatasetKind;
 use super::keys;
 use super::rig::read_response;
 use super::rig_channels::RigChannels;
@@ -25,21 +25,6 @@ use crate::work::{Work, table_bytes};
 const DATASET_FILE: &str = "samples.safetensors";
 /// Samples computed between two writes; also the grain of the parallel work.
 const BLOCK: usize = 256;
-
-/// What a dataset's samples are.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum DatasetKind {
-    /// Simulated samples of one to four contacts: the paper's sets I to IV.
-    Simulated {
-        /// Contacts of each sample.
-        n_contacts: usize,
-    },
-    /// Single presses with the rig's readings.
-    RigSingle,
-    /// Double presses with the rig's readings; for testing only.
-    RigDouble,
-}
 
 /// The finished datasets of a scene.
 #[derive(Clone, Debug)]

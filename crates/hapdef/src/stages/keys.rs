@@ -4,7 +4,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::dataset::DatasetKind;
+use super::dataset_kind::DatasetKind;
 use crate::profile::Profile;
 use crate::scene::{ContactSpec, Scene};
 

@@ -1,6 +1,7 @@
 //! The pipeline's stages, in order. Each is a function from what it needs to a cached folder.
 
 mod dataset;
+mod dataset_kind;
 mod drawn;
 mod eval;
 mod in_modes;
@@ -13,7 +14,8 @@ mod simulate;
 mod train;
 mod training;
 
-pub use dataset::{DatasetKind, Datasets, datasets, samples_path};
+pub use dataset::{Datasets, datasets, samples_path};
+pub use dataset_kind::DatasetKind;
 pub use drawn::DrawnSamples;
 pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
 pub use in_modes::train_in_modes;
