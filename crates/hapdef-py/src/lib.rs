@@ -32,7 +32,7 @@ pub use estimates::{PyContact, PyEstimates};
 pub use estimator::PyEstimator;
 pub use layout::PyLayout;
 pub use live::PyLive;
-pub use live_frame::PyLiveFrame;
+pub use live_frame::{PyLiveFrame, PyQuality};
 pub use response::{PyBounds, PyResponse};
 pub use rig::PyRig;
 pub use scene::PyScene;
@@ -53,6 +53,7 @@ fn _hapdef(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyLayout>()?;
     module.add_class::<PyLive>()?;
     module.add_class::<PyLiveFrame>()?;
+    module.add_class::<PyQuality>()?;
     module.add_class::<PyResponse>()?;
     module.add_class::<PyRig>()?;
     module.add_class::<PyScene>()?;

@@ -1,6 +1,6 @@
 //! A frame of a stream.
 
-use hapdef_live::{LiveFrame, UnknownReason};
+use hapdef_live::{LiveFrame, UnknownReason, WhyNot};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -12,6 +12,23 @@ use crate::estimates::PyContact;
 #[pyclass(frozen, module = "hapdef", name = "LiveFrame")]
 pub struct PyLiveFrame {
     frame: LiveFrame,
+}
+
+/// Whether a frame decides for its contacts.
+#[pyclass(frozen, get_all, module = "hapdef", name = "Quality")]
+pub struct PyQuality {
+    /// It does.
+    is_identified: bool,
+    /// Why not, a word; None if it does.
+    why_not: Option<&'static str>,
+    /// χ² of the residual.
+    chi2: f64,
+    /// Its degrees of freedom.
+    n_dof: usize,
+    /// The probability of a χ² as large.
+    p_value: f64,
+    /// Other explanations that are nearly as good.
+    n_alternatives: usize,
 }
 
 #[pymethods]
@@ -46,6 +63,32 @@ impl PyLiveFrame {
     #[getter]
     fn why_unknown(&self) -> Option<&'static str> {
         self.frame.phase.why_unknown().map(UnknownReason::word)
+    }
+
+    /// The contacts are not this frame's but the last ones that were explained, or the frame itself is old.
+    #[getter]
+    fn is_stale(&self) -> bool {
+        self.frame.is_stale
+    }
+
+    /// The smallest force, N, that would show wherever it pressed, where that is known; infinite where none
+    /// would.
+    #[getter]
+    fn smallest_seen_n(&self) -> Option<f64> {
+        self.frame.smallest_seen_n
+    }
+
+    /// Whether the frame decides for its contacts, where the estimator can tell.
+    #[getter]
+    fn quality(&self) -> Option<PyQuality> {
+        self.frame.touch.quality.map(|quality| PyQuality {
+            is_identified: quality.is_identified(),
+            why_not: quality.why_not().map(WhyNot::word),
+            chi2: quality.chi2,
+            n_dof: quality.n_dof,
+            p_value: quality.p_value,
+            n_alternatives: quality.n_alternatives,
+        })
     }
 
     /// The contacts where a controller may act on them, also that there are none; raises HapdefError with

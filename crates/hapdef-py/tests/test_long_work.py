@@ -29,6 +29,24 @@ class Streams(unittest.TestCase):
         self.assertTrue(any(contacts for _, _, contacts in frames))
         self.assertEqual(self.frames(), frames)
 
+    def test_frames_say_how_sure_they_are(self):
+        phases = set()
+        with self.scene.live(seconds=2.0, tare_s=0.5, seed=1) as live:
+            for frame in live:
+                phases.add(frame.phase)
+                self.assertEqual(frame.why_unknown is None, frame.phase != "unknown")
+                if frame.phase in ("untouched", "touched") and not frame.is_stale:
+                    known = [c.id for c in frame.known_contacts()]
+                    self.assertEqual(known, [c.id for c in frame.contacts])
+                    self.assertEqual(bool(known), frame.phase == "touched")
+                    self.assertTrue(0.0 < frame.smallest_seen_n < 5.0, frame.smallest_seen_n)
+                    quality = frame.quality
+                    self.assertEqual(quality.why_not is None, quality.is_identified)
+                    self.assertTrue(0.0 <= quality.p_value <= 1.0 and quality.n_dof > 0)
+                else:
+                    self.assertRaises(hapdef.HapdefError, frame.known_contacts)
+        self.assertTrue({"taring", "untouched", "touched"} <= phases, phases)
+
     def test_a_stream_that_is_left_ends(self):
         start = time.monotonic()
         with self.scene.live() as live:

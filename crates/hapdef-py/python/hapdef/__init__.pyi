@@ -353,6 +353,29 @@ class Contact:
         """Covariance of the position in space, m², ``[3, 3]``."""
 
 @final
+class Quality:
+    """Whether a frame decides for its contacts."""
+
+    @property
+    def is_identified(self) -> bool: ...
+    @property
+    def why_not(
+        self,
+    ) -> Optional[
+        Literal["singular_information", "tied_explanations", "misfit", "unchecked", "noise"]
+    ]: ...
+    @property
+    def chi2(self) -> float: ...
+    @property
+    def n_dof(self) -> int: ...
+    @property
+    def p_value(self) -> float:
+        """The probability of a χ² as large."""
+    @property
+    def n_alternatives(self) -> int:
+        """Other explanations that are nearly as good."""
+
+@final
 class LiveFrame:
     """A frame: readings and contacts."""
 
@@ -371,6 +394,14 @@ class LiveFrame:
     ) -> Optional[
         Literal["too_few_gauges", "stream_stalled", "tare_invalid", "misfit", "drift"]
     ]: ...
+    @property
+    def is_stale(self) -> bool:
+        """The contacts are the last ones that were explained, or the frame itself is old."""
+    @property
+    def smallest_seen_n(self) -> Optional[float]:
+        """The smallest force that would show wherever it pressed, N."""
+    @property
+    def quality(self) -> Optional[Quality]: ...
     def known_contacts(self) -> list[Contact]:
         """The contacts, also none, where a program may act on them; raises HapdefError with the
         reason while taring and where the phase is unknown."""
