@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use hapdef::scene::scene_file;
 use hapdef::{HapdefError, OutputScale, Profile, Run, Samples};
 use hapdef_nets::{Loss, NetsError, TrainBackend};
 
@@ -18,7 +19,8 @@ const TRAINING: &str = "Training";
 /// A scene and how to run it.
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// The scene file.
+    /// The scene file, or the folder of a `scene.json`.
+    #[arg(value_parser = scene_path())]
     pub scene: PathBuf,
     /// How much to make: `quick` for minutes, `full` for the paper's amounts of data.
     #[arg(long, default_value = "full")]
@@ -124,6 +126,11 @@ impl SceneArgs {
         }
         profile
     }
+}
+
+/// The path of a scene, of a folder the `scene.json` in it.
+pub fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| scene_file(&path))
 }
 
 fn sources_of_samples() -> impl TypedValueParser<Value = Samples> {

@@ -10,7 +10,7 @@ mod print;
 mod progress;
 mod signals;
 
-pub use args::{ProfileName, SceneArgs};
+pub use args::{ProfileName, SceneArgs, scene_path};
 pub use error::PrepareError;
 pub use exit::{exit_code, shown};
 pub use print::{JsonLines, check_printed, note_line, print_json, print_line};

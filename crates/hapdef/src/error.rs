@@ -75,6 +75,12 @@ pub enum HapdefError {
          {scene}; correct the one that is wrong"
     )]
     DeckUnit { deck: hapdef_mesh::LengthUnit, scene: hapdef_mesh::LengthUnit },
+    #[error("geometry.skin: {path}: {source}; `hapdef new {path}` makes a clean skin of it")]
+    SkinNotClean { path: PathBuf, source: hapdef_mesh::SurfaceFault },
+    #[error("geometry.skin: {path}: {source}; `hapdef new {path}` finds a wall that fits")]
+    SkinFolds { path: PathBuf, source: MeshError },
+    #[error("geometry.wall_m: {path}: {what}; write the file again, or state one thickness")]
+    SkinWall { path: PathBuf, what: String },
     #[error("{field}: {path}: {source}; the path is relative to the scene file: correct it")]
     NoDeck { field: &'static str, path: PathBuf, source: std::io::Error },
     #[error(

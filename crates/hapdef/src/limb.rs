@@ -3,18 +3,15 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    BoundarySurface, DeckMaterial, DeckParams, DeckReading, FeNodeId, GaugePatch, LengthUnit,
-    MeshError, OuterSkinParams, RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh,
-    deck_includes, gauge_patch, outer_skin, radial_region, read_deck_with, refine_unfolded,
+    BoundarySurface, DeckMaterial, FeNodeId, GaugePatch, SkinRegion, Tet10Mesh, gauge_patch,
 };
 use hapdef_sim::{GaugeParams, GaugeSite, GaugeStrain, IsotropicMaterial, NodalLoad, PressedSkin};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
 use crate::error::HapdefError;
-use crate::scene::{
-    Axis, ContactRegion, GaugeEntry, GaugeSpec, Geometry, LoadDirection, MaterialSpec, Mount, Scene,
-};
+use crate::scene::{Axis, GaugeEntry, GaugeSpec, LoadDirection, MaterialSpec, Scene, Shape};
+use crate::solid::Solid;
 
 /// Farthest a gauge's centre may be from its wall, m.
 const MAX_GAUGE_OFFSET_M: f64 = 1e-3;
@@ -31,6 +28,10 @@ pub struct Limb {
     pub directions: Vec<Vector3<f64>>,
     /// Nodes held fast.
     pub clamped: Vec<FeNodeId>,
+    /// Its long axis.
+    pub axis: Axis,
+    /// Depth below the skin down to which material counts as wall, m.
+    pub max_wall_m: f64,
     /// Material.
     pub material: IsotropicMaterial,
     /// Gauge sites in channel order.
@@ -41,38 +42,23 @@ pub struct Limb {
     pub gauges: Vec<GaugeStrain>,
     /// Patch of virtual gauges of each gauge.
     pub patches: Vec<GaugePatch>,
-    /// Hash of the bytes of the deck and of what it includes.
+    /// Hash of the bytes of the deck and of what it includes, or of the skin and its wall.
     pub deck_hash: String,
-    /// What of the deck was passed over, and what was made of it, a sentence each.
+    /// What of the file was passed over, and what was made of it, a sentence each.
     pub deck_notes: Vec<String>,
 }
 
-/// A deck's solid with what the scene finds on it.
-pub(crate) struct Solid {
-    /// In metres, refined.
-    pub(crate) mesh: Tet10Mesh,
-    pub(crate) boundary: BoundarySurface,
-    pub(crate) skin: SkinRegion,
-    /// Nodes held fast.
-    pub(crate) clamped: Vec<FeNodeId>,
-    /// The deck in metres as it was read.
-    deck: SolidDeck,
-    /// Hash of the file's bytes.
-    pub(crate) hash: String,
-}
-
 impl Limb {
-    /// Reads the deck that `scene` names (relative to `scene_dir`) and finds everything on it.
+    /// Reads the deck or skin that `scene` names (relative to `scene_dir`) and finds everything on it.
     ///
     /// # Errors
-    /// [`HapdefError`] naming the scene's field when the deck, mount, material, skin or a gauge is
+    /// [`HapdefError`] naming the scene's field when the deck or skin, mount, material, skin or a gauge is
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
-        let path = scene_dir.join(&scene.geometry.solid_deck);
-        let Solid { mesh, boundary, skin, clamped, deck, hash: deck_hash } =
-            Solid::load(scene, &path, scene.geometry.refinements)?;
-        let directions = load_directions(scene, &mesh, &skin);
-        let material = find_material(scene.material.as_ref(), &deck, &path)?;
+        let solid = Solid::load(scene, scene_dir)?;
+        let Solid { mesh, boundary, skin, clamped, axis, notes, .. } = solid;
+        let directions = load_directions(scene, &axis, &mesh, &skin);
+        let material = find_material(scene, solid.material)?;
         let sites: Vec<_> = scene.gauges.sites.iter().map(|entry| site(entry, scene)).collect();
         let (gauges, patches) = place_gauges(scene, &sites, &mesh, &boundary)?;
         Ok(Self {
@@ -81,14 +67,30 @@ impl Limb {
             skin,
             directions,
             clamped,
+            axis,
+            max_wall_m: scene.rig.max_wall_m.unwrap_or(solid.max_wall_m),
             material,
             sites,
             gauge_params: gauge_params(scene),
             gauges,
             patches,
-            deck_hash,
-            deck_notes: deck.notes,
+            deck_hash: solid.hash,
+            deck_notes: notes,
         })
+    }
+
+    /// The scene of this limb with everything filled in that it leaves to the limb.
+    #[must_use]
+    pub fn filled(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        scene.geometry.axis.get_or_insert(self.axis);
+        scene.rig.max_wall_m.get_or_insert(self.max_wall_m);
+        scene.material.get_or_insert(MaterialSpec {
+            youngs_modulus_pa: self.material.youngs_modulus_pa(),
+            poissons_ratio: self.material.poissons_ratio(),
+            density_kg_m3: self.material.density_kg_m3(),
+        });
+        scene
     }
 
     /// Whether every body of the limb is held by the mount; for the first that isn't, where it is.
@@ -145,140 +147,33 @@ impl Limb {
     }
 }
 
-impl Solid {
-    /// Reads the deck at `path` in the scene's unit, refines it, and finds the scene's mount and
-    /// contact region on it.
-    ///
-    /// # Errors
-    /// [`HapdefError`] when the deck, the mount or the skin is not usable.
-    pub(crate) fn load(scene: &Scene, path: &Path, refinements: u32) -> Result<Self, HapdefError> {
-        let hash = deck_hash(path)?;
-        let reading = match scene.mount {
-            Mount::Deck {} => DeckReading::Supports,
-            Mount::NodeSet { .. } | Mount::Box { .. } => DeckReading::Mesh,
-        };
-        let params = DeckParams { reading, ..DeckParams::default() };
-        let deck = in_metres(read_deck_with(path, &params)?, &scene.geometry)?;
-        let mut clamped = find_mount(&scene.mount, &deck)?;
-        let mut mesh = deck.mesh.clone();
-        for _ in 0..refinements {
-            let refined = refine_unfolded(&mesh)?;
-            clamped = refined.node_set(&clamped);
-            mesh = refined.mesh;
-        }
-        let boundary = mesh.boundary();
-        let region = &scene.contact.region;
-        let skin = find_skin(region, &scene.geometry.axis, &mesh, &boundary)?;
-        Ok(Self { mesh, boundary, skin, clamped, deck, hash })
-    }
-}
-
-/// Hash of the bytes of a deck file and of the files it includes.
-///
-/// # Errors
-/// [`HapdefError::NoDeck`] when it can't be read.
-pub(crate) fn deck_hash(path: &Path) -> Result<String, HapdefError> {
-    let mut hasher = blake3::Hasher::new();
-    let mut add = |path: &Path| -> Result<(), HapdefError> {
-        hasher.update(&std::fs::read(path).map_err(|source| HapdefError::NoDeck {
-            field: "geometry.solid_deck",
-            path: path.to_path_buf(),
-            source,
-        })?);
-        Ok(())
-    };
-    add(path)?;
-    // a deck that can't be read at all says so when it is read
-    let included = deck_includes(path, DeckParams::default().max_bytes).unwrap_or_default();
-    included.iter().try_for_each(|file| add(file))?;
-    Ok(hasher.finalize().to_hex().to_string())
-}
-
-/// The boundary faces that the scene's contact region names.
-fn find_skin(
-    region: &ContactRegion,
-    axis: &Axis,
-    mesh: &Tet10Mesh,
-    boundary: &BoundarySurface,
-) -> Result<SkinRegion, MeshError> {
-    match region {
-        ContactRegion::Radial { min_normal_dot_radial, min_radius_m, axial_range_m } => {
-            let params = RadialRegionParams {
-                axis_point: Point3::from(axis.point_m),
-                axis_dir: Vector3::from(axis.direction),
-                min_normal_dot_radial: *min_normal_dot_radial,
-                min_radius_m: *min_radius_m,
-                axial_range_m: (axial_range_m[0], axial_range_m[1]),
-            };
-            radial_region(mesh, boundary, &params)
-        }
-        ContactRegion::OuterSkin {} => outer_skin(mesh, boundary, &OuterSkinParams::default()),
-    }
-}
-
-/// Millimetre decks become metres, unless they say their unit and were read in it; their MPa and
-/// t/mm³ become Pa and kg/m³.
-fn in_metres(mut deck: SolidDeck, geometry: &Geometry) -> Result<SolidDeck, HapdefError> {
-    match deck.unit {
-        Some(unit) if unit == geometry.unit => return Ok(deck),
-        Some(deck) => return Err(HapdefError::DeckUnit { deck, scene: geometry.unit }),
-        None if geometry.unit == LengthUnit::Metre => return Ok(deck),
-        None => {}
-    }
-    let nodes = deck.mesh.nodes().iter().map(|x| x * 1e-3).collect();
-    deck.mesh = Tet10Mesh::new(nodes, deck.mesh.elements().to_vec())?;
-    deck.material.iter_mut().for_each(DeckMaterial::from_millimetres);
-    deck.face_tractions.iter_mut().for_each(|face| face.traction_pa *= 1e6);
-    Ok(deck)
-}
-
+/// What the scene says, or else its deck; PA2200 for a skin.
 fn find_material(
-    spec: Option<&MaterialSpec>,
-    deck: &SolidDeck,
-    path: &Path,
+    scene: &Scene,
+    of_deck: Option<DeckMaterial>,
 ) -> Result<IsotropicMaterial, HapdefError> {
     let from_deck = || {
-        let m = deck.material.as_ref()?;
+        let m = of_deck?;
         Some((m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3?))
     };
-    let from_scene = spec.map(|m| (m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3));
-    let (e, nu, rho) = from_scene
-        .or_else(from_deck)
-        .ok_or_else(|| HapdefError::NoMaterial { deck: path.display().to_string() })?;
+    let of = |m: MaterialSpec| (m.youngs_modulus_pa, m.poissons_ratio, m.density_kg_m3);
+    let (e, nu, rho) = match &scene.geometry.shape {
+        _ if scene.material.is_some() => scene.material.map(of),
+        Shape::Deck(_) => from_deck(),
+        Shape::Skin(_) => Some(of(MaterialSpec::PA2200)),
+    }
+    .ok_or_else(|| HapdefError::NoMaterial {
+        deck: scene.geometry.shape.file().display().to_string(),
+    })?;
     Ok(IsotropicMaterial::new(e, nu, rho)?)
 }
 
-fn find_mount(mount: &Mount, deck: &SolidDeck) -> Result<Vec<FeNodeId>, HapdefError> {
-    let no_mount = |what: String, advice: String| HapdefError::NoMount { what, advice };
-    let nodes = match mount {
-        Mount::Deck {} => deck.fixed_nodes.clone(),
-        Mount::NodeSet { name } => deck.node_sets.get(name).cloned().ok_or_else(|| {
-            let known: Vec<&str> = deck.node_sets.keys().map(String::as_str).collect();
-            no_mount(
-                format!("the deck has no node set {name:?}"),
-                format!("it has: {}", known.join(", ")),
-            )
-        })?,
-        Mount::Box { min_m, max_m } => {
-            let inside = |x: &Point3<f64>| (0..3).all(|i| (min_m[i]..=max_m[i]).contains(&x[i]));
-            deck.mesh.nodes_where(inside)
-        }
-    };
-    if nodes.is_empty() {
-        let what = match mount {
-            Mount::Deck {} => "the deck fixes no node",
-            Mount::NodeSet { .. } => "the node set is empty",
-            Mount::Box { .. } => "no node lies in the box",
-        };
-        let advice = "without a mount the limb floats: name a node set, a box, or fix nodes in \
-                      the deck";
-        return Err(no_mount(what.into(), advice.into()));
-    }
-    Ok(nodes)
-}
-
-fn load_directions(scene: &Scene, mesh: &Tet10Mesh, skin: &SkinRegion) -> Vec<Vector3<f64>> {
-    let axis = &scene.geometry.axis;
+fn load_directions(
+    scene: &Scene,
+    axis: &Axis,
+    mesh: &Tet10Mesh,
+    skin: &SkinRegion,
+) -> Vec<Vector3<f64>> {
     let origin = Point3::from(axis.point_m);
     let along = Unit::new_normalize(Vector3::from(axis.direction));
     let inward = |(i, node): (usize, &FeNodeId)| {

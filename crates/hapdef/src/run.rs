@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cache::Cache;
 use crate::error::HapdefError;
-use crate::limb::deck_hash;
 use crate::profile::Profile;
 use crate::progress::Progress;
-use crate::scene::{Scene, read_scene};
+use crate::scene::{Scene, read_scene, scene_file};
+use crate::solid::geometry_hash;
 
 /// What every stage is given.
 #[derive(Clone)]
@@ -44,7 +44,8 @@ impl Run {
         threads: usize,
         progress: Progress,
     ) -> Result<Self, HapdefError> {
-        let scene = read_scene(scene_path)?;
+        let scene_path = scene_file(scene_path);
+        let scene = read_scene(&scene_path)?;
         Ok(Self {
             scene_hash: hash_of(&scene)?,
             scene,
@@ -77,13 +78,13 @@ impl Run {
         Ok(())
     }
 
-    /// Hashes of what goes in: the scene as it is run, and the bytes of its deck.
+    /// Hashes of what goes in: the scene as it is run, and the bytes of its deck or skin.
     ///
     /// # Errors
-    /// [`HapdefError::NoDeck`] when the deck can't be read.
+    /// [`HapdefError::NoDeck`] when that can't be read.
     pub fn input_hashes(&self) -> Result<[(&'static str, String); 2], HapdefError> {
-        let deck = self.scene_dir.join(&self.scene.geometry.solid_deck);
-        Ok([("scene", self.scene_hash.clone()), ("deck", deck_hash(&deck)?)])
+        let shape = geometry_hash(&self.scene.geometry, &self.scene_dir)?;
+        Ok([("scene", self.scene_hash.clone()), ("deck", shape)])
     }
 
     /// Tells the person what happens now.

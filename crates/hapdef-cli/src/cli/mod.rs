@@ -26,6 +26,7 @@ mod record;
 mod recover;
 mod replay;
 mod rig;
+mod scene;
 mod shell;
 mod shell_table;
 mod signals;
@@ -79,6 +80,8 @@ enum Command {
     /// Reads a scene and its limb and checks both, without solving anything.
     #[command(after_help = "Example:\n  hapdef check fixtures/shin/scene.json")]
     Check(SceneArgs),
+    /// Prints a scene with what it leaves out filled in.
+    Scene(scene::SceneCommandArgs),
     /// Which stages the scene needs, which are left out and why, and what they will take; solves
     /// nothing.
     Plan(plan::PlanArgs),
@@ -144,6 +147,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
             deck::solve(file, reference.as_deref(), vtu.as_deref())
         }
         Command::Check(args) => stage::check(args),
+        Command::Scene(args) => scene::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
         Command::Shell(args) => shell::shell(args),

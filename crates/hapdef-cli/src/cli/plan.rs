@@ -30,7 +30,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let rates = Rates::recorded(&run.cache, run.threads);
-    let max_wall_m = run.scene.rig.max_wall_m;
+    let max_wall_m = limb.max_wall_m;
     let plan = plan(&run, &limb, &rates)?;
     let mut plan = plan.with_shell_advice(&limb, max_wall_m, &args.scene.out)?;
     if let Some(n_presses) = args.presses {

@@ -169,7 +169,7 @@ impl<'a> Lab<'a> {
                     UncertainResponse::solve(self.limb, sites, gauges, &params)?
                 }
                 Mesh::Shell => {
-                    let max_wall_m = self.run.scene.rig.max_wall_m;
+                    let max_wall_m = self.limb.max_wall_m;
                     UncertainResponse::solve_shell(self.limb, sites, gauges, max_wall_m, &params)?
                 }
             };

@@ -36,7 +36,7 @@ pub(crate) struct Shown<'a> {
 
 /// Makes every figure.
 pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
-    let surface = Surface::of(shown.run, shown.limb)?;
+    let surface = Surface::of(shown.limb)?;
     let mut figures = maps::rigidity(&surface, &self_compliance(shown.limb, shown.done)?)?;
     figures.push(errors::figure_4a(shown.singles)?);
     figures.push(errors::figure_4b(&surface, shown.singles)?);

@@ -1,6 +1,6 @@
 //! Ranges of the scene's values.
 
-use super::{ContactRegion, EstimatorSpec, Mount, RigMesh, Scene};
+use super::{ContactRegion, EstimatorSpec, Geometry, Mount, RigMesh, Scene, Shape, WallThickness};
 
 /// A value outside its range.
 pub(super) struct Fault {
@@ -14,18 +14,25 @@ type Checked = Result<(), Fault>;
 /// Checks every value of the scene in the order of the file.
 pub(super) fn check(scene: &Scene) -> Checked {
     check_name(&scene.name)?;
-    direction("geometry.axis.direction", &scene.geometry.axis.direction)?;
-    require(
-        scene.geometry.refinements <= 2,
-        "geometry.refinements",
-        "0, 1 or 2",
-        scene.geometry.refinements.to_string(),
-    )?;
+    check_geometry(&scene.geometry)?;
     check_mount(&scene.mount)?;
     check_contact(scene)?;
     check_gauges(scene)?;
     check_rig(scene)?;
     check_estimator(&scene.estimator)
+}
+
+fn check_geometry(geometry: &Geometry) -> Checked {
+    if let Some(axis) = &geometry.axis {
+        direction("geometry.axis.direction", &axis.direction)?;
+    }
+    if let Shape::Skin(skin) = &geometry.shape
+        && let WallThickness::Constant(wall_m) = skin.wall
+    {
+        positive("geometry.wall_m", wall_m)?;
+    }
+    let n = geometry.refinements;
+    require(n <= 2, "geometry.refinements", "0, 1 or 2", n.to_string())
 }
 
 fn check_estimator(estimator: &EstimatorSpec) -> Checked {
@@ -62,11 +69,18 @@ fn check_name(name: &str) -> Checked {
 }
 
 fn check_mount(mount: &Mount) -> Checked {
-    let Mount::Box { min_m, max_m } = mount else {
-        return Ok(());
-    };
-    let ordered = (0..3).all(|i| min_m[i] < max_m[i]);
-    require(ordered, "mount.max_m", "above mount.min_m in x, y and z", format!("{max_m:?}"))
+    match mount {
+        Mount::Deck {} | Mount::NodeSet { .. } => Ok(()),
+        Mount::Box { min_m, max_m } => {
+            let ordered = (0..3).all(|i| min_m[i] < max_m[i]);
+            require(ordered, "mount.max_m", "above mount.min_m in x, y and z", format!("{max_m:?}"))
+        }
+        Mount::Plane { point_m, normal } => {
+            finite("mount.point_m", point_m)?;
+            direction("mount.normal", normal)
+        }
+        Mount::End { length_m, .. } => positive("mount.length_m", *length_m),
+    }
 }
 
 fn check_contact(scene: &Scene) -> Checked {
@@ -115,7 +129,7 @@ fn check_rig(scene: &Scene) -> Checked {
         let path = format!("rig.{name}.correlation_length_m");
         positive(&path, variation.correlation_length_m)?;
     }
-    positive("rig.max_wall_m", rig.max_wall_m)?;
+    rig.max_wall_m.map_or(Ok(()), |wall_m| positive("rig.max_wall_m", wall_m))?;
     not_negative("rig.misplacement.shift_m", rig.misplacement.shift_m)?;
     let gain = rig.gain.fraction;
     require((0.0..1.0).contains(&gain), "rig.gain.fraction", "in [0, 1)", gain.to_string())?;

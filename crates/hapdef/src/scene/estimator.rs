@@ -17,7 +17,7 @@ pub enum EstimatorSpec {
 
 /// Parameters of the paper's chain.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct HapdefxSpec {
     /// Radius that the k nearest neighbours of k-Max span, m; the paper has about 10 mm.
     pub kmax_radius_m: f64,
@@ -27,30 +27,27 @@ pub struct HapdefxSpec {
 
 /// Parameters of superposition.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct SuperpositionSpec {
     /// Standard deviation of a reading's noise, µε.
     pub noise_ue: f64,
     /// Relative error of the response map: a tenth for a limb that was only computed, a hundredth
     /// after a calibration with thousands of presses.
-    #[serde(default = "default_map_error")]
     pub map_error: f64,
     /// Refinements of the limb's mesh for the map that `hapdef calibrate` corrects; each cuts an
     /// element into eight.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub map_refinements: u32,
     /// Largest friction coefficient of what touches.
-    #[serde(default)]
     pub friction: f64,
     /// Radius of the widest tip that touches, m; none wider than `contact.tip_radius_m` if that is more.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub widest_tip_m: f64,
     /// What `hapdef calibrate` wrote, relative to the scene file: the map and its error come from
     /// there, and nothing is solved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<PathBuf>,
     /// Sites of the scan.
-    #[serde(default = "default_sites")]
     pub n_sites: usize,
 }
 
@@ -66,13 +63,19 @@ impl Default for SuperpositionSpec {
     fn default() -> Self {
         Self {
             noise_ue: 1.0,
-            map_error: default_map_error(),
+            map_error: 0.1,
             map_refinements: 0,
             friction: 0.0,
             widest_tip_m: 0.0,
             calibration: None,
-            n_sites: default_sites(),
+            n_sites: 800,
         }
+    }
+}
+
+impl Default for EstimatorSpec {
+    fn default() -> Self {
+        Self::Superposition(SuperpositionSpec::default())
     }
 }
 
@@ -117,12 +120,4 @@ impl EstimatorSpec {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
-}
-
-fn default_map_error() -> f64 {
-    0.1
-}
-
-fn default_sites() -> usize {
-    800
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// All gauges of the limb.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct GaugeSpec {
     /// Length along the gauge's axis, m; the paper has 8 mm.
     pub length_m: f64,
@@ -29,4 +29,18 @@ pub struct GaugeEntry {
     pub position_m: [f64; 3],
     /// Measuring direction; its part along the wall counts.
     pub axis: [f64; 3],
+}
+
+impl Default for GaugeSpec {
+    /// The paper's size, 8 × 5 mm, and its 24 virtual gauges; a tenth of a footprint may hang over.
+    /// No gauge.
+    fn default() -> Self {
+        Self {
+            length_m: 8e-3,
+            width_m: 5e-3,
+            max_lost_share: 0.1,
+            patch_nodes: 24,
+            sites: Vec::new(),
+        }
+    }
 }

@@ -1,42 +1,6 @@
-//! Scene sections about the limb itself: geometry, material, mount, contact.
+//! Scene sections about the limb itself: material, mount, contact.
 
-use std::path::PathBuf;
-
-use hapdef_mesh::LengthUnit;
 use serde::{Deserialize, Serialize};
-
-/// Where the limb's shape comes from.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Geometry {
-    /// Deck or volume mesh of tetrahedra (`.inp`, `.dat`, `.cdb`, `.msh`, each also `.gz`), relative
-    /// to the scene file.
-    pub solid_deck: PathBuf,
-    /// Unit of the deck's lengths, metres or millimetres. Stresses and densities go along: Pa and
-    /// kg/m³ with metres, MPa and t/mm³ with millimetres.
-    #[serde(with = "deck_unit")]
-    pub unit: LengthUnit,
-    /// The limb's long axis, for unrolling and for radial rules.
-    pub axis: Axis,
-    /// How many times every tetrahedron of the deck is cut into eight before anything else;
-    /// `hapdef converge` says how many it takes.
-    #[serde(default)]
-    pub refinements: u32,
-    /// Surface (`.glb`, `.gltf`) in metres and in the deck's frame that the live page draws instead
-    /// of the deck's skin, relative to the scene file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub skin_gltf: Option<PathBuf>,
-}
-
-/// A line in space.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Axis {
-    /// A point on it, m.
-    pub point_m: [f64; 3],
-    /// Its direction, any length above 0.
-    pub direction: [f64; 3],
-}
 
 /// Isotropic linear-elastic material.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -68,11 +32,35 @@ pub enum Mount {
         /// Upper corner, m.
         max_m: [f64; 3],
     },
+    /// All nodes on a plane and beyond it.
+    Plane {
+        /// A point on it, m.
+        point_m: [f64; 3],
+        /// Its normal, out of the limb, towards what holds it.
+        normal: [f64; 3],
+    },
+    /// All nodes near an end of the limb along `geometry.axis`.
+    End {
+        /// Which one.
+        end: LimbEnd,
+        /// How far from it, m.
+        length_m: f64,
+    },
+}
+
+/// An end of the limb along its axis.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LimbEnd {
+    /// Where the axis comes from.
+    Low,
+    /// Where it points to.
+    High,
 }
 
 /// Where and how the limb is touched.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct ContactSpec {
     /// The skin that may be touched; its nodes carry the deformation map.
     pub region: ContactRegion,
@@ -101,8 +89,11 @@ pub enum ContactRegion {
         /// Range along the axis, m.
         axial_range_m: [f64; 2],
     },
-    /// Faces that see the outside, found by casting rays.
+    /// Faces that see the outside: of a skin's wall its outer side, of a deck what casting rays
+    /// finds.
     OuterSkin {},
+    /// The outer skin without the faces at held nodes.
+    FreeSkin {},
 }
 
 /// Direction of a contact's force.
@@ -115,22 +106,23 @@ pub enum LoadDirection {
     Radial,
 }
 
-/// The units that a deck's lengths may have, by their signs.
-mod deck_unit {
-    use hapdef_mesh::LengthUnit;
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    const ALLOWED: [LengthUnit; 2] = [LengthUnit::Metre, LengthUnit::Millimetre];
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-    pub(super) fn serialize<S: Serializer>(unit: &LengthUnit, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(unit.symbol())
+impl Default for ContactSpec {
+    /// A tip of 2 mm on all of the free skin, along its normal, up to 34 N; as many as four contacts,
+    /// 12 mm apart.
+    fn default() -> Self {
+        Self {
+            region: ContactRegion::FreeSkin {},
+            tip_radius_m: 2e-3,
+            force_range_n: [0.0, 34.0],
+            direction: LoadDirection::Normal,
+            min_spacing_m: 12e-3,
+            max_contacts: 4,
+        }
     }
+}
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<LengthUnit, D::Error> {
-        let sign = String::deserialize(from)?;
-        let unit = ALLOWED.into_iter().find(|unit| unit.symbol() == sign);
-        unit.ok_or_else(|| D::Error::unknown_variant(&sign, &["m", "mm"]))
-    }
+impl MaterialSpec {
+    /// PA2200, laser-sintered polyamide: what a limb is made of of which nothing else is known.
+    pub const PA2200: Self =
+        Self { youngs_modulus_pa: 1.7e9, poissons_ratio: 0.394, density_kg_m3: 930.0 };
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The simulated hardware: how it differs from the drawing and what it presses.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct RigSpec {
     /// The mesh the rig is solved on.
     pub mesh: RigMesh,
@@ -14,8 +14,10 @@ pub struct RigSpec {
     pub stiffness: VariationSpec,
     /// Smooth variation of the wall thickness.
     pub thickness: VariationSpec,
-    /// Depth below the skin down to which material counts as wall, m.
-    pub max_wall_m: f64,
+    /// Depth below the skin down to which material counts as wall, m; if absent, half as much again
+    /// as the wall of `geometry.skin` at its thickest, 3 mm for a deck.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_wall_m: Option<f64>,
     /// Gauges off their place.
     pub misplacement: MisplacementSpec,
     /// Gauge gains.
@@ -25,7 +27,7 @@ pub struct RigSpec {
     /// The presses that are recorded.
     pub presses: PressSpec,
     /// What the virtual rig's electronics do over time; nothing if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveSpec>,
 }
 
@@ -124,7 +126,7 @@ pub struct VariationSpec {
 
 /// Gauges off their nominal place.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct MisplacementSpec {
     /// Distance along the wall, m.
     pub shift_m: f64,
@@ -136,7 +138,7 @@ pub struct MisplacementSpec {
 
 /// Gauge gains off from one.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct GainSpec {
     /// Largest deviation as a fraction.
     pub fraction: f64,
@@ -146,7 +148,7 @@ pub struct GainSpec {
 
 /// The measuring chain.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct ElectronicsSpec {
     /// White noise, standard deviation, µε.
     pub noise_ue: f64,
@@ -160,7 +162,7 @@ pub struct ElectronicsSpec {
 
 /// The probing robot's protocol (Sun & Martius 2019, sections 3.1 and 4.4).
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct PressSpec {
     /// Seed of the single presses.
     pub single_seed: u64,
@@ -172,6 +174,58 @@ pub struct PressSpec {
     pub held_force_n: f64,
     /// Half width of the held force's uniform spread, N.
     pub held_spread_n: f64,
+}
+
+impl Default for RigSpec {
+    /// The limb's mesh refined once; stiffness 10 %, wall 5 %, gains 3 % off.
+    fn default() -> Self {
+        let varied = |fraction, seed| VariationSpec { fraction, correlation_length_m: 0.03, seed };
+        Self {
+            mesh: RigMesh::Refined { times: 1 },
+            stiffness: varied(0.1, 11),
+            thickness: varied(0.05, 12),
+            max_wall_m: None,
+            misplacement: MisplacementSpec::default(),
+            gain: GainSpec::default(),
+            electronics: ElectronicsSpec::default(),
+            presses: PressSpec::default(),
+            live: None,
+        }
+    }
+}
+
+impl Default for MisplacementSpec {
+    /// A millimetre and 3°.
+    fn default() -> Self {
+        Self { shift_m: 1e-3, turn_deg: 3.0, seed: 13 }
+    }
+}
+
+impl Default for GainSpec {
+    /// 3 %.
+    fn default() -> Self {
+        Self { fraction: 0.03, seed: 14 }
+    }
+}
+
+impl Default for ElectronicsSpec {
+    /// A microstrain of noise and 12 bits.
+    fn default() -> Self {
+        Self { noise_ue: 1.0, adc_bits: 12, headroom: 1.5, seed: 15 }
+    }
+}
+
+impl Default for PressSpec {
+    /// The paper's: 12–75 mm apart, one held at 30 N.
+    fn default() -> Self {
+        Self {
+            single_seed: 16,
+            double_seed: 17,
+            spacing_range_m: [0.012, 0.075],
+            held_force_n: 30.0,
+            held_spread_n: 1.0,
+        }
+    }
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]

@@ -11,6 +11,7 @@ use super::compare::ShellComparison;
 use super::press::{Comparison, Solid};
 use super::sites::on_wall;
 use crate::error::HapdefError;
+use crate::skin_solid::level_faces;
 
 /// Walls thicker than an edge get two layers of wedges.
 const MAX_LAYER_PER_EDGE: f64 = 1.0;
@@ -119,13 +120,6 @@ impl Wall {
             gauges: gauges.collect(),
         }
     }
-}
-
-/// Boundary faces of the wall whose corners are all on one level.
-fn level_faces(wall: &Extrusion, level: usize) -> Vec<Tri6Face> {
-    let is_level = |node: &FeNodeId| node.index() % (wall.n_layers + 1) == level;
-    let faces = wall.mesh.boundary().faces.into_iter();
-    faces.filter(|face| face.nodes[..3].iter().all(is_level)).collect()
 }
 
 /// All nodes of the columns under clamped vertices: corners, and middles between them.

@@ -15,7 +15,7 @@ const DATASET_VERSION: u32 = 1;
 pub(crate) fn limb(scene: &Scene, deck_hash: &str) -> Value {
     json!({
         "deck": deck_hash,
-        "geometry": all_but(&scene.geometry, &["solid_deck", "skin_gltf"]),
+        "geometry": all_but(&scene.geometry, &["solid_deck", "skin", "skin_gltf"]),
         "material": scene.material,
         "mount": scene.mount,
         "contact": all_but(&scene.contact, &["force_range_n", "min_spacing_m", "max_contacts"]),

@@ -13,9 +13,10 @@ use serde_json::{Value, json};
 use super::keys;
 use crate::cache::Stage;
 use crate::error::HapdefError;
-use crate::limb::{Limb, Solid, deck_hash, place_gauges};
+use crate::limb::{Limb, place_gauges};
 use crate::run::Run;
 use crate::scene::{RigMesh, RigSpec, VariationSpec};
+use crate::solid::{Solid, deck_hash};
 use crate::work::{Work, WorkKind};
 
 const RESPONSE_FILE: &str = "response.safetensors";
@@ -70,7 +71,7 @@ pub fn real_limb(run: &Run, limb: &Limb, gauges: &[GaugeSite]) -> Result<RealLim
         skin: own.as_ref().map_or(&limb.skin, |own| &own.skin),
         tip_radius_m: run.scene.contact.tip_radius_m,
     };
-    Ok(RealLimb::build(&nominal, &rig_params(&run.scene.rig), run.threads)?)
+    Ok(RealLimb::build(&nominal, &rig_params(&run.scene.rig, limb.max_wall_m), run.threads)?)
 }
 
 /// The rig's own mesh, not refined, with mount and skin; none where it is the limb's refined.
@@ -82,7 +83,7 @@ pub(crate) fn rig_solid(run: &Run) -> Result<Option<Solid>, HapdefError> {
     let Some(path) = rig_deck(run) else {
         return Ok(None);
     };
-    Solid::load(&run.scene, &path, 0).map(Some).map_err(of_rig(&path))
+    Solid::of_deck(&run.scene, &path).map(Some).map_err(of_rig(&path))
 }
 
 /// FE nodes and elements of the rig's own mesh, on which mount, contact region and gauges have been
@@ -157,7 +158,7 @@ fn write_response(path: &Path, rows: &[f32], limb: &Limb) -> Result<(), HapdefEr
     Ok(())
 }
 
-fn rig_params(rig: &RigSpec) -> RigParams {
+fn rig_params(rig: &RigSpec, max_wall_m: f64) -> RigParams {
     let variation = |spec: &VariationSpec| VariationParams {
         fraction: spec.fraction,
         correlation_length_m: spec.correlation_length_m,
@@ -172,7 +173,7 @@ fn rig_params(rig: &RigSpec) -> RigParams {
         max_off_skin_m,
         stiffness: variation(&rig.stiffness),
         thickness: variation(&rig.thickness),
-        max_wall_m: rig.max_wall_m,
+        max_wall_m,
         misplacement: MisplacementParams {
             shift_m: rig.misplacement.shift_m,
             turn_rad: rig.misplacement.turn_deg.to_radians(),

@@ -128,11 +128,10 @@ pub(super) struct Places {
 
 impl Places {
     pub(super) fn find(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
-        let max_wall_m = run.scene.rig.max_wall_m;
-        let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, max_wall_m)?;
+        let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, limb.max_wall_m)?;
         let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
         let chosen = farthest_nodes(&limb.mesh, &nodes, params.n_positions);
-        let along = Unit::new_normalize(Vector3::from(run.scene.geometry.axis.direction));
+        let along = Unit::new_normalize(Vector3::from(limb.axis.direction));
         let mut places =
             Self { gauges: Vec::new(), placed: Vec::new(), n_own: limb.gauges.len(), n_refused: 0 };
         let tried: Vec<_> = (0..chosen.len() * params.n_axes)

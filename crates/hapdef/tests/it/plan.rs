@@ -207,7 +207,7 @@ fn the_plan_says_whether_a_shell_would_do_and_how_it_knows() {
     let results = folder.path().join("results");
     let why = || {
         let made = plan(&run, &limb, &Rates::default()).unwrap();
-        let advised = made.with_shell_advice(&limb, run.scene.rig.max_wall_m, &results);
+        let advised = made.with_shell_advice(&limb, limb.max_wall_m, &results);
         let advised = advised.unwrap();
         let step = advised.step("shell model instead").unwrap();
         assert_eq!((step.state, step.when), (StepState::Alternative, When::Design));

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use hapdef::Limb;
+use hapdef::scene::Axis;
 use hapdef::touch::{UncertainParams, UncertainResponse};
 use hapdef_inverse::ResponseMap;
 use hapdef_mesh::{FeNodeId, OuterSkinParams, kuhn_tube, outer_skin};
@@ -49,6 +50,8 @@ fn tube() -> Limb {
         boundary,
         skin,
         clamped,
+        axis: Axis { point_m: [0.0; 3], direction: [0.0, 0.0, 1.0] },
+        max_wall_m: 0.003,
         sites,
         gauge_params,
     }

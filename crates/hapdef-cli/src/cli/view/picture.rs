@@ -77,7 +77,7 @@ pub(super) fn of_scene(run: &Run, limb: &Limb) -> Result<(LimbPicture, Surface)>
         },
         None => boundary(limb),
     };
-    let axis = Vector3::from(scene.geometry.axis.direction);
+    let axis = Vector3::from(limb.axis.direction);
     let picture = LimbPicture {
         title: scene.name.clone(),
         gauges: sites(scene),

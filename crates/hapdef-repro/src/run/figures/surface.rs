@@ -1,7 +1,7 @@
 //! The skin as the pictures need it.
 
 use anyhow::Result;
-use hapdef::{Limb, Run};
+use hapdef::Limb;
 use hapdef_report::{
     Figure, LimbMarker, LimbPicture, Mark, RenderParams, Unrolled, UnrolledMarker, unroll,
 };
@@ -25,9 +25,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    pub(super) fn of(run: &Run, limb: &Limb) -> Result<Self> {
+    pub(super) fn of(limb: &Limb) -> Result<Self> {
         let mesh = limb.skin.surface(&limb.mesh)?;
-        let axis = Vector3::from(run.scene.geometry.axis.direction);
+        let axis = Vector3::from(limb.axis.direction);
         Ok(Self {
             positions: mesh.vertices().iter().map(|p| p.coords.into()).collect(),
             triangles: mesh.triangles().to_vec(),

@@ -19,8 +19,8 @@ fn small(scene: &str, out: &Path, max_contacts: usize) -> (Run, Limb) {
     if let ContactRegion::Radial { axial_range_m, .. } = &mut run.scene.contact.region {
         *axial_range_m = [0.09, 0.12];
     }
-    run.scene.rig.mesh =
-        RigMesh::Deck { solid_deck: run.scene.geometry.solid_deck.clone(), refinements: 0 };
+    let solid_deck = run.scene.geometry.shape.file().to_owned();
+    run.scene.rig.mesh = RigMesh::Deck { solid_deck, refinements: 0 };
     let profile = &mut run.profile;
     (profile.n_single, profile.n_multi, profile.n_real_single) = (200, 100, 200);
     (profile.n_pairs, profile.n_amplitudes, profile.n_svr) = (10, 4, 50);

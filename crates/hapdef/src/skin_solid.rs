@@ -1,0 +1,159 @@
+//! From a skin and the thickness of its wall to a solid.
+
+use std::path::Path;
+
+use hapdef_mesh::{
+    CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError, SkinSide,
+    SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude, read_surface,
+};
+
+use crate::error::HapdefError;
+use crate::scene::{SkinShape, WallThickness};
+
+/// Vertices no farther apart than this are one, m: seams that an exporter split.
+const WELD_M: f64 = 1e-6;
+
+/// Triangles that meet at more than this meet in an edge that stays sharp, rad: 40°.
+const FEATURE_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
+
+/// Walls thicker than this many median edges get two layers of wedges.
+const MAX_LAYER_PER_EDGE: f64 = 1.0;
+
+/// A wall of ten-node tetrahedra.
+pub(crate) struct SkinSolid {
+    /// The mesh, as a deck that states nothing else.
+    pub(crate) deck: SolidDeck,
+    /// The faces of the wall's outside.
+    pub(crate) outside: Vec<Tri6Face>,
+    /// The wall where it is thickest, m.
+    pub(crate) thickest_m: f64,
+}
+
+impl SkinSolid {
+    /// The wall that a scene's geometry describes, in metres.
+    ///
+    /// # Errors
+    /// [`HapdefError::SkinNotClean`] for a surface that is not one oriented body,
+    /// [`HapdefError::SkinWall`] for thicknesses that don't fit it, [`HapdefError::SkinFolds`] for a
+    /// wall that folds or crosses; [`HapdefError::Mesh`] for a file that can't be read.
+    pub(crate) fn load(
+        skin: &SkinShape,
+        unit: LengthUnit,
+        scene_dir: &Path,
+    ) -> Result<Self, HapdefError> {
+        let path = scene_dir.join(&skin.file);
+        let surface = read_clean(&path, unit)?;
+        let thickness_m = match &skin.wall {
+            WallThickness::Constant(wall_m) => vec![*wall_m; surface.vertices().len()],
+            WallThickness::File(file) => {
+                read_thickness(&scene_dir.join(file), surface.vertices().len())?
+            }
+        };
+        let wall = extruded(&surface, &thickness_m, skin.side.into())
+            .map_err(|source| HapdefError::SkinFolds { path, source })?;
+        Ok(Self {
+            outside: level_faces(&wall, 0),
+            deck: deck_of(wall),
+            thickest_m: thickness_m.iter().copied().fold(0.0, f64::max),
+        })
+    }
+}
+
+/// The wall behind a clean skin, `thickness_m` `[n_vertices]` thick: curved between the skin's vertices
+/// but at sharp edges, of one layer of wedges, of two where it is thicker than the skin's edges are long.
+///
+/// # Errors
+/// As [`extrude`].
+pub fn extruded(
+    skin: &SurfaceMesh,
+    thickness_m: &[f64],
+    side: SkinSide,
+) -> Result<Extrusion, MeshError> {
+    let thickest_m = thickness_m.iter().copied().fold(0.0, f64::max);
+    let is_thick = thickest_m > MAX_LAYER_PER_EDGE * median_edge_m(skin);
+    let params = ExtrudeParams {
+        side,
+        n_layers: 1 + usize::from(is_thick),
+        curve: FaceCurve::PointNormal { feature_angle_rad: FEATURE_ANGLE_RAD },
+    };
+    extrude(skin, thickness_m, &params)
+}
+
+/// Boundary faces of a wall whose corners are all on one level.
+pub(crate) fn level_faces(wall: &Extrusion, level: usize) -> Vec<Tri6Face> {
+    let is_level = |node: &hapdef_mesh::FeNodeId| node.index() % (wall.n_layers + 1) == level;
+    let faces = wall.mesh.boundary().faces.into_iter();
+    faces.filter(|face| face.nodes[..3].iter().all(is_level)).collect()
+}
+
+/// The surface of a file in metres, its seams joined, refused unless it is one oriented body.
+fn read_clean(path: &Path, unit: LengthUnit) -> Result<SurfaceMesh, HapdefError> {
+    let no_file =
+        |source| HapdefError::NoDeck { field: "geometry.skin", path: path.into(), source };
+    std::fs::File::open(path).map_err(no_file)?;
+    let given = read_surface(path, &GltfParams { unit, ..GltfParams::default() })?.mesh;
+    let params = CleanParams { weld_tolerance_m: Some(WELD_M), ..CleanParams::default() };
+    let (surface, info) = clean_surface(&given, &params)?;
+    let refused = |source| HapdefError::SkinNotClean { path: path.into(), source };
+    if !info.after.is_manifold() {
+        let defects = Box::new(info.after);
+        return Err(refused(SurfaceFault::Defects { wanted: "a manifold surface", defects }));
+    }
+    if info.body_volumes_m3.len() != 1 {
+        return Err(refused(SurfaceFault::Bodies { volumes_m3: info.body_volumes_m3 }));
+    }
+    if info.after.is_closed() && info.after.volume_m3 <= 0.0 {
+        let size = surface.bounding_box().size_m();
+        let box_volume_m3 = size.x * size.y * size.z;
+        return Err(refused(SurfaceFault::Volume {
+            volume_m3: info.after.volume_m3,
+            box_volume_m3,
+        }));
+    }
+    Ok(surface)
+}
+
+/// One thickness a line, m.
+fn read_thickness(path: &Path, n_vertices: usize) -> Result<Vec<f64>, HapdefError> {
+    let refused = |what: String| HapdefError::SkinWall { path: path.into(), what };
+    let no_file =
+        |source| HapdefError::NoDeck { field: "geometry.wall_m", path: path.into(), source };
+    let text = std::fs::read_to_string(path).map_err(no_file)?;
+    let number = |(i, line): (usize, &str)| match line.trim().parse::<f64>() {
+        Ok(wall_m) if wall_m > 0.0 && wall_m.is_finite() => Ok(wall_m),
+        _ => Err(refused(format!("line {}: expected metres above 0, found {line:?}", i + 1))),
+    };
+    let thickness_m: Vec<f64> = text.lines().enumerate().map(number).collect::<Result<_, _>>()?;
+    match thickness_m.len() {
+        n if n == n_vertices => Ok(thickness_m),
+        n => Err(refused(format!(
+            "expected {n_vertices} lines, one a vertex of the skin, found {n}"
+        ))),
+    }
+}
+
+fn median_edge_m(skin: &SurfaceMesh) -> f64 {
+    let sides = (0..skin.triangles().len()).flat_map(|t| {
+        let [a, b, c] = skin.corners(t);
+        [(b - a).norm(), (c - b).norm(), (a - c).norm()]
+    });
+    let mut lengths: Vec<f64> = sides.collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths[lengths.len() / 2]
+}
+
+fn deck_of(wall: Extrusion) -> SolidDeck {
+    SolidDeck {
+        mesh: wall.mesh,
+        node_labels: Vec::new(),
+        element_labels: Vec::new(),
+        node_sets: Default::default(),
+        material: None,
+        fixed_nodes: Vec::new(),
+        nodal_forces: Vec::new(),
+        face_tractions: Vec::new(),
+        unused_node_labels: Vec::new(),
+        unit: None,
+        notes: Vec::new(),
+    }
+}
