@@ -60,6 +60,8 @@ pub enum HapdefError {
     Rig(#[from] RigError),
     #[error("gauges.sites[{index}] ({name}): {source}")]
     Gauge { index: usize, name: String, source: Box<HapdefError> },
+    #[error("gauges.sites[{index}]: no press reaches it: {why}; move it, or the mount")]
+    Unreached { index: usize, why: &'static str },
     #[error("mount: {what}; {advice}")]
     NoMount { what: String, advice: String },
     #[error(
@@ -75,6 +77,19 @@ pub enum HapdefError {
          {scene}; correct the one that is wrong"
     )]
     DeckUnit { deck: hapdef_mesh::LengthUnit, scene: hapdef_mesh::LengthUnit },
+    #[error("{path}: {what}")]
+    NewLimb { path: PathBuf, what: String },
+    #[error(
+        "{what} can't be told: {why}; state it with {flag} ({}){}",
+        choices.join(", "),
+        if choices.len() > 1 { ", or take the likeliest of what can't be told with --yes" } else { "" }
+    )]
+    Unsure { what: &'static str, why: String, flag: &'static str, choices: Vec<String> },
+    #[error(
+        "the surface is a sheet: it has {n_open_edges} open edges and encloses nothing, so nothing says \
+         which side is outside; close it, or give a solid"
+    )]
+    Sheet { n_open_edges: usize },
     #[error("geometry.skin: {path}: {source}; `hapdef new {path}` makes a clean skin of it")]
     SkinNotClean { path: PathBuf, source: hapdef_mesh::SurfaceFault },
     #[error("geometry.skin: {path}: {source}; `hapdef new {path}` finds a wall that fits")]

@@ -69,6 +69,7 @@ mod hapdefx;
 mod limb;
 mod limb_axis;
 mod map_error;
+pub mod new_limb;
 mod open;
 mod pipeline;
 pub mod plan;

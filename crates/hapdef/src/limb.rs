@@ -114,6 +114,30 @@ impl Limb {
         }
     }
 
+    /// Whether some press on the touchable skin moves every gauge; for the first that none does, why.
+    ///
+    /// # Errors
+    /// [`HapdefError::Unreached`].
+    pub fn check_reached(&self) -> Result<(), HapdefError> {
+        let mut is_pressed = vec![false; self.mesh.nodes().len()];
+        for body in self.mesh.bodies() {
+            let nodes = || body.elements.iter().flat_map(|e| self.mesh.elements()[*e]);
+            if nodes().any(|node| self.skin.nodes.binary_search(&node).is_ok()) {
+                nodes().for_each(|node| is_pressed[node.index()] = true);
+            }
+        }
+        let unreached = |gauge: &GaugeStrain| {
+            let nodes = || gauge.as_ref().weights().iter().map(|weight| weight.node);
+            if !nodes().any(|node| is_pressed[node.index()]) {
+                return Some("it is on a body without touchable skin");
+            }
+            let is_held = |node| self.clamped.binary_search(&node).is_ok();
+            nodes().all(is_held).then_some("all of it is held by the mount")
+        };
+        let found = self.gauges.iter().enumerate().find_map(|(i, g)| Some((i, unreached(g)?)));
+        found.map_or(Ok(()), |(index, why)| Err(HapdefError::Unreached { index, why }))
+    }
+
     /// Number of surface nodes.
     #[must_use]
     pub fn n_surface_nodes(&self) -> usize {

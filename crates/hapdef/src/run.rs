@@ -46,10 +46,26 @@ impl Run {
     ) -> Result<Self, HapdefError> {
         let scene_path = scene_file(scene_path);
         let scene = read_scene(&scene_path)?;
+        let scene_dir = scene_path.parent().unwrap_or(Path::new("."));
+        Self::of_scene(scene, scene_dir, profile, out, threads, progress)
+    }
+
+    /// Prepares a run of a scene whose paths are relative to `scene_dir`.
+    ///
+    /// # Errors
+    /// [`HapdefError::File`] when the scene can't be written as JSON.
+    pub fn of_scene(
+        scene: Scene,
+        scene_dir: &Path,
+        profile: Profile,
+        out: &Path,
+        threads: usize,
+        progress: Progress,
+    ) -> Result<Self, HapdefError> {
         Ok(Self {
             scene_hash: hash_of(&scene)?,
             scene,
-            scene_dir: scene_path.parent().unwrap_or(Path::new(".")).to_path_buf(),
+            scene_dir: scene_dir.to_path_buf(),
             profile,
             cache: Cache::new(out.join("cache")),
             threads,

@@ -11,7 +11,7 @@ use crate::error::HapdefError;
 use crate::scene::{SkinShape, WallThickness};
 
 /// Vertices no farther apart than this are one, m: seams that an exporter split.
-const WELD_M: f64 = 1e-6;
+pub(crate) const WELD_M: f64 = 1e-6;
 
 /// Triangles that meet at more than this meet in an edge that stays sharp, rad: 40°.
 const FEATURE_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
@@ -64,7 +64,7 @@ impl SkinSolid {
 ///
 /// # Errors
 /// As [`extrude`].
-pub fn extruded(
+pub(crate) fn extruded(
     skin: &SurfaceMesh,
     thickness_m: &[f64],
     side: SkinSide,

@@ -19,6 +19,7 @@ mod live_end;
 mod live_record;
 mod live_ros;
 mod network;
+mod new;
 mod pages;
 mod place;
 mod plan;
@@ -48,6 +49,8 @@ use hapdef_cli::SceneArgs;
 #[command(
     version,
     after_help = "Examples:\n  \
+    hapdef new fixtures/shin/shin_skin.glb --folder my-limb\n  \
+    hapdef live my-limb --sim --view\n  \
     hapdef inspect fixtures/shin/shin_skin.glb\n  \
     hapdef eval fixtures/shin/scene.json --profile quick\n\n\
     Results go to target/hapdef/<scene>/; finished stages are kept and not run again."
@@ -65,6 +68,8 @@ enum Command {
         after_help = "Examples:\n  hapdef inspect fixtures/shin/shin_skin.glb\n  hapdef inspect fixtures/shin/shin.inp.gz --json"
     )]
     Inspect(inspect::InspectArgs),
+    /// A limb from any mesh: reads it, says what it guesses, writes a folder with skin and scene.
+    New(new::NewArgs),
     /// Solves a solid deck's own load and prints displacement, energy and mass.
     #[command(after_help = "Example:\n  hapdef deck fixtures/shin/shin.inp.gz")]
     Deck {
@@ -143,6 +148,7 @@ struct RunArgs {
 pub(crate) fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
+        Command::New(args) => new::run(args),
         Command::Deck { file, reference, vtu } => {
             deck::solve(file, reference.as_deref(), vtu.as_deref())
         }

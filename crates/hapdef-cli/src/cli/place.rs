@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use hapdef::scene::{EstimatorSpec, SuperpositionSpec};
-use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, study_layouts};
+use hapdef::touch::{LayoutParams, LayoutStudy, ScoredLayout, gauge_entries, study_layouts};
 use hapdef::{Limb, Run, write_json};
 use hapdef_cli::{SceneArgs, shown};
 use hapdef_inverse::PlacementScore;
@@ -104,7 +104,7 @@ pub(crate) fn run(args: &PlaceArgs) -> Result<()> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
-    write_json(&path, &sites(best))?;
+    write_json(&path, &json!(gauge_entries(&best.gauges)))?;
     let curves = path.with_file_name("placement.csv");
     std::fs::write(&curves, as_csv(&study))
         .with_context(|| format!("writing {}", shown(&curves)))?;
@@ -262,7 +262,7 @@ fn write_scene(path: &Path, run: &Run, layout: &ScoredLayout, args: &PlaceArgs) 
     );
     let mut scene = run.scene.clone();
     scene.name.push_str("-placed");
-    scene.gauges.sites = serde_json::from_value(sites(layout))?;
+    scene.gauges.sites = gauge_entries(&layout.gauges);
     scene.estimator = EstimatorSpec::Superposition(SuperpositionSpec {
         noise_ue: args.noise_ue,
         ..SuperpositionSpec::default()
@@ -270,27 +270,11 @@ fn write_scene(path: &Path, run: &Run, layout: &ScoredLayout, args: &PlaceArgs) 
     Ok(write_json(path, &scene)?)
 }
 
-/// `gauges.sites` of a scene, to the micrometre.
-fn sites(layout: &ScoredLayout) -> Value {
-    let site = |(i, gauge): (usize, &hapdef::touch::PlacedGauge)| {
-        json!({
-            "name": format!("g{i}"),
-            "position_m": <[f64; 3]>::from(gauge.position_m.coords).map(to_millionths),
-            "axis": <[f64; 3]>::from(gauge.axis).map(to_millionths),
-        })
-    };
-    layout.gauges.iter().enumerate().map(site).collect()
-}
-
-fn to_millionths(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
-}
-
 fn as_json(study: &LayoutStudy) -> Value {
     let layouts = study.layouts.iter().map(|layout| {
         json!({
             "name": layout.name,
-            "sites": sites(layout),
+            "sites": gauge_entries(&layout.gauges),
             "bounds": bounds(&layout.score),
             "elapsed_s": layout.elapsed_s,
         })

@@ -23,6 +23,7 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
     );
     limb.deck_notes.iter().for_each(|note| println!("deck: {}", printable(note)));
     limb.check_held()?;
+    limb.check_reached()?;
     say_what_is_drawn(&run, &limb)?;
     if let Some([n_nodes, n_elements]) = check_rig_mesh(&run, &limb)? {
         println!("simulated hardware: {n_nodes} FE nodes, {n_elements} elements of its own");

@@ -111,8 +111,8 @@ fn a_scene_that_is_cut_off() {
 fn what_is_no_scene_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
-        ("limb.glb", "hapdef shell"),
-        ("limb.GLTF", "hapdef shell"),
+        ("limb.glb", "hapdef new"),
+        ("limb.GLTF", "hapdef new"),
         ("limb.hapdef", "hapdef live"),
         ("limb.json", "docs/scene.md"),
     ];

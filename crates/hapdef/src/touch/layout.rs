@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
+use crate::scene::GaugeEntry;
 
 /// Least cosine between the normals of a gauge and of the same gauge glued off its place: beyond
 /// 60° it lies on another wall, around an edge.
@@ -77,6 +78,17 @@ pub struct PlacedGauge {
     pub position_m: Point3<f64>,
     /// Measuring direction, unit length.
     pub axis: Vector3<f64>,
+}
+
+/// Gauges as a scene has them, to the micrometre, named g0, g1, …
+#[must_use]
+pub fn gauge_entries(gauges: &[PlacedGauge]) -> Vec<GaugeEntry> {
+    let entry = |(i, gauge): (usize, &PlacedGauge)| GaugeEntry {
+        name: format!("g{i}"),
+        position_m: <[f64; 3]>::from(gauge.position_m.coords).map(to_micrometres),
+        axis: <[f64; 3]>::from(gauge.axis).map(to_micrometres),
+    };
+    gauges.iter().enumerate().map(entry).collect()
 }
 
 /// A layout and what it can tell.

@@ -24,7 +24,9 @@ pub use hapdef_live::estimator::{
     Tracking,
 };
 pub use hapdef_live::{Alternative, Contact, Quality, Touch, Uncertainty};
-pub use layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout};
+pub use layout::{
+    CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, gauge_entries,
+};
 pub use layout_choice::{LayoutCandidates, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};

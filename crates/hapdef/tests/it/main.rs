@@ -19,5 +19,6 @@ mod session;
 mod shell_limb;
 mod shell_limb_common;
 mod shell_response;
+mod skin_scene;
 mod skips;
 mod touch;

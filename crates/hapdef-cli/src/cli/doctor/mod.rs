@@ -41,6 +41,7 @@ pub(crate) struct DoctorArgs {
     #[arg(long, help = format!("Where readings come from: {SOURCE_FORMS}"))]
     source: Option<SourceArg>,
     /// Scene or bundle whose gauges the channels should be; a bundle is looked at, too.
+    #[arg(value_parser = scene_path())]
     scene: Option<PathBuf>,
     /// How long readings are looked at, s.
     #[arg(long, default_value = "3", value_parser = seconds)]

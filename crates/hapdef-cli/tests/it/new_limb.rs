@@ -1,0 +1,174 @@
+//! `hapdef new`, as somebody uses it who has a mesh: from the file to contacts, and what is refused.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use hapdef_mesh::{SurfaceMesh, write_glb};
+use nalgebra::Point3;
+use serde_json::{Value, json};
+
+use crate::shell_limb_common::{fixture, surface};
+
+/// Simulated presses that correct the response, and how far single ones may be off then, the median, m.
+const N_PRESSES: &str = "100";
+const MEDIAN_M: f64 = 2e-3;
+
+fn hapdef(words: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hapdef")).args(words).current_dir(folder).output().unwrap()
+}
+
+#[track_caller]
+fn done(words: &[&str], folder: &Path) -> String {
+    let output = hapdef(words, folder);
+    let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(output.status.success(), "{words:?}: {}", said(&output.stderr));
+    said(&output.stdout)
+}
+
+#[track_caller]
+fn refused(words: &[&str], folder: &Path, expected: &[&str]) {
+    let output = hapdef(words, folder);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    for words in expected {
+        assert!(text.contains(words), "{words:?} is not in: {text}");
+    }
+    let left: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(left.iter().all(|path| !path.is_dir()), "left behind: {left:?}");
+}
+
+fn shin_skin() -> String {
+    fixture("shin_skin.glb").canonicalize().unwrap().to_str().unwrap().to_owned()
+}
+
+/// The readings of a table of presses alone, and where they were.
+fn readings(presses: &Path, to: &Path) -> Vec<Point3<f64>> {
+    let text = std::fs::read_to_string(presses).unwrap();
+    let (mut places, mut lines) = (Vec::new(), String::new());
+    for line in text.lines().skip(1) {
+        let numbers: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();
+        places.push(Point3::from_slice(&numbers[..3]));
+        let words: Vec<String> = numbers[4..].iter().map(f64::to_string).collect();
+        lines.push_str(&(words.join(",") + "\n"));
+    }
+    std::fs::write(to, lines).unwrap();
+    places
+}
+
+/// How far the strongest contact found of each simulated press is from it, m; of those after a
+/// calibration by other presses, rising.
+fn misses_m(limb: &str, folder: &Path) -> Vec<f64> {
+    done(&["probe", limb, "presses.csv", "--presses", N_PRESSES], folder);
+    done(&["calibrate", limb, "presses.csv", &format!("{limb}/made.json")], folder);
+    let file = folder.join(limb).join("scene.json");
+    let mut scene: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    scene["estimator"] = json!({"kind": "superposition", "calibration": "made.json"});
+    std::fs::write(&file, scene.to_string()).unwrap();
+    done(&["probe", limb, "others.csv", "--presses", "25", "--press-seed", "2"], folder);
+    let places = readings(&folder.join("others.csv"), &folder.join("readings.csv"));
+    let found = done(&["contacts", limb, "readings.csv", "--json"], folder);
+    let miss = |(line, place): (&str, &Point3<f64>)| {
+        let frame: Value = serde_json::from_str(line).unwrap();
+        let contacts = frame["contacts"].as_array().unwrap().iter();
+        let strongest = contacts.max_by(|a, b| {
+            a["force_n"].as_f64().unwrap().total_cmp(&b["force_n"].as_f64().unwrap())
+        });
+        strongest.map_or(f64::INFINITY, |contact| {
+            let found: [f64; 3] = serde_json::from_value(contact["position_m"].clone()).unwrap();
+            (Point3::from(found) - place).norm()
+        })
+    };
+    let mut misses: Vec<f64> = found.lines().zip(&places).map(miss).collect();
+    assert_eq!(misses.len(), places.len());
+    misses.sort_by(f64::total_cmp);
+    misses
+}
+
+#[test]
+fn from_a_skin_to_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let new = ["new", &shin_skin(), "--folder", "my-limb"];
+    let said = done(&[&new[..], &["--edge", "5", "--wall", "1.5"]].concat(), folder);
+    let expected = ["unit      m", "3° from the longest side", "low end", "1.50 mm", "next:"];
+    for words in expected {
+        assert!(said.contains(words), "{words:?} is not in: {said}");
+    }
+    let text = std::fs::read_to_string(folder.join("my-limb/scene.json")).unwrap();
+    assert!(text.lines().count() <= 16, "{text}");
+    let checked = done(&["check", "my-limb"], folder);
+    assert!(checked.contains("my-limb: ") && checked.contains("10 gauges"), "{checked}");
+    let again = hapdef(&new, folder);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("--replace"));
+    let misses = misses_m("my-limb", folder);
+    let median_m = misses[misses.len() / 2];
+    assert!(median_m < MEDIAN_M, "{misses:?}");
+    let live = done(&["live", "my-limb", "--sim", "--seconds", "4", "--json"], folder);
+    let frames = live.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let n_touched = frames.filter(|f| f["contacts"].as_array().is_some_and(|c| !c.is_empty()));
+    assert!(n_touched.count() > 100, "{live}");
+}
+
+#[test]
+fn guesses_that_are_not_sure_name_their_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let shin = surface(Path::new(&shin_skin()));
+    let scaled = |factor: f64| {
+        let path = folder.path().join("limb.glb");
+        write_glb(&path, &shin.scaled(factor).unwrap(), None).unwrap();
+    };
+    let longest = shin.bounding_box().longest_m();
+    scaled(60.0 / longest);
+    refused(&["new", "limb.glb"], folder.path(), &["--unit", "(mm, cm)", "--yes"]);
+    scaled(3000.0 / longest);
+    refused(&["new", "limb.glb", "--yes"], folder.path(), &["--unit", "not a limb's length"]);
+    let middle = shin.bounding_box().centre();
+    let vertices = shin.vertices().iter().map(|x| x - middle.coords).collect();
+    let centred = SurfaceMesh::new(vertices, shin.triangles().to_vec()).unwrap();
+    write_glb(&folder.path().join("limb.glb"), &centred, None).unwrap();
+    refused(&["new", "limb.glb"], folder.path(), &["--mount-end", "low, high", "near neither end"]);
+}
+
+#[test]
+fn what_is_no_limb_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheet: Vec<_> = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.0, 0.1]]
+        .map(|[x, y]| Point3::new(x, y, 0.0))
+        .into();
+    let sheet = SurfaceMesh::new(sheet, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    write_glb(&folder.path().join("sheet.glb"), &sheet, None).unwrap();
+    refused(&["new", "sheet.glb"], folder.path(), &["sheet"]);
+    std::fs::write(folder.path().join("limb.step"), "ISO-10303-21;").unwrap();
+    refused(&["new", "limb.step"], folder.path(), &["expected .glb", "step"]);
+}
+
+/// A limb of the shared folder, if that is there.
+fn shared_limb(file: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(std::env::var_os("HAPDEF_SHARED")?).join("inputs/limbs").join(file);
+    path.exists().then_some(path)
+}
+
+#[test]
+#[ignore = "minutes: nightly"]
+fn robots_limbs_become_limbs() {
+    for (file, flags) in [
+        ("kinova_forearm.glb", ["--yes"].as_slice()),
+        ("bolt_lower_leg.stl", &["--yes"]),
+        ("hyq_lowerleg.dae", &["--yes"]),
+        ("alexander_left_shin.glb", &["--yes"]),
+    ] {
+        let Some(path) = shared_limb(file) else {
+            println!("skipped: {file} is not there");
+            continue;
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let words = ["new", path.to_str().unwrap(), "--folder", "limb"];
+        done(&[&words, flags].concat(), folder.path());
+        done(&["check", "limb"], folder.path());
+        let misses = misses_m("limb", folder.path());
+        let [median_mm, worst_mm] = [misses.len() / 2, misses.len() - 1].map(|i| misses[i] * 1e3);
+        println!("{file}: median {median_mm:.2} mm, worst {worst_mm:.2} mm");
+        assert!(misses[misses.len() / 2] < MEDIAN_M, "{file}: {misses:?}");
+    }
+}
