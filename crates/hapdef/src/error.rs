@@ -82,7 +82,7 @@ pub enum HapdefError {
     #[error(
         "{what} can't be told: {why}; state it with {flag} ({}){}",
         choices.join(", "),
-        if choices.len() > 1 { ", or take the likeliest of what can't be told with --yes" } else { "" }
+        if choices.len() == 2 { ", or take the likeliest of what can't be told with --yes" } else { "" }
     )]
     Unsure { what: &'static str, why: String, flag: &'static str, choices: Vec<String> },
     #[error(

@@ -1,6 +1,6 @@
 //! `hapdef new`: a limb from any mesh.
 
-use std::io::{IsTerminal, Write, stdin, stdout};
+use std::io::{IsTerminal, stdin};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -77,15 +77,13 @@ pub(crate) fn run(args: &NewArgs) -> Result<()> {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(args.threads);
     threads.build_global().map_err(HapdefError::Threads)?;
     let limb = guess(args)?;
-    let mut out = stdout().lock();
     for guess in &limb.guesses {
-        writeln!(out, "{:9} {:38} {}", guess.what, guess.value, guess.why)?;
+        println!("{:9} {:38} {}", guess.what, guess.value, guess.why);
     }
-    out.flush()?;
     let made = limb.write(&args.folder(), args.replace, args.threads, on_stderr())?;
-    made.said.iter().try_for_each(|said| writeln!(out, "made      {said}"))?;
-    writeln!(out, "scene     {}", shown(&made.scene))?;
-    writeln!(out, "next:     hapdef live {} --sim --view", shown(args.folder()))?;
+    made.said.iter().for_each(|said| println!("made      {said}"));
+    println!("scene     {}", shown(&made.scene));
+    println!("next:     hapdef live {} --sim --view", shown(args.folder()));
     Ok(())
 }
 
@@ -97,7 +95,7 @@ fn guess(args: &NewArgs) -> Result<NewLimb> {
             Err(HapdefError::Unsure { what, why, flag, choices })
                 if stdin().is_terminal() && !args.yes =>
             {
-                eprint!("{what}: {why}. {}? ", choices.join(" or "));
+                eprintln!("{what}: {why}. {}?", choices.join(" or "));
                 let mut answer = String::new();
                 stdin().read_line(&mut answer).context("reading the answer")?;
                 match flag {

@@ -1,13 +1,12 @@
 //! `hapdef scene`: a scene with its defaults.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
 use hapdef::Limb;
 use hapdef::scene::read_scene;
-use hapdef_cli::scene_path;
+use hapdef_cli::{print_json, scene_path};
 
 #[derive(Args)]
 #[command(after_help = "Example:\n  hapdef scene fixtures/shin/scene.json --full")]
@@ -26,6 +25,5 @@ pub(crate) fn run(args: &SceneCommandArgs) -> Result<()> {
         let folder = args.scene.parent().unwrap_or(Path::new("."));
         scene = Limb::load(&scene, folder)?.filled(&scene);
     }
-    let mut out = std::io::stdout().lock();
-    Ok(writeln!(out, "{}", serde_json::to_string_pretty(&scene)?)?)
+    Ok(print_json(&scene, true)?)
 }

@@ -7,7 +7,7 @@ use hapdef_mesh::{SurfaceMesh, write_glb};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
-use crate::shell_limb_common::{fixture, surface};
+use crate::shell_limb_common::{bottle, fixture, surface};
 
 /// Simulated presses that correct the response, and how far single ones may be off then, the median, m.
 const N_PRESSES: &str = "100";
@@ -84,27 +84,41 @@ fn misses_m(limb: &str, folder: &Path) -> Vec<f64> {
     misses
 }
 
+/// A surface as a CAD program writes it: words, in mm.
+fn write_stl(path: &Path, mesh: &SurfaceMesh) {
+    let mut text = "solid limb\n".to_owned();
+    for triangle in 0..mesh.triangles().len() {
+        text.push_str("facet normal 0 0 0\nouter loop\n");
+        for x in mesh.corners(triangle) {
+            let [x, y, z] = [x.x, x.y, x.z].map(|x_m| 1e3 * x_m);
+            text.push_str(&format!("vertex {x:.6} {y:.6} {z:.6}\n"));
+        }
+        text.push_str("endloop\nendfacet\n");
+    }
+    std::fs::write(path, text + "endsolid limb\n").unwrap();
+}
+
 #[test]
-fn from_a_skin_to_contacts() {
+fn from_an_stl_to_contacts() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let new = ["new", &shin_skin(), "--folder", "my-limb"];
-    let said = done(&[&new[..], &["--edge", "5", "--wall", "1.5"]].concat(), folder);
-    let expected = ["unit      m", "3° from the longest side", "low end", "1.50 mm", "next:"];
-    for words in expected {
+    write_stl(&folder.join("bottle.stl"), &bottle());
+    let said = done(&["new", "bottle.stl", "--edge", "9"], folder);
+    for words in
+        ["unit      mm", "0.00,0.00,1.00", "low end", "2.00 mm", "next:     hapdef live bottle"]
+    {
         assert!(said.contains(words), "{words:?} is not in: {said}");
     }
-    let text = std::fs::read_to_string(folder.join("my-limb/scene.json")).unwrap();
+    let text = std::fs::read_to_string(folder.join("bottle/scene.json")).unwrap();
     assert!(text.lines().count() <= 16, "{text}");
-    let checked = done(&["check", "my-limb"], folder);
-    assert!(checked.contains("my-limb: ") && checked.contains("10 gauges"), "{checked}");
-    let again = hapdef(&new, folder);
+    let checked = done(&["check", "bottle"], folder);
+    assert!(checked.contains("bottle: ") && checked.contains("10 gauges"), "{checked}");
+    let again = hapdef(&["new", "bottle.stl"], folder);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("--replace"));
-    let misses = misses_m("my-limb", folder);
-    let median_m = misses[misses.len() / 2];
-    assert!(median_m < MEDIAN_M, "{misses:?}");
-    let live = done(&["live", "my-limb", "--sim", "--seconds", "4", "--json"], folder);
+    let misses = misses_m("bottle", folder);
+    assert!(misses[misses.len() / 2] < MEDIAN_M, "{misses:?}");
+    let live = done(&["live", "bottle", "--sim", "--seconds", "4", "--json"], folder);
     let frames = live.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
     let n_touched = frames.filter(|f| f["contacts"].as_array().is_some_and(|c| !c.is_empty()));
     assert!(n_touched.count() > 100, "{live}");
@@ -152,19 +166,20 @@ fn shared_limb(file: &str) -> Option<PathBuf> {
 #[test]
 #[ignore = "minutes: nightly"]
 fn robots_limbs_become_limbs() {
-    for (file, flags) in [
-        ("kinova_forearm.glb", ["--yes"].as_slice()),
-        ("bolt_lower_leg.stl", &["--yes"]),
-        ("hyq_lowerleg.dae", &["--yes"]),
-        ("alexander_left_shin.glb", &["--yes"]),
+    for file in [
+        "shin_skin.glb",
+        "kinova_forearm.glb",
+        "bolt_lower_leg.stl",
+        "hyq_lowerleg.dae",
+        "alexander_left_shin.glb",
     ] {
-        let Some(path) = shared_limb(file) else {
+        let bundled = || fixture(file).canonicalize().ok();
+        let Some(path) = shared_limb(file).or_else(bundled) else {
             println!("skipped: {file} is not there");
             continue;
         };
         let folder = tempfile::tempdir().unwrap();
-        let words = ["new", path.to_str().unwrap(), "--folder", "limb"];
-        done(&[&words, flags].concat(), folder.path());
+        done(&["new", path.to_str().unwrap(), "--folder", "limb", "--yes"], folder.path());
         done(&["check", "limb"], folder.path());
         let misses = misses_m("limb", folder.path());
         let [median_mm, worst_mm] = [misses.len() / 2, misses.len() - 1].map(|i| misses[i] * 1e3);

@@ -41,7 +41,8 @@ pub(super) fn axis(given: &Given, params: &NewLimbParams, guesses: &mut Vec<Gues
             (longest, why)
         }
     };
-    let [x, y, z] = axis.direction;
+    // what rounds to 0 has no sign
+    let [x, y, z] = axis.direction.map(|x| (x * 100.0).round() / 100.0 + 0.0);
     guesses.push(Guess { what: "axis", value: format!("{x:.2},{y:.2},{z:.2}"), why });
     axis
 }
@@ -93,7 +94,8 @@ fn likely_end(
     params: &NewLimbParams,
 ) -> Result<(LimbEnd, String), HapdefError> {
     let end = if share < 0.5 { LimbEnd::Low } else { LimbEnd::High };
-    let at = format!("the frame's origin is at {:.0} % of the length", 100.0 * share);
+    let percent = (100.0 * share).round() + 0.0;
+    let at = format!("the frame's origin is at {percent:.0} % of the length");
     if let Some(joints) = &given.joints {
         let joint = joints.parent.as_deref().unwrap_or("the base");
         return Ok((

@@ -23,6 +23,9 @@ const SCENE: &str = "scene.json";
 const SKIN: &str = "skin.glb";
 const WALL: &str = "wall.txt";
 
+/// Places that are looked at for gauges, half as many as `hapdef place` does.
+const N_POSITIONS: usize = 80;
+
 /// What was written.
 #[derive(Clone, Debug)]
 pub struct NewLimbFiles {
@@ -99,7 +102,7 @@ impl NewLimb {
         ));
         limb.check_held()?;
         let n_gauges = self.params.n_gauges;
-        let params = LayoutParams { n_gauges, compares: false, ..LayoutParams::default() };
+        let params = LayoutParams { n_gauges, n_positions: N_POSITIONS, ..LayoutParams::default() };
         let placed = LayoutCandidates::solve(&run, &limb, &params)?.recommended(n_gauges)?;
         said.push(format!("{n_gauges} gauges on the inner wall, where they tell most"));
         let sites: Vec<Value> = gauge_entries(&placed).iter().map(|entry| json!(entry)).collect();

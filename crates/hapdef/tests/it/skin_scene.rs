@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::shell_limb_common::bottle;
 use hapdef::scene::{Scene, Shape, WallThickness, read_scene};
 use hapdef::{HapdefError, Limb};
 use hapdef_mesh::{SkinRegion, SurfaceMesh, write_glb};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -29,34 +30,6 @@ const OPTIONAL: [&str; 16] = [
     "/rig/electronics/adc_bits",
     "/estimator",
 ];
-
-/// A closed tube along z, 60 mm across and 200 mm long, its ends domes.
-fn bottle() -> SurfaceMesh {
-    let (n_around, n_up) = (36, 41);
-    let mut vertices = vec![Point3::new(0.0, 0.0, 0.0)];
-    for ring in 0..n_up {
-        let height = 0.2 * (ring as f64 + 0.5) / n_up as f64;
-        let from_end = height.min(0.2 - height);
-        let radius = 0.03 * (1.0 - (1.0 - from_end / 0.03).max(0.0).powi(2)).sqrt();
-        vertices.extend((0..n_around).map(|i| {
-            let angle = std::f64::consts::TAU * i as f64 / n_around as f64;
-            Point3::new(radius * angle.cos(), radius * angle.sin(), height)
-        }));
-    }
-    vertices.push(Point3::new(0.0, 0.0, 0.2));
-    let at = |ring: usize, i: usize| (1 + ring * n_around + i % n_around) as u32;
-    let top = vertices.len() as u32 - 1;
-    let mut triangles = Vec::new();
-    for i in 0..n_around {
-        triangles.push([0, at(0, i + 1), at(0, i)]);
-        for ring in 0..n_up - 1 {
-            let [a, b, c, d] = [at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)];
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-        triangles.push([at(n_up - 1, i), at(n_up - 1, i + 1), top]);
-    }
-    SurfaceMesh::new(vertices, triangles).unwrap()
-}
 
 fn short() -> Value {
     json!({

@@ -16,7 +16,7 @@ use anyhow::Result;
 use clap::Args;
 use hapdef::scene::read_scene;
 use hapdef::{SOURCE_FORMS, SourceArg};
-use hapdef_cli::print_json;
+use hapdef_cli::{print_json, scene_path};
 use serde_json::Value;
 
 use self::check::{Check, State};
