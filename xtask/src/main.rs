@@ -14,6 +14,7 @@ mod first_minute;
 mod fixtures;
 mod frontier;
 mod fuzz;
+mod limbs;
 mod live;
 #[path = "../../crates/hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
@@ -92,6 +93,11 @@ enum Task {
             --seed 1\n  cargo xtask robustness scenes --minutes 10 --seed 1"
     )]
     Robustness(robustness::RobustnessArgs),
+    /// Which real limbs become one skin, which not and why; a table and a page for each.
+    #[command(
+        after_help = "Examples:\n  cargo xtask limbs\n  cargo xtask limbs --folder meshes --only"
+    )]
+    Limbs(limbs::LimbsArgs),
     /// Damaged inputs for every reader; ends with exit code 1 if one panics.
     #[command(after_help = "Example:\n  cargo xtask fuzz --minutes 10")]
     Fuzz(fuzz::FuzzArgs),
@@ -150,6 +156,7 @@ fn run(task: Task) -> Result<()> {
         Task::Compare(args) => compare::run(&args),
         Task::Frontier(args) => frontier::run(&args),
         Task::Robustness(args) => robustness::run(&args),
+        Task::Limbs(args) => limbs::run(&args),
         Task::Fuzz(args) => fuzz::run(&args),
         Task::Soak(args) => soak::run(&args),
         Task::Browser => browser::test(),

@@ -47,6 +47,9 @@ pub enum MeshError {
     #[cfg(feature = "wrap")]
     #[error(transparent)]
     Wrap(#[from] crate::WrapFault),
+    #[cfg(feature = "wrap")]
+    #[error("the body can't be cut: {cause}; a closed body without crossings is wanted")]
+    Carve { cause: String },
     #[error(
         "no boundary face belongs to the contact region: {} (the solid measures {:.6} x {:.6} x {:.6} m)",
         region_remedy(size_m), size_m[0], size_m[1], size_m[2]

@@ -27,6 +27,8 @@ pub mod wrap;
 
 mod atomic;
 mod beside;
+#[cfg(feature = "wrap")]
+mod carve;
 mod error;
 mod ids;
 mod unit;
@@ -37,6 +39,8 @@ pub use self::gltf::{
 pub use self::remesh::{RemeshInfo, RemeshParams, SurfaceDistance, remesh, surface_distance};
 pub use self::shin::{Shin, ShinHole, ShinOutline, ShinParams, shin};
 pub use atomic::atomic_write;
+#[cfg(feature = "wrap")]
+pub use carve::{Pocket, trimmed, with_pockets};
 pub use deck::{
     DeckFault, DeckMaterial, DeckParams, DeckReading, FaceTraction, SolidDeck, deck_includes,
     read_deck, read_deck_with, write_inp,
@@ -59,7 +63,7 @@ pub use solid::{
 pub use surface::{
     BodyChoice, BoundingBox, CleanInfo, CleanParams, Closest, ClosestPoint, Crossing, Defect,
     FaceCurve, QualityReport, RefinedSurface, SLIVER_ANGLE_DEG, SurfaceDefects, SurfaceFault,
-    SurfaceMesh, WeldInfo, clean_surface, read_surface, self_intersections,
+    SurfaceMesh, WeldInfo, clean_surface, read_surface, self_intersections, write_stl,
 };
 pub use unit::{LengthUnit, UnitGuess};
 #[cfg(feature = "wrap")]

@@ -131,6 +131,8 @@ pub enum HapdefError {
          apart in {tries} tries; lower the spacing or contact.max_contacts"
     )]
     TooCrowded { n_contacts: usize, n_nodes: usize, spacing_mm: f64, tries: usize },
+    #[error("the limb can't be printed: {what}")]
+    Print { what: String },
     #[error("{path}: the file doesn't say its unit; it is {guess}: say it with --unit")]
     UnitNotStated { path: PathBuf, guess: hapdef_mesh::UnitGuess },
     #[error("{0}; or, if the skin may stand for the middle of the wall, say so (--side middle)")]

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use hapdef_cli::{print_json, shown};
 use hapdef_contact::printable;
 use hapdef_mesh::{
-    DeckParams, DeckReading, GltfParams, LengthUnit, MeshError, QualityReport, SolidDeck, WeldInfo,
-    read_deck, read_deck_with, read_surface,
+    DeckParams, DeckReading, GltfParams, MeshError, QualityReport, SolidDeck, WeldInfo, read_deck,
+    read_deck_with, read_surface,
 };
+
+use super::unit::Unit;
 
 /// What `hapdef inspect` is given.
 #[derive(Args)]
@@ -30,14 +32,6 @@ pub(crate) struct InspectArgs {
     json: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Unit {
-    M,
-    Mm,
-    Cm,
-    In,
-}
-
 /// Reads a surface or a deck and prints its report.
 pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
     let file = &args.file;
@@ -55,12 +49,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<()> {
 }
 
 fn inspect_surface(args: &InspectArgs) -> Result<()> {
-    let unit = match args.unit {
-        Unit::M => LengthUnit::Metre,
-        Unit::Mm => LengthUnit::Millimetre,
-        Unit::Cm => LengthUnit::Centimetre,
-        Unit::In => LengthUnit::Inch,
-    };
+    let unit = args.unit.into();
     let surface = read_surface(&args.file, &GltfParams { unit, ..GltfParams::default() })?;
     let (mesh, weld) = surface.mesh.weld(args.weld_m)?;
     let (mesh, n_turned) = if args.orient { mesh.oriented() } else { (mesh, 0) };

@@ -23,6 +23,7 @@ mod new;
 mod pages;
 mod place;
 mod plan;
+mod print;
 mod record;
 mod recover;
 mod replay;
@@ -35,7 +36,9 @@ mod sim;
 mod stage;
 mod table;
 mod truth;
+mod unit;
 mod view;
+mod wrap;
 
 use std::path::PathBuf;
 
@@ -94,10 +97,14 @@ enum Command {
     Converge(converge::ConvergeArgs),
     /// From a surface to gauge readings with a shell model, and how far it is from a solid.
     Shell(shell::ShellArgs),
+    /// One clean skin of a dirty surface, faithful or refused, with what was lost and bridged.
+    Wrap(wrap::WrapArgs),
     /// What the scene's gauges can tell about contacts: bounds on the limb, blind spots.
     Limits(limits::LimitsArgs),
     /// Where on the inner wall to put gauges.
     Place(place::PlaceArgs),
+    /// The limb's wall as an STL file with pockets for its gauges, and a drawing to glue them by.
+    Print(print::PrintArgs),
     /// Presses the scene's simulated rig and writes a table of presses.
     Probe(calibrate::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
@@ -157,8 +164,10 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Plan(args) => plan::run(args),
         Command::Converge(args) => converge::converge(args),
         Command::Shell(args) => shell::shell(args),
+        Command::Wrap(args) => wrap::run(args),
         Command::Limits(args) => limits::run(args),
         Command::Place(args) => place::run(args),
+        Command::Print(args) => print::run(args),
         Command::Probe(args) => calibrate::probe(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
         Command::Rig(args) => rig::rig(args),

@@ -18,6 +18,7 @@ use hapdef_mesh::{
 use hapdef_sim::{IsotropicMaterial, ShellKind};
 
 use super::shell_table::show;
+use super::unit::Unit;
 
 /// Density of PA2200, kg/m³; statics don't depend on it.
 const DENSITY_KG_M3: f64 = 930.0;
@@ -102,14 +103,6 @@ pub(crate) struct ShellArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Unit {
-    M,
-    Mm,
-    Cm,
-    In,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 enum Side {
     Outer,
     Middle,
@@ -186,10 +179,7 @@ fn given_surface(args: &ShellArgs) -> Result<SurfaceMesh> {
         read_surface(&args.file, &params).map(|surface| surface.mesh)
     };
     let unit = match args.unit {
-        Some(Unit::M) => LengthUnit::Metre,
-        Some(Unit::Mm) => LengthUnit::Millimetre,
-        Some(Unit::Cm) => LengthUnit::Centimetre,
-        Some(Unit::In) => LengthUnit::Inch,
+        Some(unit) => unit.into(),
         None => {
             let longest = read(LengthUnit::Metre)?.bounding_box().longest_m();
             let (path, guess) = (args.file.clone(), UnitGuess::of_length(longest));

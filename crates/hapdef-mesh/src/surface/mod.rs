@@ -15,6 +15,7 @@ pub(crate) mod self_intersection;
 pub(crate) mod topology;
 pub(crate) mod triangles;
 pub(crate) mod weld;
+mod write_stl;
 
 pub use clean::{BodyChoice, CleanInfo, CleanParams, clean_surface};
 pub use closest::{Closest, ClosestPoint};
@@ -28,3 +29,4 @@ pub use refine::RefinedSurface;
 pub use self_intersection::self_intersections;
 pub use triangles::{BoundingBox, SurfaceMesh};
 pub use weld::WeldInfo;
+pub use write_stl::write_stl;

@@ -6,7 +6,7 @@ use manifold_rust::types::Box as Bounds;
 use nalgebra::Point3;
 
 use super::grid::Grid;
-use crate::{MeshError, SurfaceMesh};
+use crate::{MeshError, SurfaceMesh, carve};
 
 /// The closed surface where the field is 0, with edges of about `edge_m`, facing where it is
 /// positive.
@@ -19,12 +19,5 @@ pub(super) fn zero_surface(
     let bounds =
         Bounds { min: corner(grid.origin), max: corner(grid.point(grid.n.map(|n| n - 1))) };
     let inside = |p: Vec3| -grid.between(values, &Point3::new(p.x, p.y, p.z));
-    let mesh = Manifold::level_set(inside, bounds, edge_m).get_mesh_gl64(-1);
-    let n_values = mesh.num_prop.max(3) as usize;
-    let vertices = mesh.vert_properties.chunks_exact(n_values);
-    let triangles = mesh.tri_verts.chunks_exact(3);
-    SurfaceMesh::new(
-        vertices.map(|v| Point3::new(v[0], v[1], v[2])).collect(),
-        triangles.map(|t| [t[0] as u32, t[1] as u32, t[2] as u32]).collect(),
-    )
+    carve::surface(&Manifold::level_set(inside, bounds, edge_m))
 }

@@ -13,6 +13,7 @@ mod examples;
 mod fuzz_short;
 mod phantom;
 mod plan;
+mod print;
 mod saturation;
 mod scene_search;
 mod session;
