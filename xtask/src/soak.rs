@@ -35,6 +35,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<()> {
         run_tool(&mut stalled_client())?;
     }
     run_tool(&mut trust(args)?)?;
+    run_tool(&mut scripts(args)?)?;
     finish(&mut soak)
 }
 
@@ -50,6 +51,7 @@ fn stalled_client() -> Command {
 pub(crate) fn short() -> Result<()> {
     let args = SoakArgs { short: true, seed: 1, scene: None, rest: Vec::new() };
     run_tool(&mut trust(&args)?)?;
+    run_tool(&mut scripts(&args)?)?;
     run_tool(&mut command(&args)?)
 }
 
@@ -57,6 +59,7 @@ pub(crate) fn short() -> Result<()> {
 pub(crate) fn long() -> Result<()> {
     let args = SoakArgs { short: false, seed: 1, scene: None, rest: Vec::new() };
     run_tool(&mut trust(&args)?)?;
+    run_tool(&mut scripts(&args)?)?;
     run_tool(&mut command(&args)?)
 }
 
@@ -70,6 +73,23 @@ fn trust(args: &SoakArgs) -> Result<Command> {
     let mut command = Command::new(release_example("trust")?);
     command.arg(&bundle).args((!args.short).then_some("--long"));
     command.args(["--seed", &args.seed.to_string(), "--metrics"]);
+    command.arg(results().join("metrics.json"));
+    Ok(command)
+}
+
+/// What it says of random scripts on the simulated rig; at length on every limb of the fixtures that is there.
+fn scripts(args: &SoakArgs) -> Result<Command> {
+    let mut command = Command::new(release_example("scripts")?);
+    let mut scenes = vec!["fixtures/shin/demo.json"];
+    if args.short {
+        command.args(["--scripts", "4", "--seconds", "12", "--replay-s", "4"]);
+    } else {
+        scenes.push("fixtures/shin/placed.json");
+        let deck = root().join("../shared/inputs/hapdef-shin/02_skin_ds.dat.gz");
+        scenes.extend(deck.exists().then_some("fixtures/paper-shin/placed.json"));
+    }
+    command.args(scenes.into_iter().map(|scene| root().join(scene)));
+    command.args(["--seed", &args.seed.to_string(), "--out"]).arg(results()).arg("--metrics");
     command.arg(results().join("metrics.json"));
     Ok(command)
 }

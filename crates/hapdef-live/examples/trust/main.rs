@@ -1,5 +1,5 @@
-//! What a stream of a limb says while its zeros drift, when a hidden press lets go, and of a press that grows
-//! slowly: in simulated time, on the bundle's own map with its noise.
+//! What a stream of a limb says while its zeros drift, when a hidden press lets go, when it can't see, and of a
+//! press that grows slowly: in simulated time, on the bundle's own map with its noise.
 //!
 //! `cargo xtask soak` makes the bundle, runs this and keeps its figures; `--table` prints the slowest presses.
 
@@ -9,6 +9,7 @@
     reason = "a measurement that prints, and ends where something is not as it has to be"
 )]
 
+mod blind;
 #[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
 
@@ -62,14 +63,19 @@ fn main() {
         (0..n_releases).map(|i| release(&bundle, seed + i).unwrap_or(f64::INFINITY)).collect();
     lags_ms.sort_unstable_by(f64::total_cmp);
     let n_missed = lags_ms.iter().filter(|lag| lag.is_infinite()).count();
-    let median_ms = lags_ms[lags_ms.len() / 2];
+    let at = |q: f64| lags_ms[(q * (lags_ms.len() - 1) as f64).round() as usize];
+    let (median_ms, p99_ms) = (at(0.5), at(0.99));
     println!(
-        "release of a hidden press: {n_missed} of {n_releases} not recognised, {median_ms} ms"
+        "release of a hidden press: {n_missed} of {n_releases} not recognised, {median_ms} ms, 99 % {p99_ms} ms"
     );
+    let (n_unknown, n_blind) = blind::count(&bundle, seed, if has("--long") { 100 } else { 10 });
+    println!("frames of a blind sensor: {n_blind}, of these {n_unknown} unknown");
     let figures = [
         ("trust.drift_false_contacts", n_false as f64, "1"),
         ("trust.release_lag_ms", median_ms, "ms"),
+        ("trust.release_lag_p99_ms", p99_ms, "ms"),
         ("trust.releases_missed_pct", 100.0 * n_missed as f64 / n_releases as f64, "%"),
+        ("trust.unknown_when_blind_pct", 100.0 * n_unknown as f64 / n_blind as f64, "%"),
     ];
     metrics::report(&figures, seed, value("--metrics").map(PathBuf::from).as_deref());
 }
@@ -150,7 +156,7 @@ fn play(
     n: usize,
     seed: u64,
     retare: Retare,
-    add: impl Fn(usize, &mut [f64]) + Send + 'static,
+    mut add: impl FnMut(usize, &mut [f64]) + Send + 'static,
 ) -> Vec<Seen> {
     let n_gauges = bundle.map().n_gauges();
     let mut hello = Hello::plain(n_gauges, SampleFormat::I32, 1000);

@@ -1,0 +1,106 @@
+//! What a stream says of a limb that random scripts press on the simulated rig: whether a force is ever beyond
+//! what the scene allows, how many frames nothing explains and for how long, how soon a press is reported and let
+//! go, and whether a replay of the same readings finds the same.
+//!
+//! `cargo xtask soak` runs this on the bundled limbs and keeps its figures.
+
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a measurement that prints, and ends where something is not as it has to be"
+)]
+
+mod judge;
+#[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
+mod metrics;
+mod play;
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use hapdef::{OpenParams, OpenScene};
+use rayon::prelude::*;
+
+use judge::Seen;
+use play::{Limb, replay_equal};
+
+/// The first script's seed is so many times the seed: those below were looked at when the tracker was mended.
+const FIRST: u64 = 1000;
+
+/// Random scripts on the simulated rig.
+#[derive(Parser)]
+struct Args {
+    /// Scene files.
+    #[arg(required = true)]
+    scenes: Vec<PathBuf>,
+    /// Scripts on each limb.
+    #[arg(long, default_value_t = 100)]
+    scripts: u64,
+    /// Length of each, s.
+    #[arg(long, default_value_t = 60.0)]
+    seconds: f64,
+    /// How long a stream runs that is replayed, on the first limb, s.
+    #[arg(long, default_value_t = 60.0)]
+    replay_s: f64,
+    /// Seed of the scripts.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Prints each script's figures, too.
+    #[arg(long)]
+    verbose: bool,
+    /// Folder of the cache.
+    #[arg(long, default_value = "target/hapdef")]
+    out: PathBuf,
+    /// Figures are added to this file.
+    #[arg(long)]
+    metrics: Option<PathBuf>,
+}
+
+fn main() {
+    let args = Args::parse();
+    let limbs: Vec<Limb> = args.scenes.iter().map(|scene| opened(scene, &args.out)).collect();
+    let (mut all, mut worst_pct) = (Seen::default(), 0.0_f64);
+    for limb in &limbs {
+        let seen = pressed(limb, &args);
+        println!("{}, {} scripts of {} s: {seen}", limb.name(), args.scripts, args.seconds);
+        worst_pct = worst_pct.max(seen.misfit_pct());
+        all.add(seen);
+    }
+    let (n_equal, n) = replay_equal(&limbs[0], args.seed, args.replay_s);
+    println!("live and replayed: {n_equal} of {n} frames alike");
+    let [detect_p50, detect_p99] = all.detect_ms.quantiles();
+    let [let_go_p50, let_go_p99] = all.let_go_ms.quantiles();
+    let figures = [
+        ("trust.phantom_frames", all.n_beyond as f64, "1"),
+        ("trust.misfit_pct", worst_pct, "%"),
+        ("trust.misfit_longest_ms", all.longest_misfit_ms as f64, "ms"),
+        ("trust.detect_lag_p50_ms", detect_p50, "ms"),
+        ("trust.detect_lag_p99_ms", detect_p99, "ms"),
+        ("trust.let_go_lag_p50_ms", let_go_p50, "ms"),
+        ("trust.let_go_lag_p99_ms", let_go_p99, "ms"),
+        ("trust.replay_equal_pct", 100.0 * n_equal as f64 / n as f64, "%"),
+    ];
+    metrics::report(&figures, args.seed, args.metrics.as_deref());
+}
+
+fn opened(scene: &Path, out: &Path) -> Limb {
+    let params = OpenParams { out: out.to_owned(), ..OpenParams::default() };
+    let shown = scene.display();
+    let scene = OpenScene::with_params(scene, params).unwrap_or_else(|e| panic!("{shown}: {e}"));
+    Limb::new(scene)
+}
+
+/// All scripts on one limb, each on a core of its own; what was seen does not depend on how many there are.
+fn pressed(limb: &Limb, args: &Args) -> Seen {
+    let seeds: Vec<u64> = (0..args.scripts).map(|i| FIRST * args.seed + i).collect();
+    let each: Vec<Seen> =
+        seeds.par_iter().map(|seed| limb.press(*seed, args.seconds).seen).collect();
+    let mut all = Seen::default();
+    for (seed, seen) in seeds.iter().zip(each) {
+        if args.verbose {
+            println!("script {seed}: {seen}");
+        }
+        all.add(seen);
+    }
+    all
+}
