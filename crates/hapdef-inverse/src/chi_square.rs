@@ -4,7 +4,8 @@
 ///
 /// Q(n/2, x/2) by series or continued fraction (Press et al., Numerical Recipes, 3rd ed., section
 /// 6.2).
-pub(crate) fn upper_tail(x: f64, n_dof: usize) -> f64 {
+#[must_use]
+pub fn upper_tail(x: f64, n_dof: usize) -> f64 {
     if n_dof == 0 || x.is_nan() || x <= 0.0 {
         return 1.0;
     }

@@ -41,6 +41,7 @@ pub use calibration::{
     BeyondPrior, Calibrated, CalibrationInfo, CalibrationParams, CurvePoint, HeldOutError,
     LEAST_PRESSES, ModeMap, ModeScope, NextPress, Press, RejectReason, RejectedPress,
 };
+pub use chi_square::upper_tail as chi_square_tail;
 pub use conditioning::{
     Conditioned, Conditioner, ConditionerParams, DriftState, MoveKind, TareEnd, TareMove,
 };

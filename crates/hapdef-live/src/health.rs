@@ -50,6 +50,8 @@ pub struct Health {
     pub last_refusal: Option<Arc<str>>,
     /// Frames whose contacts came later than the deadline.
     pub n_deadline_missed: u64,
+    /// As [`crate::estimator::TouchEstimator::n_late_searches`].
+    pub n_late_searches: u64,
     /// Taring, untouched, touched or unknown; none before the first frame.
     pub phase: Option<TouchPhase>,
     /// Why the last tare was refused or does not hold.
@@ -166,6 +168,10 @@ impl Display for Health {
                 f,
                 " · {n} readings timed by their arrival: the device's clock is not believed"
             )?;
+        }
+        if self.n_late_searches > 0 {
+            let n = self.n_late_searches;
+            write!(f, " · {n} searches came late: a replay may find other contacts")?;
         }
         if self.n_refused > 0 {
             write!(f, " · refused {}", self.n_refused)?;

@@ -7,8 +7,10 @@ mod settings;
 mod superposition;
 mod tracking;
 
-use hapdef_contact::{Contact, Touch};
-use hapdef_inverse::{ContactEstimate, ContactEstimator, SeenForces};
+use hapdef_contact::{Contact, Quality, Touch};
+use hapdef_inverse::{
+    ContactEstimate, ContactEstimator, LocatedContact, SeenForces, chi_square_tail,
+};
 
 #[cfg(feature = "nets")]
 pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
@@ -82,6 +84,11 @@ pub trait TouchEstimator: Send {
     /// What it can and can't see, where it knows.
     fn sight(&self) -> Option<Sight<'_>> {
         None
+    }
+
+    /// Full searches whose outcome came later than it was due: from the first on a replay may differ.
+    fn n_late_searches(&self) -> u64 {
+        0
     }
 
     /// Forgets what earlier frames said: the stream begins anew.
@@ -187,6 +194,33 @@ pub struct Sight<'a> {
     pub range_n: f64,
 }
 
+/// The strongest force that touches are expected to have, N.
+fn range_n(estimator: &ContactEstimator) -> f64 {
+    estimator.params().max_force_n / BELIEVED_OF_RANGE
+}
+
+/// Bounds the forces of `contacts`, as which `found` is reported, by `range_n` where that explains the readings, too:
+/// a force at the end of the range is read beyond it by noise and the map's error. To a force A of variance σ², what
+/// explains it left free, its bound adds (A − range)²/σ² to χ². Whether it is explained is left to `misfit_p`.
+fn bound<'a>(
+    contacts: &mut [Contact],
+    found: impl Iterator<Item = &'a LocatedContact>,
+    quality: &mut Quality,
+    range_n: f64,
+    misfit_p: f64,
+) {
+    let beyond = |contact: &Contact| (contact.force_n - range_n).max(0.0);
+    let pairs = contacts.iter().zip(found);
+    let added: f64 = pairs.map(|(c, found)| beyond(c).powi(2) / found.covariance[(2, 2)]).sum();
+    if added > 0.0 {
+        quality.chi2 += added;
+        quality.p_value = chi_square_tail(quality.chi2, quality.n_dof.max(1));
+        if quality.p_value >= misfit_p {
+            contacts.iter_mut().for_each(|contact| contact.force_n = contact.force_n.min(range_n));
+        }
+    }
+}
+
 /// What is asked for beside the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TouchWanted {
@@ -198,7 +232,7 @@ pub struct TouchWanted {
 
 impl<'a> Sight<'a> {
     fn new(seen: &'a SeenForces, estimator: &ContactEstimator) -> Self {
-        Self { seen, range_n: estimator.params().max_force_n / BELIEVED_OF_RANGE }
+        Self { seen, range_n: range_n(estimator) }
     }
 }
 

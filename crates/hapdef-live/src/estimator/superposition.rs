@@ -4,7 +4,8 @@ use hapdef_contact::{Alternative, Quality, Touch};
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorScratch, SeenForces};
 
 use super::{
-    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, explain, noisier,
+    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, bound, explain,
+    noisier, range_n,
 };
 use crate::error::LiveError;
 
@@ -81,13 +82,16 @@ impl Superposition {
             });
             touch.alternatives.extend(others);
         }
-        touch.quality = Some(Quality {
+        let mut quality = Quality {
             verdict: estimate.verdict,
             chi2: estimate.chi2,
             n_dof: estimate.n_dof,
             p_value: estimate.p_value,
             n_alternatives: estimate.runner_ups.len(),
-        });
+        };
+        let (range_n, misfit_p) = (range_n(&self.estimator), self.estimator.params().misfit_p);
+        bound(&mut touch.contacts, estimate.contacts.iter(), &mut quality, range_n, misfit_p);
+        touch.quality = Some(quality);
     }
 }
 

@@ -7,7 +7,8 @@ use hapdef_inverse::{
 };
 
 use super::{
-    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, explain, noisier,
+    EstimatorKind, Explained, Sight, TouchEstimator, TouchFrame, TouchWanted, bound, explain,
+    noisier, range_n,
 };
 use crate::error::LiveError;
 
@@ -142,12 +143,6 @@ impl Tracking {
         self.n_failed_searches
     }
 
-    /// Full searches whose outcome came later than it was due: from there on a replay may differ.
-    #[must_use]
-    pub fn n_late_searches(&self) -> u64 {
-        self.n_late_searches
-    }
-
     /// Takes over the outcome of a search that is due.
     fn adopt_if_due(&mut self) {
         let Some(pending) = self.pending.filter(|pending| pending.due <= self.n_frames) else {
@@ -231,13 +226,17 @@ impl Tracking {
             let by_delta = |a: &Alternative, b: &Alternative| a.delta_cost.total_cmp(&b.delta_cost);
             touch.alternatives.sort_unstable_by(by_delta);
         }
-        touch.quality = Some(Quality {
+        let mut quality = Quality {
             verdict: frame.verdict,
             chi2: frame.chi2,
             n_dof: frame.n_dof,
             p_value: frame.p_value,
             n_alternatives: frame.n_runner_ups,
-        });
+        };
+        let located = frame.contacts.iter().map(|tracked| &tracked.contact);
+        let (range_n, misfit_p) = (range_n(&self.estimator), self.params.misfit_p);
+        bound(&mut touch.contacts, located, &mut quality, range_n, misfit_p);
+        touch.quality = Some(quality);
     }
 }
 
@@ -315,6 +314,10 @@ impl TouchEstimator for Tracking {
 
     fn sight(&self) -> Option<Sight<'_>> {
         Some(Sight::new(&self.seen, &self.estimator))
+    }
+
+    fn n_late_searches(&self) -> u64 {
+        self.n_late_searches
     }
 
     fn start_over(&mut self) {

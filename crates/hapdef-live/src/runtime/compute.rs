@@ -325,6 +325,7 @@ impl Compute {
             is_stale: has_frames && self.frame.is_stale,
             smallest_seen_n: self.frame.smallest_seen_n,
             n_contacts: self.frame.touch.contacts.len(),
+            n_late_searches: self.setup.estimator.as_ref().map_or(0, |e| e.n_late_searches()),
             gauges: self.frame.gauges.clone(),
             second,
             total,

@@ -2,20 +2,19 @@
 
 use std::time::Duration;
 
-use hapdef_contact::{Touch, TouchPhase, UnknownReason, WhyNot};
+use hapdef_contact::{Touch, TouchPhase, UnknownReason, Verdict, WhyNot};
 
 use crate::estimator::Sight;
 use crate::frame::LiveFrame;
 use crate::sink::PhaseStatus;
 
-/// A force is one that is believed up to so many times the strongest expected: a press of that force is
-/// read up to a tenth stronger where the map is off by its usual error.
-const BEYOND: f64 = 1.1;
-
 /// What the gauges that count must show wherever it presses, a share of the strongest force expected.
 /// The demonstration limb with all its gauges shows a tenth anywhere, without its first six a quarter, without
 /// seven two fifths: so a limb that lost half its gauges is believed as far as it can see.
 const BLIND_SHARE: f64 = 0.25;
+
+/// A force that was beyond the range is within it again when that explains the readings as well as this.
+const BACK_P: f64 = 1e-3;
 
 /// Time between two reports while nothing comes.
 const REPORT_NS: u64 = 500_000_000;
@@ -34,6 +33,8 @@ pub(super) struct Trust {
     /// The last that was explained, and its sample instant.
     good: Touch,
     good_ns: u64,
+    /// A force was beyond the range in the last frame.
+    is_beyond: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,12 +68,13 @@ impl Trust {
             smallest_n: None,
             good: Touch::with_room(),
             good_ns: 0,
+            is_beyond: false,
         }
     }
 
     /// The noise, the device or its gauges are others, or the stream begins anew.
     pub(super) fn start_over(&mut self) {
-        self.live = None;
+        (self.live, self.is_beyond) = (None, false);
         self.good.clear();
     }
 
@@ -84,10 +86,12 @@ impl Trust {
     /// Sets the phase of a frame whose contacts were looked for. A frame that no believed contacts explain
     /// keeps those of the last one that they did, as stale, for as long as a silent stream does.
     pub(super) fn judge(&mut self, frame: &mut LiveFrame, signs: &Signs<'_>) {
+        let is_beyond = self.is_beyond(&frame.touch, signs);
+        if let Some(quality) = frame.touch.quality.as_mut().filter(|_| is_beyond) {
+            quality.verdict = Verdict::NotIdentifiable(WhyNot::Misfit);
+        }
         let is_misfit = signs.is_refused
             || frame.touch.quality.is_some_and(|q| q.why_not() == Some(WhyNot::Misfit));
-        let most_n = signs.sight.map_or(f64::INFINITY, |sight| BEYOND * sight.range_n);
-        let is_beyond = frame.touch.contacts.iter().any(|contact| contact.force_n > most_n);
         let why = if signs.is_frozen {
             Some(UnknownReason::StreamStalled)
         } else if self.is_blind(signs) {
@@ -115,6 +119,17 @@ impl Trust {
             }
             frame.is_stale = true;
         }
+    }
+
+    /// Whether a force is beyond the range. One near its end is explained by the range's end in some frames and not
+    /// in others: once it was beyond, it has to be explained better than by [`BACK_P`].
+    fn is_beyond(&mut self, touch: &Touch, signs: &Signs<'_>) -> bool {
+        let most_n = signs.sight.map_or(f64::INFINITY, |sight| sight.range_n);
+        let strongest_n = touch.contacts.iter().map(|c| c.force_n).fold(0.0, f64::max);
+        let is_explained = touch.quality.is_none_or(|quality| quality.p_value >= BACK_P);
+        let is_still = self.is_beyond && strongest_n >= most_n && !is_explained;
+        self.is_beyond = strongest_n > most_n || is_still;
+        self.is_beyond
     }
 
     fn is_blind(&mut self, signs: &Signs<'_>) -> bool {

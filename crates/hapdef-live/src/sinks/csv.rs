@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use hapdef_contact::{UnknownReason, WhyNot};
+
 use crate::error::AnyError;
 use crate::frame::LiveFrame;
 use crate::sink::{Delivery, Sink, Wants};
@@ -13,8 +15,9 @@ const N_CONTACTS: usize = 4;
 /// Frames that wait for a slow disk.
 const N_QUEUED: usize = 4096;
 
-/// Writes a row a frame: number, time, phase, tared readings, then id, place and force of up to four
-/// contacts; their number is that of all.
+/// Writes a row a frame: number, time, phase with why it is unknown, whether the contacts are stale, how good
+/// the explanation is, tared readings, then id, place and force of up to four contacts; their number is
+/// that of all.
 pub struct CsvSink<W> {
     out: W,
     row: String,
@@ -56,7 +59,7 @@ impl<W: Write + Send> Sink for CsvSink<W> {
 }
 
 fn names(n_gauges: usize, out: &mut String) -> std::fmt::Result {
-    out.push_str("seq,t_device_us,t_host_ns,phase");
+    out.push_str("seq,t_device_us,t_host_ns,phase,why_unknown,is_stale,why_not_identified,p_value");
     for gauge in 0..n_gauges {
         write!(out, ",g{gauge}_ue")?;
     }
@@ -69,9 +72,17 @@ fn names(n_gauges: usize, out: &mut String) -> std::fmt::Result {
 }
 
 fn row(frame: &LiveFrame, out: &mut String) -> std::fmt::Result {
-    let phase = frame.phase.word();
+    let why_unknown = frame.phase.why_unknown().map_or("", UnknownReason::word);
+    let (phase, is_stale) = (frame.phase.word(), u8::from(frame.is_stale));
     let (seq, device_us, host_ns) = (frame.seq, frame.t_device_us, frame.t_host_ns);
-    write!(out, "{seq},{device_us},{host_ns},{phase}")?;
+    write!(out, "{seq},{device_us},{host_ns},{phase},{why_unknown},{is_stale}")?;
+    match &frame.touch.quality {
+        Some(quality) => {
+            let why_not = quality.why_not().map_or("", WhyNot::word);
+            write!(out, ",{why_not},{}", quality.p_value)?;
+        }
+        None => out.push_str(",,"),
+    }
     for reading in &frame.tared_ue {
         write!(out, ",{reading}")?;
     }

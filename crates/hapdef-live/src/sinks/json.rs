@@ -191,6 +191,7 @@ fn health_value(health: &Health) -> Value {
         "n_restarts": health.n_restarts,
         "n_reconnects": health.n_reconnects,
         "n_deadline_missed": health.n_deadline_missed,
+        "n_late_searches": health.n_late_searches,
         "latency_us": {
             "queue": times(&second.queue),
             "conditioning": times(&second.conditioning),

@@ -96,6 +96,9 @@ fn a_stream_ends_up_in_text_json_and_table() {
     assert!(rows.iter().all(|row| row.len() == rows[0].len()));
     let at = |name: &str| rows[0].iter().position(|n| *n == name).unwrap();
     assert_eq!(rows[700][at("n_contacts")], "1");
+    assert_eq!([rows[700][at("phase")], rows[700][at("is_stale")]], ["touched", "0"]);
+    let p_value: f64 = rows[700][at("p_value")].parse().unwrap();
+    assert_eq!(Some(p_value), last["quality"]["p_value"].as_f64());
     let force: f64 = rows[700][at("force1_n")].parse().unwrap();
     assert_eq!(Some(force), contact["force_n"].as_f64());
 }
