@@ -1,8 +1,8 @@
-//! A surface to a skin with a wall that fits: as it is where it is clean, else not.
+//! A surface to a skin with a wall that fits: as it is where it is clean, else wrapped.
 
 use hapdef_mesh::{
     CleanParams, MeshError, RemeshParams, SkinSide, SurfaceDefects, SurfaceFault, SurfaceMesh,
-    clean_surface, remesh,
+    WrapParams, Wrapped, clean_surface, remesh, wrap,
 };
 
 use crate::error::HapdefError;
@@ -30,12 +30,54 @@ pub(super) struct Skin {
 }
 
 impl Skin {
-    /// The skin of `given`, remeshed.
+    /// The skin of `given`: cleaned and remeshed, or wrapped where that gives no body that a wall fits
+    /// into.
     ///
     /// # Errors
-    /// [`HapdefError::Mesh`] for a surface that is not one body, or takes no such wall,
-    /// [`HapdefError::Sheet`] for one without an outside.
+    /// [`HapdefError::Mesh`] for a surface that can't be wrapped faithfully, [`HapdefError::Sheet`] for one
+    /// without an outside.
     pub(super) fn of(
+        given: &SurfaceMesh,
+        wall_m: f64,
+        edge_m: Option<f64>,
+        n_threads: usize,
+    ) -> Result<Self, HapdefError> {
+        match Self::as_it_is(given, wall_m, edge_m) {
+            Err(HapdefError::Mesh(MeshError::Surface(why))) => {
+                let params = WrapParams { edge_m, n_threads, ..WrapParams::new(wall_m) };
+                let mut skin = Self::wrapped(wrap(given, &params)?);
+                skin.said.insert(0, format!("wrapped, as it can't be taken as it is: {why}"));
+                Ok(skin)
+            }
+            result => result,
+        }
+    }
+
+    fn wrapped(Wrapped { skin, wall_m, info }: Wrapped) -> Self {
+        let n = skin.triangles().len();
+        let mm = [info.edge_m, info.skin_to_input_m, info.round_over_m].map(|x_m| 1e3 * x_m);
+        let mut said = vec![
+            format!(
+                "{n} triangles with edges of {:.1} mm, 95 % of them within {:.2} mm of the surface; \
+                 corners rounded by {:.1} mm",
+                mm[0], mm[1], mm[2]
+            ),
+            format!(
+                "{:.1} % of the outside lost, as it is thin; {:.1} % of the skin bridges gaps",
+                100.0 * info.share_lost,
+                100.0 * info.share_bridged
+            ),
+        ];
+        if info.n_thinned > 0 {
+            said.push(format!(
+                "the wall is thinner at {} vertices, where it would fold",
+                info.n_thinned
+            ));
+        }
+        Self { surface: skin, wall_m, said }
+    }
+
+    fn as_it_is(
         given: &SurfaceMesh,
         wall_m: f64,
         edge_m: Option<f64>,

@@ -81,7 +81,7 @@ impl NewLimb {
         progress: Progress,
     ) -> Result<Vec<String>, HapdefError> {
         progress.say("making the skin and its wall");
-        let (geometry, mut said) = self.geometry(folder)?;
+        let (geometry, mut said) = self.geometry(folder, threads)?;
         let mut fields = vec![("geometry", geometry), ("mount", self.mount.clone())];
         if self.lacks_material() {
             fields.insert(1, ("material", json!(MaterialSpec::PA2200)));
@@ -111,14 +111,14 @@ impl NewLimb {
     }
 
     /// Writes the files of the shape; the scene's section on it, and what was done.
-    fn geometry(&self, folder: &Path) -> Result<(Value, Vec<String>), HapdefError> {
+    fn geometry(&self, folder: &Path, threads: usize) -> Result<(Value, Vec<String>), HapdefError> {
         let axis = json!({
             "point_m": self.axis.point_m.map(to_micrometres),
             "direction": self.axis.direction.map(to_micrometres),
         });
         match &self.given.shape {
             GivenShape::Surface(given) => {
-                let skin = Skin::of(given, self.wall_m, self.params.edge_m)?;
+                let skin = Skin::of(given, self.wall_m, self.params.edge_m, threads)?;
                 write_glb(&folder.join(SKIN), &skin.surface, None)?;
                 let wall = self.wall(&skin, folder)?;
                 let geometry = json!({"skin": SKIN, "wall_m": wall, "unit": "m", "axis": axis});
