@@ -9,7 +9,7 @@ pub struct Wrapped {
     /// One closed body that faces outward, remeshed.
     pub skin: SurfaceMesh,
     /// The wall's thickness at each vertex, inward, `[n_vertices]`, m:
-    /// [`extrude`](crate::extrude) with flat faces from the outer side takes it.
+    /// [`extrude`](crate::extrude()) with flat faces from the outer side takes it.
     pub wall_m: Vec<f64>,
     /// What was done, and how far the skin is from the input.
     pub info: WrapInfo,
