@@ -10,7 +10,8 @@ use hapdef::HapdefError;
 use hapdef::new_limb::{NewLimb, NewLimbParams};
 use hapdef::scene::LimbEnd;
 use hapdef_cli::{on_stderr, shown};
-use hapdef_mesh::LengthUnit;
+
+use super::unit::Unit;
 
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
@@ -57,14 +58,6 @@ pub(crate) struct NewArgs {
     /// Threads; results don't depend on it.
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Unit {
-    M,
-    Mm,
-    Cm,
-    In,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -117,17 +110,6 @@ trait Answer: ValueEnum {
 
 impl Answer for Unit {}
 impl Answer for End {}
-
-impl From<Unit> for LengthUnit {
-    fn from(unit: Unit) -> Self {
-        match unit {
-            Unit::M => Self::Metre,
-            Unit::Mm => Self::Millimetre,
-            Unit::Cm => Self::Centimetre,
-            Unit::In => Self::Inch,
-        }
-    }
-}
 
 impl From<End> for LimbEnd {
     fn from(end: End) -> Self {
