@@ -102,7 +102,7 @@ pub enum SurfaceFault {
     )]
     TooManyTriangles { target_edge_m: f64, area_m2: f64, n_triangles: usize, max_triangles: usize },
     #[error(
-        "the remeshed surface is {distance_m:.6} m from the given one (allowed {max_distance_m}) and \
+        "the remeshed surface is {distance_m:.6} m from the given one (allowed {max_distance_m:.6}) and \
          its volume changes by {volume_change:.4} (allowed {max_volume_change}), relative: take a \
          shorter edge length"
     )]
