@@ -149,7 +149,7 @@ fn as_json(
                 "smallest_angle_deg": info.smallest_angle_deg,
                 "n_crossings": info.n_crossings,
                 "n_thinned": info.n_thinned,
-                "seconds": [info.elapsed.grid, info.elapsed.skin, info.elapsed.check],
+                "seconds": [info.elapsed.grid_s, info.elapsed.skin_s, info.elapsed.check_s],
             });
         }
     }

@@ -9,6 +9,7 @@ use hapdef_mesh::{SurfaceMesh, write_glb};
 use serde_json::{Value, json};
 
 use crate::support::page::scene_with_gltf;
+use crate::support::shared;
 
 fn shin() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/shin")
@@ -239,15 +240,7 @@ fn a_body_that_nothing_holds() {
     let expected = ["none of the 1 elements", "(1005.0, 10.0, 15.0) mm", "10.0 x 20.0 x 30.0 mm"];
     refused_by("check", folder.path(), &expected);
 
-    let shared = std::env::var_os("HAPDEF_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        PathBuf::from,
-    );
-    let tubes = shared.join("inputs/field/gmsh/two_tubes_scene.json");
-    if !tubes.exists() {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", tubes.display());
-        return;
-    }
+    let Some(tubes) = shared("inputs/field/gmsh/two_tubes_scene.json") else { return };
     let tubes = tubes.display().to_string();
     refused_words(
         &["check", &tubes],
@@ -372,15 +365,7 @@ fn a_rigs_deck_of_another_limb() {
 /// container, the accessors or the positions must not get through silently.
 #[test]
 fn khronos_files_are_read_or_refused_with_one_error() {
-    let shared = std::env::var_os("HAPDEF_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
-        PathBuf::from,
-    );
-    let folder = shared.join("inputs/gltf/khronos-validator");
-    if !folder.exists() {
-        println!("skipped: {} is absent (set HAPDEF_SHARED)", folder.display());
-        return;
-    }
+    let Some(folder) = shared("inputs/gltf/khronos-validator") else { return };
     let mut n_refused = 0;
     for file in ["glb", "mesh"].into_iter().flat_map(|kind| files(&folder.join(kind))) {
         let output = hapdef(&["inspect", &file.display().to_string()], &folder);

@@ -1,6 +1,6 @@
 //! `hapdef new`, as somebody uses it who has a mesh: from the file to contacts, and what is refused.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use hapdef_mesh::{SurfaceMesh, write_glb};
@@ -8,6 +8,7 @@ use nalgebra::Point3;
 use serde_json::{Value, json};
 
 use crate::shell_limb_common::{bottle, fixture, surface};
+use crate::support::shared;
 
 /// Simulated presses that correct the response, and how far single ones may be off then, the median, m.
 const N_PRESSES: &str = "100";
@@ -157,12 +158,6 @@ fn what_is_no_limb_is_refused() {
     refused(&["new", "limb.step"], folder.path(), &["expected .glb", "step"]);
 }
 
-/// A limb of the shared folder, if that is there.
-fn shared_limb(file: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(std::env::var_os("HAPDEF_SHARED")?).join("inputs/limbs").join(file);
-    path.exists().then_some(path)
-}
-
 #[test]
 fn robots_limbs_become_limbs() {
     if std::env::var_os("HAPDEF_SOAK").is_none() {
@@ -177,8 +172,7 @@ fn robots_limbs_become_limbs() {
         "alexander_left_shin.glb",
     ] {
         let bundled = || fixture(file).canonicalize().ok();
-        let Some(path) = shared_limb(file).or_else(bundled) else {
-            println!("skipped: {file} is not there");
+        let Some(path) = bundled().or_else(|| shared(&format!("inputs/limbs/{file}"))) else {
             continue;
         };
         let folder = tempfile::tempdir().unwrap();

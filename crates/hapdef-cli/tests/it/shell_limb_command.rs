@@ -2,23 +2,13 @@
 
 use crate::shell_limb_common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use hapdef_mesh::write_glb;
 use shell_limb_common::{fixture, surface, tube};
 
-/// A limb of the shared folder, if that is there.
-fn shared_limb(file: &str) -> Option<PathBuf> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let folder = std::env::var_os("HAPDEF_SHARED").map_or(here, PathBuf::from);
-    let path = folder.join("inputs/limbs").join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {} is not there", path.display());
-    None
-}
+use crate::support::shared;
 
 fn hapdef(words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hapdef")).arg("shell").args(words).output().unwrap()
@@ -121,7 +111,7 @@ fn a_wall_that_does_not_fit_asks_for_the_middle() {
 
 #[track_caller]
 fn runs_through(file: &str) {
-    let Some(path) = shared_limb(file) else {
+    let Some(path) = shared(&format!("inputs/limbs/{file}")) else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -164,7 +154,7 @@ fn hyq_lower_leg_runs_through() {
 
 #[track_caller]
 fn refused_with_volume(file: &str, cause: &[&str]) {
-    let Some(path) = shared_limb(file) else {
+    let Some(path) = shared(&format!("inputs/limbs/{file}")) else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();

@@ -50,13 +50,13 @@ pub struct WrapInfo {
     pub elapsed: WrapSeconds,
 }
 
-/// Seconds of each step.
+/// Times of the steps, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WrapSeconds {
     /// Flood, closing and opening on the grid.
-    pub grid: f64,
+    pub grid_s: f64,
     /// Surfaces at a level, remeshing, and the wall of each edge length that was tried.
-    pub skin: f64,
+    pub skin_s: f64,
     /// Distances between skin and input.
-    pub check: f64,
+    pub check_s: f64,
 }

@@ -27,12 +27,12 @@ pub(super) fn of_closing(
 ) -> Result<Wrapped, MeshError> {
     let start = Instant::now();
     let shape = opened(input, sizes, close_m)?;
-    let grid = start.elapsed().as_secs_f64();
+    let grid_s = start.elapsed().as_secs_f64();
     let Walled { skin, wall_m, edge_m } = walled(&shape, sizes)?;
-    let until_skin = start.elapsed().as_secs_f64();
+    let until_skin_s = start.elapsed().as_secs_f64();
     let fidelity = Fidelity::of(&skin, input, &shape, sizes, close_m)?;
     fidelity.check(params, sizes, close_m)?;
-    let check = start.elapsed().as_secs_f64() - until_skin;
+    let check_s = start.elapsed().as_secs_f64() - until_skin_s;
     let info = WrapInfo {
         n_caps: input.n_caps,
         grid_m: sizes.grid_m,
@@ -48,7 +48,7 @@ pub(super) fn of_closing(
         n_crossings: self_intersections(&skin).len(),
         n_thinned: wall_m.iter().filter(|t| **t < sizes.wall_m).count(),
         places: fidelity.places,
-        elapsed: WrapSeconds { grid, skin: until_skin - grid, check },
+        elapsed: WrapSeconds { grid_s, skin_s: until_skin_s - grid_s, check_s },
     };
     Ok(Wrapped { skin, wall_m, info })
 }
