@@ -147,6 +147,12 @@ impl Conditioner {
         self.is_taring
     }
 
+    /// Standard deviation of each gauge's noise in a frame `[n_gauges]`.
+    #[must_use]
+    pub fn gauge_sd(&self) -> &[f64] {
+        &self.params.gauge_sd
+    }
+
     /// Whether there was a zero before the last tare.
     #[must_use]
     pub fn has_zero_before(&self) -> bool {
@@ -168,6 +174,19 @@ impl Conditioner {
         let pairs =
             |before: Vec<f64>| self.check.mean.iter().zip(before).map(|(m, b)| m - b).collect();
         before.map(pairs)
+    }
+
+    /// What of `moved` `[n_gauges]` drift does not explain that had `time_s` for it: all gauges together and one more
+    /// than the others by any amount, as temperature and creep move them, and each in any direction as fast as it may.
+    ///
+    /// # Errors
+    /// [`InverseError`] for a wrong length or a time that is not above 0.
+    pub fn beyond_drift(&self, moved: &[f64], time_s: f64) -> Result<Vec<f64>, InverseError> {
+        check_length("what moved", self.trackers.len(), moved.len())?;
+        check_positive("the time to drift", time_s)?;
+        let (mut sorted, mut beyond) = (moved.to_vec(), moved.to_vec());
+        self.drift.limits.of_any_amount().beyond(moved, time_s, &mut sorted, &mut beyond);
+        Ok(beyond)
     }
 
     /// How far the readings of the last tare that was refused for it moved from its beginning to its end
@@ -293,7 +312,8 @@ impl Conditioner {
             let creep = self.load[gauge] * crept;
             out.readings[gauge] =
                 raw[gauge] - tracker.expected(warmer_k, creep) - self.drift.offset[gauge];
-            out.baseline_sd[gauge] = tracker.variance(warmer_k, creep).max(0.0).sqrt();
+            let variance = tracker.variance(warmer_k, creep).max(0.0);
+            out.baseline_sd[gauge] = (variance + self.drift.held.variance[gauge]).sqrt();
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::chi_square::upper_tail;
 use crate::conditioning::conditioned::{Conditioned, DriftState};
+use crate::conditioning::held::Held;
 use crate::conditioning::limits::DriftLimits;
 use crate::conditioning::tare::TareCheck;
 
@@ -56,10 +57,14 @@ pub(crate) struct Drift {
     /// What the zero has drifted by, and how fast, per s `[n_gauges]`.
     pub(crate) offset: Vec<f64>,
     rate: Vec<f64>,
+    /// What is not known of the zero since it was touched.
+    pub(crate) held: Held,
     /// While touched: the readings' own line, which nothing is taken off by `[n_gauges]`.
     touched: [Vec<f64>; 2],
     was_touched: bool,
     pub(crate) state: DriftState,
+    /// What is caught up with at once after a contact `[n_gauges]`.
+    caught: Vec<f64>,
     beyond: Vec<f64>,
     sorted: Vec<f64>,
 }
@@ -119,9 +124,11 @@ impl Drift {
             counts: vec![0; n_gauges],
             offset: zeros(),
             rate: zeros(),
+            held: Held::new(n_gauges),
             touched: [zeros(), zeros()],
             was_touched: false,
             state: DriftState::Still,
+            caught: zeros(),
             beyond: zeros(),
             sorted: zeros(),
         }
@@ -133,6 +140,7 @@ impl Drift {
         self.rate.fill(0.0);
         self.state = DriftState::Still;
         self.was_touched = false;
+        self.held.start_over();
         self.start_block();
         self.line.start_over(0);
         let slopes = tare.slope.iter().zip(&tare.slope_sd);
@@ -171,7 +179,7 @@ impl Drift {
         is_touched: bool,
     ) -> Option<&[f64]> {
         if is_touched != self.was_touched {
-            self.turn(is_touched);
+            self.turn(is_touched, sd);
         }
         for gauge in 0..sd.len() {
             if left.live[gauge] {
@@ -209,11 +217,17 @@ impl Drift {
     }
 
     /// Something began or ceased to touch: the zero's line goes on where it was.
-    fn turn(&mut self, is_touched: bool) {
+    fn turn(&mut self, is_touched: bool, sd: &[f64]) {
         self.was_touched = is_touched;
         self.start_block();
         if is_touched {
             self.touched.iter_mut().for_each(|line| line.fill(0.0));
+            let is_followed = self.state != DriftState::Still;
+            let of_rate = self.line.rate_variance() / self.block as f64 / self.block_s().powi(2);
+            let most = self.limits.rate_variance();
+            let variance = |sd: &f64| (of_rate * sd * sd).min(most);
+            // one that stood still is taken to do so
+            self.held.begin(sd.iter().map(|sd| if is_followed { variance(sd) } else { 0.0 }));
             self.line.start_over(0);
         } else {
             // what it drifted meanwhile is known less well than before
@@ -228,13 +242,19 @@ impl Drift {
     fn follow(&mut self, sd: &[f64], zero_sd: &[f64]) {
         let time_s = self.block_s();
         let n_block = self.block as f64;
+        self.caught.fill(0.0);
+        for (gauge, miss) in self.sums.iter_mut().enumerate() {
+            let caught = self.held.learn(gauge, miss, sd[gauge].powi(2) / n_block);
+            self.caught[gauge] = caught;
+            self.offset[gauge] += caught;
+        }
         let noise = |gauge: usize| (sd[gauge].powi(2) / n_block, zero_sd[gauge].powi(2));
         let is_missed = self.line.is_missed(&self.sums, noise);
         if is_missed {
             self.line.start_over(FRESH_LINE);
             self.state = DriftState::Followed;
         } else if self.state == DriftState::Still {
-            self.beyond.fill(0.0);
+            self.beyond.copy_from_slice(&self.caught);
             return;
         }
         let (of_value, of_rate) = self.line.gains();
@@ -251,7 +271,7 @@ impl Drift {
         self.limits.beyond(&self.sums, CATCH_UP * time_s, &mut self.sorted, &mut self.beyond);
         for gauge in 0..sd.len() {
             let moved = self.sums[gauge] - self.beyond[gauge] - self.rate[gauge] * time_s;
-            self.beyond[gauge] = moved;
+            self.beyond[gauge] = moved + self.caught[gauge];
             self.offset[gauge] += moved;
         }
         self.stand(sd);
@@ -276,6 +296,7 @@ impl Drift {
     fn watch(&mut self, sd: &[f64]) {
         let time_s = self.block_s();
         let n_block = self.block as f64;
+        self.held.pass(time_s, &self.rate);
         let [value, rate] = &mut self.touched;
         for gauge in 0..sd.len() {
             value[gauge] += rate[gauge] * time_s;

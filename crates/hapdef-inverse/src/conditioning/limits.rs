@@ -17,6 +17,17 @@ impl DriftLimits {
         Self { common: common_drift_limit, single: single_drift_limit, each: drift_limit }
     }
 
+    /// Variance of a rate of which only the limit is known.
+    pub(crate) fn rate_variance(self) -> f64 {
+        self.each * self.each / 3.0
+    }
+
+    /// The same in any direction, and without end for all gauges together and for one more than the others: where it
+    /// is not a rate that tells drift, but its pattern.
+    pub(crate) fn of_any_amount(self) -> Self {
+        Self { common: f64::INFINITY, single: f64::INFINITY, ..self }
+    }
+
     /// What of `v` `[n_gauges]`, moved within `time_s`, is beyond drift, into `beyond`. The common part is the
     /// median, so that a contact on few gauges leaves it alone; it is tried without it, too, and what leaves
     /// less counts.

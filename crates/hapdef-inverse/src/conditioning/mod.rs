@@ -8,6 +8,7 @@ mod conditioner;
 mod detector;
 mod drift;
 mod faults;
+mod held;
 mod limits;
 mod params;
 mod tare;

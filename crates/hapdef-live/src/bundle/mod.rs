@@ -193,8 +193,9 @@ impl Bundle {
         if expected != found {
             return Err(LiveError::FrameLength { expected, found });
         }
-        let max_contacts = self.info.settings.max_contacts;
-        Ok(crate::estimator::PaperChain::new(chain, max_contacts))
+        let SuperpositionSettings { max_contacts, max_force_n, .. } = self.info.settings;
+        let range_n = max_force_n / crate::estimator::BELIEVED_OF_RANGE;
+        Ok(crate::estimator::PaperChain::new(chain, max_contacts, range_n))
     }
 
     /// What finds contacts in a stream: `kind`, or what the scene chooses. The paper's chain takes the

@@ -188,8 +188,8 @@ pub struct TouchFrame<'a> {
 /// What an estimator can see, and what it believes.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight<'a> {
-    /// The smallest forces that show.
-    pub seen: &'a SeenForces,
+    /// The smallest forces that show; none where they are known for no set of gauges but all.
+    pub seen: Option<&'a SeenForces>,
     /// The strongest force that touches are expected to have, N.
     pub range_n: f64,
 }
@@ -232,7 +232,7 @@ pub struct TouchWanted {
 
 impl<'a> Sight<'a> {
     fn new(seen: &'a SeenForces, estimator: &ContactEstimator) -> Self {
-        Self { seen, range_n: range_n(estimator) }
+        Self { seen: Some(seen), range_n: range_n(estimator) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The computing thread: from messages to frames with contacts.
 
+mod cause;
 mod conditioning;
 mod tare;
 
@@ -247,6 +248,7 @@ impl Compute {
         let signs = Signs {
             sight: self.setup.estimator.as_ref().and_then(|estimator| estimator.sight()),
             live: conditioning.map(|c| &c.out.live[..]),
+            blur: conditioning.map_or(1.0, Conditioning::blur),
             is_frozen: conditioning.is_some_and(|c| c.frozen.is_whole()),
             is_refused,
         };

@@ -49,6 +49,8 @@ pub(super) struct Signs<'a> {
     pub(super) sight: Option<Sight<'a>>,
     /// Gauges that count `[n_gauges]`; none if all do.
     pub(super) live: Option<&'a [bool]>,
+    /// By how much more the readings are uncertain than by their noise, as the zero is not known so well: 1 or more.
+    pub(super) blur: f64,
     /// All readings stand still.
     pub(super) is_frozen: bool,
     /// The estimator refused the frame.
@@ -92,15 +94,17 @@ impl Trust {
         }
         let is_misfit = signs.is_refused
             || frame.touch.quality.is_some_and(|q| q.why_not() == Some(WhyNot::Misfit));
+        let is_blurred = self.is_blurred(frame.phase, signs);
         let why = if signs.is_frozen {
             Some(UnknownReason::StreamStalled)
         } else if self.is_blind(signs) {
             Some(UnknownReason::TooFewGauges)
         } else {
             let misfit = (is_misfit || is_beyond).then_some(UnknownReason::Misfit);
-            frame.phase.why_unknown().or(misfit)
+            let blurred = is_blurred.then_some(UnknownReason::Drift);
+            frame.phase.why_unknown().or(misfit).or(blurred)
         };
-        frame.smallest_seen_n = self.smallest_n;
+        frame.smallest_seen_n = self.smallest_n.map(|n| n * signs.blur);
         frame.is_stale = false;
         if let Some(why) = why {
             frame.phase = TouchPhase::Unknown(why);
@@ -110,6 +114,9 @@ impl Trust {
             }
             self.good.copy_from(&frame.touch);
             self.good_ns = frame.t_host_ns;
+        }
+        if is_blurred {
+            frame.touch.clear();
         }
         if is_beyond || signs.is_refused || signs.is_frozen {
             let is_young = frame.t_host_ns.saturating_sub(self.good_ns) < self.unknown_after_ns;
@@ -132,13 +139,23 @@ impl Trust {
         self.is_beyond
     }
 
+    /// Whether a contact may have stayed, when one seems to be over, that a zero hides which was not followed while it
+    /// lasted.
+    fn is_blurred(&self, phase: TouchPhase, signs: &Signs<'_>) -> bool {
+        let most_n = signs.sight.map_or(f64::INFINITY, |sight| BLIND_SHARE * sight.range_n);
+        phase == TouchPhase::Untouched && self.smallest_n.is_some_and(|n| n * signs.blur > most_n)
+    }
+
     fn is_blind(&mut self, signs: &Signs<'_>) -> bool {
         let Some(sight) = signs.sight else {
             return false;
         };
         let now = signs.live.unwrap_or_default();
+        let Some(seen) = sight.seen else {
+            return now.contains(&false);
+        };
         if self.live.as_deref() != Some(now) {
-            self.smallest_n = Some(sight.seen.smallest_n(signs.live));
+            self.smallest_n = Some(seen.smallest_n(signs.live));
             let live = self.live.get_or_insert_default();
             live.clear();
             live.extend_from_slice(now);
@@ -217,5 +234,30 @@ mod tests {
                 now += pause * MS;
             }
         }
+    }
+
+    /// One that can't say how sure it is, as the paper's chain: forces beyond the range are no contacts, and without
+    /// a gauge that it was trained with nothing is known.
+    #[test]
+    fn an_estimator_without_doubts_is_bounded_too() {
+        let (stale, unknown) = (Duration::from_millis(100), Duration::from_millis(300));
+        let mut trust = Trust::new(stale, unknown, 0);
+        let mut frame = LiveFrame::new(3);
+        let mut judged = |force_n: f64, live: &[bool]| {
+            frame.phase = TouchPhase::Touched;
+            frame.touch.contacts.clear();
+            frame.touch.contacts.push(Contact::new(Point3::origin(), force_n));
+            let sight = Some(Sight { seen: None, range_n: 34.0 });
+            let signs =
+                Signs { sight, live: Some(live), blur: 1.0, is_frozen: false, is_refused: false };
+            trust.judge(&mut frame, &signs);
+            let forces_n: Vec<f64> = frame.touch.contacts.iter().map(|c| c.force_n).collect();
+            (frame.phase, frame.is_stale, forces_n)
+        };
+        let (touched, unknown) = (TouchPhase::Touched, TouchPhase::Unknown);
+        assert_eq!(judged(33.0, &[true; 3]), (touched, false, vec![33.0]));
+        assert_eq!(judged(60.0, &[true; 3]), (unknown(UnknownReason::Misfit), true, vec![33.0]));
+        let blind = judged(20.0, &[true, false, true]).0;
+        assert_eq!(blind, unknown(UnknownReason::TooFewGauges));
     }
 }

@@ -9,9 +9,12 @@
 mod allocations;
 mod bundle;
 mod doubt;
+mod drift_laws;
 mod runtime;
 mod sinks;
 mod stalled_client;
 mod support;
 mod tare;
+mod tare_laws;
+mod trust_laws;
 mod wire;

@@ -2,103 +2,18 @@
 
 use crate::support;
 
-use std::sync::Arc;
 use std::time::Duration;
 
-use hapdef_daq::source::ReplaySource;
 use hapdef_inverse::SkinPoint;
 use hapdef_live::estimator::{SearchPlace, TouchEstimator};
 use hapdef_live::{
-    AnyError, Delivery, Health, Live, LiveEvent, LiveFrame, LiveParams, Retare, Sink, TareFault,
-    TareFaultKind, TareOutcome, Touch, TouchPhase, UnknownReason, Wants,
+    LiveFrame, Retare, TareFault, TareFaultKind, TareOutcome, Touch, TouchPhase, UnknownReason,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use support::world::{self, World};
-use support::{Collected, N_GAUGES, bundle, messages, taken};
-
-/// Frames of the tare.
-const TARE: usize = 400;
-
-/// What came of a stream.
-struct Played {
-    frames: Vec<LiveFrame>,
-    faults: Vec<Arc<TareFault>>,
-    n_tared: usize,
-    health: Health,
-}
-
-/// Keeps everything.
-struct Keep {
-    frames: Collected<LiveFrame>,
-    events: Collected<LiveEvent>,
-}
-
-impl Sink for Keep {
-    fn name(&self) -> String {
-        "test".to_owned()
-    }
-
-    fn wants(&self) -> Wants {
-        Wants::ALL
-    }
-
-    fn delivery(&self) -> Delivery {
-        Delivery::Queue(64)
-    }
-
-    fn frame(&mut self, frame: &LiveFrame) -> Result<(), AnyError> {
-        self.frames.lock().unwrap().push(frame.clone());
-        Ok(())
-    }
-
-    fn event(&mut self, event: &LiveEvent) -> Result<(), AnyError> {
-        self.events.lock().unwrap().push(event.clone());
-        Ok(())
-    }
-}
-
-/// Forces and drift over frames: `force_n` at `point`, µε of drift on each gauge.
-fn play(
-    world: &World,
-    n: usize,
-    retare: Retare,
-    signal: impl Fn(usize) -> (Vec<(SkinPoint, f64)>, Vec<f64>),
-) -> Played {
-    let mut rng = ChaCha8Rng::seed_from_u64(8);
-    let frame = |index: usize| {
-        let (contacts, drift) = signal(index);
-        let mut y = world.readings(&contacts);
-        y.iter_mut().zip(drift).for_each(|(y, drift)| *y += drift);
-        world::add_noise(&mut y, 1.0, &mut rng);
-        y
-    };
-    let readings: Vec<Vec<f64>> = (0..n).map(frame).collect();
-    let source = ReplaySource::new("memory", messages(&readings).into_iter(), 0.0);
-    let (frames, events) = (Collected::default(), Collected::default());
-    let sink = Keep { frames: Arc::clone(&frames), events: Arc::clone(&events) };
-    let live = Live::builder(source)
-        .bundle(&bundle(world))
-        .params(LiveParams {
-            tare_s: TARE as f64 * 1e-3,
-            retare,
-            is_recorded: true,
-            is_lossless: true,
-            ..LiveParams::default()
-        })
-        .estimator(bundle(world).tracking(SearchPlace::Here).unwrap())
-        .sink(sink)
-        .start()
-        .unwrap();
-    let health = live.wait().unwrap();
-    let events = taken(&events);
-    let faults = events.iter().filter_map(|event| match event {
-        LiveEvent::TareFault(fault) => Some(Arc::clone(fault)),
-        _ => None,
-    });
-    let n_tared = events.iter().filter(|event| matches!(event, LiveEvent::Tared)).count();
-    Played { faults: faults.collect(), frames: taken(&frames), n_tared, health }
-}
+use support::played::{TARE, play};
+use support::world::World;
+use support::{N_GAUGES, bundle};
 
 fn point(world: &World, seed: u64) -> SkinPoint {
     world.draw_points(1, 0.015, &mut ChaCha8Rng::seed_from_u64(seed))[0]

@@ -92,5 +92,7 @@ pub fn chain_stages(run: &Run, limb: &Limb) -> Result<ChainStages, HapdefError> 
 
 fn paper_chain(run: &Run, limb: &Limb) -> Result<PaperChain, HapdefError> {
     let ChainStages { data, nets, .. } = chain_stages(run, limb)?;
-    Ok(PaperChain::new(trained_chain(run, limb, &data, &nets)?, run.scene.contact.max_contacts))
+    let chain = trained_chain(run, limb, &data, &nets)?;
+    let contact = &run.scene.contact;
+    Ok(PaperChain::new(chain, contact.max_contacts, contact.force_range_n[1]))
 }

@@ -3,7 +3,7 @@
 use hapdef_contact::{Contact, Touch};
 use nalgebra::Point3;
 
-use super::super::{EstimatorKind, TouchEstimator, TouchFrame};
+use super::super::{EstimatorKind, Sight, TouchEstimator, TouchFrame};
 use super::{FoundContact, Hapdefx, HapdefxScratch};
 use crate::error::LiveError;
 
@@ -17,18 +17,20 @@ pub struct PaperChain {
     readings: Vec<f32>,
     map_um: Vec<f32>,
     max_contacts: usize,
+    range_n: f64,
 }
 
 impl PaperChain {
-    /// Wraps the trained chain of a limb.
+    /// Wraps the trained chain of a limb whose touches are expected to have up to `range_n` N.
     #[must_use]
-    pub fn new(chain: Hapdefx, max_contacts: usize) -> Self {
+    pub fn new(chain: Hapdefx, max_contacts: usize, range_n: f64) -> Self {
         Self {
             scratch: HapdefxScratch::default(),
             readings: vec![0.0; chain.n_gauges()],
             map_um: vec![0.0; chain.n_surface()],
             chain,
             max_contacts,
+            range_n,
         }
     }
 
@@ -64,5 +66,11 @@ impl TouchEstimator for PaperChain {
         }
         touch.clear();
         self.find(touch)
+    }
+
+    /// The nets were trained with all gauges and say nothing of how sure they are: without one of them nothing is
+    /// seen, and no force beyond the range is the range's end by noise.
+    fn sight(&self) -> Option<Sight<'_>> {
+        Some(Sight { seen: None, range_n: self.range_n })
     }
 }

@@ -22,6 +22,13 @@ pub(super) struct Conditioning {
 }
 
 impl Conditioning {
+    /// The most that a gauge's zero makes its readings more uncertain than their noise does, 1 or more.
+    pub(super) fn blur(&self) -> f64 {
+        let each = self.conditioner.gauge_sd().iter().zip(&self.out.baseline_sd);
+        let of_live = each.zip(&self.out.live).filter(|(_, is_live)| **is_live);
+        of_live.map(|((noise, zero), _)| (zero / noise).hypot(1.0)).fold(1.0, f64::max)
+    }
+
     fn take_raw(&mut self, raw_ue: &[f64], device: &Device) {
         self.raw_ue.copy_from_slice(raw_ue);
         for gauge in device.saturated() {

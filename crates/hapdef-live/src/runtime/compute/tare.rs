@@ -2,20 +2,15 @@
 
 use std::sync::Arc;
 
-use hapdef_contact::{TouchPhase, UnknownReason};
+use hapdef_contact::{Contact, TouchPhase, UnknownReason};
 use hapdef_inverse::{DriftState, TareEnd};
 
 use super::Compute;
+use super::cause::{LEAST_P, is_better, is_drift, is_press, is_strong};
 use super::conditioning::Conditioning;
 use crate::estimator::Explained;
 use crate::sink::LiveEvent;
 use crate::tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};
-
-/// An explanation less probable than this is none.
-const LEAST_P: f64 = 1e-2;
-
-/// A contact with less force explains nothing here, N: it is as strong as what contacts are let go at.
-const LEAST_FORCE_N: f64 = 0.5;
 
 /// A release is believed with so many numbers to check it by beside the three of each of its contacts: with one left, a
 /// wrong map lets three mirrored contacts explain a press.
@@ -43,6 +38,8 @@ pub(super) struct TareWatch {
     fault: Option<Arc<TareFault>>,
     /// Times that the tare began again.
     pub(super) n_repeats: usize,
+    /// When nothing touched last, or the first frame came, on the host's clock.
+    untouched_ns: Option<u64>,
     /// Frames since something began to touch.
     n_touched: usize,
     /// Mean readings that are being explained `[n_gauges]`, µε.
@@ -116,15 +113,11 @@ impl Compute {
             }
             TareEnd::Taken => (None, conditioner.tare_shift()),
         };
-        let explained = readings.and_then(|readings| self.explain(&readings));
-        let pressing = explained.map(|[pressing, released]| {
-            let is_pressed = is_press(&pressing) && !is_better(&released, &pressing);
-            if is_pressed { pressing.contacts } else { Vec::new() }
-        });
-        let contacts = pressing.unwrap_or_default();
+        let is_steady = kind.is_none();
+        let contacts = readings.map_or_else(Vec::new, |shift| self.pressing(&shift, is_steady));
         let kind = match kind {
-            None if contacts.len() == 1 => TareFaultKind::Pressed,
-            None => return self.tare_taken(),
+            None if contacts.is_empty() => return self.tare_taken(),
+            None => TareFaultKind::Pressed,
             Some(kind) => kind,
         };
         let Some(conditioning) = &mut self.conditioning else {
@@ -148,6 +141,33 @@ impl Compute {
         };
         self.tare_watch.let_go();
         self.tell_tare_fault(TareFault { kind, contacts, outcome });
+    }
+
+    /// The contacts that moved the readings by `shift` `[n_gauges]`, µε. A single one is believed wherever it explains
+    /// them; of more than that, which explain much, a steady zero is asked first whether it drifted there.
+    fn pressing(&mut self, shift: &[f64], is_steady: bool) -> Vec<Contact> {
+        let Some([pressing, released]) = self.explain(shift) else {
+            return Vec::new();
+        };
+        if !is_press(&pressing) || is_better(&released, &pressing) {
+            return Vec::new();
+        }
+        let is_several = is_steady && pressing.contacts.len() > 1;
+        if is_several && self.has_drifted(shift) { Vec::new() } else { pressing.contacts }
+    }
+
+    /// Whether drift since nothing touched explains that the zero moved by `shift` `[n_gauges]`, µε.
+    fn has_drifted(&self, shift: &[f64]) -> bool {
+        let since_ns = self.tare_watch.untouched_ns.unwrap_or_default();
+        let time_s = self.frame.t_host_ns.saturating_sub(since_ns) as f64 * 1e-9;
+        let time_s = time_s.max(self.setup.params.tare_s);
+        let least = self.setup.noise_ue;
+        let noise_ue: Vec<f64> = match &self.counts.noise_ue[..] {
+            [] => vec![least; shift.len()],
+            noise_ue => noise_ue.iter().map(|noise| noise.max(least)).collect(),
+        };
+        let conditioning = self.conditioning.as_ref();
+        conditioning.is_some_and(|c| is_drift(c, shift, &noise_ue, time_s))
     }
 
     fn tare_taken(&mut self) {
@@ -174,7 +194,10 @@ impl Compute {
 
     /// Says what the zero is worth: after conditioning, before contacts are looked for.
     pub(super) fn judge_zero(&mut self) {
+        let now_ns = self.frame.t_host_ns;
+        self.tare_watch.untouched_ns.get_or_insert(now_ns);
         if self.frame.phase == TouchPhase::Untouched {
+            self.tare_watch.untouched_ns = Some(now_ns);
             self.tare_watch.let_go();
         }
         if self.tare_watch.is_invalid() {
@@ -267,19 +290,4 @@ impl Compute {
         let estimator = self.setup.estimator.as_mut()?;
         estimator.explain(readings_ue, live).ok().flatten()
     }
-}
-
-/// Whether contacts explain the readings.
-fn is_press(found: &Explained) -> bool {
-    found.p_value > LEAST_P && is_strong(found)
-}
-
-fn is_strong(found: &Explained) -> bool {
-    found.contacts.iter().any(|contact| contact.force_n > LEAST_FORCE_N)
-}
-
-/// Whether `found` explains the readings within their noise, and `other` does not with as few contacts.
-fn is_better(found: &Explained, other: &Explained) -> bool {
-    let is_good = found.p_value > LEAST_P && !found.contacts.is_empty();
-    is_good && (other.p_value <= LEAST_P || other.contacts.len() > found.contacts.len())
 }

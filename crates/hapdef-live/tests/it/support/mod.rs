@@ -2,6 +2,9 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod endless;
+pub mod fed;
+pub mod laws;
+pub mod played;
 #[path = "../../../../hapdef-inverse/tests/it/world/mod.rs"]
 pub mod world;
 

@@ -1,0 +1,53 @@
+//! What moved readings that should stand still: contacts, contacts that let go, or drift.
+
+use hapdef_inverse::chi_square_tail;
+
+use super::conditioning::Conditioning;
+use crate::estimator::Explained;
+
+/// An explanation less probable than this is none.
+pub(super) const LEAST_P: f64 = 1e-2;
+
+/// A contact with less force explains nothing here, N: it is as strong as what contacts are let go at.
+const LEAST_FORCE_N: f64 = 0.5;
+
+/// Drift in any direction is reckoned with for so long at most, s, as the zero's line remembers: without a limit two
+/// presses held for a minute would be drift of a minute, and be tared.
+const MOST_DRIFT_S: f64 = 10.0;
+
+/// Whether contacts explain the readings.
+pub(super) fn is_press(found: &Explained) -> bool {
+    found.p_value > LEAST_P && is_strong(found)
+}
+
+pub(super) fn is_strong(found: &Explained) -> bool {
+    found.contacts.iter().any(|contact| contact.force_n > LEAST_FORCE_N)
+}
+
+/// Whether `found` explains the readings within their noise, and `other` does not with as few contacts.
+pub(super) fn is_better(found: &Explained, other: &Explained) -> bool {
+    let is_good = found.p_value > LEAST_P && !found.contacts.is_empty();
+    is_good && (other.p_value <= LEAST_P || other.contacts.len() > found.contacts.len())
+}
+
+/// Whether drift that had `time_s` for it moved the zero by `shift` `[n_gauges]`, µε, of which contacts need
+/// `noise_ue` `[n_gauges]` to be explained, too.
+pub(super) fn is_drift(
+    conditioning: &Conditioning,
+    shift: &[f64],
+    noise_ue: &[f64],
+    time_s: f64,
+) -> bool {
+    let time_s = time_s.min(MOST_DRIFT_S);
+    // lengths are those of the device
+    let Ok(beyond) = conditioning.conditioner.beyond_drift(shift, time_s) else {
+        return false;
+    };
+    let each = beyond.iter().zip(noise_ue).zip(&conditioning.out.live);
+    let (mut chi2, mut n_live) = (0.0, 0);
+    for ((beyond, noise), _) in each.filter(|(_, is_live)| **is_live) {
+        chi2 += (beyond / noise).powi(2);
+        n_live += 1;
+    }
+    chi_square_tail(chi2, n_live) > LEAST_P
+}
