@@ -60,6 +60,9 @@ pub enum DriftState {
     Still,
     /// Steadily, and the zero follows it.
     Followed,
+    /// A contact left readings that drift may have left, too, since the zero was followed: their line is still too short
+    /// to tell.
+    Unsure,
     /// The readings have moved on one line for seconds, and faster than is taken for drift.
     TooFast {
         /// The gauge that is farthest beyond its limit.

@@ -260,6 +260,11 @@ impl Conditioner {
             // as what is learned
             self.slow.iter_mut().zip(moved).for_each(|(slow, moved)| *slow -= moved);
         }
+        if self.drift.was_drift {
+            // nothing has touched since
+            (self.touch, self.n_slow) = (TouchDetector::new(), 0);
+            self.slow.fill(0.0);
+        }
         out.drift = self.drift.state;
         out.phase = if self.touch.is_touched { TouchPhase::Touched } else { TouchPhase::Untouched };
         Ok(())

@@ -34,6 +34,16 @@ const CATCH_UP: f64 = 1.25;
 /// Blocks in a row on one line from which it is sure how fast readings drift that are too fast, 2 s.
 const SURE_LINE: usize = 62;
 
+/// Drift may go unseen for so long, s, before something touches: that of one gauge alone is seen after 0.6 s.
+const UNSEEN_S: f64 = 1.0;
+
+/// Untouched for so many blocks, zeros are followed again.
+const N_QUIET: usize = 32;
+
+/// Gauges need not all have drifted for the same time: by this share of it each may differ. Temperature reaches
+/// gauges within seconds of each other.
+const APART: f64 = 0.25;
+
 /// Value and rate of each gauge by a line through all blocks since it was started anew: the expanding-memory
 /// polynomial filter of degree 1 (Morrison, Introduction to Sequential Smoothing and Prediction, 1969).
 #[derive(Clone, Debug)]
@@ -62,6 +72,15 @@ pub(crate) struct Drift {
     /// While touched: the readings' own line, which nothing is taken off by `[n_gauges]`.
     touched: [Vec<f64>; 2],
     was_touched: bool,
+    /// Blocks that the zero's line is known from when it goes on after a contact.
+    n_before: usize,
+    /// Blocks in a row without a touch, and time since the zero was followed last, s.
+    n_quiet: usize,
+    away_s: f64,
+    /// What touches has moved readings by more than zeros may have drifted since then.
+    was_large: bool,
+    /// What touched turned out to be drift in the last frame.
+    pub(crate) was_drift: bool,
     pub(crate) state: DriftState,
     /// What is caught up with at once after a contact `[n_gauges]`.
     caught: Vec<f64>,
@@ -81,7 +100,7 @@ impl Line {
         let n = self.n as f64;
         // one block says nothing of a rate
         let of_rate = if self.n > 1 { 6.0 / (n * (n + 1.0)) } else { 0.0 };
-        (2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)), of_rate)
+        (self.value_variance(), of_rate)
     }
 
     /// Averages `misses`; whether they are beyond noise of `noise.0` each about zeros known to `noise.1`,
@@ -102,6 +121,12 @@ impl Line {
             }
         }
         self.n_misses > 2 && upper_tail(chi2, n_dof) < MOVES_P
+    }
+
+    /// Variance of the value at the line's end, from blocks of variance 1.
+    fn value_variance(&self) -> f64 {
+        let n = self.n.max(1) as f64;
+        2.0 * (2.0 * n - 1.0) / (n * (n + 1.0))
     }
 
     /// Variance of the rate, per block, from blocks of variance 1.
@@ -127,6 +152,11 @@ impl Drift {
             held: Held::new(n_gauges),
             touched: [zeros(), zeros()],
             was_touched: false,
+            n_before: LEAST_LINE,
+            n_quiet: 0,
+            away_s: 0.0,
+            was_large: false,
+            was_drift: false,
             state: DriftState::Still,
             caught: zeros(),
             beyond: zeros(),
@@ -139,7 +169,8 @@ impl Drift {
         self.offset.fill(0.0);
         self.rate.fill(0.0);
         self.state = DriftState::Still;
-        self.was_touched = false;
+        (self.was_touched, self.was_drift) = (false, false);
+        (self.n_quiet, self.away_s, self.was_large) = (0, 0.0, false);
         self.held.start_over();
         self.start_block();
         self.line.start_over(0);
@@ -178,6 +209,7 @@ impl Drift {
         sd: &[f64],
         is_touched: bool,
     ) -> Option<&[f64]> {
+        self.was_drift = false;
         if is_touched != self.was_touched {
             self.turn(is_touched, sd);
         }
@@ -197,8 +229,13 @@ impl Drift {
             let is_enough = 2 * n > self.block;
             self.sums[gauge] = if is_enough { self.sums[gauge] / n as f64 } else { f64::NAN };
         }
+        self.n_quiet = if is_touched { 0 } else { self.n_quiet + 1 };
+        let is_away = self.n_quiet < N_QUIET;
+        self.away_s = if is_away { self.away_s + self.block_s() } else { 0.0 };
+        self.was_large &= is_away;
         if is_touched {
             self.watch(sd);
+            self.go_on_if_drift(sd);
         } else {
             self.follow(sd, &left.baseline_sd);
         }
@@ -228,11 +265,13 @@ impl Drift {
             let variance = |sd: &f64| (of_rate * sd * sd).min(most);
             // one that stood still is taken to do so
             self.held.begin(sd.iter().map(|sd| if is_followed { variance(sd) } else { 0.0 }));
+            let n_known = if is_followed { self.line.n } else { LEAST_LINE };
+            self.n_before = n_known.clamp(FRESH_LINE, LEAST_LINE);
             self.line.start_over(0);
         } else {
             // what it drifted meanwhile is known less well than before
-            self.line.start_over(LEAST_LINE);
-            if matches!(self.state, DriftState::TooFast { .. }) {
+            self.line.start_over(self.n_before);
+            if matches!(self.state, DriftState::TooFast { .. } | DriftState::Unsure) {
                 self.state = DriftState::Followed;
             }
         }
@@ -290,6 +329,69 @@ impl Drift {
             self.rate.fill(0.0);
             self.state = DriftState::Still;
         }
+    }
+
+    /// After [`Drift::watch`]: takes what touches for drift, and follows it, where its line is that of zeros that began to drift while they
+    /// were not followed: each gauge is where its rate, within the limits, brought it since then. A press that stands
+    /// still has no rate, and one that creeps would have begun long before.
+    fn go_on_if_drift(&mut self, sd: &[f64]) {
+        let [_, rate] = &self.touched;
+        if !self.moves(rate, sd) || self.moves(&self.beyond, sd) || !self.is_since_away(sd) {
+            self.doubt(sd);
+            return;
+        }
+        for gauge in 0..sd.len() {
+            self.offset[gauge] += self.touched[0][gauge];
+            self.rate[gauge] += self.touched[1][gauge];
+        }
+        (self.was_touched, self.was_drift) = (false, true);
+        self.state = DriftState::Followed;
+        self.held.start_over();
+        // its line goes on; its misses were those of another zero
+        self.line.start_over(self.line.n);
+    }
+
+    /// Whether all gauges are where their rates brought them in one time since the zero was followed.
+    fn is_since_away(&self, sd: &[f64]) -> bool {
+        let [value, rate] = &self.touched;
+        let n_block = self.block as f64;
+        let of_value = self.line.value_variance() / n_block;
+        let of_rate = self.line.rate_variance() / n_block / self.block_s().powi(2);
+        let product = |a: &[f64], b: &[f64]| -> f64 {
+            a.iter().zip(b).zip(sd).map(|((a, b), sd)| a * b / (sd * sd)).sum()
+        };
+        let time_s = product(value, rate) / product(rate, rate);
+        let time_s = time_s.clamp(0.0, self.away_s + UNSEEN_S);
+        let chi2: f64 = (0..sd.len())
+            .map(|gauge| {
+                let known = sd[gauge].powi(2) * (of_value + of_rate * time_s * time_s);
+                let apart = APART * rate[gauge] * time_s;
+                (value[gauge] - rate[gauge] * time_s).powi(2) / (known + apart * apart)
+            })
+            .sum();
+        upper_tail(chi2, sd.len()) > STANDS_P
+    }
+
+    /// What is left after a contact is in doubt, while its line is short, where zeros may have drifted so far since they
+    /// were followed.
+    fn doubt(&mut self, sd: &[f64]) {
+        let time_s = self.away_s + UNSEEN_S;
+        self.limits.beyond(&self.touched[0], time_s, &mut self.sorted, &mut self.beyond);
+        let of_value = self.line.value_variance() / self.block as f64;
+        let chi2: f64 = self.beyond.iter().zip(sd).map(|(left, sd)| (left / sd).powi(2)).sum();
+        let is_large = upper_tail(chi2 / of_value, sd.len()) < MOVES_P;
+        self.was_large |= is_large;
+        let is_open = self.line.n < SURE_LINE && !matches!(self.state, DriftState::TooFast { .. });
+        if is_open && self.was_large && !is_large {
+            self.state = DriftState::Unsure;
+        }
+    }
+
+    /// Whether rates are surely not noise.
+    fn moves(&self, rate: &[f64], sd: &[f64]) -> bool {
+        let of_rate = self.line.rate_variance() / self.block as f64 / self.block_s().powi(2);
+        let chi2: f64 = rate.iter().zip(sd).map(|(rate, sd)| (rate / sd).powi(2)).sum();
+        self.line.n > 2 && upper_tail(chi2 / of_rate, sd.len()) < MOVES_P
     }
 
     /// Fits the line of readings that something touches, or that drift too fast.

@@ -222,6 +222,11 @@ impl Compute {
         if self.frame.phase != TouchPhase::Touched {
             return;
         }
+        if drift == DriftState::Unsure {
+            touch.clear();
+            self.frame.phase = TouchPhase::Unknown(UnknownReason::Drift);
+            return;
+        }
         let quality = touch.quality;
         let is_explained = quality.is_some_and(|quality| quality.is_identified());
         if matches!(drift, DriftState::TooFast { .. }) && !is_explained {
