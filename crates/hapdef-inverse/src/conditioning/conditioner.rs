@@ -5,7 +5,7 @@ use hapdef_contact::{GaugeHealth, TouchPhase};
 use crate::chi_square::upper_tail;
 use crate::conditioning::conditioned::{Conditioned, DriftState, TareEnd};
 use crate::conditioning::detector::TouchDetector;
-use crate::conditioning::drift::Drift;
+use crate::conditioning::drift::{DRIFT_S, Drift};
 use crate::conditioning::faults::{Converter, Watch};
 use crate::conditioning::limits::DriftLimits;
 use crate::conditioning::params::ConditionerParams;
@@ -43,10 +43,6 @@ pub struct Conditioner {
     touched_s: f64,
     released_s: f64,
 }
-
-/// Running means are no contact that drift within its limits explains which began this long ago: it is seen and
-/// followed after 0.2 s. Without it the first tenths of a second of each drift were contacts.
-const DRIFT_S: f64 = 0.3;
 
 /// What a tare is compared with, and goes back to.
 #[derive(Clone, Debug, Default)]

@@ -6,6 +6,10 @@ use crate::conditioning::held::Held;
 use crate::conditioning::limits::DriftLimits;
 use crate::conditioning::tare::TareCheck;
 
+/// Running means are no contact that drift within its limits explains which began this long ago: it is seen and
+/// followed after 0.2 s. Without it the first tenths of a second of each drift were contacts.
+pub(crate) const DRIFT_S: f64 = 0.3;
+
 /// Length of a block whose mean is one measurement, s.
 const BLOCK_S: f64 = 0.032;
 
@@ -268,6 +272,10 @@ impl Drift {
             let n_known = if is_followed { self.line.n } else { LEAST_LINE };
             self.n_before = n_known.clamp(FRESH_LINE, LEAST_LINE);
             self.line.start_over(0);
+            if self.was_large {
+                // what the last contact left has not been told yet
+                self.state = DriftState::Unsure;
+            }
         } else {
             // what it drifted meanwhile is known less well than before
             self.line.start_over(self.n_before);
@@ -290,6 +298,7 @@ impl Drift {
         let noise = |gauge: usize| (sd[gauge].powi(2) / n_block, zero_sd[gauge].powi(2));
         let is_missed = self.line.is_missed(&self.sums, noise);
         if is_missed {
+            self.catch_up();
             self.line.start_over(FRESH_LINE);
             self.state = DriftState::Followed;
         } else if self.state == DriftState::Still {
@@ -316,6 +325,18 @@ impl Drift {
         self.stand(sd);
     }
 
+    /// Moves the zero at once by what was missed before drift was seen: taken for its rate, it drove that to its limit,
+    /// and a contact that came before it was right again left newtons when it went.
+    fn catch_up(&mut self) {
+        self.limits.beyond(&self.line.misses, DRIFT_S, &mut self.sorted, &mut self.beyond);
+        for (gauge, miss) in self.sums.iter_mut().enumerate() {
+            let moved = self.line.misses[gauge] - self.beyond[gauge];
+            *miss -= moved;
+            self.caught[gauge] += moved;
+            self.offset[gauge] += moved;
+        }
+    }
+
     /// Ends following where the rates are no more than noise.
     fn stand(&mut self, sd: &[f64]) {
         if self.line.n < LEAST_LINE {
@@ -336,7 +357,9 @@ impl Drift {
     /// still has no rate, and one that creeps would have begun long before.
     fn go_on_if_drift(&mut self, sd: &[f64]) {
         let [_, rate] = &self.touched;
-        if !self.moves(rate, sd) || self.moves(&self.beyond, sd) || !self.is_since_away(sd) {
+        let is_sure = self.line.n >= LEAST_LINE && self.rate_p(rate, sd) < MOVES_P;
+        let is_within = self.rate_p(&self.beyond, sd) > STANDS_P;
+        if !is_sure || !is_within || !self.is_since_away(sd) {
             self.doubt(sd);
             return;
         }
@@ -375,7 +398,8 @@ impl Drift {
     /// What is left after a contact is in doubt, while its line is short, where zeros may have drifted so far since they
     /// were followed.
     fn doubt(&mut self, sd: &[f64]) {
-        let time_s = self.away_s + UNSEEN_S;
+        // the rate that the zero went on at may have been wrong by twice the limit
+        let time_s = 2.0 * self.away_s + UNSEEN_S;
         self.limits.beyond(&self.touched[0], time_s, &mut self.sorted, &mut self.beyond);
         let of_value = self.line.value_variance() / self.block as f64;
         let chi2: f64 = self.beyond.iter().zip(sd).map(|(left, sd)| (left / sd).powi(2)).sum();
@@ -387,11 +411,11 @@ impl Drift {
         }
     }
 
-    /// Whether rates are surely not noise.
-    fn moves(&self, rate: &[f64], sd: &[f64]) -> bool {
+    /// The probability of such rates by noise alone.
+    fn rate_p(&self, rate: &[f64], sd: &[f64]) -> f64 {
         let of_rate = self.line.rate_variance() / self.block as f64 / self.block_s().powi(2);
         let chi2: f64 = rate.iter().zip(sd).map(|(rate, sd)| (rate / sd).powi(2)).sum();
-        self.line.n > 2 && upper_tail(chi2 / of_rate, sd.len()) < MOVES_P
+        upper_tail(chi2 / of_rate, sd.len())
     }
 
     /// Fits the line of readings that something touches, or that drift too fast.

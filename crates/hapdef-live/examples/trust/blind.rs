@@ -7,7 +7,7 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{BEFORE, play};
+use crate::{BEFORE, play, silent};
 
 /// The press that must not go unseen unsaid: a quarter of the strongest expected.
 const SHARE: f64 = 0.25;
@@ -18,12 +18,17 @@ const SOON: usize = 200;
 /// Frames that the press lasts.
 const HELD: usize = 1200;
 
-/// Frames of `n` streams each with gauges gone, with all readings frozen, and with a press in the first tare, in
-/// which the press is not reported: how many of them are unknown, and how many there are.
+/// Frames of `n` streams each with gauges gone, with all readings frozen, and with a press in the first tare, and looks at
+/// a stream that has stopped, in which no press is reported: how many of them are unknown, and how many there are.
 pub(crate) fn count(bundle: &Bundle, seed: u64, n: u64) -> (usize, usize) {
     let each = (seed..seed + n).flat_map(|seed| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xb11d);
-        [without_gauges(bundle, &mut rng), frozen(bundle, &mut rng), tared_under(bundle, &mut rng)]
+        [
+            without_gauges(bundle, &mut rng),
+            frozen(bundle, &mut rng),
+            tared_under(bundle, &mut rng),
+            silent::phases(bundle, &mut rng),
+        ]
     });
     each.flatten()
         .filter(|phase| *phase != TouchPhase::Touched)

@@ -10,8 +10,12 @@
 )]
 
 mod blind;
+#[path = "../../tests/it/support/fed.rs"]
+mod fed;
 #[path = "../../../hapdef-daq/examples/soak/metrics.rs"]
 mod metrics;
+mod silent;
+mod tares;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -70,7 +74,19 @@ fn main() {
     );
     let (n_unknown, n_blind) = blind::count(&bundle, seed, if has("--long") { 100 } else { 10 });
     println!("frames of a blind sensor: {n_blind}, of these {n_unknown} unknown");
+    let n_tares = if has("--long") { 100 } else { 10 };
+    let refused = tares::count(&bundle, seed, n_tares);
+    let [one, two, three, changed] = refused;
+    println!(
+        "of {n_tares} tares each refused: {one} under a press, {two} under two, {three} under three, {changed} where \
+         zeros changed"
+    );
+    let pct = |n: usize| 100.0 * n as f64 / n_tares as f64;
     let figures = [
+        ("trust.tare_one_press_refused_pct", pct(one), "%"),
+        ("trust.tare_two_presses_refused_pct", pct(two), "%"),
+        ("trust.tare_three_presses_refused_pct", pct(three), "%"),
+        ("trust.tare_changed_zero_refused_pct", pct(changed), "%"),
         ("trust.drift_false_contacts", n_false as f64, "1"),
         ("trust.release_lag_ms", median_ms, "ms"),
         ("trust.release_lag_p99_ms", p99_ms, "ms"),
@@ -150,14 +166,13 @@ struct Seen {
     force_n: f64,
 }
 
-/// Plays `n` frames of noise with what `add` adds.
-fn play(
+/// What the device sends: `n` frames of noise with what `add` adds.
+fn messages(
     bundle: &Bundle,
     n: usize,
     seed: u64,
-    retare: Retare,
     mut add: impl FnMut(usize, &mut [f64]) + Send + 'static,
-) -> Vec<Seen> {
+) -> impl Iterator<Item = Message> + Send + 'static {
     let n_gauges = bundle.map().n_gauges();
     let mut hello = Hello::plain(n_gauges, SampleFormat::I32, 1000);
     hello.channels.iter_mut().for_each(|channel| channel.scale = SCALE);
@@ -173,7 +188,18 @@ fn play(
         frame.t_host_ns = 1_000_000 * index as u64;
         Message::Frame(frame)
     };
-    let messages = std::iter::once(Message::Hello(Arc::new(hello))).chain((0..n).map(frame));
+    std::iter::once(Message::Hello(Arc::new(hello))).chain((0..n).map(frame))
+}
+
+/// Plays `n` frames of noise with what `add` adds.
+fn play(
+    bundle: &Bundle,
+    n: usize,
+    seed: u64,
+    retare: Retare,
+    add: impl FnMut(usize, &mut [f64]) + Send + 'static,
+) -> Vec<Seen> {
+    let messages = messages(bundle, n, seed, add);
     let (sender, seen): (_, Receiver<Seen>) = channel();
     let sink = FnSink::new("trust", Wants::CONTACTS, move |frame: &LiveFrame| {
         let forces_n = frame.touch.contacts.iter().map(|contact| contact.force_n);

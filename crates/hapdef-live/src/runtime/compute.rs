@@ -134,7 +134,10 @@ impl Compute {
             Message::Link(state) => {
                 match &state {
                     LinkState::Open => self.counts.n_opened += 1,
-                    LinkState::Away(_) => self.start_over(),
+                    LinkState::Away(_) => {
+                        self.start_over();
+                        self.tare_watch.has_gap = true;
+                    }
                     _ => {}
                 }
                 // A clock that jumped is counted, and the link is as it was.

@@ -11,9 +11,9 @@ pub(super) const LEAST_P: f64 = 1e-2;
 /// A contact with less force explains nothing here, N: it is as strong as what contacts are let go at.
 const LEAST_FORCE_N: f64 = 0.5;
 
-/// Drift in any direction is reckoned with for so long at most, s, as the zero's line remembers: without a limit two
-/// presses held for a minute would be drift of a minute, and be tared.
-const MOST_DRIFT_S: f64 = 10.0;
+/// While something touches, drift in any direction is reckoned with for so long at most, s, as the zero's line remembers:
+/// without a limit two presses held for a minute would be drift of a minute, and be tared.
+pub(super) const MOST_DRIFT_S: f64 = 10.0;
 
 /// Contacts explain a steady zero, which drift does not, if they are no misfit of one frame in a million: of three presses
 /// at a time 2 in 100 are found less well than by [`LEAST_P`].
@@ -42,7 +42,6 @@ pub(super) fn is_drift(
     noise_ue: &[f64],
     time_s: f64,
 ) -> bool {
-    let time_s = time_s.min(MOST_DRIFT_S);
     // lengths are those of the device
     let Ok(beyond) = conditioning.conditioner.beyond_drift(shift, time_s) else {
         return false;

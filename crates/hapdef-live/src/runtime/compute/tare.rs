@@ -6,7 +6,7 @@ use hapdef_contact::{Contact, TouchPhase, UnknownReason};
 use hapdef_inverse::{DriftState, TareEnd};
 
 use super::Compute;
-use super::cause::{LEAST_P, is_better, is_drift, is_press, is_strong};
+use super::cause::{LEAST_P, MOST_DRIFT_S, is_better, is_drift, is_press, is_strong};
 use super::conditioning::Conditioning;
 use crate::estimator::Explained;
 use crate::sink::LiveEvent;
@@ -40,6 +40,8 @@ pub(super) struct TareWatch {
     pub(super) n_repeats: usize,
     /// When nothing touched last, or the first frame came, on the host's clock.
     untouched_ns: Option<u64>,
+    /// The device was away since then.
+    pub(super) has_gap: bool,
     /// Frames since something began to touch.
     n_touched: usize,
     /// Mean readings that are being explained `[n_gauges]`, µε.
@@ -160,7 +162,8 @@ impl Compute {
     fn has_drifted(&self, shift: &[f64]) -> bool {
         let since_ns = self.tare_watch.untouched_ns.unwrap_or_default();
         let time_s = self.frame.t_host_ns.saturating_sub(since_ns) as f64 * 1e-9;
-        let time_s = time_s.max(self.setup.params.tare_s);
+        let most_s = if self.tare_watch.has_gap { f64::INFINITY } else { MOST_DRIFT_S };
+        let time_s = time_s.max(self.setup.params.tare_s).min(most_s);
         let least = self.setup.noise_ue;
         let noise_ue: Vec<f64> = match &self.counts.noise_ue[..] {
             [] => vec![least; shift.len()],
@@ -197,7 +200,7 @@ impl Compute {
         let now_ns = self.frame.t_host_ns;
         self.tare_watch.untouched_ns.get_or_insert(now_ns);
         if self.frame.phase == TouchPhase::Untouched {
-            self.tare_watch.untouched_ns = Some(now_ns);
+            (self.tare_watch.untouched_ns, self.tare_watch.has_gap) = (Some(now_ns), false);
             self.tare_watch.let_go();
         }
         if self.tare_watch.is_invalid() {
