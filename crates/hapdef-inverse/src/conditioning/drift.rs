@@ -298,7 +298,10 @@ impl Drift {
         let noise = |gauge: usize| (sd[gauge].powi(2) / n_block, zero_sd[gauge].powi(2));
         let is_missed = self.line.is_missed(&self.sums, noise);
         if is_missed {
-            self.catch_up();
+            // once: again and again it would follow drift beyond the limits
+            if self.state == DriftState::Still {
+                self.catch_up();
+            }
             self.line.start_over(FRESH_LINE);
             self.state = DriftState::Followed;
         } else if self.state == DriftState::Still {
