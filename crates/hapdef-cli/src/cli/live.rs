@@ -25,6 +25,7 @@ use hapdef_live::{Bundle, Live, LiveBuilder, LiveGauge, LiveParams, Retare};
 use hapdef_rig::live::TruthFrame;
 
 use super::files::new_file;
+use super::lean::start_lean;
 use super::live_end::{report, wait};
 use super::live_record::LiveRecorder;
 use super::live_ros::{Attached, Recordings, RosArgs};
@@ -132,6 +133,9 @@ pub(crate) fn run(args: &LiveArgs) -> Result<()> {
     let mut model = if is_bundle(path)? {
         Model::of_bundle(args, &Bundle::read(path)?)?
     } else {
+        if args.realtime.is_some() {
+            start_lean()?;
+        }
         Model::of_scene(args)?
     };
     let stop = Arc::clone(&model.stop);

@@ -13,6 +13,7 @@ mod doctor;
 mod export;
 mod files;
 mod inspect;
+mod lean;
 mod limits;
 mod live;
 mod live_end;

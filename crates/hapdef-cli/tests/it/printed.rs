@@ -9,9 +9,11 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use hapdef_daq::hdp1::{Encoder, FrameFlags, Hello, SampleFormat};
+use hapdef_mesh::write_glb;
 use serde_json::{Value, json};
 
 use crate::recording_commands::made;
+use crate::shell_limb_common::tube;
 
 /// In a name or text: clears a terminal, begins a line, turns the writing.
 const HOSTILE: &str = "a\x1b[2J\nerror: all is lost \u{9b}31m\u{202e}";
@@ -201,6 +203,10 @@ fn a_reader_that_has_enough_is_no_error() {
     made(folder, 100);
     let [skin, deck, scene] = ["shin_skin.glb", "shin.inp.gz", "placed.json"]
         .map(|f| shin(f).to_str().unwrap().to_owned());
+    write_glb(&folder.join("tube.glb"), &tube(0.12), None).unwrap();
+    // what the docs' commands solve and keep
+    let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/hapdef");
+    let out = out.to_str().unwrap();
     for words in [
         &["--help"][..],
         &["live", "--help"],
@@ -217,6 +223,10 @@ fn a_reader_that_has_enough_is_no_error() {
         &["replay", "made.mcap", "--json", "--speed", "max"],
         &["recover", "made.mcap", "-o", "r.mcap"],
         &["record", "--source", "replay:made.mcap@max", "-o", "again.mcap"],
+        &["shell", "tube.glb", "--unit", "m", "--wall", "measured", "--gauges", "3", "--edge", "5"],
+        &["limits", &scene, "--out", out],
+        &["live", &scene, "--sim", "--seconds", "0.5", "--out", out],
+        &["live", &scene, "--sim", "--seconds", "0.5", "--json", "--out", out],
     ] {
         let (reader, closed) = std::io::pipe().unwrap();
         drop(reader);
