@@ -7,13 +7,16 @@ pub mod read_back;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use hapdef_contact::{Alternative, Contact, Quality, Touch, Uncertainty, Verdict, WhyNot};
+use hapdef_contact::{
+    Alternative, Contact, Quality, Touch, TouchPhase, Uncertainty, UnknownReason, Verdict, WhyNot,
+};
 use hapdef_daq::hdp1::{Hello, SampleFormat};
 use hapdef_daq::record::{RecordInfo, RecordParams, record};
 use hapdef_daq::source::ReplaySource;
 use hapdef_daq::{AcquireParams, Frame, Message, acquire};
 use hapdef_ros::{
-    Health, Level, McapSink, MessageSink, Readings, RosEncoder, RosParams, Sinks, TopicKind, topics,
+    Health, Known, Level, McapSink, MessageSink, Readings, RosEncoder, RosParams, Sinks, TopicKind,
+    topics,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -90,6 +93,25 @@ pub fn contacts(i: u32) -> Touch {
     }
 }
 
+/// Whether contacts can be known at reading `i`: each phase, then each reason why not.
+pub fn knowledge(i: u32, stamp_ns: u64) -> Known {
+    let phases = [
+        TouchPhase::Taring,
+        TouchPhase::Untouched,
+        TouchPhase::Touched,
+        TouchPhase::Unknown(UnknownReason::StreamStalled),
+        TouchPhase::Unknown(UnknownReason::Misfit),
+        TouchPhase::Unknown(UnknownReason::Drift),
+    ];
+    Known {
+        stamp_ns,
+        phase: phases[i as usize / 50 % phases.len()],
+        is_stale: i.is_multiple_of(100),
+        n_contacts: i as usize % 3,
+        smallest_seen_n: Some(2.0 + number(u64::from(i))),
+    }
+}
+
 /// What is said of reading `i`.
 pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
     let microstrain: Vec<f64> = (0..10).map(|k| 50.0 * number(u64::from(i * 10 + k))).collect();
@@ -104,6 +126,9 @@ pub fn say(encoder: &mut RosEncoder<impl MessageSink>, i: u32, stamp_ns: u64) {
     });
     let truth = Touch { contacts: known.collect(), ..Touch::default() };
     encoder.truth(stamp_ns, i, &truth).unwrap();
+    if i.is_multiple_of(50) {
+        encoder.status(&knowledge(i, stamp_ns)).unwrap();
+    }
     if i.is_multiple_of(100) {
         let health = Health {
             stamp_ns,
