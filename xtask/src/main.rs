@@ -93,9 +93,9 @@ enum Task {
             --seed 1\n  cargo xtask robustness scenes --minutes 10 --seed 1"
     )]
     Robustness(robustness::RobustnessArgs),
-    /// Which real limbs become one skin, which not and why; a table and a page for each.
+    /// Which real limbs become one skin, which not and why, and how well touch is found on those that do.
     #[command(
-        after_help = "Examples:\n  cargo xtask limbs\n  cargo xtask limbs --folder meshes --only"
+        after_help = "Examples:\n  cargo xtask limbs\n  cargo xtask limbs --folder meshes --only --skins"
     )]
     Limbs(limbs::LimbsArgs),
     /// Damaged inputs for every reader; ends with exit code 1 if one panics.

@@ -1,87 +1,19 @@
-//! `hapdef probe` and `hapdef calibrate`: presses of known place and force, and the map they give.
+//! `hapdef calibrate`: the map that presses of known place and force give.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use clap::Args;
+use anyhow::{Context, Result};
 use hapdef::scene::GaugeEntry;
 use hapdef::touch::{CALIBRATION_SITES, Calibration, PressQuality, touchable_skin};
-use hapdef::{Limb, Run, live_limb};
-use hapdef_cli::{SceneArgs, print_json, shown};
+use hapdef::{Limb, Run};
+use hapdef_cli::{print_json, shown};
 use hapdef_inverse::{CalibrationInfo, Press, Skin};
-use hapdef_rig::{Electronics, ElectronicsParams};
 use nalgebra::Point3;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
 use super::calibrate_args::CalibrateArgs;
 use super::calibrate_live::calibrate_live;
 use super::table::{Row, read_table};
-
-/// Least force of a press on the simulated rig, N: less says little.
-const LEAST_N: f64 = 2.0;
-
-#[derive(Args)]
-#[command(after_help = "Example:\n  \
-    hapdef probe fixtures/shin/placed.json presses.csv --presses 300\n\n\
-    Simulated: the scene's rig is pressed, not hardware. Columns: x_m, y_m, z_m, force_n, then the \
-    tared reading of each gauge in µε.")]
-pub(crate) struct ProbeArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// The table to write.
-    table: PathBuf,
-    /// Number of presses.
-    #[arg(long, default_value_t = 300)]
-    presses: usize,
-    /// Seed of places and forces.
-    #[arg(long, default_value_t = 1)]
-    press_seed: u64,
-}
-
-/// Presses the scene's simulated rig and writes the table.
-pub(crate) fn probe(args: &ProbeArgs) -> Result<()> {
-    let run = args.scene.prepare()?;
-    let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let real = live_limb(&run, &limb)?;
-    let (points, n_gauges) = (limb.surface_points(), limb.gauges.len());
-    let mut rng = ChaCha8Rng::seed_from_u64(args.press_seed);
-    let [low, high] = run.scene.contact.force_range_n;
-    ensure!(low.max(LEAST_N) < high, "contact.force_range_n: expected a force above {LEAST_N} N");
-    let mut presses = Vec::with_capacity(args.presses);
-    for _ in 0..args.presses {
-        let node = rng.random_range(0..points.len());
-        let force_n = rng.random_range(low.max(LEAST_N)..=high);
-        let columns = &real.columns_ue_per_n()[node * n_gauges..][..n_gauges];
-        let unit: Vec<f64> = columns.iter().map(|c| c.dot(&limb.directions[node])).collect();
-        presses.push((points[node], force_n, unit));
-    }
-    let largest = (0..n_gauges).map(|gauge| {
-        let sizes = presses.iter().map(|(_, _, unit)| unit[gauge].abs());
-        sizes.fold(0.0, f64::max) * high
-    });
-    let spec = &run.scene.rig.electronics;
-    let params = ElectronicsParams {
-        noise_ue: spec.noise_ue,
-        adc_bits: spec.adc_bits,
-        headroom: spec.headroom,
-        seed: spec.seed.wrapping_add(args.press_seed),
-    };
-    let mut electronics = Electronics::new(params, &largest.collect::<Vec<_>>())?;
-    let mut text = header(n_gauges);
-    for (x, force_n, unit) in presses {
-        let mut readings: Vec<f64> = unit.iter().map(|g| g * force_n).collect();
-        electronics.measure(&mut readings);
-        let numbers = [x.x, x.y, x.z, force_n].into_iter().chain(readings);
-        let words: Vec<String> = numbers.map(|v| v.to_string()).collect();
-        writeln!(text, "{}", words.join(","))?;
-    }
-    std::fs::write(&args.table, text).with_context(|| format!("writing {}", shown(&args.table)))?;
-    println!("{} simulated presses: {}", args.presses, shown(&args.table));
-    Ok(())
-}
 
 /// Corrects the response by a table of presses and writes the result.
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
@@ -113,11 +45,6 @@ fn from_table(
     };
     run.say(&format!("calibrating with {} presses", presses.len()));
     Ok(Calibration::fit(run, limb, &presses, &quality, CALIBRATION_SITES)?)
-}
-
-fn header(n_gauges: usize) -> String {
-    let gauges = (0..n_gauges).map(|g| format!(",g{g}_ue"));
-    format!("x_m,y_m,z_m,force_n{}\n", gauges.collect::<String>())
 }
 
 fn read_presses(args: &CalibrateArgs, skin: &Skin, gauges: &[GaugeEntry]) -> Result<Vec<Press>> {

@@ -25,6 +25,7 @@ mod pages;
 mod place;
 mod plan;
 mod print;
+mod probe;
 mod record;
 mod recover;
 mod replay;
@@ -107,7 +108,7 @@ enum Command {
     /// The limb's wall as an STL file with pockets for its gauges, and a drawing to glue them by.
     Print(print::PrintArgs),
     /// Presses the scene's simulated rig and writes a table of presses.
-    Probe(calibrate::ProbeArgs),
+    Probe(probe::ProbeArgs),
     /// Corrects the response of the gauges by a table of presses.
     Calibrate(calibrate_args::CalibrateArgs),
     /// The virtual limb as a device that speaks HDP1 on a pseudo-terminal or over TCP.
@@ -169,7 +170,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Limits(args) => limits::run(args),
         Command::Place(args) => place::run(args),
         Command::Print(args) => print::run(args),
-        Command::Probe(args) => calibrate::probe(args),
+        Command::Probe(args) => probe::run(args),
         Command::Calibrate(args) => calibrate::calibrate(args),
         Command::Rig(args) => rig::rig(args),
         Command::Contacts(args) => contacts::run(args),
