@@ -1,17 +1,29 @@
 "use strict";
 const { palette, step_mm: STEP_MM, ruler_px: RULER_PX, limbs } = JSON.parse(document.getElementById("data").textContent);
-const NO_VALUE = "#a9a9a9";
 const INNER_SIDE = "#e2e2e2";
 
+/* Where the light comes from: right, up and towards the eye, of unit length. */
+const LIGHT = [-0.36, 0.48, 0.8];
+
+/* The colour of a triangle's value, which no light changes, as it is read off the scale; nothing without a value. */
 function colour(limb, map, triangle) {
   let sum = 0;
   for (let k = 0; k < 3; k++) {
     const value = map.values[limb.triangles[3 * triangle + k]];
-    if (value === null) return NO_VALUE;
+    if (value === null) return undefined;
     sum += value / 3;
   }
   const part = (sum - map.low) / (map.high - map.low || 1);
   return palette[Math.round(Math.min(Math.max(part, 0), 1) * (palette.length - 1))];
+}
+
+/* A triangle without a value: grey, lit, so that the limb's shape shows. */
+function lit(p, [i, j, k]) {
+  const [a, b] = [j, k].map((v) => [0, 1, 2].map((axis) => p[v + axis] - p[i + axis]));
+  const normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const light = normal.reduce((sum, x, axis) => sum + x * LIGHT[axis], 0) / (Math.hypot(...normal) || 1);
+  const level = Math.round(95 + 125 * Math.max(light, 0));
+  return `rgb(${level},${level},${level})`;
 }
 
 /* Right, up and towards the eye, for a view turned about the long axis and tilted. */
@@ -50,7 +62,7 @@ function draw(canvas, limb, map, size, yaw, tilt) {
     const [i, j, k] = [0, 1, 2].map((corner) => 3 * limb.triangles[3 * t + corner]);
     const turn =
       (p[j] - p[i]) * (p[k + 1] - p[i + 1]) - (p[k] - p[i]) * (p[j + 1] - p[i + 1]);
-    g.fillStyle = g.strokeStyle = turn < 0 ? INNER_SIDE : colour(limb, map, t);
+    g.fillStyle = g.strokeStyle = turn < 0 ? INNER_SIDE : colour(limb, map, t) ?? lit(p, [i, j, k]);
     g.beginPath();
     for (const v of [i, j, k]) g.lineTo(...place(p, v));
     g.closePath();

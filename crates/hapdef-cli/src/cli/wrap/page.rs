@@ -48,8 +48,9 @@ pub(super) fn write(
                 the surface itself where there is no skin.";
     blocks.push(Block::Note(note.to_owned()));
     blocks.push(Block::Limb(view(drawn, places.unwrap_or(&WrapPlaces::default()))));
+    let name = given.file.file_name().unwrap_or_default();
     let page = Page {
-        title: format!("A skin of {}", shown(given.file)),
+        title: format!("A skin of {}", shown(name)),
         facts: vec![fact("wall", format!("{:.2} mm", 1e3 * given.wall_m))],
         blocks,
     };
