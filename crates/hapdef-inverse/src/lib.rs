@@ -58,9 +58,9 @@ pub use limits::{
 pub use noise::{ModelError, NoiseParams};
 pub use patch::{TipMeans, tip_ring_m};
 pub use placement::{
-    Candidates, PlacementParams, PlacementScore, exchange, place_entropy, place_greedy,
-    place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
-    placement_score,
+    Candidates, CoverParams, PlacementParams, PlacementScore, cover, exchange, place_entropy,
+    place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
+    placement_score, smallest_seen_n,
 };
 pub use response::{ResponseMap, ResponseParams};
 pub use sites::ScanSites;

@@ -69,6 +69,6 @@ pub use hapdef_contact::{
 };
 pub use health::{ClientHealth, Health, Latency, SinkHealth, StageTimes};
 pub use runtime::channels::gauge_channels;
-pub use runtime::{Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
+pub use runtime::{BLIND_SHARE, Live, LiveBuilder, LiveControl, LiveGauge, LiveParams};
 pub use sink::{Delivery, FnSink, LiveEvent, PhaseStatus, Sink, Wants};
 pub use tare_fault::{Retare, TareFault, TareFaultKind, TareOutcome};

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use hapdef_mesh::{
     BoundarySurface, DeckMaterial, DeckParams, DeckReading, FeNodeId, LengthUnit, MeshError,
-    OuterSkinParams, RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh, Tri6Face, deck_includes,
-    outer_skin, radial_region, read_deck_with, refine_unfolded,
+    OuterSkinParams, PointIndex, RadialRegionParams, SkinRegion, SolidDeck, Tet10Mesh, Tri6Face,
+    deck_includes, outer_skin, radial_region, read_deck_with, refine_unfolded,
 };
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -177,10 +177,16 @@ fn find_skin(
             radial_region(mesh, boundary, &params)
         }
         ContactRegion::OuterSkin {} => SkinRegion::new(mesh, outer()?),
-        ContactRegion::FreeSkin {} => {
+        ContactRegion::FreeSkin { mount_gap_m } => {
             let mut faces = outer()?;
-            let is_held = |node: &FeNodeId| clamped.binary_search(node).is_ok();
-            faces.retain(|face| !face.nodes.iter().any(is_held));
+            let held: Vec<_> = clamped.iter().map(|node| mesh.position(*node)).collect();
+            let held = PointIndex::new(&held);
+            let is_left_out = |node: &FeNodeId| {
+                let nearest = held.nearest(&mesh.position(*node));
+                clamped.binary_search(node).is_ok()
+                    || nearest.is_some_and(|(_, distance_m)| distance_m < *mount_gap_m)
+            };
+            faces.retain(|face| !face.nodes.iter().any(is_left_out));
             SkinRegion::new(mesh, faces)
         }
     }

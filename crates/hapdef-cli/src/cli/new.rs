@@ -49,9 +49,9 @@ pub(crate) struct NewArgs {
     /// Edge length of the skin, mm.
     #[arg(long)]
     edge: Option<f64>,
-    /// Gauges, placed where they tell most.
-    #[arg(long, default_value_t = 10, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
-    gauges: usize,
+    /// Gauges, placed where they tell most; ten, up to 16 where ten leave a place blind, when not given.
+    #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
+    gauges: Option<usize>,
     /// Take the likeliest of what can't be told, and ask nothing.
     #[arg(long)]
     yes: bool,

@@ -30,6 +30,7 @@ pub use output::{
 pub use params::EstimatorParams;
 pub use scratch::EstimatorScratch;
 pub use seen::SeenForces;
+pub(crate) use seen::needed_chi2;
 
 pub(crate) use explanation::Explanation;
 pub(crate) use forces::non_negative;

@@ -17,6 +17,11 @@ pub struct SeenForces {
     needed: Vec<f64>,
 }
 
+/// By how much a force must raise the mean χ² of `n_gauges` readings to be seen.
+pub(crate) fn needed_chi2(n_gauges: usize) -> f64 {
+    tail_point(SEEN_P, n_gauges) - n_gauges as f64
+}
+
 impl SeenForces {
     /// On the sites and the noise of `estimator`, for all gauges.
     #[must_use]
@@ -25,11 +30,10 @@ impl SeenForces {
         let answers = sites.points().iter().flat_map(|point| {
             map.normal(point).into_iter().zip(sd).map(|(unit, sd)| (unit / sd).powi(2))
         });
-        let needed = |n: usize| tail_point(SEEN_P, n) - n as f64;
         Self {
             answers_2: answers.collect(),
             n_gauges: map.n_gauges(),
-            needed: (0..=map.n_gauges()).map(needed).collect(),
+            needed: (0..=map.n_gauges()).map(needed_chi2).collect(),
         }
     }
 

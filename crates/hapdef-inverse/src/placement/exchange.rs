@@ -19,14 +19,9 @@ pub fn exchange(
 ) -> Result<Vec<usize>, InverseError> {
     let checked = PlacementParams { mounted: chosen.to_vec(), ..params.clone() };
     candidates.check(&checked)?;
-    let pairs = draw_pairs(candidates, params);
-    let tail = |layout: &[usize]| {
-        let mut all: Vec<f64> =
-            pairs.iter().flat_map(|pair| bounds::<2>(candidates, layout, params, *pair)).collect();
-        quantile(&mut all, 0.95)
-    };
+    let tail = Tail::new(candidates, params);
     let mut layout = chosen.to_vec();
-    let mut least = tail(&layout);
+    let mut least = tail.of(&layout);
     for place in 0..layout.len() {
         if params.mounted.contains(&layout[place]) {
             continue;
@@ -36,13 +31,33 @@ pub fn exchange(
         for c in promising(candidates, &others, params) {
             let mut trial = layout.clone();
             trial[place] = c;
-            let found = tail(&trial);
+            let found = tail.of(&trial);
             if found < least {
                 (layout, least) = (trial, found);
             }
         }
     }
     Ok(layout)
+}
+
+/// How badly the worst placed of drawn pairs of contacts are placed.
+pub(crate) struct Tail<'a> {
+    candidates: &'a Candidates,
+    params: &'a PlacementParams,
+    pairs: Vec<[usize; 2]>,
+}
+
+impl<'a> Tail<'a> {
+    pub(crate) fn new(candidates: &'a Candidates, params: &'a PlacementParams) -> Self {
+        Self { candidates, params, pairs: draw_pairs(candidates, params) }
+    }
+
+    /// The 95th percentile of the position bound under a layout, m.
+    pub(crate) fn of(&self, layout: &[usize]) -> f64 {
+        let of_pair = |pair: &[usize; 2]| bounds::<2>(self.candidates, layout, self.params, *pair);
+        let mut all: Vec<f64> = self.pairs.iter().flat_map(of_pair).collect();
+        quantile(&mut all, 0.95)
+    }
 }
 
 /// The candidates beside `others` that add most to the mean log-det, best first.

@@ -1,6 +1,7 @@
 //! Where to put gauges: greedy log-det, an exchange pass, and for comparison PCA-QR, nearest
 //! neighbours, entropy, mutual information and chance.
 
+mod cover;
 mod exchange;
 mod greedy;
 mod neighbours;
@@ -13,6 +14,7 @@ use nalgebra::Point3;
 
 use crate::error::{InverseError, check_finite, check_length, check_not_negative, check_positive};
 
+pub use cover::{CoverParams, cover, smallest_seen_n};
 pub use exchange::exchange;
 pub use greedy::place_greedy;
 pub use neighbours::place_nearest_neighbours;

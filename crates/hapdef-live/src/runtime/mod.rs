@@ -31,6 +31,8 @@ use crate::runtime::source::{InFlight, LiveSource};
 use crate::sink::{Sink, Wants};
 use crate::tare_fault::Retare;
 
+pub use trust::BLIND_SHARE;
+
 /// How long a sink may take to end, unless the runtime is lossless.
 const PATIENCE: Duration = Duration::from_secs(2);
 

@@ -11,7 +11,7 @@ use crate::sink::PhaseStatus;
 /// What the gauges that count must show wherever it presses, a share of the strongest force expected.
 /// The demonstration limb with all its gauges shows a tenth anywhere, without its first six a quarter, without
 /// seven two fifths: so a limb that lost half its gauges is believed as far as it can see.
-const BLIND_SHARE: f64 = 0.25;
+pub const BLIND_SHARE: f64 = 0.25;
 
 /// A force that was beyond the range is within it again when that explains the readings as well as this.
 const BACK_P: f64 = 1e-3;

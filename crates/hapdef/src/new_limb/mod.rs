@@ -1,6 +1,7 @@
 //! A limb from whatever file there is of it: what is not stated is guessed, each guess with its reason,
 //! and a folder with skin and scene is written.
 
+mod gauges;
 mod given;
 mod guess;
 mod skin;
@@ -35,14 +36,14 @@ pub struct NewLimbParams {
     pub wall_m: Option<f64>,
     /// Edge length of the skin, m.
     pub edge_m: Option<f64>,
-    /// Gauges.
-    pub n_gauges: usize,
+    /// Gauges; as many as see everywhere where no number is stated.
+    pub n_gauges: Option<usize>,
     /// Whether the likeliest is taken where two answers are plausible.
     pub takes_likeliest: bool,
 }
 
 impl Default for NewLimbParams {
-    /// Ten gauges, the rest guessed, nothing taken that is not sure.
+    /// All guessed, nothing taken that is not sure.
     fn default() -> Self {
         Self {
             link: None,
@@ -52,7 +53,7 @@ impl Default for NewLimbParams {
             mount_m: None,
             wall_m: None,
             edge_m: None,
-            n_gauges: 10,
+            n_gauges: None,
             takes_likeliest: false,
         }
     }
@@ -77,6 +78,7 @@ pub struct NewLimb {
     pub guesses: Vec<Guess>,
     axis: Axis,
     mount: serde_json::Value,
+    contact: serde_json::Value,
     wall_m: f64,
     params: NewLimbParams,
 }
@@ -94,7 +96,8 @@ impl NewLimb {
         let axis = guess::axis(&given, params, &mut guesses);
         let mount = guess::mount(&given, &axis, params, &mut guesses)?;
         let wall_m = guess::wall(&given, params, &mut guesses)?;
-        guess::contact_and_material(&given, &mut guesses);
-        Ok(Self { given, guesses, axis, mount, wall_m, params: params.clone() })
+        let contact = guess::contact(wall_m, &mut guesses);
+        guess::material(&given, &mut guesses);
+        Ok(Self { given, guesses, axis, mount, contact, wall_m, params: params.clone() })
     }
 }

@@ -6,25 +6,22 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::{DeckParams, atomic_write, deck_includes, write_glb};
 use serde_json::{Value, json};
 
-use super::NewLimb;
 use super::given::GivenShape;
 use super::guess::to_micrometres;
 use super::skin::Skin;
 use super::text::scene_text;
+use super::{NewLimb, gauges};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::profile::Profile;
 use crate::progress::Progress;
 use crate::run::Run;
 use crate::scene::{MaterialSpec, Scene};
-use crate::touch::{LayoutCandidates, LayoutParams, gauge_entries};
+use crate::touch::gauge_entries;
 
 const SCENE: &str = "scene.json";
 const SKIN: &str = "skin.glb";
 const WALL: &str = "wall.txt";
-
-/// Places that are looked at for gauges, half as many as `hapdef place` does.
-const N_POSITIONS: usize = 80;
 
 /// What was written.
 #[derive(Clone, Debug)]
@@ -41,7 +38,7 @@ impl NewLimb {
     /// # Errors
     /// [`HapdefError::NewLimb`] for a folder that is there already, unless it is one of a limb and
     /// `replaces`; [`HapdefError::Mesh`] for a surface
-    /// that takes no wall; what [`Limb::load`] and [`LayoutCandidates`] refuse.
+    /// that takes no wall; what [`Limb::load`] and [`crate::touch::LayoutCandidates`] refuse.
     pub fn write(
         &self,
         folder: &Path,
@@ -82,7 +79,8 @@ impl NewLimb {
     ) -> Result<Vec<String>, HapdefError> {
         progress.say("making the skin and its wall");
         let (geometry, mut said) = self.geometry(folder, threads)?;
-        let mut fields = vec![("geometry", geometry), ("mount", self.mount.clone())];
+        let (mount, contact) = (self.mount.clone(), self.contact.clone());
+        let mut fields = vec![("geometry", geometry), ("mount", mount), ("contact", contact)];
         if self.lacks_material() {
             fields.insert(1, ("material", json!(MaterialSpec::PA2200)));
         }
@@ -101,10 +99,8 @@ impl NewLimb {
             limb.clamped.len()
         ));
         limb.check_held()?;
-        let n_gauges = self.params.n_gauges;
-        let params = LayoutParams { n_gauges, n_positions: N_POSITIONS, ..LayoutParams::default() };
-        let placed = LayoutCandidates::solve(&run, &limb, &params)?.recommended(n_gauges)?;
-        said.push(format!("{n_gauges} gauges on the inner wall, where they tell most"));
+        let (placed, how) = gauges::placed(&run, &limb, self.params.n_gauges)?;
+        said.push(how);
         let sites: Vec<Value> = gauge_entries(&placed).iter().map(|entry| json!(entry)).collect();
         write_text(&folder.join(SCENE), &scene_text(&fields, &sites))?;
         Ok(said)

@@ -85,14 +85,18 @@ fn check_mount(mount: &Mount) -> Checked {
 
 fn check_contact(scene: &Scene) -> Checked {
     let contact = &scene.contact;
-    if let ContactRegion::Radial { min_normal_dot_radial, min_radius_m, axial_range_m } =
-        &contact.region
-    {
-        let path = "contact.region.min_normal_dot_radial";
-        let cosine = *min_normal_dot_radial;
-        require((-1.0..1.0).contains(&cosine), path, "a cosine in [-1, 1)", cosine.to_string())?;
-        not_negative("contact.region.min_radius_m", *min_radius_m)?;
-        range("contact.region.axial_range_m", axial_range_m)?;
+    match &contact.region {
+        ContactRegion::Radial { min_normal_dot_radial, min_radius_m, axial_range_m } => {
+            let (path, cosine) = ("contact.region.min_normal_dot_radial", *min_normal_dot_radial);
+            let is_cosine = (-1.0..1.0).contains(&cosine);
+            require(is_cosine, path, "a cosine in [-1, 1)", cosine.to_string())?;
+            not_negative("contact.region.min_radius_m", *min_radius_m)?;
+            range("contact.region.axial_range_m", axial_range_m)?;
+        }
+        ContactRegion::FreeSkin { mount_gap_m } => {
+            not_negative("contact.region.mount_gap_m", *mount_gap_m)?;
+        }
+        ContactRegion::OuterSkin {} => {}
     }
     not_negative("contact.tip_radius_m", contact.tip_radius_m)?;
     range("contact.force_range_n", &contact.force_range_n)?;

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::rig::is_zero;
+
 /// Isotropic linear-elastic material.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -93,7 +95,11 @@ pub enum ContactRegion {
     /// finds.
     OuterSkin {},
     /// The outer skin without the faces at held nodes.
-    FreeSkin {},
+    FreeSkin {
+        /// Faces with a node nearer than this to a held one are left out, too, m.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        mount_gap_m: f64,
+    },
 }
 
 /// Direction of a contact's force.
@@ -111,7 +117,7 @@ impl Default for ContactSpec {
     /// 12 mm apart.
     fn default() -> Self {
         Self {
-            region: ContactRegion::FreeSkin {},
+            region: ContactRegion::FreeSkin { mount_gap_m: 0.0 },
             tip_radius_m: 2e-3,
             force_range_n: [0.0, 34.0],
             direction: LoadDirection::Normal,

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 
 use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
-use hapdef_sim::GaugeStrain;
+use hapdef_sim::{ElasticModel, GaugeStrain};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
+use super::steady::{GluedOff, changes};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
@@ -16,6 +17,10 @@ use crate::scene::GaugeEntry;
 /// Least cosine between the normals of a gauge and of the same gauge glued off its place: beyond
 /// 60° it lies on another wall, around an edge.
 const SAME_WALL: f64 = 0.5;
+
+/// How far a gauge is turned, beside moved by the margin, for what its reading changes by, rad: the 3° that the
+/// simulated rig turns gauges by.
+const OFF_TURN_RAD: f64 = 0.0524;
 
 /// What is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +41,9 @@ pub struct LayoutParams {
     pub min_spacing_m: f64,
     /// How far off a gauge may be glued and must still fit on its wall, m.
     pub margin_m: f64,
+    /// Places are passed over where a gauge glued that far off, or turned by 3°, reads something else by more than
+    /// this part of what it should; infinite takes them all.
+    pub max_change: f64,
     /// Standard deviation of a reading's noise, µε.
     pub noise_ue: f64,
     /// Force of the contacts, N.
@@ -61,6 +69,7 @@ impl Default for LayoutParams {
             keep_out: Vec::new(),
             min_spacing_m: 0.01,
             margin_m: 1e-3,
+            max_change: f64::INFINITY,
             noise_ue: 5.0,
             force_n: 10.0,
             n_random: 20,
@@ -109,7 +118,8 @@ pub struct ScoredLayout {
 pub struct LayoutStudy {
     /// Places with an axis that a gauge fits on, the scene's own gauges not counted.
     pub n_candidates: usize,
-    /// Places with an axis that a gauge doesn't fit on.
+    /// Places with an axis that a gauge doesn't fit on, or that are passed over by
+    /// [`LayoutParams::max_change`].
     pub n_refused: usize,
     /// Time of the candidates' adjoint solves with the factor, s.
     pub solve_s: f64,
@@ -134,18 +144,24 @@ pub struct CountedLayout {
 pub(super) struct Places {
     pub(super) gauges: Vec<GaugeStrain>,
     pub(super) placed: Vec<PlacedGauge>,
+    /// The largest change of each gauge's readings when it is glued off, relative; 0 where that was not asked for
+    /// and for the scene's own `[n]`.
+    pub(super) changes: Vec<f64>,
     pub(super) n_own: usize,
     pub(super) n_refused: usize,
 }
 
 impl Places {
-    pub(super) fn find(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
+    pub(super) fn find(
+        run: &Run,
+        limb: &Limb,
+        model: &ElasticModel,
+        params: &LayoutParams,
+    ) -> Result<Self, HapdefError> {
         let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, limb.max_wall_m)?;
         let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
         let chosen = farthest_nodes(&limb.mesh, &nodes, params.n_positions);
         let along = Unit::new_normalize(Vector3::from(limb.axis.direction));
-        let mut places =
-            Self { gauges: Vec::new(), placed: Vec::new(), n_own: limb.gauges.len(), n_refused: 0 };
         let tried: Vec<_> = (0..chosen.len() * params.n_axes)
             .into_par_iter()
             .map(|i| {
@@ -154,15 +170,28 @@ impl Places {
                 (position, gauge_at(limb, run, position, &along, turn, params.margin_m))
             })
             .collect();
-        for (position_m, gauge) in tried {
-            match gauge {
-                Some(gauge) => {
-                    places.placed.push(PlacedGauge { position_m, axis: gauge.axis() });
-                    places.gauges.push(gauge);
-                }
-                None => places.n_refused += 1,
+        let n_tried = tried.len();
+        let fitting =
+            tried.into_iter().filter_map(|(position_m, glued)| Some((position_m, glued?)));
+        let (positions, glued): (Vec<_>, Vec<_>) = fitting.unzip();
+        let tip_radius_m = run.scene.contact.tip_radius_m;
+        let changes = match params.max_change.is_finite() {
+            true => changes(limb, model, &glued, tip_radius_m)?,
+            false => vec![0.0; glued.len()],
+        };
+        let mut places = Self {
+            gauges: Vec::new(),
+            placed: Vec::new(),
+            changes: Vec::new(),
+            n_own: limb.gauges.len(),
+            n_refused: 0,
+        };
+        for ((position_m, glued), change) in positions.into_iter().zip(glued).zip(changes) {
+            if change <= params.max_change {
+                places.add(glued.gauge, position_m, change);
             }
         }
+        places.n_refused = n_tried - places.gauges.len();
         if places.gauges.len() < params.n_gauges {
             return Err(HapdefError::TooFewGaugeSites {
                 n_gauges: params.n_gauges,
@@ -172,10 +201,15 @@ impl Places {
             });
         }
         for (gauge, site) in limb.gauges.iter().zip(&limb.sites) {
-            places.gauges.push(gauge.clone());
-            places.placed.push(PlacedGauge { position_m: site.position, axis: gauge.axis() });
+            places.add(gauge.clone(), site.position, 0.0);
         }
         Ok(places)
+    }
+
+    fn add(&mut self, gauge: GaugeStrain, position_m: Point3<f64>, change: f64) {
+        self.placed.push(PlacedGauge { position_m, axis: gauge.axis() });
+        self.gauges.push(gauge);
+        self.changes.push(change);
     }
 
     pub(super) fn own(&self) -> std::ops::Range<usize> {
@@ -227,19 +261,27 @@ fn gauge_at(
     along: &Unit<Vector3<f64>>,
     turn: f64,
     margin_m: f64,
-) -> Option<GaugeStrain> {
+) -> Option<GluedOff> {
     let placed = |position, axis| {
         let site = run.scene.gauges.site(position, axis);
         GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params).ok()
     };
     let sides = |gauge: &GaugeStrain| [gauge.axis(), gauge.normal().cross(&gauge.axis())];
     let [ahead, across] = sides(&placed(position, along.into_inner())?);
-    let gauge = placed(position, ahead * turn.cos() + across * turn.sin())?;
+    let turned = |turn: f64| ahead * turn.cos() + across * turn.sin();
+    let gauge = placed(position, turned(turn))?;
     let axis = gauge.axis();
-    let fits = |side: Vector3<f64>| {
+    let moved = |side: Vector3<f64>| {
         placed(position + side * margin_m, axis)
-            .is_some_and(|moved| moved.normal().dot(&gauge.normal()) > SAME_WALL)
+            .filter(|moved| moved.normal().dot(&gauge.normal()) > SAME_WALL)
     };
-    let [ahead, across] = sides(&gauge);
-    [ahead, -ahead, across, -across].into_iter().all(fits).then_some(gauge)
+    let [forward, sideways] = sides(&gauge);
+    let shifts = [forward, -forward, sideways, -sideways];
+    let mut off: Vec<GaugeStrain> = shifts.into_iter().map(moved).collect::<Option<_>>()?;
+    off.extend(
+        [OFF_TURN_RAD, -OFF_TURN_RAD]
+            .into_iter()
+            .filter_map(|by| placed(position, turned(turn + by))),
+    );
+    Some(GluedOff { gauge, off })
 }

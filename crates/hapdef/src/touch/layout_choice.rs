@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use hapdef_bench::stats;
 use hapdef_inverse::{
-    Candidates, InverseError, PlacementParams, PlacementScore, exchange, place_entropy,
-    place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr, place_random,
-    placement_score,
+    Candidates, CoverParams, InverseError, PlacementParams, PlacementScore, cover, exchange,
+    place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr,
+    place_random, placement_score, smallest_seen_n,
 };
 use hapdef_sim::{ElasticModel, ElasticParams};
+use nalgebra::Point3;
 
 use super::layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, Places, ScoredLayout};
 use super::response::gauge_map;
@@ -45,13 +46,13 @@ impl LayoutCandidates {
     /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`].
     pub fn solve(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
         let start = Instant::now();
-        let places = Places::find(run, limb, params)?;
-        run.say(&format!("solving {} candidate gauges", places.gauges.len()));
         let elastic = ElasticParams {
             n_threads: run.threads,
             ..ElasticParams::new(limb.material, limb.clamped.clone())
         };
         let model = ElasticModel::build(&limb.mesh, &elastic)?;
+        let places = Places::find(run, limb, &model, params)?;
+        run.say(&format!("solving {} candidate gauges", places.gauges.len()));
         let tip_radius_m = run.scene.contact.tip_radius_m;
         let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
         let candidates = places.candidates(&map, params)?;
@@ -65,10 +66,52 @@ impl LayoutCandidates {
     /// [`HapdefError::Inverse`] when spacing and keep-out leave too few places.
     pub fn recommended(&self, n_gauges: usize) -> Result<Vec<PlacedGauge>, HapdefError> {
         let asked = placement_params(&self.places, &self.params, n_gauges);
-        let greedy = place_greedy(&self.candidates, &asked)?;
-        let chosen = exchange(&self.candidates, &greedy, &asked)?;
-        Ok(chosen.iter().map(|c| self.places.placed[*c]).collect())
+        Ok(self.placed(&self.chosen(&asked)?))
     }
+
+    /// That layout, its gauges moved until what is wanted is seen wherever it presses, as far as that can be had
+    /// by moving them.
+    ///
+    /// # Errors
+    /// As [`Self::recommended`].
+    pub fn seeing(
+        &self,
+        n_gauges: usize,
+        wanted: &CoverParams,
+    ) -> Result<SeeingLayout, HapdefError> {
+        let asked = placement_params(&self.places, &self.params, n_gauges);
+        let covered = cover(&self.candidates, &self.chosen(&asked)?, &asked, wanted)?;
+        let (smallest_seen_n, site) = smallest_seen_n(&self.candidates, &covered, wanted.noise_sd)?;
+        Ok(SeeingLayout {
+            gauges: self.placed(&covered),
+            smallest_seen_n,
+            faintest_m: self.candidates.sites_m[site],
+            largest_change: covered.iter().map(|c| self.places.changes[*c]).fold(0.0, f64::max),
+        })
+    }
+
+    fn chosen(&self, asked: &PlacementParams) -> Result<Vec<usize>, HapdefError> {
+        let greedy = place_greedy(&self.candidates, asked)?;
+        Ok(exchange(&self.candidates, &greedy, asked)?)
+    }
+
+    fn placed(&self, chosen: &[usize]) -> Vec<PlacedGauge> {
+        chosen.iter().map(|c| self.places.placed[*c]).collect()
+    }
+}
+
+/// A layout and the smallest force that is seen wherever it presses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeeingLayout {
+    /// Its gauges.
+    pub gauges: Vec<PlacedGauge>,
+    /// That force, N.
+    pub smallest_seen_n: f64,
+    /// Where no smaller one is seen, m.
+    pub faintest_m: Point3<f64>,
+    /// The largest part by which a gauge glued off reads something else; 0 where [`LayoutParams::max_change`] asks
+    /// for nothing.
+    pub largest_change: f64,
 }
 
 /// Looks at places on the inner wall and chooses layouts.

@@ -12,6 +12,7 @@ mod limits;
 mod modes;
 mod response;
 mod shell;
+mod steady;
 mod superposition;
 
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
@@ -27,7 +28,7 @@ pub use hapdef_live::{Alternative, Contact, Quality, Touch, Uncertainty};
 pub use layout::{
     CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, ScoredLayout, gauge_entries,
 };
-pub use layout_choice::{LayoutCandidates, study_layouts};
+pub use layout_choice::{LayoutCandidates, SeeingLayout, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
 pub use modes::{UncertainParams, UncertainResponse};
 pub use response::{gauge_map, response_map, touchable_skin};
