@@ -39,19 +39,7 @@ impl ContactEstimator {
         let untouched = self.untouched(scratch);
         let is_count_known = self.params.known_count.is_some();
         if is_count_known || upper_tail(untouched.chi2, self.model.m) < self.params.touch_p {
-            for n in 1..=self.most_contacts() {
-                self.search(n, scratch, &mut info);
-                info.most_contacts = n;
-                let is_any_good = |p: f64, found: &[Explanation]| {
-                    found.iter().any(|e| e.n == n && self.is_good(e, p))
-                };
-                if n == 1 && !is_any_good(self.params.accept_p, &scratch.found) {
-                    self.search_wider(scratch, &mut info);
-                }
-                if !is_count_known && is_any_good(self.enough_p(n), &scratch.found) {
-                    break;
-                }
-            }
+            self.find(scratch, &mut info);
         }
         report(self, readings, &untouched, scratch, &mut info, estimate);
         Ok(())

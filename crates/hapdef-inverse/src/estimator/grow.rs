@@ -4,7 +4,7 @@ use hapdef_contact::MAX_CONTACTS;
 
 use crate::dense::dot;
 use crate::estimator::explanation::Explanation;
-use crate::estimator::{EstimatorParams, EstimatorScratch, Model};
+use crate::estimator::{EstimatorScratch, Model};
 
 /// Times that all contacts are moved in turn.
 const MAX_SWEEPS: usize = 2;
@@ -14,7 +14,8 @@ const MAX_SWEEPS: usize = 2;
 /// and leaves the results in `scratch.starts`. Returns how many atoms were looked at.
 pub(crate) fn grow(
     model: &Model,
-    params: &EstimatorParams,
+    n_starts: usize,
+    n_per_base: usize,
     scratch: &mut EstimatorScratch,
 ) -> usize {
     let mut n_scanned = 0;
@@ -30,7 +31,7 @@ pub(crate) fn grow(
         let company = &scratch.base_company;
         company.gains(model, &scratch.c, &held[..base.n], &mut scratch.gains);
         n_scanned += model.n_sites();
-        model.peaks(&scratch.gains, params.n_per_base, &mut peaks);
+        model.peaks(&scratch.gains, n_per_base, &mut peaks);
         for peak in &peaks {
             let mut start = base;
             start.push(model.sites.points()[peak.site]);
@@ -46,12 +47,12 @@ pub(crate) fn grow(
         }
     }
     scratch.peaks = peaks;
-    keep_best(model, params.n_starts, scratch);
+    keep_best(model, n_starts, scratch);
     n_scanned
 }
 
 /// Leaves the `n` starts that explain most and are in different places.
-fn keep_best(model: &Model, n: usize, scratch: &mut EstimatorScratch) {
+pub(super) fn keep_best(model: &Model, n: usize, scratch: &mut EstimatorScratch) {
     let EstimatorScratch { starts, bases, .. } = scratch;
     starts.sort_unstable_by(|a, b| a.chi2.total_cmp(&b.chi2));
     bases.clear();
@@ -105,7 +106,7 @@ fn others(n: usize, without: Option<usize>) -> [usize; MAX_CONTACTS] {
 }
 
 /// The unit atom of contact `i`.
-fn atom_at(model: &Model, e: &Explanation, i: usize, out: &mut [f64]) {
+pub(super) fn atom_at(model: &Model, e: &Explanation, i: usize, out: &mut [f64]) {
     let point = &e.points[i];
     let weights = model.interpolant().value_weights(&point.bary());
     model.interpolant().combine(model.rows(), point, &weights, out);

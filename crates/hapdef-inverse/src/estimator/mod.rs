@@ -1,9 +1,11 @@
 //! Contacts from one frame of readings.
 
 mod contact_estimator;
+mod deepening;
 mod doubt;
 mod effective_rank;
 mod estimate;
+mod exchange;
 mod explanation;
 mod forces;
 mod grow;

@@ -153,6 +153,8 @@ pub struct ContactEstimate {
     pub n_dof: usize,
     /// P(χ² of `n_dof` > `chi2`): the quality of the fit; 1 without degrees of freedom.
     pub p_value: f64,
+    /// −2 ln evidence, up to what all explanations of a frame share.
+    pub cost: f64,
     /// χ² without any contact.
     pub chi2_untouched: f64,
     /// Readings less what the contacts explain `[n_gauges]`, in their unit; 0 for dead gauges.
@@ -172,6 +174,7 @@ impl Default for ContactEstimate {
             chi2: 0.0,
             n_dof: 0,
             p_value: 1.0,
+            cost: 0.0,
             chi2_untouched: 0.0,
             residual: Vec::new(),
             info: EstimateInfo::default(),

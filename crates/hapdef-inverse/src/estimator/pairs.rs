@@ -1,6 +1,9 @@
-//! The exhaustive scan of all pairs of sites, on the Gram matrix.
+//! The exhaustive scan of all pairs of sites, on the Gram matrix, beside contacts that are held.
+
+use hapdef_contact::MAX_CONTACTS;
 
 use crate::estimator::Model;
+use crate::estimator::scan::Company;
 
 /// Squared sine below which two atoms are too alike to be distinguished on the scan: f32 knows a squared sine
 /// to 1e-7, a thousandth of this.
@@ -23,6 +26,33 @@ pub(crate) struct PairBuffers {
     best: Vec<f32>,
     partner: Vec<f32>,
     order: Vec<Pair>,
+    pub(crate) beside: Beside,
+}
+
+/// Unit atoms with what the held contacts explain taken out `[n_sites]`.
+#[derive(Clone, Debug)]
+pub(crate) struct Beside {
+    /// One over what is left of each unit atom's length; 0 where too little is.
+    pub(crate) scales: Vec<f32>,
+    /// Products of what is left, made unit again, with the frame.
+    pub(crate) c: Vec<f32>,
+    /// Products of one of them with all others.
+    products: Vec<f32>,
+    /// Coordinates of the unit atoms in the held ones made orthonormal, times `scales`
+    /// `[MAX_CONTACTS, n_sites]`.
+    pub(crate) q: Vec<f32>,
+}
+
+impl Beside {
+    fn new(n_sites: usize) -> Self {
+        let zeros = vec![0.0; n_sites];
+        Self {
+            scales: zeros.clone(),
+            c: zeros.clone(),
+            products: zeros,
+            q: vec![0.0; MAX_CONTACTS * n_sites],
+        }
+    }
 }
 
 impl PairBuffers {
@@ -33,6 +63,7 @@ impl PairBuffers {
             best: zeros.clone(),
             partner: zeros,
             order: Vec::with_capacity(n_sites),
+            beside: Beside::new(n_sites),
         }
     }
 }
@@ -57,8 +88,35 @@ impl Model {
         self.distinct_pairs(n, buffers, out);
     }
 
+    /// The same beside contacts 0 to `n_held` of `company`, whose forces are solved again for each pair:
+    /// their atoms are taken out of the frame and of all sites by projection, which changes products of
+    /// atoms by as many terms as there are contacts.
+    pub(crate) fn best_pairs_beside(
+        &self,
+        c: &[f32],
+        company: &Company,
+        n_held: usize,
+        n: usize,
+        buffers: &mut PairBuffers,
+        out: &mut Vec<Pair>,
+    ) {
+        let n_kept = company.project(c, n_held, &mut buffers.beside);
+        buffers.best.fill(0.0);
+        buffers.partner.fill(-1.0);
+        let (gram, n_sites) = (self.gram(), self.n_sites());
+        let arch = pulp::Arch::new();
+        match n_kept {
+            0 => arch.dispatch(|| scan_beside::<0>(gram, n_sites, buffers)),
+            1 => arch.dispatch(|| scan_beside::<1>(gram, n_sites, buffers)),
+            2 => arch.dispatch(|| scan_beside::<2>(gram, n_sites, buffers)),
+            3 => arch.dispatch(|| scan_beside::<3>(gram, n_sites, buffers)),
+            _ => arch.dispatch(|| scan_beside::<4>(gram, n_sites, buffers)),
+        }
+        self.distinct_pairs(n, buffers, out);
+    }
+
     /// The `n` best pairs in different places of the scan that `buffers` holds.
-    pub(crate) fn distinct_pairs(&self, n: usize, buffers: &mut PairBuffers, out: &mut Vec<Pair>) {
+    fn distinct_pairs(&self, n: usize, buffers: &mut PairBuffers, out: &mut Vec<Pair>) {
         buffers.order.clear();
         for (s, (&energy, &partner)) in buffers.best.iter().zip(&buffers.partner).enumerate() {
             if partner >= 0.0 {
@@ -118,6 +176,43 @@ fn scan_all(gram: &[f32], c: &[f32], n_sites: usize, buffers: &mut PairBuffers) 
     }
 }
 
+/// [`scan_all`] on the projected atoms, of which `K` held contacts were taken out.
+#[inline(always)]
+fn scan_beside<const K: usize>(gram: &[f32], n_sites: usize, buffers: &mut PairBuffers) {
+    let PairBuffers { energies, best, partner, beside, .. } = buffers;
+    let Beside { scales, c, products, q } = beside;
+    for s in 0..n_sites {
+        if scales[s] == 0.0 {
+            continue;
+        }
+        let tail = s + 1..n_sites;
+        let row = &gram[s * n_sites..(s + 1) * n_sites];
+        let held: [&[f32]; K] = std::array::from_fn(|i| &q[i * n_sites..(i + 1) * n_sites]);
+        let own: [f32; K] = std::array::from_fn(|i| held[i][s]);
+        let scale = scales[s];
+        for t in tail.clone() {
+            let mut product = row[t] * scale * scales[t];
+            for i in 0..K {
+                product -= own[i] * held[i][t];
+            }
+            products[t] = product;
+        }
+        let out = Best {
+            energies: &mut energies[tail.clone()],
+            best: &mut best[tail.clone()],
+            partner: &mut partner[tail.clone()],
+        };
+        scan_row(c[s], s as f32, &products[tail.clone()], &c[tail.clone()], out);
+        let energies = &energies[tail];
+        let top = max(energies);
+        if top > best[s] {
+            let place = energies.iter().position(|&e| e == top).unwrap_or(0);
+            best[s] = top;
+            partner[s] = (s + 1 + place) as f32;
+        }
+    }
+}
+
 /// Energies of one site with those after it, and their best partners so far.
 #[inline(always)]
 fn scan_row(c_s: f32, s: f32, gram: &[f32], c: &[f32], out: Best<'_>) {
@@ -171,4 +266,102 @@ fn max(values: &[f32]) -> f32 {
         }
     }
     rest.iter().chain(&lanes).fold(0.0, |a, &b| a.max(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::{DMatrix, DVector, Point3, Vector3};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::dense::dot;
+    use crate::noise::NoiseParams;
+    use crate::response::{ResponseMap, ResponseParams};
+    use crate::sites::ScanSites;
+    use crate::skin::{Skin, SkinFaces, SkinParams};
+
+    const N_GAUGES: usize = 8;
+
+    /// Gauges on a plate of 8 by 8 cells that see waves of their own.
+    fn model(rng: &mut ChaCha8Rng) -> Model {
+        const N: u32 = 8;
+        let at = |i: u32, j: u32| i * (N + 1) + j;
+        let nodes: Vec<Point3<f64>> = (0..(N + 1).pow(2))
+            .map(|k| Point3::new(f64::from(k / (N + 1)), f64::from(k % (N + 1)), 0.0) * 5e-3)
+            .collect();
+        let cells = (0..N).flat_map(|i| (0..N).map(move |j| (i, j)));
+        let faces: Vec<[u32; 3]> = cells
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let params = SkinParams::default();
+        let skin = Skin::new(nodes, SkinFaces::Linear(&faces), None, &params).unwrap();
+        let waves: Vec<[f64; 3]> = (0..N_GAUGES)
+            .map(|_| std::array::from_fn(|_| rng.random_range(-120.0..120.0)))
+            .collect();
+        let seen = |x: &Point3<f64>| {
+            let of = |w: &[f64; 3]| Vector3::z() * (w[0] * x.x + w[1] * x.y + w[2]).sin();
+            waves.iter().map(of).collect::<Vec<_>>()
+        };
+        let nodal: Vec<Vector3<f64>> = skin.nodes().iter().flat_map(seen).collect();
+        let params = ResponseParams::default();
+        let map = ResponseMap::from_nodal(skin, N_GAUGES, &nodal, &params).unwrap();
+        let sites = ScanSites::farthest(map.skin(), 60).unwrap();
+        let noise = NoiseParams::uniform(N_GAUGES, 0.01);
+        Model::new(Arc::new(map), Arc::new(sites), &noise, &[true; N_GAUGES]).unwrap()
+    }
+
+    /// What the atoms of `sites` explain of `z` by least squares, and the coefficients.
+    fn explained(model: &Model, sites: &[usize], z: &[f64]) -> (f64, Vec<f64>) {
+        let n = sites.len();
+        let gram = DMatrix::from_fn(n, n, |i, j| dot(model.atom(sites[i]), model.atom(sites[j])));
+        let b = DVector::from_iterator(n, sites.iter().map(|&s| dot(model.atom(s), z)));
+        let x = gram.cholesky().map_or_else(|| DVector::zeros(n), |l| l.solve(&b));
+        (x.dot(&b), x.iter().copied().collect())
+    }
+
+    /// Every pair by least squares, one by one.
+    #[test]
+    fn the_best_pair_beside_held_contacts_is_that_of_all_pairs() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let model = model(&mut rng);
+        let n = model.n_sites();
+        for n_held in [1, 2] {
+            let held: Vec<usize> = (0..n_held).map(|_| rng.random_range(0..n)).collect();
+            let mut z: Vec<f64> = (0..model.width).map(|_| rng.random_range(-0.1..0.1)).collect();
+            for site in held.iter().copied().chain([3, 40]) {
+                z.iter_mut().zip(model.atom(site)).for_each(|(z, u)| *z += u);
+            }
+            let c: Vec<f32> = (0..n).map(|s| dot(model.atom(s), &z) as f32).collect();
+            let mut company = Company::new(&model);
+            for (j, &site) in held.iter().enumerate() {
+                company.set_site(&model, j, site, &z);
+            }
+            let (mut buffers, mut found) = (PairBuffers::new(n), Vec::new());
+            model.best_pairs_beside(&c, &company, n_held, 3, &mut buffers, &mut found);
+            let alone = explained(&model, &held, &z).0;
+            let mut best = (0.0, [0, 0]);
+            for s in 0..n {
+                for t in s + 1..n {
+                    if held.contains(&s) || held.contains(&t) {
+                        continue;
+                    }
+                    let (energy, x) = explained(&model, &[&held[..], &[s, t]].concat(), &z);
+                    if x[n_held] > 0.0 && x[n_held + 1] > 0.0 && energy - alone > best.0 {
+                        best = (energy - alone, [s as u32, t as u32]);
+                    }
+                }
+            }
+            let mut sites = found[0].sites;
+            sites.sort_unstable();
+            assert_eq!(sites, best.1, "beside {n_held}");
+            let off = f64::from(found[0].energy) / best.0 - 1.0;
+            assert!(off.abs() < 1e-4, "beside {n_held}: {off:e}");
+        }
+    }
 }

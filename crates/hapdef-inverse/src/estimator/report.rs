@@ -48,6 +48,7 @@ pub(crate) fn report(
         out.if_two.extend((0..best.n).map(of_contact));
     }
     out.chi2 = best.chi2;
+    out.cost = best.cost();
     out.n_dof = model.m.saturating_sub(3 * best.n);
     out.p_value = estimator.p_value(&best);
     out.chi2_untouched = untouched.chi2;
@@ -88,9 +89,9 @@ fn choose(
     };
     let most = estimator.most_contacts();
     // where a contact's force vanishes fewer are left than asked for
-    let is_allowed = |e: &&Explanation| {
-        estimator.params.known_count.is_none() || e.n == most || found.len() == 1
-    };
+    let is_any_whole = found.iter().any(|e| e.n == most);
+    let is_allowed =
+        |e: &&Explanation| estimator.params.known_count.is_none() || e.n == most || !is_any_whole;
     let is_any_believed = found.iter().any(|e| estimator.is_believed(e));
     found
         .iter()

@@ -4,6 +4,7 @@ use hapdef_contact::MAX_CONTACTS;
 
 use crate::dense::{cholesky, dot};
 use crate::estimator::Model;
+use crate::estimator::pairs::Beside;
 
 /// Squared sine of the angle to the held atoms below which a site can't be distinguished from them.
 const LEAST_SINE_2: f32 = 1e-4;
@@ -103,6 +104,39 @@ impl Company {
             }
         }
         debug_assert_eq!(gains.len(), model.n_sites());
+    }
+
+    /// Takes contacts 0 to `n_held` out of the atoms and of their products `c` with the frame; how many of
+    /// them are no sum of the others.
+    pub(crate) fn project(&self, c: &[f32], n_held: usize, out: &mut Beside) -> usize {
+        let held: [usize; MAX_CONTACTS] = std::array::from_fn(|i| i);
+        let (inverse, kept) = self.orthogonal(&held[..n_held]);
+        let n = self.n_sites;
+        let Beside { scales, c: left_c, q, .. } = out;
+        scales.fill(1.0);
+        left_c.copy_from_slice(c);
+        for i in 0..kept.len() {
+            let row = &mut q[i * n..(i + 1) * n];
+            row.fill(0.0);
+            let mut b = 0.0;
+            for j in 0..=i {
+                let weight = inverse[i][j] as f32;
+                let atom = &self.rows[kept[j] * n..(kept[j] + 1) * n];
+                row.iter_mut().zip(atom).for_each(|(q, product)| *q += weight * product);
+                b += inverse[i][j] * self.along[kept[j]];
+            }
+            for ((left, c), q) in scales.iter_mut().zip(left_c.iter_mut()).zip(row.iter()) {
+                *left -= q * q;
+                *c -= b as f32 * q;
+            }
+        }
+        for (site, left) in scales.iter_mut().enumerate() {
+            let scale = if *left > LEAST_SINE_2 { 1.0 / left.sqrt() } else { 0.0 };
+            *left = scale;
+            left_c[site] *= scale;
+            (0..kept.len()).for_each(|i| q[i * n + site] *= scale);
+        }
+        kept.len()
     }
 
     /// What contact `j`'s own atom explains beside `held`.

@@ -41,8 +41,8 @@ impl ContactEstimator {
                 info.n_scanned += n_sites * (n_sites - 1) / 2;
             }
             _ => {
-                self.bases(n, scratch);
-                info.n_scanned += grow(&self.model, params, scratch);
+                self.bases(n, params.n_bases, scratch);
+                info.n_scanned += grow(&self.model, params.n_starts, params.n_per_base, scratch);
             }
         }
         self.refine(n, scratch, info);
@@ -102,17 +102,16 @@ impl ContactEstimator {
 
     /// What a further contact is added to: refined explanations with one contact less, the best
     /// first, and for three contacts pairs of the scan.
-    fn bases(&self, n: usize, scratch: &mut EstimatorScratch) {
-        let params = &self.params;
+    pub(super) fn bases(&self, n: usize, n_bases: usize, scratch: &mut EstimatorScratch) {
         scratch.bases.clear();
         let less = scratch.found.iter().filter(|e| e.n + 1 == n);
         scratch.bases.extend(less);
         scratch.bases.sort_unstable_by(|a, b| a.cost().total_cmp(&b.cost()));
-        scratch.bases.truncate(params.n_bases);
+        scratch.bases.truncate(n_bases);
         if n == 3 {
-            let free = params.n_bases.saturating_sub(scratch.bases.len());
+            let free = n_bases.saturating_sub(scratch.bases.len());
             let (buffers, pairs) = (&mut scratch.pair_buffers, &mut scratch.pairs);
-            self.model.distinct_pairs(free, buffers, pairs);
+            self.model.best_pairs(&scratch.c, free, buffers, pairs);
             let points = self.model.sites.points();
             for pair in scratch.pairs.iter().take(free) {
                 let pair = pair.sites.map(|site| points[site as usize]);
@@ -121,7 +120,7 @@ impl ContactEstimator {
         }
     }
 
-    fn refine(&self, n: usize, scratch: &mut EstimatorScratch, info: &mut EstimateInfo) {
+    pub(super) fn refine(&self, n: usize, scratch: &mut EstimatorScratch, info: &mut EstimateInfo) {
         let params = &self.params;
         let skin = self.model.skin();
         let mut refiner =

@@ -16,8 +16,9 @@ use crate::tracker::workspace::Workspace;
 use crate::tracker::{detection, growing, holding, sliding};
 
 /// A search that found nothing better is asked for again after so many times the frames that
-/// made it wanted: the next would find the same, and a search takes milliseconds of a core.
-const PATIENCE: usize = 8;
+/// made it wanted: the next would find the same, and a search takes milliseconds of a core. With 8 a press that
+/// came while the first ran was not searched for during half a second.
+const PATIENCE: usize = 2;
 
 /// Follows contacts from frame to frame: births, holds, slides, releases.
 ///

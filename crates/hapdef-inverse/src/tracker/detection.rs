@@ -2,6 +2,7 @@
 
 use hapdef_contact::Phase;
 
+use crate::chi_square::upper_tail;
 use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
@@ -18,6 +19,54 @@ const N_HOLDOFF: usize = 16;
 /// The last decision of a window is made after so many times the frames of the first, on an eighth of its
 /// noise variance: what is not decided then is left to the mean of a block.
 const LAST_LOOK: usize = 8;
+
+/// Standard deviations of the forces' prior beyond which what comes in one frame waits for more frames: of a force
+/// that grows by kilonewtons a frame the place is not exact in the first, and later frames are explained best by
+/// two contacts (`one_place_is_never_surely_two_contacts`).
+const EXPECTED_SDS: f64 = 3.0;
+
+/// Opens a window with the frame that alarmed. One that nothing there explains is decided at once where a contact
+/// more explains it and no slide may: a press that comes fast is seen in its first frame.
+pub(super) fn begin(work: &mut Workspace) -> State {
+    work.gathered.clear();
+    work.gathered.add(&work.z, 1.0);
+    let is_misfit = upper_tail(work.frame.chi2, work.frame.n_dof) < work.params.misfit_p;
+    let born = if is_misfit { decide_at_once(work) } else { None };
+    born.unwrap_or(State::Detecting(DetectionWindow { age: 1 }))
+}
+
+/// A contact more, if it explains the one frame gathered, and better by the usual margin than what is there and
+/// than any slide of a whole window: without the slides 5 of 8 presses beside a slide were right instead of 8
+/// (`a_press_beside_a_sliding_contact_is_no_phantom`), since a slide that begins looks like a birth in one frame.
+/// What comes has to be more than what the forces there change by.
+fn decide_at_once(work: &mut Workspace) -> Option<State> {
+    if work.hypotheses.best().n >= work.most_contacts() {
+        return None;
+    }
+    let held = work.hypotheses.best().tracks().iter();
+    let changed_n: f64 = held.map(|track| (track.force_n - track.steady.0).abs()).sum();
+    work.hypotheses.begin();
+    let stay = work.hypotheses.copy(0)?;
+    work.settle(HypothesisRef::Candidate(stay), 0);
+    propose_slides(work, stay, LAST_LOOK * work.params.detection_frames);
+    let rival = work.hypotheses.winner()?;
+    let rival_cost = work.hypotheses.fits[rival].cost;
+    let nowhere = work.model.sites.points()[0];
+    let newcomer = Track::new(ContactId(work.next_id), nowhere, work.frame.index);
+    propose_births(work, stay, newcomer);
+    let born = work.hypotheses.winner()?;
+    let (fit, candidate) = (work.hypotheses.fits[born], &work.hypotheses.candidates[born]);
+    let n = candidate.n;
+    let force_n = candidate.mobile_force();
+    let is_clear = fit.cost < rival_cost - work.params.birth_margin;
+    let is_expected = (changed_n..EXPECTED_SDS * work.settings.force_scale_n).contains(&force_n);
+    if born == rival || !is_clear || !is_expected || work.is_odd(fit.chi2, n) {
+        return None;
+    }
+    let next = adopt_winner(work, born, 1, None);
+    work.refresh();
+    Some(next)
+}
 
 /// Gathers frames since the alarm, and decides when there are enough.
 pub(super) fn step(now: DetectionWindow, work: &mut Workspace) -> State {

@@ -1,5 +1,6 @@
 //! All contacts are held: frames add up, and their mean updates the hypotheses.
 
+use crate::tracker::detection;
 use crate::tracker::state::{DetectionWindow, Holding, State};
 use crate::tracker::workspace::Workspace;
 
@@ -9,9 +10,7 @@ pub(super) fn step(now: Holding, work: &mut Workspace, is_alarm: bool) -> State 
         if now.holdoff > 0 {
             return held;
         }
-        work.gathered.clear();
-        work.gathered.add(&work.z, 1.0);
-        return State::Detecting(DetectionWindow { age: 1 });
+        return detection::begin(work);
     }
     work.gathered.add(&work.z, 1.0);
     if work.gathered.n_frames < work.params.block_frames {

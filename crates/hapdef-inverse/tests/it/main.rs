@@ -14,6 +14,7 @@ mod limb;
 mod placement;
 mod recovery;
 mod response;
+mod search;
 mod stability;
 mod tracking;
 mod tracking_allocations;

@@ -4,6 +4,7 @@
 mod arrivals;
 pub(crate) mod bench;
 pub(crate) mod cells;
+mod diagnose;
 mod figures;
 pub(crate) mod frontier;
 mod measured;

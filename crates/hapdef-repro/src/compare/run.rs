@@ -19,6 +19,9 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
+    if args.diagnose {
+        return bench.diagnose(&args.scene.out);
+    }
     let mut measured = Measured { n_presses: args.presses, ..Measured::default() };
     bench.by_superposition(&mut measured)?;
     if !args.without_paper {

@@ -164,6 +164,13 @@ impl Score {
     }
 }
 
+/// Whether all contacts of a frame are within 10 mm, and no other is reported.
+pub(super) fn is_clean(skin: &Skin, frame: &Frame, estimate: &ContactEstimate) -> Result<bool> {
+    let mut score = Score::default();
+    score.add_estimate(skin, frame, estimate, 0.0)?;
+    Ok(score.n_clean == 1)
+}
+
 #[cfg(test)]
 mod tests {
     use hapdef_inverse::{SkinFaces, SkinParams, SkinPoint};

@@ -52,6 +52,9 @@ pub(crate) struct CompareArgs {
     /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
     #[arg(long)]
     pub(super) without_paper: bool,
+    /// Only take apart why frames are not clean: by the search, by a tie or by the map.
+    #[arg(long)]
+    pub(super) diagnose: bool,
 }
 
 fn at_least_few(word: &str) -> Result<usize, String> {
