@@ -1,9 +1,7 @@
 //! The exhaustive scan of all pairs of sites, on the Gram matrix, beside contacts that are held.
 
-use hapdef_contact::MAX_CONTACTS;
-
 use crate::estimator::Model;
-use crate::estimator::scan::Company;
+use crate::estimator::scan::{Beside, Company};
 
 /// Squared sine below which two atoms are too alike to be distinguished on the scan: f32 knows a squared sine
 /// to 1e-7, a thousandth of this.
@@ -27,32 +25,6 @@ pub(crate) struct PairBuffers {
     partner: Vec<f32>,
     order: Vec<Pair>,
     pub(crate) beside: Beside,
-}
-
-/// Unit atoms with what the held contacts explain taken out `[n_sites]`.
-#[derive(Clone, Debug)]
-pub(crate) struct Beside {
-    /// One over what is left of each unit atom's length; 0 where too little is.
-    pub(crate) scales: Vec<f32>,
-    /// Products of what is left, made unit again, with the frame.
-    pub(crate) c: Vec<f32>,
-    /// Products of one of them with all others.
-    products: Vec<f32>,
-    /// Coordinates of the unit atoms in the held ones made orthonormal, times `scales`
-    /// `[MAX_CONTACTS, n_sites]`.
-    pub(crate) q: Vec<f32>,
-}
-
-impl Beside {
-    fn new(n_sites: usize) -> Self {
-        let zeros = vec![0.0; n_sites];
-        Self {
-            scales: zeros.clone(),
-            c: zeros.clone(),
-            products: zeros,
-            q: vec![0.0; MAX_CONTACTS * n_sites],
-        }
-    }
 }
 
 impl PairBuffers {

@@ -4,7 +4,6 @@ use hapdef_contact::MAX_CONTACTS;
 
 use crate::dense::{cholesky, dot};
 use crate::estimator::Model;
-use crate::estimator::pairs::Beside;
 
 /// Squared sine of the angle to the held atoms below which a site can't be distinguished from them.
 const LEAST_SINE_2: f32 = 1e-4;
@@ -28,6 +27,32 @@ pub(crate) struct Company {
     /// u_j·z.
     along: [f64; MAX_CONTACTS],
     n_sites: usize,
+}
+
+/// Unit atoms with what the held contacts explain taken out `[n_sites]`.
+#[derive(Clone, Debug)]
+pub(crate) struct Beside {
+    /// One over what is left of each unit atom's length; 0 where too little is.
+    pub(crate) scales: Vec<f32>,
+    /// Products of what is left, made unit again, with the frame.
+    pub(crate) c: Vec<f32>,
+    /// Products of one of them with all others.
+    pub(crate) products: Vec<f32>,
+    /// Coordinates of the unit atoms in the held ones made orthonormal, times `scales`
+    /// `[MAX_CONTACTS, n_sites]`.
+    pub(crate) q: Vec<f32>,
+}
+
+impl Beside {
+    pub(crate) fn new(n_sites: usize) -> Self {
+        let zeros = vec![0.0; n_sites];
+        Self {
+            scales: zeros.clone(),
+            c: zeros.clone(),
+            products: zeros,
+            q: vec![0.0; MAX_CONTACTS * n_sites],
+        }
+    }
 }
 
 impl Company {
