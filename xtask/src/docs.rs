@@ -21,8 +21,8 @@ const SMALLER: [(&str, &str); 12] = [
     ("cargo bench --bench infer", "cargo bench --bench infer -- --test"),
     ("cargo xtask bench view", "cargo xtask bench view -- --seconds 2"),
     (
-        "cargo xtask compare",
-        "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300",
+        "cargo xtask compare -- --diagnose",
+        "cargo xtask compare --quick -- --without-paper --frames 10 --scripts 10 --presses 300 --diagnose",
     ),
     (
         "cargo xtask frontier inverse",

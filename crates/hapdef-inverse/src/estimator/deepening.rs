@@ -18,13 +18,13 @@ const LEAST_SPARE: usize = 3;
 const N_SECONDS: usize = 2;
 
 impl ContactEstimator {
-    /// Looks for one contact, two, … until as many explain the frame, with few starts where these decide; then,
-    /// where none does, for three and more with all.
+    /// Looks for one contact, two, … until as many explain the frame, with few starts where these are enough; then,
+    /// where none does, with all.
     pub(super) fn find(&self, scratch: &mut EstimatorScratch, info: &mut EstimateInfo) {
         let most = self.most_contacts();
         for n in 1..=most {
             info.most_contacts = n;
-            if n >= 3 && self.effective_rank >= 3 * n + LEAST_SPARE {
+            if self.is_tried_with_few(n) {
                 self.search_few(n, scratch, info);
             } else {
                 self.search_all(n, scratch, info);
@@ -33,20 +33,30 @@ impl ContactEstimator {
                 return;
             }
         }
-        for n in 3..=most {
-            if self.effective_rank >= 3 * n + LEAST_SPARE {
-                self.search_all(n, scratch, info);
-                if self.is_found(n, scratch) {
-                    return;
-                }
+        for n in (3..=most).filter(|n| self.is_tried_with_few(*n)) {
+            self.search_all(n, scratch, info);
+            if self.is_found(n, scratch) {
+                return;
             }
         }
     }
 
+    /// Whether few starts are tried first. Where the number of contacts is not known, only of the most: of three
+    /// that few starts miss, four would be found next. So 94.5 % of 200 frames of three were clean, with their number
+    /// given 98.5 %.
+    fn is_tried_with_few(&self, n: usize) -> bool {
+        let is_last = self.params.known_count.is_some() || n == self.most_contacts();
+        n >= 3 && is_last && self.effective_rank >= 3 * n + LEAST_SPARE
+    }
+
     /// Whether no more contacts than `n` have to be looked for.
     fn is_found(&self, n: usize, scratch: &EstimatorScratch) -> bool {
+        self.is_asked(n) && self.is_any_good(n, scratch)
+    }
+
+    /// Whether `n` contacts may be the answer.
+    fn is_asked(&self, n: usize) -> bool {
         self.params.known_count.is_none_or(|_| n == self.most_contacts())
-            && self.is_any_good(n, scratch)
     }
 
     fn is_any_good(&self, n: usize, scratch: &EstimatorScratch) -> bool {
@@ -64,8 +74,7 @@ impl ContactEstimator {
         self.bases(n, N_FEW, scratch);
         info.n_scanned += grow(&self.model, N_FEW, 1, scratch);
         self.refine(n, scratch, info);
-        let is_asked = self.params.known_count.is_none_or(|_| n == self.most_contacts());
-        if is_asked && !self.is_any_good(n, scratch) {
+        if self.is_asked(n) && !self.is_any_good(n, scratch) {
             self.exchange(n, N_FEW, self.wanted_p(n), scratch, info);
         }
     }
@@ -76,8 +85,7 @@ impl ContactEstimator {
         if n == 1 && !self.is_any_good(1, scratch) {
             self.search_wider(scratch, info);
         }
-        let is_asked = self.params.known_count.is_none_or(|_| n == self.most_contacts());
-        if n < 3 || !is_asked {
+        if n < 3 || !self.is_asked(n) {
             return;
         }
         let (p, n_exchanged) = (self.wanted_p(n), self.params.n_exchanged);

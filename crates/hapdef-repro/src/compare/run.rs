@@ -19,15 +19,16 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let bench = Bench::build(&run, &limb, args)?;
-    if args.diagnose {
-        return bench.diagnose(&args.scene.out);
-    }
     let mut measured = Measured { n_presses: args.presses, ..Measured::default() };
     bench.by_superposition(&mut measured)?;
     if !args.without_paper {
         bench.by_the_paper(&mut measured)?;
     }
-    tables::write(&run, &args.scene.out, args.test_seed, &measured)
+    tables::write(&run, &args.scene.out, args.test_seed, &measured)?;
+    if args.diagnose {
+        bench.diagnose(&args.scene.out)?;
+    }
+    Ok(())
 }
 
 impl Bench<'_> {

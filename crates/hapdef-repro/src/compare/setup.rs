@@ -52,7 +52,7 @@ pub(crate) struct CompareArgs {
     /// Leave the paper's pipeline out: no compliance, no datasets, no nets.
     #[arg(long)]
     pub(super) without_paper: bool,
-    /// Only take apart why frames are not clean: by the search, by a tie or by the map.
+    /// Take apart, too, why frames are not clean: by the search, by a tie or by the map.
     #[arg(long)]
     pub(super) diagnose: bool,
 }
