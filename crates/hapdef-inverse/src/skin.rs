@@ -303,6 +303,20 @@ impl Skin {
     }
 }
 
+/// A plate of `n` by `n` cells of `cell_m`, in two faces each.
+#[cfg(test)]
+pub(crate) fn plate(n: u32, cell_m: f64) -> Skin {
+    let at = |i: u32, j: u32| i * (n + 1) + j;
+    let node = |k: u32| Point3::new(f64::from(k / (n + 1)), f64::from(k % (n + 1)), 0.0) * cell_m;
+    let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let halves = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    let (nodes, faces) = ((0..(n + 1).pow(2)).map(node).collect(), halves.collect::<Vec<_>>());
+    Skin::new(nodes, SkinFaces::Linear(&faces), None, &SkinParams::default()).unwrap()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@ use crate::chi_square::upper_tail;
 use crate::conditioning::conditioned::{Conditioned, DriftState};
 use crate::conditioning::held::Held;
 use crate::conditioning::limits::DriftLimits;
+use crate::conditioning::line::{Line, MOVES_P};
 use crate::conditioning::tare::TareCheck;
 
 /// Running means are no contact that drift within its limits explains which began this long ago: it is seen and
@@ -13,21 +14,11 @@ pub(crate) const DRIFT_S: f64 = 0.3;
 /// Length of a block whose mean is one measurement, s.
 const BLOCK_S: f64 = 0.032;
 
-/// Blocks over which misses are averaged. A drift of 1 noise per second is seen after 0.2 s.
-const N_MISSES: usize = 8;
-
-/// Misses less probable than this start a line anew, and slopes of a tare less probable than this are followed:
-/// noise alone hardly does in hours, and where it does, a rate of hundredths of the noise is followed for a second.
-const MOVES_P: f64 = 1e-6;
-
 /// A rate that is as probable as this by noise alone is none …
 const STANDS_P: f64 = 1e-2;
 
 /// … once its line is this many blocks long.
 const LEAST_LINE: usize = 16;
-
-/// A line forgets what is older than this many blocks, 10 s: drift by temperature bends within minutes.
-const LONGEST_LINE: usize = 312;
 
 /// Blocks that a line is taken for that starts anew: its value follows at half of each miss.
 const FRESH_LINE: usize = 4;
@@ -47,16 +38,6 @@ const N_QUIET: usize = 32;
 /// Gauges need not all have drifted for the same time: by this share of it each may differ. Temperature reaches
 /// gauges within seconds of each other.
 const APART: f64 = 0.25;
-
-/// Value and rate of each gauge by a line through all blocks since it was started anew: the expanding-memory
-/// polynomial filter of degree 1 (Morrison, Introduction to Sequential Smoothing and Prediction, 1969).
-#[derive(Clone, Debug)]
-struct Line {
-    n: usize,
-    /// Means of the last misses `[n_gauges]`.
-    misses: Vec<f64>,
-    n_misses: usize,
-}
 
 /// Zeros that drift steadily.
 #[derive(Clone, Debug)]
@@ -92,54 +73,6 @@ pub(crate) struct Drift {
     sorted: Vec<f64>,
 }
 
-impl Line {
-    fn start_over(&mut self, n: usize) {
-        (self.n, self.n_misses) = (n, 0);
-        self.misses.fill(0.0);
-    }
-
-    /// Shares of a miss that value and rate, per block, take.
-    fn gains(&mut self) -> (f64, f64) {
-        self.n = (self.n + 1).min(LONGEST_LINE);
-        let n = self.n as f64;
-        // one block says nothing of a rate
-        let of_rate = if self.n > 1 { 6.0 / (n * (n + 1.0)) } else { 0.0 };
-        (self.value_variance(), of_rate)
-    }
-
-    /// Averages `misses`; whether they are beyond noise of `noise.0` each about zeros known to `noise.1`,
-    /// variances.
-    fn is_missed(&mut self, misses: &[f64], noise: impl Fn(usize) -> (f64, f64)) -> bool {
-        self.n_misses = (self.n_misses + 1).min(N_MISSES);
-        let gain = 1.0 / self.n_misses as f64;
-        let share = if self.n_misses == N_MISSES { gain / (2.0 - gain) } else { gain };
-        // what a short line knows is itself as noisy as a miss
-        let known = 1.0 + 4.0 / self.n.max(1) as f64;
-        let (mut chi2, mut n_dof) = (0.0, 0);
-        for (gauge, &miss) in misses.iter().enumerate() {
-            if miss.is_finite() {
-                self.misses[gauge] += gain * (miss - self.misses[gauge]);
-                let (each, zero) = noise(gauge);
-                chi2 += self.misses[gauge].powi(2) / (each * share * known + zero);
-                n_dof += 1;
-            }
-        }
-        self.n_misses > 2 && upper_tail(chi2, n_dof) < MOVES_P
-    }
-
-    /// Variance of the value at the line's end, from blocks of variance 1.
-    fn value_variance(&self) -> f64 {
-        let n = self.n.max(1) as f64;
-        2.0 * (2.0 * n - 1.0) / (n * (n + 1.0))
-    }
-
-    /// Variance of the rate, per block, from blocks of variance 1.
-    fn rate_variance(&self) -> f64 {
-        let n = self.n.max(2) as f64;
-        12.0 / (n * (n * n - 1.0))
-    }
-}
-
 impl Drift {
     pub(crate) fn new(n_gauges: usize, limits: DriftLimits, period_s: f64) -> Self {
         let zeros = || vec![0.0; n_gauges];
@@ -147,7 +80,7 @@ impl Drift {
             limits,
             period_s,
             block: (BLOCK_S / period_s).round().max(1.0) as usize,
-            line: Line { n: 0, misses: zeros(), n_misses: 0 },
+            line: Line::new(n_gauges),
             n_frames: 0,
             sums: zeros(),
             counts: vec![0; n_gauges],

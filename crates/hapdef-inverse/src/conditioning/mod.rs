@@ -10,6 +10,7 @@ mod drift;
 mod faults;
 mod held;
 mod limits;
+mod line;
 mod params;
 mod tare;
 mod tracker;

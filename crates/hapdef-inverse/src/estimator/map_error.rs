@@ -97,26 +97,14 @@ mod tests {
     use super::*;
     use crate::patch::tip_ring_m;
     use crate::response::ResponseParams;
-    use crate::skin::{Skin, SkinFaces, SkinParams};
+    use crate::skin::plate;
 
     /// Cells of a plate, 1 mm each.
     const N: u32 = 24;
 
     #[test]
     fn a_ring_smears_a_quadratic_response_as_the_wider_tip_does() {
-        let at = |i: u32, j: u32| i * (N + 1) + j;
-        let nodes: Vec<Point3<f64>> = (0..(N + 1).pow(2))
-            .map(|k| Point3::new(f64::from(k / (N + 1)), f64::from(k % (N + 1)), 0.0) * 1e-3)
-            .collect();
-        let cells = (0..N).flat_map(|i| (0..N).map(move |j| (i, j)));
-        let faces: Vec<[u32; 3]> = cells
-            .flat_map(|(i, j)| {
-                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                [[a, b, c], [a, c, d]]
-            })
-            .collect();
-        let params = SkinParams::default();
-        let skin = Skin::new(nodes, SkinFaces::Linear(&faces), None, &params).unwrap();
+        let skin = plate(N, 1e-3);
         let bowl = |p: &Point3<f64>| Vector3::z() * (-3e4 * p.x * p.x + 1e4 * p.x * p.y - 2.0);
         let nodal: Vec<Vector3<f64>> = skin.nodes().iter().map(bowl).collect();
         let [own_m, wide_m] = [0.002, 0.004];

@@ -253,26 +253,13 @@ mod tests {
     use crate::noise::NoiseParams;
     use crate::response::{ResponseMap, ResponseParams};
     use crate::sites::ScanSites;
-    use crate::skin::{Skin, SkinFaces, SkinParams};
+    use crate::skin::plate;
 
     const N_GAUGES: usize = 8;
 
     /// Gauges on a plate of 8 by 8 cells that see waves of their own.
     fn model(rng: &mut ChaCha8Rng) -> Model {
-        const N: u32 = 8;
-        let at = |i: u32, j: u32| i * (N + 1) + j;
-        let nodes: Vec<Point3<f64>> = (0..(N + 1).pow(2))
-            .map(|k| Point3::new(f64::from(k / (N + 1)), f64::from(k % (N + 1)), 0.0) * 5e-3)
-            .collect();
-        let cells = (0..N).flat_map(|i| (0..N).map(move |j| (i, j)));
-        let faces: Vec<[u32; 3]> = cells
-            .flat_map(|(i, j)| {
-                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                [[a, b, c], [a, c, d]]
-            })
-            .collect();
-        let params = SkinParams::default();
-        let skin = Skin::new(nodes, SkinFaces::Linear(&faces), None, &params).unwrap();
+        let skin = plate(8, 5e-3);
         let waves: Vec<[f64; 3]> = (0..N_GAUGES)
             .map(|_| std::array::from_fn(|_| rng.random_range(-120.0..120.0)))
             .collect();
