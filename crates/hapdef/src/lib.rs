@@ -83,6 +83,7 @@ mod scoring;
 pub mod session;
 pub mod shell_limb;
 mod skin_solid;
+mod skin_wall;
 mod solid;
 mod source;
 mod source_args;
@@ -90,6 +91,7 @@ pub mod stages;
 mod stats;
 pub mod touch;
 mod virtual_rig;
+mod wall_shell;
 mod work;
 
 pub use cache::{Cache, Stage, StageRecord, write_json};
@@ -113,7 +115,9 @@ pub use scoring::{
     ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
     score_lenient, score_one_to_one,
 };
+pub use skin_wall::SkinWall;
 pub use source::{Contacts, RigPlay, Source};
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::ContactStats;
 pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};
+pub use wall_shell::WallShell;

@@ -11,7 +11,9 @@ use rayon::prelude::*;
 
 use crate::error::HapdefError;
 use crate::scene::{Axis, GaugeEntry, GaugeSpec, LoadDirection, MaterialSpec, Scene, Shape};
+use crate::skin_wall::SkinWall;
 use crate::solid::Solid;
+use crate::wall_shell::WallShell;
 
 /// Farthest a gauge's centre may be from its wall, m.
 const MAX_GAUGE_OFFSET_M: f64 = 1e-3;
@@ -26,6 +28,10 @@ pub struct Limb {
     pub skin: SkinRegion,
     /// Direction of a contact's force at each surface node, unit length.
     pub directions: Vec<Vector3<f64>>,
+    /// The wall, of a skin.
+    pub wall: Option<SkinWall>,
+    /// The wall as a shell, where that is solved in place of the solid.
+    pub shell: Option<WallShell>,
     /// Nodes held fast.
     pub clamped: Vec<FeNodeId>,
     /// Its long axis.
@@ -56,16 +62,24 @@ impl Limb {
     /// not usable.
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
         let solid = Solid::load(scene, scene_dir)?;
-        let Solid { mesh, boundary, skin, clamped, axis, notes, .. } = solid;
+        let Solid { mesh, boundary, skin, outside, clamped, axis, notes, .. } = solid;
+        let wall = outside.map(|outside| SkinWall::new(scene, &mesh, &outside)).transpose()?;
+        let (wall, shell) = wall.map_or((None, None), |(wall, shell)| (Some(wall), shell));
         let directions = load_directions(scene, &axis, &mesh, &skin);
         let material = find_material(scene, solid.material)?;
         let sites: Vec<_> = scene.gauges.sites.iter().map(|entry| site(entry, scene)).collect();
         let (gauges, patches) = place_gauges(scene, &sites, &mesh, &boundary)?;
+        if let Some(shell) = &shell {
+            let lost = scene.gauges.max_lost_share;
+            each_gauge(scene, &sites, |site| Ok(shell.gauge(site, &material, lost)?))?;
+        }
         Ok(Self {
             mesh,
             boundary,
             skin,
             directions,
+            wall,
+            shell,
             clamped,
             axis,
             max_wall_m: scene.rig.max_wall_m.unwrap_or(solid.max_wall_m),
@@ -244,12 +258,22 @@ pub(crate) fn place_gauges(
         let patch = gauge_patch(mesh, &boundary.faces, &site.position, n, MAX_GAUGE_OFFSET_M)?;
         Ok((GaugeStrain::with_params(mesh, &boundary.faces, site, &gauge_params(scene))?, patch))
     };
-    let placed = sites.iter().zip(&scene.gauges.sites).enumerate().map(|(index, (site, entry))| {
-        place(site).map_err(|source| HapdefError::Gauge {
-            index,
-            name: entry.name.clone(),
-            source: Box::new(source),
-        })
-    });
-    Ok(placed.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
+    Ok(each_gauge(scene, sites, place)?.into_iter().unzip())
+}
+
+/// What `place` makes of each of the scene's gauges.
+///
+/// # Errors
+/// [`HapdefError::Gauge`] for the first that it refuses.
+fn each_gauge<T>(
+    scene: &Scene,
+    sites: &[GaugeSite],
+    place: impl Fn(&GaugeSite) -> Result<T, HapdefError>,
+) -> Result<Vec<T>, HapdefError> {
+    let each = sites.iter().zip(&scene.gauges.sites).enumerate();
+    each.map(|(index, (site, entry))| {
+        let name = entry.name.clone();
+        place(site).map_err(|source| HapdefError::Gauge { index, name, source: Box::new(source) })
+    })
+    .collect()
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError, SkinSide,
-    SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude, read_surface,
+    CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError, RefinedSolid,
+    SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude, read_surface,
 };
 
 use crate::error::HapdefError;
@@ -23,10 +23,37 @@ const MAX_LAYER_PER_EDGE: f64 = 1.0;
 pub(crate) struct SkinSolid {
     /// The mesh, as a deck that states nothing else.
     pub(crate) deck: SolidDeck,
-    /// The faces of the wall's outside.
-    pub(crate) outside: Vec<Tri6Face>,
+    /// The wall's outside.
+    pub(crate) outside: Outside,
     /// The wall where it is thickest, m.
     pub(crate) thickest_m: f64,
+}
+
+/// The outside of a wall, as faces of its solid.
+pub(crate) struct Outside {
+    pub(crate) faces: Vec<Tri6Face>,
+    /// How thick the wall is at each node of the solid `[n_fe_nodes]`, m; 0 at those not outside.
+    pub(crate) thickness_m: Vec<f64>,
+}
+
+impl Outside {
+    /// The outside of the solid refined.
+    pub(crate) fn refined(mut self, refined: &RefinedSolid) -> Self {
+        self.faces = refined.faces(&self.faces);
+        self.thickness_m.resize(refined.mesh.nodes().len(), 0.0);
+        self.with_middles()
+    }
+
+    /// The same with the means of the ends in the middle of edges.
+    fn with_middles(mut self) -> Self {
+        for face in &self.faces {
+            for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
+                let ends = [a, b].map(|i| self.thickness_m[face.nodes[i].index()]);
+                self.thickness_m[face.nodes[middle].index()] = 0.5 * (ends[0] + ends[1]);
+            }
+        }
+        self
+    }
 }
 
 impl SkinSolid {
@@ -51,8 +78,13 @@ impl SkinSolid {
         };
         let wall = extruded(&surface, &thickness_m, skin.side.into())
             .map_err(|source| HapdefError::SkinFolds { path, source })?;
+        let mut at_nodes_m = vec![0.0; wall.mesh.nodes().len()];
+        for (vertex, wall_m) in thickness_m.iter().enumerate() {
+            at_nodes_m[wall.node(vertex as u32, 0).index()] = *wall_m;
+        }
+        let outside = Outside { faces: level_faces(&wall, 0), thickness_m: at_nodes_m };
         Ok(Self {
-            outside: level_faces(&wall, 0),
+            outside: outside.with_middles(),
             deck: deck_of(wall),
             thickest_m: thickness_m.iter().copied().fold(0.0, f64::max),
         })

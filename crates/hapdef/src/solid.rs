@@ -12,7 +12,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use crate::error::HapdefError;
 use crate::limb_axis::{extent_m, principal_axis};
 use crate::scene::{Axis, ContactRegion, Geometry, LimbEnd, Mount, Scene, Shape, WallThickness};
-use crate::skin_solid::SkinSolid;
+use crate::skin_solid::{Outside, SkinSolid};
 
 /// Depth that counts as wall below a deck's skin where the scene doesn't say, m.
 const DECK_WALL_M: f64 = 3e-3;
@@ -26,6 +26,8 @@ pub(crate) struct Solid {
     pub(crate) mesh: Tet10Mesh,
     pub(crate) boundary: BoundarySurface,
     pub(crate) skin: SkinRegion,
+    /// The outside of a skin's wall.
+    pub(crate) outside: Option<Outside>,
     /// Nodes held fast, ascending.
     pub(crate) clamped: Vec<FeNodeId>,
     /// The limb's long axis.
@@ -43,8 +45,8 @@ pub(crate) struct Solid {
 /// A solid as its file has it, in metres.
 struct Source {
     deck: SolidDeck,
-    /// The faces outside, where that is known.
-    outside: Option<Vec<Tri6Face>>,
+    /// What is outside, where that is known.
+    outside: Option<Outside>,
     max_wall_m: f64,
     hash: String,
 }
@@ -88,13 +90,14 @@ impl Solid {
         for _ in 0..refinements {
             let refined = refine_unfolded(&mesh)?;
             clamped = refined.node_set(&clamped);
-            outside = outside.map(|faces| refined.faces(&faces));
+            outside = outside.map(|outside| outside.refined(&refined));
             mesh = refined.mesh;
         }
         let boundary = mesh.boundary();
         let region = &scene.contact.region;
-        let skin = find_skin(region, &axis, &mesh, &boundary, outside, &clamped)?;
-        Ok(Self { mesh, boundary, skin, clamped, axis, material, notes, max_wall_m, hash })
+        let faces = outside.as_ref().map(|outside| &outside.faces[..]);
+        let skin = find_skin(region, &axis, &mesh, &boundary, faces, &clamped)?;
+        Ok(Self { mesh, boundary, skin, outside, clamped, axis, material, notes, max_wall_m, hash })
     }
 }
 
@@ -158,11 +161,11 @@ fn find_skin(
     axis: &Axis,
     mesh: &Tet10Mesh,
     boundary: &BoundarySurface,
-    outside: Option<Vec<Tri6Face>>,
+    outside: Option<&[Tri6Face]>,
     clamped: &[FeNodeId],
 ) -> Result<SkinRegion, MeshError> {
     let outer = || match outside {
-        Some(faces) => Ok::<_, MeshError>(faces),
+        Some(faces) => Ok::<_, MeshError>(faces.to_vec()),
         None => Ok(outer_skin(mesh, boundary, &OuterSkinParams::default())?.faces),
     };
     match region {

@@ -2,7 +2,9 @@
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::convergence::{Convergence, ConvergenceParams, Quantity, QuantityEstimate};
+use hapdef::convergence::{
+    Convergence, ConvergenceParams, Quantity, QuantityEstimate, ShellAgreement,
+};
 use hapdef::{Limb, stages};
 use hapdef_cli::{SceneArgs, print_json};
 
@@ -54,10 +56,39 @@ fn show(study: &Convergence) {
             range(&level.point_um_per_n),
         );
     }
+    study.shell.iter().for_each(show_shell);
     for estimate in &study.estimates {
         println!("{}", line(estimate));
     }
     println!("{study}");
+}
+
+/// The shell and the scene's solid against the finest solid.
+fn show_shell(shell: &ShellAgreement) {
+    let percent = |x: f64| 100.0 * x;
+    println!(
+        "{:11} {:11} {:>13} {:10.2}",
+        shell.n_fe_nodes, shell.n_equations, "shell", shell.build_s
+    );
+    println!("\ngauge readings off the finest solid   shell      solid on the scene's mesh");
+    for (i, gauge) in shell.gauges.iter().enumerate() {
+        println!(
+            "gauge {i:3}, {:9.2} µε/N rms       {:6.1} %    {:6.1} %",
+            gauge.finest_ue_per_n,
+            percent(gauge.shell_difference),
+            percent(gauge.solid_difference)
+        );
+    }
+    println!(
+        "all, by press: median               {:6.1} %    {:6.1} %",
+        percent(shell.median_difference),
+        percent(shell.solid_median_difference)
+    );
+    println!(
+        "               worst                {:6.1} %    {:6.1} %\n",
+        percent(shell.worst_difference),
+        percent(shell.solid_worst_difference)
+    );
 }
 
 fn line(estimate: &QuantityEstimate) -> String {

@@ -11,7 +11,7 @@ use crate::SolverChoice;
 use crate::elements::element_set::Elements;
 use crate::elements::parts::DisjointSets;
 use crate::model::elastic_model::thread_pool;
-use crate::model::structure::Structure;
+use crate::model::structure::{FactorInfo, Structure};
 use crate::{ElasticModel, IsotropicMaterial, SimError, Supports};
 
 /// What an elastic shell model is made of.
@@ -63,6 +63,19 @@ impl ElasticModel {
         )?;
         let order_s = started.elapsed().as_secs_f64();
         Self::fill(&elements, Arc::new(structure), pool, order_s)
+    }
+
+    /// Sizes and operations of what [`Self::build_shell`] would make; nothing is factored or solved.
+    ///
+    /// # Errors
+    /// As [`Self::build_shell`] before any factoring.
+    pub fn estimate_shell(mesh: &ShellMesh, params: &ShellParams) -> Result<FactorInfo, SimError> {
+        let elements = ShellElements { mesh, kind: params.kind, material: params.material };
+        let (clamped, supports) = (&params.clamped, &params.supports);
+        let structure = thread_pool(params.n_threads)?.install(|| {
+            Structure::build(&elements, clamped, supports, SolverChoice::default())
+        })?;
+        Ok(structure.info(0.0, 0.0, 0.0))
     }
 }
 

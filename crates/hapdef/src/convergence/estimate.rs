@@ -83,7 +83,7 @@ fn of(quantity: Quantity, level: &MeshLevel) -> Vec<Vec<f64>> {
 }
 
 /// ‖coarse − fine‖ / ‖finest‖ of each press.
-fn differences(coarse: &[Vec<f64>], fine: &[Vec<f64>], finest: &[Vec<f64>]) -> Vec<f64> {
+pub(super) fn differences(coarse: &[Vec<f64>], fine: &[Vec<f64>], finest: &[Vec<f64>]) -> Vec<f64> {
     let difference = |((c, f), of): ((&Vec<f64>, &Vec<f64>), &Vec<f64>)| {
         let d: Vec<f64> = c.iter().zip(f).map(|(c, f)| c - f).collect();
         norm(&d) / norm(of)
@@ -100,11 +100,11 @@ fn observed_order(steps: &[Vec<f64>]) -> Option<f64> {
     order.is_finite().then(|| order.clamp(ORDER_RANGE[0], ORDER_RANGE[1]))
 }
 
-fn norm(values: &[f64]) -> f64 {
+pub(super) fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-fn largest(values: &[f64]) -> f64 {
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 

@@ -37,8 +37,8 @@ pub struct MeshLevel {
 
 /// The meshes of a study, made one from the other.
 pub(super) struct Levels<'a> {
-    limb: &'a Limb,
-    params: &'a ConvergenceParams,
+    pub(super) limb: &'a Limb,
+    pub(super) params: &'a ConvergenceParams,
     presses: Vec<(FeNodeId, Vector3<f64>)>,
 }
 
@@ -60,12 +60,7 @@ impl<'a> Levels<'a> {
     }
 
     pub(super) fn solve(&self, say: &dyn Fn(&str)) -> Result<Vec<MeshLevel>, HapdefError> {
-        let mut mesh = Refined {
-            mesh: self.limb.mesh.clone(),
-            clamped: self.limb.clamped.clone(),
-            skin: self.limb.skin.clone(),
-            n_straightened: 0,
-        };
+        let mut mesh = self.own();
         let mut levels = Vec::new();
         loop {
             say(&format!("solving the mesh of {} FE nodes", mesh.mesh.nodes().len()));
@@ -75,6 +70,21 @@ impl<'a> Levels<'a> {
             }
             mesh = finer(&mesh)?;
         }
+    }
+
+    /// The mesh of the scene.
+    fn own(&self) -> Refined {
+        let Limb { mesh, clamped, skin, .. } = self.limb;
+        let (mesh, clamped, skin) = (mesh.clone(), clamped.clone(), skin.clone());
+        Refined { mesh, clamped, skin, n_straightened: 0 }
+    }
+
+    /// A newton of the tip at each press, on the mesh of the scene.
+    ///
+    /// # Errors
+    /// [`HapdefError::Sim`].
+    pub(super) fn own_tip_loads(&self) -> Result<Vec<NodalLoad>, HapdefError> {
+        self.tip_loads(&self.own())
     }
 
     fn level(&self, refined: &Refined) -> Result<MeshLevel, HapdefError> {

@@ -5,6 +5,7 @@
 
 mod estimate;
 mod level;
+mod shell;
 
 use std::fmt;
 
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 pub use estimate::{Quantity, QuantityEstimate};
 pub use level::MeshLevel;
+pub use shell::{GaugeAgreement, ShellAgreement};
 
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -60,6 +62,8 @@ pub struct Convergence {
     pub params: ConvergenceParams,
     /// The mesh of the scene, then finer and finer ones.
     pub levels: Vec<MeshLevel>,
+    /// The shell of the same wall, of a limb that is a skin and has a shell.
+    pub shell: Option<ShellAgreement>,
     /// Gauge readings under a tip, displacement under a tip, displacement under a point force.
     pub estimates: Vec<QuantityEstimate>,
     /// The judgement.
@@ -94,13 +98,15 @@ pub fn convergence(
     let tip_radius_m = if tip_radius_m > 0.0 { tip_radius_m } else { params.tip_radius_m };
     let params =
         ConvergenceParams { tip_radius_m, refinements: params.refinements.max(1), ..*params };
-    let levels = Levels::new(limb, &params).solve(say)?;
+    let presses = Levels::new(limb, &params);
+    let levels = presses.solve(say)?;
+    let shell = presses.shell(&levels)?;
     let estimates: Vec<QuantityEstimate> =
         [Quantity::GaugeReading, Quantity::TipDisplacement, Quantity::PointDisplacement]
             .map(|quantity| estimate(quantity, &levels, params.assumed_order))
             .into();
     let verdict = judge(&estimates[0], &params);
-    Ok(Convergence { params, levels, estimates, verdict })
+    Ok(Convergence { params, levels, shell, estimates, verdict })
 }
 
 fn judge(readings: &QuantityEstimate, params: &ConvergenceParams) -> Verdict {

@@ -8,10 +8,11 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
 use crate::stages::rig_solid;
+use crate::touch::model_estimate;
 
 /// What a factorisation of the limb would take.
 pub(super) fn limb_estimate(run: &Run, limb: &Limb) -> Result<FactorInfo, HapdefError> {
-    ordered(run, limb, &limb.mesh, limb.clamped.clone())
+    model_estimate(limb, run.threads)
 }
 
 /// The same of the rig's mesh.

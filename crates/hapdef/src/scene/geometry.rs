@@ -43,6 +43,21 @@ pub struct SkinShape {
     pub wall: WallThickness,
     /// Which side of it the surface is.
     pub side: WallSide,
+    /// What it is solved as.
+    pub solver: WallSolver,
+}
+
+/// What the wall of a skin is solved as.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WallSolver {
+    /// As that of the two from which the smaller error is expected.
+    #[default]
+    Auto,
+    /// As triangles with rotations on the middle of the wall.
+    Shell,
+    /// As ten-node tetrahedra through the wall.
+    Solid,
 }
 
 /// How thick a wall is.
@@ -120,6 +135,8 @@ struct Fields {
     wall_m: Option<WallThickness>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     side: Option<WallSide>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    solver: Option<WallSolver>,
     #[serde(with = "unit_sign")]
     unit: LengthUnit,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -137,7 +154,9 @@ enum Contradiction {
     Shape { found: &'static str },
     #[error("a skin needs `wall_m`, the thickness of its wall in metres (or a file of them)")]
     NoWall,
-    #[error("`wall_m` and `side` are of a `skin`; a deck has its wall already: leave them out")]
+    #[error(
+        "`wall_m`, `side` and `solver` are of a `skin`; a deck has its wall already: leave them out"
+    )]
     WallOfDeck,
     #[error("`unit`: a deck's is m or mm, found {0}")]
     DeckUnit(LengthUnit),
@@ -147,11 +166,12 @@ impl TryFrom<Fields> for Geometry {
     type Error = Contradiction;
 
     fn try_from(fields: Fields) -> Result<Self, Contradiction> {
-        let Fields { solid_deck, skin, wall_m, side, unit, axis, refinements, skin_gltf } = fields;
+        let Fields { solid_deck, skin, wall_m, side, solver, .. } = fields;
+        let Fields { unit, axis, refinements, skin_gltf, .. } = fields;
         let shape = match (solid_deck, skin) {
             (Some(_), Some(_)) => return Err(Contradiction::Shape { found: "both" }),
             (None, None) => return Err(Contradiction::Shape { found: "neither" }),
-            (Some(_), None) if wall_m.is_some() || side.is_some() => {
+            (Some(_), None) if wall_m.is_some() || side.is_some() || solver.is_some() => {
                 return Err(Contradiction::WallOfDeck);
             }
             (Some(_), None) if !matches!(unit, LengthUnit::Metre | LengthUnit::Millimetre) => {
@@ -160,7 +180,8 @@ impl TryFrom<Fields> for Geometry {
             (Some(deck), None) => Shape::Deck(deck),
             (None, Some(file)) => {
                 let wall = wall_m.ok_or(Contradiction::NoWall)?;
-                Shape::Skin(SkinShape { file, wall, side: side.unwrap_or_default() })
+                let (side, solver) = (side.unwrap_or_default(), solver.unwrap_or_default());
+                Shape::Skin(SkinShape { file, wall, side, solver })
             }
         };
         Ok(Self { shape, unit, axis, refinements, skin_gltf })
@@ -174,11 +195,13 @@ impl From<Geometry> for Fields {
             Shape::Deck(deck) => (Some(deck), None),
             Shape::Skin(skin) => (None, Some(skin)),
         };
-        let (skin, wall_m, side) = match skin {
-            Some(SkinShape { file, wall, side }) => (Some(file), Some(wall), Some(side)),
-            None => (None, None, None),
+        let (skin, wall_m, side, solver) = match skin {
+            Some(SkinShape { file, wall, side, solver }) => {
+                (Some(file), Some(wall), Some(side), Some(solver))
+            }
+            None => (None, None, None, None),
         };
-        Self { solid_deck, skin, wall_m, side, unit, axis, refinements, skin_gltf }
+        Self { solid_deck, skin, wall_m, side, solver, unit, axis, refinements, skin_gltf }
     }
 }
 
@@ -218,14 +241,15 @@ mod tests {
         refused(r#"{"skin": "a.stl", "unit": "mm"}"#, "needs `wall_m`");
         refused(r#"{"skin": "a.stl", "wall_m": [1], "unit": "mm"}"#, "a thickness in m");
         refused(r#"{"solid_deck": "a.inp", "side": "outer", "unit": "m"}"#, "are of a `skin`");
+        refused(r#"{"solid_deck": "a.inp", "solver": "shell", "unit": "m"}"#, "are of a `skin`");
+        refused(r#"{"skin": "a", "wall_m": 1, "solver": "beam", "unit": "m"}"#, "`auto`, `shell`");
         refused(r#"{"solid_deck": "a.inp", "unit": "cm"}"#, "m or mm, found cm");
         refused(r#"{"solid_deck": "a.inp", "unit": "feet"}"#, "expected one of `m`, `mm`");
     }
 
     #[test]
     fn a_skin_is_written_as_it_was_read() {
-        let text =
-            r#"{"skin":"a.stl","wall_m":"wall.txt","side":"inner","unit":"in","refinements":1}"#;
+        let text = r#"{"skin":"a.stl","wall_m":"wall.txt","side":"inner","solver":"shell","unit":"in","refinements":1}"#;
         let geometry: Geometry = serde_json::from_str(text).unwrap();
         assert_eq!(serde_json::to_string(&geometry).unwrap(), text);
     }

@@ -14,7 +14,7 @@ mod rig;
 
 pub use estimator::{EstimatorSpec, HapdefxSpec, SuperpositionSpec};
 pub use gauges::{GaugeEntry, GaugeSpec};
-pub use geometry::{Axis, Geometry, Shape, SkinShape, WallSide, WallThickness};
+pub use geometry::{Axis, Geometry, Shape, SkinShape, WallSide, WallSolver, WallThickness};
 pub use limb::{ContactRegion, ContactSpec, LimbEnd, LoadDirection, MaterialSpec, Mount};
 pub use read::{read_scene, scene_file};
 pub use rig::{

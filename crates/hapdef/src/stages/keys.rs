@@ -11,11 +11,12 @@ use crate::scene::{ContactSpec, Scene};
 /// Version of the datasets' content.
 const DATASET_VERSION: u32 = 1;
 
-/// What the solved limb depends on. The deck counts by its bytes, not by its path.
+/// What the limb depends on. The deck counts by its bytes, not by its path; what a wall is solved as
+/// counts where it is solved.
 pub(crate) fn limb(scene: &Scene, deck_hash: &str) -> Value {
     json!({
         "deck": deck_hash,
-        "geometry": all_but(&scene.geometry, &["solid_deck", "skin", "skin_gltf"]),
+        "geometry": all_but(&scene.geometry, &["solid_deck", "skin", "skin_gltf", "solver"]),
         "material": scene.material,
         "mount": scene.mount,
         "contact": all_but(&scene.contact, &["force_range_n", "min_spacing_m", "max_contacts"]),

@@ -2,7 +2,7 @@
 
 use hapdef_bench::stats;
 use hapdef_mesh::GaugeId;
-use hapdef_sim::{ComplianceParams, ElasticModel, ElasticParams};
+use hapdef_sim::{LinearFunctional, NodalLoad};
 use serde_json::json;
 
 use super::keys;
@@ -11,6 +11,9 @@ use crate::compliance::ComplianceTable;
 use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::run::Run;
+use crate::scene::WallSolver;
+use crate::touch::LimbModel;
+use crate::wall_shell::WallShell;
 use crate::work::Work;
 
 /// Name of the table in the stage's folder.
@@ -27,29 +30,31 @@ const VERSION: u32 = 1;
 /// # Errors
 /// [`HapdefError::Sim`] when the limb floats or the factorisation fails.
 pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
-    let inputs = json!({ "version": VERSION, "limb": keys::limb(&run.scene, &limb.deck_hash) });
+    let mut inputs = json!({ "version": VERSION, "limb": keys::limb(&run.scene, &limb.deck_hash) });
+    if limb.shell.is_some() {
+        inputs["solver"] = json!(WallSolver::Shell);
+    }
     run.cache.stage("compliance", &inputs, |dir| {
         run.say(&format!(
             "solving the limb: {} FE nodes, {} loads",
             limb.mesh.nodes().len(),
             limb.n_surface_nodes()
         ));
-        let elastic = ElasticParams {
-            n_threads: run.threads,
-            ..ElasticParams::new(limb.material, limb.clamped.clone())
-        };
-        let elastic_model = ElasticModel::build(&limb.mesh, &elastic)?;
+        let limb_model = LimbModel::build(limb, run.threads)?;
+        let elastic_model = &limb_model.model;
         let loads = limb.unit_loads(run.scene.contact.tip_radius_m)?;
         let wanted = limb.wanted_nodes();
-        let params = ComplianceParams::default();
-        let (compliance, solve) = elastic_model.compliance(&loads, &wanted, &params)?;
-        let (response, adjoint) = elastic_model.response(&limb.gauges)?;
+        let (compliance, solve) = limb_model.compliance(&loads, &wanted)?;
+        let gauges = limb_model.gauges(&limb.sites, &limb.gauges)?;
+        let gauges: Vec<LinearFunctional> = gauges.into_iter().flatten().collect();
+        let (response, adjoint) = elastic_model.response(&gauges)?;
+        let in_model: Vec<NodalLoad> = loads.iter().map(|load| limb_model.load(load)).collect();
         let table = ComplianceTable::new(limb.n_surface_nodes(), wanted.len(), compliance.data());
         table.write(&dir.join(COMPLIANCE_FILE))?;
         let factor = elastic_model.info();
         Ok(json!({
-            "n_fe_nodes": limb.mesh.nodes().len(),
-            "n_elements": limb.mesh.elements().len(),
+            "n_fe_nodes": factor.n_fe_nodes,
+            "n_elements": limb.shell.as_ref().map_or(limb.mesh.elements().len(), WallShell::n_triangles),
             "n_equations": factor.n_equations,
             "nnz_l": factor.nnz_l,
             "solver": elastic_model.solver_info().to_string(),
@@ -64,7 +69,7 @@ pub fn compliance(run: &Run, limb: &Limb) -> Result<Stage, HapdefError> {
             "worst_relative_residual": solve.worst_relative_residual,
             "peak_rss_gib": peak_rss_gib(),
             "adjoint_s": adjoint.elapsed_s,
-            "median_best_gauge_ue_per_n": median_best_gauge(&response, &loads, limb.gauges.len()),
+            "median_best_gauge_ue_per_n": median_best_gauge(&response, &in_model, gauges.len()),
             "work": Work::compliance(
                 factor, limb.n_surface_nodes(), limb.gauges.len(), wanted.len()
             ).done(run.threads),
@@ -85,7 +90,7 @@ pub fn compliance_table(run: &Run, limb: &Limb) -> Result<ComplianceTable, Hapde
 /// Median over the surface nodes of the strongest gauge's strain per newton, µε/N.
 fn median_best_gauge(
     response: &hapdef_sim::GaugeResponse,
-    loads: &[hapdef_sim::NodalLoad],
+    loads: &[NodalLoad],
     n_gauges: usize,
 ) -> f64 {
     let best = |load| {

@@ -1,24 +1,14 @@
 //! How the response changes as gauges are moved and turned on the wall that they are glued to.
 
-use hapdef_sim::{GaugeSite, GaugeStrain};
+use hapdef_sim::{GaugeSite, GaugeStrain, LinearFunctional};
 use nalgebra::{Rotation3, Unit, Vector3};
 
+use super::model::{LimbModel, ModelGauge};
 use crate::error::HapdefError;
 
 /// Shift and turn that derivatives are taken over.
 const SHIFT_M: f64 = 5e-4;
 const TURN_RAD: f64 = 0.026;
-
-/// A solved wall that takes gauges.
-pub(super) trait Glued {
-    type Gauge: Clone;
-
-    /// The gauge at a site; nothing where it doesn't fit.
-    fn glued(&self, site: &GaugeSite) -> Option<Self::Gauge>;
-
-    /// Adjoint fields on the limb's skin `[n_surface, n_gauges]`, µε/N.
-    fn fields(&self, gauges: &[Self::Gauge]) -> Result<Vec<Vector3<f64>>, HapdefError>;
-}
 
 /// A motion of a gauge on its wall.
 #[derive(Clone, Copy)]
@@ -28,15 +18,15 @@ enum Motion {
     Turn,
 }
 
-/// Gauges at their sites: on the limb's solid, which tells their directions, and on `wall`.
-pub(super) struct Gauges<'a, W: Glued> {
-    pub(super) wall: &'a W,
+/// Gauges at their sites: on the limb's solid, which tells their directions, and as the model has them.
+pub(super) struct Gauges<'a> {
+    pub(super) model: &'a LimbModel<'a>,
     pub(super) sites: &'a [GaugeSite],
     pub(super) on_solid: &'a [GaugeStrain],
-    pub(super) on_wall: &'a [W::Gauge],
+    pub(super) in_model: &'a [ModelGauge],
 }
 
-impl<W: Glued> Gauges<'_, W> {
+impl Gauges<'_> {
     /// Every gauge moved along its axis and across it, per metre, and turned, per radian, as maps
     /// that `on_skin` makes of fields.
     pub(super) fn modes<M>(
@@ -59,7 +49,7 @@ impl<W: Glued> Gauges<'_, W> {
         };
         let (up, steps_up) = self.moved(motion, step);
         let (down, steps_down) = self.moved(motion, -step);
-        let (up, down) = (self.wall.fields(&up)?, self.wall.fields(&down)?);
+        let (up, down) = (self.model.fields(&up)?, self.model.fields(&down)?);
         let spans: Vec<f64> = steps_up.iter().zip(&steps_down).map(|(a, b)| a + b).collect();
         let slope = |(i, (up, down)): (usize, (&Vector3<f64>, &Vector3<f64>))| {
             (up - down) / spans[i % spans.len()].max(f64::MIN_POSITIVE)
@@ -68,14 +58,18 @@ impl<W: Glued> Gauges<'_, W> {
     }
 
     /// Every gauge moved by `step`, and how far; where it doesn't fit, as it is.
-    fn moved(&self, motion: Motion, step: f64) -> (Vec<W::Gauge>, Vec<f64>) {
-        let all = self.sites.iter().zip(self.on_solid).zip(self.on_wall);
-        let each = all.map(|((site, on_solid), on_wall)| {
-            let site = moved_site(site, on_solid, motion, step);
-            let moved = self.wall.glued(&site);
-            moved.map_or_else(|| (on_wall.clone(), 0.0), |moved| (moved, step.abs()))
+    fn moved(&self, motion: Motion, step: f64) -> (Vec<ModelGauge>, Vec<f64>) {
+        let all = self.sites.iter().zip(self.on_solid).zip(self.in_model);
+        let each = all.map(|((site, on_solid), in_model)| {
+            let moved = self.glued(&moved_site(site, on_solid, motion, step));
+            moved.map_or_else(|| (in_model.clone(), 0.0), |moved| (Some(moved), step.abs()))
         });
         each.unzip()
+    }
+
+    /// The gauge at a site; nothing where it doesn't fit.
+    fn glued(&self, site: &GaugeSite) -> Option<LinearFunctional> {
+        self.model.gauge_at(site).ok().flatten()
     }
 }
 

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use hapdef_inverse::{Candidates, PlacementScore, ResponseMap, ScanSites};
 use hapdef_mesh::{clear_nodes, farthest_nodes, wall};
-use hapdef_sim::{ElasticModel, GaugeStrain};
+use hapdef_sim::{GaugeStrain, LinearFunctional};
 use nalgebra::{Point3, Unit, Vector3};
 use rayon::prelude::*;
 
+use super::model::{LimbModel, ModelGauge};
 use super::steady::{GluedOff, changes};
 use crate::error::HapdefError;
-use crate::limb::Limb;
 use crate::run::Run;
 use crate::scene::GaugeEntry;
 
@@ -142,7 +142,7 @@ pub struct CountedLayout {
 
 /// Gauges that fit on the wall, the scene's own behind them.
 pub(super) struct Places {
-    pub(super) gauges: Vec<GaugeStrain>,
+    pub(super) gauges: Vec<ModelGauge>,
     pub(super) placed: Vec<PlacedGauge>,
     /// The largest change of each gauge's readings when it is glued off, relative; 0 where that was not asked for
     /// and for the scene's own `[n]`.
@@ -154,10 +154,10 @@ pub(super) struct Places {
 impl Places {
     pub(super) fn find(
         run: &Run,
-        limb: &Limb,
-        model: &ElasticModel,
+        model: &LimbModel<'_>,
         params: &LayoutParams,
     ) -> Result<Self, HapdefError> {
+        let limb = model.limb;
         let wall = wall(&limb.mesh, &limb.boundary, &limb.skin, limb.max_wall_m)?;
         let nodes = clear_nodes(&limb.mesh, &wall.inner_faces, 0.0);
         let chosen = farthest_nodes(&limb.mesh, &nodes, params.n_positions);
@@ -167,7 +167,7 @@ impl Places {
             .map(|i| {
                 let position = limb.mesh.position(chosen[i / params.n_axes]).map(to_micrometres);
                 let turn = PI * (i % params.n_axes) as f64 / params.n_axes as f64;
-                (position, gauge_at(limb, run, position, &along, turn, params.margin_m))
+                (position, gauge_at(model, run, position, &along, turn, params.margin_m))
             })
             .collect();
         let n_tried = tried.len();
@@ -176,7 +176,7 @@ impl Places {
         let (positions, glued): (Vec<_>, Vec<_>) = fitting.unzip();
         let tip_radius_m = run.scene.contact.tip_radius_m;
         let changes = match params.max_change.is_finite() {
-            true => changes(limb, model, &glued, tip_radius_m)?,
+            true => changes(model, &glued, tip_radius_m)?,
             false => vec![0.0; glued.len()],
         };
         let mut places = Self {
@@ -188,7 +188,7 @@ impl Places {
         };
         for ((position_m, glued), change) in positions.into_iter().zip(glued).zip(changes) {
             if change <= params.max_change {
-                places.add(glued.gauge, position_m, change);
+                places.add(Some(glued.in_model), glued.gauge.axis(), position_m, change);
             }
         }
         places.n_refused = n_tried - places.gauges.len();
@@ -200,14 +200,21 @@ impl Places {
                 n_passed_over: places.n_refused,
             });
         }
-        for (gauge, site) in limb.gauges.iter().zip(&limb.sites) {
-            places.add(gauge.clone(), site.position, 0.0);
+        let own = model.gauges(&limb.sites, &limb.gauges)?;
+        for ((in_model, gauge), site) in own.into_iter().zip(&limb.gauges).zip(&limb.sites) {
+            places.add(in_model, gauge.axis(), site.position, 0.0);
         }
         Ok(places)
     }
 
-    fn add(&mut self, gauge: GaugeStrain, position_m: Point3<f64>, change: f64) {
-        self.placed.push(PlacedGauge { position_m, axis: gauge.axis() });
+    fn add(
+        &mut self,
+        gauge: ModelGauge,
+        axis: Vector3<f64>,
+        position_m: Point3<f64>,
+        change: f64,
+    ) {
+        self.placed.push(PlacedGauge { position_m, axis });
         self.gauges.push(gauge);
         self.changes.push(change);
     }
@@ -255,33 +262,35 @@ fn to_micrometres(x_m: f64) -> f64 {
 /// The gauge whose axis is turned by `turn` from the limb's axis, if it fits there and `margin_m`
 /// off to every side, on the same wall.
 fn gauge_at(
-    limb: &Limb,
+    model: &LimbModel<'_>,
     run: &Run,
     position: Point3<f64>,
     along: &Unit<Vector3<f64>>,
     turn: f64,
     margin_m: f64,
 ) -> Option<GluedOff> {
+    let limb = model.limb;
     let placed = |position, axis| {
         let site = run.scene.gauges.site(position, axis);
-        GaugeStrain::with_params(&limb.mesh, &limb.boundary.faces, &site, &limb.gauge_params).ok()
+        let faces = &limb.boundary.faces;
+        let gauge = GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params).ok()?;
+        let in_model = model.gauges(&[site], std::slice::from_ref(&gauge)).ok()?.pop()??;
+        Some((gauge, in_model))
     };
     let sides = |gauge: &GaugeStrain| [gauge.axis(), gauge.normal().cross(&gauge.axis())];
-    let [ahead, across] = sides(&placed(position, along.into_inner())?);
+    let [ahead, across] = sides(&placed(position, along.into_inner())?.0);
     let turned = |turn: f64| ahead * turn.cos() + across * turn.sin();
-    let gauge = placed(position, turned(turn))?;
+    let (gauge, in_model) = placed(position, turned(turn))?;
     let axis = gauge.axis();
     let moved = |side: Vector3<f64>| {
-        placed(position + side * margin_m, axis)
-            .filter(|moved| moved.normal().dot(&gauge.normal()) > SAME_WALL)
+        let (moved, in_model) = placed(position + side * margin_m, axis)?;
+        (moved.normal().dot(&gauge.normal()) > SAME_WALL).then_some(in_model)
     };
     let [forward, sideways] = sides(&gauge);
     let shifts = [forward, -forward, sideways, -sideways];
-    let mut off: Vec<GaugeStrain> = shifts.into_iter().map(moved).collect::<Option<_>>()?;
-    off.extend(
-        [OFF_TURN_RAD, -OFF_TURN_RAD]
-            .into_iter()
-            .filter_map(|by| placed(position, turned(turn + by))),
-    );
-    Some(GluedOff { gauge, off })
+    let mut off: Vec<LinearFunctional> = shifts.into_iter().map(moved).collect::<Option<_>>()?;
+    let turns = [OFF_TURN_RAD, -OFF_TURN_RAD];
+    let turns = turns.into_iter().filter_map(|by| Some(placed(position, turned(turn + by))?.1));
+    off.extend(turns);
+    Some(GluedOff { gauge, in_model, off })
 }

@@ -8,10 +8,10 @@ use hapdef_inverse::{
     place_entropy, place_greedy, place_mutual_information, place_nearest_neighbours, place_pca_qr,
     place_random, placement_score, smallest_seen_n,
 };
-use hapdef_sim::{ElasticModel, ElasticParams};
 use nalgebra::Point3;
 
 use super::layout::{CountedLayout, LayoutParams, LayoutStudy, PlacedGauge, Places, ScoredLayout};
+use super::model::LimbModel;
 use super::response::gauge_map;
 use crate::error::HapdefError;
 use crate::limb::Limb;
@@ -46,15 +46,11 @@ impl LayoutCandidates {
     /// [`HapdefError::TooFewGaugeSites`] when the wall has too few places; [`HapdefError::Sim`].
     pub fn solve(run: &Run, limb: &Limb, params: &LayoutParams) -> Result<Self, HapdefError> {
         let start = Instant::now();
-        let elastic = ElasticParams {
-            n_threads: run.threads,
-            ..ElasticParams::new(limb.material, limb.clamped.clone())
-        };
-        let model = ElasticModel::build(&limb.mesh, &elastic)?;
-        let places = Places::find(run, limb, &model, params)?;
+        let model = LimbModel::build(limb, run.threads)?;
+        let places = Places::find(run, &model, params)?;
         run.say(&format!("solving {} candidate gauges", places.gauges.len()));
         let tip_radius_m = run.scene.contact.tip_radius_m;
-        let map = gauge_map(limb, &model, &places.gauges, tip_radius_m)?;
+        let map = gauge_map(&model, &places.gauges, tip_radius_m)?;
         let candidates = places.candidates(&map, params)?;
         let solve_s = start.elapsed().as_secs_f64();
         Ok(Self { places, candidates, params: params.clone(), solve_s })

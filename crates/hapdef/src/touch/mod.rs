@@ -9,10 +9,12 @@ mod glued;
 mod layout;
 mod layout_choice;
 mod limits;
+mod model;
 mod modes;
 mod response;
 mod shell;
 mod steady;
+mod stiffness;
 mod superposition;
 
 pub use bundle::{BundleRequest, calibration_in_use, make_bundle};
@@ -30,6 +32,7 @@ pub use layout::{
 };
 pub use layout_choice::{LayoutCandidates, SeeingLayout, study_layouts};
 pub use limits::{LimitsReport, LimitsRequest, limits};
+pub(crate) use model::{LimbModel, model_estimate};
 pub use modes::{UncertainParams, UncertainResponse};
-pub use response::{gauge_map, response_map, touchable_skin};
+pub use response::{response_map, touchable_skin};
 pub use superposition::{estimator_params, estimator_settings, superposition};

@@ -2,9 +2,10 @@
 
 use hapdef_inverse::{ResponseMap, Skin, SkinFaces, SkinParams, TipMeans};
 use hapdef_mesh::{FeNodeId, GaugeId};
-use hapdef_sim::{ElasticModel, ElasticParams, GaugeResponse, GaugeStrain};
+use hapdef_sim::GaugeResponse;
 use nalgebra::Vector3;
 
+use super::model::{LimbModel, ModelGauge};
 use crate::error::HapdefError;
 use crate::limb::Limb;
 
@@ -20,32 +21,21 @@ pub fn response_map(
     tip_radius_m: f64,
     threads: usize,
 ) -> Result<ResponseMap, HapdefError> {
-    let params = ElasticParams {
-        n_threads: threads,
-        ..ElasticParams::new(limb.material, limb.clamped.clone())
-    };
-    let model = ElasticModel::build(&limb.mesh, &params)?;
-    gauge_map(limb, &model, &limb.gauges, tip_radius_m)
+    let model = LimbModel::build(limb, threads)?;
+    gauge_map(&model, &model.gauges(&limb.sites, &limb.gauges)?, tip_radius_m)
 }
 
-/// The same for any `gauges` on an elastic model of the limb's mesh.
+/// The same for any `gauges` on the limb's model.
 ///
 /// # Errors
 /// As [`response_map`].
-pub fn gauge_map(
-    limb: &Limb,
-    model: &ElasticModel,
-    gauges: &[GaugeStrain],
+pub(super) fn gauge_map(
+    model: &LimbModel<'_>,
+    gauges: &[ModelGauge],
     tip_radius_m: f64,
 ) -> Result<ResponseMap, HapdefError> {
-    let (response, _) = model.response(gauges)?;
-    let adjoint = skin_values(limb, &response);
-    TouchedSkin::new(limb, tip_radius_m)?.map(gauges.len(), &adjoint)
-}
-
-/// Adjoint fields on the skin `[n_surface, n_gauges]`, µε/N.
-pub(super) fn skin_values(limb: &Limb, response: &GaugeResponse) -> Vec<Vector3<f64>> {
-    node_values(&limb.skin.nodes, response)
+    let adjoint = model.fields(gauges)?;
+    TouchedSkin::new(model.limb, tip_radius_m)?.map(gauges.len(), &adjoint)
 }
 
 /// Adjoint fields at `nodes` `[n_nodes, n_gauges]`, µε/N.

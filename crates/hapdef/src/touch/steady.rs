@@ -1,12 +1,11 @@
 //! How much a gauge's reading changes when it is glued a little off its place.
 
 use hapdef_mesh::farthest_nodes;
-use hapdef_sim::{ComplianceParams, ElasticModel, GaugeStrain, NodalLoad, PressedSkin};
-use nalgebra::Vector3;
+use hapdef_sim::{GaugeStrain, LinearFunctional, Motion, NodalLoad, PressedSkin};
 use rayon::prelude::*;
 
+use super::model::LimbModel;
 use crate::error::HapdefError;
-use crate::limb::Limb;
 
 /// Presses all over the skin by which readings are compared.
 const N_PRESSES: usize = 48;
@@ -14,8 +13,10 @@ const N_PRESSES: usize = 48;
 /// A gauge at its place, and beside it.
 pub(super) struct GluedOff {
     pub(super) gauge: GaugeStrain,
+    /// The same as the limb's model has it.
+    pub(super) in_model: LinearFunctional,
     /// The same moved to every side, and turned.
-    pub(super) off: Vec<GaugeStrain>,
+    pub(super) off: Vec<LinearFunctional>,
 }
 
 /// The largest change of each gauge's readings under presses all over the skin, relative to the readings
@@ -28,17 +29,17 @@ pub(super) struct GluedOff {
 /// # Errors
 /// [`HapdefError::Sim`].
 pub(super) fn changes(
-    limb: &Limb,
-    model: &ElasticModel,
+    model: &LimbModel<'_>,
     gauges: &[GluedOff],
     tip_radius_m: f64,
 ) -> Result<Vec<f64>, HapdefError> {
-    let fields = pressed(limb, model, tip_radius_m)?;
-    let readings = |gauge: &GaugeStrain| -> Vec<f64> {
-        fields.iter().map(|field| gauge.strain(field)).collect()
+    let motions = pressed(model, tip_radius_m)?;
+    let readings = |gauge: &LinearFunctional| -> Vec<f64> {
+        let reading = |m: &Motion| gauge.reading(&m.displacement, &m.rotation);
+        motions.iter().map(reading).collect()
     };
     let change = |glued: &GluedOff| {
-        let own = readings(&glued.gauge);
+        let own = readings(&glued.in_model);
         let off =
             glued.off.iter().map(|off| norm(own.iter().zip(readings(off)).map(|(a, b)| a - b)));
         off.fold(0.0, f64::max) / norm(own.iter().copied()).max(f64::MIN_POSITIVE)
@@ -46,12 +47,9 @@ pub(super) fn changes(
     Ok(gauges.par_iter().map(change).collect())
 }
 
-/// Displacements under each press `[n_presses][n_fe_nodes]`, m.
-fn pressed(
-    limb: &Limb,
-    model: &ElasticModel,
-    tip_radius_m: f64,
-) -> Result<Vec<Vec<Vector3<f64>>>, HapdefError> {
+/// How the model moves under each press `[n_presses]`.
+fn pressed(model: &LimbModel<'_>, tip_radius_m: f64) -> Result<Vec<Motion>, HapdefError> {
+    let limb = model.limb;
     let skin = PressedSkin::new(&limb.mesh, &limb.skin)?;
     let load = |node| {
         let place = limb.skin.nodes.partition_point(|other| *other < node);
@@ -59,10 +57,7 @@ fn pressed(
     };
     let nodes = farthest_nodes(&limb.mesh, &limb.skin.nodes, N_PRESSES);
     let loads: Vec<NodalLoad> = nodes.into_iter().map(load).collect::<Result<_, _>>()?;
-    let all: Vec<_> = (0..limb.mesh.nodes().len()).map(hapdef_mesh::FeNodeId::from_index).collect();
-    let (compliance, _) = model.compliance(&loads, &all, &ComplianceParams::default())?;
-    let field = |load: usize| compliance.row(load).chunks_exact(3).map(Vector3::from_column_slice);
-    Ok((0..loads.len()).map(|load| field(load).collect()).collect())
+    Ok(model.motions(&loads)?)
 }
 
 fn norm(values: impl Iterator<Item = f64>) -> f64 {

@@ -44,6 +44,8 @@ fn tube() -> Limb {
         directions: skin.normals.iter().map(|normal| -normal).collect(),
         material: IsotropicMaterial::new(1.7e9, 0.394, 1000.0).unwrap(),
         patches: Vec::new(),
+        wall: None,
+        shell: None,
         deck_hash: String::new(),
         deck_notes: Vec::new(),
         mesh,
