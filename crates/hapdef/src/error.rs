@@ -94,6 +94,11 @@ pub enum HapdefError {
     SkinNotClean { path: PathBuf, source: hapdef_mesh::SurfaceFault },
     #[error("geometry.skin: {path}: {source}; `hapdef new {path}` finds a wall that fits")]
     SkinFolds { path: PathBuf, source: MeshError },
+    #[error(
+        "geometry.solver: {path}: expected a wall that can be solved as a shell, found one of {wall_mm:.2} mm, \
+         and {what}; state \"solid\", or leave the field out"
+    )]
+    SkinSolver { path: PathBuf, wall_mm: f64, what: String },
     #[error("geometry.wall_m: {path}: {what}; write the file again, or state one thickness")]
     SkinWall { path: PathBuf, what: String },
     #[error("{field}: {path}: {source}; the path is relative to the scene file: correct it")]

@@ -115,7 +115,7 @@ pub use scoring::{
     ContactPair, Gospa, GospaParams, MAX_ONE_TO_ONE, OneToOne, ScoredContact, ScoringError, gospa,
     score_lenient, score_one_to_one,
 };
-pub use skin_wall::SkinWall;
+pub use skin_wall::{SkinWall, WallMeasures};
 pub use source::{Contacts, RigPlay, Source};
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
 pub use stats::ContactStats;

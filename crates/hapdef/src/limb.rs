@@ -63,7 +63,10 @@ impl Limb {
     pub fn load(scene: &Scene, scene_dir: &Path) -> Result<Self, HapdefError> {
         let solid = Solid::load(scene, scene_dir)?;
         let Solid { mesh, boundary, skin, outside, clamped, axis, notes, .. } = solid;
-        let wall = outside.map(|outside| SkinWall::new(scene, &mesh, &outside)).transpose()?;
+        let wall = match (&scene.geometry.shape, &outside) {
+            (Shape::Skin(skin), Some(outside)) => Some(SkinWall::new(scene, skin, &mesh, outside)?),
+            _ => None,
+        };
         let (wall, shell) = wall.map_or((None, None), |(wall, shell)| (Some(wall), shell));
         let directions = load_directions(scene, &axis, &mesh, &skin);
         let material = find_material(scene, solid.material)?;

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use hapdef_mesh::{
-    CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError, RefinedSolid,
-    SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude, read_surface,
+    CleanParams, ExtrudeParams, Extrusion, FaceCurve, GltfParams, LengthUnit, MeshError,
+    RefinedSolid, SkinSide, SolidDeck, SurfaceFault, SurfaceMesh, Tri6Face, clean_surface, extrude,
+    read_surface,
 };
 
 use crate::error::HapdefError;

@@ -8,7 +8,7 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use hapdef::HapdefError;
 use hapdef::new_limb::{NewLimb, NewLimbParams};
-use hapdef::scene::LimbEnd;
+use hapdef::scene::{LimbEnd, WallSolver};
 use hapdef_cli::{on_stderr, shown};
 
 use super::unit::Unit;
@@ -46,6 +46,9 @@ pub(crate) struct NewArgs {
     /// Thickness of the wall inward of a surface, mm.
     #[arg(long)]
     wall: Option<f64>,
+    /// What the wall is solved as; auto is that of the two from which the smaller error is expected.
+    #[arg(long, default_value = "auto")]
+    solver: Solver,
     /// Edge length of the skin, mm.
     #[arg(long)]
     edge: Option<f64>,
@@ -58,6 +61,13 @@ pub(crate) struct NewArgs {
     /// Threads; results don't depend on it.
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Solver {
+    Auto,
+    Shell,
+    Solid,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -120,6 +130,16 @@ impl From<End> for LimbEnd {
     }
 }
 
+impl From<Solver> for WallSolver {
+    fn from(solver: Solver) -> Self {
+        match solver {
+            Solver::Auto => Self::Auto,
+            Solver::Shell => Self::Shell,
+            Solver::Solid => Self::Solid,
+        }
+    }
+}
+
 impl NewArgs {
     fn params(&self) -> NewLimbParams {
         let metres = |mm: f64| mm * 1e-3;
@@ -130,6 +150,7 @@ impl NewArgs {
             mount_end: self.mount_end.map(Into::into),
             mount_m: self.mount.map(metres),
             wall_m: self.wall.map(metres),
+            solver: self.solver.into(),
             edge_m: self.edge.map(metres),
             n_gauges: self.gauges,
             takes_likeliest: self.yes,

@@ -21,6 +21,7 @@ pub(crate) fn check(args: &SceneArgs) -> Result<()> {
         limb.clamped.len(),
         limb.gauges.len(),
     );
+    limb.wall.iter().for_each(|wall| println!("solved as {wall}"));
     limb.deck_notes.iter().for_each(|note| println!("deck: {}", printable(note)));
     limb.check_held()?;
     limb.check_reached()?;

@@ -78,7 +78,8 @@ impl ElasticModel {
         let loads: Vec<NodalLoad> = functionals.iter().map(|f| f.as_ref().as_load()).collect();
         let n_fe_nodes = self.info().n_fe_nodes;
         let mut fields = vec![Vector3::zeros(); loads.len() * n_fe_nodes];
-        let n_turning = if self.structure.unknowns.motions_per_node() == 2 { fields.len() } else { 0 };
+        let n_turning =
+            if self.structure.unknowns.motions_per_node() == 2 { fields.len() } else { 0 };
         let mut moment_fields = vec![Vector3::zeros(); n_turning];
         let info = solve_all(
             self,

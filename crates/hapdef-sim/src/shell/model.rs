@@ -72,9 +72,8 @@ impl ElasticModel {
     pub fn estimate_shell(mesh: &ShellMesh, params: &ShellParams) -> Result<FactorInfo, SimError> {
         let elements = ShellElements { mesh, kind: params.kind, material: params.material };
         let (clamped, supports) = (&params.clamped, &params.supports);
-        let structure = thread_pool(params.n_threads)?.install(|| {
-            Structure::build(&elements, clamped, supports, SolverChoice::default())
-        })?;
+        let structure = thread_pool(params.n_threads)?
+            .install(|| Structure::build(&elements, clamped, supports, SolverChoice::default()))?;
         Ok(structure.info(0.0, 0.0, 0.0))
     }
 }

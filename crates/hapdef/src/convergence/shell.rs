@@ -79,8 +79,7 @@ impl Levels<'_> {
                 (0..gauges.len()).map(of).collect()
             })
             .collect();
-        let [own, finest] =
-            [0, solids.len() - 1].map(|level| &solids[level].reading_ue_per_n);
+        let [own, finest] = [0, solids.len() - 1].map(|level| &solids[level].reading_ue_per_n);
         let [of_shell, of_solid] =
             [&readings, own].map(|coarse| differences(coarse, finest, finest));
         let info = model.model.info();
@@ -97,11 +96,7 @@ impl Levels<'_> {
     }
 }
 
-fn agreements(
-    shell: &[Vec<f64>],
-    solid: &[Vec<f64>],
-    finest: &[Vec<f64>],
-) -> Vec<GaugeAgreement> {
+fn agreements(shell: &[Vec<f64>], solid: &[Vec<f64>], finest: &[Vec<f64>]) -> Vec<GaugeAgreement> {
     let agreement = |gauge: usize| {
         let [shell, solid, finest] = [shell, solid, finest]
             .map(|rows| rows.iter().map(|row| row[gauge]).collect::<Vec<f64>>());

@@ -16,7 +16,7 @@ use hapdef_mesh::LengthUnit;
 pub use write::NewLimbFiles;
 
 use crate::error::HapdefError;
-use crate::scene::{Axis, LimbEnd};
+use crate::scene::{Axis, LimbEnd, WallSolver};
 use given::Given;
 
 /// What is stated of a limb; what is not is guessed.
@@ -34,6 +34,8 @@ pub struct NewLimbParams {
     pub mount_m: Option<f64>,
     /// Thickness of a skin's wall, m.
     pub wall_m: Option<f64>,
+    /// What a skin's wall is solved as.
+    pub solver: WallSolver,
     /// Edge length of the skin, m.
     pub edge_m: Option<f64>,
     /// Gauges; as many as see everywhere where no number is stated.
@@ -52,6 +54,7 @@ impl Default for NewLimbParams {
             mount_end: None,
             mount_m: None,
             wall_m: None,
+            solver: WallSolver::Auto,
             edge_m: None,
             n_gauges: None,
             takes_likeliest: false,

@@ -16,7 +16,7 @@ use crate::limb::Limb;
 use crate::profile::Profile;
 use crate::progress::Progress;
 use crate::run::Run;
-use crate::scene::{MaterialSpec, Scene};
+use crate::scene::{MaterialSpec, Scene, WallSolver};
 use crate::touch::gauge_entries;
 
 const SCENE: &str = "scene.json";
@@ -98,6 +98,7 @@ impl NewLimb {
             limb.mesh.nodes().len(),
             limb.clamped.len()
         ));
+        said.extend(limb.wall.iter().map(|wall| format!("solved as {wall}")));
         limb.check_held()?;
         let (placed, how) = gauges::placed(&run, &limb, self.params.n_gauges)?;
         said.push(how);
@@ -117,7 +118,10 @@ impl NewLimb {
                 let skin = Skin::of(given, self.wall_m, self.params.edge_m, threads)?;
                 write_glb(&folder.join(SKIN), &skin.surface, None)?;
                 let wall = self.wall(&skin, folder)?;
-                let geometry = json!({"skin": SKIN, "wall_m": wall, "unit": "m", "axis": axis});
+                let mut geometry = json!({"skin": SKIN, "wall_m": wall, "unit": "m", "axis": axis});
+                if self.params.solver != WallSolver::Auto {
+                    geometry["solver"] = json!(self.params.solver);
+                }
                 Ok((geometry, skin.said))
             }
             GivenShape::Deck(deck, unit) => {

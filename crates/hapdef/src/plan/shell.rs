@@ -1,5 +1,5 @@
-//! Whether a shell of the limb's skin would do instead of its solid: as it was compared, or as the
-//! solid's wall looks.
+//! Shell or solid: what a skin's wall is solved as, and of a deck, whether a shell of its skin would do, as
+//! it was compared, or as its wall looks.
 
 use std::path::Path;
 
@@ -11,8 +11,11 @@ use crate::error::HapdefError;
 use crate::limb::Limb;
 use crate::shell_limb::{GOOD_DIFFERENCE, ReportSource, SHELL_REPORT_JSON, ThinWall};
 
-/// Name of the step.
+/// Name of the step of a deck.
 const NAME: &str = "shell model instead";
+
+/// Name of the step of a skin.
+const OF_SKIN: &str = "shell or extruded solid";
 
 /// What is read of a report.
 #[derive(Deserialize)]
@@ -51,8 +54,8 @@ impl Answers {
 }
 
 impl Plan {
-    /// The plan with what speaks for or against a shell of the limb's skin: the best comparison
-    /// with this deck that `hapdef shell --against` left in a folder of `results`, or else the wall
+    /// The plan with what a skin's wall is solved as and why, or what speaks for or against a shell of a
+    /// deck's skin: the best comparison with this deck that `hapdef shell --against` left in a folder of `results`, or else the wall
     /// behind the skin, up to `max_wall_m`. The scene's solid stays what is used.
     ///
     /// # Errors
@@ -64,15 +67,14 @@ impl Plan {
         max_wall_m: f64,
         results: &Path,
     ) -> Result<Self, HapdefError> {
-        let compared = compared(&limb.deck_hash, results)?;
-        let why = match compared {
-            Some(text) => text,
-            None => by_wall(limb, max_wall_m)?,
+        let sizes = [("surface nodes", limb.n_surface_nodes())];
+        let step = match (&limb.wall, compared(&limb.deck_hash, results)?) {
+            (Some(wall), _) => PlanStep::runs(OF_SKIN, wall.to_string(), &sizes),
+            (None, Some(text)) => PlanStep::alternative(NAME, text, &sizes),
+            (None, None) => PlanStep::alternative(NAME, by_wall(limb, max_wall_m)?, &sizes),
         };
         let after_design = self.steps.iter().position(|s| s.when == super::When::Frame);
-        let place = after_design.unwrap_or(self.steps.len());
-        let sizes = [("surface nodes", limb.n_surface_nodes())];
-        self.steps.insert(place, PlanStep::alternative(NAME, why, &sizes));
+        self.steps.insert(after_design.unwrap_or(self.steps.len()), step);
         Ok(self)
     }
 }

@@ -207,13 +207,7 @@ impl Places {
         Ok(places)
     }
 
-    fn add(
-        &mut self,
-        gauge: ModelGauge,
-        axis: Vector3<f64>,
-        position_m: Point3<f64>,
-        change: f64,
-    ) {
+    fn add(&mut self, gauge: ModelGauge, axis: Vector3<f64>, position_m: Point3<f64>, change: f64) {
         self.placed.push(PlacedGauge { position_m, axis });
         self.gauges.push(gauge);
         self.changes.push(change);

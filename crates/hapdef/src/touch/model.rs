@@ -45,7 +45,11 @@ impl<'a> LimbModel<'a> {
         n_threads: usize,
     ) -> Result<Self, HapdefError> {
         let params = shell_params(limb, shell, n_threads);
-        Ok(Self { limb, shell: Some(shell), model: ElasticModel::build_shell(&shell.mesh, &params)? })
+        Ok(Self {
+            limb,
+            shell: Some(shell),
+            model: ElasticModel::build_shell(&shell.mesh, &params)?,
+        })
     }
 
     /// Gauges at `sites`, given as they lie on the solid.
@@ -157,7 +161,11 @@ impl<'a> LimbModel<'a> {
             (under, self.arm(shell, *node, under).cross(force))
         };
         NodalLoad {
-            forces_n: load.forces_n.iter().map(|(node, force)| (self.node(*node), *force)).collect(),
+            forces_n: load
+                .forces_n
+                .iter()
+                .map(|(node, force)| (self.node(*node), *force))
+                .collect(),
             moments_nm: load.forces_n.iter().map(turning).collect(),
         }
     }

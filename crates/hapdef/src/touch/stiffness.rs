@@ -142,9 +142,8 @@ impl ElementForces {
 
     /// A Gaussian of the elements' distance from `centre` `[n_elements]`.
     fn bump(&self, centre: &Point3<f64>) -> Vec<f64> {
-        let weight = |x: &Point3<f64>| {
-            (-0.5 * (x - centre).norm_squared() / MODE_WIDTH_M.powi(2)).exp()
-        };
+        let weight =
+            |x: &Point3<f64>| (-0.5 * (x - centre).norm_squared() / MODE_WIDTH_M.powi(2)).exp();
         self.centres.iter().map(weight).collect()
     }
 

@@ -21,5 +21,6 @@ mod shell_limb;
 mod shell_limb_common;
 mod shell_response;
 mod skin_scene;
+mod skin_solver;
 mod skips;
 mod touch;
