@@ -64,7 +64,9 @@ impl Limb {
         let solid = Solid::load(scene, scene_dir)?;
         let Solid { mesh, boundary, skin, outside, clamped, axis, notes, .. } = solid;
         let wall = match (&scene.geometry.shape, &outside) {
-            (Shape::Skin(skin), Some(outside)) => Some(SkinWall::new(scene, skin, &mesh, outside)?),
+            (Shape::Skin(skin), Some(outside)) => {
+                Some(SkinWall::new(scene, scene_dir, skin, &mesh, outside)?)
+            }
             _ => None,
         };
         let (wall, shell) = wall.map_or((None, None), |(wall, shell)| (Some(wall), shell));

@@ -1,6 +1,7 @@
 //! The wall of a skin: what it is solved as, and why.
 
 use std::fmt;
+use std::path::Path;
 
 use hapdef_bench::stats::median;
 use hapdef_mesh::{FeNodeId, SkinRegion, Tet10Mesh};
@@ -131,6 +132,7 @@ impl SkinWall {
     /// [`HapdefError::SkinSolver`] where a shell is asked for that can't be had.
     pub(crate) fn new(
         scene: &Scene,
+        scene_dir: &Path,
         skin: &SkinShape,
         solid: &Tet10Mesh,
         outside: &Outside,
@@ -143,7 +145,7 @@ impl SkinWall {
         let refined = (scene.estimator.map_refinements() > 0)
             .then(|| "estimator.map_refinements refines the solid".to_owned());
         let refused = |what: String| {
-            let (path, wall_mm) = (skin.file.clone(), 1e3 * measures.thickness_m);
+            let (path, wall_mm) = (scene_dir.join(&skin.file), 1e3 * measures.thickness_m);
             HapdefError::SkinSolver { path, wall_mm, what }
         };
         let (reason, shell) = match skin.solver {
