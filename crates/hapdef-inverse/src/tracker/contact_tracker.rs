@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use crate::error::InverseError;
 use crate::estimator::ContactEstimator;
 use crate::tracker::adopt::adopt;
+use crate::tracker::exchange::Belief;
 use crate::tracker::frame::{TrackInfo, TrackedFrame};
 use crate::tracker::params::TrackerParams;
 use crate::tracker::recent::Recent;
@@ -19,6 +20,10 @@ use crate::tracker::{detection, growing, holding, sliding};
 /// made it wanted: the next would find the same, and a search takes milliseconds of a core. With 8 a press that
 /// came while the first ran was not searched for during half a second.
 const PATIENCE: usize = 2;
+
+/// Contacts with more than so many times the strongest force that touches have don't explain a frame, whatever its
+/// residual: half a second of misfits else went by without a search. The map's error makes up the rest.
+const BEYOND: f64 = 1.05;
 
 /// Follows contacts from frame to frame: births, holds, slides, releases.
 ///
@@ -35,10 +40,9 @@ pub struct ContactTracker {
     recent: Recent,
     /// Whether a full search was adopted since the last frame.
     is_adopted: bool,
+    /// For a full search.
+    belief: Belief,
 }
-
-/// A force that is not believed is searched for anew after so many times fewer frames.
-const HASTE: usize = 4;
 
 impl ContactTracker {
     /// A tracker on the map, sites, noise and live gauges of `estimator`.
@@ -49,7 +53,8 @@ impl ContactTracker {
         params.check()?;
         let work = Workspace::new(estimator, params)?;
         let recent = Recent::new(work.model.map.n_gauges(), work.model.width);
-        Ok(Self { state: State::HOLDING, work, recent, is_adopted: false })
+        let belief = Belief::none(&work);
+        Ok(Self { state: State::HOLDING, work, recent, is_adopted: false, belief })
     }
 
     /// Takes the next frame: `readings` `[n_gauges]`, tared, in the unit of the map. Gauges that are
@@ -74,12 +79,15 @@ impl ContactTracker {
         let is_alarm = work.solve();
         work.is_changed = false;
         recent.add(&work.model, readings, &work.z, &work.buffers.filter.live);
-        recent.judge(is_alarm);
+        let range_n = work.settings.range_n();
+        let is_beyond =
+            work.hypotheses.best().tracks().iter().any(|t| t.force_n > BEYOND * range_n);
+        recent.judge(is_alarm || is_beyond);
         let next = match *state {
             State::Holding(now) => holding::step(now, work, is_alarm),
             State::Detecting(now) => detection::step(now, work),
             State::Growing(now) => growing::step(now, work, is_alarm),
-            State::Sliding(now) => sliding::step(now, work, is_alarm),
+            State::Sliding(now) => sliding::step(now, work),
         };
         *state = release(next, work);
         if work.is_changed {
@@ -127,18 +135,18 @@ impl ContactTracker {
     pub fn wanted_search(&mut self) -> Option<SearchRequest<'_>> {
         let recent = &mut self.recent;
         let params = &self.work.params;
-        let most_n = self.work.settings.max_force_n;
-        let is_beyond = self.work.hypotheses.best().tracks().iter().any(|t| t.force_n > most_n);
-        let patience = params.search_frames / if is_beyond { HASTE } else { 1 };
+        let patience = params.search_frames;
         let is_new = recent.asked.is_none_or(|n| n > PATIENCE * patience);
         if recent.n_bad < patience || !is_new || recent.gathered.n_frames == 0 {
             return None;
         }
         recent.asked = Some(0);
+        self.belief.take(&self.work, &recent.gathered);
         Some(SearchRequest {
             frame: self.work.frame.index,
             readings: &recent.mean,
             live: &recent.live,
+            belief: Some(&self.belief),
         })
     }
 
@@ -146,8 +154,7 @@ impl ContactTracker {
     /// the best hypothesis; whether it did. Contacts near those that were there keep their names.
     pub fn adopt(&mut self, outcome: &SearchOutcome) -> bool {
         let Self { state, work, recent, .. } = self;
-        let n_found = outcome.estimate.contacts.len();
-        if n_found > work.most_contacts() || recent.gathered.n_frames == 0 {
+        if recent.gathered.n_frames == 0 {
             return false;
         }
         let adopted = adopt(work, recent, outcome);

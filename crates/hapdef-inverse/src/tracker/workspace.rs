@@ -235,6 +235,16 @@ impl Workspace {
         self.gathered.clear();
     }
 
+    /// The hypothesis before the contacts that move came is the best one without them.
+    pub(super) fn set_before(&mut self) {
+        self.before.copy_from(self.hypotheses.best());
+        for i in (0..self.before.n).rev() {
+            if self.before.tracks[i].is_mobile() {
+                self.before.remove(i);
+            }
+        }
+    }
+
     /// Takes at most `n` steps from the frame's budget.
     pub(super) fn spend(&mut self, n: usize) -> usize {
         let spent = n.min(self.steps_left);
