@@ -21,10 +21,6 @@ use crate::tracker::{detection, growing, holding, sliding};
 /// came while the first ran was not searched for during half a second.
 const PATIENCE: usize = 2;
 
-/// Contacts with more than so many times the strongest force that touches have don't explain a frame, whatever its
-/// residual: half a second of misfits else went by without a search. The map's error makes up the rest.
-const BEYOND: f64 = 1.05;
-
 /// Follows contacts from frame to frame: births, holds, slides, releases.
 ///
 /// In every frame the forces of the contacts there are solved again, 0 or more, and the residual is
@@ -79,10 +75,7 @@ impl ContactTracker {
         let is_alarm = work.solve();
         work.is_changed = false;
         recent.add(&work.model, readings, &work.z, &work.buffers.filter.live);
-        let range_n = work.settings.range_n();
-        let is_beyond =
-            work.hypotheses.best().tracks().iter().any(|t| t.force_n > BEYOND * range_n);
-        recent.judge(is_alarm || is_beyond);
+        recent.judge(is_alarm || work.is_beyond(work.hypotheses.best()));
         let next = match *state {
             State::Holding(now) => holding::step(now, work, is_alarm),
             State::Detecting(now) => detection::step(now, work),

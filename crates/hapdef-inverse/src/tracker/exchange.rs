@@ -71,6 +71,11 @@ impl Belief {
         &self.hypothesis
     }
 
+    /// Whether it explains its frames.
+    pub(super) fn is_explained(&self, work: &Workspace) -> bool {
+        !work.is_odd(self.chi2, self.hypothesis.n) && !work.is_beyond(&self.hypothesis)
+    }
+
     /// Takes candidate `c` of `work` if it is better.
     fn improve(&mut self, work: &Workspace, c: usize) {
         let fit = work.hypotheses.fits[c];
@@ -98,7 +103,7 @@ pub(super) fn exchange(work: &mut Workspace, belief: &mut Belief) -> bool {
     for _ in 0..MAX_ROUNDS {
         let before = belief.cost;
         go_round(work, belief);
-        if belief.cost >= before || !work.is_odd(belief.chi2, belief.hypothesis.n) {
+        if belief.cost >= before || belief.is_explained(work) {
             break;
         }
     }

@@ -60,7 +60,8 @@ impl Searcher {
         Ok(Self { work: Some(work), ..Self::new(estimator) })
     }
 
-    /// Searches into `outcome`.
+    /// Searches into `outcome`: what is believed with contacts exchanged, and from scratch where that doesn't explain the
+    /// frames.
     ///
     /// # Errors
     /// As [`ContactEstimator::estimate`].
@@ -73,7 +74,13 @@ impl Searcher {
         outcome.exchanged = None;
         if let (Some(work), Some(belief)) = (&mut self.work, request.belief) {
             let mut belief = belief.clone();
-            outcome.exchanged = exchange(work, &mut belief).then_some(belief);
+            let is_better = exchange(work, &mut belief);
+            let is_explained = belief.is_explained(work);
+            outcome.exchanged = is_better.then_some(belief);
+            if is_explained {
+                outcome.estimate = ContactEstimate::default();
+                return Ok(());
+            }
         }
         search(
             &self.estimator,

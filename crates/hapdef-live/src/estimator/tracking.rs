@@ -13,8 +13,8 @@ use super::{
 use crate::error::LiveError;
 
 /// Time from a search's request to its outcome, s: what is found is taken over so many frames later,
-/// wherever it ran, so that the same frames give the same contacts live and replayed. Four times as long as
-/// a search takes; one on a machine that is too busy comes late, which is counted.
+/// wherever it ran, so that the same frames give the same contacts live and replayed. Longer than a search takes
+/// where nothing else runs; one on a machine that is too busy comes late, which is counted.
 const SEARCH_S: f64 = 0.04;
 
 /// Time from when readings are begun to be explained to the answer, s: four times as long as the two searches for it
