@@ -48,8 +48,8 @@ pub use conditioning::{
 pub use effort::Effort;
 pub use error::InverseError;
 pub use estimator::{
-    CHI2_95, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams, EstimatorScratch,
-    IfTwo, LocatedContact, RunnerUp, SeenForces, ShearContact,
+    BELIEVED_OF_RANGE, CHI2_95, ContactEstimate, ContactEstimator, EstimateInfo, EstimatorParams,
+    EstimatorScratch, IfTwo, LocatedContact, RunnerUp, SeenForces, ShearContact,
 };
 pub use hapdef_contact::{GaugeHealth, MAX_CONTACTS, Phase, TouchPhase, Verdict, WhyNot};
 pub use limits::{
@@ -67,7 +67,7 @@ pub use sites::ScanSites;
 pub use skin::{Skin, SkinFaces, SkinParams};
 pub use skin_point::SkinPoint;
 pub use tracker::{
-    BackgroundSearch, ContactId, ContactTracker, SearchOutcome, SearchRequest, TrackInfo,
-    TrackedContact, TrackedFrame, TrackerParams,
+    BackgroundSearch, Belief, ContactId, ContactTracker, SearchOutcome, SearchRequest, Searcher,
+    TrackInfo, TrackedContact, TrackedFrame, TrackerParams,
 };
 pub use walk::{AtWall, Walk, WalkEnd};

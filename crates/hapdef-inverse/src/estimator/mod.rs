@@ -29,7 +29,7 @@ pub(crate) use hapdef_contact::MAX_CONTACTS;
 pub use output::{
     CHI2_95, ContactEstimate, EstimateInfo, IfTwo, LocatedContact, RunnerUp, ShearContact,
 };
-pub use params::EstimatorParams;
+pub use params::{BELIEVED_OF_RANGE, EstimatorParams};
 pub use scratch::EstimatorScratch;
 pub use seen::SeenForces;
 pub(crate) use seen::needed_chi2;

@@ -3,6 +3,10 @@
 use crate::effort::Effort;
 use crate::error::{InverseError, check_not_negative, check_positive};
 
+/// Explanations with a force beyond so many times the strongest that touches are expected to have are not believed: a
+/// contact of where the map is uncertain would else explain anything with it.
+pub const BELIEVED_OF_RANGE: f64 = 1.5;
+
 /// How hard to search and when to believe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorParams {
@@ -146,6 +150,12 @@ impl EstimatorParams {
         };
         let n_bases = 2 * n_starts;
         Self { n_starts, n_bases, n_finalists, n_hops, n_exchanged, n_pairs_of_pairs, ..self }
+    }
+
+    /// The strongest force that touches are expected to have, N.
+    #[must_use]
+    pub fn range_n(&self) -> f64 {
+        self.max_force_n / BELIEVED_OF_RANGE
     }
 
     pub(crate) fn check(&self) -> Result<(), InverseError> {

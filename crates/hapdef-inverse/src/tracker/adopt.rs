@@ -2,6 +2,8 @@
 
 use nalgebra::Point3;
 
+use crate::estimator::MAX_CONTACTS;
+use crate::tracker::exchange::Belief;
 use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
@@ -18,6 +20,9 @@ const N_TRIALS: usize = 24;
 /// wrong where a search is wanted, so this is wide beside their usual error of tenths of a millimetre.
 const SAME_M: f64 = 0.015;
 
+/// Of a contact whose name is still to be found.
+const NAMELESS: ContactId = ContactId(u64::MAX);
+
 /// Takes the contacts of `outcome` if they explain the latest frames better than the best hypothesis;
 /// the state then, if so. Contacts near those that were there keep their names.
 pub(super) fn adopt(
@@ -25,37 +30,71 @@ pub(super) fn adopt(
     recent: &Recent,
     outcome: &SearchOutcome,
 ) -> Option<State> {
-    let found = &outcome.estimate.contacts;
-    work.steps_left = work.params.steps_per_frame.max(2 * N_TRIALS);
+    work.steps_left = work.params.steps_per_frame.max(2 * N_TRIALS * MAX_CONTACTS);
     work.gathered.copy_from(&recent.gathered);
     work.hypotheses.begin();
-    let (Some(stay), Some(new)) = (work.hypotheses.copy(0), work.hypotheses.copy(0)) else {
-        return None;
-    };
+    let stay = work.hypotheses.copy(0)?;
     work.settle(HypothesisRef::Candidate(stay), 0);
-    work.hypotheses.candidates[new].n = 0;
-    work.before.copy_from(&work.hypotheses.candidates[new]);
     let first_id = work.next_id;
-    for contact in found {
-        let id = name_at(work, new, contact.position_m);
-        let mut track = Track::new(id, contact.point, work.frame.index);
-        track.force_n = contact.force_n;
-        work.hypotheses.candidates[new].push(&work.model, track);
-    }
-    work.settle(HypothesisRef::Candidate(new), N_TRIALS);
-    let fits = &work.hypotheses.fits;
-    let is_better = fits[new].cost < fits[stay].cost - work.params.birth_margin;
+    propose_found(work, outcome);
+    propose_exchanged(work, outcome);
+    let least = work.hypotheses.fits[stay].cost - work.params.birth_margin;
+    let is_better = |&c: &usize| work.hypotheses.fits[c].cost < least;
+    let better = work.hypotheses.winner().filter(is_better);
     work.pair_birth.stop();
-    if !is_better {
+    let Some(better) = better else {
         work.next_id = first_id;
         work.gathered.clear();
         work.refresh();
         return None;
-    }
-    work.hypotheses.fits[stay].cost = f64::INFINITY;
-    work.hypotheses.take(&work.model, new, 0.0);
+    };
+    work.hypotheses.take(&work.model, better, 0.0);
+    work.set_before();
     work.refresh();
+    if work.hypotheses.best().n_mobile() == 0 {
+        work.gathered.clear();
+        return Some(State::HOLDING);
+    }
     Some(State::Growing(Growing::new(work, work.gathered.n_frames, true)))
+}
+
+/// A candidate with the contacts of the search from scratch, if as many can be held.
+fn propose_found(work: &mut Workspace, outcome: &SearchOutcome) {
+    let found = &outcome.estimate.contacts;
+    let c = if found.len() > work.most_contacts() { None } else { work.hypotheses.copy(0) };
+    let Some(c) = c else {
+        return;
+    };
+    work.hypotheses.candidates[c].n = 0;
+    for contact in found {
+        let id = name_at(work, c, contact.position_m);
+        let mut track = Track::new(id, contact.point, work.frame.index);
+        track.force_n = contact.force_n;
+        work.hypotheses.candidates[c].push(&work.model, track);
+    }
+    work.settle(HypothesisRef::Candidate(c), N_TRIALS);
+}
+
+/// A candidate with what was believed when the search began, contacts exchanged.
+fn propose_exchanged(work: &mut Workspace, outcome: &SearchOutcome) {
+    let exchanged = outcome.exchanged.as_ref().map(Belief::hypothesis);
+    let fits = exchanged.filter(|hypothesis| hypothesis.n <= work.most_contacts());
+    let Some(c) = fits.and_then(|hypothesis| work.hypotheses.add(hypothesis)) else {
+        return;
+    };
+    let candidate = &mut work.hypotheses.candidates[c];
+    let n = candidate.n;
+    for track in candidate.tracks[..n].iter_mut().filter(|track| track.is_mobile()) {
+        track.id = NAMELESS;
+    }
+    for i in 0..n {
+        let track = work.hypotheses.candidates[c].tracks[i];
+        if track.id == NAMELESS {
+            let x = work.model.skin().position(&track.point);
+            work.hypotheses.candidates[c].tracks[i].id = name_at(work, c, x);
+        }
+    }
+    work.settle(HypothesisRef::Candidate(c), N_TRIALS);
 }
 
 /// The name of the contact that is nearest to `x` and has not given its name to candidate `new`

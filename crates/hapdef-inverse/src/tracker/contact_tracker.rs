@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use crate::error::InverseError;
 use crate::estimator::ContactEstimator;
 use crate::tracker::adopt::adopt;
+use crate::tracker::exchange::Belief;
 use crate::tracker::frame::{TrackInfo, TrackedFrame};
 use crate::tracker::params::TrackerParams;
 use crate::tracker::recent::Recent;
@@ -35,10 +36,9 @@ pub struct ContactTracker {
     recent: Recent,
     /// Whether a full search was adopted since the last frame.
     is_adopted: bool,
+    /// For a full search.
+    belief: Belief,
 }
-
-/// A force that is not believed is searched for anew after so many times fewer frames.
-const HASTE: usize = 4;
 
 impl ContactTracker {
     /// A tracker on the map, sites, noise and live gauges of `estimator`.
@@ -49,7 +49,8 @@ impl ContactTracker {
         params.check()?;
         let work = Workspace::new(estimator, params)?;
         let recent = Recent::new(work.model.map.n_gauges(), work.model.width);
-        Ok(Self { state: State::HOLDING, work, recent, is_adopted: false })
+        let belief = Belief::none(&work);
+        Ok(Self { state: State::HOLDING, work, recent, is_adopted: false, belief })
     }
 
     /// Takes the next frame: `readings` `[n_gauges]`, tared, in the unit of the map. Gauges that are
@@ -74,12 +75,12 @@ impl ContactTracker {
         let is_alarm = work.solve();
         work.is_changed = false;
         recent.add(&work.model, readings, &work.z, &work.buffers.filter.live);
-        recent.judge(is_alarm);
+        recent.judge(is_alarm || work.is_beyond(work.hypotheses.best()));
         let next = match *state {
             State::Holding(now) => holding::step(now, work, is_alarm),
             State::Detecting(now) => detection::step(now, work),
             State::Growing(now) => growing::step(now, work, is_alarm),
-            State::Sliding(now) => sliding::step(now, work, is_alarm),
+            State::Sliding(now) => sliding::step(now, work),
         };
         *state = release(next, work);
         if work.is_changed {
@@ -127,18 +128,18 @@ impl ContactTracker {
     pub fn wanted_search(&mut self) -> Option<SearchRequest<'_>> {
         let recent = &mut self.recent;
         let params = &self.work.params;
-        let most_n = self.work.settings.max_force_n;
-        let is_beyond = self.work.hypotheses.best().tracks().iter().any(|t| t.force_n > most_n);
-        let patience = params.search_frames / if is_beyond { HASTE } else { 1 };
+        let patience = params.search_frames;
         let is_new = recent.asked.is_none_or(|n| n > PATIENCE * patience);
         if recent.n_bad < patience || !is_new || recent.gathered.n_frames == 0 {
             return None;
         }
         recent.asked = Some(0);
+        self.belief.take(&self.work, &recent.gathered);
         Some(SearchRequest {
             frame: self.work.frame.index,
             readings: &recent.mean,
             live: &recent.live,
+            belief: Some(&self.belief),
         })
     }
 
@@ -146,8 +147,7 @@ impl ContactTracker {
     /// the best hypothesis; whether it did. Contacts near those that were there keep their names.
     pub fn adopt(&mut self, outcome: &SearchOutcome) -> bool {
         let Self { state, work, recent, .. } = self;
-        let n_found = outcome.estimate.contacts.len();
-        if n_found > work.most_contacts() || recent.gathered.n_frames == 0 {
+        if recent.gathered.n_frames == 0 {
             return false;
         }
         let adopted = adopt(work, recent, outcome);

@@ -108,7 +108,7 @@ impl Filter {
     /// Learns from the frame `z`, whose forces are about `scale` times those of `hypothesis`: an
     /// extended Kalman update with the forces left free (a flat prior, which projects their atoms
     /// out of the innovation). Contacts that move are held from now on, their places known no
-    /// better than `prior_sd_m` before.
+    /// better before than their slides' lengths were, or than `prior_sd_m`.
     pub(super) fn update(
         &mut self,
         model: &Model,
@@ -121,7 +121,8 @@ impl Filter {
         for i in 0..hypothesis.n {
             if hypothesis.tracks[i].is_mobile() {
                 hypothesis.tracks[i].phase = Phase::Held;
-                hypothesis.tracks[i].slide = None;
+                let slide = hypothesis.tracks[i].slide.take();
+                let prior_sd_m = slide.map_or(prior_sd_m, |(_, sd_m)| sd_m);
                 for a in i * hypothesis.d..i * hypothesis.d + 2 {
                     hypothesis.p[a * hypothesis.stride + a] = prior_sd_m * prior_sd_m;
                 }

@@ -3,7 +3,7 @@
 /// Σ w z / √(Σ w²): noise as in one frame, forces Σ w A / √(Σ w²). Readings are linear in the forces,
 /// so this holds while forces change; weights that follow a contact's force lose nothing of what
 /// white noise leaves of its place.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gathered {
     sum: Vec<f64>,
     w: f64,

@@ -8,7 +8,7 @@ use crate::skin_point::SkinPoint;
 use crate::tracker::frame::ContactId;
 
 /// A contact of a hypothesis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Track {
     pub(super) id: ContactId,
     pub(super) point: SkinPoint,
@@ -52,7 +52,7 @@ impl Track {
 /// map there, whitened by the noise, per N; a frame reads Σ Aᵢ (g(pᵢ) + δᵢ). The covariance `p` is
 /// joint over the contacts. A contact that moves has u known and δ as the map's error says: its
 /// place is searched, not filtered.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
     pub(super) n: usize,
     pub(super) tracks: [Track; MAX_CONTACTS],

@@ -28,6 +28,7 @@ mod adopt;
 mod compare;
 mod contact_tracker;
 mod detection;
+mod exchange;
 mod filter;
 mod frame;
 mod gathered;
@@ -51,6 +52,7 @@ mod state;
 mod workspace;
 
 pub use contact_tracker::ContactTracker;
+pub use exchange::Belief;
 pub use frame::{ContactId, TrackInfo, TrackedContact, TrackedFrame};
 pub use params::TrackerParams;
-pub use search::{BackgroundSearch, SearchOutcome, SearchRequest};
+pub use search::{BackgroundSearch, SearchOutcome, SearchRequest, Searcher};

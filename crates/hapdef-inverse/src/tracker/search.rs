@@ -5,6 +5,9 @@ use std::thread::JoinHandle;
 
 use crate::error::InverseError;
 use crate::estimator::{ContactEstimate, ContactEstimator, EstimatorScratch};
+use crate::tracker::exchange::{Belief, exchange};
+use crate::tracker::params::TrackerParams;
+use crate::tracker::workspace::Workspace;
 
 /// A frame that the tracker wants searched from scratch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +18,8 @@ pub struct SearchRequest<'a> {
     pub readings: &'a [f64],
     /// Gauges that were read in all of them `[n_gauges]`.
     pub live: &'a [bool],
+    /// What is believed and does not explain them; none for a search from scratch alone.
+    pub belief: Option<&'a Belief>,
 }
 
 /// What a full search found.
@@ -24,21 +29,66 @@ pub struct SearchOutcome {
     pub frame: u64,
     /// Its contacts.
     pub estimate: ContactEstimate,
+    /// What was believed, with contacts exchanged, where that explains more.
+    pub(super) exchanged: Option<Belief>,
 }
 
-impl SearchRequest<'_> {
-    /// Searches now, into `outcome`.
+/// What searches: an estimator, and a tracker's model with the evidence by which its hypotheses compete.
+#[derive(Clone, Debug)]
+pub struct Searcher {
+    estimator: ContactEstimator,
+    scratch: EstimatorScratch,
+    work: Option<Workspace>,
+}
+
+impl Searcher {
+    /// Searches from scratch with `estimator`.
+    #[must_use]
+    pub fn new(estimator: ContactEstimator) -> Self {
+        Self { scratch: estimator.scratch(), estimator, work: None }
+    }
+
+    /// Searches for a tracker of these parameters, too.
+    ///
+    /// # Errors
+    /// [`InverseError`] for unusable parameters.
+    pub fn for_tracker(
+        estimator: ContactEstimator,
+        params: TrackerParams,
+    ) -> Result<Self, InverseError> {
+        let work = Workspace::new(&estimator, params)?;
+        Ok(Self { work: Some(work), ..Self::new(estimator) })
+    }
+
+    /// Searches into `outcome`: what is believed with contacts exchanged, and from scratch where that doesn't explain the
+    /// frames.
     ///
     /// # Errors
     /// As [`ContactEstimator::estimate`].
-    pub fn run(
-        &self,
-        estimator: &ContactEstimator,
-        scratch: &mut EstimatorScratch,
+    pub fn search(
+        &mut self,
+        request: &SearchRequest<'_>,
         outcome: &mut SearchOutcome,
     ) -> Result<(), InverseError> {
-        outcome.frame = self.frame;
-        search(estimator, self.readings, self.live, scratch, &mut outcome.estimate)
+        outcome.frame = request.frame;
+        outcome.exchanged = None;
+        if let (Some(work), Some(belief)) = (&mut self.work, request.belief) {
+            let mut belief = belief.clone();
+            let is_better = exchange(work, &mut belief);
+            let is_explained = belief.is_explained(work);
+            outcome.exchanged = is_better.then_some(belief);
+            if is_explained {
+                outcome.estimate = ContactEstimate::default();
+                return Ok(());
+            }
+        }
+        search(
+            &self.estimator,
+            request.readings,
+            request.live,
+            &mut self.scratch,
+            &mut outcome.estimate,
+        )
     }
 }
 
@@ -63,6 +113,9 @@ fn search(
 struct Job {
     readings: Vec<f64>,
     live: Vec<bool>,
+    /// Room for what is believed; none if the searcher is for no tracker.
+    belief: Option<Belief>,
+    has_belief: bool,
     outcome: SearchOutcome,
     failure: Option<InverseError>,
 }
@@ -77,20 +130,21 @@ pub struct BackgroundSearch {
 }
 
 impl BackgroundSearch {
-    /// Starts the thread, which searches with `estimator`.
+    /// Starts the thread, which searches with `searcher`.
     ///
     /// # Errors
     /// [`InverseError::NoThread`] if the system starts none.
-    pub fn start(estimator: ContactEstimator) -> Result<Self, InverseError> {
-        let n_gauges = estimator.map().n_gauges();
+    pub fn start(mut searcher: Searcher) -> Result<Self, InverseError> {
+        let n_gauges = searcher.estimator.map().n_gauges();
+        let belief = searcher.work.as_ref().map(Belief::none);
         let (to_thread, jobs) = sync_channel::<Box<Job>>(1);
         let (results, from_thread) = sync_channel::<Box<Job>>(1);
         let work = move || {
-            let mut scratch = estimator.scratch();
             while let Ok(mut job) = jobs.recv() {
-                let estimate = &mut job.outcome.estimate;
-                let found = search(&estimator, &job.readings, &job.live, &mut scratch, estimate);
-                job.failure = found.err();
+                let Job { readings, live, belief, has_belief, outcome, .. } = &mut *job;
+                let belief = belief.as_ref().filter(|_| *has_belief);
+                let request = SearchRequest { frame: outcome.frame, readings, live, belief };
+                job.failure = searcher.search(&request, outcome).err();
                 if results.send(job).is_err() {
                     break;
                 }
@@ -103,6 +157,8 @@ impl BackgroundSearch {
         let idle = Job {
             readings: vec![0.0; n_gauges],
             live: vec![true; n_gauges],
+            belief,
+            has_belief: false,
             outcome: SearchOutcome::default(),
             failure: None,
         };
@@ -124,6 +180,10 @@ impl BackgroundSearch {
         job.readings.copy_from_slice(request.readings);
         job.live.copy_from_slice(request.live);
         job.outcome.frame = request.frame;
+        job.has_belief = request.belief.is_some();
+        if let (Some(room), Some(belief)) = (&mut job.belief, request.belief) {
+            room.copy_from(belief);
+        }
         to_thread.try_send(job).is_ok()
     }
 

@@ -20,6 +20,10 @@ use crate::tracker::scan::SiteScan;
 /// A whitened reading beyond this is none.
 const LARGEST: f64 = 1e100;
 
+/// Contacts with more than so many times the strongest force that touches have don't explain a frame, whatever its
+/// residual: half a second of misfits else went by without a search. The map's error makes up the rest.
+const BEYOND: f64 = 1.05;
+
 /// What every state works with.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
@@ -235,6 +239,16 @@ impl Workspace {
         self.gathered.clear();
     }
 
+    /// The hypothesis before the contacts that move came is the best one without them.
+    pub(super) fn set_before(&mut self) {
+        self.before.copy_from(self.hypotheses.best());
+        for i in (0..self.before.n).rev() {
+            if self.before.tracks[i].is_mobile() {
+                self.before.remove(i);
+            }
+        }
+    }
+
     /// Takes at most `n` steps from the frame's budget.
     pub(super) fn spend(&mut self, n: usize) -> usize {
         let spent = n.min(self.steps_left);
@@ -251,6 +265,12 @@ impl Workspace {
     /// Whether χ² is too large for a frame in which `n` unknowns were fitted.
     pub(super) fn is_odd(&self, chi2: f64, n: usize) -> bool {
         upper_tail(chi2, self.n_live.saturating_sub(n)) < self.params.alarm_p
+    }
+
+    /// Whether a force is beyond what touches have.
+    pub(super) fn is_beyond(&self, hypothesis: &Hypothesis) -> bool {
+        let most_n = BEYOND * self.settings.range_n();
+        hypothesis.tracks().iter().any(|track| track.force_n > most_n)
     }
 
     /// Standard deviation of a place anywhere on the skin, m.

@@ -1,7 +1,7 @@
 //! Frames in which the sensor can't see what presses.
 
+use hapdef_inverse::BELIEVED_OF_RANGE;
 use hapdef_inverse::SkinPoint;
-use hapdef_live::estimator::BELIEVED_OF_RANGE;
 use hapdef_live::{Bundle, Retare, TouchPhase};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};

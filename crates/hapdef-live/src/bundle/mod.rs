@@ -194,7 +194,7 @@ impl Bundle {
             return Err(LiveError::FrameLength { expected, found });
         }
         let SuperpositionSettings { max_contacts, max_force_n, .. } = self.info.settings;
-        let range_n = max_force_n / crate::estimator::BELIEVED_OF_RANGE;
+        let range_n = max_force_n / hapdef_inverse::BELIEVED_OF_RANGE;
         Ok(crate::estimator::PaperChain::new(chain, max_contacts, range_n))
     }
 

@@ -15,7 +15,7 @@ use hapdef_inverse::{
 #[cfg(feature = "nets")]
 pub use hapdefx::{ChainNets, FoundContact, Hapdefx, HapdefxScratch, PaperChain};
 pub use kind::{EstimatorKind, UnknownEstimator};
-pub use settings::{BELIEVED_OF_RANGE, SuperpositionSettings, friction_rms};
+pub use settings::{SuperpositionSettings, friction_rms};
 pub use superposition::Superposition;
 pub use tracking::{SearchPlace, Tracking};
 
@@ -196,7 +196,7 @@ pub struct Sight<'a> {
 
 /// The strongest force that touches are expected to have, N.
 fn range_n(estimator: &ContactEstimator) -> f64 {
-    estimator.params().max_force_n / BELIEVED_OF_RANGE
+    estimator.params().range_n()
 }
 
 /// Bounds the forces of `contacts`, as which `found` is reported, by `range_n` where that explains the readings, too:

@@ -9,10 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::LiveError;
 
-/// Explanations with a force beyond so many times the scene's strongest are not believed: a contact of
-/// where the map is uncertain would else explain anything with it.
-pub const BELIEVED_OF_RANGE: f64 = 1.5;
-
 /// Noise, the map's error and the bounds of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -2,8 +2,8 @@
 
 use hapdef_contact::{Alternative, Contact, Quality, Touch};
 use hapdef_inverse::{
-    BackgroundSearch, ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome,
-    SearchRequest, SeenForces, TrackerParams,
+    BackgroundSearch, ContactEstimator, ContactTracker, SearchOutcome, SearchRequest, Searcher,
+    SeenForces, TrackerParams,
 };
 
 use super::{
@@ -13,8 +13,8 @@ use super::{
 use crate::error::LiveError;
 
 /// Time from a search's request to its outcome, s: what is found is taken over so many frames later,
-/// wherever it ran, so that the same frames give the same contacts live and replayed. Four times as long as
-/// a search takes; one on a machine that is too busy comes late, which is counted.
+/// wherever it ran, so that the same frames give the same contacts live and replayed. Longer than a search takes
+/// where nothing else runs; one on a machine that is too busy comes late, which is counted.
 const SEARCH_S: f64 = 0.04;
 
 /// Time from when readings are begun to be explained to the answer, s: four times as long as the two searches for it
@@ -78,17 +78,23 @@ struct Explaining {
 
 enum Search {
     Background(BackgroundSearch),
-    Here(Box<(EstimatorScratch, Option<SearchOutcome>)>),
+    Here(Box<(Searcher, Option<SearchOutcome>)>),
     Never,
 }
 
 impl Search {
-    fn new(estimator: &ContactEstimator, place: SearchPlace) -> Result<Self, LiveError> {
+    fn new(
+        estimator: &ContactEstimator,
+        params: TrackerParams,
+        place: SearchPlace,
+    ) -> Result<Self, LiveError> {
         Ok(match place {
-            SearchPlace::Background => {
-                Self::Background(BackgroundSearch::start(estimator.clone())?)
+            SearchPlace::Background => Self::Background(BackgroundSearch::start(
+                Searcher::for_tracker(estimator.clone(), params)?,
+            )?),
+            SearchPlace::Here => {
+                Self::Here(Box::new((Searcher::for_tracker(estimator.clone(), params)?, None)))
             }
-            SearchPlace::Here => Self::Here(Box::new((estimator.scratch(), None))),
             SearchPlace::Never => Self::Never,
         })
     }
@@ -99,7 +105,7 @@ fn explainer(
     place: SearchPlace,
 ) -> Result<Option<BackgroundSearch>, LiveError> {
     let is_beside = place == SearchPlace::Background;
-    Ok(is_beside.then(|| BackgroundSearch::start(estimator.clone())).transpose()?)
+    Ok(is_beside.then(|| BackgroundSearch::start(Searcher::new(estimator.clone()))).transpose()?)
 }
 
 impl Tracking {
@@ -113,7 +119,7 @@ impl Tracking {
         place: SearchPlace,
     ) -> Result<Self, LiveError> {
         Ok(Self {
-            search: Search::new(&estimator, place)?,
+            search: Search::new(&estimator, params, place)?,
             explainer: explainer(&estimator, place)?,
             explaining: None,
             tracker: ContactTracker::new(&estimator, params)?,
@@ -195,8 +201,7 @@ impl Tracking {
             Search::Here(buffers) => {
                 let (scratch, outcome) = &mut **buffers;
                 let mut found = outcome.take().unwrap_or_default();
-                *outcome =
-                    request.run(&self.estimator, scratch, &mut found).is_ok().then_some(found);
+                *outcome = scratch.search(&request, &mut found).is_ok().then_some(found);
                 true
             }
             Search::Never => false,
@@ -301,7 +306,7 @@ impl TouchEstimator for Tracking {
             if let Some(readings) = explaining.signed.get(explaining.found.len()) {
                 let (frame, live) = (number(explaining), &explaining.live[..]);
                 // False while it is still busy: it is asked again after the next frame.
-                explainer.submit(&SearchRequest { frame, readings, live });
+                explainer.submit(&SearchRequest { frame, readings, live, belief: None });
             }
         }
         let is_whole = explaining.found.len() == explaining.signed.len();
@@ -349,7 +354,7 @@ impl TouchEstimator for Tracking {
         let Some(estimator) = noisier(&self.estimator, &self.made_with_ue, least_ue)? else {
             return Ok(());
         };
-        self.search = Search::new(&estimator, self.place)?;
+        self.search = Search::new(&estimator, self.params, self.place)?;
         self.explainer = explainer(&estimator, self.place)?;
         (self.pending, self.explaining) = (None, None);
         self.tracker = ContactTracker::new(&estimator, self.params)?;

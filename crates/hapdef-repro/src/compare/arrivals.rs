@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use hapdef_bench::stats::sorted;
+use hapdef_inverse::{Searcher, TrackerParams};
 
 use super::cells::Map;
 use super::measured::Measured;
@@ -30,7 +31,7 @@ pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Resu
     let run = bench.run;
     run.say("following contacts that arrive one after another");
     let estimator = map.estimator(bench.params())?;
-    let mut scratch = estimator.scratch();
+    let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
     let strongest_n = run.scene.contact.force_range_n[1];
     let mut times_us = Vec::new();
     for (name, row, stream, drawn) in ROWS {
@@ -39,7 +40,7 @@ pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Resu
         for i in 0..bench.args.scripts as u64 {
             let script = drawn(&mut draw, strongest_n);
             let readings = script.readings(&bench.world, stream + i)?;
-            followed.follow(&estimator, &mut scratch, &script, &readings)?;
+            followed.follow(&estimator, &mut searcher, &script, &readings)?;
         }
         measured.add(name, &followed.score);
         times_us.extend(followed.times_us);

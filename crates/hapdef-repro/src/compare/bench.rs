@@ -12,7 +12,7 @@ use hapdef_bench::stats::{median, quantile, sorted};
 use hapdef_cli::SceneArgs;
 use hapdef_inverse::{
     BackgroundSearch, ContactEstimate, ContactEstimator, ContactTracker, ModelError, NoiseParams,
-    ResponseMap, ScanSites, TrackerParams,
+    ResponseMap, ScanSites, Searcher, TrackerParams,
 };
 use rand_distr::{Distribution, StandardNormal};
 
@@ -132,7 +132,8 @@ pub(crate) fn track(
     let n_frames = scripts.iter().map(Vec::len).sum();
     let mut tracked =
         Tracked { times_us: Vec::with_capacity(n_frames), n_allocations: 0, n_searches: 0 };
-    let mut background = BackgroundSearch::start(estimator.clone())?;
+    let mut background =
+        BackgroundSearch::start(Searcher::for_tracker(estimator.clone(), *params)?)?;
     for frames in scripts {
         let mut tracker = ContactTracker::new(estimator, *params)?;
         for readings in frames {

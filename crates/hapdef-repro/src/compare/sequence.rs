@@ -5,8 +5,7 @@ use std::time::Instant;
 use anyhow::Result;
 use hapdef::ScoredContact;
 use hapdef_inverse::{
-    AtWall, ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome, SkinPoint,
-    TrackerParams,
+    AtWall, ContactEstimator, ContactTracker, SearchOutcome, Searcher, SkinPoint, TrackerParams,
 };
 use rand::RngExt;
 
@@ -226,7 +225,7 @@ impl Followed {
     pub(crate) fn follow(
         &mut self,
         estimator: &ContactEstimator,
-        scratch: &mut EstimatorScratch,
+        searcher: &mut Searcher,
         script: &Script,
         readings: &[Vec<f64>],
     ) -> Result<()> {
@@ -245,7 +244,7 @@ impl Followed {
             self.times_us.push(start.elapsed().as_secs_f64() * 1e6);
             if let Some(request) = tracker.wanted_search() {
                 let mut outcome = SearchOutcome::default();
-                request.run(estimator, scratch, &mut outcome)?;
+                searcher.search(&request, &mut outcome)?;
                 pending = Some(outcome);
                 self.n_searches += 1;
             }

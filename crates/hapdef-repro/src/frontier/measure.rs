@@ -1,6 +1,7 @@
 //! Errors and times of configurations by superposition.
 
 use anyhow::Result;
+use hapdef_inverse::{Searcher, TrackerParams};
 
 use super::configuration::{Configuration, Knows};
 use super::frames::Scripted;
@@ -92,8 +93,9 @@ fn followed(
 }
 
 fn follow(ready: &Ready, scripted: &Scripted, followed: &mut Followed) -> Result<()> {
-    let mut scratch = ready.estimator.scratch();
+    let estimator = &ready.estimator;
+    let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
     let channels = |frame: &Vec<f64>| frame[ready.channels.clone()].to_vec();
     let own: Vec<Vec<f64>> = scripted.readings_ue.iter().map(channels).collect();
-    followed.follow(&ready.estimator, &mut scratch, &scripted.script, &own)
+    followed.follow(estimator, &mut searcher, &scripted.script, &own)
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use hapdef_inverse::{EstimatorParams, ResponseMap, tip_ring_m};
+use hapdef_inverse::{BELIEVED_OF_RANGE, EstimatorParams, ResponseMap, tip_ring_m};
 pub(super) use hapdef_live::estimator::friction_rms;
-use hapdef_live::estimator::{BELIEVED_OF_RANGE, Superposition, SuperpositionSettings};
+use hapdef_live::estimator::{Superposition, SuperpositionSettings};
 
 use crate::error::HapdefError;
 use crate::scene::{Scene, SuperpositionSpec};

@@ -177,8 +177,9 @@ fn a_full_search_is_adopted() {
     let points = world.draw_points(3, 0.03, &mut rng);
     let contacts: Vec<_> = points.iter().map(|p| (*p, 15.0)).collect();
     let mut tracker = ContactTracker::new(&estimator, TrackerParams::default()).unwrap();
-    let mut background = BackgroundSearch::start(estimator.clone()).unwrap();
-    let mut scratch = estimator.scratch();
+    let searcher = || Searcher::for_tracker(estimator.clone(), TrackerParams::default()).unwrap();
+    let mut background = BackgroundSearch::start(searcher()).unwrap();
+    let mut here = searcher();
     let mut is_asked = false;
     for _ in 0..600 {
         let y = frame(&world, &contacts, SD, &mut rng);
@@ -188,7 +189,7 @@ fn a_full_search_is_adopted() {
         };
         is_asked = true;
         let mut outcome = SearchOutcome::default();
-        request.run(&estimator, &mut scratch, &mut outcome).unwrap();
+        here.search(&request, &mut outcome).unwrap();
         assert!(background.submit(&request) && !background.submit(&request));
         let mut same = None;
         while !background.poll(|found| same = Some(found.clone())).unwrap() {

@@ -8,7 +8,7 @@ use crate::world;
 
 use hapdef_inverse::{
     AtWall, BackgroundSearch, ContactTracker, EstimatorParams, InverseError, ModelError,
-    NoiseParams, Phase, SearchOutcome, SkinPoint, TrackedFrame, TrackerParams, Verdict,
+    NoiseParams, Phase, SearchOutcome, Searcher, SkinPoint, TrackedFrame, TrackerParams, Verdict,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

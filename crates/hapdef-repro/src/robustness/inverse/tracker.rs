@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use hapdef_inverse::{
-    ContactEstimator, ContactTracker, EstimatorScratch, SearchOutcome, TrackedFrame, TrackerParams,
-    Verdict,
+    ContactTracker, SearchOutcome, Searcher, TrackedFrame, TrackerParams, Verdict,
 };
 use rand::RngExt;
 
@@ -52,15 +51,14 @@ pub(super) fn add(rows: &mut Rows<Arc<InverseWorld>>) {
 
 /// Feeds a frame and does the search that is asked for.
 fn step(
-    estimator: &ContactEstimator,
-    scratch: &mut EstimatorScratch,
+    searcher: &mut Searcher,
     tracker: &mut ContactTracker,
     y: &[f64],
 ) -> Result<TrackedFrame, ReproError> {
     let frame = tracker.step(y, None)?.clone();
     let mut outcome = SearchOutcome::default();
     let is_asked = match tracker.wanted_search() {
-        Some(request) => request.run(estimator, scratch, &mut outcome).map(|()| true)?,
+        Some(request) => searcher.search(&request, &mut outcome).map(|()| true)?,
         None => false,
     };
     if is_asked {
@@ -78,7 +76,7 @@ fn held(
     change: Change,
 ) -> Result<f64, ReproError> {
     let estimator = world.estimator(assumed)?;
-    let mut scratch = estimator.scratch();
+    let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
     let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
     let mut rng = world.rng(51);
     let point = world.draw(1, 0.0, &mut rng)[0];
@@ -87,7 +85,7 @@ fn held(
         let mut y = world.readings(&[(point, force_n * part.clamp(0.0, 1.0))]);
         add_noise(&mut y, SD, &mut rng);
         change(index, &mut y);
-        step(&estimator, &mut scratch, &mut tracker, &y)?;
+        step(&mut searcher, &mut tracker, &y)?;
     }
     let found = tracker.last();
     if let Verdict::NotIdentifiable(why) = found.verdict {
@@ -106,13 +104,13 @@ fn quiet(rows: &mut Rows<Arc<InverseWorld>>) {
         let holds = ("at most 1 % of the frames have a contact and are sure", 0.01);
         rows.either(format!("nothing touches, noise assumed {words}"), holds, move |w| {
             let estimator = w.estimator(assumed * SD)?;
-            let mut scratch = estimator.scratch();
+            let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
             let mut tracker = ContactTracker::new(&estimator, TrackerParams::default())?;
             let (mut rng, mut n_wrong) = (w.rng(52), 0);
             for _ in 0..2000 {
                 let mut y = vec![0.0; w.n()];
                 add_noise(&mut y, SD, &mut rng);
-                let found = step(&estimator, &mut scratch, &mut tracker, &y)?;
+                let found = step(&mut searcher, &mut tracker, &y)?;
                 let is_sure = !matches!(found.verdict, Verdict::NotIdentifiable(_));
                 n_wrong += usize::from(is_sure && !found.contacts.is_empty());
             }

@@ -1,0 +1,180 @@
+//! Contacts exchanged: one or two are looked for anew beside the others that are believed.
+
+use crate::tracker::frame::ContactId;
+use crate::tracker::gathered::Gathered;
+use crate::tracker::hypotheses::HypothesisRef;
+use crate::tracker::hypothesis::{Hypothesis, Track};
+use crate::tracker::proposals::{propose_births, scan_beside};
+use crate::tracker::workspace::Workspace;
+
+/// Times at most that all contacts are gone round: what one exchange put right makes room for the next.
+const MAX_ROUNDS: usize = 3;
+
+/// Pairs that are refined of each scan, and those that are refined to the end.
+const N_PAIRS: usize = 8;
+const N_SETTLED: usize = 3;
+
+/// Trial steps of each contact at first, and of those that are refined to the end. With 4 for four contacts that all
+/// move the right ones kept a χ² of a hundred and more.
+const N_PROBE: usize = 8;
+const N_TRIALS: usize = 24;
+
+/// Force of a contact that comes, a share of the expected: with it the map's error where it may be is weighed.
+const NEWCOMER_SHARE: f64 = 0.5;
+
+/// What a tracker believes, and the frames that it doesn't explain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belief {
+    hypothesis: Hypothesis,
+    gathered: Gathered,
+    next_id: u64,
+    /// Gauges that were read, of those of the model.
+    live: Vec<bool>,
+    n_live: usize,
+    /// −2 ln evidence of the frames, and their χ².
+    cost: f64,
+    chi2: f64,
+}
+
+impl Belief {
+    /// No contact, no frame.
+    pub(super) fn none(work: &Workspace) -> Self {
+        Self {
+            hypothesis: Hypothesis::new(&work.model),
+            gathered: Gathered::new(work.model.width),
+            next_id: 0,
+            live: work.buffers.filter.live.clone(),
+            n_live: work.n_live,
+            cost: f64::INFINITY,
+            chi2: f64::INFINITY,
+        }
+    }
+
+    /// The best hypothesis of `work`, and the frames gathered in `gathered`.
+    pub(super) fn take(&mut self, work: &Workspace, gathered: &Gathered) {
+        self.hypothesis.copy_from(work.hypotheses.best());
+        self.gathered.copy_from(gathered);
+        self.live.copy_from_slice(&work.buffers.filter.live);
+        (self.next_id, self.n_live) = (work.next_id, work.n_live);
+        (self.cost, self.chi2) = (f64::INFINITY, f64::INFINITY);
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.hypothesis.copy_from(&other.hypothesis);
+        self.gathered.copy_from(&other.gathered);
+        self.live.copy_from_slice(&other.live);
+        (self.next_id, self.n_live) = (other.next_id, other.n_live);
+        (self.cost, self.chi2) = (other.cost, other.chi2);
+    }
+
+    pub(super) fn hypothesis(&self) -> &Hypothesis {
+        &self.hypothesis
+    }
+
+    /// Whether it explains its frames.
+    pub(super) fn is_explained(&self, work: &Workspace) -> bool {
+        !work.is_odd(self.chi2, self.hypothesis.n) && !work.is_beyond(&self.hypothesis)
+    }
+
+    /// Takes candidate `c` of `work` if it is better.
+    fn improve(&mut self, work: &Workspace, c: usize) {
+        let fit = work.hypotheses.fits[c];
+        if fit.cost < self.cost {
+            self.hypothesis.copy_from(&work.hypotheses.candidates[c]);
+            (self.cost, self.chi2) = (fit.cost, fit.chi2);
+        }
+    }
+}
+
+/// Improves `belief` until it explains its frames: one, two or none of the contacts are taken out, the others are
+/// held, and the best places of none, one and two are looked for beside them. Whether it is better than it was.
+pub(super) fn exchange(work: &mut Workspace, belief: &mut Belief) -> bool {
+    work.gathered.copy_from(&belief.gathered);
+    work.buffers.filter.live.copy_from_slice(&belief.live);
+    (work.n_live, work.next_id) = (belief.n_live, belief.next_id);
+    // nothing waits for it
+    work.steps_left = usize::MAX;
+    work.hypotheses.begin();
+    let Some(stay) = work.hypotheses.add(&belief.hypothesis) else {
+        return false;
+    };
+    let first = work.settle(HypothesisRef::Candidate(stay), N_TRIALS).cost;
+    belief.improve(work, stay);
+    for _ in 0..MAX_ROUNDS {
+        let before = belief.cost;
+        go_round(work, belief);
+        if belief.cost >= before || belief.is_explained(work) {
+            break;
+        }
+    }
+    belief.cost < first
+}
+
+/// Takes out none, every one and every two of the contacts.
+fn go_round(work: &mut Workspace, belief: &mut Belief) {
+    let from = belief.hypothesis.clone();
+    look_beside(work, &from, belief);
+    for i in 0..from.n {
+        let mut one_less = from.clone();
+        one_less.remove(i);
+        look_beside(work, &one_less, belief);
+        for j in i..one_less.n {
+            let mut two_less = one_less.clone();
+            two_less.remove(j);
+            look_beside(work, &two_less, belief);
+        }
+    }
+}
+
+/// The contacts of `base`, with none, one and two more.
+fn look_beside(work: &mut Workspace, base: &Hypothesis, belief: &mut Belief) {
+    let newcomer_n = NEWCOMER_SHARE * work.settings.force_scale_n;
+    work.hypotheses.begin();
+    let Some(alone) = work.hypotheses.add(base) else {
+        return;
+    };
+    work.settle(HypothesisRef::Candidate(alone), N_TRIALS);
+    let n_free = work.most_contacts().saturating_sub(base.n);
+    if n_free >= 1 {
+        let nowhere = work.model.sites.points()[0];
+        let newcomer = Track::new(ContactId(work.next_id), nowhere, work.frame.index);
+        propose_births(work, alone, Track { force_n: newcomer_n, ..newcomer });
+    }
+    if let Some(winner) = work.hypotheses.winner() {
+        belief.improve(work, winner);
+    }
+    if n_free >= 2 {
+        scan_beside(work, alone, newcomer_n);
+        add_pairs(work, base, belief);
+    }
+}
+
+/// The best pairs of the last scan, which was beside `base`.
+fn add_pairs(work: &mut Workspace, base: &Hypothesis, belief: &mut Belief) {
+    let job = &mut work.pair_birth.job;
+    job.prepare(&work.buffers.scan);
+    job.start();
+    job.go_on(job.n_left());
+    job.rank(&work.model, N_PAIRS);
+    job.is_active = false;
+    work.hypotheses.begin();
+    for k in 0..work.pair_birth.job.pairs.len() {
+        let Some(c) = work.hypotheses.add(base) else {
+            break;
+        };
+        for (id, site) in (work.next_id..).zip(work.pair_birth.job.pairs[k].sites) {
+            let point = work.model.sites.points()[site];
+            let track = Track::new(ContactId(id), point, work.frame.index);
+            work.hypotheses.candidates[c].push(&work.model, track);
+        }
+        work.settle(HypothesisRef::Candidate(c), N_PROBE);
+    }
+    for _ in 0..N_SETTLED {
+        let Some(winner) = work.hypotheses.winner() else {
+            break;
+        };
+        work.settle(HypothesisRef::Candidate(winner), N_TRIALS);
+        belief.improve(work, winner);
+        work.hypotheses.fits[winner].cost = f64::INFINITY;
+    }
+}
