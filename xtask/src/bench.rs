@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use crate::pipeline::finish;
 use crate::tool::{release_binary, results, root};
 use crate::verify::deck_of;
-use crate::{bench_nets, browser, compare, live};
+use crate::{browser, live};
 
 /// Arguments of `bench`.
 #[derive(clap::Args)]
@@ -58,16 +58,31 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     if args.seconds.is_some() && !matches!(args.what, Subject::Live | Subject::Realtime) {
         bail!("--seconds is for `bench live` and `realtime`: the others take as long as they need");
     }
+    let bundled = |name: &str| root().join("fixtures/shin").join(name);
+    let scene_or = |scene: PathBuf| args.scene.clone().unwrap_or(scene);
+    let (scene, seed, rest) = (args.scene.as_deref(), args.seed, &args.rest);
     match args.what {
         Subject::Fe => fe(args),
-        Subject::Nets => bench_nets::run(args.scene.as_deref(), args.seed, &args.rest),
-        Subject::Live => live::bench(args.scene.as_deref(), args.seed, args.seconds, &args.rest),
-        Subject::Realtime => {
-            live::bench_realtime(args.scene.as_deref(), args.seed, args.seconds, &args.rest)
+        Subject::Nets => {
+            let mut command = repro("bench-nets")?;
+            command.arg("--scene").arg(scene_or(bundled("scene.json")));
+            finish(command.args(["--seed", &seed.to_string()]).args(rest))
         }
-        Subject::View => browser::bench(args.scene.as_deref(), args.seed, &args.rest),
-        Subject::Inverse => compare::bench(args.scene.as_deref(), args.seed, &args.rest),
+        Subject::Live => live::bench(scene, seed, args.seconds, rest),
+        Subject::Realtime => live::bench_realtime(scene, seed, args.seconds, rest),
+        Subject::View => browser::bench(scene, seed, rest),
+        Subject::Inverse => {
+            let mut command = repro("bench-inverse")?;
+            command.arg(scene_or(bundled("placed.json")));
+            finish(command.args(["--test-seed", &seed.to_string()]).args(rest))
+        }
     }
+}
+
+fn repro(verb: &str) -> Result<Command> {
+    let mut command = Command::new(release_binary("hapdef-repro")?);
+    command.arg(verb);
+    Ok(command)
 }
 
 fn fe(args: &BenchArgs) -> Result<()> {

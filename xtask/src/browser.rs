@@ -2,12 +2,14 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, anyhow};
 
 use crate::fixtures::DEMO_LIVE;
-use crate::tool::{cargo, release_binary, release_example, results, root, run, shown};
+use crate::tool::{
+    Running, cargo, release_binary, release_example, results, root, run, shown,
+};
 
 /// Where a Chromium is found, as the tests look for it.
 const PLACES: [&str; 3] =
@@ -120,7 +122,7 @@ pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<
 
 /// The live page of a scene's simulated rig, while this is there.
 pub(crate) struct Served {
-    child: Child,
+    _program: Running,
     pub(crate) url: String,
 }
 
@@ -136,14 +138,7 @@ impl Served {
         let mut child = command.spawn().with_context(|| format!("starting {}", shown(&command)))?;
         let url = child.stderr.take().and_then(page_address);
         let url = url.with_context(|| format!("{} gave no address", shown(&command)))?;
-        Ok(Self { child, url })
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        Ok(Self { _program: Running(child), url })
     }
 }
 

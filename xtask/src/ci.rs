@@ -57,7 +57,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
     steps.run("tests of network servers", || run(&mut servers(&["--", "foxglove", "zenoh"])))?;
-    steps.run("soak --short", soak::short)?;
+    steps.run("soak --short", || soak::of_ci(true))?;
     steps.run("demo --live", first_minute::check)?;
     beside(
         || {
@@ -74,7 +74,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     )?;
     if is_nightly {
         steps.run("each crate alone", crates_alone)?;
-        steps.run("soak", soak::long)?;
+        steps.run("soak", || soak::of_ci(false))?;
         steps.run("fuzz", fuzz::nightly)?;
         steps.run("scenes at random", robustness::nightly)?;
     }

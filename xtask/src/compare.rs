@@ -1,6 +1,6 @@
-//! Contacts by superposition: against the paper's pipeline, and their time.
+//! Contacts by superposition against the paper's pipeline.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
@@ -28,23 +28,12 @@ pub(crate) struct CompareArgs {
 /// `cargo xtask compare`.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let profile = if args.quick { "quick" } else { "full" };
+    let placed = || root().join("fixtures/shin/placed.json");
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    command.arg("compare").arg(scene_or_placed(args.scene.as_deref())).args(["--profile", profile]);
+    command.arg("compare").arg(args.scene.clone().unwrap_or_else(placed));
+    command.args(["--profile", profile]);
     if let Some(seed) = args.seed {
         command.args(["--test-seed", &seed.to_string()]);
     }
     finish(command.args(&args.rest))
-}
-
-/// `cargo xtask bench inverse`.
-pub(crate) fn bench(scene: Option<&Path>, seed: u64, rest: &[String]) -> Result<()> {
-    let mut command = Command::new(release_binary("hapdef-repro")?);
-    command.arg("bench-inverse").arg(scene_or_placed(scene));
-    command.args(["--test-seed", &seed.to_string()]).args(rest);
-    finish(&mut command)
-}
-
-fn scene_or_placed(scene: Option<&Path>) -> PathBuf {
-    let placed = root().join("fixtures/shin/placed.json");
-    scene.map_or(placed, Path::to_path_buf)
 }

@@ -1,7 +1,7 @@
 //! The first minute: `demo --live` where nothing was solved yet, until its page has drawn a contact.
 
 use std::io::{BufRead, BufReader};
-use std::process::{Child, ChildStdout, Stdio};
+use std::process::{ChildStdout, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::browser;
 use crate::pipeline::live_command;
-use crate::tool::{into_results, release_example, shown, target_dir};
+use crate::tool::{Running, into_results, release_example, shown, target_dir};
 
 /// The figure, and what it may be at most, s.
 const FIGURE: &str = "METRIC:view.first_picture_s:";
@@ -32,9 +32,10 @@ pub(crate) fn check() -> Result<()> {
     command.args(["--view-port", "0", "--out"]).arg(&out);
     into_results(&mut command).stdout(Stdio::piped());
     let child = command.spawn();
-    let mut program = Program(child.with_context(|| format!("starting {}", shown(&command)))?);
+    let mut program = Running(child.with_context(|| format!("starting {}", shown(&command)))?);
     let figures = figures(program.0.stdout.take().context("its output")?);
     let line = figures.recv_timeout(PATIENCE);
+    // Its page, which sees that, ends the browser.
     drop(program);
     std::fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
     let line = line.with_context(|| format!("no {FIGURE} of {}", shown(&command)))?;
@@ -43,16 +44,6 @@ pub(crate) fn check() -> Result<()> {
     let first_s: f64 = value.parse().with_context(|| line.clone())?;
     ensure!(first_s <= MOST_S, "the first picture took {first_s} s, expected {MOST_S} s at most");
     Ok(())
-}
-
-/// The program, ended when dropped; its page, which sees that, ends the browser.
-struct Program(Child);
-
-impl Drop for Program {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 /// The figure's line as soon as it comes; a thread reads everything else.

@@ -5,7 +5,6 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line program prints")]
 
 mod bench;
-mod bench_nets;
 mod browser;
 mod ci;
 mod compare;

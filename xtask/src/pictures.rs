@@ -65,92 +65,40 @@ const FIGURE_SIZE: &str = "1100x1040";
 const PAGE_S: &str = "1";
 
 const SHOTS: [Shot; 14] = [
-    Shot {
-        name: "shin-rigidity",
-        page: "shin/report/rigidity-limb.svg",
-        made_by: "cargo xtask demo",
-        part: Part::Whole("1040x682"),
-    },
-    Shot {
-        name: "shin-double",
-        page: "shin/report/figure6b-limb.svg",
-        made_by: "cargo xtask demo",
-        part: Part::Whole("1040x682"),
-    },
-    Shot {
-        name: "report",
-        page: "shin/report/report.html",
-        made_by: "cargo xtask demo",
-        part: Part::From("figure", FIGURE_SIZE),
-    },
-    Shot {
-        name: "compare",
-        page: "shin-placed/compare/report.html",
-        made_by: "cargo xtask compare",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "verify",
-        page: "verify/report.html",
-        made_by: "cargo xtask verify",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "frontier",
-        page: "shin-placed-anew/frontier/report.html",
-        made_by: "cargo xtask frontier",
-        part: Part::From("figure", FIGURE_SIZE),
-    },
-    Shot {
-        name: "stability",
-        page: "stability/report.html",
-        made_by: "cargo xtask robustness",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "stability-fe",
-        page: "stability-fe/report.html",
-        made_by: "cargo xtask robustness fe",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "stability-nets",
-        page: "stability-nets/report.html",
-        made_by: "cargo xtask robustness nets",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "stability-inverse",
-        page: "stability-inverse/report.html",
-        made_by: "cargo xtask robustness inverse",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "stability-parts",
-        page: "stability-parts/report.html",
-        made_by: "cargo xtask robustness parts",
-        part: Part::From("body", PAGE_SIZE),
-    },
-    Shot {
-        name: "limits",
-        page: "shin/limits.html",
-        made_by: "cargo hapdef limits fixtures/shin/scene.json",
-        part: Part::From("figure", FIGURE_SIZE),
-    },
-    Shot {
-        name: "place",
-        page: "shin/placement.html",
-        made_by: "cargo hapdef place fixtures/shin/scene.json",
-        part: Part::From("figure", FIGURE_SIZE),
-    },
-    Shot {
-        name: "shell",
-        page: "shin_skin/shell-report.html",
-        made_by: "cargo hapdef shell fixtures/shin/shin_skin.glb --unit m \
-                  --wall 1 --solid",
-        part: Part::From("figure", FIGURE_SIZE),
-    },
+    picture("shin-rigidity", "shin/report/rigidity-limb.svg", "cargo xtask demo"),
+    picture("shin-double", "shin/report/figure6b-limb.svg", "cargo xtask demo"),
+    figure("report", "shin/report/report.html", "cargo xtask demo"),
+    top("compare", "shin-placed/compare/report.html", "cargo xtask compare"),
+    top("verify", "verify/report.html", "cargo xtask verify"),
+    figure("frontier", "shin-placed-anew/frontier/report.html", "cargo xtask frontier"),
+    top("stability", "stability/report.html", "cargo xtask robustness"),
+    top("stability-fe", "stability-fe/report.html", "cargo xtask robustness fe"),
+    top("stability-nets", "stability-nets/report.html", "cargo xtask robustness nets"),
+    top("stability-inverse", "stability-inverse/report.html", "cargo xtask robustness inverse"),
+    top("stability-parts", "stability-parts/report.html", "cargo xtask robustness parts"),
+    figure("limits", "shin/limits.html", "cargo hapdef limits fixtures/shin/scene.json"),
+    figure("place", "shin/placement.html", "cargo hapdef place fixtures/shin/scene.json"),
+    figure(
+        "shell",
+        "shin_skin/shell-report.html",
+        "cargo hapdef shell fixtures/shin/shin_skin.glb --unit m --wall 1 --solid",
+    ),
 ];
+
+/// A page from its top.
+const fn top(name: &'static str, page: &'static str, made_by: &'static str) -> Shot {
+    Shot { name, page, made_by, part: Part::From("body", PAGE_SIZE) }
+}
+
+/// A page from its first figure.
+const fn figure(name: &'static str, page: &'static str, made_by: &'static str) -> Shot {
+    Shot { name, page, made_by, part: Part::From("figure", FIGURE_SIZE) }
+}
+
+/// A picture that stands alone.
+const fn picture(name: &'static str, page: &'static str, made_by: &'static str) -> Shot {
+    Shot { name, page, made_by, part: Part::Whole("1040x682") }
+}
 
 /// `cargo xtask pictures`.
 pub(crate) fn run_some(args: &PicturesArgs) -> Result<()> {

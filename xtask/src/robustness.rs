@@ -53,12 +53,31 @@ enum Part {
 }
 
 /// A part with a table in docs/.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Table {
-    Fe,
-    Nets,
-    Inverse,
-    Parts,
+struct Table {
+    part: Part,
+    /// Of its file in docs/, and of its folder beside the metrics.
+    name: &'static str,
+    program: &'static str,
+    words: &'static [&'static str],
+    /// What seeds the rows.
+    seed: &'static str,
+}
+
+const TABLES: [Table; 4] = [
+    Table {
+        part: Part::Fe,
+        name: "stability-fe",
+        program: "hapdef-verify",
+        words: &["robustness", "fe"],
+        seed: "--seed",
+    },
+    of_repro(Part::Nets, "stability-nets", &["robustness"]),
+    of_repro(Part::Inverse, "stability-inverse", &["robustness-inverse"]),
+    of_repro(Part::Parts, "stability-parts", &["robustness-parts"]),
+];
+
+const fn of_repro(part: Part, name: &'static str, words: &'static [&'static str]) -> Table {
+    Table { part, name, program: "hapdef-repro", words, seed: "--test-seed" }
 }
 
 /// `cargo xtask robustness`.
@@ -67,7 +86,7 @@ pub(crate) fn run(args: &RobustnessArgs) -> Result<()> {
     let Some(part) = args.part else {
         return all(args);
     };
-    let Some(table) = part.table() else {
+    let Some(table) = TABLES.iter().find(|table| table.part == part) else {
         return finish(&mut scenes(args.minutes, args.seed)?);
     };
     let mut command = table.with_files(args)?;
@@ -130,9 +149,9 @@ pub(crate) fn nightly() -> Result<()> {
 /// Every layer; then all rows as one table, and which parts failed.
 fn all(args: &RobustnessArgs) -> Result<()> {
     let mut failed = Vec::new();
-    for table in Table::ALL {
+    for table in &TABLES {
         println!("── {}", table.document());
-        let page = results().join(table.folder()).join("rows.json");
+        let page = results().join(table.name).join("rows.json");
         if page.exists() {
             std::fs::remove_file(&page).with_context(|| page.display().to_string())?;
         }
@@ -157,36 +176,22 @@ fn joined() -> Result<()> {
 
 /// All tables, compared with docs/.
 pub(crate) fn check() -> Result<()> {
-    for table in Table::ALL {
+    for table in &TABLES {
         let mut command = table.command(None)?;
         crate::tool::run(command.arg("--check").arg(root().join(table.document())))?;
     }
     joined()
 }
 
-impl Part {
-    fn table(self) -> Option<Table> {
-        match self {
-            Self::Fe => Some(Table::Fe),
-            Self::Nets => Some(Table::Nets),
-            Self::Inverse => Some(Table::Inverse),
-            Self::Parts => Some(Table::Parts),
-            Self::Scenes => None,
-        }
-    }
-}
-
 impl Table {
-    const ALL: [Self; 4] = [Self::Fe, Self::Nets, Self::Inverse, Self::Parts];
+    fn document(&self) -> String {
+        format!("docs/{}.md", self.name)
+    }
 
-    fn with_files(self, args: &RobustnessArgs) -> Result<Command> {
+    fn with_files(&self, args: &RobustnessArgs) -> Result<Command> {
         let mut command = self.command(args.scene.as_deref())?;
         if let Some(seed) = args.seed {
-            let word = match self {
-                Self::Fe => "--seed",
-                _ => "--test-seed",
-            };
-            command.args([word, &seed.to_string()]);
+            command.args([self.seed, &seed.to_string()]);
         }
         for (flag, on) in [("--write", args.write), ("--check", args.check)] {
             if on {
@@ -196,35 +201,10 @@ impl Table {
         Ok(command)
     }
 
-    fn document(self) -> &'static str {
-        match self {
-            Self::Fe => "docs/stability-fe.md",
-            Self::Nets => "docs/stability-nets.md",
-            Self::Inverse => "docs/stability-inverse.md",
-            Self::Parts => "docs/stability-parts.md",
-        }
-    }
-
-    /// Where its page is, beside the metrics.
-    fn folder(self) -> &'static str {
-        match self {
-            Self::Fe => "stability-fe",
-            Self::Nets => "stability-nets",
-            Self::Inverse => "stability-inverse",
-            Self::Parts => "stability-parts",
-        }
-    }
-
-    fn command(self, scene: Option<&Path>) -> Result<Command> {
-        let (program, words): (_, &[&str]) = match self {
-            Self::Fe => ("hapdef-verify", &["robustness", "fe"]),
-            Self::Nets => ("hapdef-repro", &["robustness"]),
-            Self::Inverse => ("hapdef-repro", &["robustness-inverse"]),
-            Self::Parts => ("hapdef-repro", &["robustness-parts"]),
-        };
-        let mut command = Command::new(release_binary(program)?);
-        command.args(words);
-        if self == Self::Inverse {
+    fn command(&self, scene: Option<&Path>) -> Result<Command> {
+        let mut command = Command::new(release_binary(self.program)?);
+        command.args(self.words);
+        if self.part == Part::Inverse {
             let bundled = root().join("fixtures/shin/placed.json");
             command.arg(scene.unwrap_or(&bundled));
         }

@@ -47,17 +47,9 @@ fn stalled_client() -> Command {
     command
 }
 
-/// The short form, as CI runs it.
-pub(crate) fn short() -> Result<()> {
-    let args = SoakArgs { short: true, seed: 1, scene: None, rest: Vec::new() };
-    run_tool(&mut trust(&args)?)?;
-    run_tool(&mut scripts(&args)?)?;
-    run_tool(&mut command(&args)?)
-}
-
-/// The long form, as the nightly run of CI has it, whose tests have had the stalled client.
-pub(crate) fn long() -> Result<()> {
-    let args = SoakArgs { short: false, seed: 1, scene: None, rest: Vec::new() };
+/// The short form, as CI runs it, or the long one of its nightly run, whose tests have had the stalled client.
+pub(crate) fn of_ci(short: bool) -> Result<()> {
+    let args = SoakArgs { short, seed: 1, scene: None, rest: Vec::new() };
     run_tool(&mut trust(&args)?)?;
     run_tool(&mut scripts(&args)?)?;
     run_tool(&mut command(&args)?)

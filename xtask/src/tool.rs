@@ -1,10 +1,20 @@
 //! Starting other programs.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus};
 use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail};
+
+/// A program that is ended when this is dropped.
+pub(crate) struct Running(pub(crate) Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
 
 /// Root of the workspace.
 pub(crate) fn root() -> &'static Path {
