@@ -7,9 +7,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, anyhow};
 
 use crate::fixtures::DEMO_LIVE;
-use crate::tool::{
-    Running, cargo, release_binary, release_example, results, root, run, shown,
-};
+use crate::tool::{Running, cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.
 const PLACES: [&str; 3] =
