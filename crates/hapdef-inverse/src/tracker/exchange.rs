@@ -178,3 +178,97 @@ fn add_pairs(work: &mut Workspace, base: &Hypothesis, belief: &mut Belief) {
         work.hypotheses.fits[winner].cost = f64::INFINITY;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use hapdef_contact::Phase;
+    use nalgebra::{Point3, Vector3};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::estimator::{ContactEstimator, EstimatorParams};
+    use crate::noise::NoiseParams;
+    use crate::response::{ResponseMap, ResponseParams};
+    use crate::sites::ScanSites;
+    use crate::skin::plate;
+    use crate::skin_point::SkinPoint;
+    use crate::tracker::params::TrackerParams;
+
+    const N_GAUGES: usize = 10;
+    const FORCE_N: f64 = 15.0;
+
+    /// Gauges on a plate that see waves of their own.
+    fn workspace(rng: &mut ChaCha8Rng) -> Workspace {
+        let skin = plate(20, 5e-3);
+        let waves: Vec<[f64; 3]> =
+            (0..N_GAUGES).map(|_| std::array::from_fn(|_| rng.random_range(-60.0..60.0))).collect();
+        let seen = |x: &Point3<f64>| {
+            let of = |w: &[f64; 3]| Vector3::z() * (w[0] * x.x + w[1] * x.y + w[2]).sin();
+            waves.iter().map(of).collect::<Vec<_>>()
+        };
+        let nodal: Vec<Vector3<f64>> = skin.nodes().iter().flat_map(seen).collect();
+        let map = ResponseMap::from_nodal(skin, N_GAUGES, &nodal, &ResponseParams::default());
+        let map = Arc::new(map.unwrap());
+        let sites = Arc::new(ScanSites::farthest(map.skin(), 400).unwrap());
+        let noise = NoiseParams::uniform(N_GAUGES, 0.02);
+        let estimator = ContactEstimator::new(map, sites, noise, EstimatorParams::default());
+        Workspace::new(&estimator.unwrap(), TrackerParams::default()).unwrap()
+    }
+
+    /// Sites that are 20 mm and more apart.
+    fn draw(work: &Workspace, n: usize, rng: &mut ChaCha8Rng) -> Vec<SkinPoint> {
+        let mut points: Vec<SkinPoint> = Vec::new();
+        let place = |p: &SkinPoint| work.model.skin().position(p);
+        while points.len() < n {
+            let point = work.model.sites.points()[rng.random_range(0..work.model.n_sites())];
+            if points.iter().all(|other| (place(other) - place(&point)).norm() > 0.02) {
+                points.push(point);
+            }
+        }
+        points
+    }
+
+    fn held(work: &Workspace, points: &[SkinPoint]) -> Hypothesis {
+        let mut hypothesis = Hypothesis::new(&work.model);
+        for (id, point) in (0..).zip(points) {
+            let track = Track { force_n: FORCE_N, ..Track::new(ContactId(id), *point, 0) };
+            hypothesis.push(&work.model, Track { phase: Phase::Held, ..track });
+        }
+        hypothesis
+    }
+
+    /// Of four contacts two are elsewhere than believed: ten gauges that locate three at once find the two.
+    #[test]
+    fn two_of_four_that_are_elsewhere_are_found() {
+        let n_scenes = 10;
+        let mut n_right = 0;
+        for seed in 0..n_scenes {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut work = workspace(&mut rng);
+            let points = draw(&work, 6, &mut rng);
+            let truth = held(&work, &[points[0], points[1], points[4], points[5]]);
+            let mut z = vec![0.0; work.model.width];
+            for atom in truth.atoms.chunks_exact(truth.width).take(truth.n) {
+                z.iter_mut().zip(atom).for_each(|(z, a)| *z += FORCE_N * a);
+            }
+            z[..N_GAUGES].iter_mut().for_each(|z| *z += rng.random_range(-1.0..1.0));
+            let mut belief = Belief::none(&work);
+            belief.hypothesis.copy_from(&held(&work, &points[..4]));
+            belief.gathered.add(&z, 1.0);
+            belief.next_id = 4;
+            let is_better = exchange(&mut work, &mut belief);
+            let found = belief.hypothesis.tracks();
+            let skin = work.model.skin();
+            let is_found = |t: &Track| {
+                let x = skin.position(&t.point);
+                found.iter().any(|f| (skin.position(&f.point) - x).norm() < 2e-3)
+            };
+            let is_right = belief.is_explained(&work) && truth.tracks().iter().all(is_found);
+            n_right += u64::from(is_better && is_right);
+        }
+        assert!(n_right + 1 >= n_scenes, "{n_right} of {n_scenes} scenes");
+    }
+}
