@@ -13,12 +13,13 @@
 //! | | another hypothesis does | `Holding` |
 //! | | nothing does at the last decision | `Holding`, alarms held off |
 //! | `Growing` | a slide explains the frames better after all | `Sliding` |
+//! | | all contacts slide beside what has come | `Growing` |
 //! | | the force is steady or time is up, or something else has come | `Holding`; the frames gathered update all hypotheses |
 //! | `Sliding` | a contact more explains the frames better after all | `Growing` |
 //! | | the contact hardly moved in two blocks | `Growing`, as a contact that has come to rest |
 //! | | too many alarms in a row | `Holding` |
 //! | `Growing`, `Sliding` | the last contact that moves is let go | `Holding` |
-//! | any | a full search is adopted | `Growing` |
+//! | any | a full search is adopted | `Growing`, or `Holding` where nothing in it moves |
 //! | any, nothing moves | a full search explains nothing better | `Holding` |
 //! | any | reset | `Holding` |
 //!
