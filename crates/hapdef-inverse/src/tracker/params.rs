@@ -104,9 +104,10 @@ impl TrackerParams {
             // odds of e⁸ = 3,000 to 1: what a few frames make that unlikely, later ones don't bring back
             hypothesis_delta: 16.0,
             steps_per_frame,
-            // a detection window has decided twice by then. With 64, more than the window and its hold-off together, 1.9
-            // instead of 1.5 % of the frames of six random scripts were misfits.
-            search_frames: 12,
+            // a detection window has made all its decisions by then. With 64, more than the window and its hold-off
+            // together, 1.9 instead of 1.5 % of the frames of six random scripts were misfits; with 12 a ghost came in the
+            // recorded phantom (`the_recorded_phantom_is_the_press_that_it_was`).
+            search_frames: 24,
             // one frame in a million is a misfit by noise alone
             misfit_p: 1e-6,
         }
