@@ -362,3 +362,23 @@ fn add_mixed(to: &mut [f64], from: &[f64], mix: &[f64], m: usize) {
         }
     }
 }
+
+/// The map of gauges on `skin` that see waves of their own, of wave numbers up to `most_per_m`, rad/m.
+#[cfg(test)]
+pub(crate) fn waves(
+    skin: Skin,
+    n_gauges: usize,
+    most_per_m: f64,
+    rng: &mut rand_chacha::ChaCha8Rng,
+) -> ResponseMap {
+    use rand::RngExt;
+
+    let draw = |_| std::array::from_fn(|_| rng.random_range(-most_per_m..most_per_m));
+    let waves: Vec<[f64; 3]> = (0..n_gauges).map(draw).collect();
+    let seen = |x: &Point3<f64>| {
+        let of = |w: &[f64; 3]| Vector3::z() * (w[0] * x.x + w[1] * x.y + w[2]).sin();
+        waves.iter().map(of).collect::<Vec<_>>()
+    };
+    let nodal: Vec<Vector3<f64>> = skin.nodes().iter().flat_map(seen).collect();
+    ResponseMap::from_nodal(skin, n_gauges, &nodal, &ResponseParams::default()).unwrap()
+}

@@ -244,14 +244,14 @@ fn max(values: &[f32]) -> f32 {
 mod tests {
     use std::sync::Arc;
 
-    use nalgebra::{DMatrix, DVector, Point3, Vector3};
+    use nalgebra::{DMatrix, DVector};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
     use crate::dense::dot;
     use crate::noise::NoiseParams;
-    use crate::response::{ResponseMap, ResponseParams};
+    use crate::response::waves;
     use crate::sites::ScanSites;
     use crate::skin::plate;
 
@@ -259,17 +259,7 @@ mod tests {
 
     /// Gauges on a plate of 8 by 8 cells that see waves of their own.
     fn model(rng: &mut ChaCha8Rng) -> Model {
-        let skin = plate(8, 5e-3);
-        let waves: Vec<[f64; 3]> = (0..N_GAUGES)
-            .map(|_| std::array::from_fn(|_| rng.random_range(-120.0..120.0)))
-            .collect();
-        let seen = |x: &Point3<f64>| {
-            let of = |w: &[f64; 3]| Vector3::z() * (w[0] * x.x + w[1] * x.y + w[2]).sin();
-            waves.iter().map(of).collect::<Vec<_>>()
-        };
-        let nodal: Vec<Vector3<f64>> = skin.nodes().iter().flat_map(seen).collect();
-        let params = ResponseParams::default();
-        let map = ResponseMap::from_nodal(skin, N_GAUGES, &nodal, &params).unwrap();
+        let map = waves(plate(8, 5e-3), N_GAUGES, 120.0, rng);
         let sites = ScanSites::farthest(map.skin(), 60).unwrap();
         let noise = NoiseParams::uniform(N_GAUGES, 0.01);
         Model::new(Arc::new(map), Arc::new(sites), &noise, &[true; N_GAUGES]).unwrap()

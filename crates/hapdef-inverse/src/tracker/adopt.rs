@@ -7,6 +7,7 @@ use crate::tracker::exchange::Belief;
 use crate::tracker::frame::ContactId;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::Track;
+use crate::tracker::proposals::are_apart;
 use crate::tracker::recent::Recent;
 use crate::tracker::search::SearchOutcome;
 use crate::tracker::state::{Growing, State};
@@ -32,6 +33,7 @@ pub(super) fn adopt(
 ) -> Option<State> {
     work.steps_left = work.params.steps_per_frame.max(2 * N_TRIALS * MAX_CONTACTS);
     work.gathered.copy_from(&recent.gathered);
+    work.hypotheses.best_mut().set_lag(0.0);
     work.hypotheses.begin();
     let stay = work.hypotheses.copy(0)?;
     work.settle(HypothesisRef::Candidate(stay), 0);
@@ -72,7 +74,7 @@ fn propose_found(work: &mut Workspace, outcome: &SearchOutcome) {
         track.force_n = contact.force_n;
         work.hypotheses.candidates[c].push(&work.model, track);
     }
-    work.settle(HypothesisRef::Candidate(c), N_TRIALS);
+    refine(work, c);
 }
 
 /// A candidate with what was believed when the search began, contacts exchanged.
@@ -94,7 +96,15 @@ fn propose_exchanged(work: &mut Workspace, outcome: &SearchOutcome) {
             work.hypotheses.candidates[c].tracks[i].id = name_at(work, c, x);
         }
     }
+    refine(work, c);
+}
+
+/// Brings candidate `c` to the frames gathered; it is none if contacts of it come too near to each other.
+fn refine(work: &mut Workspace, c: usize) {
     work.settle(HypothesisRef::Candidate(c), N_TRIALS);
+    if !are_apart(work, c) {
+        work.hypotheses.fits[c].cost = f64::INFINITY;
+    }
 }
 
 /// The name of the contact that is nearest to `x` and has not given its name to candidate `new`

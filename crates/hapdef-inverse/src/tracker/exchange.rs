@@ -4,7 +4,7 @@ use crate::tracker::frame::ContactId;
 use crate::tracker::gathered::Gathered;
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::hypothesis::{Hypothesis, Track};
-use crate::tracker::proposals::{propose_births, scan_beside};
+use crate::tracker::proposals::{are_apart, propose_births, scan_beside};
 use crate::tracker::workspace::Workspace;
 
 /// Times at most that all contacts are gone round: what one exchange put right makes room for the next.
@@ -53,6 +53,7 @@ impl Belief {
     /// The best hypothesis of `work`, and the frames gathered in `gathered`.
     pub(super) fn take(&mut self, work: &Workspace, gathered: &Gathered) {
         self.hypothesis.copy_from(work.hypotheses.best());
+        self.hypothesis.set_lag(0.0);
         self.gathered.copy_from(gathered);
         self.live.copy_from_slice(&work.buffers.filter.live);
         (self.next_id, self.n_live) = (work.next_id, work.n_live);
@@ -76,10 +77,10 @@ impl Belief {
         !work.is_odd(self.chi2, self.hypothesis.n) && !work.is_beyond(&self.hypothesis)
     }
 
-    /// Takes candidate `c` of `work` if it is better.
+    /// Takes candidate `c` of `work` if it is better and its contacts are apart.
     fn improve(&mut self, work: &Workspace, c: usize) {
         let fit = work.hypotheses.fits[c];
-        if fit.cost < self.cost {
+        if fit.cost < self.cost && are_apart(work, c) {
             self.hypothesis.copy_from(&work.hypotheses.candidates[c]);
             (self.cost, self.chi2) = (fit.cost, fit.chi2);
         }
@@ -184,14 +185,13 @@ mod tests {
     use std::sync::Arc;
 
     use hapdef_contact::Phase;
-    use nalgebra::{Point3, Vector3};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
     use crate::estimator::{ContactEstimator, EstimatorParams};
     use crate::noise::NoiseParams;
-    use crate::response::{ResponseMap, ResponseParams};
+    use crate::response::waves;
     use crate::sites::ScanSites;
     use crate::skin::plate;
     use crate::skin_point::SkinPoint;
@@ -202,16 +202,7 @@ mod tests {
 
     /// Gauges on a plate that see waves of their own.
     fn workspace(rng: &mut ChaCha8Rng) -> Workspace {
-        let skin = plate(20, 5e-3);
-        let waves: Vec<[f64; 3]> =
-            (0..N_GAUGES).map(|_| std::array::from_fn(|_| rng.random_range(-60.0..60.0))).collect();
-        let seen = |x: &Point3<f64>| {
-            let of = |w: &[f64; 3]| Vector3::z() * (w[0] * x.x + w[1] * x.y + w[2]).sin();
-            waves.iter().map(of).collect::<Vec<_>>()
-        };
-        let nodal: Vec<Vector3<f64>> = skin.nodes().iter().flat_map(seen).collect();
-        let map = ResponseMap::from_nodal(skin, N_GAUGES, &nodal, &ResponseParams::default());
-        let map = Arc::new(map.unwrap());
+        let map = Arc::new(waves(plate(20, 5e-3), N_GAUGES, 60.0, rng));
         let sites = Arc::new(ScanSites::farthest(map.skin(), 400).unwrap());
         let noise = NoiseParams::uniform(N_GAUGES, 0.02);
         let estimator = ContactEstimator::new(map, sites, noise, EstimatorParams::default());

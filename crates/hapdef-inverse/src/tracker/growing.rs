@@ -5,7 +5,7 @@ use crate::estimator::MAX_CONTACTS;
 use crate::tracker::compare::{N_TRIALS, SCANS, TurnedOut, compare};
 use crate::tracker::hypotheses::HypothesisRef;
 use crate::tracker::pair_search::search_pairs;
-use crate::tracker::proposals::{SCAN_STEPS, propose_slide_of_all, scan_beside};
+use crate::tracker::proposals::{SCAN_STEPS, scan_beside};
 use crate::tracker::sliding;
 use crate::tracker::state::{Growing, State};
 use crate::tracker::workspace::Workspace;
@@ -56,9 +56,6 @@ pub(super) fn step(mut now: Growing, work: &mut Workspace, is_alarm: bool) -> St
         work.settle(HypothesisRef::Best, N_TRIALS);
         work.refresh();
     }
-    if is_alarm && age > 1 && (age - 1).is_power_of_two() && may_slide(&now, work) {
-        let_all_slide(work, age);
-    }
     let is_alarm = is_alarm && work.solve();
     now.n_stuck = if is_alarm { now.n_stuck + 1 } else { 0 };
     if work.pair_birth.is_active() {
@@ -75,30 +72,6 @@ pub(super) fn step(mut now: Growing, work: &mut Workspace, is_alarm: bool) -> St
     work.pair_birth.stop();
     work.hold_mobile();
     State::HOLDING
-}
-
-/// Whether others may slide beside what has come, rather than another have come with it: two that come beside two
-/// held are else taken for one beside two that slide (26 instead of 40 of 40,
-/// `a_pair_that_comes_beside_held_contacts_is_found`).
-fn may_slide(now: &Growing, work: &Workspace) -> bool {
-    let has_room = work.before.n + 2 <= work.most_contacts();
-    now.was_explained || !has_room
-}
-
-/// Lets all contacts slide, in the frame after those that are compared, if that explains the frames gathered better.
-fn let_all_slide(work: &mut Workspace, age: usize) {
-    work.hypotheses.begin();
-    let Some(stay) = work.hypotheses.copy(0) else {
-        return;
-    };
-    let fit = work.settle(HypothesisRef::Candidate(stay), N_TRIALS);
-    propose_slide_of_all(work, stay, age);
-    let least = fit.cost - work.params.birth_margin;
-    let is_better = |&c: &usize| c > stay && work.hypotheses.fits[c].cost < least;
-    if let Some(winner) = work.hypotheses.winner().filter(is_better) {
-        work.hypotheses.take(&work.model, winner, 0.0);
-    }
-    work.refresh();
 }
 
 /// Looks for two contacts at once where those that came do not explain the frames gathered, and

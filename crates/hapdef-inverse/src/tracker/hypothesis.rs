@@ -175,6 +175,16 @@ impl Hypothesis {
         self.linearise(model, i);
     }
 
+    /// Standard deviation of what the places of sliding contacts are behind by, m: for the residuals of frames, not where
+    /// places are searched.
+    pub(super) fn set_lag(&mut self, sd_m: f64) {
+        for i in (0..self.n).filter(|&i| self.tracks[i].phase == Phase::Sliding) {
+            for a in i * self.d..i * self.d + 2 {
+                self.p[a * self.stride + a] = sd_m * sd_m;
+            }
+        }
+    }
+
     /// The map's error at contact `i` as the map reports it.
     pub(super) fn set_map_error(&mut self, model: &Model, i: usize) {
         if self.d == 2 {

@@ -13,7 +13,6 @@
 //! | | another hypothesis does | `Holding` |
 //! | | nothing does at the last decision | `Holding`, alarms held off |
 //! | `Growing` | a slide explains the frames better after all | `Sliding` |
-//! | | all contacts slide beside what has come | `Growing` |
 //! | | the force is steady or time is up, or something else has come | `Holding`; the frames gathered update all hypotheses |
 //! | `Sliding` | a contact more explains the frames better after all | `Growing` |
 //! | | the contact hardly moved in two blocks | `Growing`, as a contact that has come to rest |

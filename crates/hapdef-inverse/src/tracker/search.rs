@@ -9,7 +9,7 @@ use crate::tracker::exchange::{Belief, exchange};
 use crate::tracker::params::TrackerParams;
 use crate::tracker::workspace::Workspace;
 
-/// A frame that the tracker wants searched from scratch.
+/// A frame that the tracker wants searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchRequest<'a> {
     /// The frame after which it was made.
