@@ -5,7 +5,9 @@
 //! keeps from running comes late.
 
 use std::collections::VecDeque;
+use std::future::ready;
 use std::io::{self, ErrorKind};
+use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,16 +28,19 @@ const SILENT: Duration = Duration::from_millis(100);
 const CONNECT_TIMEOUT: Duration = Duration::from_millis(500);
 const WRITE_TIMEOUT: Duration = Duration::from_millis(50);
 
+type Opening<S> = Pin<Box<dyn Future<Output = Result<S, LinkFault>> + Send>>;
+
 /// A link that is opened, and opened again, on a tokio runtime.
 pub trait AsyncLink {
     /// What carries the bytes.
     type Stream: AsyncRead + AsyncWrite + Unpin;
 
-    /// Opens it, or opens it again.
+    /// Opens it, or opens it again. What is returned is kept until it ends, so that opening goes on where
+    /// waiting for it was given up.
     ///
     /// # Errors
     /// Why it can't be opened now.
-    fn open(&mut self) -> impl Future<Output = Result<Self::Stream, LinkFault>>;
+    fn open(&self) -> impl Future<Output = Result<Self::Stream, LinkFault>> + Send + 'static;
 
     /// What it is, in words.
     fn name(&self) -> String;
@@ -75,6 +80,7 @@ pub struct AsyncTcp {
 /// ```
 pub struct AsyncSource<L: AsyncLink> {
     link: L,
+    opening: Option<Opening<L::Stream>>,
     stream: Option<L::Stream>,
     clock: Arc<dyn HostClock>,
     session: Session,
@@ -92,12 +98,8 @@ impl AsyncSerial {
     pub fn new(path: &str, params: SerialParams) -> Self {
         Self { path: path.to_owned(), params }
     }
-}
 
-impl AsyncLink for AsyncSerial {
-    type Stream = SerialStream;
-
-    async fn open(&mut self) -> Result<SerialStream, LinkFault> {
+    fn opened(&self) -> Result<SerialStream, LinkFault> {
         let refused = |error: serialport::Error| refused(&self.path, &error);
         let port = builder(&self.path, &self.params).open_native_async().map_err(refused)?;
         // What was sent to whoever had the port before.
@@ -106,6 +108,14 @@ impl AsyncLink for AsyncSerial {
             super::low_latency::ask(&port);
         }
         Ok(port)
+    }
+}
+
+impl AsyncLink for AsyncSerial {
+    type Stream = SerialStream;
+
+    fn open(&self) -> impl Future<Output = Result<SerialStream, LinkFault>> + Send + 'static {
+        ready(self.opened())
     }
 
     fn name(&self) -> String {
@@ -124,14 +134,16 @@ impl AsyncTcp {
 impl AsyncLink for AsyncTcp {
     type Stream = TcpStream;
 
-    async fn open(&mut self) -> Result<TcpStream, LinkFault> {
-        let name = self.address.clone();
-        let connected = timeout(CONNECT_TIMEOUT, TcpStream::connect(&self.address)).await;
-        let connected = connected.unwrap_or_else(|_| Err(ErrorKind::TimedOut.into()));
-        let stream = connected.map_err(|error| LinkFault::of_connecting(name, &error))?;
-        // It only saves time.
-        let _ = stream.set_nodelay(true);
-        Ok(stream)
+    fn open(&self) -> impl Future<Output = Result<TcpStream, LinkFault>> + Send + 'static {
+        let address = self.address.clone();
+        async move {
+            let connected = timeout(CONNECT_TIMEOUT, TcpStream::connect(&address)).await;
+            let connected = connected.unwrap_or_else(|_| Err(ErrorKind::TimedOut.into()));
+            let stream = connected.map_err(|error| LinkFault::of_connecting(address, &error))?;
+            // It only saves time.
+            let _ = stream.set_nodelay(true);
+            Ok(stream)
+        }
     }
 
     fn name(&self) -> String {
@@ -145,6 +157,7 @@ impl<L: AsyncLink> AsyncSource<L> {
     pub fn new(link: L, params: StreamParams) -> Self {
         Self {
             link,
+            opening: None,
             stream: None,
             clock: params.clock,
             session: Session::new(params.protocol),
@@ -156,8 +169,8 @@ impl<L: AsyncLink> AsyncSource<L> {
     }
 
     /// The next message. Trouble with the link comes as [`Message::Link`], and the link is opened again
-    /// as soon as that works. When this is dropped no message is lost, but a connection that is being made
-    /// is begun anew: give each board a task of its own.
+    /// as soon as that works. When this is dropped nothing is lost: no message, nor a connection that is being
+    /// made.
     pub async fn next(&mut self) -> Message {
         loop {
             if let Some(message) = self.messages.pop_front() {
@@ -196,8 +209,12 @@ impl<L: AsyncLink> AsyncSource<L> {
     }
 
     async fn open(&mut self) -> Result<Vec<u8>, LinkFault> {
-        sleep_until(self.due).await;
-        self.stream = Some(self.link.open().await?);
+        if self.opening.is_none() {
+            sleep_until(self.due).await;
+        }
+        let opened = self.opening.get_or_insert_with(|| Box::pin(self.link.open())).await;
+        self.opening = None;
+        self.stream = Some(opened?);
         self.last_fault = None;
         self.due = Instant::now() + SILENT;
         let messages = &mut self.messages;

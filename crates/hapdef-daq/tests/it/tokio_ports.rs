@@ -14,9 +14,28 @@ use hapdef_daq::source::{
 };
 use hapdef_daq::{Frame, Message};
 use support::{Device, is_right, pty};
-use tokio::time::timeout;
+use tokio::io::{DuplexStream, duplex};
+use tokio::time::{sleep, timeout};
 
 const SECOND: Duration = Duration::from_secs(1);
+
+/// A link that takes longer to open than anybody waits for a message.
+struct SlowLink;
+
+impl AsyncLink for SlowLink {
+    type Stream = DuplexStream;
+
+    fn open(&self) -> impl Future<Output = Result<DuplexStream, LinkFault>> + Send + 'static {
+        async {
+            sleep(Duration::from_millis(20)).await;
+            Ok(duplex(64).0)
+        }
+    }
+
+    fn name(&self) -> String {
+        "slow".to_owned()
+    }
+}
 
 fn serial(path: &str) -> AsyncSource<AsyncSerial> {
     let link = AsyncSerial::new(path, SerialParams::default());
@@ -64,7 +83,7 @@ async fn play(master: &OwnedFd, nth: u32) -> u32 {
         } else {
             rustix::io::write(master, &bytes).unwrap();
         }
-        tokio::time::sleep(Duration::from_millis(1)).await;
+        sleep(Duration::from_millis(1)).await;
     }
     n_left_out
 }
@@ -170,4 +189,11 @@ async fn boards_on_the_network_are_read_and_their_end_is_noticed() {
         _ => None,
     });
     assert!(matches!(fault.await, LinkFault::Disconnected { .. }));
+}
+
+#[tokio::test]
+async fn opening_goes_on_where_waiting_for_it_was_given_up() {
+    let mut source = AsyncSource::new(SlowLink, StreamParams::default());
+    until(&mut source, open).await;
+    assert_eq!(source.stats().n_opened, 1);
 }
