@@ -61,7 +61,7 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
     steps.run("demo --live", first_minute::check)?;
     beside(
         || {
-            steps.run("demo --quick", quick_demo)?;
+            steps.run("repro --quick", quick_tables)?;
             steps.run("commands of the docs", docs::run_commands)
         },
         || {
@@ -177,12 +177,12 @@ fn crates() -> Result<Vec<String>> {
     Ok(names.filter(|name| !NOT_ALONE.contains(name)).map(str::to_owned).collect())
 }
 
-/// A quick run of the main job; its figures must show every cell of both tables, none NaN, and none
+/// A quick run of the paper's tables; its figures must show every cell of both tables, none NaN, and none
 /// farther from the golden values than they allow.
-fn quick_demo() -> Result<()> {
+fn quick_tables() -> Result<()> {
     let program = std::env::current_exe().context("own program")?;
     let mut command = Command::new(program);
-    command.args(["demo", "--quick"]).current_dir(root());
+    command.args(["repro", "--quick", "--tables"]).current_dir(root());
     let output = command.stderr(std::process::Stdio::inherit()).output()?;
     let text = String::from_utf8_lossy(&output.stdout);
     print!("{text}");
@@ -194,7 +194,7 @@ fn quick_demo() -> Result<()> {
     {
         let value = metric(&text, name)?;
         if value.total_cmp(&expected).is_ne() {
-            bail!("{name}: expected {expected}, the demo printed {value}");
+            bail!("{name}: expected {expected}, the run printed {value}");
         }
     }
     let report = root().join("target/hapdef/shin/report/report.json");
@@ -207,7 +207,7 @@ fn metric(text: &str, name: &str) -> Result<f64> {
     let mut lines = text.lines().filter_map(|line| line.strip_prefix("METRIC:"));
     let line = lines
         .find_map(|rest| rest.strip_prefix(name)?.strip_prefix(':'))
-        .with_context(|| format!("the demo printed no METRIC line {name}"))?;
+        .with_context(|| format!("the run printed no METRIC line {name}"))?;
     let value = line.split(':').next().unwrap_or_default();
     value.parse().with_context(|| format!("METRIC {name}: {value:?} is no number"))
 }

@@ -34,7 +34,7 @@ pub use pictures::{
     unroll, unrolled_row_svg, unrolled_svg,
 };
 pub use report::{
-    Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, seconds_text,
-    write_report, write_text,
+    Figure, FigureContent, Headline, NamedText, Report, ReportTable, SkippedStage, StageTime,
+    Summary, seconds_text, write_report, write_text,
 };
 pub use text::{TextCell, TextTable, cell_text, escape_html};

@@ -46,6 +46,7 @@ fn report() -> Report {
             figure("limb.png", FigureContent::Png(vec![1, 2, 3])),
         ],
         limbs: vec![],
+        summary: None,
         metrics: vec![MetricRecord { name: "a.b".to_owned(), outcome, context }],
         stages: vec![StageTime { name: "compliance".to_owned(), elapsed_s: 12.34, cached: true }],
         skipped: vec![SkippedStage { name: "svr".to_owned(), reason: "quick".to_owned() }],
