@@ -1,7 +1,7 @@
 //! What CI runs: what compiles beside what does not fill both cores, what claims a time alone.
 
 use std::process::Command;
-use std::sync::Mutex;
+use std::sync::{Mutex, mpsc};
 use std::thread;
 use std::time::Instant;
 
@@ -47,29 +47,40 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         || {
             let tests = steps.run("build of the tests", || Tests::build(is_nightly))?;
             steps.run("tests", || tests.untimed())?;
-            Ok((tests, steps.run("build of the wheel", python::build_wheel)?))
+            Ok(tests)
         },
         || {
             steps.run("clippy", clippy)?;
             steps.run("docs", rustdoc)?;
-            steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))
+            steps
+                .run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))?;
+            // It waits for Cargo until the tests are built.
+            steps.run("build of the wheel", python::build_wheel)
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
     steps.run("tests of network servers", || run(&mut servers(&["--", "foxglove", "zenoh"])))?;
     steps.run("soak --short", || soak::of_ci(true))?;
     steps.run("demo --live", first_minute::check)?;
+    let commands = &docs::Commands::of_docs()?;
+    let (tables_ended, wait) = mpsc::channel::<()>();
     beside(
         || {
+            // Some pages show what is made of the tables' stages: dropped, ended well or not, it lets them go.
+            let ended = tables_ended;
             steps.run("repro --quick", quick_tables)?;
-            steps.run("commands of the docs", docs::run_commands)
+            drop(ended);
+            steps.run("commands of the docs", || commands.run())
         },
-        || {
+        move || {
             steps.run("verification table", verify::check)?;
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
-            steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))
+            steps
+                .run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))?;
+            let _ = wait.recv();
+            steps.run("more commands of the docs", || commands.run())
         },
     )?;
     if is_nightly {
@@ -82,16 +93,15 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
 }
 
 /// Two series of steps at a time that need nothing of each other: hardly a step fills both cores alone.
-fn beside<T: Send>(
+fn beside<T, U: Send>(
     first: impl FnOnce() -> Result<T>,
-    second: impl FnOnce() -> Result<()> + Send,
-) -> Result<T> {
+    second: impl FnOnce() -> Result<U> + Send,
+) -> Result<(T, U)> {
     thread::scope(|scope| {
         let second = scope.spawn(second);
         let first = first();
         let second = second.join().unwrap_or_else(|_| bail!("panicked"));
-        let value = first?;
-        second.map(|()| value)
+        Ok((first?, second?))
     })
 }
 
