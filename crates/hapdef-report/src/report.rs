@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
-pub use self::summary::{Headline, Summary};
+pub use self::summary::Summary;
 use crate::argument::ArgumentError;
 use crate::error::ReportError;
 pub use crate::figure::{Figure, FigureContent};

@@ -14,8 +14,8 @@ pub use limb::{LimbMap, LimbView};
 
 use crate::ReportError;
 use crate::figure::{Figure, FigureContent};
+use crate::headline::Headline;
 use crate::named_text::NamedText;
-use crate::report::Headline;
 use crate::text::{TextTable, escape_html as escape};
 
 const STYLE: &str = include_str!("page.css");

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::figure::Figure;
+use crate::headline::Headline;
 use crate::page::Block;
 
 /// The top of a report.
@@ -16,17 +17,6 @@ pub struct Summary {
     pub picture: Figure,
     /// What to open or to do next, a line each.
     pub next: Vec<String>,
-}
-
-/// A number in large type.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Headline {
-    /// The number with its unit.
-    pub value: String,
-    /// What it is.
-    pub what: String,
-    /// What it compares with.
-    pub beside: String,
 }
 
 impl Summary {
