@@ -65,7 +65,12 @@ const FIGURE_SIZE: &str = "1100x1040";
 const PAGE_S: &str = "1";
 
 const SHOTS: [Shot; 15] = [
-    figure("demo", "shin-demo/demo/report.html", "cargo xtask demo"),
+    Shot {
+        name: "demo",
+        page: "shin-demo/demo/contacts.svg",
+        made_by: "cargo xtask demo",
+        part: Part::Whole("1040x512"),
+    },
     picture("shin-rigidity", "shin/report/rigidity-limb.svg", "cargo xtask repro --tables"),
     picture("shin-double", "shin/report/figure6b-limb.svg", "cargo xtask repro --tables"),
     figure("report", "shin/report/report.html", "cargo xtask repro --tables"),

@@ -89,7 +89,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
         scores,
         elapsed_s: start.elapsed().as_secs_f64(),
     };
-    let page = page::write(&run, &limb, &args.scene.out, &calibrated.estimator, &found)?;
+    let page = page::write(args, &run, &limb, &calibrated.estimator, &found)?;
     drop(stages);
     if args.json {
         return Ok(print_json(&found, true)?);
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     println!("{}\n", terminal_table(&table(&page::COLUMNS, &found.scores)));
     println!("{}", page::sentence(&found));
     println!("page: {}", shown(&page));
-    println!("next: hapdef live {} --sim --view", shown(&args.scene.scene));
+    println!("next: {}", page::live_command(args));
     let context = MetricContext::here(run.scene.seed);
     let mut log = MetricLog::new(std::io::stdout(), context);
     Ok(log.value("first.demo_s", start.elapsed().as_secs_f64(), "s")?)

@@ -1,12 +1,13 @@
 //! The demo's page: the limb with true and found contacts, the errors, what to do next.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use hapdef::touch::TouchScore;
 use hapdef::{Limb, Run, ScoredContact};
 use hapdef_bench::stats::{quantile, sorted};
 use hapdef_bench::{Column, table};
+use hapdef_cli::shown;
 use hapdef_inverse::ContactEstimator;
 use hapdef_report::{
     Figure, Headline, LimbMarker, LimbPicture, Mark, RenderParams, Report, ReportTable, Summary,
@@ -15,7 +16,7 @@ use hapdef_report::{
 use nalgebra::{Point3, Vector3};
 
 use super::super::pages;
-use super::{Found, in_words};
+use super::{DemoArgs, Found, in_words};
 
 /// Median errors of the paper's chain of networks, trained in full, on the bundled limb, mm: one contact
 /// and two, as docs/contacts.md has them.
@@ -46,11 +47,16 @@ pub(super) fn sentence(found: &Found) -> String {
     )
 }
 
+/// What shows the limb live.
+pub(super) fn live_command(args: &DemoArgs) -> String {
+    format!("hapdef live {} --sim --view", shown(&args.scene.scene))
+}
+
 /// Writes the report into the scene's folder; the path of its page.
 pub(super) fn write(
+    args: &DemoArgs,
     run: &Run,
     limb: &Limb,
-    out: &Path,
     estimator: &ContactEstimator,
     found: &Found,
 ) -> Result<PathBuf> {
@@ -76,7 +82,7 @@ pub(super) fn write(
             numbers: found.scores.iter().map(headline).collect(),
             picture: picture(limb, estimator, found)?,
             next: vec![
-                format!("See it live and press it with the mouse: hapdef live {} --sim --view", run.scene_dir.display()),
+                format!("See it live and press it with the mouse: {}", live_command(args)),
                 "Bring your own limb: hapdef new LIMB.stl".into(),
             ],
         }),
@@ -92,7 +98,7 @@ pub(super) fn write(
         hashes: origin.hashes,
         ..Report::default()
     };
-    let paths = write_report(&out.join(&run.scene.name).join("demo"), &report)?;
+    let paths = write_report(&args.scene.out.join(&run.scene.name).join("demo"), &report)?;
     paths.into_iter().next_back().context("the page's path")
 }
 
