@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, anyhow};
 
-use crate::fixtures::DEMO_LIVE;
+use crate::fixtures::DEMO;
 use crate::tool::{Running, cargo, release_binary, release_example, results, root, run, shown};
 
 /// Where a Chromium is found, as the tests look for it.
@@ -127,7 +127,7 @@ pub(crate) struct Served {
 impl Served {
     /// Of the bundled limb without a scene.
     pub(crate) fn start(scene: Option<&Path>) -> Result<Self> {
-        let bundled = root().join(DEMO_LIVE);
+        let bundled = root().join(DEMO);
         let mut command = Command::new(release_binary("hapdef")?);
         command.arg("live").arg(scene.unwrap_or(&bundled));
         command.args(["--sim", "--view", "--view-port", "0"]);

@@ -1,7 +1,7 @@
 //! What CI runs: what compiles beside what does not fill both cores, what claims a time alone.
 
 use std::process::Command;
-use std::sync::Mutex;
+use std::sync::{Mutex, mpsc};
 use std::thread;
 use std::time::Instant;
 
@@ -47,29 +47,40 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
         || {
             let tests = steps.run("build of the tests", || Tests::build(is_nightly))?;
             steps.run("tests", || tests.untimed())?;
-            Ok((tests, steps.run("build of the wheel", python::build_wheel)?))
+            Ok(tests)
         },
         || {
             steps.run("clippy", clippy)?;
             steps.run("docs", rustdoc)?;
-            steps.run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))
+            steps
+                .run("build of the network servers", || run_quietly(&mut servers(&["--no-run"])))?;
+            // It waits for Cargo until the tests are built.
+            steps.run("build of the wheel", python::build_wheel)
         },
     )?;
     steps.run("tests that claim a time", || tests.timed())?;
     steps.run("tests of network servers", || run(&mut servers(&["--", "foxglove", "zenoh"])))?;
     steps.run("soak --short", || soak::of_ci(true))?;
     steps.run("demo --live", first_minute::check)?;
+    let commands = &docs::Commands::of_docs()?;
+    let (tables_ended, wait) = mpsc::channel::<()>();
     beside(
         || {
-            steps.run("demo --quick", quick_demo)?;
-            steps.run("commands of the docs", docs::run_commands)
+            // Some pages show what is made of the tables' stages: dropped, ended well or not, it lets them go.
+            let ended = tables_ended;
+            steps.run("repro --quick", quick_tables)?;
+            drop(ended);
+            steps.run("commands of the docs", || commands.run())
         },
-        || {
+        move || {
             steps.run("verification table", verify::check)?;
             steps.run("robustness tables", robustness::check)?;
             steps.run("limits page", frontier::check)?;
             steps.run("fixtures", || fixtures::make(true))?;
-            steps.run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))
+            steps
+                .run("tests of the wheel", || wheel.as_ref().map_or(Ok(()), python::test_wheel))?;
+            let _ = wait.recv();
+            steps.run("more commands of the docs", || commands.run())
         },
     )?;
     if is_nightly {
@@ -82,16 +93,15 @@ fn run_all(steps: &Steps, is_nightly: bool) -> Result<()> {
 }
 
 /// Two series of steps at a time that need nothing of each other: hardly a step fills both cores alone.
-fn beside<T: Send>(
+fn beside<T, U: Send>(
     first: impl FnOnce() -> Result<T>,
-    second: impl FnOnce() -> Result<()> + Send,
-) -> Result<T> {
+    second: impl FnOnce() -> Result<U> + Send,
+) -> Result<(T, U)> {
     thread::scope(|scope| {
         let second = scope.spawn(second);
         let first = first();
         let second = second.join().unwrap_or_else(|_| bail!("panicked"));
-        let value = first?;
-        second.map(|()| value)
+        Ok((first?, second?))
     })
 }
 
@@ -177,12 +187,12 @@ fn crates() -> Result<Vec<String>> {
     Ok(names.filter(|name| !NOT_ALONE.contains(name)).map(str::to_owned).collect())
 }
 
-/// A quick run of the main job; its figures must show every cell of both tables, none NaN, and none
+/// A quick run of the paper's tables; its figures must show every cell of both tables, none NaN, and none
 /// farther from the golden values than they allow.
-fn quick_demo() -> Result<()> {
+fn quick_tables() -> Result<()> {
     let program = std::env::current_exe().context("own program")?;
     let mut command = Command::new(program);
-    command.args(["demo", "--quick"]).current_dir(root());
+    command.args(["repro", "--quick", "--tables"]).current_dir(root());
     let output = command.stderr(std::process::Stdio::inherit()).output()?;
     let text = String::from_utf8_lossy(&output.stdout);
     print!("{text}");
@@ -194,7 +204,7 @@ fn quick_demo() -> Result<()> {
     {
         let value = metric(&text, name)?;
         if value.total_cmp(&expected).is_ne() {
-            bail!("{name}: expected {expected}, the demo printed {value}");
+            bail!("{name}: expected {expected}, the run printed {value}");
         }
     }
     let report = root().join("target/hapdef/shin/report/report.json");
@@ -207,7 +217,7 @@ fn metric(text: &str, name: &str) -> Result<f64> {
     let mut lines = text.lines().filter_map(|line| line.strip_prefix("METRIC:"));
     let line = lines
         .find_map(|rest| rest.strip_prefix(name)?.strip_prefix(':'))
-        .with_context(|| format!("the demo printed no METRIC line {name}"))?;
+        .with_context(|| format!("the run printed no METRIC line {name}"))?;
     let value = line.split(':').next().unwrap_or_default();
     value.parse().with_context(|| format!("METRIC {name}: {value:?} is no number"))
 }

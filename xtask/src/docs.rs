@@ -1,18 +1,19 @@
 //! The commands that the docs show, run as a reader would.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, VecDeque};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 
 use crate::browser;
 use crate::tool::{root, run};
 
 /// Commands that a step of its own runs.
-const LEFT_OUT: [&str; 2] = ["cargo xtask test", "cargo xtask demo --quick"];
+const LEFT_OUT: [&str; 2] = ["cargo xtask test", "cargo xtask repro --quick --tables"];
 
 /// Commands that take long as they are shown, and what is run in their place.
 const SMALLER: [(&str, &str); 12] = [
@@ -61,14 +62,68 @@ pub(crate) struct DocsArgs {
 /// `cargo xtask docs`.
 pub(crate) fn run_some(args: &DocsArgs) -> Result<()> {
     match args.pages.as_slice() {
-        [] => run_commands(),
-        pages => run_of(pages),
+        [] => Commands::of_docs()?.run(),
+        pages => Commands::of(pages.to_vec())?.run(),
     }
 }
 
-/// Runs every line of every `sh` block in README.md and docs/.
-pub(crate) fn run_commands() -> Result<()> {
-    run_of(&pages()?)
+/// The commands of pages, for any number of threads: each takes a page at a time.
+pub(crate) struct Commands {
+    pages: Mutex<VecDeque<PathBuf>>,
+    /// What became of each line: what several pages show is run once, and who comes second waits for it.
+    lines: Mutex<BTreeMap<String, Arc<OnceLock<Result<(), String>>>>>,
+    has_browser: bool,
+}
+
+impl Commands {
+    /// Every line of every `sh` block in README.md and docs/.
+    pub(crate) fn of_docs() -> Result<Self> {
+        Self::of(pages()?)
+    }
+
+    fn of(pages: Vec<PathBuf>) -> Result<Self> {
+        let texts: Vec<String> = pages.iter().map(|page| read(page)).collect::<Result<_>>()?;
+        if texts.iter().all(|text| commands(text).is_empty()) {
+            bail!("the docs show no command: expected ```sh blocks in README.md and docs/");
+        }
+        let has_browser = browser::wish()? != "skip";
+        Ok(Self { pages: Mutex::new(pages.into()), lines: Mutex::default(), has_browser })
+    }
+
+    /// Runs those of the pages that nobody has taken.
+    pub(crate) fn run(&self) -> Result<()> {
+        while let Some(page) = self.next_page() {
+            let text = read(&page)?;
+            for line in commands(&text).into_iter().filter(|line| !LEFT_OUT.contains(line)) {
+                let outcome = self.outcome(line);
+                let outcome = outcome.get_or_init(|| self.run_line(line));
+                outcome.clone().map_err(Error::msg).with_context(|| page.display().to_string())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn next_page(&self) -> Option<PathBuf> {
+        self.pages.lock().unwrap_or_else(PoisonError::into_inner).pop_front()
+    }
+
+    fn outcome(&self, line: &str) -> Arc<OnceLock<Result<(), String>>> {
+        let mut lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(lines.entry(line.to_owned()).or_default())
+    }
+
+    fn run_line(&self, line: &str) -> Result<(), String> {
+        if line.starts_with("cargo xtask pictures") && !self.has_browser {
+            println!("skipped: {line}: no Chromium");
+            return Ok(());
+        }
+        eprintln!("   $ {line}");
+        let start = Instant::now();
+        run(Command::new("sh").args(["-c", line]).current_dir(root()))
+            .map_err(|error| format!("{line}: {error:#}"))?;
+        eprintln!("   {:.1} s  {line}", start.elapsed().as_secs_f64());
+        Ok(())
+    }
 }
 
 /// README.md and the pages of docs/.
@@ -83,30 +138,8 @@ fn pages() -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn run_of(files: &[PathBuf]) -> Result<()> {
-    let mut run_before = BTreeSet::new();
-    for file in files {
-        let text = fs::read_to_string(file).with_context(|| file.display().to_string())?;
-        for line in commands(&text) {
-            // What several pages show is run once.
-            if LEFT_OUT.contains(&line) || !run_before.insert(line.to_owned()) {
-                continue;
-            }
-            if line.starts_with("cargo xtask pictures") && browser::wish()? == "skip" {
-                println!("skipped: {line}: no Chromium");
-                continue;
-            }
-            eprintln!("   $ {line}");
-            let start = Instant::now();
-            run(Command::new("sh").args(["-c", line]).current_dir(root()))
-                .with_context(|| format!("{}: {line}", file.display()))?;
-            eprintln!("   {:.1} s", start.elapsed().as_secs_f64());
-        }
-    }
-    if run_before.is_empty() {
-        bail!("the docs show no command: expected ```sh blocks in README.md and docs/");
-    }
-    Ok(())
+fn read(page: &Path) -> Result<String> {
+    fs::read_to_string(page).with_context(|| page.display().to_string())
 }
 
 /// A fenced block: what stands behind the fence, and its lines.

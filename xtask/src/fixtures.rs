@@ -7,10 +7,10 @@ use anyhow::{Context, Result};
 
 use crate::tool::{release_binary, release_example, root, run, target_dir};
 
-/// The bundled limb, calibrated by presses of its rig: what `demo --live` shows.
-pub(crate) const DEMO_LIVE: &str = "fixtures/shin/demo.json";
+/// The bundled limb, calibrated by presses of its rig: what `demo` shows.
+pub(crate) const DEMO: &str = "fixtures/shin/demo.json";
 
-/// The scene that is pressed and calibrated, and the file that [`DEMO_LIVE`] names.
+/// The scene that is pressed and calibrated, and the file that [`DEMO`] names.
 const PRESSED: &str = "fixtures/shin/placed.json";
 const CALIBRATION: &str = "fixtures/shin/demo_calibration.json.gz";
 const N_PRESSES: &str = "300";

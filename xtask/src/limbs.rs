@@ -187,9 +187,8 @@ fn figures(limbs: &[Limb]) -> Vec<(&'static str, f64, &'static str)> {
         ("limbs.seconds_worst", most(&Limb::seconds), "s"),
     ];
     if limbs.iter().any(|limb| limb.touch.is_some()) {
-        let median = |i: usize| {
-            move |limb: &Limb| limb.touched().map(|touch| 1e3 * touch.errors[i].median_m)
-        };
+        let median =
+            |i: usize| move |limb: &Limb| limb.touched().map(|touch| touch.errors[i].median_mm);
         figures.extend([
             ("limbs.touched", count(|limb| limb.touched().is_some()), "1"),
             ("limbs.touch_failed", count(|limb| matches!(limb.touch, Some(Err(_)))), "1"),
@@ -203,9 +202,9 @@ fn figures(limbs: &[Limb]) -> Vec<(&'static str, f64, &'static str)> {
 
 /// The limb whose single contacts are found worst.
 fn worst_touched(limbs: &[Limb]) -> Option<&Limb> {
-    let error_m = |limb: &&Limb| limb.touched().map_or(0.0, |touch| touch.errors[0].median_m);
+    let error_mm = |limb: &&Limb| limb.touched().map_or(0.0, |touch| touch.errors[0].median_mm);
     let touched = limbs.iter().filter(|limb| limb.touched().is_some());
-    touched.max_by(|a, b| error_m(a).total_cmp(&error_m(b)))
+    touched.max_by(|a, b| error_mm(a).total_cmp(&error_mm(b)))
 }
 
 #[cfg(test)]
@@ -240,8 +239,8 @@ mod tests {
         );
         assert!(limbs[1].row().ends_with("| no: open |"));
         assert!(limbs[2].row().ends_with("not read: no triangle |"));
-        let errors = [(0.5e-3, 0.0), (3e-3, 0.06)]
-            .map(|(median_m, share_beyond)| Errors { median_m, share_beyond });
+        let errors = [(0.5, 0.0), (3.0, 0.06)]
+            .map(|(median_mm, share_beyond)| Errors { median_mm, share_beyond });
         limbs[0].touch = Some(Ok(Touch { new_s: 41.0, errors }));
         assert!(limbs[0].row().ends_with("| 3 | 41 | 0.50, 0 | 3.00, 6 |"), "{}", limbs[0].row());
         assert_eq!(values(&limbs)[5..], [1.0, 0.0, 0.5, 3.0, 41.0]);

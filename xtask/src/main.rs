@@ -36,12 +36,12 @@ use clap::{Parser, Subcommand};
 
 use crate::pipeline::DemoArgs;
 
-/// hapdef's tasks. `cargo xtask demo --quick` is the place to start.
+/// hapdef's tasks. `cargo xtask demo` is the place to start.
 #[derive(Parser)]
 #[command(
     name = "cargo xtask",
-    after_help = "Example:\n  cargo xtask demo --quick\n  \
-    cargo xtask demo --scene fixtures/shin/scene.json\n  \
+    after_help = "Example:\n  cargo xtask demo\n  \
+    cargo xtask demo --scene fixtures/shin/placed.json\n  \
     cargo xtask demo --live\n  cargo xtask test"
 )]
 struct Cli {
@@ -51,19 +51,19 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Everything from the limb to the report with the paper's tables; with `--live` the live page.
-    #[command(after_help = "Examples:\n  cargo xtask demo --quick\n  cargo xtask demo --live\n  \
+    /// From the limb to contacts in a minute: calibrated, scored, drawn; with `--live` on the live page.
+    #[command(after_help = "Examples:\n  cargo xtask demo\n  cargo xtask demo --live\n  \
         cargo xtask demo --live --scene fixtures/shin/placed.json -- --seconds 60")]
     Demo(DemoArgs),
-    /// The paper's tables and figures in full, with verdicts on its claims.
+    /// The paper's tables and figures, with verdicts on its claims.
     #[command(
-        after_help = "Examples:\n  cargo xtask repro --quick\n  cargo xtask repro --full --write"
+        after_help = "Examples:\n  cargo xtask repro --quick --tables\n  cargo xtask repro --full --write"
     )]
     Repro(repro::ReproArgs),
     /// Every unit, integration and documentation test.
     #[command(after_help = "Example:\n  cargo xtask test")]
     Test,
-    /// What CI runs: the tests, format, lints, docs, each crate alone, tables, pages, the wheel, a quick demo.
+    /// What CI runs: the tests, format, lints, docs, each crate alone, tables, pages, the wheel, a quick run of the paper's tables.
     #[command(after_help = "Examples:\n  cargo xtask ci\n  cargo xtask ci --nightly")]
     Ci(ci::CiArgs),
     /// Is the elasticity solver right: the verification table, or one deck.

@@ -64,10 +64,16 @@ const PAGE_SIZE: &str = "1100x760";
 const FIGURE_SIZE: &str = "1100x1040";
 const PAGE_S: &str = "1";
 
-const SHOTS: [Shot; 14] = [
-    picture("shin-rigidity", "shin/report/rigidity-limb.svg", "cargo xtask demo"),
-    picture("shin-double", "shin/report/figure6b-limb.svg", "cargo xtask demo"),
-    figure("report", "shin/report/report.html", "cargo xtask demo"),
+const SHOTS: [Shot; 15] = [
+    Shot {
+        name: "demo",
+        page: "shin-demo/demo/contacts.svg",
+        made_by: "cargo xtask demo",
+        part: Part::Whole("1040x512"),
+    },
+    picture("shin-rigidity", "shin/report/rigidity-limb.svg", "cargo xtask repro --tables"),
+    picture("shin-double", "shin/report/figure6b-limb.svg", "cargo xtask repro --tables"),
+    figure("report", "shin/report/report.html", "cargo xtask repro --tables"),
     top("compare", "shin-placed/compare/report.html", "cargo xtask compare"),
     top("verify", "verify/report.html", "cargo xtask verify"),
     figure("frontier", "shin-placed-anew/frontier/report.html", "cargo xtask frontier"),

@@ -1,22 +1,22 @@
-//! The main job: the pipeline's binaries in order.
+//! The main job, and what the tasks that run a program over a scene share.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use anyhow::Result;
 
-use crate::browser;
-use crate::fixtures::DEMO_LIVE;
-use crate::tool::{release_binary, root, shown, status};
+use crate::fixtures::DEMO;
+use crate::tool::{into_results, release_binary, results, root, shown, status, target_dir};
+use crate::{browser, metrics};
 
 /// Arguments of the tasks that run the pipeline.
 #[derive(clap::Args, Clone)]
 pub(crate) struct PipelineArgs {
-    /// The scene; the bundled shin if absent, for the whole frontier with its gauges placed.
+    /// The scene; the bundled shin if absent, for demo and frontier with its gauges placed.
     #[arg(long)]
     pub(crate) scene: Option<PathBuf>,
-    /// Fewer samples and short training: minutes instead of hours.
+    /// Less of everything: fewer presses, samples and steps of training.
     #[arg(long)]
     pub(crate) quick: bool,
     /// Seed of the training side instead of the scene's.
@@ -32,7 +32,7 @@ pub(crate) struct PipelineArgs {
 pub(crate) struct DemoArgs {
     #[command(flatten)]
     pipeline: PipelineArgs,
-    /// The live page instead of the report: the virtual limb is pressed, and the contacts appear.
+    /// The live page instead of errors and their page: the virtual limb is pressed, and the contacts appear.
     /// What comes after `--` goes to `hapdef live`.
     #[arg(long)]
     live: bool,
@@ -43,7 +43,31 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     if args.live {
         return live(&args.pipeline);
     }
-    report(&args.pipeline)
+    contacts(&args.pipeline)
+}
+
+/// Presses of each number of contacts with `--quick`.
+const N_QUICK: &str = "25";
+
+/// Calibrates the limb on its simulated rig, and finds contacts.
+fn contacts(args: &PipelineArgs) -> Result<()> {
+    let is_first = !target_dir()?.join("release/hapdef").exists();
+    eprintln!("building (the first time takes some minutes) …");
+    let start = Instant::now();
+    let mut command = Command::new(release_binary("hapdef")?);
+    let build_s = start.elapsed().as_secs_f64();
+    command.arg("demo").arg(args.scene.clone().unwrap_or_else(|| root().join(DEMO)));
+    if args.quick {
+        command.args(["--scored", N_QUICK]);
+    }
+    if let Some(seed) = args.seed {
+        command.args(["--seed", &seed.to_string()]);
+    }
+    if is_first {
+        let figures = [("first.build_s", build_s, "s")];
+        metrics::report(&figures, 0, Some(&results().join("metrics.json")));
+    }
+    finish(into_results(command.args(&args.rest)))
 }
 
 /// The virtual limb on the live page. Contacts are followed by superposition unless another estimator is
@@ -66,7 +90,7 @@ pub(crate) fn live_command(
     seed: Option<u64>,
     opener: Option<PathBuf>,
 ) -> Result<Command> {
-    let bundled = root().join(DEMO_LIVE);
+    let bundled = root().join(DEMO);
     let mut command = Command::new(release_binary("hapdef")?);
     command.arg("live").arg(scene.unwrap_or(&bundled));
     command.args(["--sim", "--view", "--view-first"]);
@@ -77,22 +101,6 @@ pub(crate) fn live_command(
         command.arg("--view-with").arg(opener);
     }
     Ok(command)
-}
-
-/// From the limb to the report.
-fn report(args: &PipelineArgs) -> Result<()> {
-    eprintln!("building (the first time takes some minutes) …");
-    let hapdef = release_binary("hapdef")?;
-    let repro = release_binary("hapdef-repro")?;
-    let start = Instant::now();
-    let began_unix_s = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?.as_secs_f64();
-    for (program, verb) in [(&hapdef, "eval"), (&repro, "report")] {
-        let mut command = Command::new(program);
-        command.env("HAPDEF_DEMO_BEGAN_UNIX_S", began_unix_s.to_string());
-        finish(command.arg(verb).args(common(args)))?;
-    }
-    eprintln!("demo: {:.0} s after the build", start.elapsed().as_secs_f64());
-    Ok(())
 }
 
 /// Hands the program's own exit code on: it has said what is wrong.

@@ -16,6 +16,9 @@ pub(crate) struct ReproArgs {
     /// The paper's amounts of data; so without `--quick`, too.
     #[arg(long, conflicts_with = "quick")]
     full: bool,
+    /// Leave out what trains nets of its own: figure 5A, and the ablations of figure 8.
+    #[arg(long, conflicts_with_all = ["full", "write"])]
+    tables: bool,
     /// Also writes docs/results.md, and docs/results.json in a full run; those of a scene other than
     /// the bundled one have its name, docs/results-NAME.md.
     #[arg(long)]
@@ -31,7 +34,8 @@ pub(crate) fn repro(args: &ReproArgs) -> Result<()> {
     let program = release_binary("hapdef-repro")?;
     eprintln!("the paper's tables and figures: {}", expected_time(is_quick));
     let mut command = Command::new(program);
-    command.arg("repro").args(common(&args.pipeline));
+    let verb = if args.tables { "report" } else { "repro" };
+    command.arg(verb).args(common(&args.pipeline));
     if args.write {
         let files = files(args.pipeline.scene.as_deref())?;
         let has_full_run = files[1].exists();

@@ -14,6 +14,7 @@
 mod argument;
 mod error;
 mod figure;
+mod headline;
 mod metrics;
 mod named_text;
 mod origin;
@@ -25,6 +26,7 @@ mod text;
 
 pub use argument::{ArgumentError, check_len};
 pub use error::ReportError;
+pub use headline::Headline;
 pub use metrics::{MetricContext, MetricLog, MetricOutcome, MetricRecord};
 pub use origin::Origin;
 pub use page::{Block, LimbMap, LimbView, Page};
@@ -34,7 +36,7 @@ pub use pictures::{
     unroll, unrolled_row_svg, unrolled_svg,
 };
 pub use report::{
-    Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, seconds_text,
-    write_report, write_text,
+    Figure, FigureContent, NamedText, Report, ReportTable, SkippedStage, StageTime, Summary,
+    seconds_text, write_report, write_text,
 };
 pub use text::{TextCell, TextTable, cell_text, escape_html};

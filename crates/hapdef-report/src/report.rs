@@ -1,6 +1,7 @@
 //! The report of a run: Markdown, JSON, and one HTML page that needs nothing else.
 
 mod markdown;
+mod summary;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 use hapdef_mesh::atomic_write;
 use serde::Serialize;
 
+pub use self::summary::Summary;
 use crate::argument::ArgumentError;
 use crate::error::ReportError;
 pub use crate::figure::{Figure, FigureContent};
@@ -62,6 +64,9 @@ pub struct Report {
     pub seed: u64,
     /// What the run rests on: profile, seed, commit, machine, sample counts, thinning.
     pub facts: Vec<NamedText>,
+    /// What comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub summary: Option<Summary>,
     /// Tables, in order.
     pub tables: Vec<ReportTable>,
     /// Figures, in order.
@@ -95,7 +100,9 @@ struct Written<'a> {
 /// [`ReportError::NoHashes`]; a figure whose file name is no plain name with the ending of its content or is used twice,
 /// found before anything is written; then files that can't be written.
 pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, ReportError> {
-    check_figures(&report.figures)?;
+    let pictures = report.summary.iter().map(|summary| &summary.picture);
+    let figures: Vec<&Figure> = pictures.chain(&report.figures).collect();
+    check_figures(&figures)?;
     if report.hashes.is_empty() {
         let title = report.title.clone();
         return Err(ReportError::NoHashes { title });
@@ -116,7 +123,7 @@ pub fn write_report(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Repo
         paths.push(path);
         Ok::<(), ReportError>(())
     };
-    for figure in &report.figures {
+    for figure in figures {
         match &figure.content {
             FigureContent::Svg(text) => write(&figure.file, text.as_bytes())?,
             FigureContent::Png(bytes) => write(&figure.file, bytes)?,
@@ -155,7 +162,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
 /// Stem of the report's own files.
 const REPORT: &str = "report";
 
-fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
+fn check_figures(figures: &[&Figure]) -> Result<(), ArgumentError> {
     for (index, figure) in figures.iter().enumerate() {
         let (ending, expected) = match figure.content {
             FigureContent::Svg(_) => {
@@ -185,7 +192,7 @@ fn check_figures(figures: &[Figure]) -> Result<(), ArgumentError> {
 fn page(report: &Report) -> Page {
     let scene = (!report.scene.is_empty())
         .then(|| NamedText { name: "scene".into(), text: report.scene.clone() });
-    let mut blocks = Vec::new();
+    let mut blocks = report.summary.as_ref().map(Summary::blocks).unwrap_or_default();
     for table in &report.tables {
         blocks.push(Block::Heading(table.title.clone()));
         blocks.push(Block::Table(table.text.clone()));

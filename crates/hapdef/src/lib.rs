@@ -108,7 +108,7 @@ pub use open::{OpenParams, OpenScene, SolvedLimb};
 pub use pipeline::{Pipeline, Until};
 pub use print::{GaugePlace, PrintParams, PrintedLimb, print_limb};
 pub use profile::{OutputScale, Profile, Samples, Schedule};
-pub use progress::{Bar, Display, Progress, TrainingBar};
+pub use progress::{Bar, Display, Progress, StepBar};
 pub use run::Run;
 pub use sampling::{draw_contacts, draw_numbered};
 pub use scoring::{

@@ -24,9 +24,9 @@ pub trait Bar: Debug + Send + Sync {
     fn set(&self, step: u64, text: String);
 }
 
-/// Progress of one training.
+/// Progress of work of known length.
 #[derive(Debug)]
-pub struct TrainingBar(Option<Box<dyn Bar>>);
+pub struct StepBar(Option<Box<dyn Bar>>);
 
 /// Lines on standard error.
 #[derive(Debug)]
@@ -57,14 +57,14 @@ impl Progress {
         }
     }
 
-    /// A bar for a training of `n_steps` steps.
+    /// A bar for work of `n_steps` steps.
     #[must_use]
-    pub fn training(&self, name: &str, n_steps: u64) -> TrainingBar {
-        TrainingBar(self.display.as_ref().and_then(|display| display.bar(name, n_steps)))
+    pub fn bar(&self, name: &str, n_steps: u64) -> StepBar {
+        StepBar(self.display.as_ref().and_then(|display| display.bar(name, n_steps)))
     }
 }
 
-impl TrainingBar {
+impl StepBar {
     /// Moves the bar and shows a text, such as the losses, beside it.
     pub fn set(&self, step: u64, text: String) {
         if let Some(bar) = &self.0 {

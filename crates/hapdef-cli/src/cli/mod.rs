@@ -9,6 +9,7 @@ mod calibrate_words;
 mod contacts;
 mod converge;
 mod deck;
+mod demo;
 mod doctor;
 mod export;
 mod files;
@@ -54,6 +55,7 @@ use hapdef_cli::SceneArgs;
 #[command(
     version,
     after_help = "Examples:\n  \
+    hapdef demo fixtures/shin/demo.json\n  \
     hapdef new fixtures/shin/shin_skin.glb --folder my-limb\n  \
     hapdef live my-limb --sim --view\n  \
     hapdef inspect fixtures/shin/shin_skin.glb\n  \
@@ -75,6 +77,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// A limb from any mesh: reads it, says what it guesses, writes a folder with skin and scene.
     New(new::NewArgs),
+    /// The whole job in a minute: calibrates a limb on its simulated rig, finds contacts, says how well.
+    Demo(demo::DemoArgs),
     /// Solves a solid deck's own load and prints displacement, energy and mass.
     #[command(after_help = "Example:\n  hapdef deck fixtures/shin/shin.inp.gz")]
     Deck {
@@ -161,6 +165,7 @@ pub(crate) fn run(cli: &Cli) -> Result<()> {
         Command::Deck { file, reference, vtu } => {
             deck::solve(file, reference.as_deref(), vtu.as_deref())
         }
+        Command::Demo(args) => demo::run(args),
         Command::Check(args) => stage::check(args),
         Command::Scene(args) => scene::run(args),
         Command::Plan(args) => plan::run(args),

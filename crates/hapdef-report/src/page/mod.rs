@@ -14,6 +14,7 @@ pub use limb::{LimbMap, LimbView};
 
 use crate::ReportError;
 use crate::figure::{Figure, FigureContent};
+use crate::headline::Headline;
 use crate::named_text::NamedText;
 use crate::text::{TextTable, escape_html as escape};
 
@@ -44,6 +45,10 @@ pub enum Block {
         /// Whether it warns.
         warns: bool,
     },
+    /// What is read first.
+    Lead(String),
+    /// Numbers in large type, side by side.
+    Headlines(Vec<Headline>),
     /// A paragraph.
     Note(String),
     /// A table.
@@ -62,16 +67,19 @@ impl Page {
         let mut text = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"/>\n\
-             <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n<dl>"
+             <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n"
         );
-        for fact in &self.facts {
-            let (name, what) = (escape(&fact.name), escape(&fact.text));
-            let _ = write!(text, "<dt>{name}</dt><dd>{what}</dd>");
-        }
-        text.push_str("</dl>\n");
         let mut limbs = Vec::new();
         for block in &self.blocks {
             text.push_str(&block.html(&mut limbs));
+        }
+        if !self.facts.is_empty() {
+            text.push_str("<h2>What this rests on</h2>\n<dl>");
+            for fact in &self.facts {
+                let (name, what) = (escape(&fact.name), escape(&fact.text));
+                let _ = write!(text, "<dt>{name}</dt><dd>{what}</dd>");
+            }
+            text.push_str("</dl>\n");
         }
         if !limbs.is_empty() {
             // Numbers and colours only: nothing in them ends the script element.
@@ -104,6 +112,11 @@ impl Block {
                 let class = if *warns { "verdict warns" } else { "verdict" };
                 format!("<p class=\"{class}\">{}</p>\n", escape(text))
             }
+            Self::Lead(text) => format!("<p class=\"lead\">{}</p>\n", escape(text)),
+            Self::Headlines(numbers) => {
+                let cells: String = numbers.iter().map(headline_html).collect();
+                format!("<div class=\"headlines\">{cells}</div>\n")
+            }
             Self::Note(text) => format!("<p class=\"note\">{}</p>\n", escape(text)),
             Self::Table(table) => format!("<div class=\"scroll\">{}</div>\n", table.to_html()),
             Self::Figure(figure) => figure_html(figure),
@@ -113,6 +126,11 @@ impl Block {
             }
         }
     }
+}
+
+fn headline_html(number: &Headline) -> String {
+    let [value, what, beside] = [&number.value, &number.what, &number.beside].map(|t| escape(t));
+    format!("<div><b>{value}</b><span>{what}</span><small>{beside}</small></div>")
 }
 
 fn figure_html(figure: &Figure) -> String {

@@ -1,6 +1,7 @@
 //! A small report, read back.
 
 use super::*;
+use crate::headline::Headline;
 use crate::metrics::MetricContext;
 
 fn named(name: &str, text: &str) -> NamedText {
@@ -46,6 +47,7 @@ fn report() -> Report {
             figure("limb.png", FigureContent::Png(vec![1, 2, 3])),
         ],
         limbs: vec![],
+        summary: None,
         metrics: vec![MetricRecord { name: "a.b".to_owned(), outcome, context }],
         stages: vec![StageTime { name: "compliance".to_owned(), elapsed_s: 12.34, cached: true }],
         skipped: vec![SkippedStage { name: "svr".to_owned(), reason: "quick".to_owned() }],
@@ -155,4 +157,60 @@ fn a_chart_brings_its_numbers_along() {
     let figure = Figure::lines("growth.svg", "how it grows", &chart).unwrap();
     assert_eq!(figure.data["x_label"], "nodes");
     assert_eq!(figure.data["series"][0]["points"], serde_json::json!([[1.0, 2.0], [3.0, null]]));
+}
+
+#[test]
+fn the_summary_comes_first_and_what_it_rests_on_last() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = Figure { file: "top.png".to_owned(), ..report().figures[1].clone() };
+    let number = Headline {
+        value: "0.2 mm".to_owned(),
+        what: "one contact".to_owned(),
+        beside: "6 mm <before>".to_owned(),
+    };
+    let summary = Summary {
+        sentence: "Found & scored.".to_owned(),
+        numbers: vec![number],
+        picture,
+        next: vec!["hapdef live".to_owned()],
+    };
+    let with_summary = Report { summary: Some(summary.clone()), ..report() };
+    let paths = write_report(folder.path(), &with_summary).unwrap();
+    assert!(paths[0].ends_with("top.png"), "{paths:?}");
+    for (ending, parts) in [
+        (
+            "html",
+            [
+                "Found &amp; scored.",
+                "<b>0.2 mm</b>",
+                "6 mm &lt;before&gt;",
+                "<img ",
+                "hapdef live",
+                "Table 1",
+                "What this rests on",
+            ],
+        ),
+        (
+            "md",
+            [
+                "Found & scored.",
+                "**0.2 mm**",
+                "6 mm <before>",
+                "top.png",
+                "hapdef live",
+                "Table 1",
+                "What this rests on",
+            ],
+        ),
+    ] {
+        let text =
+            std::fs::read_to_string(folder.path().join("report").with_extension(ending)).unwrap();
+        let mut rest = text.as_str();
+        for part in parts {
+            let at = rest.find(part);
+            rest = &rest[at.unwrap_or_else(|| panic!("{part} doesn't come next in {rest}"))..];
+        }
+    }
+    let twice = Report { figures: vec![summary.picture.clone()], ..with_summary };
+    assert!(write_report(folder.path(), &twice).is_err(), "a picture and a figure share a file");
 }

@@ -72,7 +72,7 @@ impl Training<'_> {
         validation: &mut dyn BatchSource,
     ) -> Result<(TrainInfo, Net), HapdefError> {
         let (run, params) = (self.run, self.params);
-        let bar = run.progress.training(&self.kind.name(), params.steps);
+        let bar = run.progress.bar(&self.kind.name(), params.steps);
         let mut go_on = |progress: &Progress| {
             bar.set(progress.step, state(progress));
             if run.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
