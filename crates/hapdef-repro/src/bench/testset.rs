@@ -9,7 +9,7 @@ use hapdef_bench::stats::mean;
 use serde::Serialize;
 
 use super::methods::Passes;
-use crate::run::chain::chain;
+use crate::run::chain::{Choice, chain};
 use crate::run::dataset::{Dataset, Part, Rows, evenly};
 use crate::run::scores::scored;
 
@@ -165,10 +165,7 @@ impl TestSet {
         for press in presses {
             map_of(press, &mut map)?;
             let found = self.chain.candidates(&map, &mut scratch)?;
-            let chosen = match n_contacts {
-                1 => self.chain.top(&found, 1),
-                n => self.chain.top_with_spread(&found, n)?,
-            };
+            let chosen = Choice::ForceWithSpread.of(&self.chain, &found, n_contacts)?;
             pairs.extend(score_lenient(&scored(&chosen), &press.truth)?);
         }
         Ok(ContactStats::of(&pairs, n_contacts * presses.len()))

@@ -166,9 +166,8 @@ fn cold_pair_ms(
     for contacts in drawn {
         let forces: Vec<f64> = contacts.iter().map(|c| c.force_n).collect();
         let readings = presses.reading(contacts, &forces, draw);
-        let start = Instant::now();
-        estimator.estimate_into(&readings, &mut scratch, &mut estimate)?;
-        times_ms.push(start.elapsed().as_secs_f64() * 1e3);
+        let time_us = cells::estimate_us(estimator, &readings, &mut scratch, &mut estimate)?;
+        times_ms.push(time_us * 1e-3);
     }
     Ok(median(times_ms))
 }

@@ -11,6 +11,7 @@ use hapdef_mesh::tri6;
 
 use super::score::Score;
 use super::world::Frame;
+use crate::run::chain::Choice;
 use crate::run::scores::scored;
 
 /// The trained chain and its buffers.
@@ -47,26 +48,6 @@ impl VirtualGauges {
     }
 }
 
-/// How the T contacts are chosen among the candidates; T is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ranking {
-    /// The paper's: the greatest force by F_S.
-    Force,
-    /// The greatest displacement.
-    Displacement,
-}
-
-impl Ranking {
-    pub(crate) const ALL: [Self; 2] = [Self::Force, Self::Displacement];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Force => "by force",
-            Self::Displacement => "by displacement",
-        }
-    }
-}
-
 impl PaperPipeline {
     /// Trains the chain's three nets, or takes them from the cache.
     pub(crate) fn train(run: &Run, limb: &Limb) -> Result<Self> {
@@ -86,7 +67,7 @@ impl PaperPipeline {
         frames: &[Frame],
         n_gauges: usize,
         virtual_gauges: VirtualGauges,
-        ranking: Ranking,
+        choice: Choice,
     ) -> Result<Score> {
         let mut score = Score::default();
         for frame in frames {
@@ -108,16 +89,8 @@ impl PaperPipeline {
                     self.chain.maps_of_virtual_gauges(&inputs, scratch, map_um)?;
                 }
             }
-            let mut found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
-            let n_contacts = frame.contacts.len();
-            let taken = match ranking {
-                Ranking::Force => self.chain.top(&found, n_contacts),
-                Ranking::Displacement => {
-                    found.sort_by(|a, b| b.displacement_um.total_cmp(&a.displacement_um));
-                    found.truncate(n_contacts);
-                    found
-                }
-            };
+            let found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
+            let taken = choice.of(&self.chain, &found, frame.contacts.len())?;
             let time_us = start.elapsed().as_secs_f64() * 1e6;
             score.add(skin, frame, &scored(&taken), time_us)?;
         }

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
+use hapdef_bench::Named;
 use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
 use serde::{Deserialize, Serialize};
@@ -74,6 +75,12 @@ pub(crate) struct Errors {
     pub(crate) count_pct: f64,
     /// Mean error of the displacement of the whole skin, µm, where that is looked at.
     pub(crate) map_um: Option<f64>,
+}
+
+impl Named for Row {
+    fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 impl Score {

@@ -12,9 +12,10 @@ use hapdef_inverse::EstimatorParams;
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::cells::{Drawn, Map};
-use super::paper::{PaperPipeline, Ranking, VirtualGauges};
+use super::paper::{PaperPipeline, VirtualGauges};
 use super::score::Row;
 use super::world::{Frame, World};
+use crate::run::chain::Choice;
 
 /// Gauges of the layout for the static triple.
 pub(super) const N_MORE: usize = 16;
@@ -24,10 +25,6 @@ const MARGIN_M: f64 = 1e-3;
 
 /// Presses of the calibration by few.
 pub(super) const N_FEW: usize = 300;
-
-/// Largest friction coefficient of the friction row, and its tip: 8 mm across.
-pub(super) const FRICTION: f64 = 0.2;
-pub(super) const WIDE_TIP_M: f64 = 0.004;
 
 /// Stiffness modes of a calibration.
 pub(crate) const N_STIFFNESS: usize = 32;
@@ -97,11 +94,6 @@ impl<'a> Bench<'a> {
         estimator_params(&self.run.scene)
     }
 
-    /// The scene's gauges, calibrated with all presses.
-    pub(super) fn calibrated(&self) -> Result<Map> {
-        self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
-    }
-
     /// What is pressed.
     pub(super) fn drawn(&self) -> Drawn<'_> {
         Drawn { world: &self.world, scene: &self.run.scene, seed: self.args.test_seed }
@@ -130,11 +122,12 @@ impl<'a> Bench<'a> {
         of: VirtualGauges,
     ) -> Result<Vec<Row>> {
         let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
-        let row = |ranking: Ranking| {
-            let score = paper.score(skin, frames, n_gauges, of, ranking)?;
-            Ok(score.row(&format!("{}, {}", of.name(), ranking.name())))
+        let row = |(choice, by)| {
+            let score = paper.score(skin, frames, n_gauges, of, choice)?;
+            Ok(score.row(&format!("{}, by {by}", of.name())))
         };
-        Ranking::ALL.into_iter().map(row).collect()
+        let choices = [(Choice::Force, "force"), (Choice::Displacement, "displacement")];
+        choices.into_iter().map(row).collect()
     }
 
     /// `k` contacts of 5 N to the strongest, 20 mm apart.

@@ -47,16 +47,6 @@ pub(super) enum Layout {
     Greedy(usize),
 }
 
-impl Layout {
-    /// How many are chosen; none are where the scene has its own.
-    pub(super) fn n_chosen(self) -> Option<usize> {
-        match self {
-            Self::Scene => None,
-            Self::Greedy(n) => Some(n),
-        }
-    }
-}
-
 /// What of a frame is known before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

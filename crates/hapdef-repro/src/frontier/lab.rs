@@ -14,8 +14,8 @@ use hapdef_inverse::{
 };
 use hapdef_sim::{GaugeSite, GaugeStrain};
 
-use super::configuration::{Configuration, Layout, Mesh};
-use super::frames::{Amounts, Frames};
+use super::configuration::{Configuration, LAYOUTS, Layout, MOST_GAUGES, Mesh};
+use super::frames::Frames;
 use crate::compare::cells::Map;
 use crate::compare::frontier::EFFORTS;
 use crate::compare::paper::TrueMaps;
@@ -27,8 +27,9 @@ pub(super) struct Lab<'a> {
     pub(super) run: &'a Run,
     pub(super) limb: &'a Limb,
     layouts: HashMap<Layout, Placed>,
-    responses: HashMap<(Mesh, Layout), Solved>,
-    maps: HashMap<(Mesh, Layout, usize), Calibrated>,
+    /// What several share, and the time that it took to make it, s.
+    responses: HashMap<(Mesh, Layout), (UncertainResponse, f64)>,
+    maps: HashMap<(Mesh, Layout, usize), (Map, f64)>,
     world: World,
     pub(super) frames: Frames,
     pub(super) maps_of: TrueMaps,
@@ -39,16 +40,6 @@ struct Placed {
     gauges: Vec<GaugeStrain>,
     /// The rig's channels that they are.
     channels: Range<usize>,
-}
-
-struct Solved {
-    response: UncertainResponse,
-    elapsed_s: f64,
-}
-
-struct Calibrated {
-    map: Map,
-    elapsed_s: f64,
 }
 
 /// An estimator and what it took to make it.
@@ -79,14 +70,14 @@ impl<'a> Lab<'a> {
     pub(super) fn build(
         run: &'a Run,
         limb: &'a Limb,
-        amounts: Amounts,
-        layouts: &[Layout],
+        test_seed: u64,
+        n_frames: usize,
     ) -> Result<Self> {
-        let (layouts, further) = place(run, limb, layouts)?;
+        let (layouts, further) = place(run, limb)?;
         let maps_of = TrueMaps::read(run, limb)?;
         run.say("solving the simulated real limb");
         let world = World::build(run, limb, maps_of.skin(), &further)?;
-        let frames = Frames::draw(&world, &run.scene, amounts)?;
+        let frames = Frames::draw(&world, &run.scene, test_seed, n_frames)?;
         Ok(Self {
             run,
             limb,
@@ -129,15 +120,13 @@ impl<'a> Lab<'a> {
         max_contacts: usize,
     ) -> Result<ContactEstimator> {
         let effort = &EFFORTS[configuration.effort];
-        let params =
-            EstimatorParams { max_contacts, ..effort.params(estimator_params(&self.run.scene)) };
-        let solved = &self.responses[&(configuration.mesh, configuration.layout)];
-        let map = &solved.response.map;
+        let usual = estimator_params(&self.run.scene);
+        let params = EstimatorParams { max_contacts, ..(effort.params)(usual) };
+        let map = &self.responses[&(configuration.mesh, configuration.layout)].0.map;
         let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
-        if let Some(known) =
-            self.maps.get(&(configuration.mesh, configuration.layout, configuration.presses))
-        {
-            return known.map.estimator_at(&sites, params);
+        let key = (configuration.mesh, configuration.layout, configuration.presses);
+        if let Some((known, _)) = self.maps.get(&key) {
+            return known.estimator_at(&sites, params);
         }
         let noise = NoiseParams {
             model_error: ModelError {
@@ -173,11 +162,9 @@ impl<'a> Lab<'a> {
                     UncertainResponse::solve_shell(self.limb, sites, gauges, max_wall_m, &params)?
                 }
             };
-            let elapsed_s = start.elapsed().as_secs_f64();
-            let solved = Solved { response, elapsed_s };
-            self.responses.insert(key, solved);
+            self.responses.insert(key, (response, start.elapsed().as_secs_f64()));
         }
-        Ok(self.responses[&key].elapsed_s)
+        Ok(self.responses[&key].1)
     }
 
     /// Calibrates the map of a configuration unless that is done; the time that it took, 0 without presses.
@@ -187,14 +174,13 @@ impl<'a> Lab<'a> {
             let channels = self.layouts[&configuration.layout].channels.clone();
             let noise = self.world.noise(&channels)?;
             let (run, presses) = (self.run, &self.frames.presses[..configuration.presses]);
-            let response = &self.responses[&(configuration.mesh, configuration.layout)].response;
+            let response = &self.responses[&(configuration.mesh, configuration.layout)].0;
             run.say(&format!("calibrating: {}", configuration.name()));
             let start = Instant::now();
             let map = Map::calibrate(response, presses, channels, noise, run.threads)?;
-            let elapsed_s = start.elapsed().as_secs_f64();
-            self.maps.insert(key, Calibrated { map, elapsed_s });
+            self.maps.insert(key, (map, start.elapsed().as_secs_f64()));
         }
-        Ok(self.maps.get(&key).map_or(0.0, |known| known.elapsed_s))
+        Ok(self.maps.get(&key).map_or(0.0, |(_, elapsed_s)| *elapsed_s))
     }
 }
 
@@ -205,25 +191,20 @@ pub(super) fn found_um(maps: &TrueMaps, contacts: &[LocatedContact]) -> Vec<f32>
 }
 
 /// Places every layout; the sites of the chosen ones follow the scene's on the rig.
-fn place(
-    run: &Run,
-    limb: &Limb,
-    layouts: &[Layout],
-) -> Result<(HashMap<Layout, Placed>, Vec<GaugeSite>)> {
+fn place(run: &Run, limb: &Limb) -> Result<(HashMap<Layout, Placed>, Vec<GaugeSite>)> {
     let mut placed = HashMap::new();
     let mut further = Vec::new();
-    let most = layouts.iter().filter_map(|layout| layout.n_chosen()).max();
-    let places = most.map(|most| gauge_places(run, limb, most, 0.0)).transpose()?;
-    for &layout in layouts {
-        let (sites, gauges, first) = match (layout.n_chosen(), &places) {
-            (Some(n), Some(places)) => {
+    let places = gauge_places(run, limb, MOST_GAUGES, 0.0)?;
+    for layout in LAYOUTS {
+        let (sites, gauges, first) = match layout {
+            Layout::Scene => (limb.sites.clone(), limb.gauges.clone(), 0),
+            Layout::Greedy(n) => {
                 run.say(&format!("placing {n} gauges"));
-                let (sites, gauges) = placed_gauges(run, limb, places, n)?;
+                let (sites, gauges) = placed_gauges(run, limb, &places, n)?;
                 let first = limb.gauges.len() + further.len();
                 further.extend_from_slice(&sites);
                 (sites, gauges, first)
             }
-            _ => (limb.sites.clone(), limb.gauges.clone(), 0),
         };
         let channels = first..first + gauges.len();
         let of_layout = Placed { sites, gauges, channels };

@@ -1,12 +1,12 @@
 //! Errors and times of configurations by superposition.
 
 use anyhow::Result;
-use hapdef_inverse::{Searcher, TrackerParams};
+use hapdef::MapErrorSum;
+use hapdef_inverse::{ContactEstimate, Searcher, TrackerParams};
 
 use super::configuration::{Configuration, Knows};
 use super::frames::Scripted;
 use super::lab::{Lab, Ready, found_um};
-use super::map_error::MeanError;
 use super::point::{Family, Point};
 use super::times::{Rounds, search_times_us};
 use crate::compare::cells;
@@ -31,14 +31,14 @@ fn searched(
     usual: &Ready,
 ) -> Result<Point> {
     let errors = |frames: &[Frame]| -> Result<Errors> {
-        let mut map_error = MeanError::default();
-        let score =
-            cells::score(&ready.estimator, ready.channels.clone(), frames, |frame, estimate| {
-                let found_um = found_um(&lab.maps_of, &estimate.contacts);
-                map_error.add(&found_um, &lab.maps_of.of_frame(frame)[0]);
-                Ok(())
-            })?;
-        Ok(Errors { map_um: Some(map_error.mean_um()), ..score.row("").errors })
+        let mut map_error = MapErrorSum::new(lab.maps_of.n_surface());
+        let also = |_: &_, _: &[f64], frame: &Frame, estimate: &ContactEstimate| {
+            let found_um = found_um(&lab.maps_of, &estimate.contacts);
+            map_error.add(&lab.maps_of.of_frame(frame)[0], &found_um);
+            Ok(())
+        };
+        let score = cells::score(&ready.estimator, ready.channels.clone(), frames, also)?;
+        Ok(Errors { map_um: Some(map_error.finish().mean_abs_um), ..score.row("").errors })
     };
     let mut rounds = Rounds::default();
     for frames in lab.frames.rounds() {

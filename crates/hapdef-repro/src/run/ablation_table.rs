@@ -19,12 +19,12 @@ use hapdef_report::{ReportTable, StageTime};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use self::configurations::{Choice, Configuration, MapsFrom};
+use self::configurations::{Configuration, MapsFrom};
 use self::nets::{AblationNets, Trainer};
 use self::refine::Refiner;
 use self::score::{AblationRow, Tests};
 use self::target::{Target, TrueMaps};
-use super::chain::{chain, reconstruction};
+use super::chain::{Choice, chain, reconstruction};
 use super::kept::kept;
 
 const VERSION: u32 = 1;

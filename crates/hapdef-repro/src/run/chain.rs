@@ -9,6 +9,41 @@ use rayon::prelude::*;
 /// Rows that one thread takes at a time.
 const ROWS: usize = 32;
 
+/// Which of a press's candidates are its contacts, whose number is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// Those of greatest force, the paper's.
+    Force,
+    /// The same with the paper's exchange of point T for T + 1, where there are two at least.
+    ForceWithSpread,
+    /// Those of greatest displacement.
+    Displacement,
+}
+
+impl Choice {
+    /// `n` contacts of those that `chain` found, as many as there are.
+    pub(crate) fn of(
+        self,
+        chain: &Hapdefx,
+        found: &[FoundContact],
+        n: usize,
+    ) -> Result<Vec<FoundContact>> {
+        Ok(match self {
+            Self::ForceWithSpread if n > 1 => chain.top_with_spread(found, n)?,
+            Self::Force | Self::ForceWithSpread => chain.top(found, n),
+            Self::Displacement => {
+                let mut found = found.to_vec();
+                found.sort_by(|a, b| {
+                    let largest_first = b.displacement_um.total_cmp(&a.displacement_um);
+                    largest_first.then(a.node.cmp(&b.node))
+                });
+                found.truncate(n);
+                found
+            }
+        })
+    }
+}
+
 /// The chain of a finished pipeline.
 pub(crate) fn chain(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Hapdefx> {
     let nets = done.nets.as_ref().context("no nets")?;

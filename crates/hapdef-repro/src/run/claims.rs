@@ -5,7 +5,7 @@ use hapdef::{ContactStats, MapError};
 
 use super::frames::Frame;
 use super::patches::SizePoint;
-use super::scores::{Rule, Scores};
+use super::scores::{Scores, TOP, TOP_WITH_SPREAD};
 use super::singles::Singles;
 use crate::tables::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
 
@@ -122,7 +122,7 @@ fn double_or_single(of: &Measured<'_>) -> Claim {
 
 /// The T + 1 exchange, by the paper's rule and by those it does not use.
 fn exchange(of: &Measured<'_>) -> Claim {
-    let [plain, spread] = [Rule::Top, Rule::TopWithSpread].map(|r| of.both.row("rig, double", r));
+    let [plain, spread] = [TOP, TOP_WITH_SPREAD].map(|r| of.both.row("rig, double", r));
     let judge = |metric: &str, value: &dyn Fn(&super::scores::BothWays) -> Option<f64>| {
         let check =
             Check::below("", ("T + 1", spread.and_then(value)), ("T", plain.and_then(value)));

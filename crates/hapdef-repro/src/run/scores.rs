@@ -9,6 +9,7 @@ use hapdef_bench::{Column, table};
 use hapdef_report::ReportTable;
 use serde::Serialize;
 
+use super::chain::Choice;
 use super::frames::{Frame, Frames};
 
 /// GOSPA's cut-off: a contact missed or false costs half of it, the 10 mm of k-Max's radius.
@@ -20,13 +21,15 @@ const LEAST_FORCES_N: std::ops::RangeInclusive<u32> = 1..=40;
 /// How candidates become contacts.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Rule {
-    /// The count T is given: the T strongest.
-    Top,
-    /// The same with the paper's T + 1 exchange.
-    TopWithSpread,
+    /// The count T is given.
+    Given(Choice),
     /// The count is not given: every candidate of at least so many N.
     Counted(f64),
 }
+
+/// The T strongest, without and with the paper's T + 1 exchange.
+pub(crate) const TOP: Rule = Rule::Given(Choice::Force);
+pub(crate) const TOP_WITH_SPREAD: Rule = Rule::Given(Choice::ForceWithSpread);
 
 /// Scores of a set of presses by a rule.
 #[derive(Clone, Debug, Serialize)]
@@ -63,7 +66,7 @@ impl Scores {
     /// Scores everything.
     pub(crate) fn of(chain: &Hapdefx, frames: &Frames) -> Result<Self> {
         let least_force_n = pick_least_force(&frames.validation);
-        let rules = [Rule::Top, Rule::TopWithSpread, Rule::Counted(least_force_n)];
+        let rules = [TOP, TOP_WITH_SPREAD, Rule::Counted(least_force_n)];
         let mut sets =
             vec![("rig, single", &frames.rig_single), ("rig, double", &frames.rig_double)];
         let names = ["simulated, I", "simulated, II", "simulated, III", "simulated, IV"];
@@ -71,7 +74,7 @@ impl Scores {
         let mut rows = vec![];
         for (name, set) in sets.into_iter().filter(|(_, set)| !set.is_empty()) {
             for rule in rules {
-                if set[0].truth.len() > 1 || rule != Rule::TopWithSpread {
+                if set[0].truth.len() > 1 || rule != TOP_WITH_SPREAD {
                     rows.push(both_ways(name, chain, set, rule)?);
                 }
             }
@@ -124,12 +127,10 @@ const COLUMNS: [Column<BothWays>; 11] = [
 
 /// The contacts that a rule takes from a press's candidates.
 pub(crate) fn choose(chain: &Hapdefx, frame: &Frame, rule: Rule) -> Result<Vec<FoundContact>> {
-    let n_contacts = frame.truth.len();
-    Ok(match rule {
-        Rule::Top => chain.top(&frame.found, n_contacts),
-        Rule::TopWithSpread => chain.top_with_spread(&frame.found, n_contacts)?,
-        Rule::Counted(least_n) => counted(&frame.found, least_n),
-    })
+    match rule {
+        Rule::Given(choice) => choice.of(chain, &frame.found, frame.truth.len()),
+        Rule::Counted(least_n) => Ok(counted(&frame.found, least_n)),
+    }
 }
 
 /// Positions and forces alone.
@@ -143,8 +144,8 @@ fn counted(found: &[FoundContact], least_n: f64) -> Vec<FoundContact> {
 
 fn title(set: &str, rule: Rule) -> String {
     let rule = match rule {
-        Rule::Top => "T given",
-        Rule::TopWithSpread => "T given, T + 1",
+        Rule::Given(Choice::ForceWithSpread) => "T given, T + 1",
+        Rule::Given(_) => "T given",
         Rule::Counted(_) => "counted",
     };
     format!("{set}, {rule}")

@@ -8,7 +8,7 @@ use hapdef_report::{BarChart, BarPanel, Figure, Series, Unrolled, UnrolledArrow}
 
 use super::super::frames::Frame;
 use super::super::patches::{METHODS, SizePoint};
-use super::super::scores::{Rule, choose, scored};
+use super::super::scores::{TOP_WITH_SPREAD, choose, scored};
 use super::super::singles::{Bin, Singles};
 use super::surface::Surface;
 
@@ -132,7 +132,7 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
         ["lenient, both contacts", "one-to-one, varied contact", "one-to-one, held contact"];
     let mut errors: [Vec<(f64, ContactPair)>; 3] = Default::default();
     for frame in frames {
-        let found = scored(&choose(chain, frame, Rule::TopWithSpread)?);
+        let found = scored(&choose(chain, frame, TOP_WITH_SPREAD)?);
         let varied_n = frame.truth[1].1;
         let lenient = score_lenient(&found, &frame.truth)?;
         errors[0].extend(lenient.into_iter().map(|pair| (varied_n, pair)));
