@@ -13,7 +13,7 @@ use hapdef::stages::NetKind;
 use hapdef::{
     ChainNets, ComplianceTable, ContactStats, Hapdefx, Limb, Pipeline, Run, Stage, hapdefx,
 };
-use hapdef_bench::{Column, or_dash, table};
+use hapdef_bench::{Column, or_dash, page_table, table};
 use hapdef_nets::Net;
 use hapdef_report::{ReportTable, StageTime};
 use serde::{Deserialize, Serialize};
@@ -202,22 +202,19 @@ impl Ablations {
             .iter()
             .map(|(target, share)| format!("{target} {:.2} %", share * 100.0))
             .collect();
-        Ok(ReportTable {
-            title: "Ablations: the chain with one thing changed".into(),
-            note: format!(
-                "At most 400 test presses of each kind on the rig, T given. Map and FVU: the row's \
-                 own map (magnitude, part along the press, or vector, per component) on simulated \
-                 samples, from true virtual gauges; double: FVU is from readings. Nets behind \
-                 \"{BRIEF}\" all have half of F_R's steps, at most 1,500; the others are trained \
-                 as long as the run's own. Modes are those of standardised training maps; they \
-                 leave out of the variance: {}. Contacts on the rig lie on nodes, so refining \
-                 peaks can only make up for errors of the map. The time of a frame in each row is \
-                 among the times below.",
-                left_out.join(", ")
-            ),
-            text: table(&COLUMNS, &self.rows),
-            data: serde_json::to_value(&self.rows)?,
-        })
+        let note = format!(
+            "At most 400 test presses of each kind on the rig, T given. Map and FVU: the row's \
+             own map (magnitude, part along the press, or vector, per component) on simulated \
+             samples, from true virtual gauges; double: FVU is from readings. Nets behind \
+             \"{BRIEF}\" all have half of F_R's steps, at most 1,500; the others are trained \
+             as long as the run's own. Modes are those of standardised training maps; they \
+             leave out of the variance: {}. Contacts on the rig lie on nodes, so refining \
+             peaks can only make up for errors of the map. The time of a frame in each row is \
+             among the times below.",
+            left_out.join(", ")
+        );
+        let title = "Ablations: the chain with one thing changed";
+        Ok(page_table(title, note, table(&COLUMNS, &self.rows), &self.rows)?)
     }
 
     /// Median time of a frame, one core, without preparation for fast single passes.

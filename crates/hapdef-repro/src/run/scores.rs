@@ -5,7 +5,7 @@ use hapdef::{
     ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, ScoredContact, gospa,
     score_lenient, score_one_to_one,
 };
-use hapdef_bench::{Column, table};
+use hapdef_bench::{Column, page_table, table};
 use hapdef_report::ReportTable;
 use serde::Serialize;
 
@@ -90,24 +90,20 @@ impl Scores {
 
     /// For people.
     pub(crate) fn table(&self) -> Result<ReportTable> {
-        Ok(ReportTable {
-            title: "Contacts, scored both ways".into(),
-            note: format!(
-                "Lenient is the paper's rule: each of the T strongest candidates to the closest \
-                 true contact. One-to-one gives each a true contact of its own. T + 1: the \
-                 paper's exchange. Counted: the number is not given; a candidate of at least \
-                 {} N is a contact, the force that counts right most often on simulated \
-                 validation samples. GOSPA (Rahmathullah et al. 2017): α = 2, p = {}, c = {} mm, \
-                 mean of a press; missed and false contacts cost {} mm each. Rig: from readings. \
-                 Simulated: from true virtual gauges.",
-                self.least_force_n,
-                GOSPA.p,
-                GOSPA.cutoff_m * 1e3,
-                GOSPA.cutoff_m * 0.5e3,
-            ),
-            text: table(&COLUMNS, &self.rows),
-            data: serde_json::to_value(self)?,
-        })
+        let note = format!(
+            "Lenient is the paper's rule: each of the T strongest candidates to the closest \
+             true contact. One-to-one gives each a true contact of its own. T + 1: the \
+             paper's exchange. Counted: the number is not given; a candidate of at least \
+             {} N is a contact, the force that counts right most often on simulated \
+             validation samples. GOSPA (Rahmathullah et al. 2017): α = 2, p = {}, c = {} mm, \
+             mean of a press; missed and false contacts cost {} mm each. Rig: from readings. \
+             Simulated: from true virtual gauges.",
+            self.least_force_n,
+            GOSPA.p,
+            GOSPA.cutoff_m * 1e3,
+            GOSPA.cutoff_m * 0.5e3,
+        );
+        Ok(page_table("Contacts, scored both ways", note, table(&COLUMNS, &self.rows), self)?)
     }
 }
 
