@@ -29,8 +29,6 @@ pub enum ReproError {
     NoVariance { n_inputs: usize, n_samples: usize },
     #[error("linear regression: eigenvalues of the {n} x {n} correlation matrix did not converge")]
     Eigen { n: usize },
-    #[error("reading output row {row}: {source}")]
-    Rows { row: usize, source: Box<dyn std::error::Error + Send + Sync> },
     #[error("{path}, line {line}: {what}", path = path.display())]
     Line { path: PathBuf, line: usize, what: String },
     #[error(transparent)]

@@ -52,13 +52,8 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<()> {
     let [low, high] = contact.force_range_n;
     ensure!(low.max(LEAST_N) < high, "contact.force_range_n: expected a force above {LEAST_N} N");
     let presses = drawn(args, &limb, [low.max(LEAST_N), high], contact.min_spacing_m);
-    let spec = &run.scene.rig.electronics;
-    let params = ElectronicsParams {
-        noise_ue: spec.noise_ue,
-        adc_bits: spec.adc_bits,
-        headroom: spec.headroom,
-        seed: spec.seed.wrapping_add(args.press_seed),
-    };
+    let own = run.scene.rig.electronics.params();
+    let params = ElectronicsParams { seed: own.seed.wrapping_add(args.press_seed), ..own };
     let mut electronics = Electronics::new(params, &rig.largest_ue(&presses, high))?;
     let mut text = header(args.contacts, limb.gauges.len());
     let points = limb.surface_points();

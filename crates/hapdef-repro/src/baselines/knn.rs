@@ -217,11 +217,6 @@ fn keep_nearest(found: &mut Vec<(f64, u32)>, k: usize, slack: f64) -> f64 {
 }
 
 impl Neighbours {
-    /// Queries answered.
-    pub fn n_queries(&self) -> usize {
-        self.rows.len() / self.k
-    }
-
     /// Training rows nearest to query `query`, nearest first, `[k]`.
     pub fn rows(&self, query: usize) -> &[u32] {
         &self.rows[query * self.k..(query + 1) * self.k]
@@ -238,36 +233,15 @@ impl Neighbours {
         &self.weights[query * self.k..(query + 1) * self.k]
     }
 
-    /// The weighted mean of the neighbours' outputs for query `query`, into `out` `[n_outputs]`.
-    ///
-    /// `fetch(row, buffer)` fills `buffer` `[n_outputs]` with the outputs of training row `row`;
-    /// it is called only for rows of non-zero weight, nearest first.
-    pub fn predict<F, E>(
-        &self,
-        query: usize,
-        mut fetch: F,
-        out: &mut [f32],
-    ) -> Result<(), ReproError>
-    where
-        F: FnMut(usize, &mut [f32]) -> Result<(), E>,
-        E: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        let len = self.n_queries();
-        if query >= len {
-            let what = "k-NN query";
-            return Err(ArgumentError::Index { what, index: query, position: 0, len }.into());
-        }
-        let mut row_out = vec![0.0_f32; out.len()];
+    /// The weighted mean of the neighbours' rows of the training outputs `y` `[n_rows, n_outputs]` for query
+    /// `query`, into `out` `[n_outputs]`.
+    pub fn predict(&self, query: usize, y: &[f32], out: &mut [f32]) {
         let mut sums = vec![0.0_f64; out.len()];
         for (&row, &weight) in self.rows(query).iter().zip(self.weights(query)) {
-            if weight > 0.0 {
-                let row = row as usize;
-                fetch(row, &mut row_out).map_err(|e| ReproError::Rows { row, source: e.into() })?;
-                sums.iter_mut().zip(&row_out).for_each(|(s, v)| *s += weight * f64::from(*v));
-            }
+            let row = &y[row as usize * out.len()..(row as usize + 1) * out.len()];
+            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += weight * f64::from(*v));
         }
         out.iter_mut().zip(sums).for_each(|(o, s)| *o = s as f32);
-        Ok(())
     }
 
     fn push(&mut self, nearest: &[(f64, u32)]) {

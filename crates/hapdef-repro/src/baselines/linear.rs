@@ -49,17 +49,11 @@ pub struct LinearInfo {
     pub n_samples: usize,
     /// Directions of the inputs kept.
     pub rank: usize,
-    /// Directions of the inputs there are.
-    pub n_inputs: usize,
     /// Inputs that never varied; their coefficients are zero.
     pub n_constant_inputs: usize,
-    /// Largest eigenvalue of the correlation matrix over the smallest kept.
-    pub condition: f64,
     /// ‖(C + ridge) W − B‖ / ‖B‖ in the Frobenius norm: the part of the covariance with the
     /// outputs that lies in directions left out, plus rounding.
     pub normal_residual: f64,
-    /// Time taken by the solution, without accumulation, s.
-    pub elapsed_s: f64,
 }
 
 /// Running sums Σ(x−a), Σ(y−b), Σ(x−a)(x−a)ᵀ and Σ(x−a)(y−b)ᵀ in f64.
@@ -142,7 +136,6 @@ impl LinearAccumulator {
         &self,
         params: &LinearParams,
     ) -> Result<(LinearRegression, LinearInfo), ReproError> {
-        let start = std::time::Instant::now();
         params.check()?;
         if self.n_samples < 2 {
             return Err(ReproError::TooFewSamples {
@@ -161,15 +154,12 @@ impl LinearAccumulator {
         let B = Mat::from_fn(p, q, |i, j| {
             (self.xy[j / COLUMN_TILE][(i, j % COLUMN_TILE)] / n - x_off[i] * y_off[j]) * scale[i]
         });
-        let (W, rank, condition) = pseudo_solve(&C, &B, params, self.n_samples)?;
+        let (W, rank) = pseudo_solve(&C, &B, params, self.n_samples)?;
         let info = LinearInfo {
             n_samples: self.n_samples,
             rank,
-            n_inputs: p,
             n_constant_inputs: scale.iter().filter(|s| **s == 0.0).count(),
-            condition,
             normal_residual: normal_residual(&C, &W, &B, params.ridge),
-            elapsed_s: start.elapsed().as_secs_f64(),
         };
         let x_mean = self.x_shift.iter().zip(&x_off).map(|(a, d)| a + d).collect();
         let y_mean = self.y_shift.iter().zip(&y_off).map(|(b, d)| b + d).collect();

@@ -50,8 +50,6 @@ pub struct SvrInfo {
     pub seed: u64,
     /// Support vectors of each output's machine, `[n_outputs]`.
     pub n_support: Vec<usize>,
-    /// Time taken, s.
-    pub elapsed_s: f64,
 }
 
 /// One trained machine per output.
@@ -74,7 +72,6 @@ impl Svr {
         n_outputs: usize,
         params: &SvrParams,
     ) -> Result<(Self, SvrInfo), ReproError> {
-        let start = std::time::Instant::now();
         let n = whole_rows("SVR inputs", n_inputs, x.len())?;
         check_len("SVR outputs", n * n_outputs, y.len())?;
         check_finite("SVR inputs", n_inputs, x)?;
@@ -105,7 +102,6 @@ impl Svr {
             n_trained: picked.len(),
             seed: params.seed,
             n_support: machines.iter().map(|m| m.sv.len()).collect(),
-            elapsed_s: start.elapsed().as_secs_f64(),
         };
         let svr = Self { x_scaling, y_scaling, machines };
         Ok((svr, info))

@@ -201,7 +201,7 @@ impl<'a> Drawn<'a> {
             let force_n = draw.rng.random_range(weakest_n.max(1.0)..=strongest_n);
             vec![draw.contact(point, force_n, 0.0)]
         });
-        self.world.frames(drawn.collect(), 1)
+        self.under_own_tip(drawn.collect(), 1)
     }
 
     /// Single contacts of 5 N to the strongest.
@@ -213,12 +213,12 @@ impl<'a> Drawn<'a> {
     pub(crate) fn apart(&self, n: usize, k: usize, gap_m: f64, row: u64) -> Result<Vec<Frame>> {
         let forces = [[LEAST_N, self.scene.contact.force_range_n[1]]; 4];
         let drawn = sets(&mut self.draw(row), n, k, forces, [gap_m, f64::MAX], 0.0);
-        self.world.frames(drawn, row)
+        self.under_own_tip(drawn, row)
     }
 
     /// The paper's pairs: 30 N held and 0…34 N varied, 12–75 mm apart.
     pub(crate) fn doubles(&self, n: usize) -> Result<Vec<Frame>> {
-        self.world.frames(self.pairs(n, 0.0, 12), 12)
+        self.under_own_tip(self.pairs(n, 0.0, 12), 12)
     }
 
     /// The same with friction up to `most_friction` and under another tip.
@@ -228,7 +228,11 @@ impl<'a> Drawn<'a> {
         most_friction: f64,
         tip_m: f64,
     ) -> Result<Vec<Frame>> {
-        self.world.frames_under(self.pairs(n, most_friction, 20), tip_m, 20)
+        self.world.frames(self.pairs(n, most_friction, 20), tip_m, 20)
+    }
+
+    fn under_own_tip(&self, drawn: Vec<Vec<TrueContact>>, stream: u64) -> Result<Vec<Frame>> {
+        self.world.frames(drawn, self.scene.contact.tip_radius_m, stream)
     }
 
     fn pairs(&self, n: usize, most_friction: f64, row: u64) -> Vec<Vec<TrueContact>> {

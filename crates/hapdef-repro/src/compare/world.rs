@@ -50,16 +50,10 @@ impl World {
     ) -> Result<Self> {
         let gauges: Vec<GaugeSite> = limb.sites.iter().chain(further).copied().collect();
         let real = real_limb(run, limb, &gauges)?;
-        let spec = &run.scene.rig.electronics;
         let mut world = Self {
             real,
             skin: skin.clone(),
-            electronics: ElectronicsParams {
-                noise_ue: spec.noise_ue,
-                adc_bits: spec.adc_bits,
-                headroom: spec.headroom,
-                seed: spec.seed,
-            },
+            electronics: run.scene.rig.electronics.params(),
             largest_ue: vec![0.0; gauges.len()],
             tip_radius_m: run.scene.contact.tip_radius_m,
         };
@@ -84,13 +78,8 @@ impl World {
         })
     }
 
-    /// Readings of sets of contacts under the scene's tip; `stream` seeds the noise.
-    pub(crate) fn frames(&self, drawn: Vec<Vec<TrueContact>>, stream: u64) -> Result<Vec<Frame>> {
-        self.frames_under(drawn, self.tip_radius_m, stream)
-    }
-
-    /// The same under another tip.
-    pub(crate) fn frames_under(
+    /// Readings of sets of contacts under a tip; `stream` seeds the noise.
+    pub(crate) fn frames(
         &self,
         drawn: Vec<Vec<TrueContact>>,
         tip_radius_m: f64,

@@ -1,10 +1,15 @@
 //! The trained chain and what it finds in readings and maps, in parallel.
 
+use std::ops::Range;
+
 use anyhow::{Context, Result};
 use hapdef::stages::{NetKind, trained_chain};
 use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
 use hapdef_nets::Net;
 use rayon::prelude::*;
+
+use super::dataset::Dataset;
+use crate::search::forward;
 
 /// Rows that one thread takes at a time.
 const ROWS: usize = 32;
@@ -44,6 +49,28 @@ impl Choice {
     }
 }
 
+/// What maps of presses are made from.
+#[derive(Clone, Copy)]
+pub(crate) enum MapFrom<'a> {
+    /// Readings, by the chain.
+    Readings(&'a Hapdefx),
+    /// True virtual gauges, by F_R.
+    Gauges(&'a Net),
+}
+
+impl MapFrom<'_> {
+    /// Maps `[n, n_surface]`, µm, of the presses `rows`.
+    pub(crate) fn maps(self, presses: &mut Dataset, rows: Range<usize>) -> Result<Vec<f32>> {
+        match self {
+            Self::Readings(chain) => {
+                let readings = presses.readings(rows.clone())?;
+                maps(chain, &readings, rows.len(), presses.n_surface)
+            }
+            Self::Gauges(net) => Ok(forward(net, &presses.inputs(rows)?)?),
+        }
+    }
+}
+
 /// The chain of a finished pipeline.
 pub(crate) fn chain(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Hapdefx> {
     let nets = done.nets.as_ref().context("no nets")?;
@@ -59,12 +86,7 @@ pub(crate) fn reconstruction(done: &Pipeline) -> Result<Net> {
 }
 
 /// Maps `[n, n_surface]`, µm, of readings `[n, n_gauges]`, µε.
-pub(crate) fn maps(
-    chain: &Hapdefx,
-    readings: &[f32],
-    n: usize,
-    n_surface: usize,
-) -> Result<Vec<f32>> {
+fn maps(chain: &Hapdefx, readings: &[f32], n: usize, n_surface: usize) -> Result<Vec<f32>> {
     let mut maps = vec![0.0; n * n_surface];
     maps.par_chunks_mut(ROWS * n_surface)
         .zip(readings.par_chunks(ROWS * (readings.len() / n.max(1)).max(1)))

@@ -6,7 +6,7 @@ use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::chain::{candidates, chain, maps, reconstruction};
+use super::chain::{MapFrom, candidates, chain, reconstruction};
 use super::dataset::{Contact, Part, Rows, blocks, pair, rig_singles};
 use super::kept::kept;
 use super::svr::SvrScore;
@@ -84,7 +84,7 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
     let nets = done.nets.as_ref().context("no nets")?;
     let direct = nets.load(NetKind::Direct)?;
     let chain = chain(run, limb, done)?;
-    let from_virtual = reconstruction(done)?;
+    let map_net = reconstruction(done)?;
     let training = Rows::of(&mut presses, [Part::Readings, Part::Contact], split.train)?;
     let knn = Learner::Knn { k: 6 }.fit(&training.samples(), &|| false)?;
     let names = ["k-NN", "direct FNN", "R → S → D → k-Max", "true S → D → k-Max", "true D → k-Max"];
@@ -93,12 +93,11 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
         run.check_stop("the single presses")?;
         let n_surface = presses.n_surface;
         let readings = presses.readings(rows.clone())?;
-        let virtual_um = presses.inputs(rows.clone())?;
         let truth_um = presses.maps(rows.clone())?;
         answers[0].found.extend(contacts(&knn.predictions(&readings, rows.len())?));
         answers[1].found.extend(contacts(&forward(&direct, &readings)?));
-        let chained = maps(&chain, &readings, rows.len(), n_surface)?;
-        let from_virtual = forward(&from_virtual, &virtual_um)?;
+        let chained = MapFrom::Readings(&chain).maps(&mut presses, rows.clone())?;
+        let from_virtual = MapFrom::Gauges(&map_net).maps(&mut presses, rows)?;
         for (answers, maps) in answers[2..].iter_mut().zip([&chained, &from_virtual, &truth_um]) {
             let found = candidates(&chain, maps, n_surface)?;
             answers.found.extend(found.iter().map(|c| strongest(c)));

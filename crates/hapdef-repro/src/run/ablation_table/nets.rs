@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 
-use super::super::chain::maps;
+use super::super::chain::MapFrom;
 use super::super::dataset::{Dataset, blocks, evenly};
 use super::super::fit::{Training, fit};
 use super::super::patches::training_contacts;
@@ -217,8 +217,7 @@ impl Trainer<'_> {
             .collect();
         let of = json!({ "presses": self.data.rig_single.key, "nets": behind });
         let displacement = |presses: &mut Dataset, rows: std::ops::Range<usize>| {
-            let readings = presses.readings(rows.clone())?;
-            maps(self.chain, &readings, rows.len(), presses.n_surface)
+            MapFrom::Readings(self.chain).maps(presses, rows)
         };
         let stage = &self.data.rig_single;
         self.sensitivity("F_S on predicted maps", &of, stage, displacement)
