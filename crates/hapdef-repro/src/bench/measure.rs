@@ -109,7 +109,7 @@ fn time(
             let mut work = || -> Result<()> {
                 let press = &presses[frame % presses.len()];
                 frame += 1;
-                variant.passes.map(&press.readings_ue, map)?;
+                variant.passes.map(&press.readings, map)?;
                 black_box(&*map);
                 Ok(())
             };
@@ -136,7 +136,7 @@ fn start_peers(
     let nets = done.nets.as_ref().context("no nets")?;
     let transfer = without_scales(&nets.load(NetKind::Transfer)?)?;
     let map_net = without_scales(&reconstruction(done)?)?;
-    let x = &tests.presses().first().context("no presses")?.readings_ue;
+    let x = &tests.presses().first().context("no presses")?.readings;
     let (mut scratch, mut virtual_um) = (Scratch::default(), vec![0.0; tests.n_virtual]);
     let mut y = vec![0.0; tests.n_surface];
     transfer.forward(x, &mut scratch, &mut virtual_um)?;

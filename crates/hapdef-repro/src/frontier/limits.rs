@@ -98,39 +98,32 @@ impl Kept {
             ("one contact", &self.single, &now.single),
             ("two contacts", &self.double, &now.double),
         ];
-        let mut differences = Vec::new();
-        for (contacts, then, now) in sets {
-            let means: [Figure; 3] = [
-                ("GOSPA, mm", |e| e.gospa_mm),
-                ("mean error, mm", |e| e.mean_mm),
-                ("force's mean error, N", |e| e.mean_n),
-            ];
-            let shares: [Figure; 3] = [
-                ("missed, %", |e| e.missed_pct),
-                ("spurious, %", |e| e.spurious_pct),
-                ("clean, %", |e| e.clean_pct),
-            ];
-            let mut compare = |what: &str, then: f64, now: f64, most: f64| {
+        let of_figure = |(contacts, then, now): (&str, &Errors, &Errors)| {
+            FIGURES.map(|(what, is_share, of)| {
+                let (then, now) = (of(then), of(now));
+                let most = if is_share { SHARE_TOLERANCE_PCT } else { TOLERANCE * then };
                 // a figure that is not a number differs, too
-                if (now - then).abs().total_cmp(&most).is_gt() {
-                    differences.push(format!(
-                        "{contacts}, {what}: {then:.4} when it was written, now {now:.4}"
-                    ));
-                }
-            };
-            for (what, of) in means {
-                compare(what, of(then), of(now), TOLERANCE * of(then));
-            }
-            for (what, of) in shares {
-                compare(what, of(then), of(now), SHARE_TOLERANCE_PCT);
-            }
-        }
-        differences
+                let differs = (now - then).abs().total_cmp(&most).is_gt();
+                differs.then(|| {
+                    format!("{contacts}, {what}: {then:.4} when it was written, now {now:.4}")
+                })
+            })
+        };
+        sets.into_iter().flat_map(of_figure).flatten().collect()
     }
 }
 
-/// A figure of a set of frames and its name.
-type Figure = (&'static str, fn(&Errors) -> f64);
+/// A figure that is checked, whether it is a share, and where it stands.
+type Figure = (&'static str, bool, fn(&Errors) -> f64);
+
+const FIGURES: [Figure; 6] = [
+    ("GOSPA, mm", false, |e| e.gospa_mm),
+    ("mean error, mm", false, |e| e.mean_mm),
+    ("force's mean error, N", false, |e| e.mean_n),
+    ("missed, %", true, |e| e.missed_pct),
+    ("spurious, %", true, |e| e.spurious_pct),
+    ("clean, %", true, |e| e.clean_pct),
+];
 
 /// Writes the page and what a check needs.
 pub(super) fn write(

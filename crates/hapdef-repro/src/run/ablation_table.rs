@@ -1,7 +1,6 @@
 //! The ablations as one table: the chain with one thing changed, a row each.
 
 mod configurations;
-mod frames;
 mod modes;
 mod nets;
 mod refine;
@@ -20,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use self::configurations::{Configuration, MapsFrom};
-use self::nets::{AblationNets, Trainer};
+use self::nets::{AblationNets, World};
 use self::refine::Refiner;
 use self::score::{AblationRow, Tests};
 use self::target::{Target, TrueMaps};
@@ -54,8 +53,8 @@ pub(crate) fn ablation_table(
     let table = ComplianceTable::read(&path, limb.n_surface_nodes())?;
     let truth = TrueMaps { table: &table, directions: &limb.directions };
     let chain = chain(run, limb, done)?;
-    let trainer = Trainer { run, done, data, nets, truth: &truth, chain: &chain };
-    let (made, mut stages) = trainer.all()?;
+    let world = World { run, limb, done, data, nets, truth: &truth, chain: &chain };
+    let (made, mut stages) = world.train_all()?;
     let keys: Vec<&str> = stages.iter().map(|stage| stage.key.as_str()).collect();
     let inputs = json!({
         "version": VERSION, "keys": super::keys_of(run, done), "nets": keys,
@@ -64,26 +63,16 @@ pub(crate) fn ablation_table(
     });
     let (found, stage) = kept(run, "ablations", &inputs, |_| {
         run.say("the ablations, row by row");
-        let world = World { run, limb, truth: &truth, chain: &chain };
-        world.rows(done, &made, &Tests::read(data)?)
+        world.rows(&made, &Tests::read(data)?)
     })?;
     stages.push(stage);
     Ok((found, stages))
 }
 
-/// What rows are made from.
-struct World<'a> {
-    run: &'a Run,
-    limb: &'a Limb,
-    truth: &'a TrueMaps<'a>,
-    chain: &'a Hapdefx,
-}
-
 impl World<'_> {
-    fn rows(&self, done: &Pipeline, made: &AblationNets, tests: &Tests) -> Result<Ablations> {
-        let nets = done.nets.as_ref().context("no nets")?;
-        let transfer = nets.load(NetKind::Transfer)?;
-        let whole = reconstruction(done)?;
+    fn rows(&self, made: &AblationNets, tests: &Tests) -> Result<Ablations> {
+        let transfer = self.nets.load(NetKind::Transfer)?;
+        let whole = reconstruction(self.done)?;
         let points = self.limb.surface_points();
         let refiner = Refiner { points: &points, across: self.truth.directions };
         let chain_of = |sensitivity: &Net| {

@@ -15,6 +15,7 @@ mod frames;
 pub(crate) mod kept;
 mod made;
 mod patches;
+pub(crate) mod presses;
 mod ridge;
 mod robustness;
 pub(crate) mod scores;

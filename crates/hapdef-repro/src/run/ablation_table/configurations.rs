@@ -5,7 +5,7 @@ use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
 
 use super::super::chain::{Choice, candidates};
-use super::frames::Frames;
+use super::super::presses::Presses;
 use super::modes::Modes;
 use super::refine::Refiner;
 use super::target::{Target, TrueMaps};
@@ -62,7 +62,7 @@ impl Configuration<'_> {
     }
 
     /// Maps of frames `[n, width]`, µm.
-    pub(super) fn maps(&self, frames: &Frames, truth: &TrueMaps<'_>) -> Result<Vec<f32>> {
+    pub(super) fn maps(&self, frames: &Presses, truth: &TrueMaps<'_>) -> Result<Vec<f32>> {
         match self.maps {
             MapsFrom::Truth => Ok(truth.of(Target::Magnitude, &frames.drawn)),
             MapsFrom::Readings(net) => Ok(forward(net, &frames.readings)?),
@@ -80,7 +80,7 @@ impl Configuration<'_> {
     /// Maps of simulated frames from their true virtual gauges; none for configurations without those.
     pub(super) fn simulated_maps(
         &self,
-        frames: &Frames,
+        frames: &Presses,
         truth: &TrueMaps<'_>,
     ) -> Result<Option<Vec<f32>>> {
         match self.maps {
