@@ -5,7 +5,7 @@ use std::ops::Range;
 use anyhow::{Context, Result};
 use hapdef::{
     ContactPair, ContactStats, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline, Run, Stage,
-    score_lenient,
+    score_lenient, scored,
 };
 use hapdef_bench::stats::mean;
 use serde::Serialize;
@@ -14,7 +14,6 @@ use super::methods::Passes;
 use crate::run::chain::{Choice, chain};
 use crate::run::dataset::{Dataset, Part, Rows, evenly};
 use crate::run::presses::{Presses, presses};
-use crate::run::scores::scored;
 
 /// Most simulated samples of each set, and most presses of each kind on the rig.
 const MOST_SIMULATED: usize = 200;

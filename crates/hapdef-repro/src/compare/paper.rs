@@ -5,14 +5,13 @@ use std::time::Instant;
 use anyhow::Result;
 use hapdef::stages::{compliance_table, trained_chain};
 use hapdef::touch::{ChainStages, chain_stages, touchable_skin};
-use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run};
+use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run, scored};
 use hapdef_inverse::{Skin, SkinPoint};
 use hapdef_mesh::tri6;
 
 use super::score::Score;
 use super::world::Frame;
 use crate::run::chain::Choice;
-use crate::run::scores::scored;
 
 /// The trained chain and its buffers.
 pub(crate) struct PaperPipeline {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
-use hapdef::{Hapdefx, HapdefxScratch, MapErrorSum, ScoredContact};
+use hapdef::{Hapdefx, HapdefxScratch, MapErrorSum, ScoredContact, scored};
 use hapdef_nets::infer::{InferParams, Precision, PreparedNet};
 
 use super::lab::{Design, Lab, Ready};
@@ -14,7 +14,6 @@ use super::times::Rounds;
 use crate::bench::{Method, Passes};
 use crate::compare::score::{Errors, Score};
 use crate::compare::world::Frame;
-use crate::run::scores::scored;
 
 /// The chain in every precision, beside the usual configuration. Its amounts are the profile's, which stands in
 /// every name.

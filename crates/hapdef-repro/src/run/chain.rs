@@ -1,18 +1,15 @@
-//! The trained chain and what it finds in readings and maps, in parallel.
+//! The trained chain, and which of what it finds are contacts.
 
 use std::ops::Range;
 
 use anyhow::{Context, Result};
+pub(crate) use hapdef::candidates;
 use hapdef::stages::{NetKind, trained_chain};
-use hapdef::{FoundContact, Hapdefx, HapdefxScratch, Limb, Pipeline, Run};
+use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, maps_of_readings};
 use hapdef_nets::Net;
-use rayon::prelude::*;
 
 use super::dataset::Dataset;
 use crate::search::forward;
-
-/// Rows that one thread takes at a time.
-const ROWS: usize = 32;
 
 /// Which of a press's candidates are its contacts, whose number is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +61,7 @@ impl MapFrom<'_> {
         match self {
             Self::Readings(chain) => {
                 let readings = presses.readings(rows.clone())?;
-                maps(chain, &readings, rows.len(), presses.n_surface)
+                Ok(maps_of_readings(chain, &readings, rows.len(), presses.n_surface)?)
             }
             Self::Gauges(net) => Ok(forward(net, &presses.inputs(rows)?)?),
         }
@@ -83,28 +80,4 @@ pub(crate) fn reconstruction(done: &Pipeline) -> Result<Net> {
     let nets = done.nets.as_ref().context("no nets")?;
     let n_sets = done.data.as_ref().context("no datasets")?.simulated.len();
     Ok(nets.load(NetKind::Reconstruction { n_sets })?)
-}
-
-/// Maps `[n, n_surface]`, µm, of readings `[n, n_gauges]`, µε.
-fn maps(chain: &Hapdefx, readings: &[f32], n: usize, n_surface: usize) -> Result<Vec<f32>> {
-    let mut maps = vec![0.0; n * n_surface];
-    maps.par_chunks_mut(ROWS * n_surface)
-        .zip(readings.par_chunks(ROWS * (readings.len() / n.max(1)).max(1)))
-        .try_for_each_init(HapdefxScratch::default, |scratch, (maps, readings)| {
-            chain.maps(readings, scratch, maps)
-        })?;
-    Ok(maps)
-}
-
-/// Candidates of each of `maps` `[n, n_surface]`, µm, greatest force first.
-pub(crate) fn candidates(
-    chain: &Hapdefx,
-    maps: &[f32],
-    n_surface: usize,
-) -> Result<Vec<Vec<FoundContact>>> {
-    let found: Result<Vec<_>, _> = maps
-        .par_chunks(n_surface)
-        .map_init(HapdefxScratch::default, |scratch, map| chain.candidates(map, scratch))
-        .collect();
-    Ok(found?)
 }

@@ -173,8 +173,8 @@ fn force_error_grows(of: &Made<'_>) -> Claim {
     let ends = bins.first().zip(bins.last());
     let check = Check::below(
         "",
-        ("weakest presses", ends.map(|(weak, _)| weak.error_n)),
-        ("strongest presses", ends.map(|(_, strong)| strong.error_n)),
+        ("weakest presses", ends.map(|(weak, _)| weak.force_error_n)),
+        ("strongest presses", ends.map(|(_, strong)| strong.force_error_n)),
     );
     Claim {
         id: "force_error_grows",
@@ -189,7 +189,7 @@ fn force_error_grows(of: &Made<'_>) -> Claim {
 fn spurious_are_weak(of: &Made<'_>) -> Claim {
     let (mut n_weak, mut n_spurious) = (0_u32, 0_u32);
     for frame in of.frames.rig_double.iter().filter(|frame| frame.found.len() > frame.truth.len()) {
-        let found = super::scores::scored(&frame.found);
+        let found = hapdef::scored(&frame.found);
         let Ok(matched) = hapdef::score_one_to_one(&found, &frame.truth) else {
             continue;
         };

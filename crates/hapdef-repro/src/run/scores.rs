@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use hapdef::{
-    ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, ScoredContact, gospa,
-    score_lenient, score_one_to_one,
+    ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, gospa, score_lenient,
+    score_one_to_one, scored,
 };
 use hapdef_bench::{Column, page_table, table};
 use hapdef_report::ReportTable;
@@ -127,11 +127,6 @@ pub(crate) fn choose(chain: &Hapdefx, frame: &Frame, rule: Rule) -> Result<Vec<F
         Rule::Given(choice) => choice.of(chain, &frame.found, frame.truth.len()),
         Rule::Counted(least_n) => Ok(counted(&frame.found, least_n)),
     }
-}
-
-/// Positions and forces alone.
-pub(crate) fn scored(found: &[FoundContact]) -> Vec<ScoredContact> {
-    found.iter().map(|c| (c.position_m, c.force_n)).collect()
 }
 
 fn counted(found: &[FoundContact], least_n: f64) -> Vec<FoundContact> {

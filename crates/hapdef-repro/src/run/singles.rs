@@ -2,7 +2,9 @@
 
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
-use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage};
+use hapdef::{
+    ContactPair, ContactStats, ForceBin, FoundContact, Limb, Pipeline, Run, Stage, by_force,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -16,9 +18,6 @@ const VERSION: u32 = 1;
 
 /// Presses computed together.
 const BLOCK: usize = 512;
-
-/// Bins of the force.
-const N_BINS: usize = 8;
 
 /// What a method says of each test press; none where it found nothing.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -37,16 +36,6 @@ pub(crate) struct Singles {
     pub(crate) direct: Vec<MethodAnswers>,
     /// The ablations of figure 8; the whole chain first.
     pub(crate) ablations: Vec<MethodAnswers>,
-}
-
-/// Errors of the presses in a range of force.
-pub(crate) struct Bin {
-    /// Middle of the range, N.
-    pub(crate) force_n: f64,
-    /// Mean position error, mm.
-    pub(crate) position_mm: f64,
-    /// Mean absolute force error, N.
-    pub(crate) error_n: f64,
 }
 
 /// Answers of all methods that need no training of their own, or reads them from the cache.
@@ -133,23 +122,9 @@ impl Singles {
     }
 
     /// A method's mean errors by the press's force, in bins of equal width up to `strongest_n`.
-    pub(crate) fn by_force(&self, method: &MethodAnswers, strongest_n: f64) -> Vec<Bin> {
-        let width = strongest_n / N_BINS as f64;
-        let mut sums = [(0.0, 0.0, 0.0); N_BINS];
-        for (truth, pair) in self.truth.iter().zip(self.errors(method)) {
-            if let Some(pair) = pair {
-                let bin = ((f64::from(truth[3]) / width) as usize).min(N_BINS - 1);
-                sums[bin].0 += 1.0;
-                sums[bin].1 += pair.position_error_m * 1e3;
-                sums[bin].2 += pair.force_error_n.abs();
-            }
-        }
-        let bins = sums.iter().enumerate().filter(|(_, sums)| sums.0 > 0.0);
-        bins.map(|(i, (n, position, force))| Bin {
-            force_n: (i as f64 + 0.5) * width,
-            position_mm: position / n,
-            error_n: force / n,
-        })
-        .collect()
+    pub(crate) fn by_force(&self, method: &MethodAnswers, strongest_n: f64) -> Vec<ForceBin> {
+        let forces = self.truth.iter().map(|truth| f64::from(truth[3]));
+        let all: Vec<_> = forces.zip(self.errors(method)).collect();
+        by_force(&all, strongest_n)
     }
 }

@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::stages::Datasets;
-use hapdef::{ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one};
+use hapdef::{
+    ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one, scored,
+};
 use hapdef_bench::stats::median;
 use serde::{Deserialize, Serialize};
 
 use super::super::dataset::Dataset;
 use super::super::presses::{Presses, presses};
-use super::super::scores::scored;
 use super::configurations::Configuration;
 use super::target::TrueMaps;
 
