@@ -64,6 +64,19 @@ impl From<hapdef::HapdefError> for ReproError {
     }
 }
 
+/// Refuses a parameter unless it `is_fine`.
+pub(crate) fn check_parameter(
+    what: &'static str,
+    value: f64,
+    expected: &'static str,
+    is_fine: bool,
+) -> Result<(), ReproError> {
+    if is_fine {
+        return Ok(());
+    }
+    Err(hapdef_report::ArgumentError::Parameter { what, value, expected }.into())
+}
+
 /// Number of rows of `width` in a slice of `found` values.
 pub(crate) fn whole_rows(
     what: &'static str,

@@ -10,7 +10,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use hapdef_report::ArgumentError;
 use rayon::prelude::*;
 
-use crate::error::{ReproError, check_finite, whole_rows};
+use crate::error::{ReproError, check_finite, check_parameter, whole_rows};
 
 /// Queries that one task handles; fixed, so that results do not depend on threads.
 const QUERY_TILE: usize = 64;
@@ -120,10 +120,7 @@ impl Knn {
     }
 
     fn check(&self, params: &KnnParams, n_queries: usize) -> Result<(), ReproError> {
-        if params.k == 0 {
-            let expected = "at least 1";
-            return Err(ArgumentError::Parameter { what: "k", value: 0.0, expected }.into());
-        }
+        check_parameter("k", params.k as f64, "at least 1", params.k > 0)?;
         let excluded = match params.own_row {
             OwnRow::None => 0,
             OwnRow::Exclude { first } => {

@@ -14,11 +14,11 @@ mod solve;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use hapdef_report::{ArgumentError, check_len};
+use hapdef_report::check_len;
 use rayon::prelude::*;
 
 use self::solve::{normal_residual, pseudo_solve};
-use crate::error::{ReproError, check_finite, check_finite_from, whole_rows};
+use crate::error::{ReproError, check_finite, check_finite_from, check_parameter, whole_rows};
 
 /// Columns of Y that one task accumulates; fixed, so that results do not depend on threads.
 const COLUMN_TILE: usize = 256;
@@ -169,23 +169,11 @@ impl LinearAccumulator {
 
 impl LinearParams {
     fn check(&self) -> Result<(), ReproError> {
-        if !(self.ridge >= 0.0 && self.ridge.is_finite()) {
-            return Err(ArgumentError::Parameter {
-                what: "ridge",
-                value: self.ridge,
-                expected: "finite and at least 0",
-            }
-            .into());
-        }
-        if !(self.relative_tolerance >= 0.0 && self.relative_tolerance < 1.0) {
-            return Err(ArgumentError::Parameter {
-                what: "relative_tolerance",
-                value: self.relative_tolerance,
-                expected: "in [0, 1)",
-            }
-            .into());
-        }
-        Ok(())
+        let Self { ridge, relative_tolerance: tolerance } = *self;
+        let is_fine = ridge >= 0.0 && ridge.is_finite();
+        check_parameter("ridge", ridge, "finite and at least 0", is_fine)?;
+        let is_fine = (0.0..1.0).contains(&tolerance);
+        check_parameter("relative_tolerance", tolerance, "in [0, 1)", is_fine)
     }
 }
 

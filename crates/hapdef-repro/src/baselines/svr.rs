@@ -13,7 +13,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::error::{ReproError, check_finite, whole_rows};
+use crate::error::{ReproError, check_finite, check_parameter, whole_rows};
 
 /// Parameters of [`Svr::train`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -136,21 +136,11 @@ impl SvrParams {
         for (what, value) in
             [("SVR c", self.c), ("SVR gamma", self.gamma), ("SVR tolerance", self.tolerance)]
         {
-            if !(value > 0.0 && value.is_finite()) {
-                let expected = "finite and above 0";
-                return Err(ArgumentError::Parameter { what, value, expected }.into());
-            }
+            let is_fine = value > 0.0 && value.is_finite();
+            check_parameter(what, value, "finite and above 0", is_fine)?;
         }
-        if !(self.epsilon >= 0.0 && self.epsilon.is_finite()) {
-            let expected = "finite and at least 0";
-            return Err(ArgumentError::Parameter {
-                what: "SVR epsilon",
-                value: self.epsilon,
-                expected,
-            }
-            .into());
-        }
-        Ok(())
+        let is_fine = self.epsilon >= 0.0 && self.epsilon.is_finite();
+        check_parameter("SVR epsilon", self.epsilon, "finite and at least 0", is_fine)
     }
 
     fn libsvm(&self) -> Result<libsvm_rs::SvmParameter, ReproError> {

@@ -104,21 +104,17 @@ fn time(
                 Family::Direct => N_DIRECT,
                 _ => variant.outputs.as_ref().map_or(map.len(), Vec::len),
             };
-            let mut times = std::mem::take(&mut variant.times);
-            let map = &mut map[..n_outputs];
-            let mut work = || -> Result<()> {
+            let (passes, times, map) =
+                (&mut variant.passes, &mut variant.times, &mut map[..n_outputs]);
+            let work = || {
                 let press = &presses[frame % presses.len()];
                 frame += 1;
-                variant.passes.map(&press.readings, map)?;
+                passes.map(&press.readings, map)?;
                 black_box(&*map);
                 Ok(())
             };
-            match variant.family {
-                // Their products would spread over all threads.
-                Family::Baseline => times.round_in(&alone, &mut work)?,
-                _ => times.round(work)?,
-            }
-            variant.times = times;
+            // the products of a baseline would spread over all threads
+            alone.install(|| times.round(work))?;
         }
         if let Some(peers) = &mut peers {
             peers.round()?;

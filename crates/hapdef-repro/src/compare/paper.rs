@@ -70,24 +70,22 @@ impl PaperPipeline {
     ) -> Result<Score> {
         let mut score = Score::default();
         for frame in frames {
-            let inputs = match virtual_gauges {
+            let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
+            let start = match virtual_gauges {
                 VirtualGauges::Transferred => {
                     let readings = frame.readings_ue[..n_gauges].iter();
-                    readings.map(|r| *r as f32).collect()
+                    let readings: Vec<f32> = readings.map(|r| *r as f32).collect();
+                    let start = Instant::now();
+                    self.chain.maps(&readings, scratch, map_um)?;
+                    start
                 }
                 VirtualGauges::Exact => {
                     let [_, virtual_um] = self.truth.of_frame(frame);
-                    virtual_um
+                    let start = Instant::now();
+                    self.chain.maps_of_virtual_gauges(&virtual_um, scratch, map_um)?;
+                    start
                 }
             };
-            let start = Instant::now();
-            let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
-            match virtual_gauges {
-                VirtualGauges::Transferred => self.chain.maps(&inputs, scratch, map_um)?,
-                VirtualGauges::Exact => {
-                    self.chain.maps_of_virtual_gauges(&inputs, scratch, map_um)?;
-                }
-            }
             let found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
             let taken = choice.of(&self.chain, &found, frame.contacts.len())?;
             let time_us = start.elapsed().as_secs_f64() * 1e6;

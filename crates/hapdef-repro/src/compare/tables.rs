@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use hapdef_bench::stats::quantile;
-use hapdef_bench::{Measurements, Study, page_table, table};
+use hapdef_bench::{Measurements, Study, dotted_lines, page_table, table};
 use hapdef_report::{Figure, LineChart, NamedText, Report, Series, SkippedStage};
 use serde::Serialize;
 
@@ -83,15 +83,9 @@ fn errors(measured: &Measured) -> Result<Figure> {
         let row = measured.row(name)?;
         Some(Series { name: name.to_owned(), points: row.within_mm.clone() })
     });
-    let chart = LineChart {
-        title: "Position error".into(),
-        x_label: "true contacts matched at most so far away, %".into(),
-        y_label: "distance, mm".into(),
-        log_x: false,
-        log_y: true,
-        dots: false,
-        series: series.collect(),
-    };
+    let labels = ["true contacts matched at most so far away, %", "distance, mm"];
+    let chart = dotted_lines("Position error", labels, [false, true], series);
+    let chart = LineChart { dots: false, ..chart };
     Ok(Figure::lines(
         "position-error.svg",
         "Distance of contacts from their matches. A line ends where the rest is missed.",

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use hapdef::{ComplianceTable, Limb, Pipeline};
+use hapdef_bench::dotted_lines;
 use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Figure, LimbMap, LimbView, LineChart, Series};
 use serde_json::Value;
@@ -86,14 +87,8 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         let points = steps.iter().zip(losses).filter_map(point).collect();
         Some(Series { name: net.kind.name(), points })
     });
-    let chart = LineChart {
-        title: "Validation loss".into(),
-        x_label: "step".into(),
-        y_label: "root mean square error, standardised outputs".into(),
-        log_x: false,
-        log_y: true,
-        dots: false,
-        series: series.collect(),
-    };
+    let labels = ["step", "root mean square error, standardised outputs"];
+    let chart = dotted_lines("Validation loss", labels, [false, true], series);
+    let chart = LineChart { dots: false, ..chart };
     Ok(Figure::lines("training.svg", "Validation loss over the training of each net.", &chart)?)
 }
