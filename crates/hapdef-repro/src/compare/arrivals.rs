@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use hapdef_bench::stats::sorted;
-use hapdef_inverse::{Searcher, TrackerParams};
+use hapdef_inverse::{ContactEstimator, Searcher, TrackerParams};
 
-use super::cells::Map;
+use super::figures::Measured;
 use super::sequence::{Followed, Script};
 use super::setup::Bench;
-use super::tables::Measured;
 use super::world::Draw;
 
 /// How far apart contacts are at least, m.
@@ -42,10 +41,13 @@ fn four(draw: &mut Draw<'_>, strongest_n: f64) -> Script {
 }
 
 /// Follows the scripts of every row with the scene's gauges.
-pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Result<()> {
+pub(super) fn add(
+    bench: &Bench<'_>,
+    estimator: &ContactEstimator,
+    measured: &mut Measured,
+) -> Result<()> {
     let run = bench.run;
     run.say("following contacts that arrive one after another");
-    let estimator = map.estimator(bench.params())?;
     let mut searcher = Searcher::for_tracker(estimator.clone(), TrackerParams::default())?;
     let strongest_n = run.scene.contact.force_range_n[1];
     let mut times_us = Vec::new();
@@ -54,8 +56,8 @@ pub(super) fn add(bench: &Bench<'_>, map: &Map, measured: &mut Measured) -> Resu
         let mut followed = Followed::default();
         for i in 0..bench.args.scripts as u64 {
             let script = drawn(&mut draw, strongest_n);
-            let readings = script.readings(&bench.world, stream + i)?;
-            followed.follow(&estimator, &mut searcher, &script, &readings)?;
+            let readings = script.readings(&bench.rig.world, stream + i)?;
+            followed.follow(estimator, &mut searcher, &script, &readings)?;
         }
         measured.rows.push(followed.score.row(name));
         times_us.extend(followed.times_us);

@@ -4,8 +4,9 @@ use anyhow::Result;
 use hapdef_inverse::{ContactEstimate, ContactEstimator, EstimatorParams, tip_ring_m};
 
 use super::cells::{Map, score};
+use super::rig::Layout;
 use super::score::Score;
-use super::setup::{Bench, N_FEW, N_MORE};
+use super::setup::{Bench, MORE, N_FEW};
 use super::world::Frame;
 
 /// Frames on which the covariance is judged.
@@ -29,7 +30,7 @@ enum On {
     Many,
     /// The scene's gauges, [`N_FEW`] presses.
     Few,
-    /// [`N_MORE`] gauges, all presses.
+    /// The gauges of [`MORE`], all presses.
     More,
 }
 
@@ -84,48 +85,24 @@ const fn given(name: &'static str, on: On, pressed: Pressed) -> Case {
     Case { name, on, pressed, is_count_given: true }
 }
 
-/// The calibrated maps.
-pub(super) struct Maps {
-    pub(super) many: Map,
-    few: Map,
-    more: Map,
-}
-
-impl Maps {
-    pub(super) fn calibrate(bench: &Bench<'_>) -> Result<Self> {
-        let n_gauges = bench.limb.gauges.len();
-        let presses = bench.presses()?;
-        Ok(Self {
-            many: bench.calibrate(&bench.ten, &presses, 0..n_gauges)?,
-            few: bench.calibrate(&bench.ten, &presses[..N_FEW], 0..n_gauges)?,
-            more: bench.calibrate(&bench.more, &presses, n_gauges..n_gauges + N_MORE)?,
-        })
-    }
-
-    /// Relative errors of the scene's gauges' maps at presses they were not calibrated with: with all
-    /// presses, with few, and none.
-    pub(super) fn errors(&self) -> [f64; 3] {
-        let [many, few] = [&self.many, &self.few].map(|map| &map.calibrated.info);
-        [many.relative_error, few.relative_error, many.relative_error_before]
-    }
-}
-
 impl Bench<'_> {
     /// Finds the contacts of a row's frames, and shows `also` each frame with its estimate.
     pub(super) fn found(
-        &self,
-        maps: &Maps,
+        &mut self,
         case: &Case,
         also: impl FnMut(&ContactEstimator, &[f64], &Frame, &ContactEstimate) -> Result<()>,
     ) -> Result<Score> {
         self.run.say(case.name);
-        let map = match case.on {
-            On::Many => &maps.many,
-            On::Few => &maps.few,
-            On::More => &maps.more,
-        };
         let frames = self.pressed(&case.pressed)?;
-        let estimator = self.estimator(map, case)?;
+        let (layout, n_presses) = match case.on {
+            On::Many => (Layout::Scene, self.args.presses),
+            On::Few => (Layout::Scene, N_FEW),
+            On::More => (MORE, self.args.presses),
+        };
+        let own_tip_m = self.run.scene.contact.tip_radius_m;
+        let params = self.params();
+        let map = self.map(layout, n_presses)?;
+        let estimator = estimator(map, case, params, own_tip_m)?;
         score(&estimator, map.channels.clone(), &frames, also)
     }
 
@@ -139,18 +116,21 @@ impl Bench<'_> {
             Pressed::Apart(k, row) => self.apart(k, row),
         }
     }
+}
 
-    fn estimator(&self, map: &Map, case: &Case) -> Result<ContactEstimator> {
-        let params = self.params();
-        match case.pressed {
-            Pressed::RoughDoubles => {
-                let ring_m = tip_ring_m(WIDE_TIP_M, self.run.scene.contact.tip_radius_m);
-                map.estimator_with_friction(params, FRICTION, ring_m)
-            }
-            Pressed::Apart(k, _) if case.is_count_given => {
-                map.estimator(EstimatorParams { known_count: Some(k), ..params })
-            }
-            _ => map.estimator(params),
+fn estimator(
+    map: &Map,
+    case: &Case,
+    params: EstimatorParams,
+    own_tip_m: f64,
+) -> Result<ContactEstimator> {
+    match case.pressed {
+        Pressed::RoughDoubles => {
+            map.estimator_with_friction(params, FRICTION, tip_ring_m(WIDE_TIP_M, own_tip_m))
         }
+        Pressed::Apart(k, _) if case.is_count_given => {
+            map.estimator(EstimatorParams { known_count: Some(k), ..params })
+        }
+        _ => map.estimator(params),
     }
 }

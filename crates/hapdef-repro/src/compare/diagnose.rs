@@ -6,7 +6,7 @@ use hapdef_inverse::{ContactEstimate, SkinPoint};
 use hapdef_report::Report;
 use serde::Serialize;
 
-use super::cases::{Case, DIAGNOSED, Maps};
+use super::cases::{Case, DIAGNOSED};
 use super::score::{Row, is_clean};
 use super::setup::Bench;
 use crate::run::facts;
@@ -88,8 +88,8 @@ const fn clean(name: &'static str, row: &'static str) -> Metric<Vec<Diagnosed>> 
 }
 
 /// Scores frames and takes apart why some are not clean, prints and writes it.
-pub(super) fn diagnose(bench: &Bench<'_>, maps: &Maps) -> Result<()> {
-    let rows = DIAGNOSED.iter().map(|case| diagnosed(bench, maps, case));
+pub(super) fn diagnose(bench: &mut Bench<'_>) -> Result<()> {
+    let rows = DIAGNOSED.iter().map(|case| diagnosed(bench, case));
     let rows: Vec<Diagnosed> = rows.collect::<Result<_>>()?;
     let title = "Frames that are not clean, by cause";
     let report = Report {
@@ -101,10 +101,10 @@ pub(super) fn diagnose(bench: &Bench<'_>, maps: &Maps) -> Result<()> {
     Ok(())
 }
 
-fn diagnosed(bench: &Bench<'_>, maps: &Maps, case: &Case) -> Result<Diagnosed> {
+fn diagnosed(bench: &mut Bench<'_>, case: &Case) -> Result<Diagnosed> {
     let (mut n_search, mut n_tie, mut n_map) = (0, 0, 0);
     let mut of_truth = ContactEstimate::default();
-    let scored = bench.found(maps, case, |estimator, readings, frame, estimate| {
+    let scored = bench.found(case, |estimator, readings, frame, estimate| {
         if is_clean(estimator.map().skin(), frame, estimate)? {
             return Ok(());
         }

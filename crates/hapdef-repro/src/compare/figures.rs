@@ -2,9 +2,9 @@
 
 use hapdef_bench::stats::{mean, quantile};
 use hapdef_bench::{Column, Figure, Goal, Measurements, Metric, Wanted, or_dash};
+use serde::Serialize;
 
 use super::score::Row;
-use super::tables::Measured;
 
 const FEW_SINGLE: &str = "single, 300 presses";
 const FEW_DOUBLE: &str = "double, 300 presses";
@@ -12,6 +12,26 @@ const ARRIVING: &str = "four arriving";
 const TRIPLE: &str = "triple, 16 gauges";
 const ROUGH: &str = "double, friction and wide tip";
 const MANY: &str = "single, many frames";
+
+/// Everything that was measured.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Measured {
+    pub(super) rows: Vec<Row>,
+    pub(super) bound_ratio: Option<f64>,
+    /// Relative errors of the maps at presses they were not calibrated with: with all presses,
+    /// 300, and none.
+    pub(super) map_errors: [f64; 3],
+    /// Times of all frames of contacts that arrive one after another, µs, rising.
+    pub(super) tracking_us: Vec<f64>,
+}
+
+impl Measurements for Measured {
+    type Row = Row;
+
+    fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+}
 
 /// The columns of the table of rows.
 pub(super) const COLUMNS: [Column<Row>; 15] = [

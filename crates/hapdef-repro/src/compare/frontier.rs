@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::cells::{Map, score};
 use super::paper::{PaperPipeline, VirtualGauges};
+use super::rig::Layout;
 use super::score::Row;
 use super::setup::{Bench, CompareArgs};
 use super::world::Frame;
@@ -98,8 +99,7 @@ const STUDY: Study<Vec<Point>> = Study {
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let bench = Bench::build(&run, &limb, args)?;
-    let map = bench.calibrate(&bench.ten, &bench.presses()?, 0..limb.gauges.len())?;
+    let mut bench = Bench::build(&run, &limb, args)?;
     let mut paper = match args.without_paper {
         true => None,
         false => Some(PaperPipeline::train(&run, &limb)?),
@@ -107,13 +107,15 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let mut points = Vec::new();
     for k in 1..=MOST {
         run.say(&format!("frames of {k} contacts"));
-        let frames = bench.apart(k, 50 + k as u64)?;
-        let of_efforts = EFFORTS.iter().map(|e| by_effort(&map, bench.params(), e, &frames));
+        let (params, frames) = (bench.params(), bench.apart(k, 50 + k as u64)?);
+        let map = bench.map(Layout::Scene, args.presses)?;
+        let of_efforts = EFFORTS.iter().map(|e| by_effort(map, params, e, &frames));
         let mut of_k: Vec<Row> = of_efforts.collect::<Result<_>>()?;
+        let floor_mm = floor_mm(map, params, &frames)?;
         if let Some(paper) = &mut paper {
             of_k.extend(bench.paper_rows(paper, &frames, VirtualGauges::Transferred)?);
         }
-        points.extend(with_front(k, of_k, floor_mm(&map, bench.params(), &frames)?));
+        points.extend(with_front(k, of_k, floor_mm));
     }
     let text = table(&COLUMNS, &points);
     let note = format!(

@@ -4,36 +4,41 @@ use anyhow::Result;
 use hapdef::Limb;
 
 use super::arrivals;
-use super::cases::{CASES, CASES_OF_MORE_GAUGES, Maps};
+use super::cases::{CASES, CASES_OF_MORE_GAUGES};
 use super::diagnose::diagnose;
+use super::figures::Measured;
 use super::paper::{PaperPipeline, VirtualGauges};
+use super::rig::Layout;
 use super::score::Row;
-use super::setup::{Bench, CompareArgs};
-use super::tables::{self, Measured};
+use super::setup::{Bench, CompareArgs, N_FEW};
+use super::tables;
 
 /// Measures, prints and writes the comparison.
 pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let bench = Bench::build(&run, &limb, args)?;
-    let maps = Maps::calibrate(&bench)?;
-    let mut measured = Measured { map_errors: maps.errors(), ..Measured::default() };
+    let mut bench = Bench::build(&run, &limb, args)?;
+    let mut measured = Measured::default();
     for case in &CASES {
-        measured.rows.push(bench.found(&maps, case, |_, _, _, _| Ok(()))?.row(case.name));
+        measured.rows.push(bench.found(case, |_, _, _, _| Ok(()))?.row(case.name));
     }
-    let estimator = maps.many.estimator(bench.params())?;
-    let singles = bench.drawn().singles(args.frames)?;
-    measured.bound_ratio = maps.many.bound_ratio(&estimator, &singles)?;
-    arrivals::add(&bench, &maps.many, &mut measured)?;
+    let few = bench.map(Layout::Scene, N_FEW)?.calibrated.info.relative_error;
+    let (params, singles) = (bench.params(), bench.drawn().singles(args.frames)?);
+    let many = bench.map(Layout::Scene, args.presses)?;
+    let info = &many.calibrated.info;
+    measured.map_errors = [info.relative_error, few, info.relative_error_before];
+    let estimator = many.estimator(params)?;
+    measured.bound_ratio = many.bound_ratio(&estimator, &singles)?;
+    arrivals::add(&bench, &estimator, &mut measured)?;
     for case in &CASES_OF_MORE_GAUGES {
-        measured.rows.push(bench.found(&maps, case, |_, _, _, _| Ok(()))?.row(case.name));
+        measured.rows.push(bench.found(case, |_, _, _, _| Ok(()))?.row(case.name));
     }
     if !args.without_paper {
         measured.rows.extend(by_the_paper(&bench)?);
     }
     tables::publish(&bench, &measured)?;
     if args.diagnose {
-        diagnose(&bench, &maps)?;
+        diagnose(&mut bench)?;
     }
     Ok(())
 }

@@ -4,32 +4,10 @@ use anyhow::Result;
 use hapdef_bench::stats::quantile;
 use hapdef_bench::{Measurements, Study, dotted_lines, page_table, table};
 use hapdef_report::{Figure, LineChart, NamedText, Report, Series, SkippedStage};
-use serde::Serialize;
 
-use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS, best_paper};
-use super::score::Row;
+use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS, Measured, best_paper};
 use super::setup::Bench;
 use crate::run::facts::{self, named};
-
-/// Everything that was measured.
-#[derive(Clone, Debug, Default, Serialize)]
-pub(super) struct Measured {
-    pub(super) rows: Vec<Row>,
-    pub(super) bound_ratio: Option<f64>,
-    /// Relative errors of the maps at presses they were not calibrated with: with all presses,
-    /// 300, and none.
-    pub(super) map_errors: [f64; 3],
-    /// Times of all frames of contacts that arrive one after another, µs, rising.
-    pub(super) tracking_us: Vec<f64>,
-}
-
-impl Measurements for Measured {
-    type Row = Row;
-
-    fn rows(&self) -> &[Row] {
-        &self.rows
-    }
-}
 
 const STUDY: Study<Measured> = Study {
     folder: "compare",
