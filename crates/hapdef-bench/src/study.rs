@@ -93,6 +93,26 @@ impl<M: Measurements> Figure<M> {
 }
 
 impl<M: Measurements> Metric<M> {
+    /// A figure of the row of a case.
+    pub const fn row(
+        name: &'static str,
+        unit: &'static str,
+        row: &'static str,
+        of: fn(&M::Row) -> f64,
+    ) -> Self {
+        Self { name, unit, figure: Figure::Row(row, of), absent: "no such row" }
+    }
+
+    /// A figure of all measurements; `absent`: why it is not there, where it is not.
+    pub const fn all(
+        name: &'static str,
+        unit: &'static str,
+        of: fn(&M) -> Option<f64>,
+        absent: &'static str,
+    ) -> Self {
+        Self { name, unit, figure: Figure::All(of), absent }
+    }
+
     /// Prints its METRIC line.
     ///
     /// # Errors

@@ -34,12 +34,7 @@ const STUDY: Study<Vec<Point>> = Study {
 };
 
 const METRICS: [Metric<Vec<Point>>; 3] = [
-    Metric {
-        name: "frontier.points",
-        unit: "1",
-        figure: hapdef_bench::Figure::All(|points| Some(points.len() as f64)),
-        absent: "none",
-    },
+    Metric::all("frontier.points", "1", |points| Some(points.len() as f64), "none"),
     REDUCED_P50,
     REDUCED_ERROR,
 ];
@@ -47,19 +42,19 @@ const METRICS: [Metric<Vec<Point>>; 3] = [
 /// The metrics of the best reduced net.
 pub(super) const REDUCED: [Metric<Vec<Point>>; 2] = [REDUCED_P50, REDUCED_ERROR];
 
-const REDUCED_P50: Metric<Vec<Point>> = Metric {
-    name: "nets.reduced_p50_us",
-    unit: "µs",
-    figure: hapdef_bench::Figure::All(|points| Some(best_reduced(points)?.0.times.p50_us)),
-    absent: "no net found a contact",
-};
+const REDUCED_P50: Metric<Vec<Point>> = Metric::all(
+    "nets.reduced_p50_us",
+    "µs",
+    |points| Some(best_reduced(points)?.0.times.p50_us),
+    "no net found a contact",
+);
 
-const REDUCED_ERROR: Metric<Vec<Point>> = Metric {
-    name: "nets.reduced_error_ratio",
-    unit: "1",
-    figure: hapdef_bench::Figure::All(|points| Some(best_reduced(points)?.1)),
-    absent: "no net found a contact",
-};
+const REDUCED_ERROR: Metric<Vec<Point>> = Metric::all(
+    "nets.reduced_error_ratio",
+    "1",
+    |points| Some(best_reduced(points)?.1),
+    "no net found a contact",
+);
 
 /// Measures every variant and writes the report.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {

@@ -1,7 +1,7 @@
 //! `compare --diagnose`: why frames are not clean.
 
 use anyhow::Result;
-use hapdef_bench::{Column, Figure, Metric, Named, Study, page_table, table};
+use hapdef_bench::{Column, Metric, Named, Study, page_table, table};
 use hapdef_inverse::{ContactEstimate, SkinPoint};
 use hapdef_report::Report;
 use serde::Serialize;
@@ -61,30 +61,30 @@ const METRICS: [Metric<Vec<Diagnosed>>; 8] = [
     clean("compare.double_clean_pct", "double"),
     clean("compare.friction_clean_pct", "double, friction and wide tip"),
     Metric {
-        name: "compare.friction_coverage95_pct",
-        unit: "%",
-        figure: Figure::Row("double, friction and wide tip", |r: &Diagnosed| {
-            r.row.coverage95_pct.unwrap_or(f64::NAN)
-        }),
         absent: "no frame was sure",
+        ..Metric::row(
+            "compare.friction_coverage95_pct",
+            "%",
+            "double, friction and wide tip",
+            |r: &Diagnosed| r.row.coverage95_pct.unwrap_or(f64::NAN),
+        )
     },
-    Metric {
-        name: "compare.search_failures_pct",
-        unit: "%",
-        figure: Figure::All(|rows| rows.iter().map(Diagnosed::search_pct).reduce(f64::max)),
-        absent: "no frames",
-    },
-    Metric {
-        name: "compare.cold_quadruple16_p50_us",
-        unit: "µs",
-        figure: Figure::Row("quadruple, 16 gauges, count given", |r: &Diagnosed| r.row.p50_us),
-        absent: "no such row",
-    },
+    Metric::all(
+        "compare.search_failures_pct",
+        "%",
+        |rows| rows.iter().map(Diagnosed::search_pct).reduce(f64::max),
+        "no frames",
+    ),
+    Metric::row(
+        "compare.cold_quadruple16_p50_us",
+        "µs",
+        "quadruple, 16 gauges, count given",
+        |r: &Diagnosed| r.row.p50_us,
+    ),
 ];
 
 const fn clean(name: &'static str, row: &'static str) -> Metric<Vec<Diagnosed>> {
-    let figure = Figure::Row(row, |r: &Diagnosed| r.row.errors.clean_pct);
-    Metric { name, unit: "%", figure, absent: "no such row" }
+    Metric::row(name, "%", row, |r: &Diagnosed| r.row.errors.clean_pct)
 }
 
 /// Scores frames and takes apart why some are not clean, prints and writes it.

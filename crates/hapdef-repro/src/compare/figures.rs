@@ -54,44 +54,32 @@ pub(super) const COLUMNS: [Column<Row>; 15] = [
 
 /// What is printed as METRIC lines.
 pub(super) const METRICS: [Metric<Measured>; 18] = [
-    of_row("compare.single_mean_mm", "single", "mm", |r| r.errors.mean_mm),
-    of_row("compare.single_median_mm", "single", "mm", |r| r.errors.median_mm),
-    of_row("compare.single_mean_n", "single", "N", |r| r.errors.mean_n),
-    of_row("compare.double_mean_mm", "double", "mm", |r| r.errors.mean_mm),
-    of_row("compare.double_median_mm", "double", "mm", |r| r.errors.median_mm),
-    of_row("compare.double_mean_n", "double", "N", |r| r.errors.mean_n),
-    of_row("compare.double_within10_pct", "double", "%", |r| r.errors.within10_pct),
-    of_row("compare.double_count_pct", "double", "%", |r| r.errors.count_pct),
-    of_row("compare.double300_mean_mm", FEW_DOUBLE, "mm", |r| r.errors.mean_mm),
-    of_row("compare.friction_double_mean_mm", ROUGH, "mm", |r| r.errors.mean_mm),
-    of_row("compare.triple16_mean_mm", TRIPLE, "mm", |r| r.errors.mean_mm),
-    of_row("compare.sequential4_mean_mm", ARRIVING, "mm", |r| r.errors.mean_mm),
-    of_row("compare.sequential4_mean_n", ARRIVING, "N", |r| r.errors.mean_n),
-    of_row("compare.sequential4_found_pct", ARRIVING, "%", |r| r.errors.within10_pct),
+    Metric::row("compare.single_mean_mm", "mm", "single", |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.single_median_mm", "mm", "single", |r: &Row| r.errors.median_mm),
+    Metric::row("compare.single_mean_n", "N", "single", |r: &Row| r.errors.mean_n),
+    Metric::row("compare.double_mean_mm", "mm", "double", |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.double_median_mm", "mm", "double", |r: &Row| r.errors.median_mm),
+    Metric::row("compare.double_mean_n", "N", "double", |r: &Row| r.errors.mean_n),
+    Metric::row("compare.double_within10_pct", "%", "double", |r: &Row| r.errors.within10_pct),
+    Metric::row("compare.double_count_pct", "%", "double", |r: &Row| r.errors.count_pct),
+    Metric::row("compare.double300_mean_mm", "mm", FEW_DOUBLE, |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.friction_double_mean_mm", "mm", ROUGH, |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.triple16_mean_mm", "mm", TRIPLE, |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.sequential4_mean_mm", "mm", ARRIVING, |r: &Row| r.errors.mean_mm),
+    Metric::row("compare.sequential4_mean_n", "N", ARRIVING, |r: &Row| r.errors.mean_n),
+    Metric::row("compare.sequential4_found_pct", "%", ARRIVING, |r: &Row| r.errors.within10_pct),
     Metric {
-        name: "compare.coverage95_pct",
-        unit: "%",
-        figure: coverage(MANY),
         absent: "no frame was sure",
+        ..Metric::row("compare.coverage95_pct", "%", MANY, coverage95_pct)
     },
-    Metric {
-        name: "compare.bound_ratio",
-        unit: "1",
-        figure: Figure::All(|m| m.bound_ratio),
-        absent: "at no contact does the noise's bound exceed the map's error",
-    },
-    Metric {
-        name: "compare.double_vs_paper",
-        unit: "1",
-        figure: Figure::All(double_vs_paper),
-        absent: "--without-paper",
-    },
-    Metric {
-        name: "compare.time_vs_paper",
-        unit: "1",
-        figure: Figure::All(time_vs_paper),
-        absent: "--without-paper",
-    },
+    Metric::all(
+        "compare.bound_ratio",
+        "1",
+        |m| m.bound_ratio,
+        "at no contact does the noise's bound exceed the map's error",
+    ),
+    Metric::all("compare.double_vs_paper", "1", double_vs_paper, "--without-paper"),
+    Metric::all("compare.time_vs_paper", "1", time_vs_paper, "--without-paper"),
 ];
 
 /// What the figures should be.
@@ -141,15 +129,6 @@ pub(super) const GOALS_NOTE: &str = "Found: matched within 10 mm. Clean: every c
     true one, and none else. Asked of a map calibrated with 3,000 presses where no number is said, ten \
     gauges, 1 µε.";
 
-const fn of_row(
-    name: &'static str,
-    row: &'static str,
-    unit: &'static str,
-    of: fn(&Row) -> f64,
-) -> Metric<Measured> {
-    Metric { name, unit, figure: Figure::Row(row, of), absent: "no such row" }
-}
-
 const fn at_most(
     row: &'static str,
     what: &'static str,
@@ -169,11 +148,11 @@ const fn at_least(
 }
 
 const fn calibrated(row: &'static str, what: &'static str) -> Goal<Measured> {
-    Goal { what, wanted: Wanted::Between(92.0, 98.0), figure: coverage(row) }
+    Goal { what, wanted: Wanted::Between(92.0, 98.0), figure: Figure::Row(row, coverage95_pct) }
 }
 
-const fn coverage(row: &'static str) -> Figure<Measured> {
-    Figure::Row(row, |r: &Row| r.coverage95_pct.unwrap_or(f64::NAN))
+fn coverage95_pct(row: &Row) -> f64 {
+    row.coverage95_pct.unwrap_or(f64::NAN)
 }
 
 /// The paper's better row on two contacts, from readings.

@@ -7,11 +7,10 @@ use anyhow::Result;
 use hapdef::Limb;
 use hapdef_bench::stats::median;
 use hapdef_bench::{
-    Column, Figure, Metric, Named, Study, against_time, by_cost, or_dash, page_table, pareto_front,
-    table,
+    Column, Metric, Named, Study, against_time, by_cost, or_dash, page_table, pareto_front, table,
 };
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_report::Report;
+use hapdef_report::{Figure, Report};
 use serde::Serialize;
 
 use super::cells::{Map, score};
@@ -84,12 +83,7 @@ fn searched(
 
 const STUDY: Study<Vec<Point>> = Study {
     folder: "frontier-inverse",
-    metrics: &[Metric {
-        name: "frontier.points",
-        unit: "1",
-        figure: Figure::All(|points| Some(points.len() as f64)),
-        absent: "none",
-    }],
+    metrics: &[Metric::all("frontier.points", "1", |points| Some(points.len() as f64), "none")],
     goals: &[],
     goals_note: "",
     file: Some("frontier.json"),
@@ -186,7 +180,7 @@ const COLUMNS: [Column<Point>; 12] = [
     Column::new("front", |p| if p.on_front { "F".into() } else { String::new() }),
 ];
 
-fn figures(points: &[Point]) -> Result<Vec<hapdef_report::Figure>> {
+fn figures(points: &[Point]) -> Result<Vec<Figure>> {
     let series = |k: usize, is_paper: bool| {
         let of_k = points
             .iter()
@@ -196,7 +190,7 @@ fn figures(points: &[Point]) -> Result<Vec<hapdef_report::Figure>> {
     };
     let all = (1..=MOST).flat_map(|k| [series(k, false), series(k, true)]).collect();
     let chart = against_time("Position error against run time", "mean position error, mm", all);
-    Ok(vec![hapdef_report::Figure::lines(
+    Ok(vec![Figure::lines(
         "frontier-inverse.svg",
         "Mean position error against the time of a frame, by number of contacts.",
         &chart,

@@ -191,3 +191,25 @@ impl<'a> Draw<'a> {
         TrueContact { point, force_n, friction: (a * turn.cos() + b * turn.sin()) * size }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use hapdef_inverse::{SkinFaces, SkinParams};
+    use nalgebra::Point3;
+
+    use super::*;
+
+    /// A triangle of 100 mm, and a contact of 10 N at each of these places on it, m.
+    pub(in crate::compare) fn on_a_triangle(places_m: &[[f64; 2]]) -> (Skin, Vec<TrueContact>) {
+        let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
+        let faces = SkinFaces::Linear(&[[0, 1, 2]]);
+        let skin = Skin::new(corners.to_vec(), faces, None, &SkinParams::default()).unwrap();
+        let contact = |[x, y]: &[f64; 2]| TrueContact {
+            point: SkinPoint::new(&skin, 0, [1.0 - (x + y) / 0.1, x / 0.1, y / 0.1]).unwrap(),
+            force_n: 10.0,
+            friction: Vector3::zeros(),
+        };
+        let contacts = places_m.iter().map(contact).collect();
+        (skin, contacts)
+    }
+}

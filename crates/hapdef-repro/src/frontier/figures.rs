@@ -22,12 +22,12 @@ pub(super) const STUDY: Study<Measured> = Study {
 /// What is printed as METRIC lines, beside the exponents of the growths.
 const METRICS: [Metric<Measured>; 9] = [
     metric("frontier.points", "1", |m| Some(m.points.len() as f64)),
-    Metric {
-        name: "frontier.plan_time_ratio_worst",
-        unit: "1",
-        figure: Figure::All(|m| planned::worst_ratio(&m.planned)),
-        absent: "--without-nets",
-    },
+    Metric::all(
+        "frontier.plan_time_ratio_worst",
+        "1",
+        |m| planned::worst_ratio(&m.planned),
+        "--without-nets",
+    ),
     metric("frontier.design_speedup", "1", |m| Some(m.skips.design_speedup())),
     metric("frontier.frame_speedup", "1", |m| Some(m.skips.followed.speedup())),
     metric("frontier.frame_speedup_searched", "1", |m| Some(m.skips.searched.speedup())),
@@ -84,7 +84,7 @@ const fn metric(
     unit: &'static str,
     of: fn(&Measured) -> Option<f64>,
 ) -> Metric<Measured> {
-    Metric { name, unit, figure: Figure::All(of), absent: "not measured" }
+    Metric::all(name, unit, of, "not measured")
 }
 
 const fn goal(

@@ -20,8 +20,6 @@ const PAPER_PATCH: usize = 24;
 /// The samples of one method.
 pub(crate) struct MethodData {
     method: SearchMethod,
-    n_inputs: usize,
-    n_outputs: usize,
     max_patch: usize,
     /// Keys of the datasets.
     pub(crate) keys: String,
@@ -51,8 +49,6 @@ impl MethodData {
     ) -> Result<Self> {
         let empty = Self {
             method,
-            n_inputs: 0,
-            n_outputs: 0,
             max_patch: prepared.max_patch,
             keys: String::new(),
             train: Rows::default(),
@@ -76,7 +72,6 @@ impl MethodData {
         let mut sets = Dataset::open_all(data)?;
         let most = MAX_VALIDATION / sets.len();
         for (i, set) in sets.iter_mut().enumerate() {
-            (self.n_inputs, self.n_outputs) = (set.n_virtual, set.n_surface);
             let split = set.split()?;
             let maps = [Part::Gauges, Part::Map];
             self.train.add(set, maps, split.train)?;
@@ -94,7 +89,6 @@ impl MethodData {
         self.keys = data.rig_single.key.clone();
         let (mut set, split) = rig_singles(&prepared.done)?;
         self.train = self.presses(&mut set, split.train)?;
-        (self.n_inputs, self.n_outputs) = (self.train.n_inputs(), self.train.n_outputs());
         self.validation = self.presses(&mut set, first_of(split.validation, MAX_VALIDATION))?;
         if with_tests {
             let rows = self.presses(&mut set, split.test)?;
@@ -122,7 +116,8 @@ impl MethodData {
         stop: &dyn Fn() -> bool,
     ) -> Result<Fitted, ReproError> {
         let (x, n_inputs) = self.inputs(&self.train.x, values);
-        let samples = Samples { x: &x, n_inputs, y: &self.train.y, n_outputs: self.n_outputs };
+        let samples =
+            Samples { x: &x, n_inputs, y: &self.train.y, n_outputs: self.train.n_outputs() };
         learner.fit(&samples, stop)
     }
 
@@ -133,13 +128,14 @@ impl MethodData {
         values: &ParameterValues,
         rows: &Rows,
     ) -> Result<MethodError, ReproError> {
+        let (n_inputs, n_outputs) = (self.train.n_inputs(), self.train.n_outputs());
         let is_contact = matches!(self.method, SearchMethod::Direct | SearchMethod::Svr);
-        let (mut maps, mut contacts) = (MapErrorSum::new(self.n_outputs), Vec::new());
+        let (mut maps, mut contacts) = (MapErrorSum::new(n_outputs), Vec::new());
         for block in blocks(0..rows.n, BLOCK) {
             let of = |width: usize| block.start * width..block.end * width;
-            let (x, _) = self.inputs(&rows.x[of(self.n_inputs)], values);
+            let (x, _) = self.inputs(&rows.x[of(n_inputs)], values);
             let found = fitted.predictions(&x, block.len())?;
-            let truth = &rows.y[of(self.n_outputs)];
+            let truth = &rows.y[of(n_outputs)];
             if is_contact {
                 let each = truth.as_chunks::<4>().0.iter().zip(found.as_chunks::<4>().0);
                 contacts.extend(each.map(|(truth, found)| pair(truth, found)));
@@ -163,10 +159,10 @@ impl MethodData {
         match values.get("patch") {
             Some(&patch) => {
                 let patch = (patch as usize).clamp(1, self.max_patch);
-                let width = self.n_inputs / self.max_patch * patch;
+                let width = self.train.n_inputs() / self.max_patch * patch;
                 (first_of_patches(x, self.max_patch, patch).into(), width)
             }
-            None => (x.into(), self.n_inputs),
+            None => (x.into(), self.train.n_inputs()),
         }
     }
 }
