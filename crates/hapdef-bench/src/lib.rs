@@ -1,11 +1,12 @@
 //! What every experiment needs, whatever it measures.
 //!
+//! - [`Study`]: what is taken from the rows of an experiment, and its page.
 //! - [`stats`]: means, medians and quantiles.
 //! - [`pareto_front`]: what is worth choosing where two costs count.
-//! - [`table()`], [`terminal_table`]: rows under [`Column`]s, as Markdown, on a page and on a terminal.
+//! - [`table()`], [`page_table`], [`terminal_table`]: rows under [`Column`]s, as Markdown, on a page and on a terminal.
 //! - [`Metric`], [`Goal`]: figures of [`Measurements`] as METRIC lines and beside their targets.
 //! - [`against_time`], [`dotted_lines`]: charts.
-//! - [`publish`], [`page_markdown`]: the page of a study, and that in the documentation.
+//! - [`page_markdown`]: a page in the documentation.
 
 mod chart;
 mod page;
@@ -18,6 +19,6 @@ mod target;
 pub use chart::{against_time, by_cost, dotted_lines};
 pub use page::page_markdown;
 pub use pareto::pareto_front;
-pub use study::{Figure, Goal, Measurements, Metric, goal_table, log_metrics, publish};
-pub use table::{Column, or_dash, table, terminal_table, text_table};
-pub use target::{Target, Wanted, target_table};
+pub use study::{Figure, Goal, Measurements, Metric, Named, Study};
+pub use table::{Column, or_dash, page_table, table, terminal_table, text_table};
+pub use target::Wanted;

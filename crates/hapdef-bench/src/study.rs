@@ -3,17 +3,52 @@
 use std::io::Write;
 use std::path::Path;
 
-use hapdef_report::{MetricLog, Report, ReportError, ReportTable, write_report};
+use hapdef_report::{MetricLog, Report, ReportError, ReportTable, write_report, write_text};
+use serde::Serialize;
 
+use crate::table::{page_table, terminal_table};
 use crate::target::{Target, Wanted, target_table};
 
-/// What a study measured, in rows that have names.
+/// What was measured of a case, under the case's name.
+pub trait Named {
+    /// The name.
+    fn name(&self) -> &str;
+}
+
+/// What a study measured: a row for each case, and what belongs to no row.
 pub trait Measurements {
     /// What was measured of one case.
-    type Row;
+    type Row: Named;
+
+    /// The rows, in their order.
+    fn rows(&self) -> &[Self::Row];
 
     /// The row of a case, if it was measured.
-    fn row(&self, name: &str) -> Option<&Self::Row>;
+    fn row(&self, name: &str) -> Option<&Self::Row> {
+        self.rows().iter().find(|row| row.name() == name)
+    }
+}
+
+impl<R: Named> Measurements for Vec<R> {
+    type Row = R;
+
+    fn rows(&self) -> &[R] {
+        self
+    }
+}
+
+/// What is taken from the measurements of a study, and where it goes.
+pub struct Study<M: Measurements + 'static> {
+    /// Folder of its page, below the scene's.
+    pub folder: &'static str,
+    /// METRIC lines.
+    pub metrics: &'static [Metric<M>],
+    /// What figures should be.
+    pub goals: &'static [Goal<M>],
+    /// What is to be known of those.
+    pub goals_note: &'static str,
+    /// A file beside the page with the measurements as JSON, if they are to be there.
+    pub file: Option<&'static str>,
 }
 
 /// Where a figure comes from.
@@ -26,7 +61,7 @@ pub enum Figure<M: Measurements> {
 
 /// A figure that is printed as METRIC line.
 pub struct Metric<M: Measurements> {
-    /// Its name, behind the study's prefix.
+    /// Its name.
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -57,101 +92,154 @@ impl<M: Measurements> Figure<M> {
     }
 }
 
-/// Prints a METRIC line for each figure, its name behind `prefix` and a point.
-///
-/// # Errors
-/// A name, unit or reason that is refused, or standard output failing.
-pub fn log_metrics<M: Measurements, W: Write>(
-    metrics: &[Metric<M>],
-    prefix: &str,
-    measured: &M,
-    log: &mut MetricLog<W>,
-) -> Result<(), ReportError> {
-    for metric in metrics {
-        let name = format!("{prefix}.{}", metric.name);
-        match metric.figure.of(measured) {
-            Some(value) => log.value(&name, value, metric.unit)?,
-            None => log.skipped(&name, metric.absent)?,
+impl<M: Measurements> Metric<M> {
+    /// A figure of the row of a case.
+    pub const fn row(
+        name: &'static str,
+        unit: &'static str,
+        row: &'static str,
+        of: fn(&M::Row) -> f64,
+    ) -> Self {
+        Self { name, unit, figure: Figure::Row(row, of), absent: "no such row" }
+    }
+
+    /// A figure of all measurements; `absent`: why it is not there, where it is not.
+    pub const fn all(
+        name: &'static str,
+        unit: &'static str,
+        of: fn(&M) -> Option<f64>,
+        absent: &'static str,
+    ) -> Self {
+        Self { name, unit, figure: Figure::All(of), absent }
+    }
+
+    /// Prints its METRIC line.
+    ///
+    /// # Errors
+    /// Standard output failing.
+    pub fn log<W: Write>(&self, measured: &M, log: &mut MetricLog<W>) -> Result<(), ReportError> {
+        match self.figure.of(measured) {
+            Some(value) => log.value(self.name, value, self.unit),
+            None => log.skipped(self.name, self.absent),
         }
     }
-    Ok(())
 }
 
-/// The figures beside what they should be.
-///
-/// # Errors
-/// As [`target_table`].
-pub fn goal_table<M: Measurements>(
-    goals: &[Goal<M>],
-    measured: &M,
-    note: &str,
-) -> Result<ReportTable, serde_json::Error> {
-    let target = |goal: &Goal<M>| Target {
-        what: goal.what,
-        wanted: goal.wanted,
-        measured: goal.figure.of(measured),
-    };
-    target_table(&goals.iter().map(target).collect::<Vec<_>>(), note)
-}
-
-/// Writes the report with the metrics of `log` into the folder `name` of its scene's under `out`, adds
-/// the metrics to `metrics.json` there and prints the paths of the pages.
-///
-/// # Errors
-/// A report that is refused, and files that can't be written.
-#[expect(clippy::print_stdout, reason = "whoever made a study looks for its page")]
-pub fn publish<W: Write>(
-    out: &Path,
-    name: &str,
-    report: Report,
-    log: &MetricLog<W>,
-) -> Result<Report, ReportError> {
-    let report = Report { metrics: log.records().to_vec(), ..report };
-    let paths = write_report(&out.join(&report.scene).join(name), &report)?;
-    log.append_to(&out.join("metrics.json"))?;
-    for path in paths.iter().rev().take(3) {
-        println!("{}", path.display());
+impl<M: Measurements + Serialize> Study<M> {
+    /// Prints a METRIC line for each figure, and every table; writes the page into the study's folder of
+    /// the report's scene under `out`, adds the metrics to `metrics.json` there, and prints the paths.
+    ///
+    /// # Errors
+    /// A figure or a report that is refused, and files that can't be written.
+    #[expect(
+        clippy::print_stdout,
+        reason = "whoever made a study looks for its figures and its page"
+    )]
+    pub fn publish<W: Write>(
+        &self,
+        measured: &M,
+        mut report: Report,
+        log: &mut MetricLog<W>,
+        out: &Path,
+    ) -> Result<Report, ReportError> {
+        for metric in self.metrics {
+            metric.log(measured, log)?;
+        }
+        let folder = out.join(&report.scene).join(self.folder);
+        for table in &report.tables {
+            println!("{}\n{}", table.title, terminal_table(&table.text));
+        }
+        report.metrics = log.records().to_vec();
+        let mut paths = write_report(&folder, &report)?;
+        log.append_to(&out.join("metrics.json"))?;
+        if let Some(file) = self.file {
+            let path = folder.join(file);
+            let json = serde_json::to_string_pretty(measured).map_err(ReportError::json(&path))?;
+            write_text(&path, &json)?;
+            paths.insert(0, path);
+        }
+        for path in paths.iter().rev().take(3) {
+            println!("{}", path.display());
+        }
+        Ok(report)
     }
-    Ok(report)
+
+    /// The figures beside what they should be.
+    ///
+    /// # Errors
+    /// A figure that JSON can't hold.
+    pub fn goal_table(&self, measured: &M) -> Result<ReportTable, ReportError> {
+        let target = |goal: &Goal<M>| Target {
+            what: goal.what,
+            wanted: goal.wanted,
+            measured: goal.figure.of(measured),
+        };
+        let targets: Vec<Target> = self.goals.iter().map(target).collect();
+        page_table("What was asked for", self.goals_note, target_table(&targets), &targets)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use hapdef_report::MetricContext;
+    use hapdef_report::{MetricContext, NamedText};
 
     use super::*;
 
-    struct Timed(Vec<(&'static str, f64)>);
+    #[derive(Serialize)]
+    struct Timed(&'static str, f64);
 
-    impl Measurements for Timed {
-        type Row = (&'static str, f64);
-
-        fn row(&self, name: &str) -> Option<&Self::Row> {
-            self.0.iter().find(|row| row.0 == name)
+    impl Named for Timed {
+        fn name(&self) -> &str {
+            self.0
         }
     }
 
+    const fn time(row: &'static str) -> Figure<Vec<Timed>> {
+        Figure::Row(row, |timed: &Timed| timed.1)
+    }
+
+    const fn metric(name: &'static str, row: &'static str) -> Metric<Vec<Timed>> {
+        Metric { name, unit: "µs", figure: time(row), absent: "no row" }
+    }
+
+    const fn goal(row: &'static str) -> Goal<Vec<Timed>> {
+        Goal { what: "time, µs", wanted: Wanted::AtMost(3.0), figure: time(row) }
+    }
+
+    const STUDY: Study<Vec<Timed>> = Study {
+        folder: "times",
+        metrics: &[metric("demo.fast_us", "fast"), metric("demo.slow_us", "slow")],
+        goals: &[goal("fast"), goal("broken")],
+        goals_note: "",
+        file: Some("times.json"),
+    };
+
     #[test]
     fn figures_that_are_not_there_are_skipped_and_their_goals_not_measured() {
-        let figure = |row| Figure::Row(row, |r: &(&'static str, f64)| r.1);
-        let metric =
-            |name, row| Metric { name, unit: "µs", figure: figure(row), absent: "no row" };
         let context = MetricContext {
             commit: "abc".into(),
             machine: "one".into(),
             seed: 1,
             time: "now".into(),
         };
-        let measured = Timed(vec![("fast", 2.0), ("broken", f64::NAN)]);
-        let metrics = [metric("fast_us", "fast"), metric("slow_us", "slow")];
-        let mut out = Vec::new();
-        log_metrics(&metrics, "demo", &measured, &mut MetricLog::new(&mut out, context)).unwrap();
-        let text = String::from_utf8(out).unwrap();
-        assert_eq!(text, "METRIC:demo.fast_us:2:µs\nMETRIC:demo.slow_us:skipped:no row\n");
-        let goal =
-            |row| Goal { what: "time, µs", wanted: Wanted::AtMost(3.0), figure: figure(row) };
-        let table = goal_table(&[goal("fast"), goal("broken")], &measured, "").unwrap();
-        let verdicts = table.text.rows.iter().map(|row| row[3].text.as_str());
+        let measured = vec![Timed("fast", 2.0), Timed("broken", f64::NAN)];
+        let goals = STUDY.goal_table(&measured).unwrap();
+        let verdicts = goals.text.rows.iter().map(|row| row[3].text.as_str());
         assert_eq!(verdicts.collect::<Vec<_>>(), ["met", "not measured"]);
+        let out = tempfile::tempdir().unwrap();
+        let report = Report {
+            scene: "limb".into(),
+            hashes: vec![NamedText { name: "scene".into(), text: "0".into() }],
+            tables: vec![goals],
+            ..Report::default()
+        };
+        let mut lines = Vec::new();
+        let log = &mut MetricLog::new(&mut lines, context);
+        STUDY.publish(&measured, report, log, out.path()).unwrap();
+        let lines = String::from_utf8(lines).unwrap();
+        assert_eq!(lines, "METRIC:demo.fast_us:2:µs\nMETRIC:demo.slow_us:skipped:no row\n");
+        let json = std::fs::read_to_string(out.path().join("limb/times/times.json")).unwrap();
+        assert!(json.contains("fast"), "{json}");
+        assert!(out.path().join("limb/times/report.html").exists());
     }
 }

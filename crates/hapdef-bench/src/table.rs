@@ -1,6 +1,9 @@
 //! Tables from columns, and tables on a terminal.
 
-use hapdef_report::{TextCell, TextTable};
+use std::path::Path;
+
+use hapdef_report::{ReportError, ReportTable, TextCell, TextTable};
+use serde::Serialize;
 
 /// A column: its header, and what stands in it of a row.
 pub struct Column<R> {
@@ -37,6 +40,21 @@ pub fn text_table<const N: usize>(
         header: header.map(str::to_owned).to_vec(),
         rows: rows.into_iter().map(|cells| cells.map(TextCell::plain).to_vec()).collect(),
     }
+}
+
+/// A table of a page: its heading, what is to be known of it, for people and for machines.
+///
+/// # Errors
+/// Data that JSON can't hold.
+pub fn page_table(
+    title: impl Into<String>,
+    note: impl Into<String>,
+    text: TextTable,
+    data: &(impl Serialize + ?Sized),
+) -> Result<ReportTable, ReportError> {
+    let (title, note) = (title.into(), note.into());
+    let data = serde_json::to_value(data).map_err(ReportError::json(Path::new(&title)))?;
+    Ok(ReportTable { title, note, text, data })
 }
 
 /// The value, or a dash where there is none.

@@ -1,11 +1,11 @@
 //! What figures should be, and whether they are.
 
-use hapdef_report::{ReportTable, TextCell, TextTable};
+use hapdef_report::{TextCell, TextTable};
 use serde::Serialize;
 
 /// A figure and the least or most that it should be.
 #[derive(Clone, Debug, Serialize)]
-pub struct Target {
+pub(crate) struct Target {
     /// The figure in words, with its unit.
     pub what: &'static str,
     /// What it should be.
@@ -28,20 +28,11 @@ pub enum Wanted {
 }
 
 /// The figures beside what they should be.
-///
-/// # Errors
-/// A figure that JSON can't hold.
-pub fn target_table(targets: &[Target], note: &str) -> Result<ReportTable, serde_json::Error> {
-    let header = ["", "should be", "is", ""];
-    Ok(ReportTable {
-        title: "What was asked for".into(),
-        note: note.into(),
-        text: TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: targets.iter().map(Target::cells).collect(),
-        },
-        data: serde_json::to_value(targets)?,
-    })
+pub(crate) fn target_table(targets: &[Target]) -> TextTable {
+    TextTable {
+        header: ["", "should be", "is", ""].map(str::to_owned).to_vec(),
+        rows: targets.iter().map(Target::cells).collect(),
+    }
 }
 
 impl Wanted {

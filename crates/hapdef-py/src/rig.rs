@@ -74,15 +74,9 @@ impl PyRig {
 impl PyRig {
     /// The scene's electronics behind a limb.
     pub(crate) fn new(limb: Arc<LiveLimb>, scene: &Scene) -> Self {
-        let spec = &scene.rig.electronics;
         Self {
             limb,
-            electronics: ElectronicsParams {
-                noise_ue: spec.noise_ue,
-                adc_bits: spec.adc_bits,
-                headroom: spec.headroom,
-                seed: spec.seed,
-            },
+            electronics: scene.rig.electronics.params(),
             most_n: scene.contact.force_range_n[1],
         }
     }

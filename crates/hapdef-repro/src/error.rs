@@ -29,8 +29,6 @@ pub enum ReproError {
     NoVariance { n_inputs: usize, n_samples: usize },
     #[error("linear regression: eigenvalues of the {n} x {n} correlation matrix did not converge")]
     Eigen { n: usize },
-    #[error("reading output row {row}: {source}")]
-    Rows { row: usize, source: Box<dyn std::error::Error + Send + Sync> },
     #[error("{path}, line {line}: {what}", path = path.display())]
     Line { path: PathBuf, line: usize, what: String },
     #[error(transparent)]
@@ -64,6 +62,19 @@ impl From<hapdef::HapdefError> for ReproError {
     fn from(error: hapdef::HapdefError) -> Self {
         Self::Limb(Box::new(error))
     }
+}
+
+/// Refuses a parameter unless it `is_fine`.
+pub(crate) fn check_parameter(
+    what: &'static str,
+    value: f64,
+    expected: &'static str,
+    is_fine: bool,
+) -> Result<(), ReproError> {
+    if is_fine {
+        return Ok(());
+    }
+    Err(hapdef_report::ArgumentError::Parameter { what, value, expected }.into())
 }
 
 /// Number of rows of `width` in a slice of `found` values.

@@ -101,7 +101,7 @@ pub use error::{HapdefError, SceneError};
 pub use error_text::error_text;
 pub use hapdef_contact::DrawnContact;
 pub use hapdef_live::estimator::{ChainNets, FoundContact, Hapdefx, HapdefxScratch};
-pub use hapdefx::hapdefx;
+pub use hapdefx::{candidates, hapdefx, maps_of_readings, scored};
 pub use limb::Limb;
 pub use map_error::{MapError, MapErrorSum};
 pub use open::{OpenParams, OpenScene, SolvedLimb};
@@ -118,6 +118,6 @@ pub use scoring::{
 pub use skin_wall::{SkinWall, WallMeasures};
 pub use source::{Contacts, RigPlay, Source};
 pub use source_args::{SOURCE_FORMS, SourceArg, SourceArgError, parse_speed};
-pub use stats::ContactStats;
+pub use stats::{ContactStats, ForceBin, by_force};
 pub use virtual_rig::{VirtualRigParams, live_limb, random_presses, virtual_device};
 pub use wall_shell::WallShell;

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use hapdef_data::{DatasetReader, DatasetWriter, TensorSpec};
-use hapdef_rig::ElectronicsParams;
 use hapdef_rig::live::{
     BridgeParams, CreepTerm, LiveElectronics, LiveElectronicsParams, LiveLimb, LiveSurface, Play,
     PressScript, RandomScriptParams, RigDevice, RigDeviceParams, RigFault,
@@ -115,13 +114,6 @@ pub fn virtual_device(
 }
 
 fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {
-    let spec = &scene.rig.electronics;
-    let converter = ElectronicsParams {
-        noise_ue: spec.noise_ue,
-        adc_bits: spec.adc_bits,
-        headroom: spec.headroom,
-        seed: spec.seed,
-    };
     LiveElectronicsParams {
         bridge: live.bridge.map(|bridge| BridgeParams {
             gauge_factor: bridge.gauge_factor,
@@ -139,7 +131,7 @@ fn electronics_params(scene: &Scene, live: &LiveSpec) -> LiveElectronicsParams {
             .iter()
             .map(|term| CreepTerm { share: term.share, time_s: term.time_s })
             .collect(),
-        ..LiveElectronicsParams::new(converter)
+        ..LiveElectronicsParams::new(scene.rig.electronics.params())
     }
 }
 

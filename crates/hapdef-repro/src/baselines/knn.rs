@@ -10,7 +10,7 @@ use faer::{Accum, Mat, MatRef, Par};
 use hapdef_report::ArgumentError;
 use rayon::prelude::*;
 
-use crate::error::{ReproError, check_finite, whole_rows};
+use crate::error::{ReproError, check_finite, check_parameter, whole_rows};
 
 /// Queries that one task handles; fixed, so that results do not depend on threads.
 const QUERY_TILE: usize = 64;
@@ -120,10 +120,7 @@ impl Knn {
     }
 
     fn check(&self, params: &KnnParams, n_queries: usize) -> Result<(), ReproError> {
-        if params.k == 0 {
-            let expected = "at least 1";
-            return Err(ArgumentError::Parameter { what: "k", value: 0.0, expected }.into());
-        }
+        check_parameter("k", params.k as f64, "at least 1", params.k > 0)?;
         let excluded = match params.own_row {
             OwnRow::None => 0,
             OwnRow::Exclude { first } => {
@@ -217,11 +214,6 @@ fn keep_nearest(found: &mut Vec<(f64, u32)>, k: usize, slack: f64) -> f64 {
 }
 
 impl Neighbours {
-    /// Queries answered.
-    pub fn n_queries(&self) -> usize {
-        self.rows.len() / self.k
-    }
-
     /// Training rows nearest to query `query`, nearest first, `[k]`.
     pub fn rows(&self, query: usize) -> &[u32] {
         &self.rows[query * self.k..(query + 1) * self.k]
@@ -238,36 +230,15 @@ impl Neighbours {
         &self.weights[query * self.k..(query + 1) * self.k]
     }
 
-    /// The weighted mean of the neighbours' outputs for query `query`, into `out` `[n_outputs]`.
-    ///
-    /// `fetch(row, buffer)` fills `buffer` `[n_outputs]` with the outputs of training row `row`;
-    /// it is called only for rows of non-zero weight, nearest first.
-    pub fn predict<F, E>(
-        &self,
-        query: usize,
-        mut fetch: F,
-        out: &mut [f32],
-    ) -> Result<(), ReproError>
-    where
-        F: FnMut(usize, &mut [f32]) -> Result<(), E>,
-        E: Into<Box<dyn std::error::Error + Send + Sync>>,
-    {
-        let len = self.n_queries();
-        if query >= len {
-            let what = "k-NN query";
-            return Err(ArgumentError::Index { what, index: query, position: 0, len }.into());
-        }
-        let mut row_out = vec![0.0_f32; out.len()];
+    /// The weighted mean of the neighbours' rows of the training outputs `y` `[n_rows, n_outputs]` for query
+    /// `query`, into `out` `[n_outputs]`.
+    pub fn predict(&self, query: usize, y: &[f32], out: &mut [f32]) {
         let mut sums = vec![0.0_f64; out.len()];
         for (&row, &weight) in self.rows(query).iter().zip(self.weights(query)) {
-            if weight > 0.0 {
-                let row = row as usize;
-                fetch(row, &mut row_out).map_err(|e| ReproError::Rows { row, source: e.into() })?;
-                sums.iter_mut().zip(&row_out).for_each(|(s, v)| *s += weight * f64::from(*v));
-            }
+            let row = &y[row as usize * out.len()..(row as usize + 1) * out.len()];
+            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += weight * f64::from(*v));
         }
         out.iter_mut().zip(sums).for_each(|(o, s)| *o = s as f32);
-        Ok(())
     }
 
     fn push(&mut self, nearest: &[(f64, u32)]) {

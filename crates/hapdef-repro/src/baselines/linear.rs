@@ -14,11 +14,11 @@ mod solve;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-use hapdef_report::{ArgumentError, check_len};
+use hapdef_report::check_len;
 use rayon::prelude::*;
 
 use self::solve::{normal_residual, pseudo_solve};
-use crate::error::{ReproError, check_finite, check_finite_from, whole_rows};
+use crate::error::{ReproError, check_finite, check_finite_from, check_parameter, whole_rows};
 
 /// Columns of Y that one task accumulates; fixed, so that results do not depend on threads.
 const COLUMN_TILE: usize = 256;
@@ -49,17 +49,11 @@ pub struct LinearInfo {
     pub n_samples: usize,
     /// Directions of the inputs kept.
     pub rank: usize,
-    /// Directions of the inputs there are.
-    pub n_inputs: usize,
     /// Inputs that never varied; their coefficients are zero.
     pub n_constant_inputs: usize,
-    /// Largest eigenvalue of the correlation matrix over the smallest kept.
-    pub condition: f64,
     /// ‖(C + ridge) W − B‖ / ‖B‖ in the Frobenius norm: the part of the covariance with the
     /// outputs that lies in directions left out, plus rounding.
     pub normal_residual: f64,
-    /// Time taken by the solution, without accumulation, s.
-    pub elapsed_s: f64,
 }
 
 /// Running sums Σ(x−a), Σ(y−b), Σ(x−a)(x−a)ᵀ and Σ(x−a)(y−b)ᵀ in f64.
@@ -142,7 +136,6 @@ impl LinearAccumulator {
         &self,
         params: &LinearParams,
     ) -> Result<(LinearRegression, LinearInfo), ReproError> {
-        let start = std::time::Instant::now();
         params.check()?;
         if self.n_samples < 2 {
             return Err(ReproError::TooFewSamples {
@@ -161,15 +154,12 @@ impl LinearAccumulator {
         let B = Mat::from_fn(p, q, |i, j| {
             (self.xy[j / COLUMN_TILE][(i, j % COLUMN_TILE)] / n - x_off[i] * y_off[j]) * scale[i]
         });
-        let (W, rank, condition) = pseudo_solve(&C, &B, params, self.n_samples)?;
+        let (W, rank) = pseudo_solve(&C, &B, params, self.n_samples)?;
         let info = LinearInfo {
             n_samples: self.n_samples,
             rank,
-            n_inputs: p,
             n_constant_inputs: scale.iter().filter(|s| **s == 0.0).count(),
-            condition,
             normal_residual: normal_residual(&C, &W, &B, params.ridge),
-            elapsed_s: start.elapsed().as_secs_f64(),
         };
         let x_mean = self.x_shift.iter().zip(&x_off).map(|(a, d)| a + d).collect();
         let y_mean = self.y_shift.iter().zip(&y_off).map(|(b, d)| b + d).collect();
@@ -179,23 +169,11 @@ impl LinearAccumulator {
 
 impl LinearParams {
     fn check(&self) -> Result<(), ReproError> {
-        if !(self.ridge >= 0.0 && self.ridge.is_finite()) {
-            return Err(ArgumentError::Parameter {
-                what: "ridge",
-                value: self.ridge,
-                expected: "finite and at least 0",
-            }
-            .into());
-        }
-        if !(self.relative_tolerance >= 0.0 && self.relative_tolerance < 1.0) {
-            return Err(ArgumentError::Parameter {
-                what: "relative_tolerance",
-                value: self.relative_tolerance,
-                expected: "in [0, 1)",
-            }
-            .into());
-        }
-        Ok(())
+        let Self { ridge, relative_tolerance: tolerance } = *self;
+        let is_fine = ridge >= 0.0 && ridge.is_finite();
+        check_parameter("ridge", ridge, "finite and at least 0", is_fine)?;
+        let is_fine = (0.0..1.0).contains(&tolerance);
+        check_parameter("relative_tolerance", tolerance, "in [0, 1)", is_fine)
     }
 }
 

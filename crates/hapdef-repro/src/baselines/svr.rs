@@ -13,7 +13,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::error::{ReproError, check_finite, whole_rows};
+use crate::error::{ReproError, check_finite, check_parameter, whole_rows};
 
 /// Parameters of [`Svr::train`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -50,8 +50,6 @@ pub struct SvrInfo {
     pub seed: u64,
     /// Support vectors of each output's machine, `[n_outputs]`.
     pub n_support: Vec<usize>,
-    /// Time taken, s.
-    pub elapsed_s: f64,
 }
 
 /// One trained machine per output.
@@ -74,7 +72,6 @@ impl Svr {
         n_outputs: usize,
         params: &SvrParams,
     ) -> Result<(Self, SvrInfo), ReproError> {
-        let start = std::time::Instant::now();
         let n = whole_rows("SVR inputs", n_inputs, x.len())?;
         check_len("SVR outputs", n * n_outputs, y.len())?;
         check_finite("SVR inputs", n_inputs, x)?;
@@ -105,7 +102,6 @@ impl Svr {
             n_trained: picked.len(),
             seed: params.seed,
             n_support: machines.iter().map(|m| m.sv.len()).collect(),
-            elapsed_s: start.elapsed().as_secs_f64(),
         };
         let svr = Self { x_scaling, y_scaling, machines };
         Ok((svr, info))
@@ -140,21 +136,11 @@ impl SvrParams {
         for (what, value) in
             [("SVR c", self.c), ("SVR gamma", self.gamma), ("SVR tolerance", self.tolerance)]
         {
-            if !(value > 0.0 && value.is_finite()) {
-                let expected = "finite and above 0";
-                return Err(ArgumentError::Parameter { what, value, expected }.into());
-            }
+            let is_fine = value > 0.0 && value.is_finite();
+            check_parameter(what, value, "finite and above 0", is_fine)?;
         }
-        if !(self.epsilon >= 0.0 && self.epsilon.is_finite()) {
-            let expected = "finite and at least 0";
-            return Err(ArgumentError::Parameter {
-                what: "SVR epsilon",
-                value: self.epsilon,
-                expected,
-            }
-            .into());
-        }
-        Ok(())
+        let is_fine = self.epsilon >= 0.0 && self.epsilon.is_finite();
+        check_parameter("SVR epsilon", self.epsilon, "finite and at least 0", is_fine)
     }
 
     fn libsvm(&self) -> Result<libsvm_rs::SvmParameter, ReproError> {

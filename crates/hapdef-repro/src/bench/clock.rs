@@ -40,15 +40,6 @@ impl Times {
         Ok(())
     }
 
-    /// The same with what `work` spreads over threads kept on those of `pool`.
-    pub(super) fn round_in(
-        &mut self,
-        pool: &rayon::ThreadPool,
-        work: &mut (impl FnMut() -> Result<()> + Send),
-    ) -> Result<()> {
-        pool.install(|| self.round(work))
-    }
-
     /// Adds times that another program took.
     pub(super) fn extend(&mut self, micros: &[f64]) {
         self.micros.extend_from_slice(micros);

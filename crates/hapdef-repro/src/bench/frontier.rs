@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use hapdef_bench::{Column, against_time, by_cost, or_dash, publish, table, terminal_table};
+use hapdef_bench::{Column, Metric, Study, against_time, by_cost, or_dash, page_table, table};
 use hapdef_cli::SceneArgs;
-use hapdef_report::{Figure, LineChart, MetricLog, Report, ReportTable, SkippedStage};
+use hapdef_report::{Figure, LineChart, Report, SkippedStage};
 
 use super::measure::{Measured, Point, best_reduced, measure};
 use super::variants::Family;
@@ -25,53 +25,56 @@ pub(crate) struct FrontierArgs {
     python: PathBuf,
 }
 
+const STUDY: Study<Vec<Point>> = Study {
+    folder: "frontier-nets",
+    metrics: &METRICS,
+    goals: &[],
+    goals_note: "",
+    file: Some("frontier.json"),
+};
+
+const METRICS: [Metric<Vec<Point>>; 3] = [
+    Metric::all("frontier.points", "1", |points| Some(points.len() as f64), "none"),
+    REDUCED_P50,
+    REDUCED_ERROR,
+];
+
+/// The metrics of the best reduced net.
+pub(super) const REDUCED: [Metric<Vec<Point>>; 2] = [REDUCED_P50, REDUCED_ERROR];
+
+const REDUCED_P50: Metric<Vec<Point>> = Metric::all(
+    "nets.reduced_p50_us",
+    "µs",
+    |points| Some(best_reduced(points)?.0.times.p50_us),
+    "no net found a contact",
+);
+
+const REDUCED_ERROR: Metric<Vec<Point>> = Metric::all(
+    "nets.reduced_error_ratio",
+    "1",
+    |points| Some(best_reduced(points)?.1),
+    "no net found a contact",
+);
+
 /// Measures every variant and writes the report.
 pub(crate) fn run(args: &FrontierArgs) -> Result<()> {
     let run = args.scene.prepare()?;
     let peers_folder = args.scene.out.join("frontier-nets-peers");
     let Measured { done, points, missing } =
         measure(&run, args.rounds, Some((&args.python, &peers_folder)))?;
-    if !missing.is_empty() {
-        run.say(&format!("no rows of other programs: {missing}"));
-    }
-    let mut log = facts::log(run.scene.seed);
-    log.value("frontier.points", points.len() as f64, "1")?;
-    log_reduced(&points, &mut log)?;
     let mut by_time: Vec<&Point> = points.iter().collect();
     by_time.sort_by(|a, b| a.times.p50_us.total_cmp(&b.times.p50_us));
-    let table = table(&COLUMNS, by_time);
-    println!("{}", terminal_table(&table));
+    let text = table(&COLUMNS, by_time);
+    let peers = SkippedStage { name: "rows of other programs".into(), reason: missing };
     let report = Report {
-        tables: vec![ReportTable {
-            title: "Every method from readings to the map".into(),
-            note: NOTE.into(),
-            text: table,
-            data: serde_json::to_value(&points)?,
-        }],
+        tables: vec![page_table("Every method from readings to the map", NOTE, text, &points)?],
         figures: figures(&points)?,
         stages: facts::stage_times(&done, &[]),
-        skipped: missing_rows(&missing),
+        skipped: if peers.reason.is_empty() { vec![] } else { vec![peers] },
         ..facts::study(&run, "error against run time", run.scene.seed)?
     };
-    publish(&args.scene.out, "frontier-nets", report, &log)?;
-    let folder = args.scene.out.join(&run.scene.name).join("frontier-nets");
-    hapdef::write_json(&folder.join("frontier.json"), &points)?;
+    STUDY.publish(&points, report, &mut facts::log(run.scene.seed), &args.scene.out)?;
     Ok(())
-}
-
-/// Why there are no rows of other programs, if there are none.
-fn missing_rows(why: &str) -> Vec<SkippedStage> {
-    let skipped = (!why.is_empty())
-        .then(|| SkippedStage { name: "rows of other programs".into(), reason: why.into() });
-    skipped.into_iter().collect()
-}
-
-/// The metrics of the best reduced net.
-pub(super) fn log_reduced(points: &[Point], log: &mut MetricLog<std::io::Stdout>) -> Result<()> {
-    let (point, ratio) = best_reduced(points)?;
-    println!("best reduced net: {}", point.name);
-    log.value("nets.reduced_p50_us", point.times.p50_us, "µs")?;
-    Ok(log.value("nets.reduced_error_ratio", ratio, "1")?)
 }
 
 const NOTE: &str = "Time: F_T and what follows it up to the map, one frame, one core. Map: mean \

@@ -76,23 +76,19 @@ fn measure(args: &BenchNetsArgs) -> Result<(Vec<Row>, String)> {
             peers.round()?;
         }
     }
-    let mut rows = vec![Row {
-        path: "plain forward f32".into(),
-        times: plain.quantiles(),
-        relative_error: Some(0.0),
+    let row = |path: String, times: &Times, relative_error| Row {
+        path,
+        times: times.quantiles(),
+        relative_error: Some(relative_error),
         weight_bytes: None,
         floor_us: None,
-    }];
+    };
+    let mut rows = vec![row("plain forward f32".into(), &plain, 0.0)];
     rows.extend(paths.iter().map(Chain::row));
-    rows.extend(peers.iter().flat_map(|peers| {
-        peers.rows.iter().map(|(name, peer)| Row {
-            path: format!("{name} ({})", peer.program),
-            times: peer.times.quantiles(),
-            relative_error: Some(peer.relative_error),
-            weight_bytes: None,
-            floor_us: None,
-        })
-    }));
+    for (name, peer) in peers.iter().flat_map(|peers| &peers.rows) {
+        let path = format!("{name} ({})", peer.program);
+        rows.push(row(path, &peer.times, peer.relative_error));
+    }
     Ok((rows, missing))
 }
 

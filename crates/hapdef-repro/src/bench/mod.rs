@@ -60,7 +60,10 @@ pub(crate) fn run(args: &BenchNetsArgs) -> Result<()> {
             log.skipped(name, "--skip-trained")?;
         }
     } else {
-        frontier::log_reduced(&reduced(args)?, &mut log)?;
+        let points = reduced(args)?;
+        for metric in &frontier::REDUCED {
+            metric.log(&points, &mut log)?;
+        }
     }
     training::training(&args.python, &mut log)?;
     Ok(log.append_to(&args.out.join("metrics.json"))?)

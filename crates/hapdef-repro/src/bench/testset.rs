@@ -1,17 +1,19 @@
 //! Frames that every method is tested on, and its errors there.
 
+use std::ops::Range;
+
 use anyhow::{Context, Result};
 use hapdef::{
-    ContactPair, ContactStats, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline, Run,
-    ScoredContact, Stage, score_lenient,
+    ContactPair, ContactStats, Hapdefx, HapdefxScratch, Limb, MapErrorSum, Pipeline, Run, Stage,
+    score_lenient, scored,
 };
 use hapdef_bench::stats::mean;
 use serde::Serialize;
 
 use super::methods::Passes;
-use crate::run::chain::chain;
+use crate::run::chain::{Choice, chain};
 use crate::run::dataset::{Dataset, Part, Rows, evenly};
-use crate::run::scores::scored;
+use crate::run::presses::{Presses, presses};
 
 /// Most simulated samples of each set, and most presses of each kind on the rig.
 const MOST_SIMULATED: usize = 200;
@@ -24,17 +26,11 @@ pub(super) const N_DIRECT: usize = 4;
 pub(super) struct TestSet {
     /// Virtual gauges `[n, n_virtual]` and maps `[n, n_surface]` of simulated samples, µm.
     simulated: Rows,
-    single: Vec<Press>,
-    double: Vec<Press>,
+    single: Vec<Presses>,
+    double: Vec<Presses>,
     chain: Hapdefx,
     pub(super) n_virtual: usize,
     pub(super) n_surface: usize,
-}
-
-/// A press on the rig.
-pub(super) struct Press {
-    pub(super) readings_ue: Vec<f32>,
-    truth: Vec<ScoredContact>,
 }
 
 /// Errors of a method.
@@ -66,16 +62,16 @@ impl TestSet {
                 simulated.add(&mut set, [Part::Gauges, Part::Map], row..row + 1)?;
             }
         }
-        let single = presses(&data.rig_single, true)?;
+        let single = some(&data.rig_single, |set| Ok(set.split()?.test))?;
         let double = match &data.rig_double {
-            Some(stage) => presses(stage, false)?,
+            Some(stage) => some(stage, |set| Ok(0..set.n()))?,
             None => Vec::new(),
         };
         Ok(Self { simulated, single, double, chain: chain(run, limb, done)?, n_virtual, n_surface })
     }
 
     /// Readings of some presses, for the clock.
-    pub(super) fn presses(&self) -> &[Press] {
+    pub(super) fn presses(&self) -> &[Presses] {
         &self.single
     }
 
@@ -85,13 +81,13 @@ impl TestSet {
         if outputs.is_some() {
             return Ok(Errors { map_um, ..Errors::default() });
         }
-        self.errors_of(map_um, |press, map| passes.map(&press.readings_ue, map).map(drop))
+        self.errors_of(map_um, |press, map| passes.map(&press.readings, map).map(drop))
     }
 
     /// Readings of every press, `[n, n_gauges]`: single presses, then double ones.
     pub(super) fn all_readings(&self) -> Vec<f32> {
         let presses = self.single.iter().chain(&self.double);
-        presses.flat_map(|press| press.readings_ue.iter().copied()).collect()
+        presses.flat_map(|press| press.readings.iter().copied()).collect()
     }
 
     /// Errors of maps `[n, n_surface]` of every press, in the order of [`Self::all_readings`].
@@ -107,7 +103,7 @@ impl TestSet {
     fn errors_of(
         &self,
         map_um: Option<f64>,
-        mut map_of: impl FnMut(&Press, &mut [f32]) -> Result<()>,
+        mut map_of: impl FnMut(&Presses, &mut [f32]) -> Result<()>,
     ) -> Result<Errors> {
         let single = self.contact_errors(&self.single, 1, &mut map_of)?;
         let double = self.contact_errors(&self.double, 2, &mut map_of)?;
@@ -128,9 +124,9 @@ impl TestSet {
     pub(super) fn direct_errors(&self, passes: &mut Passes) -> Result<Errors> {
         let (mut pairs, mut out) = (Vec::new(), [0.0_f32; N_DIRECT]);
         for press in &self.single {
-            passes.map(&press.readings_ue, &mut out)?;
+            passes.map(&press.readings, &mut out)?;
             let [x, y, z, force_n] = out.map(f64::from);
-            pairs.extend(score_lenient(&[([x, y, z], force_n)], &press.truth)?);
+            pairs.extend(score_lenient(&[([x, y, z], force_n)], &press.truth[0])?);
         }
         let stats = ContactStats::of(&pairs, self.single.len());
         Ok(Errors { single_mm: mean_mm(&stats), ..Errors::default() })
@@ -155,9 +151,9 @@ impl TestSet {
 
     fn contact_errors(
         &self,
-        presses: &[Press],
+        presses: &[Presses],
         n_contacts: usize,
-        map_of: &mut impl FnMut(&Press, &mut [f32]) -> Result<()>,
+        map_of: &mut impl FnMut(&Presses, &mut [f32]) -> Result<()>,
     ) -> Result<ContactStats> {
         let mut pairs: Vec<ContactPair> = Vec::new();
         let mut scratch = HapdefxScratch::default();
@@ -165,11 +161,8 @@ impl TestSet {
         for press in presses {
             map_of(press, &mut map)?;
             let found = self.chain.candidates(&map, &mut scratch)?;
-            let chosen = match n_contacts {
-                1 => self.chain.top(&found, 1),
-                n => self.chain.top_with_spread(&found, n)?,
-            };
-            pairs.extend(score_lenient(&scored(&chosen), &press.truth)?);
+            let chosen = Choice::ForceWithSpread.of(&self.chain, &found, n_contacts)?;
+            pairs.extend(score_lenient(&scored(&chosen), &press.truth[0])?);
         }
         Ok(ContactStats::of(&pairs, n_contacts * presses.len()))
     }
@@ -180,13 +173,8 @@ fn mean_mm(stats: &ContactStats) -> Option<f64> {
     (stats.n > 0).then_some(stats.mean_mm)
 }
 
-fn presses(stage: &Stage, test_only: bool) -> Result<Vec<Press>> {
-    let mut set = Dataset::open(stage)?;
-    let rows = if test_only { set.split()?.test } else { 0..set.n() };
-    let press = |row: usize| {
-        let rows = row..row + 1;
-        let readings_ue = set.readings(rows.clone())?;
-        Ok(Press { readings_ue, truth: set.truth(rows)?.concat() })
-    };
-    evenly(rows, MOST_PRESSES).map(press).collect()
+/// An even choice of the presses of a set, one by one.
+fn some(stage: &Stage, rows: impl Fn(&Dataset) -> Result<Range<usize>>) -> Result<Vec<Presses>> {
+    let all = presses(stage, rows, MOST_PRESSES, true)?;
+    Ok(all.iter().flat_map(Presses::one_by_one).collect())
 }

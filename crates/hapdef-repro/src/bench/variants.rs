@@ -65,15 +65,15 @@ impl Family {
     ];
 
     pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Baseline => "baselines",
-            Self::Whole => "the paper's nets",
-            Self::LowRank => "low rank",
-            Self::Narrow => "narrow nets",
-            Self::Part => "part of the map",
-            Self::Direct => "direct net",
-            Self::Peer => "other programs",
-        }
+        [
+            "baselines",
+            "the paper's nets",
+            "low rank",
+            "narrow nets",
+            "part of the map",
+            "direct net",
+            "other programs",
+        ][self as usize]
     }
 }
 

@@ -8,8 +8,8 @@ use anyhow::Result;
 use hapdef::scene::Scene;
 use hapdef::touch::UncertainResponse;
 use hapdef_inverse::{
-    Calibrated, CalibrationParams, ContactEstimate, ContactEstimator, EstimatorParams, ModelError,
-    NoiseParams, Press, ScanSites, joint_bounds,
+    Calibrated, CalibrationParams, ContactEstimate, ContactEstimator, EstimatorParams,
+    EstimatorScratch, ModelError, NoiseParams, Press, ScanSites, joint_bounds,
 };
 
 use nalgebra::Point3;
@@ -62,7 +62,7 @@ impl Map {
 
     /// An estimator on the map.
     pub(crate) fn estimator(&self, params: EstimatorParams) -> Result<ContactEstimator> {
-        self.estimator_with_friction(params, 0.0, 0.0)
+        self.estimator_with(&self.sites, self.calibrated.model_error.clone(), params)
     }
 
     /// An estimator that assumes friction up to `most_friction`, which the presses didn't have, and
@@ -73,16 +73,12 @@ impl Map {
         most_friction: f64,
         tip_ring_m: f64,
     ) -> Result<ContactEstimator> {
-        let noise = NoiseParams {
-            model_error: ModelError {
-                friction_rms: most_friction * FRICTION_RMS,
-                tip_ring_m,
-                ..self.calibrated.model_error.clone()
-            },
-            ..self.noise.clone()
+        let model_error = ModelError {
+            friction_rms: most_friction * FRICTION_RMS,
+            tip_ring_m,
+            ..self.calibrated.model_error.clone()
         };
-        let map = Arc::new(self.calibrated.map.clone());
-        Ok(ContactEstimator::new(map, self.sites.clone(), noise, params)?)
+        self.estimator_with(&self.sites, model_error, params)
     }
 
     /// An estimator that scans other sites, each with the map's error at the nearest calibrated one.
@@ -99,24 +95,19 @@ impl Map {
         let error = &self.calibrated.model_error;
         let per_site = sites.positions().iter().filter_map(nearest);
         let per_site = per_site.flat_map(|i| &error.per_site[i * block..(i + 1) * block]);
-        let noise = NoiseParams {
-            model_error: ModelError { per_site: per_site.copied().collect(), ..error.clone() },
-            ..self.noise.clone()
-        };
+        let model_error = ModelError { per_site: per_site.copied().collect(), ..error.clone() };
+        self.estimator_with(sites, model_error, params)
+    }
+
+    fn estimator_with(
+        &self,
+        sites: &Arc<ScanSites>,
+        model_error: ModelError,
+        params: EstimatorParams,
+    ) -> Result<ContactEstimator> {
+        let noise = NoiseParams { model_error, ..self.noise.clone() };
         let map = Arc::new(self.calibrated.map.clone());
         Ok(ContactEstimator::new(map, sites.clone(), noise, params)?)
-    }
-
-    /// An estimator that takes the map as exact: its bounds are the noise's.
-    pub(crate) fn noise_only(&self) -> Result<ContactEstimator> {
-        let map = Arc::new(self.calibrated.map.clone());
-        let params = EstimatorParams::default();
-        Ok(ContactEstimator::new(map, self.sites.clone(), self.noise.clone(), params)?)
-    }
-
-    /// Finds the contacts of all `frames`.
-    pub(crate) fn score(&self, estimator: &ContactEstimator, frames: &[Frame]) -> Result<Score> {
-        score(estimator, self.channels.clone(), frames, |_, _| Ok(()))
     }
 
     /// Root mean square of the position error over the Cramér–Rao bound of the noise alone, over
@@ -126,7 +117,9 @@ impl Map {
         estimator: &ContactEstimator,
         frames: &[Frame],
     ) -> Result<Option<f64>> {
-        let exact = self.noise_only()?;
+        // the noise's bounds: the map is taken as exact
+        let exact =
+            self.estimator_with(&self.sites, ModelError::default(), EstimatorParams::default())?;
         let skin = estimator.map().skin();
         let (mut sum, mut n) = (0.0, 0.0);
         for frame in frames {
@@ -155,25 +148,35 @@ impl Map {
 }
 
 /// Finds the contacts of all `frames`, whose `channels` are the estimator's gauges, and shows `also`
-/// each frame with its estimate.
+/// its readings and each frame with its estimate.
 pub(crate) fn score(
     estimator: &ContactEstimator,
     channels: Range<usize>,
     frames: &[Frame],
-    mut also: impl FnMut(&Frame, &ContactEstimate) -> Result<()>,
+    mut also: impl FnMut(&ContactEstimator, &[f64], &Frame, &ContactEstimate) -> Result<()>,
 ) -> Result<Score> {
     let mut score = Score::default();
     let mut scratch = estimator.scratch();
     let mut estimate = ContactEstimate::default();
     for frame in frames {
         let readings = &frame.readings_ue[channels.clone()];
-        let start = Instant::now();
-        estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
-        let time_us = start.elapsed().as_secs_f64() * 1e6;
+        let time_us = estimate_us(estimator, readings, &mut scratch, &mut estimate)?;
         score.add_estimate(estimator.map().skin(), frame, &estimate, time_us)?;
-        also(frame, &estimate)?;
+        also(estimator, readings, frame, &estimate)?;
     }
     Ok(score)
+}
+
+/// Finds the contacts of a frame; the time that it took, µs.
+pub(crate) fn estimate_us(
+    estimator: &ContactEstimator,
+    readings: &[f64],
+    scratch: &mut EstimatorScratch,
+    estimate: &mut ContactEstimate,
+) -> Result<f64> {
+    let start = Instant::now();
+    estimator.estimate_into(readings, scratch, estimate)?;
+    Ok(start.elapsed().as_secs_f64() * 1e6)
 }
 
 /// What is pressed, each row from a seed of its own; the row seeds the noise, too.
@@ -198,7 +201,7 @@ impl<'a> Drawn<'a> {
             let force_n = draw.rng.random_range(weakest_n.max(1.0)..=strongest_n);
             vec![draw.contact(point, force_n, 0.0)]
         });
-        self.world.frames(drawn.collect(), 1)
+        self.under_own_tip(drawn.collect(), 1)
     }
 
     /// Single contacts of 5 N to the strongest.
@@ -210,12 +213,12 @@ impl<'a> Drawn<'a> {
     pub(crate) fn apart(&self, n: usize, k: usize, gap_m: f64, row: u64) -> Result<Vec<Frame>> {
         let forces = [[LEAST_N, self.scene.contact.force_range_n[1]]; 4];
         let drawn = sets(&mut self.draw(row), n, k, forces, [gap_m, f64::MAX], 0.0);
-        self.world.frames(drawn, row)
+        self.under_own_tip(drawn, row)
     }
 
     /// The paper's pairs: 30 N held and 0…34 N varied, 12–75 mm apart.
     pub(crate) fn doubles(&self, n: usize) -> Result<Vec<Frame>> {
-        self.world.frames(self.pairs(n, 0.0, 12), 12)
+        self.under_own_tip(self.pairs(n, 0.0, 12), 12)
     }
 
     /// The same with friction up to `most_friction` and under another tip.
@@ -225,7 +228,11 @@ impl<'a> Drawn<'a> {
         most_friction: f64,
         tip_m: f64,
     ) -> Result<Vec<Frame>> {
-        self.world.frames_under(self.pairs(n, most_friction, 20), tip_m, 20)
+        self.world.frames(self.pairs(n, most_friction, 20), tip_m, 20)
+    }
+
+    fn under_own_tip(&self, drawn: Vec<Vec<TrueContact>>, stream: u64) -> Result<Vec<Frame>> {
+        self.world.frames(drawn, self.scene.contact.tip_radius_m, stream)
     }
 
     fn pairs(&self, n: usize, most_friction: f64, row: u64) -> Vec<Vec<TrueContact>> {

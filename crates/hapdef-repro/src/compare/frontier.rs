@@ -4,19 +4,18 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use clap::Args;
 use hapdef::Limb;
 use hapdef_bench::stats::median;
 use hapdef_bench::{
-    Column, against_time, by_cost, or_dash, pareto_front, publish, table, terminal_table,
+    Column, Metric, Named, Study, against_time, by_cost, or_dash, page_table, pareto_front, table,
 };
-use hapdef_cli::SceneArgs;
 use hapdef_inverse::{EstimatorParams, ScanSites, joint_bounds};
-use hapdef_report::{Figure, Report, ReportTable};
+use hapdef_report::{Figure, Report};
 use serde::Serialize;
 
-use super::cells::Map;
+use super::cells::{Map, score};
 use super::paper::{PaperPipeline, VirtualGauges};
+use super::rig::Layout;
 use super::score::Row;
 use super::setup::{Bench, CompareArgs};
 use super::world::Frame;
@@ -24,13 +23,6 @@ use crate::run::facts;
 
 /// Most contacts at a time.
 const MOST: usize = 4;
-
-/// Arguments of `frontier-inverse`.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct FrontierInverseArgs {
-    #[command(flatten)]
-    compare: CompareArgs,
-}
 
 /// One configuration on frames of one number of contacts.
 #[derive(Clone, Debug, Serialize)]
@@ -44,86 +36,105 @@ struct Point {
     bound_mm: Option<f64>,
 }
 
+impl Named for Point {
+    fn name(&self) -> &str {
+        &self.row.name
+    }
+}
+
 /// How hard is searched: the efforts that the estimator names, and others around them.
 pub(crate) struct Effort {
     pub(crate) name: &'static str,
     pub(crate) n_sites: usize,
-    search: Search,
-}
-
-/// What of the search an effort sets.
-enum Search {
-    Named(hapdef_inverse::Effort),
-    Set { n_starts: usize, n_finalists: usize, n_hops: usize },
+    /// The usual parameters with those that this effort sets.
+    pub(crate) params: fn(EstimatorParams) -> EstimatorParams,
 }
 
 /// Every effort, the least first.
 pub(crate) const EFFORTS: [Effort; 6] = [
-    effort("least", 200, 10, 2, 0),
-    named("small", hapdef_inverse::Effort::Fast),
-    effort("less", 800, 60, 8, 0),
-    named("usual", hapdef_inverse::Effort::Usual),
-    effort("more", 800, 300, 32, 2),
-    named("most", hapdef_inverse::Effort::Thorough),
+    Effort { name: "least", n_sites: 200, params: |usual| searched(usual, 10, 2, 0) },
+    Effort {
+        name: "small",
+        n_sites: hapdef_inverse::Effort::Fast.n_sites(),
+        params: |usual| usual.searched_with(hapdef_inverse::Effort::Fast),
+    },
+    Effort { name: "less", n_sites: 800, params: |usual| searched(usual, 60, 8, 0) },
+    Effort {
+        name: "usual",
+        n_sites: hapdef_inverse::Effort::Usual.n_sites(),
+        params: |usual| usual.searched_with(hapdef_inverse::Effort::Usual),
+    },
+    Effort { name: "more", n_sites: 800, params: |usual| searched(usual, 300, 32, 2) },
+    Effort {
+        name: "most",
+        n_sites: hapdef_inverse::Effort::Thorough.n_sites(),
+        params: |usual| usual.searched_with(hapdef_inverse::Effort::Thorough),
+    },
 ];
 
-const fn named(name: &'static str, effort: hapdef_inverse::Effort) -> Effort {
-    Effort { name, n_sites: effort.n_sites(), search: Search::Named(effort) }
-}
-
-const fn effort(
-    name: &'static str,
-    n_sites: usize,
+fn searched(
+    usual: EstimatorParams,
     n_starts: usize,
     n_finalists: usize,
     n_hops: usize,
-) -> Effort {
-    Effort { name, n_sites, search: Search::Set { n_starts, n_finalists, n_hops } }
+) -> EstimatorParams {
+    EstimatorParams { n_starts, n_finalists, n_hops, n_bases: 2 * n_starts, ..usual }
 }
 
-impl Effort {
-    /// The usual parameters with those that this effort sets.
-    pub(crate) fn params(&self, usual: EstimatorParams) -> EstimatorParams {
-        match self.search {
-            Search::Named(effort) => usual.searched_with(effort),
-            Search::Set { n_starts, n_finalists, n_hops } => {
-                EstimatorParams { n_starts, n_finalists, n_hops, n_bases: 2 * n_starts, ..usual }
-            }
-        }
-    }
-}
+const STUDY: Study<Vec<Point>> = Study {
+    folder: "frontier-inverse",
+    metrics: &[Metric::all("frontier.points", "1", |points| Some(points.len() as f64), "none")],
+    goals: &[],
+    goals_note: "",
+    file: Some("frontier.json"),
+};
 
 /// Measures every effort and writes the page.
-pub(crate) fn run(args: &FrontierInverseArgs) -> Result<()> {
-    let scene = &args.compare.scene;
-    let run = scene.prepare()?;
+pub(crate) fn run(args: &CompareArgs) -> Result<()> {
+    let run = args.scene.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
-    let bench = Bench::build(&run, &limb, &args.compare)?;
-    let map = bench.calibrated()?;
-    let mut paper = match args.compare.without_paper {
+    let mut bench = Bench::build(&run, &limb, args)?;
+    let mut paper = match args.without_paper {
         true => None,
         false => Some(PaperPipeline::train(&run, &limb)?),
     };
     let mut points = Vec::new();
     for k in 1..=MOST {
         run.say(&format!("frames of {k} contacts"));
-        let frames = bench.apart(k, 50 + k as u64)?;
-        let mut of_k = Vec::new();
-        for effort in &EFFORTS {
-            of_k.push(by_effort(&map, bench.params(), effort, &frames)?);
-        }
+        let (params, frames) = (bench.params(), bench.apart(k, 50 + k as u64)?);
+        let map = bench.map(Layout::Scene, args.presses)?;
+        let of_efforts = EFFORTS.iter().map(|e| by_effort(map, params, e, &frames));
+        let mut of_k: Vec<Row> = of_efforts.collect::<Result<_>>()?;
+        let floor_mm = floor_mm(map, params, &frames)?;
         if let Some(paper) = &mut paper {
             of_k.extend(bench.paper_rows(paper, &frames, VirtualGauges::Transferred)?);
         }
-        points.extend(with_front(k, of_k, floor_mm(&map, bench.params(), &frames)?));
+        points.extend(with_front(k, of_k, floor_mm));
     }
-    write(scene, &run, &bench, &points)
+    let text = table(&COLUMNS, &points);
+    let note = format!(
+        "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
+        args.presses
+    );
+    let report = Report {
+        tables: vec![page_table(
+            "Every configuration from readings to contacts",
+            note,
+            text,
+            &points,
+        )?],
+        figures: figures(&points)?,
+        ..facts::study(&run, "search effort against error", args.test_seed)?
+    };
+    STUDY.publish(&points, report, &mut facts::log(args.test_seed), &args.scene.out)?;
+    Ok(())
 }
 
 fn by_effort(map: &Map, usual: EstimatorParams, effort: &Effort, frames: &[Frame]) -> Result<Row> {
     let sites = ScanSites::farthest(map.calibrated.map.skin(), effort.n_sites)?;
-    let estimator = map.estimator_at(&Arc::new(sites), effort.params(usual))?;
-    Ok(map.score(&estimator, frames)?.row(effort.name))
+    let estimator = map.estimator_at(&Arc::new(sites), (effort.params)(usual))?;
+    let score = score(&estimator, map.channels.clone(), frames, |_, _, _, _| Ok(()))?;
+    Ok(score.row(effort.name))
 }
 
 /// Marks the rows that no other row beats in time and GOSPA.
@@ -146,31 +157,6 @@ fn floor_mm(map: &Map, params: EstimatorParams, frames: &[Frame]) -> Result<Opti
         }
     }
     Ok(Some(median(bounds)).filter(|b| b.is_finite()))
-}
-
-fn write(scene: &SceneArgs, run: &hapdef::Run, bench: &Bench<'_>, points: &[Point]) -> Result<()> {
-    let seed = bench.args.test_seed;
-    let mut log = facts::log(seed);
-    log.value("frontier.points", points.len() as f64, "1")?;
-    let table = table(&COLUMNS, points);
-    println!("{}", terminal_table(&table));
-    let report = Report {
-        tables: vec![ReportTable {
-            title: "Every configuration from readings to contacts".into(),
-            note: format!(
-                "Simulated: the scene's rig, a map calibrated with {} presses. {NOTE}",
-                bench.args.presses
-            ),
-            text: table,
-            data: serde_json::to_value(points)?,
-        }],
-        figures: figures(points)?,
-        ..facts::study(run, "search effort against error", seed)?
-    };
-    publish(&scene.out, "frontier-inverse", report, &log)?;
-    let folder = scene.out.join(&run.scene.name).join("frontier-inverse");
-    hapdef::write_json(&folder.join("frontier.json"), &points)?;
-    Ok(())
 }
 
 const NOTE: &str = "Contacts of 5 N to the strongest, 20 mm apart, matched one to one; by superposition their number is estimated, \

@@ -3,12 +3,13 @@
 
 mod arrivals;
 pub(crate) mod bench;
+mod cases;
 pub(crate) mod cells;
 mod diagnose;
 mod figures;
 pub(crate) mod frontier;
-mod measured;
 pub(crate) mod paper;
+pub(crate) mod rig;
 mod run;
 pub(crate) mod score;
 pub(crate) mod sequence;
@@ -17,6 +18,6 @@ mod tables;
 pub(crate) mod world;
 
 pub(crate) use bench::{BenchInverseArgs, run as run_bench};
-pub(crate) use frontier::{FrontierInverseArgs, run as run_frontier};
+pub(crate) use frontier::run as run_frontier;
 pub(crate) use run::run;
-pub(crate) use setup::{CompareArgs, N_STIFFNESS, gauge_places, placed_gauges};
+pub(crate) use setup::CompareArgs;

@@ -5,13 +5,13 @@ use std::time::Instant;
 use anyhow::Result;
 use hapdef::stages::{compliance_table, trained_chain};
 use hapdef::touch::{ChainStages, chain_stages, touchable_skin};
-use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run};
+use hapdef::{ComplianceTable, DrawnContact, Hapdefx, HapdefxScratch, Limb, Run, scored};
 use hapdef_inverse::{Skin, SkinPoint};
 use hapdef_mesh::tri6;
 
 use super::score::Score;
 use super::world::Frame;
-use crate::run::scores::scored;
+use crate::run::chain::Choice;
 
 /// The trained chain and its buffers.
 pub(crate) struct PaperPipeline {
@@ -47,26 +47,6 @@ impl VirtualGauges {
     }
 }
 
-/// How the T contacts are chosen among the candidates; T is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ranking {
-    /// The paper's: the greatest force by F_S.
-    Force,
-    /// The greatest displacement.
-    Displacement,
-}
-
-impl Ranking {
-    pub(crate) const ALL: [Self; 2] = [Self::Force, Self::Displacement];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Force => "by force",
-            Self::Displacement => "by displacement",
-        }
-    }
-}
-
 impl PaperPipeline {
     /// Trains the chain's three nets, or takes them from the cache.
     pub(crate) fn train(run: &Run, limb: &Limb) -> Result<Self> {
@@ -86,38 +66,28 @@ impl PaperPipeline {
         frames: &[Frame],
         n_gauges: usize,
         virtual_gauges: VirtualGauges,
-        ranking: Ranking,
+        choice: Choice,
     ) -> Result<Score> {
         let mut score = Score::default();
         for frame in frames {
-            let inputs = match virtual_gauges {
+            let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
+            let start = match virtual_gauges {
                 VirtualGauges::Transferred => {
                     let readings = frame.readings_ue[..n_gauges].iter();
-                    readings.map(|r| *r as f32).collect()
+                    let readings: Vec<f32> = readings.map(|r| *r as f32).collect();
+                    let start = Instant::now();
+                    self.chain.maps(&readings, scratch, map_um)?;
+                    start
                 }
                 VirtualGauges::Exact => {
                     let [_, virtual_um] = self.truth.of_frame(frame);
-                    virtual_um
+                    let start = Instant::now();
+                    self.chain.maps_of_virtual_gauges(&virtual_um, scratch, map_um)?;
+                    start
                 }
             };
-            let start = Instant::now();
-            let (scratch, map_um) = (&mut self.scratch, &mut self.map_um);
-            match virtual_gauges {
-                VirtualGauges::Transferred => self.chain.maps(&inputs, scratch, map_um)?,
-                VirtualGauges::Exact => {
-                    self.chain.maps_of_virtual_gauges(&inputs, scratch, map_um)?;
-                }
-            }
-            let mut found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
-            let n_contacts = frame.contacts.len();
-            let taken = match ranking {
-                Ranking::Force => self.chain.top(&found, n_contacts),
-                Ranking::Displacement => {
-                    found.sort_by(|a, b| b.displacement_um.total_cmp(&a.displacement_um));
-                    found.truncate(n_contacts);
-                    found
-                }
-            };
+            let found = self.chain.candidates(&self.map_um, &mut self.scratch)?;
+            let taken = choice.of(&self.chain, &found, frame.contacts.len())?;
             let time_us = start.elapsed().as_secs_f64() * 1e6;
             score.add(skin, frame, &scored(&taken), time_us)?;
         }

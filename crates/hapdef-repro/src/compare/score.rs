@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use hapdef::{ContactPair, MAX_ONE_TO_ONE, ScoredContact, gospa, score_one_to_one};
+use hapdef_bench::Named;
 use hapdef_bench::stats::{mean, quantile, sorted};
 use hapdef_inverse::{CHI2_95, ContactEstimate, Skin, Verdict};
 use serde::{Deserialize, Serialize};
@@ -74,6 +75,12 @@ pub(crate) struct Errors {
     pub(crate) count_pct: f64,
     /// Mean error of the displacement of the whole skin, µm, where that is looked at.
     pub(crate) map_um: Option<f64>,
+}
+
+impl Named for Row {
+    fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 impl Score {
@@ -173,24 +180,14 @@ pub(super) fn is_clean(skin: &Skin, frame: &Frame, estimate: &ContactEstimate) -
 
 #[cfg(test)]
 mod tests {
-    use hapdef_inverse::{SkinFaces, SkinParams, SkinPoint};
-    use nalgebra::{Point3, Vector3};
-
-    use super::super::world::TrueContact;
+    use super::super::world::tests::on_a_triangle;
     use super::*;
 
     /// Two true contacts 60 mm apart; one is found 2 mm off, the other not, and one is made up.
     #[test]
     fn gospa_counts_what_the_mean_of_matched_contacts_leaves_out() {
-        let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
-        let faces = SkinFaces::Linear(&[[0, 1, 2]]);
-        let skin = Skin::new(corners.to_vec(), faces, None, &SkinParams::default()).unwrap();
-        let contact = |x_m: f64| TrueContact {
-            point: SkinPoint::new(&skin, 0, [0.9 - x_m / 0.1, x_m / 0.1, 0.1]).unwrap(),
-            force_n: 10.0,
-            friction: Vector3::zeros(),
-        };
-        let frame = Frame { contacts: vec![contact(0.01), contact(0.07)], readings_ue: Vec::new() };
+        let (skin, contacts) = on_a_triangle(&[[0.01, 0.01], [0.07, 0.01]]);
+        let frame = Frame { contacts, readings_ue: Vec::new() };
         let row = |found: &[ScoredContact]| {
             let mut score = Score::default();
             score.add(&skin, &frame, found, 1.0).unwrap();

@@ -265,24 +265,8 @@ impl Followed {
 
 #[cfg(test)]
 mod tests {
-    use hapdef_inverse::{Skin, SkinFaces, SkinParams, SkinPoint};
-    use nalgebra::{Point3, Vector3};
-
+    use super::super::world::tests::on_a_triangle;
     use super::*;
-
-    /// A triangle of 100 mm, and a contact of 10 N at a place on it, m.
-    fn on_a_triangle(places_m: &[[f64; 2]]) -> (Skin, Vec<TrueContact>) {
-        let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
-        let faces = SkinFaces::Linear(&[[0, 1, 2]]);
-        let skin = Skin::new(corners.to_vec(), faces, None, &SkinParams::default()).unwrap();
-        let contact = |[x, y]: &[f64; 2]| TrueContact {
-            point: SkinPoint::new(&skin, 0, [1.0 - (x + y) / 0.1, x / 0.1, y / 0.1]).unwrap(),
-            force_n: 10.0,
-            friction: Vector3::zeros(),
-        };
-        let contacts = places_m.iter().map(contact).collect();
-        (skin, contacts)
-    }
 
     fn n_pressing(script: &Script, frame: usize) -> usize {
         script.contacts_in(frame).len()

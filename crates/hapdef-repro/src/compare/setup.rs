@@ -2,35 +2,20 @@
 
 use anyhow::Result;
 use clap::Args;
-use hapdef::touch::{
-    LayoutCandidates, LayoutParams, PlacedGauge, UncertainParams, UncertainResponse,
-    estimator_params,
-};
-use hapdef::{HapdefError, Limb, Run};
+use hapdef::touch::estimator_params;
+use hapdef::{Limb, Run};
 use hapdef_cli::SceneArgs;
 use hapdef_inverse::EstimatorParams;
-use hapdef_sim::{GaugeSite, GaugeStrain};
 
 use super::cells::{Drawn, Map};
-use super::paper::{PaperPipeline, Ranking, VirtualGauges};
+use super::paper::{PaperPipeline, VirtualGauges};
+use super::rig::{Layout, Rig};
 use super::score::Row;
-use super::world::{Frame, World};
-
-/// Gauges of the layout for the static triple.
-pub(super) const N_MORE: usize = 16;
-
-/// Their least distance from the edges of the wall, m; nearer ones may lie beyond it on the rig.
-const MARGIN_M: f64 = 1e-3;
+use super::world::Frame;
+use crate::run::chain::Choice;
 
 /// Presses of the calibration by few.
 pub(super) const N_FEW: usize = 300;
-
-/// Largest friction coefficient of the friction row, and its tip: 8 mm across.
-pub(super) const FRICTION: f64 = 0.2;
-pub(super) const WIDE_TIP_M: f64 = 0.004;
-
-/// Stiffness modes of a calibration.
-pub(crate) const N_STIFFNESS: usize = 32;
 
 /// Arguments of `compare`.
 #[derive(Args, Clone, Debug)]
@@ -65,61 +50,42 @@ fn at_least_few(word: &str) -> Result<usize, String> {
     Ok(n)
 }
 
-/// The rig, the training side's responses, the frames.
+/// The layouts of the rows: the scene's, and that of the static triple.
+pub(super) const MORE: Layout = Layout::Greedy(16);
+
+/// Least distance of its gauges from the edges of the wall, m; nearer ones may lie beyond it on the rig.
+const MARGIN_M: f64 = 1e-3;
+
+/// The rig and its presses.
 pub(super) struct Bench<'a> {
     pub(super) run: &'a Run,
     pub(super) limb: &'a Limb,
     pub(super) args: &'a CompareArgs,
-    pub(super) world: World,
-    pub(super) ten: UncertainResponse,
-    pub(super) more: UncertainResponse,
+    pub(super) rig: Rig<'a>,
+    presses: Vec<Frame>,
 }
 
 impl<'a> Bench<'a> {
     pub(super) fn build(run: &'a Run, limb: &'a Limb, args: &'a CompareArgs) -> Result<Self> {
-        let params = UncertainParams {
-            tip_radius_m: run.scene.contact.tip_radius_m,
-            refinements: run.scene.estimator.map_refinements(),
-            n_stiffness: N_STIFFNESS,
-            n_threads: run.threads,
-        };
-        run.say("solving the response and what may change it");
-        let ten = UncertainResponse::solve(limb, &limb.sites, &limb.gauges, &params)?;
-        let places = gauge_places(run, limb, N_MORE, MARGIN_M)?;
-        let (sites, gauges) = placed_gauges(run, limb, &places, N_MORE)?;
-        let more = UncertainResponse::solve(limb, &sites, &gauges, &params)?;
-        run.say("solving the simulated real limb");
-        let world = World::build(run, limb, ten.map.skin(), &sites)?;
-        Ok(Self { run, limb, args, world, ten, more })
+        let rig = Rig::build(run, limb, &[Layout::Scene, MORE], MARGIN_M)?;
+        let mut bench = Self { run, limb, args, rig, presses: Vec::new() };
+        bench.presses = bench.drawn().presses(args.presses)?;
+        Ok(bench)
     }
 
     pub(super) fn params(&self) -> EstimatorParams {
         estimator_params(&self.run.scene)
     }
 
-    /// The scene's gauges, calibrated with all presses.
-    pub(super) fn calibrated(&self) -> Result<Map> {
-        self.calibrate(&self.ten, &self.presses()?, 0..self.limb.gauges.len())
-    }
-
     /// What is pressed.
     pub(super) fn drawn(&self) -> Drawn<'_> {
-        Drawn { world: &self.world, scene: &self.run.scene, seed: self.args.test_seed }
+        Drawn { world: &self.rig.world, scene: &self.run.scene, seed: self.args.test_seed }
     }
 
-    pub(super) fn presses(&self) -> Result<Vec<Frame>> {
-        self.drawn().presses(self.args.presses)
-    }
-
-    pub(super) fn calibrate(
-        &self,
-        response: &UncertainResponse,
-        presses: &[Frame],
-        channels: std::ops::Range<usize>,
-    ) -> Result<Map> {
-        self.run.say(&format!("calibrating with {} presses", presses.len()));
-        let noise = self.world.noise(&channels)?;
-        Map::calibrate(response, presses, channels, noise, self.run.threads)
+    /// A layout's map, calibrated with the first `n` presses.
+    pub(super) fn map(&mut self, layout: Layout, n: usize) -> Result<&Map> {
+        let mesh = Some(self.run.scene.estimator.map_refinements());
+        Ok(&self.rig.map(mesh, layout, &self.presses[..n])?.0)
     }
 
     /// The paper's pipeline on frames, a row for each ranking.
@@ -129,49 +95,17 @@ impl<'a> Bench<'a> {
         frames: &[Frame],
         of: VirtualGauges,
     ) -> Result<Vec<Row>> {
-        let (skin, n_gauges) = (self.ten.map.skin(), self.limb.gauges.len());
-        let row = |ranking: Ranking| {
-            let score = paper.score(skin, frames, n_gauges, of, ranking)?;
-            Ok(score.row(&format!("{}, {}", of.name(), ranking.name())))
+        let (skin, n_gauges) = (&self.rig.world.skin, self.limb.gauges.len());
+        let row = |(choice, by)| {
+            let score = paper.score(skin, frames, n_gauges, of, choice)?;
+            Ok(score.row(&format!("{}, by {by}", of.name())))
         };
-        Ranking::ALL.into_iter().map(row).collect()
+        let choices = [(Choice::Force, "force"), (Choice::Displacement, "displacement")];
+        choices.into_iter().map(row).collect()
     }
 
     /// `k` contacts of 5 N to the strongest, 20 mm apart.
     pub(super) fn apart(&self, k: usize, row: u64) -> Result<Vec<Frame>> {
         self.drawn().apart(self.args.frames, k, 0.02, row)
     }
-}
-
-/// Places for up to `n_gauges` gauges, no nearer than `margin_m` to the edges of the wall.
-pub(crate) fn gauge_places(
-    run: &Run,
-    limb: &Limb,
-    n_gauges: usize,
-    margin_m: f64,
-) -> Result<LayoutCandidates, HapdefError> {
-    let params = LayoutParams {
-        n_gauges,
-        margin_m,
-        noise_ue: run.scene.rig.electronics.noise_ue,
-        seed: run.scene.seed,
-        ..LayoutParams::default()
-    };
-    LayoutCandidates::solve(run, limb, &params)
-}
-
-/// `n_gauges` gauges where log-det puts them.
-pub(crate) fn placed_gauges(
-    run: &Run,
-    limb: &Limb,
-    places: &LayoutCandidates,
-    n_gauges: usize,
-) -> Result<(Vec<GaugeSite>, Vec<GaugeStrain>)> {
-    let glued = |placed: PlacedGauge| {
-        let site = run.scene.gauges.site(placed.position_m, placed.axis);
-        let faces = &limb.boundary.faces;
-        let gauge = GaugeStrain::with_params(&limb.mesh, faces, &site, &limb.gauge_params)?;
-        Ok((site, gauge))
-    };
-    places.recommended(n_gauges)?.into_iter().map(glued).collect()
 }

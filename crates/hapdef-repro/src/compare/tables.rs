@@ -1,16 +1,21 @@
-//! The comparison as METRIC lines, a table and a page.
-
-use std::path::Path;
+//! The comparison as METRIC lines, tables and a page.
 
 use anyhow::Result;
-use hapdef::Run;
 use hapdef_bench::stats::quantile;
-use hapdef_bench::{Measurements, goal_table, log_metrics, publish, table, terminal_table};
-use hapdef_report::{Figure, LineChart, NamedText, Report, ReportTable, Series, SkippedStage};
+use hapdef_bench::{Measurements, Study, dotted_lines, page_table, table};
+use hapdef_report::{Figure, LineChart, NamedText, Report, Series, SkippedStage};
 
-use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS};
-use super::measured::Measured;
+use super::figures::{COLUMNS, GOALS, GOALS_NOTE, METRICS, Measured, best_paper};
+use super::setup::Bench;
 use crate::run::facts::{self, named};
+
+const STUDY: Study<Measured> = Study {
+    folder: "compare",
+    metrics: &METRICS,
+    goals: &GOALS,
+    goals_note: GOALS_NOTE,
+    file: None,
+};
 
 const NOTE: &str = "Simulated: readings come from the scene's rig, another and perturbed mesh, with \
     noise and converter. Contacts are matched one to one; errors are those of matched contacts, \
@@ -30,48 +35,35 @@ const DRAWN: [&str; 5] =
     ["single", "double", "double, 300 presses", "triple, 16 gauges", "four arriving"];
 
 /// Prints the figures and writes `compare/` under the scene's folder.
-pub(super) fn write(run: &Run, out: &Path, test_seed: u64, measured: &Measured) -> Result<()> {
-    let mut log = facts::log(test_seed);
-    log_metrics(&METRICS, "compare", measured, &mut log)?;
-    let table = table(&COLUMNS, &measured.rows);
-    println!("{}", terminal_table(&table));
-    let study = facts::study(run, "superposition and the paper's pipeline", test_seed)?;
+pub(super) fn publish(bench: &Bench<'_>, measured: &Measured) -> Result<()> {
+    let seed = bench.args.test_seed;
+    let rows = table(&COLUMNS, &measured.rows);
+    let study = facts::study(bench.run, "superposition and the paper's pipeline", seed)?;
     let report = Report {
-        facts: [study.facts, facts_of(test_seed, measured)].concat(),
+        facts: [study.facts, facts_of(bench, measured)].concat(),
         tables: vec![
-            goal_table(&GOALS, measured, GOALS_NOTE)?,
-            ReportTable {
-                title: "Contacts, the same frames for all".into(),
-                note: NOTE.into(),
-                text: table,
-                data: serde_json::to_value(&measured.rows)?,
-            },
+            STUDY.goal_table(measured)?,
+            page_table("Contacts, the same frames for all", NOTE, rows, &measured.rows)?,
         ],
         figures: vec![errors(measured)?],
-        skipped: skipped(measured),
+        skipped: skipped(bench),
         ..study
     };
-    publish(out, "compare", report, &log)?;
+    STUDY.publish(measured, report, &mut facts::log(seed), &bench.args.scene.out)?;
     Ok(())
 }
 
 /// How far contacts are from their matches, by rising distance; rows by superposition beside the paper's
 /// better one.
 fn errors(measured: &Measured) -> Result<Figure> {
-    let names = DRAWN.into_iter().chain(measured.best_paper.as_deref());
+    let names = DRAWN.into_iter().chain(best_paper(measured).map(|row| row.name.as_str()));
     let series = names.filter_map(|name| {
         let row = measured.row(name)?;
         Some(Series { name: name.to_owned(), points: row.within_mm.clone() })
     });
-    let chart = LineChart {
-        title: "Position error".into(),
-        x_label: "true contacts matched at most so far away, %".into(),
-        y_label: "distance, mm".into(),
-        log_x: false,
-        log_y: true,
-        dots: false,
-        series: series.collect(),
-    };
+    let labels = ["true contacts matched at most so far away, %", "distance, mm"];
+    let chart = dotted_lines("Position error", labels, [false, true], series);
+    let chart = LineChart { dots: false, ..chart };
     Ok(Figure::lines(
         "position-error.svg",
         "Distance of contacts from their matches. A line ends where the rest is missed.",
@@ -79,16 +71,15 @@ fn errors(measured: &Measured) -> Result<Figure> {
     )?)
 }
 
-fn skipped(measured: &Measured) -> Vec<SkippedStage> {
-    let is_without = measured.best_paper.is_none();
-    let paper = is_without.then(|| SkippedStage {
+fn skipped(bench: &Bench<'_>) -> Vec<SkippedStage> {
+    let paper = bench.args.without_paper.then(|| SkippedStage {
         name: "the paper's pipeline".into(),
         reason: "--without-paper".into(),
     });
     paper.into_iter().collect()
 }
 
-fn facts_of(test_seed: u64, measured: &Measured) -> Vec<NamedText> {
+fn facts_of(bench: &Bench<'_>, measured: &Measured) -> Vec<NamedText> {
     let [many, few, none] = measured.map_errors.map(|e| e * 100.0);
     let share_us = |q| quantile(&measured.tracking_us, q);
     vec![
@@ -97,13 +88,14 @@ fn facts_of(test_seed: u64, measured: &Measured) -> Vec<NamedText> {
             format!(
                 "relative error at presses it was not calibrated with, their noise included: \
                  {none:.1} % computed, {few:.2} % with 300 presses, {many:.2} % with {}",
-                measured.n_presses
+                bench.args.presses
             ),
         ),
         named(
             "seeds",
             format!(
-                "presses and frames {test_seed}, on which nothing was tuned; the rig's are the scene's"
+                "presses and frames {}, on which nothing was tuned; the rig's are the scene's",
+                bench.args.test_seed
             ),
         ),
         named(

@@ -50,16 +50,10 @@ impl World {
     ) -> Result<Self> {
         let gauges: Vec<GaugeSite> = limb.sites.iter().chain(further).copied().collect();
         let real = real_limb(run, limb, &gauges)?;
-        let spec = &run.scene.rig.electronics;
         let mut world = Self {
             real,
             skin: skin.clone(),
-            electronics: ElectronicsParams {
-                noise_ue: spec.noise_ue,
-                adc_bits: spec.adc_bits,
-                headroom: spec.headroom,
-                seed: spec.seed,
-            },
+            electronics: run.scene.rig.electronics.params(),
             largest_ue: vec![0.0; gauges.len()],
             tip_radius_m: run.scene.contact.tip_radius_m,
         };
@@ -84,13 +78,8 @@ impl World {
         })
     }
 
-    /// Readings of sets of contacts under the scene's tip; `stream` seeds the noise.
-    pub(crate) fn frames(&self, drawn: Vec<Vec<TrueContact>>, stream: u64) -> Result<Vec<Frame>> {
-        self.frames_under(drawn, self.tip_radius_m, stream)
-    }
-
-    /// The same under another tip.
-    pub(crate) fn frames_under(
+    /// Readings of sets of contacts under a tip; `stream` seeds the noise.
+    pub(crate) fn frames(
         &self,
         drawn: Vec<Vec<TrueContact>>,
         tip_radius_m: f64,
@@ -200,5 +189,27 @@ impl<'a> Draw<'a> {
         let turn = self.rng.random_range(0.0..std::f64::consts::TAU);
         let size = most_friction * self.rng.random_range(0.0..=1.0);
         TrueContact { point, force_n, friction: (a * turn.cos() + b * turn.sin()) * size }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use hapdef_inverse::{SkinFaces, SkinParams};
+    use nalgebra::Point3;
+
+    use super::*;
+
+    /// A triangle of 100 mm, and a contact of 10 N at each of these places on it, m.
+    pub(in crate::compare) fn on_a_triangle(places_m: &[[f64; 2]]) -> (Skin, Vec<TrueContact>) {
+        let corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]].map(Point3::from);
+        let faces = SkinFaces::Linear(&[[0, 1, 2]]);
+        let skin = Skin::new(corners.to_vec(), faces, None, &SkinParams::default()).unwrap();
+        let contact = |[x, y]: &[f64; 2]| TrueContact {
+            point: SkinPoint::new(&skin, 0, [1.0 - (x + y) / 0.1, x / 0.1, y / 0.1]).unwrap(),
+            force_n: 10.0,
+            friction: Vector3::zeros(),
+        };
+        let contacts = places_m.iter().map(contact).collect();
+        (skin, contacts)
     }
 }

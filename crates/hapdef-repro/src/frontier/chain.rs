@@ -5,17 +5,15 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
-use hapdef::{Hapdefx, HapdefxScratch, ScoredContact};
+use hapdef::{Hapdefx, HapdefxScratch, MapErrorSum, ScoredContact, scored};
 use hapdef_nets::infer::{InferParams, Precision, PreparedNet};
 
 use super::lab::{Design, Lab, Ready};
-use super::map_error::MeanError;
 use super::point::{Family, Point};
 use super::times::Rounds;
 use crate::bench::{Method, Passes};
 use crate::compare::score::{Errors, Score};
 use crate::compare::world::Frame;
-use crate::run::scores::scored;
 
 /// The chain in every precision, beside the usual configuration. Its amounts are the profile's, which stands in
 /// every name.
@@ -42,8 +40,8 @@ fn prepared(
         rounds.add(passed.score(lab, frames)?.2);
     }
     let mut errors = |frames: &[Frame]| -> Result<Errors> {
-        let (score, map_error, _) = passed.score(lab, frames)?;
-        Ok(Errors { map_um: Some(map_error.mean_um()), ..score.row("").errors })
+        let (score, map_um, _) = passed.score(lab, frames)?;
+        Ok(Errors { map_um: Some(map_um), ..score.row("").errors })
     };
     Ok(Point {
         name: format!("the paper's chain, {}, {} nets", precision.name(), lab.run.profile.name),
@@ -100,10 +98,11 @@ impl<'a> Passed<'a> {
         })
     }
 
-    /// Finds as many contacts as there are in every frame; times, µs.
-    fn score(&mut self, lab: &Lab<'_>, frames: &[Frame]) -> Result<(Score, MeanError, Vec<f64>)> {
+    /// Finds as many contacts as there are in every frame; mean error of the map, µm, and times, µs.
+    fn score(&mut self, lab: &Lab<'_>, frames: &[Frame]) -> Result<(Score, f64, Vec<f64>)> {
         let n_gauges = lab.limb.gauges.len();
-        let (mut score, mut map_error) = (Score::default(), MeanError::default());
+        let mut score = Score::default();
+        let mut map_error = MapErrorSum::new(lab.maps_of.n_surface());
         let mut times_us = Vec::with_capacity(frames.len());
         for frame in frames {
             let readings = &frame.readings_ue[..n_gauges];
@@ -112,9 +111,9 @@ impl<'a> Passed<'a> {
             let time_us = start.elapsed().as_secs_f64() * 1e6;
             times_us.push(time_us);
             score.add(lab.maps_of.skin(), frame, &found, time_us)?;
-            map_error.add(&self.map_um, &lab.maps_of.of_frame(frame)[0]);
+            map_error.add(&lab.maps_of.of_frame(frame)[0], &self.map_um);
         }
-        Ok((score, map_error, times_us))
+        Ok((score, map_error.finish().mean_abs_um, times_us))
     }
 
     fn contacts(&mut self, readings_ue: &[f64], n_contacts: usize) -> Result<Vec<ScoredContact>> {

@@ -6,9 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::compare::frontier::EFFORTS;
+use crate::compare::rig::Layout;
 
 /// Gauges of the largest layout that greedy log-det chooses; smaller ones are its beginnings.
-pub(super) const MOST_GAUGES: usize = 16;
+const MOST_GAUGES: usize = 16;
 
 /// Presses of the largest calibration.
 pub(super) const MOST_PRESSES: usize = 3000;
@@ -37,22 +38,13 @@ pub(super) enum Mesh {
     Shell,
 }
 
-/// Where the gauges are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Layout {
-    /// The scene's own.
-    Scene,
-    /// So many by greedy log-det.
-    Greedy(usize),
-}
-
-impl Layout {
-    /// How many are chosen; none are where the scene has its own.
-    pub(super) fn n_chosen(self) -> Option<usize> {
+impl Mesh {
+    /// Refinements of the limb's own; none for a shell.
+    pub(super) fn refinements(self) -> Option<u32> {
         match self {
-            Self::Scene => None,
-            Self::Greedy(n) => Some(n),
+            Self::Solid => Some(0),
+            Self::Refined => Some(1),
+            Self::Shell => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The figures of the frontier: METRIC lines, and what they should be.
 
-use hapdef_bench::{Figure, Goal, Measurements, Metric, Wanted};
+use hapdef_bench::{Figure, Goal, Measurements, Metric, Named, Study, Wanted};
 
 use super::growth::Growth;
 use super::{Measured, planned};
@@ -11,26 +11,36 @@ pub(super) const ADJOINT: &str = "adjoint_exponent";
 pub(super) const FRAME_NODES: &str = "frame_nodes_exponent";
 pub(super) const FRAME_GAUGES: &str = "frame_gauges_exponent";
 
-/// What is printed as METRIC lines, behind `frontier.`; the exponents of the growths follow.
-pub(super) const METRICS: [Metric<Measured>; 9] = [
-    metric("points", "1", |m| Some(m.points.len() as f64)),
-    Metric {
-        name: "plan_time_ratio_worst",
-        unit: "1",
-        figure: Figure::All(|m| planned::worst_ratio(&m.planned)),
-        absent: "--without-nets",
-    },
-    metric("design_speedup", "1", |m| Some(m.skips.design_speedup())),
-    metric("frame_speedup", "1", |m| Some(m.skips.followed.speedup())),
-    metric("frame_speedup_searched", "1", |m| Some(m.skips.searched.speedup())),
-    metric("frame_speedup_contacts", "1", |m| Some(m.skips.followed.contacts_speedup())),
-    metric("frame_speedup_contacts_searched", "1", |m| Some(m.skips.searched.contacts_speedup())),
-    metric("equal_followed_pct", "%", |m| Some(m.skips.followed.equal_pct())),
-    metric("equal_searched_pct", "%", |m| Some(m.skips.searched.equal_pct())),
+pub(super) const STUDY: Study<Measured> = Study {
+    folder: "frontier",
+    metrics: &METRICS,
+    goals: &GOALS,
+    goals_note: GOALS_NOTE,
+    file: Some("frontier.json"),
+};
+
+/// What is printed as METRIC lines, beside the exponents of the growths.
+const METRICS: [Metric<Measured>; 9] = [
+    metric("frontier.points", "1", |m| Some(m.points.len() as f64)),
+    Metric::all(
+        "frontier.plan_time_ratio_worst",
+        "1",
+        |m| planned::worst_ratio(&m.planned),
+        "--without-nets",
+    ),
+    metric("frontier.design_speedup", "1", |m| Some(m.skips.design_speedup())),
+    metric("frontier.frame_speedup", "1", |m| Some(m.skips.followed.speedup())),
+    metric("frontier.frame_speedup_searched", "1", |m| Some(m.skips.searched.speedup())),
+    metric("frontier.frame_speedup_contacts", "1", |m| Some(m.skips.followed.contacts_speedup())),
+    metric("frontier.frame_speedup_contacts_searched", "1", |m| {
+        Some(m.skips.searched.contacts_speedup())
+    }),
+    metric("frontier.equal_followed_pct", "%", |m| Some(m.skips.followed.equal_pct())),
+    metric("frontier.equal_searched_pct", "%", |m| Some(m.skips.searched.equal_pct())),
 ];
 
 /// What the figures should be.
-pub(super) const GOALS: [Goal<Measured>; 9] = [
+const GOALS: [Goal<Measured>; 9] = [
     goal("design, times faster", Wanted::AtLeast(5.0), |m| Some(m.skips.design_speedup())),
     goal("a followed frame, times faster", Wanted::AtLeast(3.0), |m| {
         Some(m.skips.followed.speedup())
@@ -51,15 +61,21 @@ pub(super) const GOALS: [Goal<Measured>; 9] = [
     exponent(FRAME_GAUGES, "time of a followed frame with gauges, exponent", Wanted::AtMost(1.1)),
 ];
 
-pub(super) const GOALS_NOTE: &str = "Times faster: the same scene with everything it may want over the same \
+const GOALS_NOTE: &str = "Times faster: the same scene with everything it may want over the same \
     with single contacts alone, as further below; a followed frame with the displacement of the whole skin.";
 
 impl Measurements for Measured {
     type Row = Growth;
 
+    fn rows(&self) -> &[Growth] {
+        &self.growths
+    }
+}
+
+impl Named for Growth {
     /// Growths are named by the metrics of their exponents.
-    fn row(&self, name: &str) -> Option<&Self::Row> {
-        self.growths.iter().find(|growth| growth.metric == name)
+    fn name(&self) -> &str {
+        self.metric
     }
 }
 
@@ -68,7 +84,7 @@ const fn metric(
     unit: &'static str,
     of: fn(&Measured) -> Option<f64>,
 ) -> Metric<Measured> {
-    Metric { name, unit, figure: Figure::All(of), absent: "not measured" }
+    Metric::all(name, unit, of, "not measured")
 }
 
 const fn goal(

@@ -17,15 +17,6 @@ const ROUNDS: usize = 5;
 const SINGLE_STREAM: u64 = 100_000;
 const DOUBLE_STREAM: u64 = 200_000;
 
-/// How much is measured.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Amounts {
-    /// Seed of presses and frames.
-    pub(super) test_seed: u64,
-    /// Scored frames of one contact and of two, at least one.
-    pub(super) n_frames: usize,
-}
-
 /// Everything that is pressed, drawn once for all configurations.
 pub(super) struct Frames {
     /// Single contacts of calibrations.
@@ -48,8 +39,9 @@ pub(super) struct Scripted {
 }
 
 impl Frames {
-    pub(super) fn draw(world: &World, scene: &Scene, amounts: Amounts) -> Result<Self> {
-        let (drawn, n) = (Drawn { world, scene, seed: amounts.test_seed }, amounts.n_frames);
+    /// `n` scored frames of one contact and of two, at least one.
+    pub(super) fn draw(world: &World, scene: &Scene, seed: u64, n: usize) -> Result<Self> {
+        let drawn = Drawn { world, scene, seed };
         let (singles, pairs) = (drawn.singles(n)?, drawn.doubles(n.max(MIN_TIMED))?);
         Ok(Self {
             presses: drawn.presses(MOST_PRESSES)?,

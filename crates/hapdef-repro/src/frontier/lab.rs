@@ -1,54 +1,30 @@
 //! What configurations are measured with: one simulated rig with the gauges of every layout, its presses and
 //! frames, and the maps that several configurations share.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use hapdef::touch::{UncertainParams, UncertainResponse, estimator_params};
+use anyhow::Result;
+use hapdef::touch::estimator_params;
 use hapdef::{Limb, Run};
 use hapdef_inverse::{
     ContactEstimator, EstimatorParams, LocatedContact, ModelError, NoiseParams, ScanSites,
 };
-use hapdef_sim::{GaugeSite, GaugeStrain};
 
-use super::configuration::{Configuration, Layout, Mesh};
-use super::frames::{Amounts, Frames};
-use crate::compare::cells::Map;
+use super::configuration::{Configuration, LAYOUTS};
+use super::frames::Frames;
 use crate::compare::frontier::EFFORTS;
 use crate::compare::paper::TrueMaps;
-use crate::compare::world::World;
-use crate::compare::{N_STIFFNESS, gauge_places, placed_gauges};
+use crate::compare::rig::Rig;
 
 /// The rig, its frames, and what configurations share.
 pub(super) struct Lab<'a> {
     pub(super) run: &'a Run,
     pub(super) limb: &'a Limb,
-    layouts: HashMap<Layout, Placed>,
-    responses: HashMap<(Mesh, Layout), Solved>,
-    maps: HashMap<(Mesh, Layout, usize), Calibrated>,
-    world: World,
+    rig: Rig<'a>,
     pub(super) frames: Frames,
     pub(super) maps_of: TrueMaps,
-}
-
-struct Placed {
-    sites: Vec<GaugeSite>,
-    gauges: Vec<GaugeStrain>,
-    /// The rig's channels that they are.
-    channels: Range<usize>,
-}
-
-struct Solved {
-    response: UncertainResponse,
-    elapsed_s: f64,
-}
-
-struct Calibrated {
-    map: Map,
-    elapsed_s: f64,
 }
 
 /// An estimator and what it took to make it.
@@ -79,24 +55,13 @@ impl<'a> Lab<'a> {
     pub(super) fn build(
         run: &'a Run,
         limb: &'a Limb,
-        amounts: Amounts,
-        layouts: &[Layout],
+        test_seed: u64,
+        n_frames: usize,
     ) -> Result<Self> {
-        let (layouts, further) = place(run, limb, layouts)?;
         let maps_of = TrueMaps::read(run, limb)?;
-        run.say("solving the simulated real limb");
-        let world = World::build(run, limb, maps_of.skin(), &further)?;
-        let frames = Frames::draw(&world, &run.scene, amounts)?;
-        Ok(Self {
-            run,
-            limb,
-            layouts,
-            responses: HashMap::new(),
-            maps: HashMap::new(),
-            world,
-            frames,
-            maps_of,
-        })
+        let rig = Rig::build(run, limb, &LAYOUTS, 0.0)?;
+        let frames = Frames::draw(&rig.world, &run.scene, test_seed, n_frames)?;
+        Ok(Self { run, limb, rig, frames, maps_of })
     }
 
     /// Makes the estimator of a configuration; what it shares with others is made once.
@@ -110,91 +75,31 @@ impl<'a> Lab<'a> {
         configuration: &Configuration,
         max_contacts: usize,
     ) -> Result<Ready> {
-        let solve_s = self.solve(configuration)?;
-        let learn_s = self.calibrate(configuration)?;
-        let channels = self.layouts[&configuration.layout].channels.clone();
-        let start = Instant::now();
-        let estimator = self.estimator(configuration, &channels, max_contacts)?;
-        Ok(Ready {
-            estimator,
-            channels,
-            design: Design { solve_s, learn_s, prepare_s: start.elapsed().as_secs_f64() },
-        })
-    }
-
-    fn estimator(
-        &self,
-        configuration: &Configuration,
-        channels: &Range<usize>,
-        max_contacts: usize,
-    ) -> Result<ContactEstimator> {
+        let Configuration { layout, presses, .. } = *configuration;
+        let mesh = configuration.mesh.refinements();
+        let (_, solve_s) = *self.rig.response(mesh, layout)?;
+        let channels = self.rig.channels(layout);
         let effort = &EFFORTS[configuration.effort];
-        let params =
-            EstimatorParams { max_contacts, ..effort.params(estimator_params(&self.run.scene)) };
-        let solved = &self.responses[&(configuration.mesh, configuration.layout)];
-        let map = &solved.response.map;
-        let sites = Arc::new(ScanSites::farthest(map.skin(), effort.n_sites)?);
-        if let Some(known) =
-            self.maps.get(&(configuration.mesh, configuration.layout, configuration.presses))
-        {
-            return known.map.estimator_at(&sites, params);
+        let usual = estimator_params(&self.run.scene);
+        let params = EstimatorParams { max_contacts, ..(effort.params)(usual) };
+        let sites = |skin: &_| ScanSites::farthest(skin, effort.n_sites).map(Arc::new);
+        let (start, learn_s, estimator);
+        if presses > 0 {
+            let (map, elapsed_s) = self.rig.map(mesh, layout, &self.frames.presses[..presses])?;
+            (start, learn_s) = (Instant::now(), *elapsed_s);
+            estimator = map.estimator_at(&sites(map.calibrated.map.skin())?, params)?;
+        } else {
+            let noise = self.rig.world.noise(&channels)?;
+            let (response, _) = self.rig.response(mesh, layout)?;
+            (start, learn_s) = (Instant::now(), 0.0);
+            let relative = self.run.scene.estimator.superposition().map_error;
+            let model_error = ModelError { relative, ..ModelError::default() };
+            let noise = NoiseParams { model_error, ..noise };
+            let (map, sites) = (Arc::new(response.map.clone()), sites(response.map.skin())?);
+            estimator = ContactEstimator::new(map, sites, noise, params)?;
         }
-        let noise = NoiseParams {
-            model_error: ModelError {
-                relative: self.run.scene.estimator.superposition().map_error,
-                ..ModelError::default()
-            },
-            ..self.world.noise(channels)?
-        };
-        let map = Arc::new(map.clone());
-        Ok(ContactEstimator::new(map, sites, noise, params)?)
-    }
-
-    /// Solves the response of a configuration unless it is there; the time that it took.
-    fn solve(&mut self, configuration: &Configuration) -> Result<f64> {
-        let key = (configuration.mesh, configuration.layout);
-        if !self.responses.contains_key(&key) {
-            let placed = self.layouts.get(&configuration.layout).context("a layout is missing")?;
-            let params = UncertainParams {
-                tip_radius_m: self.run.scene.contact.tip_radius_m,
-                refinements: u32::from(configuration.mesh == Mesh::Refined),
-                n_stiffness: N_STIFFNESS,
-                n_threads: self.run.threads,
-            };
-            self.run.say(&format!("solving: {}", configuration.name()));
-            let start = Instant::now();
-            let (sites, gauges) = (&placed.sites, &placed.gauges);
-            let response = match configuration.mesh {
-                Mesh::Solid | Mesh::Refined => {
-                    UncertainResponse::solve(self.limb, sites, gauges, &params)?
-                }
-                Mesh::Shell => {
-                    let max_wall_m = self.limb.max_wall_m;
-                    UncertainResponse::solve_shell(self.limb, sites, gauges, max_wall_m, &params)?
-                }
-            };
-            let elapsed_s = start.elapsed().as_secs_f64();
-            let solved = Solved { response, elapsed_s };
-            self.responses.insert(key, solved);
-        }
-        Ok(self.responses[&key].elapsed_s)
-    }
-
-    /// Calibrates the map of a configuration unless that is done; the time that it took, 0 without presses.
-    fn calibrate(&mut self, configuration: &Configuration) -> Result<f64> {
-        let key = (configuration.mesh, configuration.layout, configuration.presses);
-        if configuration.presses > 0 && !self.maps.contains_key(&key) {
-            let channels = self.layouts[&configuration.layout].channels.clone();
-            let noise = self.world.noise(&channels)?;
-            let (run, presses) = (self.run, &self.frames.presses[..configuration.presses]);
-            let response = &self.responses[&(configuration.mesh, configuration.layout)].response;
-            run.say(&format!("calibrating: {}", configuration.name()));
-            let start = Instant::now();
-            let map = Map::calibrate(response, presses, channels, noise, run.threads)?;
-            let elapsed_s = start.elapsed().as_secs_f64();
-            self.maps.insert(key, Calibrated { map, elapsed_s });
-        }
-        Ok(self.maps.get(&key).map_or(0.0, |known| known.elapsed_s))
+        let design = Design { solve_s, learn_s, prepare_s: start.elapsed().as_secs_f64() };
+        Ok(Ready { estimator, channels, design })
     }
 }
 
@@ -202,32 +107,4 @@ impl<'a> Lab<'a> {
 pub(super) fn found_um(maps: &TrueMaps, contacts: &[LocatedContact]) -> Vec<f32> {
     let [surface_um, _] = maps.under(contacts.iter().map(|c| (c.point, c.force_n)));
     surface_um
-}
-
-/// Places every layout; the sites of the chosen ones follow the scene's on the rig.
-fn place(
-    run: &Run,
-    limb: &Limb,
-    layouts: &[Layout],
-) -> Result<(HashMap<Layout, Placed>, Vec<GaugeSite>)> {
-    let mut placed = HashMap::new();
-    let mut further = Vec::new();
-    let most = layouts.iter().filter_map(|layout| layout.n_chosen()).max();
-    let places = most.map(|most| gauge_places(run, limb, most, 0.0)).transpose()?;
-    for &layout in layouts {
-        let (sites, gauges, first) = match (layout.n_chosen(), &places) {
-            (Some(n), Some(places)) => {
-                run.say(&format!("placing {n} gauges"));
-                let (sites, gauges) = placed_gauges(run, limb, places, n)?;
-                let first = limb.gauges.len() + further.len();
-                further.extend_from_slice(&sites);
-                (sites, gauges, first)
-            }
-            _ => (limb.sites.clone(), limb.gauges.clone(), 0),
-        };
-        let channels = first..first + gauges.len();
-        let of_layout = Placed { sites, gauges, channels };
-        placed.insert(layout, of_layout);
-    }
-    Ok((placed, further))
 }

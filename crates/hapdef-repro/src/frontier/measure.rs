@@ -1,12 +1,12 @@
 //! Errors and times of configurations by superposition.
 
 use anyhow::Result;
-use hapdef_inverse::{Searcher, TrackerParams};
+use hapdef::MapErrorSum;
+use hapdef_inverse::{ContactEstimate, Searcher, TrackerParams};
 
 use super::configuration::{Configuration, Knows};
 use super::frames::Scripted;
 use super::lab::{Lab, Ready, found_um};
-use super::map_error::MeanError;
 use super::point::{Family, Point};
 use super::times::{Rounds, search_times_us};
 use crate::compare::cells;
@@ -18,51 +18,53 @@ use crate::compare::world::Frame;
 pub(super) fn superposed(lab: &mut Lab<'_>, configuration: &Configuration) -> Result<Point> {
     let usual = lab.ready(&Configuration::USUAL)?;
     let ready = lab.ready(configuration)?;
-    match configuration.knows {
-        Knows::Nothing => searched(lab, configuration, &ready, &usual),
-        Knows::Before => followed(lab, configuration, &ready, &usual),
-    }
-}
-
-fn searched(
-    lab: &Lab<'_>,
-    configuration: &Configuration,
-    ready: &Ready,
-    usual: &Ready,
-) -> Result<Point> {
-    let errors = |frames: &[Frame]| -> Result<Errors> {
-        let mut map_error = MeanError::default();
-        let score =
-            cells::score(&ready.estimator, ready.channels.clone(), frames, |frame, estimate| {
-                let found_um = found_um(&lab.maps_of, &estimate.contacts);
-                map_error.add(&found_um, &lab.maps_of.of_frame(frame)[0]);
-                Ok(())
-            })?;
-        Ok(Errors { map_um: Some(map_error.mean_um()), ..score.row("").errors })
+    let (family, [single, double], rounds) = match configuration.knows {
+        Knows::Nothing => {
+            let errors = [
+                searched(lab, &ready, &lab.frames.singles)?,
+                searched(lab, &ready, lab.frames.doubles())?,
+            ];
+            (Family::Searched, errors, search_rounds(lab, &ready, &usual)?)
+        }
+        Knows::Before => {
+            let (errors, rounds) = followed(lab, &ready, &usual)?;
+            (Family::Followed, errors, rounds)
+        }
     };
-    let mut rounds = Rounds::default();
-    for frames in lab.frames.rounds() {
-        rounds.beside(usual, frames)?;
-        rounds.add(search_times_us(ready, frames)?);
-    }
     Ok(Point {
         name: configuration.name(),
         configuration: Some(*configuration),
-        family: Family::Searched,
-        single: errors(&lab.frames.singles)?,
-        double: errors(lab.frames.doubles())?,
+        family,
+        single,
+        double,
         design: ready.design,
         frame: rounds.times(),
     })
 }
 
-/// The contacts of the searched frames, those of a frame one after the other.
-fn followed(
-    lab: &Lab<'_>,
-    configuration: &Configuration,
-    ready: &Ready,
-    usual: &Ready,
-) -> Result<Point> {
+/// Errors of frames of which nothing is known before.
+fn searched(lab: &Lab<'_>, ready: &Ready, frames: &[Frame]) -> Result<Errors> {
+    let mut map_error = MapErrorSum::new(lab.maps_of.n_surface());
+    let also = |_: &_, _: &[f64], frame: &Frame, estimate: &ContactEstimate| {
+        let found_um = found_um(&lab.maps_of, &estimate.contacts);
+        map_error.add(&lab.maps_of.of_frame(frame)[0], &found_um);
+        Ok(())
+    };
+    let score = cells::score(&ready.estimator, ready.channels.clone(), frames, also)?;
+    Ok(Errors { map_um: Some(map_error.finish().mean_abs_um), ..score.row("").errors })
+}
+
+fn search_rounds(lab: &Lab<'_>, ready: &Ready, usual: &Ready) -> Result<Rounds> {
+    let mut rounds = Rounds::default();
+    for frames in lab.frames.rounds() {
+        rounds.beside(usual, frames)?;
+        rounds.add(search_times_us(ready, frames)?);
+    }
+    Ok(rounds)
+}
+
+/// Errors and times of the contacts of the searched frames, those of a frame one after the other.
+fn followed(lab: &Lab<'_>, ready: &Ready, usual: &Ready) -> Result<([Errors; 2], Rounds)> {
     let mut rounds = Rounds::default();
     let (mut singles, mut doubles) = (Followed::default(), Followed::default());
     for script in &lab.frames.single_scripts {
@@ -79,17 +81,10 @@ fn followed(
         }
         rounds.add(of_two);
     }
-    rounds.slowest(&singles.times_us);
-    rounds.slowest(&doubles.times_us);
-    Ok(Point {
-        name: configuration.name(),
-        configuration: Some(*configuration),
-        family: Family::Followed,
-        single: singles.score.row("").errors,
-        double: doubles.score.row("").errors,
-        design: ready.design,
-        frame: rounds.times(),
-    })
+    for followed in [&singles, &doubles] {
+        rounds.slowest(&followed.times_us);
+    }
+    Ok(([singles, doubles].map(|followed| followed.score.row("").errors), rounds))
 }
 
 fn follow(ready: &Ready, scripted: &Scripted, followed: &mut Followed) -> Result<()> {

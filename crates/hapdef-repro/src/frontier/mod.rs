@@ -4,14 +4,12 @@
 mod chain;
 mod configuration;
 mod configurations_table;
-mod error;
 mod figures;
 mod frames;
 mod growth;
 mod kept;
 mod lab;
 mod limits;
-mod map_error;
 mod measure;
 mod page;
 mod planned;
@@ -35,8 +33,7 @@ use hapdef_sim::SimError;
 use serde::Serialize;
 use serde_json::json;
 
-use self::configuration::{Configuration, LAYOUTS, Mesh};
-use self::frames::Amounts;
+use self::configuration::{Configuration, Mesh};
 use self::growth::Growth;
 use self::kept::Origin;
 use self::lab::Lab;
@@ -86,12 +83,6 @@ pub(crate) struct ChainFrontierArgs {
     check: Option<PathBuf>,
 }
 
-impl ChainFrontierArgs {
-    fn amounts(&self) -> Amounts {
-        Amounts { test_seed: self.test_seed, n_frames: self.frames.get() }
-    }
-}
-
 /// Everything that was measured.
 #[derive(Clone, Debug, Serialize)]
 struct Measured {
@@ -112,7 +103,6 @@ struct Measured {
 /// A configuration that could not be measured.
 #[derive(Clone, Debug, Serialize)]
 struct Refused {
-    #[serde(rename = "way")]
     configuration: String,
     why: String,
 }
@@ -125,7 +115,7 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
     if let Some(path) = &args.check {
         return limits::check(path, args, &run, &limb);
     }
-    let mut lab = Lab::build(&run, &limb, args.amounts(), &LAYOUTS)?;
+    let mut lab = Lab::build(&run, &limb, args.test_seed, args.frames.get())?;
     let folder = args.scene.out.join(&run.scene.name);
     let skips = skips::measure(&mut lab, &folder.join("frontier-design"))?;
     let planned = match args.without_nets {
@@ -133,84 +123,71 @@ pub(crate) fn run(args: &ChainFrontierArgs) -> Result<()> {
         false => planned::measure(&run, &limb, &folder.join("frontier-plan"))?,
     };
     let most_nodes = if args.minutes < MINUTES_FOR_MANY { SOME_NODES } else { MANY_NODES };
-    let growths = scaling::measure(&run, most_nodes, args.test_seed)?;
-    let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
-    let configurations = Configuration::in_order(args.test_seed);
-    let walked = points(args, &run, &mut lab, &configurations, deadline)?;
-    let n_without_shell = match walked.no_shell {
-        Some(_) => {
-            configurations.iter().filter(|configuration| configuration.mesh == Mesh::Shell).count()
-        }
-        None => 0,
-    };
-    let measured = Measured {
-        points: point::on_one_footing(&walked.points),
-        no_shell: walked.no_shell,
-        refused: walked.refused,
-        n_kept: walked.n_kept,
-        n_configurations: configurations.len() - n_without_shell,
-        growths,
+    let mut measured = Measured {
+        points: Vec::new(),
+        no_shell: None,
+        refused: Vec::new(),
+        n_kept: 0,
+        n_configurations: 0,
+        growths: scaling::measure(&run, most_nodes, args.test_seed)?,
         skips,
         planned,
     };
+    let deadline = start + Duration::from_secs_f64(60.0 * args.minutes);
+    measured.add_points(args, &run, &mut lab, deadline)?;
     page::write(args, &run, &measured)
 }
 
-/// What was walked of all configurations.
-#[derive(Default)]
-struct Walked {
-    points: Vec<Point>,
-    no_shell: Option<String>,
-    refused: Vec<Refused>,
-    n_kept: usize,
-}
-
-/// The usual configuration, the paper's chain, the usual configuration followed, and as many others as there is time for;
-/// why there is no shell where the limb's skin makes none.
-fn points(
-    args: &ChainFrontierArgs,
-    run: &Run,
-    lab: &mut Lab<'_>,
-    configurations: &[Configuration],
-    deadline: Instant,
-) -> Result<Walked> {
-    let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
-    let mut walked = Walked::default();
-    for (i, configuration) in configurations.iter().enumerate() {
-        if i >= N_ALWAYS && Instant::now() > deadline {
-            break;
-        }
-        run.check_stop("the frontier")?;
-        if configuration.mesh == Mesh::Shell && walked.no_shell.is_some() {
-            continue;
-        }
-        let what = json!({ "configuration": configuration });
-        match origin.kept(run, &what, || measure::superposed(lab, configuration)) {
-            Ok((point, is_kept)) => {
-                walked.points.push(point);
-                walked.n_kept += usize::from(is_kept);
+impl Measured {
+    /// The usual configuration, the paper's chain, the usual configuration followed, and as many others as there
+    /// is time for; why there is no shell where the limb's skin makes none.
+    fn add_points(
+        &mut self,
+        args: &ChainFrontierArgs,
+        run: &Run,
+        lab: &mut Lab<'_>,
+        deadline: Instant,
+    ) -> Result<()> {
+        let origin = Origin::here(args, run, &lab.limb.deck_hash)?;
+        let configurations = Configuration::in_order(args.test_seed);
+        for (i, configuration) in configurations.iter().enumerate() {
+            if i >= N_ALWAYS && Instant::now() > deadline {
+                break;
             }
-            Err(error) if configuration.mesh == Mesh::Shell && is_mesh_fault(&error) => {
-                walked.no_shell = Some(format!("{error:#}"));
+            run.check_stop("the frontier")?;
+            let is_shell = configuration.mesh == Mesh::Shell;
+            if is_shell && self.no_shell.is_some() {
+                continue;
             }
-            Err(error) if i >= N_ALWAYS && is_refusal(&error) => {
-                walked.refused.push(Refused {
-                    configuration: configuration.name(),
-                    why: format!("{error:#}"),
-                });
+            let what = json!({ "configuration": configuration });
+            match origin.kept(run, &what, || measure::superposed(lab, configuration)) {
+                Ok((point, is_kept)) => {
+                    self.points.push(point);
+                    self.n_kept += usize::from(is_kept);
+                }
+                Err(error) if is_shell && is_mesh_fault(&error) => {
+                    self.no_shell = Some(format!("{error:#}"));
+                }
+                Err(error) if i >= N_ALWAYS && is_refusal(&error) => {
+                    let (configuration, why) = (configuration.name(), format!("{error:#}"));
+                    self.refused.push(Refused { configuration, why });
+                }
+                Err(error) => return Err(error),
             }
-            Err(error) => return Err(error),
+            if i == 0 && !args.without_nets {
+                let what = json!({ "chain": run.profile });
+                let usual = lab.ready(configuration)?;
+                let (chain, is_kept): (Vec<Point>, bool) =
+                    origin.kept(run, &what, || chain::chain(lab, &usual))?;
+                self.n_kept += if is_kept { chain.len() } else { 0 };
+                self.points.extend(chain);
+            }
         }
-        if i == 0 && !args.without_nets {
-            let what = json!({ "chain": run.profile });
-            let usual = lab.ready(configuration)?;
-            let (chain, is_kept): (Vec<Point>, bool) =
-                origin.kept(run, &what, || chain::chain(lab, &usual))?;
-            walked.n_kept += if is_kept { chain.len() } else { 0 };
-            walked.points.extend(chain);
-        }
+        self.points = point::on_one_footing(&self.points);
+        let is_allowed = |c: &&Configuration| c.mesh != Mesh::Shell || self.no_shell.is_none();
+        self.n_configurations = configurations.iter().filter(is_allowed).count();
+        Ok(())
     }
-    Ok(walked)
 }
 
 /// Whether the estimator or its calibration refuses what it is given, or the mesh a gauge.

@@ -2,10 +2,9 @@
 
 use anyhow::Result;
 use hapdef::Run;
-use hapdef_bench::{log_metrics, publish, terminal_table};
 use hapdef_report::{NamedText, Report, SkippedStage};
 
-use super::figures::METRICS;
+use super::figures::STUDY;
 use super::plots::figures;
 use super::point::Family;
 use super::tables::tables;
@@ -15,7 +14,6 @@ use crate::run::facts::{self, named};
 /// Prints the figures and writes `frontier/` under the scene's folder.
 pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) -> Result<()> {
     let mut log = facts::log(args.test_seed);
-    log_metrics(&METRICS, "frontier", measured, &mut log)?;
     for growth in &measured.growths {
         log.value(&format!("frontier.{}", growth.metric), growth.exponent, "1")?;
     }
@@ -28,12 +26,7 @@ pub(super) fn write(args: &ChainFrontierArgs, run: &Run, measured: &Measured) ->
         skipped: skipped(args, measured),
         ..study
     };
-    for table in &report.tables {
-        println!("{}\n{}", table.title, terminal_table(&table.text));
-    }
-    let report = publish(&args.scene.out, "frontier", report, &log)?;
-    let folder = args.scene.out.join(&run.scene.name).join("frontier");
-    hapdef::write_json(&folder.join("frontier.json"), measured)?;
+    let report = STUDY.publish(measured, report, &mut log, &args.scene.out)?;
     match &args.write {
         Some(path) => limits::write(path, args, run, &report, &measured.points),
         None => Ok(()),

@@ -6,7 +6,7 @@ use hapdef::scene::EstimatorSpec;
 use hapdef::stages::NetKind;
 use hapdef::touch::{ChainStages, chain_stages};
 use hapdef::{Limb, Profile, Run, Stage};
-use hapdef_bench::{Column, or_dash};
+use hapdef_bench::{Column, or_dash, page_table};
 use hapdef_report::ReportTable;
 use serde::Serialize;
 use std::path::Path;
@@ -134,14 +134,11 @@ const COLUMNS: [Column<Planned>; 4] = [
 ];
 
 pub(super) fn table(rows: &[Planned]) -> Result<ReportTable> {
-    Ok(ReportTable {
-        title: "What `hapdef plan` expected".into(),
-        note: format!(
-            "Contacts by superposition, {N_PRESSES} presses; then the paper's chain in quick amounts, \
-             nothing in the cache. Stages of less than {JUDGED_S} s have no ratio, parts of a frame have \
-             one."
-        ),
-        text: hapdef_bench::table(&COLUMNS, rows),
-        data: serde_json::to_value(rows)?,
-    })
+    let note = format!(
+        "Contacts by superposition, {N_PRESSES} presses; then the paper's chain in quick amounts, \
+         nothing in the cache. Stages of less than {JUDGED_S} s have no ratio, parts of a frame have \
+         one."
+    );
+    let text = hapdef_bench::table(&COLUMNS, rows);
+    Ok(page_table("What `hapdef plan` expected", note, text, rows)?)
 }

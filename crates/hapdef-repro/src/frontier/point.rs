@@ -14,7 +14,6 @@ use crate::compare::score::Errors;
 pub(super) struct Point {
     pub(super) name: String,
     /// None for the paper's chain.
-    #[serde(rename = "way")]
     pub(super) configuration: Option<Configuration>,
     pub(super) family: Family,
     pub(super) single: Errors,

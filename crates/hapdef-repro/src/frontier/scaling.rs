@@ -6,10 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use hapdef::Run;
 use hapdef_bench::stats::median;
-use hapdef_inverse::{
-    ContactEstimator, EstimatorParams, ModelError, NoiseParams, ResponseMap, ResponseParams,
-    ScanSites, TrackerParams,
-};
+use hapdef_inverse::{EstimatorParams, ResponseMap, ResponseParams, TrackerParams};
 use hapdef_mesh::GaugeId;
 use hapdef_nets::{MlpSpec, Scratch};
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial};
@@ -19,7 +16,7 @@ use super::figures::{ADJOINT, FACTOR, FRAME_GAUGES, FRAME_NODES};
 use super::growth::Growth;
 use super::tube::Tube;
 use crate::bench::random;
-use crate::compare::bench::{Presses, track};
+use crate::compare::bench::{Presses, estimator, track};
 use crate::compare::sequence::Script;
 use crate::compare::world::Draw;
 
@@ -37,13 +34,11 @@ const GAUGES_OF_CONTACTS: usize = 24;
 
 const BATCHES: [usize; 5] = [1, 4, 16, 64, 256];
 
-/// Standard deviation of a reading's noise, µε, relative error of the map, tip, m.
+/// Standard deviation of a reading's noise, µε, tip, m.
 const NOISE_UE: f64 = 1.0;
-const MAP_ERROR: f64 = 0.01;
 const TIP_M: f64 = 0.002;
 
-/// Sites of the scans, scripts that are followed, their strongest force, N, and gap, m.
-const N_SITES: usize = 800;
+/// Scripts that are followed, their strongest force, N, and gap, m.
 const N_SCRIPTS: usize = 12;
 const STRONGEST_N: f64 = 34.0;
 const GAP_M: f64 = 0.015;
@@ -179,19 +174,10 @@ impl Solved {
         })
     }
 
-    fn estimator(&self, max_contacts: usize) -> Result<ContactEstimator> {
-        let sites = Arc::new(ScanSites::farthest(self.map.skin(), N_SITES)?);
-        let noise = NoiseParams {
-            model_error: ModelError { relative: MAP_ERROR, ..ModelError::default() },
-            ..NoiseParams::uniform(self.map.n_gauges(), NOISE_UE)
-        };
-        let params = EstimatorParams { max_contacts, ..EstimatorParams::default() };
-        Ok(ContactEstimator::new(self.map.clone(), sites, noise, params)?)
-    }
-
     /// Median time of a frame once `n_contacts` are there, searches on a second thread.
     fn tracking_us(&self, n_contacts: usize, seed: u64) -> Result<f64> {
-        let estimator = self.estimator(n_contacts)?;
+        let params = EstimatorParams { max_contacts: n_contacts, ..EstimatorParams::default() };
+        let estimator = estimator(&self.map, NOISE_UE, params)?;
         let presses = Presses { map: &self.map, noise_ue: NOISE_UE };
         let mut draw = Draw::new(self.map.skin(), seed);
         let mut frames = Vec::new();

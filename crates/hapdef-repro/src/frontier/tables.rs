@@ -3,10 +3,10 @@
 use anyhow::Result;
 use hapdef::Run;
 use hapdef::scene::{RigMesh, Scene};
-use hapdef_bench::{Column, goal_table, table, text_table};
+use hapdef_bench::{Column, or_dash, page_table, table, text_table};
 use hapdef_report::{MetricContext, ReportTable};
 
-use super::figures::{GOALS, GOALS_NOTE};
+use super::figures::STUDY;
 use super::frames::contacts_in_words;
 use super::growth::Growth;
 use super::point::{Family, Point, best_within, error_mm};
@@ -29,23 +29,22 @@ const TIMES_NOTE: &str = "Times of n frames of two contacts, on one core, in fiv
 
 /// Every table of the page.
 pub(super) fn tables(run: &Run, measured: &Measured) -> Result<Vec<ReportTable>> {
+    let points = &measured.points;
+    let title = |what: &str| format!("Every configuration from readings to contacts: {what}");
+    let errors = configurations_table::errors(points);
+    let times = configurations_table::times(points);
     let mut tables = vec![
-        recommended(&measured.points)?,
-        goal_table(&GOALS, measured, GOALS_NOTE)?,
-        ReportTable {
-            title: "Every configuration from readings to contacts: errors".into(),
-            note: errors_note(&run.scene),
-            text: configurations_table::errors(&measured.points),
-            data: serde_json::to_value(&measured.points)?,
-        },
-        ReportTable {
-            title: "Every configuration from readings to contacts: times".into(),
-            note: TIMES_NOTE.into(),
-            text: configurations_table::times(&measured.points),
-            data: serde_json::Value::Null,
-        },
+        recommended(points)?,
+        STUDY.goal_table(measured)?,
+        page_table(title("errors"), errors_note(&run.scene), errors, points)?,
+        page_table(title("times"), TIMES_NOTE, times, &())?,
         skips_table(&measured.skips)?,
-        growth_table(&measured.growths)?,
+        page_table(
+            "How time and memory grow",
+            GROWTH_NOTE,
+            table(&GROWTH, &measured.growths),
+            &measured.growths,
+        )?,
     ];
     if !measured.planned.is_empty() {
         tables.push(planned::table(&measured.planned)?);
@@ -85,61 +84,56 @@ fn errors_note(scene: &Scene) -> String {
     )
 }
 
-/// The configuration of least error within each budget, for searches and for live use.
+/// The configuration of least error within a budget.
+struct Recommended<'a> {
+    frame: &'static str,
+    budget: &'static str,
+    best: Option<&'a Point>,
+}
+
+impl Recommended<'_> {
+    fn of_best(&self, cell: impl Fn(&Point) -> String) -> String {
+        or_dash(self.best.map(cell))
+    }
+}
+
+fn recommended_columns<'a>() -> [Column<Recommended<'a>>; 9] {
+    [
+        Column::new("a frame", |r| r.frame.to_owned()),
+        Column::new("its budget", |r| r.budget.to_owned()),
+        Column::new("configuration", |r| r.best.map_or("none".to_owned(), |p| p.name.clone())),
+        Column::new("two: GOSPA, mm", |r| r.of_best(|p| format!("{:.2}", error_mm(p)))),
+        Column::new("mean, mm", |r| r.of_best(|p| format!("{:.2}", p.double.mean_mm))),
+        Column::new("missed", |r| r.of_best(|p| format!("{:.1} %", p.double.missed_pct))),
+        Column::new("clean", |r| r.of_best(|p| format!("{:.0} %", p.double.clean_pct))),
+        Column::new("p99, µs", |r| r.of_best(|p| format!("{:.0}", p.frame.p99_us))),
+        Column::new("design, s", |r| r.of_best(|p| format!("{:.1}", p.design.all_s()))),
+    ]
+}
+
+/// What is recommended within each budget, for searches and for live use.
 fn recommended(points: &[Point]) -> Result<ReportTable> {
-    let header = [
-        "a frame",
-        "its budget",
-        "configuration",
-        "two: GOSPA, mm",
-        "mean, mm",
-        "missed",
-        "clean",
-        "p99, µs",
-        "design, s",
-    ];
-    let (mut rows, mut data) = (Vec::new(), Vec::new());
-    for (frame, family) in [
+    let frames = [
         ("searched, nothing known before", Family::Searched),
         ("followed from those before, live", Family::Followed),
-    ] {
-        for (budget, budget_us) in BUDGETS {
-            let best = best_within(points, family, budget_us);
-            let of_best = best.map_or_else(no_way, recommended_cells);
-            let [configuration, gospa, mean, missed, clean, p99, design] = of_best;
-            let (frame, budget) = (frame.to_owned(), budget.to_owned());
-            rows.push([frame, budget, configuration, gospa, mean, missed, clean, p99, design]);
-            data.push(best);
-        }
-    }
-    Ok(ReportTable {
-        title: "Recommended".into(),
-        note: format!(
-            "Of the configurations by superposition below that of least GOSPA with two contacts whose 99 % quantile \
-             is within the budget. Timed on this machine ({}); no microcontroller was. Followed contacts \
-             leave searches to a second thread; where there is none, a frame in which something new \
-             touches takes as long as its search.",
-            MetricContext::here(0).machine
-        ),
-        text: text_table(header, rows),
-        data: serde_json::to_value(data)?,
-    })
-}
-
-fn no_way() -> [String; 7] {
-    ["none", "–", "–", "–", "–", "–", "–"].map(str::to_owned)
-}
-
-fn recommended_cells(p: &Point) -> [String; 7] {
-    [
-        p.name.clone(),
-        format!("{:.2}", error_mm(p)),
-        format!("{:.2}", p.double.mean_mm),
-        format!("{:.1} %", p.double.missed_pct),
-        format!("{:.0} %", p.double.clean_pct),
-        format!("{:.0}", p.frame.p99_us),
-        format!("{:.1}", p.design.all_s()),
-    ]
+    ];
+    let rows = frames.iter().flat_map(|(frame, family)| {
+        BUDGETS.map(|(budget, budget_us)| Recommended {
+            frame,
+            budget,
+            best: best_within(points, *family, budget_us),
+        })
+    });
+    let rows: Vec<Recommended<'_>> = rows.collect();
+    let note = format!(
+        "Of the configurations by superposition below that of least GOSPA with two contacts whose 99 % quantile \
+         is within the budget. Timed on this machine ({}); no microcontroller was. Followed contacts \
+         leave searches to a second thread; where there is none, a frame in which something new \
+         touches takes as long as its search.",
+        MetricContext::here(0).machine
+    );
+    let best: Vec<Option<&Point>> = rows.iter().map(|row| row.best).collect();
+    Ok(page_table("Recommended", note, table(&recommended_columns(), &rows), &best)?)
 }
 
 fn skips_table(skips: &Skips) -> Result<ReportTable> {
@@ -164,27 +158,23 @@ fn skips_table(skips: &Skips) -> Result<ReportTable> {
     )];
     rows.extend(frame_rows("a frame that is searched", &skips.searched));
     rows.extend(frame_rows("a frame of a contact that is followed", &skips.followed));
-    Ok(ReportTable {
-        title: "What is left out pays".into(),
-        note: format!(
-            "The scene as it is, contact.max_contacts {}, with the displacement of the whole skin, and the \
-             same with contact.max_contacts 1 and contacts alone, on frames of one contact; designs \
-             without a calibration, nothing from a cache, medians of three made in turns. Searched, \
-             nothing known before: of {} answers the first finds one contact in {}, both the same to \
-             rounding in {}. Followed, as in live use: {}, {}, {}; where a contact is followed to depends \
-             on the frames before. A followed frame is faster by the displacement of the skin, which the \
-             live page wants some 60 times a second and a sink may want in every frame.",
-            skips.max_contacts,
-            skips.searched.n,
-            skips.searched.n_single,
-            skips.searched.n_equal,
-            skips.followed.n,
-            skips.followed.n_single,
-            skips.followed.n_equal
-        ),
-        text: text_table(header, rows),
-        data: serde_json::to_value(skips)?,
-    })
+    let note = format!(
+        "The scene as it is, contact.max_contacts {}, with the displacement of the whole skin, and the \
+         same with contact.max_contacts 1 and contacts alone, on frames of one contact; designs \
+         without a calibration, nothing from a cache, medians of three made in turns. Searched, \
+         nothing known before: of {} answers the first finds one contact in {}, both the same to \
+         rounding in {}. Followed, as in live use: {}, {}, {}; where a contact is followed to depends \
+         on the frames before. A followed frame is faster by the displacement of the skin, which the \
+         live page wants some 60 times a second and a sink may want in every frame.",
+        skips.max_contacts,
+        skips.searched.n,
+        skips.searched.n_single,
+        skips.searched.n_equal,
+        skips.followed.n,
+        skips.followed.n_single,
+        skips.followed.n_equal
+    );
+    Ok(page_table("What is left out pays", note, text_table(header, rows), skips)?)
 }
 
 const GROWTH: [Column<Growth>; 6] = [
@@ -199,15 +189,7 @@ const GROWTH: [Column<Growth>; 6] = [
     }),
 ];
 
-fn growth_table(growths: &[Growth]) -> Result<ReportTable> {
-    Ok(ReportTable {
-        title: "How time and memory grow".into(),
-        note: "Tubes of a limb's size, one element through the wall; 10 gauges where nothing else is \
-               said. Exponent: slope of the logarithms, the smallest third of the sizes left out. \
-               Theory: nested dissection of a surface takes n^1.5 operations and n log n entries. Memory: \
-               what is kept, the factor's entries and the gauges' fields at every node and on the skin."
-            .into(),
-        text: table(&GROWTH, growths),
-        data: serde_json::to_value(growths)?,
-    })
-}
+const GROWTH_NOTE: &str = "Tubes of a limb's size, one element through the wall; 10 gauges where nothing else is \
+    said. Exponent: slope of the logarithms, the smallest third of the sizes left out. \
+    Theory: nested dissection of a surface takes n^1.5 operations and n log n entries. Memory: \
+    what is kept, the factor's entries and the gauges' fields at every node and on the skin.";

@@ -1,13 +1,12 @@
 //! Times of a configuration's frames, in rounds, each beside the usual configuration's.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use hapdef_bench::stats::{quantile, sorted};
 use hapdef_inverse::ContactEstimate;
 use serde::{Deserialize, Serialize};
 
 use super::lab::Ready;
+use crate::compare::cells::estimate_us;
 use crate::compare::world::Frame;
 
 /// Frames of a round in which the usual configuration is timed, too.
@@ -97,9 +96,7 @@ pub(super) fn search_times_us(ready: &Ready, frames: &[Frame]) -> Result<Vec<f64
     let mut times_us = Vec::with_capacity(frames.len());
     for frame in frames {
         let readings = &frame.readings_ue[ready.channels.clone()];
-        let start = Instant::now();
-        ready.estimator.estimate_into(readings, &mut scratch, &mut estimate)?;
-        times_us.push(start.elapsed().as_secs_f64() * 1e6);
+        times_us.push(estimate_us(&ready.estimator, readings, &mut scratch, &mut estimate)?);
     }
     Ok(times_us)
 }

@@ -6,7 +6,7 @@ use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
 use serde_json::json;
 
-use super::chain::{candidates, chain, maps};
+use super::chain::{MapFrom, candidates, chain};
 use super::dataset::{Dataset, Part, Rows, blocks, rig_singles};
 use super::fit::{Training, fit};
 use super::singles::{MethodAnswers, contacts, strongest};
@@ -40,7 +40,7 @@ pub(crate) fn ablations(
         let readings = presses.readings(rows.clone())?;
         let found = candidates(&chain, &forward(&to_map, &readings)?, presses.n_surface)?;
         answers[0].found.extend(found.iter().map(|c| strongest(c)));
-        let maps = maps(&chain, &readings, rows.len(), presses.n_surface)?;
+        let maps = MapFrom::Readings(&chain).maps(&mut presses, rows)?;
         answers[1].found.extend(contacts(&forward(&to_contact, &maps)?));
     }
     Ok((answers.to_vec(), vec![map_stage, contact_stage]))

@@ -1,7 +1,6 @@
 //! The ablations as one table: the chain with one thing changed, a row each.
 
 mod configurations;
-mod frames;
 mod modes;
 mod nets;
 mod refine;
@@ -13,18 +12,18 @@ use hapdef::stages::NetKind;
 use hapdef::{
     ChainNets, ComplianceTable, ContactStats, Hapdefx, Limb, Pipeline, Run, Stage, hapdefx,
 };
-use hapdef_bench::{Column, or_dash, table};
+use hapdef_bench::{Column, or_dash, page_table, table};
 use hapdef_nets::Net;
 use hapdef_report::{ReportTable, StageTime};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use self::configurations::{Choice, Configuration, MapsFrom};
-use self::nets::{AblationNets, Trainer};
+use self::configurations::{Configuration, MapsFrom};
+use self::nets::{AblationNets, World};
 use self::refine::Refiner;
 use self::score::{AblationRow, Tests};
 use self::target::{Target, TrueMaps};
-use super::chain::{chain, reconstruction};
+use super::chain::{Choice, chain, reconstruction};
 use super::kept::kept;
 
 const VERSION: u32 = 1;
@@ -54,8 +53,8 @@ pub(crate) fn ablation_table(
     let table = ComplianceTable::read(&path, limb.n_surface_nodes())?;
     let truth = TrueMaps { table: &table, directions: &limb.directions };
     let chain = chain(run, limb, done)?;
-    let trainer = Trainer { run, done, data, nets, truth: &truth, chain: &chain };
-    let (made, mut stages) = trainer.all()?;
+    let world = World { run, limb, done, data, nets, truth: &truth, chain: &chain };
+    let (made, mut stages) = world.train_all()?;
     let keys: Vec<&str> = stages.iter().map(|stage| stage.key.as_str()).collect();
     let inputs = json!({
         "version": VERSION, "keys": super::keys_of(run, done), "nets": keys,
@@ -64,26 +63,16 @@ pub(crate) fn ablation_table(
     });
     let (found, stage) = kept(run, "ablations", &inputs, |_| {
         run.say("the ablations, row by row");
-        let world = World { run, limb, truth: &truth, chain: &chain };
-        world.rows(done, &made, &Tests::read(data)?)
+        world.rows(&made, &Tests::read(data)?)
     })?;
     stages.push(stage);
     Ok((found, stages))
 }
 
-/// What rows are made from.
-struct World<'a> {
-    run: &'a Run,
-    limb: &'a Limb,
-    truth: &'a TrueMaps<'a>,
-    chain: &'a Hapdefx,
-}
-
 impl World<'_> {
-    fn rows(&self, done: &Pipeline, made: &AblationNets, tests: &Tests) -> Result<Ablations> {
-        let nets = done.nets.as_ref().context("no nets")?;
-        let transfer = nets.load(NetKind::Transfer)?;
-        let whole = reconstruction(done)?;
+    fn rows(&self, made: &AblationNets, tests: &Tests) -> Result<Ablations> {
+        let transfer = self.nets.load(NetKind::Transfer)?;
+        let whole = reconstruction(self.done)?;
         let points = self.limb.surface_points();
         let refiner = Refiner { points: &points, across: self.truth.directions };
         let chain_of = |sensitivity: &Net| {
@@ -202,22 +191,19 @@ impl Ablations {
             .iter()
             .map(|(target, share)| format!("{target} {:.2} %", share * 100.0))
             .collect();
-        Ok(ReportTable {
-            title: "Ablations: the chain with one thing changed".into(),
-            note: format!(
-                "At most 400 test presses of each kind on the rig, T given. Map and FVU: the row's \
-                 own map (magnitude, part along the press, or vector, per component) on simulated \
-                 samples, from true virtual gauges; double: FVU is from readings. Nets behind \
-                 \"{BRIEF}\" all have half of F_R's steps, at most 1,500; the others are trained \
-                 as long as the run's own. Modes are those of standardised training maps; they \
-                 leave out of the variance: {}. Contacts on the rig lie on nodes, so refining \
-                 peaks can only make up for errors of the map. The time of a frame in each row is \
-                 among the times below.",
-                left_out.join(", ")
-            ),
-            text: table(&COLUMNS, &self.rows),
-            data: serde_json::to_value(&self.rows)?,
-        })
+        let note = format!(
+            "At most 400 test presses of each kind on the rig, T given. Map and FVU: the row's \
+             own map (magnitude, part along the press, or vector, per component) on simulated \
+             samples, from true virtual gauges; double: FVU is from readings. Nets behind \
+             \"{BRIEF}\" all have half of F_R's steps, at most 1,500; the others are trained \
+             as long as the run's own. Modes are those of standardised training maps; they \
+             leave out of the variance: {}. Contacts on the rig lie on nodes, so refining \
+             peaks can only make up for errors of the map. The time of a frame in each row is \
+             among the times below.",
+            left_out.join(", ")
+        );
+        let title = "Ablations: the chain with one thing changed";
+        Ok(page_table(title, note, table(&COLUMNS, &self.rows), &self.rows)?)
     }
 
     /// Median time of a frame, one core, without preparation for fast single passes.

@@ -1,35 +1,19 @@
 //! The paper's claims about contacts, gauges and maps on the rig.
 
-use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
 
-use super::frames::Frame;
+use super::made::Made;
 use super::patches::SizePoint;
-use super::scores::{Rule, Scores};
-use super::singles::Singles;
-use crate::tables::{Check, Claim, Fate, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE};
-
-/// What the claims are judged by.
-pub(crate) struct Measured<'a> {
-    /// Scores of the chain and its maps.
-    pub(crate) scores: &'a EvalReport,
-    /// Single presses by every method.
-    pub(crate) singles: &'a Singles,
-    /// Contacts scored both ways.
-    pub(crate) both: &'a Scores,
-    /// The rig's double presses.
-    pub(crate) doubles: &'a [Frame],
-    /// Figure 5A, if it was made.
-    pub(crate) sizes: Option<&'a [SizePoint]>,
-    /// Largest force of a contact, N.
-    pub(crate) strongest_n: f64,
-}
+use super::scores::{TOP, TOP_WITH_SPREAD};
+use crate::tables::{
+    Check, Claim, Fate, MapMetric, MetricVerdict, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE,
+};
 
 /// The patch size that the paper finds best.
 const PAPER_SIZE: usize = 24;
 
 /// Every claim that is not about Table 1.
-pub(crate) fn claims(of: &Measured<'_>) -> Vec<Claim> {
+pub(crate) fn claims(of: &Made<'_>) -> Vec<Claim> {
     let mut claims = vec![
         figure_4(of),
         direct_or_chain(of),
@@ -41,7 +25,7 @@ pub(crate) fn claims(of: &Measured<'_>) -> Vec<Claim> {
         force_error_grows(of),
         spurious_are_weak(of),
     ];
-    claims.extend(of.sizes.map(best_size));
+    claims.extend(of.sizes.as_deref().map(best_size));
     claims
 }
 
@@ -78,7 +62,7 @@ fn compared(
     }
 }
 
-fn figure_4(of: &Measured<'_>) -> Claim {
+fn figure_4(of: &Made<'_>) -> Claim {
     let [svr, knn, fnn] = [0, 1, 2].map(|i| of.singles.stats(&of.singles.direct[i]));
     compared(
         "fnn_best_directly",
@@ -88,7 +72,7 @@ fn figure_4(of: &Measured<'_>) -> Claim {
     )
 }
 
-fn direct_or_chain(of: &Measured<'_>) -> Claim {
+fn direct_or_chain(of: &Made<'_>) -> Claim {
     let single = &of.scores.single;
     compared(
         "direct_beats_chain",
@@ -98,7 +82,7 @@ fn direct_or_chain(of: &Measured<'_>) -> Claim {
     )
 }
 
-fn single_or_2018(of: &Measured<'_>) -> Claim {
+fn single_or_2018(of: &Made<'_>) -> Claim {
     let svr = of.singles.stats(&of.singles.direct[0]);
     let mut claim = compared(
         "chain_locates_better_than_2018",
@@ -110,7 +94,7 @@ fn single_or_2018(of: &Measured<'_>) -> Claim {
     claim
 }
 
-fn double_or_single(of: &Measured<'_>) -> Claim {
+fn double_or_single(of: &Made<'_>) -> Claim {
     let double = of.scores.double.as_ref().map_or_else(ContactStats::default, |d| d.lenient_spread);
     compared(
         "double_harder_than_single",
@@ -121,8 +105,8 @@ fn double_or_single(of: &Measured<'_>) -> Claim {
 }
 
 /// The T + 1 exchange, by the paper's rule and by those it does not use.
-fn exchange(of: &Measured<'_>) -> Claim {
-    let [plain, spread] = [Rule::Top, Rule::TopWithSpread].map(|r| of.both.row("rig, double", r));
+fn exchange(of: &Made<'_>) -> Claim {
+    let [plain, spread] = [TOP, TOP_WITH_SPREAD].map(|r| of.both.row("rig, double", r));
     let judge = |metric: &str, value: &dyn Fn(&super::scores::BothWays) -> Option<f64>| {
         let check =
             Check::below("", ("T + 1", spread.and_then(value)), ("T", plain.and_then(value)));
@@ -141,7 +125,7 @@ fn exchange(of: &Measured<'_>) -> Claim {
 }
 
 /// Table 2's own numbers for the chain.
-fn accuracy(of: &Measured<'_>) -> Claim {
+fn accuracy(of: &Made<'_>) -> Claim {
     let single = &of.scores.single.hapdefx;
     let double = of.scores.double.as_ref().map(|d| &d.lenient_spread);
     let judge =
@@ -164,7 +148,7 @@ fn accuracy(of: &Measured<'_>) -> Claim {
 }
 
 /// FVU of the map from readings; the paper prints whole per cent.
-fn map(of: &Measured<'_>) -> Claim {
+fn map(of: &Made<'_>) -> Claim {
     let double = of.scores.double.as_ref().map(|d| d.map);
     let check = |name: &str, ours: Option<MapError>, paper: f64| {
         let paper = paper * 100.0 + 0.5;
@@ -184,13 +168,13 @@ fn map(of: &Measured<'_>) -> Claim {
 }
 
 /// Figure 8B: from the weakest to the strongest bin of forces.
-fn force_error_grows(of: &Measured<'_>) -> Claim {
-    let bins = of.singles.by_force(&of.singles.ablations[0], of.strongest_n);
+fn force_error_grows(of: &Made<'_>) -> Claim {
+    let bins = of.singles.by_force(&of.singles.ablations[0], of.strongest_n());
     let ends = bins.first().zip(bins.last());
     let check = Check::below(
         "",
-        ("weakest presses", ends.map(|(weak, _)| weak.error_n)),
-        ("strongest presses", ends.map(|(_, strong)| strong.error_n)),
+        ("weakest presses", ends.map(|(weak, _)| weak.force_error_n)),
+        ("strongest presses", ends.map(|(_, strong)| strong.force_error_n)),
     );
     Claim {
         id: "force_error_grows",
@@ -202,10 +186,10 @@ fn force_error_grows(of: &Measured<'_>) -> Claim {
 
 /// Of each double press with spurious candidates: the strongest spurious one against the weaker of
 /// the two that lie nearest to the true contacts.
-fn spurious_are_weak(of: &Measured<'_>) -> Claim {
+fn spurious_are_weak(of: &Made<'_>) -> Claim {
     let (mut n_weak, mut n_spurious) = (0_u32, 0_u32);
-    for frame in of.doubles.iter().filter(|frame| frame.found.len() > frame.truth.len()) {
-        let found = super::scores::scored(&frame.found);
+    for frame in of.frames.rig_double.iter().filter(|frame| frame.found.len() > frame.truth.len()) {
+        let found = hapdef::scored(&frame.found);
         let Ok(matched) = hapdef::score_one_to_one(&found, &frame.truth) else {
             continue;
         };
@@ -227,28 +211,20 @@ fn spurious_are_weak(of: &Measured<'_>) -> Claim {
 
 /// Whether 24 virtual gauges give the least error on two contacts with F_T a net.
 fn best_size(points: &[SizePoint]) -> Claim {
-    let judge = |metric: &str, unit: &str, value: &dyn Fn(&MapError) -> f64| {
-        let double = |point: &SizePoint| value(&point.errors[2][1]);
+    let judge = |metric: MapMetric| {
+        let double = |point: &SizePoint| metric.of(&point.errors[2][1]);
         let paper = points.iter().find(|point| point.size == PAPER_SIZE).map(double);
         let rivals = points.iter().filter(|point| point.size != PAPER_SIZE);
         let best = rivals.min_by(|a, b| double(a).total_cmp(&double(b)));
-        let name =
-            best.map_or(String::new(), |point| format!("best of the others, {}:", point.size));
-        MetricVerdict::of(
-            metric,
-            unit,
-            &[Check::below("", ("24 gauges:", paper), (&name, best.map(double)))],
-        )
+        let name = best.map_or(String::new(), |b| format!("best of the others, {}:", b.size));
+        let check = Check::below("", ("24 gauges:", paper), (&name, best.map(double)));
+        MetricVerdict::of(metric.name(), metric.unit(), &[check])
     };
     Claim {
         id: "optimum_24",
         text: "24 virtual gauges around each gauge give the best map of two contacts (F_T a net)",
         paper: "figure 5A",
-        verdicts: vec![
-            judge("mean |error|", "µm", &|map| map.mean_abs_um),
-            judge("RMS", "µm", &|map| map.rms_um),
-            judge("FVU", "%", &|map| map.fvu * 100.0),
-        ],
+        verdicts: MapMetric::ALL.map(judge).to_vec(),
     }
 }
 

@@ -7,7 +7,7 @@ use hapdef_cli::SceneArgs;
 
 use super::{robustness, search, tactile};
 use crate::bench::{BenchNetsArgs, FrontierArgs};
-use crate::compare::{BenchInverseArgs, CompareArgs, FrontierInverseArgs};
+use crate::compare::{BenchInverseArgs, CompareArgs};
 use crate::frontier::ChainFrontierArgs;
 
 /// The tables and figures of Sun & Martius 2019 for a scene.
@@ -89,7 +89,7 @@ pub(super) enum Command {
     /// Effort of the search against error, with the bound and the paper's nets beside it.
     #[command(after_help = "Example:\n  hapdef-repro frontier-inverse fixtures/shin/placed.json \
         --without-paper --frames 100")]
-    FrontierInverse(FrontierInverseArgs),
+    FrontierInverse(CompareArgs),
     /// Time and allocations of a frame by superposition.
     #[command(after_help = "Example:\n  hapdef-repro bench-inverse fixtures/shin/placed.json")]
     BenchInverse(BenchInverseArgs),

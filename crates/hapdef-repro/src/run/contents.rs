@@ -3,11 +3,11 @@
 use anyhow::Result;
 use hapdef::stages::EvalReport;
 use hapdef::{ContactStats, MapError};
-use hapdef_bench::text_table;
+use hapdef_bench::{page_table, text_table};
 use hapdef_report::{ReportTable, TextCell, TextTable};
 
+use super::made::Made;
 use super::patches::{METHODS, SizePoint};
-use super::scores::Scores;
 use crate::tables::{
     Claim, MapMetric, OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table1, Table2, claims_text,
 };
@@ -15,107 +15,98 @@ use crate::tables::{
 /// Title of the claims' table.
 pub(crate) const CLAIMS: &str = "What the paper claims";
 
-/// The paper's claims and how they fared.
-pub(crate) fn claims_table(claims: &[Claim]) -> Result<ReportTable> {
-    Ok(ReportTable {
-        title: CLAIMS.into(),
-        note: String::new(),
-        text: claims_text(claims),
-        data: serde_json::to_value(claims)?,
-    })
-}
-
 /// Table 2: HapDef 2018's support vectors, the direct net, the chain on one and two contacts.
-pub(crate) fn table2(scores: &EvalReport, svr: &ContactStats) -> Table2 {
+pub(crate) fn table2(made: &Made<'_>) -> Table2 {
     let column = |name: &str, stats: &ContactStats| OwnAccuracy {
         name: name.into(),
-        location_m: (stats.n > 0).then_some(stats.mean_mm * 1e-3),
+        location_mm: (stats.n > 0).then_some(stats.mean_mm),
         magnitude_n: (stats.n > 0).then_some(stats.mean_n),
     };
-    let single = &scores.single;
+    let single = &made.scores.single;
     let mut ours = vec![
-        column("HapDef 2018", svr),
+        column("HapDef 2018", &made.svr.stats),
         column("direct FNN", &single.direct),
         column("HapDefX single", &single.hapdefx),
     ];
-    if let Some(double) = &scores.double {
+    if let Some(double) = &made.scores.double {
         ours.push(column("HapDefX double", &double.lenient_spread));
     }
-    Table2 { ours }
+    Table2::new(ours)
 }
 
 /// The tables of the report.
 pub(crate) fn tables(
-    table1: &[Table1],
+    made: &Made<'_>,
     table2: &Table2,
-    scores: &EvalReport,
-    both: &Scores,
-    sizes: Option<&[SizePoint]>,
+    claims: &[Claim],
 ) -> Result<Vec<ReportTable>> {
-    let mut tables = table1.iter().map(table1_part).collect::<Result<Vec<_>>>()?;
-    tables.push(ReportTable {
-        title: "Table 2: accuracy on the simulated rig (ours / paper)".into(),
-        note: "Means over the contacts that were found (the next table says how many). HapDef \
-               2018: support-vector regression. Double contacts are scored by the paper's lenient \
-               rule with its T + 1 exchange: each of the top two points to the closest true \
-               contact. The human figures are the paper's, not measured here."
-            .into(),
-        text: table2.to_text(),
-        data: serde_json::to_value(table2)?,
-    });
-    tables.push(ReportTable {
-        title: "Contacts in detail".into(),
-        note: "Errors are means over the contacts that were found; those that were not have none. \
-               One-to-one: every found contact is matched with one true contact."
-            .into(),
-        text: contact_table(scores),
-        data: serde_json::to_value(scores)?,
-    });
-    tables.push(both.table()?);
-    tables.push(ReportTable {
-        title: "Map on the rig: fraction of variance unexplained (ours / paper)".into(),
-        note: "From the rig's readings through F_T and F_R, against the simulated map of the same \
-               forces."
-            .into(),
-        text: fvu_table(scores),
-        data: serde_json::to_value(scores)?,
-    });
-    if let Some(sizes) = sizes {
-        tables.push(ReportTable {
-            title: "Figure 5A: mean |error| of the map, µm, by virtual gauges around each gauge"
-                .into(),
-            note: "F_T by LR, k-NN and a net, then F_R; every net of this table trained briefly."
-                .into(),
-            text: sizes_table(sizes),
-            data: serde_json::to_value(sizes)?,
-        });
+    let scores = made.scores;
+    let mut tables = vec![page_table(CLAIMS, "", claims_text(claims), claims)?];
+    for table in &made.table1 {
+        tables.push(table1_part(table)?);
+    }
+    tables.extend([
+        page_table(
+            "Table 2: accuracy on the simulated rig (ours / paper)",
+            "Means over the contacts that were found (the next table says how many). HapDef \
+             2018: support-vector regression. Double contacts are scored by the paper's lenient \
+             rule with its T + 1 exchange: each of the top two points to the closest true \
+             contact. The human figures are the paper's, not measured here.",
+            table2.to_text(),
+            table2,
+        )?,
+        page_table(
+            "Contacts in detail",
+            "Errors are means over the contacts that were found; those that were not have none. \
+             One-to-one: every found contact is matched with one true contact.",
+            contact_table(scores),
+            scores,
+        )?,
+        made.both.table()?,
+        page_table(
+            "Map on the rig: fraction of variance unexplained (ours / paper)",
+            "From the rig's readings through F_T and F_R, against the simulated map of the same \
+             forces.",
+            fvu_table(scores),
+            scores,
+        )?,
+    ]);
+    if let Some(sizes) = &made.sizes {
+        tables.push(page_table(
+            "Figure 5A: mean |error| of the map, µm, by virtual gauges around each gauge",
+            "F_T by LR, k-NN and a net, then F_R; every net of this table trained briefly.",
+            sizes_table(sizes),
+            sizes,
+        )?);
+    }
+    if let Some(ridge) = &made.ridge {
+        tables.push(ridge.table(&made.table1[0])?);
+    }
+    if let Some(ablations) = &made.ablations {
+        tables.push(ablations.table()?);
     }
     Ok(tables)
 }
 
 /// Table 1 by one metric.
 fn table1_part(table: &Table1) -> Result<ReportTable> {
-    let (what, paper) = match table.metric() {
-        MapMetric::MeanAbs => ("mean |error| of the map, µm", " (ours / paper)"),
-        MapMetric::Rms => ("RMS error of the map, µm", " (ours / paper)"),
-        MapMetric::Fvu => ("fraction of variance unexplained, %", ""),
-    };
-    let note = match table.metric() {
-        MapMetric::MeanAbs => {
+    let (what, note) = match table.metric() {
+        MapMetric::MeanAbs => (
+            "mean |error| of the map, µm (ours / paper)",
             "Over all surface nodes and test samples. LR: linear regression; k-NN: k = 6, weights \
              1/distance, on standardised inputs; FNN: F_R. Training errors are over at most 2,000 \
              training samples; k-NN leaves the sample itself out. The paper does not say whether \
-             it averages absolute values or squares."
+             it averages absolute values or squares.",
+        ),
+        MapMetric::Rms => {
+            ("RMS error of the map, µm (ours / paper)", "The same by the root of the mean square.")
         }
-        MapMetric::Rms => "The same by the root of the mean square.",
-        MapMetric::Fvu => "The same by the share of each node's variance that is left.",
+        MapMetric::Fvu => (
+            "fraction of variance unexplained, %",
+            "The same by the share of each node's variance that is left.",
+        ),
     };
-    Ok(ReportTable {
-        title: format!("Table 1: {what}{paper}"),
-        note: note.into(),
-        text: table.to_text(),
-        data: serde_json::to_value(table)?,
-    })
+    Ok(page_table(format!("Table 1: {what}"), note, table.to_text(), table)?)
 }
 
 /// A row per size, single and double presses for each method.

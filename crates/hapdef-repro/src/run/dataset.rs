@@ -1,11 +1,11 @@
-//! A dataset read by rows: readings, virtual gauges, maps, and where which force was.
+//! Samples of datasets in memory.
 
 use std::ops::Range;
 
 use anyhow::{Context, Result};
-use hapdef::stages::{Datasets, samples_path};
-use hapdef::{ContactPair, DrawnContact, Pipeline, ScoredContact, Stage};
-use hapdef_data::{DatasetReader, Split};
+pub(crate) use hapdef::stages::{Dataset, blocks};
+use hapdef::{ContactPair, Pipeline};
+use hapdef_data::Split;
 use hapdef_nets::train::MemorySource;
 
 use crate::search::Samples;
@@ -24,6 +24,18 @@ pub(crate) enum Part {
     Map,
     /// Position, m, and force, N, of the only contact.
     Contact,
+}
+
+impl Part {
+    /// Those of `rows`, row-major.
+    fn of(self, set: &mut Dataset, rows: Range<usize>) -> Result<Vec<f32>> {
+        Ok(match self {
+            Self::Readings => set.readings(rows)?,
+            Self::Gauges => set.inputs(rows)?,
+            Self::Map => set.maps(rows)?,
+            Self::Contact => set.contacts(rows)?.into_flattened(),
+        })
+    }
 }
 
 /// Inputs and outputs of samples in memory, row-major.
@@ -62,8 +74,8 @@ impl Rows {
         rows: Range<usize>,
     ) -> Result<()> {
         self.n += rows.len();
-        self.x.extend(set.part(inputs, rows.clone())?);
-        self.y.extend(set.part(outputs, rows)?);
+        self.x.extend(inputs.of(set, rows.clone())?);
+        self.y.extend(outputs.of(set, rows)?);
         Ok(())
     }
 
@@ -90,118 +102,12 @@ impl Rows {
     }
 }
 
-/// Presses, simulated or on the rig.
-pub(crate) struct Dataset {
-    reader: DatasetReader,
-    /// Contacts of a press.
-    pub(crate) n_contacts: usize,
-    /// Virtual gauges of a press.
-    pub(crate) n_virtual: usize,
-    /// Surface nodes of a map.
-    pub(crate) n_surface: usize,
-}
-
-impl Dataset {
-    /// Opens a dataset stage.
-    pub(crate) fn open(stage: &Stage) -> Result<Self> {
-        let reader = DatasetReader::open(&samples_path(stage))?;
-        Ok(Self {
-            n_contacts: reader.width("contact_forces")?,
-            n_virtual: reader.width("virtual_gauges")?,
-            n_surface: reader.width("deformation")?,
-            reader,
-        })
-    }
-
-    /// Opens every simulated set, single contacts first.
-    pub(crate) fn open_all(data: &Datasets) -> Result<Vec<Self>> {
-        data.simulated.iter().map(Self::open).collect()
-    }
-
-    /// Presses there are.
-    pub(crate) fn n(&self) -> usize {
-        self.reader.n()
-    }
-
-    /// Which presses train, validate and test.
-    pub(crate) fn split(&self) -> Result<Split> {
-        Ok(Split::of(self.n())?)
-    }
-
-    /// A tensor of `rows`, row-major.
-    fn read(&mut self, tensor: &str, rows: Range<usize>) -> Result<Vec<f32>> {
-        let mut values = vec![0.0; rows.len() * self.reader.width(tensor)?];
-        self.reader.read_rows(tensor, rows, &mut values)?;
-        Ok(values)
-    }
-
-    /// Readings of `rows`, `[n, n_gauges]`, µε.
-    pub(crate) fn readings(&mut self, rows: Range<usize>) -> Result<Vec<f32>> {
-        self.read("readings", rows)
-    }
-
-    /// Virtual gauges of `rows`, `[n, n_virtual]`, µm.
-    pub(crate) fn inputs(&mut self, rows: Range<usize>) -> Result<Vec<f32>> {
-        self.read("virtual_gauges", rows)
-    }
-
-    /// Maps of `rows`, `[n, n_surface]`, µm.
-    pub(crate) fn maps(&mut self, rows: Range<usize>) -> Result<Vec<f32>> {
-        self.read("deformation", rows)
-    }
-
-    /// A part of `rows`, row-major.
-    pub(crate) fn part(&mut self, part: Part, rows: Range<usize>) -> Result<Vec<f32>> {
-        match part {
-            Part::Readings => self.readings(rows),
-            Part::Gauges => self.inputs(rows),
-            Part::Map => self.maps(rows),
-            Part::Contact => Ok(self.contacts(rows)?.into_flattened()),
-        }
-    }
-
-    /// Positions, m, and forces, N, of the contacts of `rows`, `[n * n_contacts]`.
-    pub(crate) fn contacts(&mut self, rows: Range<usize>) -> Result<Vec<[f32; 4]>> {
-        let positions = self.read("contact_positions", rows.clone())?;
-        let forces = self.read("contact_forces", rows)?;
-        let places = positions.as_chunks::<3>().0.iter().zip(forces);
-        Ok(places.map(|([x, y, z], force_n)| [*x, *y, *z, force_n]).collect())
-    }
-
-    /// True contacts of each of `rows`.
-    pub(crate) fn truth(&mut self, rows: Range<usize>) -> Result<Vec<Vec<ScoredContact>>> {
-        let contact =
-            |[x, y, z, force_n]: &[f32; 4]| ([x, y, z].map(|v| f64::from(*v)), f64::from(*force_n));
-        let all = self.contacts(rows)?;
-        Ok(all.chunks(self.n_contacts).map(|press| press.iter().map(contact).collect()).collect())
-    }
-
-    /// Pressed nodes and forces of each of `rows`.
-    pub(crate) fn drawn(&mut self, rows: Range<usize>) -> Result<Vec<Vec<DrawnContact>>> {
-        let mut nodes = vec![0_i32; rows.len() * self.n_contacts];
-        self.reader.read_rows("contact_nodes", rows.clone(), &mut nodes)?;
-        let forces = self.read("contact_forces", rows)?;
-        let drawn = |(node, force): (&i32, &f32)| DrawnContact {
-            node: *node as usize,
-            force_n: f64::from(*force),
-        };
-        let all: Vec<_> = nodes.iter().zip(&forces).map(drawn).collect();
-        Ok(all.chunks(self.n_contacts).map(<[_]>::to_vec).collect())
-    }
-}
-
 /// The rig's single presses and which of them are for training and for testing.
 pub(crate) fn rig_singles(done: &Pipeline) -> Result<(Dataset, Split)> {
     let data = done.data.as_ref().context("no datasets")?;
     let presses = Dataset::open(&data.rig_single)?;
     let split = presses.split()?;
     Ok((presses, split))
-}
-
-/// `rows` in blocks of at most `n`.
-pub(crate) fn blocks(rows: Range<usize>, n: usize) -> impl Iterator<Item = Range<usize>> {
-    let end = rows.end;
-    rows.step_by(n).map(move |start| start..(start + n).min(end))
 }
 
 /// The first of `rows`, at most `most`.

@@ -1,11 +1,12 @@
 //! Single samples with their true and predicted maps, for pictures.
 
+use std::ops::Range;
+
 use anyhow::{Context, Result};
 use hapdef::{FoundContact, Hapdefx, Limb, Pipeline, Run, ScoredContact};
 
-use super::chain::{candidates, chain, maps, reconstruction};
+use super::chain::{Choice, MapFrom, candidates, chain, reconstruction};
 use super::dataset::{Dataset, rig_singles};
-use crate::search::forward;
 
 /// Weakest single press that is shown, N: a faint one shows little.
 const LEAST_SHOWN_N: f64 = 15.0;
@@ -30,19 +31,23 @@ pub(crate) struct Example {
 
 /// Examples for figures 6A to C, 7 and 9A, as far as the scene has the contacts.
 pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Example>> {
-    let maker = Maker { chain: chain(run, limb, done)?, done };
+    let chain = chain(run, limb, done)?;
+    let net = reconstruction(done)?;
+    let (readings, gauges) = (MapFrom::Readings(&chain), MapFrom::Gauges(&net));
     let data = done.data.as_ref().context("no datasets")?;
-    let mut found = vec![maker.single()?];
+    let (mut presses, split) = rig_singles(done)?;
+    let row = first_strong(&mut presses, split.test)?;
+    let text = "Figure 6A: a single press of the rig, from ten readings";
+    let mut found = vec![example(&chain, readings, &mut presses, row, ("figure6a", text))?];
     if let Some(stage) = &data.rig_double {
         let n = run.profile.n_amplitudes;
         let last = run.profile.n_pairs - 1;
         let rows = [n - 1, (last / 3) * n + n / 2, (2 * last / 3) * n + n - 1];
-        let stems = ["figure6b", "figure9a1", "figure9a2"];
-        for (row, stem) in rows.into_iter().zip(stems) {
-            let mut presses = Dataset::open(stage)?;
-            let figure = if stem == "figure6b" { "6B" } else { "9A" };
+        let stems = [("6B", "figure6b"), ("9A", "figure9a1"), ("9A", "figure9a2")];
+        let mut presses = Dataset::open(stage)?;
+        for (row, (figure, stem)) in rows.into_iter().zip(stems) {
             let text = format!("Figure {figure}: a double press of the rig, from ten readings");
-            found.push(maker.example(&mut presses, row, stem, &text, false)?);
+            found.push(example(&chain, readings, &mut presses, row, (stem, &text))?);
         }
     }
     for (n_contacts, stem, text) in [
@@ -52,58 +57,40 @@ pub(crate) fn examples(run: &Run, limb: &Limb, done: &Pipeline) -> Result<Vec<Ex
         if let Some(stage) = data.simulated.get(n_contacts - 1) {
             let mut presses = Dataset::open(stage)?;
             let row = presses.split()?.test.start;
-            found.push(maker.example(&mut presses, row, stem, text, true)?);
+            found.push(example(&chain, gauges, &mut presses, row, (stem, text))?);
         }
     }
     Ok(found)
 }
 
-struct Maker<'a> {
-    chain: Hapdefx,
-    done: &'a Pipeline,
+/// The first single press of `rows` that is strong enough.
+fn first_strong(presses: &mut Dataset, rows: Range<usize>) -> Result<usize> {
+    let truth = presses.truth(rows.clone())?;
+    let strong = truth.iter().position(|contacts| contacts[0].1 >= LEAST_SHOWN_N);
+    Ok(rows.start + strong.unwrap_or(0))
 }
 
-impl Maker<'_> {
-    /// The first test press of the rig that is strong enough.
-    fn single(&self) -> Result<Example> {
-        let (mut presses, split) = rig_singles(self.done)?;
-        let truth = presses.truth(split.test.clone())?;
-        let strong = truth.iter().position(|contacts| contacts[0].1 >= LEAST_SHOWN_N);
-        let row = split.test.start + strong.unwrap_or(0);
-        let text = "Figure 6A: a single press of the rig, from ten readings";
-        self.example(&mut presses, row, "figure6a", text, false)
-    }
-
-    fn example(
-        &self,
-        presses: &mut Dataset,
-        row: usize,
-        stem: &'static str,
-        text: &str,
-        from_virtual: bool,
-    ) -> Result<Example> {
-        let rows = row..row + 1;
-        let truth_um = presses.maps(rows.clone())?;
-        let found_um = if from_virtual {
-            let net = reconstruction(self.done)?;
-            forward(&net, &presses.inputs(rows.clone())?)?
-        } else {
-            let readings = presses.readings(rows.clone())?;
-            maps(&self.chain, &readings, 1, presses.n_surface)?
-        };
-        let candidates = candidates(&self.chain, &found_um, presses.n_surface)?.remove(0);
-        let truth = presses.truth(rows)?.remove(0);
-        let picked = self.chain.top_with_spread(&candidates, truth.len())?;
-        let forces: Vec<String> = truth.iter().map(|c| format!("{:.0}", c.1)).collect();
-        let as_f64 = |map: &[f32]| map.iter().map(|v| f64::from(*v)).collect();
-        Ok(Example {
-            stem,
-            caption: format!("{text}; {} N", forces.join(" and ")),
-            truth_um: as_f64(&truth_um),
-            found_um: as_f64(&found_um),
-            truth,
-            candidates,
-            picked,
-        })
-    }
+fn example(
+    chain: &Hapdefx,
+    from: MapFrom<'_>,
+    presses: &mut Dataset,
+    row: usize,
+    (stem, text): (&'static str, &str),
+) -> Result<Example> {
+    let rows = row..row + 1;
+    let truth_um = presses.maps(rows.clone())?;
+    let found_um = from.maps(presses, rows.clone())?;
+    let candidates = candidates(chain, &found_um, presses.n_surface)?.remove(0);
+    let truth = presses.truth(rows)?.remove(0);
+    let forces: Vec<String> = truth.iter().map(|c| format!("{:.0}", c.1)).collect();
+    let as_f64 = |map: Vec<f32>| map.into_iter().map(f64::from).collect();
+    Ok(Example {
+        stem,
+        caption: format!("{text}; {} N", forces.join(" and ")),
+        truth_um: as_f64(truth_um),
+        found_um: as_f64(found_um),
+        picked: Choice::ForceWithSpread.of(chain, &candidates, truth.len())?,
+        truth,
+        candidates,
+    })
 }

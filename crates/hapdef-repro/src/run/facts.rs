@@ -4,22 +4,17 @@ use std::collections::HashSet;
 use std::io::Stdout;
 use std::time::{Duration, SystemTime};
 
-use hapdef::convergence::Convergence;
 use hapdef::{HapdefError, Limb, OutputScale, Pipeline, Profile, Run, Samples, Schedule, Stage};
 use hapdef_nets::Loss;
 use hapdef_report::{MetricContext, MetricLog, NamedText, Report, SkippedStage, StageTime};
 
-use super::svr::SvrScore;
+use super::made::Made;
 
 /// The lines at the head of the report.
-pub(crate) fn facts(
-    run: &Run,
-    done: &Pipeline,
-    svr: &SvrScore,
-    mesh_check: &Convergence,
-) -> Vec<NamedText> {
-    let limb = &done.compliance.record.info;
-    let rig = &done.rig.record.info;
+pub(crate) fn facts(made: &Made<'_>) -> Vec<NamedText> {
+    let (run, svr) = (made.run, &made.svr);
+    let limb = &made.done.compliance.record.info;
+    let rig = &made.done.rig.record.info;
     let [samples, training] = amounts(run);
     vec![
         named("simulated", "all readings come from the simulated rig; no hardware"),
@@ -31,7 +26,7 @@ pub(crate) fn facts(
                 limb["n_fe_nodes"], limb["n_equations"], limb["nnz_l"], limb["n_loads"]
             ),
         ),
-        named("mesh", mesh_check.to_string()),
+        named("mesh", made.mesh_check.to_string()),
         named("rig", format!("its own mesh of {} FE nodes, perturbed", rig["n_fe_nodes"])),
         samples,
         training,

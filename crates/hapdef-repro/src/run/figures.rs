@@ -7,60 +7,45 @@ mod surface;
 use std::path::Path;
 
 use anyhow::Result;
-use hapdef::{ComplianceTable, Hapdefx, Limb, Pipeline, Run};
+use hapdef::{ComplianceTable, Limb, Pipeline};
+use hapdef_bench::dotted_lines;
 use hapdef_mesh::{VertexField, write_glb};
 use hapdef_report::{Figure, LimbMap, LimbView, LineChart, Series};
 use serde_json::Value;
 
 use self::surface::Surface;
-use super::examples::Example;
-use super::frames::Frames;
-use super::patches::SizePoint;
-use super::singles::Singles;
-use crate::tables::{Table1, table1_bars};
-
-/// What the figures show.
-pub(crate) struct Shown<'a> {
-    pub(crate) run: &'a Run,
-    pub(crate) limb: &'a Limb,
-    pub(crate) done: &'a Pipeline,
-    pub(crate) chain: &'a Hapdefx,
-    /// By mean absolute error.
-    pub(crate) table1: &'a Table1,
-    pub(crate) singles: &'a Singles,
-    pub(crate) frames: &'a Frames,
-    pub(crate) examples: &'a [Example],
-    /// Figure 5A, if it was made.
-    pub(crate) sizes: Option<&'a [SizePoint]>,
-}
+use super::examples::{Example, examples};
+use super::made::Made;
+use crate::tables::table1_bars;
 
 /// Makes every figure.
-pub(crate) fn figures(shown: &Shown<'_>) -> Result<Vec<Figure>> {
-    let surface = Surface::of(shown.limb)?;
-    let mut figures = maps::rigidity(&surface, &self_compliance(shown.limb, shown.done)?)?;
-    figures.push(errors::figure_4a(shown.singles)?);
-    figures.push(errors::figure_4b(&surface, shown.singles)?);
-    if let Some(sizes) = shown.sizes {
+pub(crate) fn figures(made: &Made<'_>) -> Result<Vec<Figure>> {
+    let examples = examples(made.run, made.limb, made.done)?;
+    let surface = Surface::of(made.limb)?;
+    let mut figures = maps::rigidity(&surface, &self_compliance(made.limb, made.done)?)?;
+    figures.push(errors::figure_4a(&made.singles)?);
+    figures.push(errors::figure_4b(&surface, &made.singles)?);
+    if let Some(sizes) = &made.sizes {
         figures.extend(errors::figure_5a(sizes)?);
     }
-    figures.extend(maps::patches(&surface, shown.limb)?);
+    figures.extend(maps::patches(&surface, made.limb)?);
     let (doubles, others): (Vec<&Example>, Vec<&Example>) =
-        shown.examples.iter().partition(|example| example.stem.starts_with("figure9"));
+        examples.iter().partition(|example| example.stem.starts_with("figure9"));
     for example in others {
         figures.extend(maps::example(&surface, example)?);
     }
-    let strongest_n = shown.run.scene.contact.force_range_n[1];
-    figures.extend(errors::figure_8(shown.singles, strongest_n)?);
+    let strongest_n = made.strongest_n();
+    figures.extend(errors::figure_8(&made.singles, strongest_n)?);
     for example in doubles {
         figures.extend(maps::example(&surface, example)?);
     }
-    figures.extend(errors::figure_9(shown.chain, &shown.frames.rig_double, strongest_n)?);
+    figures.extend(errors::figure_9(&made.chain, &made.frames.rig_double, strongest_n)?);
     figures.push(Figure::bars(
         "table1.svg",
         "Table 1, mean absolute error, ours beside the paper's.",
-        &table1_bars(shown.table1),
+        &table1_bars(&made.table1[0]),
     )?);
-    figures.push(training_curves(shown.done)?);
+    figures.push(training_curves(made.done)?);
     Ok(figures)
 }
 
@@ -102,14 +87,8 @@ fn training_curves(done: &Pipeline) -> Result<Figure> {
         let points = steps.iter().zip(losses).filter_map(point).collect();
         Some(Series { name: net.kind.name(), points })
     });
-    let chart = LineChart {
-        title: "Validation loss".into(),
-        x_label: "step".into(),
-        y_label: "root mean square error, standardised outputs".into(),
-        log_x: false,
-        log_y: true,
-        dots: false,
-        series: series.collect(),
-    };
+    let labels = ["step", "root mean square error, standardised outputs"];
+    let chart = dotted_lines("Validation loss", labels, [false, true], series);
+    let chart = LineChart { dots: false, ..chart };
     Ok(Figure::lines("training.svg", "Validation loss over the training of each net.", &chart)?)
 }

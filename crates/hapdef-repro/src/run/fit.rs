@@ -1,13 +1,10 @@
 //! Nets that only the report needs, each trained in a stage of its own and resumable.
 
-use std::ops::ControlFlow;
-use std::path::Path;
-
 use anyhow::Result;
-use hapdef::stages::{fit_scales, train_in_modes};
+use hapdef::stages;
 use hapdef::{OutputScale, Run, Schedule, Stage};
-use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train};
-use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams, load};
+use hapdef_nets::train::BatchSource;
+use hapdef_nets::{MlpSpec, Net, TrainParams, load};
 use serde_json::{Value, json};
 
 use super::kept::kept;
@@ -67,63 +64,26 @@ pub(crate) fn fit<S: BatchSource>(
     name: &str,
     of: &Value,
     training: &Training,
-    spec: impl FnOnce(usize, usize) -> MlpSpec,
+    spec: impl Fn(usize, usize) -> MlpSpec,
     open: impl FnOnce() -> Result<S>,
 ) -> Result<(Net, Stage)> {
     let inputs = json!({ "version": VERSION, "net": name, "of": of, "training": training });
     let (_, stage) = kept(run, "brief-net", &inputs, |dir| {
         run.say(&format!("training {name}: {} steps", training.params.steps));
-        let train_loss = train_in(run, dir, training, spec, &mut open()?)?;
-        Ok(json!({ "net": name, "train_loss": train_loss }))
+        let of_net = stages::Training {
+            run,
+            name,
+            spec: &spec,
+            params: &training.params,
+            dir,
+            output_modes: training.modes,
+            output_scale: training.scale,
+        };
+        let (info, _) = of_net.run(&mut open()?, None, None)?;
+        if info.stopped_early {
+            run.check_stop("a brief training")?;
+        }
+        Ok(json!({ "net": name, "train_loss": info.train_loss }))
     })?;
     Ok((load(&stage.dir.join(CHECKPOINT_FILE))?.0, stage))
-}
-
-/// From the start or from the checkpoint to the last step; the loss of the last batch.
-fn train_in(
-    run: &Run,
-    dir: &Path,
-    training: &Training,
-    spec: impl FnOnce(usize, usize) -> MlpSpec,
-    samples: &mut dyn BatchSource,
-) -> Result<Option<f64>> {
-    let scales = fit_scales(samples, training.scale)?;
-    let (rank, params) = (training.modes, &training.params);
-    let steps = |checkpoint: &Path, scales, samples: &mut dyn BatchSource| {
-        steps(run, checkpoint, params, scales, spec, samples)
-    };
-    if rank == 0 || rank >= samples.n_outputs() {
-        return Ok(steps(&dir.join(CHECKPOINT_FILE), scales, samples)?.0.train_loss);
-    }
-    let (info, _) =
-        train_in_modes(dir, rank, scales, samples, |checkpoint, scales, _, samples| {
-            steps(checkpoint, scales, samples)
-        })?;
-    Ok(info.train_loss)
-}
-
-fn steps(
-    run: &Run,
-    checkpoint: &Path,
-    params: &TrainParams,
-    [input, output]: [Scale; 2],
-    spec: impl FnOnce(usize, usize) -> MlpSpec,
-    samples: &mut dyn BatchSource,
-) -> Result<(TrainInfo, Net)> {
-    let mut watch = |_: &Progress| match run.stopping() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
-    let (net, info) = if checkpoint.exists() {
-        resume(checkpoint, samples, None, params, &mut watch)?
-    } else {
-        let spec = spec(samples.n_inputs(), samples.n_outputs());
-        let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
-        let info = train(&mut net, samples, None, params, Some(checkpoint), &mut watch)?;
-        (net, info)
-    };
-    if info.stopped_early {
-        run.check_stop("a brief training")?;
-    }
-    Ok((info, net))
 }

@@ -13,7 +13,9 @@ mod figures;
 pub(crate) mod fit;
 mod frames;
 pub(crate) mod kept;
+mod made;
 mod patches;
+pub(crate) mod presses;
 mod ridge;
 mod robustness;
 pub(crate) mod scores;
@@ -28,23 +30,16 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use hapdef::convergence::{Convergence, ConvergenceParams};
-use hapdef::stages;
-use hapdef::{Limb, Pipeline, Run, Stage, Until};
+use hapdef::{Limb, Pipeline, Run, Until};
 use hapdef_cli::SceneArgs;
 use hapdef_report::{MetricLog, Report, write_report, write_text};
 
-use self::ablation_table::{Ablations, ablation_table};
+use self::ablation_table::Ablations;
 pub(crate) use self::cli::Cli;
 use self::cli::{CheckResultsArgs, Command, GoldenArgs, ReproArgs};
-use self::frames::Frames;
-use self::patches::SizePoint;
-use self::ridge::RidgeRows;
-use self::singles::Singles;
-use self::summary::Printed;
-use self::svr::SvrScore;
+use self::made::Made;
 use crate::report::{Golden, check_results, results_markdown};
-use crate::tables::{Table1, table1_claims};
+use crate::tables::table1_claims;
 use crate::{bench, compare, frontier};
 
 /// Does what the arguments say.
@@ -116,7 +111,8 @@ fn report(args: &SceneArgs, extent: Extent) -> Result<Report> {
     let run = args.prepare()?;
     let limb = Limb::load(&run.scene, &run.scene_dir)?;
     let done = Pipeline::run(&run, &limb, Until::Eval)?;
-    let (report, log) = assemble(&run, &limb, &done, extent, start)?;
+    let made = Made::of(&run, &limb, &done, extent == Extent::Everything)?;
+    let (report, log) = assemble(&made, extent, start)?;
     let folder = args.out.join(&run.scene.name).join("report");
     let paths = write_report(&folder, &report)?;
     figures::write_surface(&folder.join("rigidity.glb"), &limb, &done)?;
@@ -139,139 +135,41 @@ enum Extent {
     Everything,
 }
 
-/// What was measured, before it is judged and drawn.
-struct Parts {
-    table1: Vec<Table1>,
-    svr: SvrScore,
-    mesh_check: Convergence,
-    singles: Singles,
-    frames: Frames,
-    sizes: Option<Vec<SizePoint>>,
-    /// Rows that only the whole reproduction has.
-    ablations: Option<Ablations>,
-    ridge: Option<RidgeRows>,
-    stages: Vec<Stage>,
-}
-
-/// Runs every stage of this crate that is not in the cache.
-fn measure(run: &Run, limb: &Limb, done: &Pipeline, with_nets: bool) -> Result<Parts> {
-    let (table1, table1_stage) = table1::table1(run, done)?;
-    let (svr, svr_stage) = svr::svr(run, done)?;
-    let (mesh_check, mesh_stage) = mesh_check(run, limb)?;
-    let (singles, singles_stage) = singles::singles(run, limb, done, &svr)?;
-    let (frames, frames_stage) = frames::frames(run, limb, done)?;
-    let mut parts = Parts {
-        table1,
-        svr,
-        mesh_check,
-        singles,
-        frames,
-        sizes: None,
-        ablations: None,
-        ridge: None,
-        stages: vec![table1_stage, svr_stage, mesh_stage, singles_stage, frames_stage],
-    };
-    if with_nets {
-        let (answers, stages) = ablation::ablations(run, limb, done)?;
-        parts.singles.ablations.extend(answers);
-        parts.stages.extend(stages);
-        let (rows, stages) = ablation_table(run, limb, done)?;
-        parts.ablations = Some(rows);
-        parts.stages.extend(stages);
-        let (rows, stage) = ridge::ridge(run, done)?;
-        parts.ridge = Some(rows);
-        parts.stages.push(stage);
-        if !parts.frames.rig_double.is_empty() {
-            let (points, stages) = patches::sweep(run, done)?;
-            parts.stages.extend(stages);
-            parts.sizes = Some(points);
-        }
-    }
-    Ok(parts)
-}
-
 /// Everything that the report says, and its metrics.
 fn assemble(
-    run: &Run,
-    limb: &Limb,
-    done: &Pipeline,
+    made: &Made<'_>,
     extent: Extent,
     start: Instant,
 ) -> Result<(Report, MetricLog<std::io::Stdout>)> {
-    let (_, scores) = done.eval.as_ref().context("the scene was not scored")?;
-    let with_nets = extent == Extent::Everything;
-    let parts = measure(run, limb, done, with_nets)?;
-    let chain = chain::chain(run, limb, done)?;
-    let both = scores::Scores::of(&chain, &parts.frames)?;
-    let table2 = contents::table2(scores, &parts.svr.stats);
-    let sizes = parts.sizes.as_deref();
-    let mut claims = table1_claims(&parts.table1);
-    claims.extend(claims::claims(&claims::Measured {
-        scores,
-        singles: &parts.singles,
-        both: &both,
-        doubles: &parts.frames.rig_double,
-        sizes,
-        strongest_n: run.scene.contact.force_range_n[1],
-    }));
-    let figures = figures::figures(&figures::Shown {
-        run,
-        limb,
-        done,
-        chain: &chain,
-        table1: &parts.table1[0],
-        singles: &parts.singles,
-        frames: &parts.frames,
-        examples: &examples::examples(run, limb, done)?,
-        sizes,
-    })?;
-    let mut tables = vec![contents::claims_table(&claims)?];
-    tables.extend(contents::tables(&parts.table1, &table2, scores, &both, sizes)?);
-    let mut report = Report {
+    let run = made.run;
+    let table2 = contents::table2(made);
+    let mut claims = table1_claims(&made.table1);
+    claims.extend(claims::claims(made));
+    let mut stages = facts::stage_times(made.done, &made.stages);
+    let n_cached = stages.iter().filter(|stage| stage.cached).count();
+    let wall_s = facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64());
+    let mut log = facts::log(run.scene.seed);
+    match extent {
+        Extent::Demo => summary::log_demo(&mut log, made, &table2, wall_s)?,
+        _ => summary::log_repro(&mut log, made, &claims, n_cached, wall_s)?,
+    }
+    // the times of a frame in each ablation are no stages
+    stages.extend(made.ablations.iter().flat_map(Ablations::times));
+    let report = Report {
         title: format!("hapdef: {}", run.scene.name),
         scene: run.scene.name.clone(),
         profile: run.profile.name.clone(),
         seed: run.scene.seed,
-        facts: facts::facts(run, done, &parts.svr, &parts.mesh_check),
-        tables,
-        figures,
-        limbs: vec![figures::limb_view(limb, done)?],
-        stages: facts::stage_times(done, &parts.stages),
-        skipped: facts::skipped(run, with_nets),
-        hashes: facts::hashes(run, limb, done),
-        ..Report::default()
+        facts: facts::facts(made),
+        tables: contents::tables(made, &table2, &claims)?,
+        figures: figures::figures(made)?,
+        limbs: vec![figures::limb_view(made.limb, made.done)?],
+        stages,
+        skipped: facts::skipped(run, extent == Extent::Everything),
+        hashes: facts::hashes(run, made.limb, made.done),
+        metrics: log.records().to_vec(),
     };
-    add_reproduction(&mut report, &parts)?;
-    let mut log = facts::log(run.scene.seed);
-    let printed = Printed {
-        table1: &parts.table1[0],
-        table2: &table2,
-        claims: &claims,
-        done,
-        n_cached: report.stages.iter().filter(|stage| stage.cached).count(),
-        wall_s: facts::since_demo_s().unwrap_or_else(|| start.elapsed().as_secs_f64()),
-    };
-    summary::log(&mut log, &printed, extent != Extent::Demo)?;
-    report.metrics = log.records().to_vec();
     Ok((report, log))
-}
-
-/// The tables that only the whole reproduction has, and the times of their frames.
-fn add_reproduction(report: &mut Report, parts: &Parts) -> Result<()> {
-    if let Some(ridge) = &parts.ridge {
-        report.tables.push(ridge.table(&parts.table1[0])?);
-    }
-    if let Some(ablations) = &parts.ablations {
-        report.tables.push(ablations.table()?);
-        report.stages.extend(ablations.times());
-    }
-    Ok(())
-}
-
-/// Whether the limb's mesh is fine enough.
-fn mesh_check(run: &Run, limb: &Limb) -> Result<(Convergence, Stage)> {
-    let (stage, study) = stages::mesh_check(run, limb, &ConvergenceParams::default())?;
-    Ok((study, stage))
 }
 
 /// The run's own cache key for work of this crate: the keys of what it reads.

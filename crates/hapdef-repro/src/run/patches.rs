@@ -6,6 +6,7 @@
 
 mod source;
 
+use std::cell::LazyCell;
 use std::ops::Range;
 
 use anyhow::{Context, Result};
@@ -53,18 +54,22 @@ pub(crate) fn sweep(run: &Run, done: &Pipeline) -> Result<(Vec<SizePoint>, Vec<S
         _ => &SIZES,
     };
     let (wide, limb, stage) = widest(run, sizes)?;
+    let key = stage.key.clone();
     let mut stages = vec![stage];
     let mut points = vec![];
-    let mut table = None;
+    let path = stages[0].dir.join("compliance.safetensors");
+    let table = LazyCell::new(|| ComplianceTable::read(&path, limb.n_surface_nodes()));
     for &size in sizes.iter().filter(|size| **size <= wide.scene.gauges.patch_nodes) {
         run.check_stop("figure 5A")?;
         let trainings = [in_modes(run), Training::transfer(run)];
         let inputs = json!({
-            "version": VERSION, "limb": stages[0].key, "size": size, "trainings": trainings,
+            "version": VERSION, "limb": key, "size": size, "trainings": trainings,
             "keys": super::keys_of(run, done), "doubles": doubles(done)?.key,
         });
         let (point, stage) = kept(run, "patch-size", &inputs, |_| {
-            AtSize::open(run, done, &limb, &stages[0], &mut table, size)?.point()
+            let table = table.as_ref().map_err(|error| anyhow::anyhow!("{error}"))?;
+            let patches = Patches::new(table, limb.gauges.len(), size);
+            AtSize { run, done, patches, key: &key }.point()
         })?;
         points.push(point);
         stages.push(stage);
@@ -109,28 +114,7 @@ struct AtSize<'a> {
     key: &'a str,
 }
 
-impl<'a> AtSize<'a> {
-    fn open(
-        run: &'a Run,
-        done: &'a Pipeline,
-        limb: &Limb,
-        stage: &'a Stage,
-        table: &'a mut Option<ComplianceTable>,
-        size: usize,
-    ) -> Result<Self> {
-        if table.is_none() {
-            let path = stage.dir.join("compliance.safetensors");
-            *table = Some(ComplianceTable::read(&path, limb.n_surface_nodes())?);
-        }
-        let table = table.as_ref().context("the compliance table")?;
-        Ok(Self {
-            run,
-            done,
-            patches: Patches::new(table, limb.gauges.len(), size),
-            key: &stage.key,
-        })
-    }
-
+impl AtSize<'_> {
     fn point(&self) -> Result<SizePoint> {
         let size = self.patches.size;
         let data = self.done.data.as_ref().context("no datasets")?;

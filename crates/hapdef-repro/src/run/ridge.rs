@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use hapdef::{MapError, Pipeline, Run, Stage};
+use hapdef_bench::{or_dash, page_table};
 use hapdef_report::{ReportTable, TextCell, TextTable};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -87,7 +88,7 @@ impl RidgeRows {
         let row = |(row, train): (&RidgeRow, TrainSet)| {
             let cell = |(error, test): (&MapError, TestSet)| {
                 let plain = plain.test(Method::Linear, train, test);
-                let plain = plain.map_or("–".into(), |v| format!("{:.2}", v * 1e6));
+                let plain = or_dash(plain.map(|um| format!("{um:.2}")));
                 TextCell::plain(format!("{:.2} ({plain})", error.mean_abs_um))
             };
             let names = [train.name().to_owned(), format!("{:e}", row.ridge)];
@@ -99,18 +100,13 @@ impl RidgeRows {
         let n_tests = self.rows.first().map_or(0, |row| row.test.len());
         let tests = TestSet::ALL.iter().take(n_tests);
         header.extend(tests.map(|test| test.name().to_owned()));
-        Ok(ReportTable {
-            title: "Linear regression with a ridge by validation: mean |error|, µm (plain)".into(),
-            note: format!(
-                "The ridge, a share of each standardised input's variance, is the one of {RIDGES:?} \
-                 with the least error on at most {MAX_VALIDATION} validation samples of the sets \
-                 trained on. In brackets: Table 1's LR, without a ridge."
-            ),
-            text: TextTable {
-                header,
-                rows: self.rows.iter().zip(TrainSet::ALL).map(row).collect(),
-            },
-            data: serde_json::to_value(self)?,
-        })
+        let note = format!(
+            "The ridge, a share of each standardised input's variance, is the one of {RIDGES:?} \
+             with the least error on at most {MAX_VALIDATION} validation samples of the sets \
+             trained on. In brackets: Table 1's LR, without a ridge."
+        );
+        let rows = self.rows.iter().zip(TrainSet::ALL).map(row).collect();
+        let title = "Linear regression with a ridge by validation: mean |error|, µm (plain)";
+        Ok(page_table(title, note, TextTable { header, rows }, self)?)
     }
 }

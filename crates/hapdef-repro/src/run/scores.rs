@@ -2,13 +2,14 @@
 
 use anyhow::Result;
 use hapdef::{
-    ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, ScoredContact, gospa,
-    score_lenient, score_one_to_one,
+    ContactPair, ContactStats, FoundContact, Gospa, GospaParams, Hapdefx, gospa, score_lenient,
+    score_one_to_one, scored,
 };
-use hapdef_bench::{Column, table};
+use hapdef_bench::{Column, page_table, table};
 use hapdef_report::ReportTable;
 use serde::Serialize;
 
+use super::chain::Choice;
 use super::frames::{Frame, Frames};
 
 /// GOSPA's cut-off: a contact missed or false costs half of it, the 10 mm of k-Max's radius.
@@ -20,13 +21,15 @@ const LEAST_FORCES_N: std::ops::RangeInclusive<u32> = 1..=40;
 /// How candidates become contacts.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Rule {
-    /// The count T is given: the T strongest.
-    Top,
-    /// The same with the paper's T + 1 exchange.
-    TopWithSpread,
+    /// The count T is given.
+    Given(Choice),
     /// The count is not given: every candidate of at least so many N.
     Counted(f64),
 }
+
+/// The T strongest, without and with the paper's T + 1 exchange.
+pub(crate) const TOP: Rule = Rule::Given(Choice::Force);
+pub(crate) const TOP_WITH_SPREAD: Rule = Rule::Given(Choice::ForceWithSpread);
 
 /// Scores of a set of presses by a rule.
 #[derive(Clone, Debug, Serialize)]
@@ -63,7 +66,7 @@ impl Scores {
     /// Scores everything.
     pub(crate) fn of(chain: &Hapdefx, frames: &Frames) -> Result<Self> {
         let least_force_n = pick_least_force(&frames.validation);
-        let rules = [Rule::Top, Rule::TopWithSpread, Rule::Counted(least_force_n)];
+        let rules = [TOP, TOP_WITH_SPREAD, Rule::Counted(least_force_n)];
         let mut sets =
             vec![("rig, single", &frames.rig_single), ("rig, double", &frames.rig_double)];
         let names = ["simulated, I", "simulated, II", "simulated, III", "simulated, IV"];
@@ -71,7 +74,7 @@ impl Scores {
         let mut rows = vec![];
         for (name, set) in sets.into_iter().filter(|(_, set)| !set.is_empty()) {
             for rule in rules {
-                if set[0].truth.len() > 1 || rule != Rule::TopWithSpread {
+                if set[0].truth.len() > 1 || rule != TOP_WITH_SPREAD {
                     rows.push(both_ways(name, chain, set, rule)?);
                 }
             }
@@ -87,24 +90,20 @@ impl Scores {
 
     /// For people.
     pub(crate) fn table(&self) -> Result<ReportTable> {
-        Ok(ReportTable {
-            title: "Contacts, scored both ways".into(),
-            note: format!(
-                "Lenient is the paper's rule: each of the T strongest candidates to the closest \
-                 true contact. One-to-one gives each a true contact of its own. T + 1: the \
-                 paper's exchange. Counted: the number is not given; a candidate of at least \
-                 {} N is a contact, the force that counts right most often on simulated \
-                 validation samples. GOSPA (Rahmathullah et al. 2017): α = 2, p = {}, c = {} mm, \
-                 mean of a press; missed and false contacts cost {} mm each. Rig: from readings. \
-                 Simulated: from true virtual gauges.",
-                self.least_force_n,
-                GOSPA.p,
-                GOSPA.cutoff_m * 1e3,
-                GOSPA.cutoff_m * 0.5e3,
-            ),
-            text: table(&COLUMNS, &self.rows),
-            data: serde_json::to_value(self)?,
-        })
+        let note = format!(
+            "Lenient is the paper's rule: each of the T strongest candidates to the closest \
+             true contact. One-to-one gives each a true contact of its own. T + 1: the \
+             paper's exchange. Counted: the number is not given; a candidate of at least \
+             {} N is a contact, the force that counts right most often on simulated \
+             validation samples. GOSPA (Rahmathullah et al. 2017): α = 2, p = {}, c = {} mm, \
+             mean of a press; missed and false contacts cost {} mm each. Rig: from readings. \
+             Simulated: from true virtual gauges.",
+            self.least_force_n,
+            GOSPA.p,
+            GOSPA.cutoff_m * 1e3,
+            GOSPA.cutoff_m * 0.5e3,
+        );
+        Ok(page_table("Contacts, scored both ways", note, table(&COLUMNS, &self.rows), self)?)
     }
 }
 
@@ -124,17 +123,10 @@ const COLUMNS: [Column<BothWays>; 11] = [
 
 /// The contacts that a rule takes from a press's candidates.
 pub(crate) fn choose(chain: &Hapdefx, frame: &Frame, rule: Rule) -> Result<Vec<FoundContact>> {
-    let n_contacts = frame.truth.len();
-    Ok(match rule {
-        Rule::Top => chain.top(&frame.found, n_contacts),
-        Rule::TopWithSpread => chain.top_with_spread(&frame.found, n_contacts)?,
-        Rule::Counted(least_n) => counted(&frame.found, least_n),
-    })
-}
-
-/// Positions and forces alone.
-pub(crate) fn scored(found: &[FoundContact]) -> Vec<ScoredContact> {
-    found.iter().map(|c| (c.position_m, c.force_n)).collect()
+    match rule {
+        Rule::Given(choice) => choice.of(chain, &frame.found, frame.truth.len()),
+        Rule::Counted(least_n) => Ok(counted(&frame.found, least_n)),
+    }
 }
 
 fn counted(found: &[FoundContact], least_n: f64) -> Vec<FoundContact> {
@@ -143,8 +135,8 @@ fn counted(found: &[FoundContact], least_n: f64) -> Vec<FoundContact> {
 
 fn title(set: &str, rule: Rule) -> String {
     let rule = match rule {
-        Rule::Top => "T given",
-        Rule::TopWithSpread => "T given, T + 1",
+        Rule::Given(Choice::ForceWithSpread) => "T given, T + 1",
+        Rule::Given(_) => "T given",
         Rule::Counted(_) => "counted",
     };
     format!("{set}, {rule}")

@@ -2,11 +2,13 @@
 
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
-use hapdef::{ContactPair, ContactStats, FoundContact, Limb, Pipeline, Run, Stage};
+use hapdef::{
+    ContactPair, ContactStats, ForceBin, FoundContact, Limb, Pipeline, Run, Stage, by_force,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::chain::{candidates, chain, maps, reconstruction};
+use super::chain::{MapFrom, candidates, chain, reconstruction};
 use super::dataset::{Contact, Part, Rows, blocks, pair, rig_singles};
 use super::kept::kept;
 use super::svr::SvrScore;
@@ -16,9 +18,6 @@ const VERSION: u32 = 1;
 
 /// Presses computed together.
 const BLOCK: usize = 512;
-
-/// Bins of the force.
-const N_BINS: usize = 8;
 
 /// What a method says of each test press; none where it found nothing.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -37,16 +36,6 @@ pub(crate) struct Singles {
     pub(crate) direct: Vec<MethodAnswers>,
     /// The ablations of figure 8; the whole chain first.
     pub(crate) ablations: Vec<MethodAnswers>,
-}
-
-/// Errors of the presses in a range of force.
-pub(crate) struct Bin {
-    /// Middle of the range, N.
-    pub(crate) force_n: f64,
-    /// Mean position error, mm.
-    pub(crate) position_mm: f64,
-    /// Mean absolute force error, N.
-    pub(crate) error_n: f64,
 }
 
 /// Answers of all methods that need no training of their own, or reads them from the cache.
@@ -84,7 +73,7 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
     let nets = done.nets.as_ref().context("no nets")?;
     let direct = nets.load(NetKind::Direct)?;
     let chain = chain(run, limb, done)?;
-    let from_virtual = reconstruction(done)?;
+    let map_net = reconstruction(done)?;
     let training = Rows::of(&mut presses, [Part::Readings, Part::Contact], split.train)?;
     let knn = Learner::Knn { k: 6 }.fit(&training.samples(), &|| false)?;
     let names = ["k-NN", "direct FNN", "R → S → D → k-Max", "true S → D → k-Max", "true D → k-Max"];
@@ -93,12 +82,11 @@ fn answer(run: &Run, limb: &Limb, done: &Pipeline) -> Result<[MethodAnswers; 5]>
         run.check_stop("the single presses")?;
         let n_surface = presses.n_surface;
         let readings = presses.readings(rows.clone())?;
-        let virtual_um = presses.inputs(rows.clone())?;
         let truth_um = presses.maps(rows.clone())?;
         answers[0].found.extend(contacts(&knn.predictions(&readings, rows.len())?));
         answers[1].found.extend(contacts(&forward(&direct, &readings)?));
-        let chained = maps(&chain, &readings, rows.len(), n_surface)?;
-        let from_virtual = forward(&from_virtual, &virtual_um)?;
+        let chained = MapFrom::Readings(&chain).maps(&mut presses, rows.clone())?;
+        let from_virtual = MapFrom::Gauges(&map_net).maps(&mut presses, rows)?;
         for (answers, maps) in answers[2..].iter_mut().zip([&chained, &from_virtual, &truth_um]) {
             let found = candidates(&chain, maps, n_surface)?;
             answers.found.extend(found.iter().map(|c| strongest(c)));
@@ -134,23 +122,9 @@ impl Singles {
     }
 
     /// A method's mean errors by the press's force, in bins of equal width up to `strongest_n`.
-    pub(crate) fn by_force(&self, method: &MethodAnswers, strongest_n: f64) -> Vec<Bin> {
-        let width = strongest_n / N_BINS as f64;
-        let mut sums = [(0.0, 0.0, 0.0); N_BINS];
-        for (truth, pair) in self.truth.iter().zip(self.errors(method)) {
-            if let Some(pair) = pair {
-                let bin = ((f64::from(truth[3]) / width) as usize).min(N_BINS - 1);
-                sums[bin].0 += 1.0;
-                sums[bin].1 += pair.position_error_m * 1e3;
-                sums[bin].2 += pair.force_error_n.abs();
-            }
-        }
-        let bins = sums.iter().enumerate().filter(|(_, sums)| sums.0 > 0.0);
-        bins.map(|(i, (n, position, force))| Bin {
-            force_n: (i as f64 + 0.5) * width,
-            position_mm: position / n,
-            error_n: force / n,
-        })
-        .collect()
+    pub(crate) fn by_force(&self, method: &MethodAnswers, strongest_n: f64) -> Vec<ForceBin> {
+        let forces = self.truth.iter().map(|truth| f64::from(truth[3]));
+        let all: Vec<_> = forces.zip(self.errors(method)).collect();
+        by_force(&all, strongest_n)
     }
 }

@@ -5,15 +5,15 @@ use std::ops::Range;
 use anyhow::{Context, Result};
 use hapdef::stages::NetKind;
 use hapdef::{MapError, MapErrorSum, Pipeline, Run, Stage};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::dataset::{Dataset, Rows, blocks};
 use super::kept::kept;
 use crate::baselines::{LinearAccumulator, LinearParams, OwnRow};
 use crate::search::{Fitted, Learner};
-use crate::tables::{MapMetric, Method, Table1, TestSet, TrainSet};
+use crate::tables::{MapMetric, Method, Table1, TrainSet, TrainedMethod};
 
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Samples read, predicted and scored together.
 const BLOCK: usize = 512;
@@ -24,24 +24,23 @@ const MAX_TRAINING: usize = 2000;
 /// Fills Table 1 by each of [`MapMetric::ALL`], or reads it from the cache.
 pub(crate) fn table1(run: &Run, done: &Pipeline) -> Result<(Vec<Table1>, Stage)> {
     let inputs = json!({ "version": VERSION, "keys": super::keys_of(run, done) });
-    let (cells, stage) = kept(run, "table1", &inputs, |_| {
+    let (trained, stage): (Vec<TrainedMethod>, Stage) = kept(run, "table1", &inputs, |_| {
         run.say("Table 1: baselines and nets on every test set");
         fill(run, done)
     })?;
-    let tables = MapMetric::ALL.iter().map(|metric| read_back(&cells, *metric));
-    Ok((tables.collect::<Result<_>>()?, stage))
+    Ok((MapMetric::ALL.map(|metric| Table1::of(&trained, metric)).to_vec(), stage))
 }
 
-fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
+fn fill(run: &Run, done: &Pipeline) -> Result<Vec<TrainedMethod>> {
     let data = done.data.as_ref().context("no datasets")?;
     let nets = done.nets.as_ref().context("no nets")?;
     let mut sets = Dataset::open_all(data)?;
     let mut linear = LinearAccumulator::new(sets[0].n_virtual, sets[0].n_surface);
-    let mut cells = Vec::new();
+    let mut all = Vec::new();
     for n_sets in 1..=sets.len() {
         run.say(&format!("  trained on {}", TrainSet::ALL[n_sets - 1].name()));
         add_training(&mut linear, &mut sets[n_sets - 1])?;
-        let (regression, info) = linear.solve(&LinearParams::default())?;
+        let (regression, _) = linear.solve(&LinearParams::default())?;
         let net = nets.load(NetKind::Reconstruction { n_sets })?;
         let knn = Learner::Knn { k: 6 };
         let knn = knn.fit(&Rows::training(&mut sets[..n_sets])?.samples(), &|| false)?;
@@ -54,14 +53,10 @@ fn fill(run: &Run, done: &Pipeline) -> Result<Value> {
             let test = sets.iter_mut().map(|set| test_error(&fitted, set));
             let test: Vec<MapError> = test.collect::<Result<_>>()?;
             let training = training_error(&fitted, &mut sets[..n_sets])?;
-            cells.push(json!({
-                "method": method.name(), "n_sets": n_sets, "test": test,
-                "training": training,
-            }));
+            all.push(TrainedMethod { method, n_sets, test, training });
         }
-        cells.push(json!({ "linear_rank": info.rank, "condition": info.condition }));
     }
-    Ok(json!({ "cells": cells }))
+    Ok(all)
 }
 
 /// Adds a set's training samples to the sums of linear regression.
@@ -118,60 +113,4 @@ fn add_error(
         sum.add(&truth, &found);
     }
     Ok(())
-}
-
-fn read_back(info: &Value, metric: MapMetric) -> Result<Table1> {
-    let mut table = Table1::new(metric);
-    let cells = info["cells"].as_array().context("table 1: no cells")?;
-    for cell in cells.iter().filter(|cell| cell["method"].is_string()) {
-        let named = |method: &&Method| cell["method"] == method.name();
-        let method = *Method::ALL.iter().find(named).context("table 1: unknown method")?;
-        let n_sets = cell["n_sets"].as_u64().context("table 1: n_sets")? as usize;
-        let train = *TrainSet::ALL.get(n_sets - 1).context("table 1: n_sets")?;
-        let tests = cell["test"].as_array().context("table 1: test")?;
-        for (test, error) in TestSet::ALL.into_iter().zip(tests) {
-            table.set_test(method, train, test, stored(error, metric));
-        }
-        table.set_training(method, train, stored(&cell["training"], metric));
-    }
-    Ok(table)
-}
-
-/// One metric of a stored map error, m or a share; NaN where JSON holds no number.
-fn stored(error: &Value, metric: MapMetric) -> f64 {
-    let (key, unit) = match metric {
-        MapMetric::MeanAbs => ("mean_abs_um", 1e-6),
-        MapMetric::Rms => ("rms_um", 1e-6),
-        MapMetric::Fvu => ("fvu", 1.0),
-    };
-    error[key].as_f64().unwrap_or(f64::NAN) * unit
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A scene of two contacts at most: what was not run must not show up as measured.
-    #[test]
-    fn cells_that_were_not_run_stay_empty() {
-        let error = |um: f64| json!({ "mean_abs_um": um, "rms_um": 2.0 * um, "fvu": 0.25 });
-        let cell = |method: &str, n_sets: u64| {
-            let test = [error(1.0), error(2.0)];
-            json!({ "method": method, "n_sets": n_sets, "test": test, "training": error(0.5) })
-        };
-        let cells = json!({ "cells": [
-            cell("LR", 1), cell("k-NN", 1), cell("FNN", 1), cell("LR", 2),
-        ] });
-        let of = |metric, test| {
-            let table = read_back(&cells, metric).unwrap();
-            assert_eq!(table.cells().measured, 12);
-            table.test(Method::Linear, TrainSet::I, test)
-        };
-        assert_eq!(of(MapMetric::MeanAbs, TestSet::II), Some(2.0 * 1e-6));
-        assert_eq!(of(MapMetric::Rms, TestSet::II), Some(4.0 * 1e-6));
-        assert_eq!(of(MapMetric::Fvu, TestSet::I), Some(0.25));
-        assert_eq!(of(MapMetric::Rms, TestSet::III), None);
-        let table = read_back(&cells, MapMetric::MeanAbs).unwrap();
-        assert_eq!(table.training(Method::Fnn, TrainSet::ToIV), None);
-    }
 }

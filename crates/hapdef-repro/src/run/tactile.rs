@@ -7,8 +7,9 @@ use hapdef_bench::{Column, table, terminal_table};
 use hapdef_report::MetricLog;
 
 use super::facts;
+use crate::search::TrialBudget;
 use crate::tactile::{
-    TactileMethod, TactileParams, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
+    TACTILE_METHODS, TactileRun, TactileScore, numpy_permutations, read_tactile_runs,
     seeded_permutation, tactile_folder, tactile_scores,
 };
 
@@ -73,27 +74,24 @@ fn score_run(
     which: usize,
     log: &mut MetricLog<std::io::Stdout>,
 ) -> Result<Vec<(&'static str, TactileScore)>> {
-    let params = TactileParams { steps: args.steps, n_svr: args.svr_presses, seed: args.seed };
+    let budget = TrialBudget { steps: args.steps, n_svr: args.svr_presses, seed: args.seed };
     let (name, progress) = (["first", "second"][which], hapdef_cli::on_stderr());
     let (mut knn_mm, mut all) = (f64::NAN, Vec::new());
-    for method in TactileMethod::ALL {
-        progress.say(&format!("{name} run: {}", method.name()));
-        let scores = tactile_scores(run, order, method, &params)?;
+    for (method, settings) in TACTILE_METHODS {
+        progress.say(&format!("{name} run: {method}"));
+        let scores = tactile_scores(run, order, (method, &settings(&budget)))?;
         let [paper, chosen] = scores.each_ref().map(|score| score.mean_mm);
         all.extend(scores.map(|score| (name, score)));
-        let word = method.name().to_lowercase().replace('-', "");
+        let word = method.to_lowercase().replace('-', "");
         log.value(&format!("tactile.{word}_{name}_mm"), paper, "mm")?;
         log.value(&format!("tactile.{word}_{name}_chosen_mm"), chosen, "mm")?;
-        match method {
-            TactileMethod::Knn => {
-                knn_mm = paper;
-                let ratio = paper / REFERENCE_KNN_MM[which];
-                log.value(&format!("tactile.knn_{name}_vs_reference"), ratio, "1")?;
-            }
-            TactileMethod::Fnn => {
-                log.value(&format!("tactile.fnn_{name}_over_knn"), chosen / knn_mm, "1")?;
-            }
-            _ => {}
+        if method == "k-NN" {
+            knn_mm = paper;
+            let ratio = paper / REFERENCE_KNN_MM[which];
+            log.value(&format!("tactile.knn_{name}_vs_reference"), ratio, "1")?;
+        }
+        if method == "FNN" {
+            log.value(&format!("tactile.fnn_{name}_over_knn"), chosen / knn_mm, "1")?;
         }
     }
     Ok(all)
@@ -101,7 +99,7 @@ fn score_run(
 
 const COLUMNS: [Column<(&str, TactileScore)>; 8] = [
     Column::new("run", |(run, _)| (*run).to_owned()),
-    Column::new("method", |(_, s)| s.method.name().to_owned()),
+    Column::new("method", |(_, s)| s.method.to_owned()),
     Column::new("settings", |(_, s)| s.settings.clone()),
     Column::new("from", |(_, s)| if s.is_chosen { "validation" } else { "paper" }.to_owned()),
     Column::new("mean, mm", |(_, s)| format!("{:.3}", s.mean_mm)),

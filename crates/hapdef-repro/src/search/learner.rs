@@ -213,13 +213,7 @@ impl FittedKnn {
             };
             let found = self.knn.neighbours(&x, &KnnParams { k: self.k, own_row })?;
             let rows = out.par_chunks_mut(n_out).enumerate();
-            rows.try_for_each(|(query, out)| {
-                let fetch = |row: usize, buffer: &mut [f32]| {
-                    buffer.copy_from_slice(&self.y[row * n_out..(row + 1) * n_out]);
-                    Ok::<(), std::convert::Infallible>(())
-                };
-                found.predict(query, fetch, out)
-            })?;
+            rows.for_each(|(query, out)| found.predict(query, &self.y, out));
         }
         Ok(())
     }

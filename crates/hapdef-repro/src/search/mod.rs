@@ -1,7 +1,7 @@
 //! Settings found by Bayesian optimisation, the paper's beside them.
 //!
 //! A [`SearchMethod`] has [`Parameter`]s and makes a [`Learner`] of their values; [`propose`] gives the
-//! next point from the trials so far; a [`TrialLog`] keeps them, [`merge_trials`] joins shards.
+//! next point from the trials so far; [`write_trials`] keeps them, [`merge_trials`] joins shards.
 
 mod learner;
 mod optimiser;
@@ -14,5 +14,6 @@ pub use optimiser::propose;
 pub use report::{search_figures, search_markdown, values_in_words};
 pub use space::{Parameter, ParameterValues, SearchMethod, TrialBudget};
 pub use trials::{
-    Trial, TrialHeader, TrialLog, TrialSource, best_trial, merge_trials, read_trials, trials_text,
+    Trial, TrialHeader, TrialSource, best_trial, merge_trials, open_trials, read_trials,
+    write_trials,
 };

@@ -10,15 +10,18 @@ use crate::baselines::{LinearParams, SvrParams};
 use crate::error::ReproError;
 
 /// A method whose settings are searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SearchMethod {
     /// F_R, virtual gauges to map.
+    #[value(name = "f_r")]
     Reconstruction,
     /// F_T, readings to virtual gauges.
+    #[value(name = "f_t")]
     Transfer,
     /// The direct net, readings to place and force.
     Direct,
     /// Linear regression from virtual gauges to map.
+    #[value(name = "lr")]
     Linear,
     /// k nearest neighbours from virtual gauges to map.
     Knn,
@@ -65,14 +68,7 @@ impl SearchMethod {
 
     /// Its name in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Reconstruction => "f_r",
-            Self::Transfer => "f_t",
-            Self::Direct => "direct",
-            Self::Linear => "lr",
-            Self::Knn => "knn",
-            Self::Svr => "svr",
-        }
+        ["f_r", "f_t", "direct", "lr", "knn", "svr"][self as usize]
     }
 
     /// What is made least, on validation samples.

@@ -1,10 +1,8 @@
-//! Trials as lines of JSON: appended as they end, read back, merged.
+//! Trials as lines of JSON: written as they end, read back, merged.
 
-use std::fs::{File, OpenOptions};
-use std::io::Write;
 use std::path::Path;
 
-use hapdef_report::ReportError;
+use hapdef_report::{ReportError, write_text};
 use serde::{Deserialize, Serialize};
 
 use super::space::ParameterValues;
@@ -58,56 +56,38 @@ pub struct Trial {
     pub elapsed_s: f64,
 }
 
-/// A file of trials that is being added to.
-#[derive(Debug)]
-pub struct TrialLog {
-    file: File,
-    path: std::path::PathBuf,
+/// The trials of the file at `path`, none where there is no file. A last line that is cut off is left out:
+/// its trial is run again.
+pub fn open_trials(path: &Path, header: &TrialHeader) -> Result<Vec<Trial>, ReproError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let (found, trials) = read_trials(path)?;
+    check_header(path, header, &found)?;
+    Ok(trials)
 }
 
-impl TrialLog {
-    /// Opens `path`, or makes it with `header`; gives the trials that are in it. A last line that a
-    /// crash cut off is dropped from the file: its trial is run again.
-    pub fn open(path: &Path, header: &TrialHeader) -> Result<(Self, Vec<Trial>), ReproError> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(ReportError::io("making folder", folder))?;
-        }
-        let file = OpenOptions::new().append(true).create(true).open(path);
-        let file = file.map_err(ReportError::io("opening", path))?;
-        let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
-        let whole = text.rfind('\n').map_or(0, |at| at + 1);
-        file.set_len(whole as u64).map_err(ReportError::io("cutting", path))?;
-        let mut log = Self { file, path: path.to_owned() };
-        if whole == 0 {
-            log.append(header)?;
-            return Ok((log, Vec::new()));
-        }
-        let (found, trials) = parse_trials(path, &text[..whole])?;
-        check_header(path, header, &found)?;
-        Ok((log, trials))
+/// Writes header and trials, whole or not at all.
+pub fn write_trials(path: &Path, header: &TrialHeader, trials: &[Trial]) -> Result<(), ReproError> {
+    let json = |line: serde_json::Result<String>| line.map_err(ReportError::json(path));
+    let mut text = json(serde_json::to_string(header))? + "\n";
+    for trial in trials {
+        text += &(json(serde_json::to_string(trial))? + "\n");
     }
-
-    /// Adds a trial; it is on disk when this returns.
-    pub fn push(&mut self, trial: &Trial) -> Result<(), ReproError> {
-        self.append(trial)
-    }
-
-    fn append(&mut self, line: &impl Serialize) -> Result<(), ReproError> {
-        let mut text = serde_json::to_vec(line).map_err(ReportError::json(&self.path))?;
-        text.push(b'\n');
-        Ok(self
-            .file
-            .write_all(&text)
-            .and_then(|()| self.file.sync_data())
-            .map_err(ReportError::io("writing", &self.path))?)
-    }
+    Ok(write_text(path, &text)?)
 }
 
-/// The header and the trials of a file.
+/// The header and the trials of a file, by their numbers.
 pub fn read_trials(path: &Path) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
     let text = std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
     let whole = text.rfind('\n').map_or(0, |at| at + 1);
-    parse_trials(path, &text[..whole])
+    let bad = ReportError::json(path);
+    let mut lines = text[..whole].lines();
+    let header = serde_json::from_str(lines.next().unwrap_or_default()).map_err(&bad)?;
+    let mut trials: Vec<Trial> =
+        lines.map(|line| serde_json::from_str(line).map_err(&bad)).collect::<Result<_, _>>()?;
+    trials.sort_by_key(|trial| trial.index);
+    Ok((header, trials))
 }
 
 /// Joins the trials of several files, such as of the shards of one search, by their numbers.
@@ -147,27 +127,6 @@ pub fn best_trial(trials: &[Trial]) -> Option<&Trial> {
     let worth = |trial: &&Trial| trial.objective.unwrap_or(f64::INFINITY);
     let best = trials.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)))?;
     best.objective.map(|_| best)
-}
-
-/// Header and trials as a file's text.
-pub fn trials_text(header: &TrialHeader, trials: &[Trial]) -> Result<String, ReproError> {
-    let bad = ReportError::json(Path::new("trials"));
-    let json = |line: serde_json::Result<String>| line.map_err(&bad);
-    let mut text = json(serde_json::to_string(header))? + "\n";
-    for trial in trials {
-        text += &(json(serde_json::to_string(trial))? + "\n");
-    }
-    Ok(text)
-}
-
-fn parse_trials(path: &Path, text: &str) -> Result<(TrialHeader, Vec<Trial>), ReproError> {
-    let bad = ReportError::json(path);
-    let mut lines = text.lines();
-    let header = serde_json::from_str(lines.next().unwrap_or_default()).map_err(&bad)?;
-    let mut trials: Vec<Trial> =
-        lines.map(|line| serde_json::from_str(line).map_err(&bad)).collect::<Result<_, _>>()?;
-    trials.sort_by_key(|trial| trial.index);
-    Ok((header, trials))
 }
 
 fn check_header(path: &Path, asked: &TrialHeader, found: &TrialHeader) -> Result<(), ReproError> {
@@ -212,23 +171,15 @@ mod tests {
     #[test]
     fn what_was_written_is_read_and_a_torn_line_is_run_again() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("deep/trials.jsonl");
-        let (mut log, none) = TrialLog::open(&path, &header()).unwrap();
-        assert!(none.is_empty());
+        let path = folder.path().join("trials.jsonl");
+        assert!(open_trials(&path, &header()).unwrap().is_empty());
         let all = [trial(0, Some(1.0 / 3.0)), trial(1, None)];
-        all.iter().for_each(|t| log.push(t).unwrap());
-        std::fs::OpenOptions::new()
-            .append(true)
-            .open(&path)
-            .unwrap()
-            .write_all(b"{\"index\": 2, \"sou")
-            .unwrap();
-        let (mut log, read) = TrialLog::open(&path, &header()).unwrap();
-        assert_eq!(read, all);
-        log.push(&trial(2, Some(0.1))).unwrap();
-        assert_eq!(read_trials(&path).unwrap().1.len(), 3);
+        write_trials(&path, &header(), &all).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text + "{\"index\": 2, \"sou").unwrap();
+        assert_eq!(open_trials(&path, &header()).unwrap(), all);
         let other = TrialHeader { seed: 2, ..header() };
-        let error = TrialLog::open(&path, &other).unwrap_err().to_string();
+        let error = open_trials(&path, &other).unwrap_err().to_string();
         assert!(error.contains("seed: 2"), "{error}");
     }
 
@@ -237,8 +188,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, trials: &[Trial]| {
             let path = folder.path().join(name);
-            let (mut log, _) = TrialLog::open(&path, &header()).unwrap();
-            trials.iter().for_each(|t| log.push(t).unwrap());
+            write_trials(&path, &header(), trials).unwrap();
             path
         };
         let a = write("a", &[trial(0, Some(3.0)), trial(2, Some(1.0))]);

@@ -1,15 +1,17 @@
 //! Ways of measuring the error of a map.
 
+use hapdef::MapError;
+
 /// What the cells of a table measure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MapMetric {
-    /// Mean absolute error, m.
+    /// Mean absolute error, µm.
     #[default]
     MeanAbs,
-    /// Root mean square error, m.
+    /// Root mean square error, µm.
     Rms,
-    /// Fraction of variance unexplained, a share.
+    /// Fraction of variance unexplained, %.
     Fvu,
 }
 
@@ -27,8 +29,12 @@ impl MapMetric {
         ["µm", "µm", "%"][self as usize]
     }
 
-    /// Printed value over stored value.
-    pub(super) fn scale(self) -> f64 {
-        [1e6, 1e6, 1e2][self as usize]
+    /// A map's error by it, in [`Self::unit`].
+    pub fn of(self, error: &MapError) -> f64 {
+        match self {
+            Self::MeanAbs => error.mean_abs_um,
+            Self::Rms => error.rms_um,
+            Self::Fvu => 100.0 * error.fvu,
+        }
     }
 }

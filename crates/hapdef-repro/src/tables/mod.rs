@@ -10,7 +10,7 @@ mod table2;
 pub use claim::{Check, Claim, Fate, MetricVerdict, claims_text};
 pub use metric::MapMetric;
 pub use orderings::{fnn_over_lr, table1_claims};
-pub use table1::{Method, Table1, TestSet, TrainSet};
+pub use table1::{Method, Table1, TestSet, TrainSet, TrainedMethod};
 pub use table1_bars::table1_bars;
 pub use table2::{OwnAccuracy, PAPER_FVU_DOUBLE, PAPER_FVU_SINGLE, Table2};
 

@@ -93,7 +93,7 @@ fn message_2(table: &Table1) -> Vec<Check> {
 /// is not finite counts as the better.
 fn best_in(table: &Table1, best: Method, cells: &[(TrainSet, TestSet)]) -> Vec<Check> {
     let check = |&(train, test): &(TrainSet, TestSet)| {
-        let of = |m| printed(table, table.test(m, train, test));
+        let of = |m| table.test(m, train, test);
         let rivals = Method::ALL.into_iter().filter(|m| *m != best);
         let rival = rivals.min_by(|a, b| {
             let key = |m: Method| of(m).filter(|v| v.is_finite()).unwrap_or(f64::NEG_INFINITY);
@@ -109,7 +109,7 @@ fn best_in(table: &Table1, best: Method, cells: &[(TrainSet, TestSet)]) -> Vec<C
 fn more_contacts_help(table: &Table1) -> Vec<Check> {
     let each = Method::ALL.into_iter().flat_map(|method| {
         [TestSet::II, TestSet::III, TestSet::IV].map(|test| {
-            let of = |train| printed(table, table.test(method, train, test));
+            let of = |train| table.test(method, train, test);
             Check::below(
                 format!("{} on {}", method.name(), test.name()),
                 ("from I–IV", of(TrainSet::ToIV)),
@@ -125,8 +125,7 @@ fn harder_with_contacts(table: &Table1) -> Vec<Check> {
     for method in Method::ALL {
         for train in TrainSet::ALL {
             for pair in TestSet::ALL.windows(2) {
-                let of =
-                    |test: TestSet| (test.name(), printed(table, table.test(method, train, test)));
+                let of = |test: TestSet| (test.name(), table.test(method, train, test));
                 let place = format!("{} from {}", method.name(), train.name());
                 checks.push(Check::below(place, of(pair[0]), of(pair[1])));
             }
@@ -138,8 +137,7 @@ fn harder_with_contacts(table: &Table1) -> Vec<Check> {
 fn training_error_grows(table: &Table1) -> Vec<Check> {
     let steps = Method::ALL.into_iter().flat_map(|method| {
         TrainSet::ALL.windows(2).map(move |pair| {
-            let of =
-                |train: TrainSet| (train.name(), printed(table, table.training(method, train)));
+            let of = |train: TrainSet| (train.name(), table.training(method, train));
             Check::below(method.name(), of(pair[0]), of(pair[1]))
         })
     });
@@ -152,10 +150,6 @@ fn fnn_over_lr_checks(table: &Table1) -> Vec<Check> {
         Check::at_most(test.name(), ("ours", ratio), ("paper", Some(paper)))
     });
     checks.collect()
-}
-
-fn printed(table: &Table1, value: Option<f64>) -> Option<f64> {
-    value.map(|v| v * table.metric().scale())
 }
 
 #[cfg(test)]
@@ -201,7 +195,7 @@ mod tests {
         table.set_test(Method::Fnn, TrainSet::ToIII, TestSet::IV, f64::NAN);
         assert_eq!(fate(&table, "message_2"), Fate::HoldsPartly);
         assert_eq!(fate(&Table1::default(), "message_1"), Fate::NotMeasured);
-        let fvu = table1_claims(&[Table1::new(MapMetric::Fvu)]);
+        let fvu = table1_claims(&[Table1::of(&[], MapMetric::Fvu)]);
         let ratio = fvu.iter().find(|claim| claim.id == "fnn_over_lr").unwrap();
         assert!(ratio.verdicts.is_empty(), "the paper's quotients are of errors");
     }

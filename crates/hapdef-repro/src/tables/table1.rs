@@ -1,11 +1,12 @@
 //! Table 1: displacement error of maps from virtual gauges.
 
+use hapdef::MapError;
 use hapdef_report::{TextCell, TextTable, cell_text};
 
 use super::{CellCount, MapMetric};
 
 /// What turns virtual gauges into a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Method {
     /// Linear regression.
     #[serde(rename = "LR")]
@@ -122,12 +123,25 @@ pub enum CellState {
     Skipped,
 }
 
-/// Map errors of each method, training set and test set by one metric, m or a share.
+/// Map errors of each method, training set and test set by one metric, in its unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table1 {
     metric: MapMetric,
     tests: [[[Option<f64>; 4]; 4]; 3],
     trainings: [[Option<f64>; 4]; 3],
+}
+
+/// A method trained on the first so many sets.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct TrainedMethod {
+    /// The method.
+    pub method: Method,
+    /// Sets that it was trained on, one at least.
+    pub n_sets: usize,
+    /// On the test samples of each set.
+    pub test: Vec<MapError>,
+    /// On its own training samples.
+    pub training: MapError,
 }
 
 /// One cell with its place, for files.
@@ -152,9 +166,17 @@ pub struct Table1Record {
 }
 
 impl Table1 {
-    /// An empty table of `metric`.
-    pub fn new(metric: MapMetric) -> Self {
-        Self { metric, ..Self::default() }
+    /// The errors of these methods by `metric`; the other cells are empty.
+    pub fn of(trained: &[TrainedMethod], metric: MapMetric) -> Self {
+        let mut table = Self { metric, ..Self::default() };
+        for of in trained {
+            let train = TrainSet::ALL[of.n_sets - 1];
+            for (test, error) in TestSet::ALL.into_iter().zip(&of.test) {
+                table.set_test(of.method, train, test, metric.of(error));
+            }
+            table.trainings[of.method as usize][train as usize] = Some(metric.of(&of.training));
+        }
+        table
     }
 
     /// What its cells measure.
@@ -167,27 +189,22 @@ impl Table1 {
     pub fn paper() -> Self {
         Self {
             metric: MapMetric::MeanAbs,
-            tests: PAPER_TEST_UM.map(|m| m.map(|row| row.map(|um| Some(um * 1e-6)))),
-            trainings: PAPER_TRAINING_UM.map(|m| m.map(|um| Some(um * 1e-6))),
+            tests: PAPER_TEST_UM.map(|m| m.map(|row| row.map(Some))),
+            trainings: PAPER_TRAINING_UM.map(|m| m.map(Some)),
         }
     }
 
-    /// Enters a test error, m or a share.
+    /// Enters a test error.
     pub fn set_test(&mut self, method: Method, train: TrainSet, test: TestSet, error: f64) {
         self.tests[method as usize][train as usize][test as usize] = Some(error);
     }
 
-    /// Enters a training error, m or a share.
-    pub fn set_training(&mut self, method: Method, train: TrainSet, error: f64) {
-        self.trainings[method as usize][train as usize] = Some(error);
-    }
-
-    /// A test error, m or a share; `None` if not measured.
+    /// A test error; `None` if not measured.
     pub fn test(&self, method: Method, train: TrainSet, test: TestSet) -> Option<f64> {
         self.tests[method as usize][train as usize][test as usize]
     }
 
-    /// A training error, m or a share; `None` if not measured.
+    /// A training error; `None` if not measured.
     pub fn training(&self, method: Method, train: TrainSet) -> Option<f64> {
         self.trainings[method as usize][train as usize]
     }
@@ -215,10 +232,8 @@ impl Table1 {
                         trained_on,
                         tested_on,
                         state: state(cell(self)),
-                        ours: cell(self).filter(|v| v.is_finite()).map(|v| v * self.metric.scale()),
-                        paper: cell(&paper)
-                            .filter(|_| self.metric != MapMetric::Fvu)
-                            .map(|v| v * 1e6),
+                        ours: cell(self).filter(|v| v.is_finite()),
+                        paper: cell(&paper).filter(|_| self.metric != MapMetric::Fvu),
                         unit: self.metric.unit(),
                     });
                 }
@@ -258,11 +273,8 @@ impl Table1 {
 }
 
 fn ours(record: &Table1Record) -> Option<f64> {
-    match record.state {
-        CellState::Measured => record.ours,
-        CellState::NotFinite => Some(f64::NAN),
-        CellState::Skipped => None,
-    }
+    let is_measured = record.state != CellState::Skipped;
+    is_measured.then(|| record.ours.unwrap_or(f64::NAN))
 }
 
 fn state(cell: Option<f64>) -> CellState {
@@ -289,16 +301,16 @@ mod tests {
         let paper = Table1::paper();
         assert_eq!(paper.cells(), CellCount { total: 60, measured: 60, nan: 0 });
         let worst = paper.test(Method::Knn, TrainSet::I, TestSet::IV).unwrap();
-        assert!((worst - 286.9e-6).abs() < 1e-12, "{worst}");
+        assert!((worst - 286.9).abs() < 1e-9, "{worst}");
     }
 
     #[test]
     fn gaps_and_nan_are_counted_and_shown() {
         let mut ours = Table1::default();
-        ours.set_test(Method::Fnn, TrainSet::ToII, TestSet::II, 7.25e-6);
-        ours.set_test(Method::Linear, TrainSet::ToII, TestSet::II, 20e-6);
+        ours.set_test(Method::Fnn, TrainSet::ToII, TestSet::II, 7.25);
+        ours.set_test(Method::Linear, TrainSet::ToII, TestSet::II, 20.0);
         ours.set_test(Method::Knn, TrainSet::I, TestSet::I, f64::NAN);
-        ours.set_training(Method::Knn, TrainSet::I, 1e-6);
+        ours.trainings[Method::Knn as usize][0] = Some(1.0);
         assert_eq!(ours.cells(), CellCount { total: 60, measured: 4, nan: 1 });
         let text = ours.to_text().to_markdown();
         assert!(text.contains("| FNN | I–II | – (0.70) | **7.2 (7.7)** | – (30.6) |"), "{text}");
@@ -316,5 +328,30 @@ mod tests {
         assert_eq!(json[1]["ours"], serde_json::Value::Null);
         assert_eq!((&json[1]["method"], &json[1]["tested_on"]), (&"LR".into(), &"II".into()));
         assert!((json[59]["paper"].as_f64().unwrap() - 8.1).abs() < 1e-12);
+    }
+
+    /// A scene of two contacts at most: what was not run must not show up as measured.
+    #[test]
+    fn cells_that_were_not_run_stay_empty() {
+        let error = |um: f64| MapError { mean_abs_um: um, rms_um: 2.0 * um, fvu: 0.25 };
+        let trained = |(method, n_sets)| TrainedMethod {
+            method,
+            n_sets,
+            test: vec![error(1.0), error(2.0)],
+            training: error(0.5),
+        };
+        let all = [(Method::Linear, 1), (Method::Knn, 1), (Method::Fnn, 1), (Method::Linear, 2)];
+        let all = all.map(trained);
+        let of = |metric, test| {
+            let table = Table1::of(&all, metric);
+            assert_eq!(table.cells().measured, 12);
+            table.test(Method::Linear, TrainSet::I, test)
+        };
+        assert_eq!(of(MapMetric::MeanAbs, TestSet::II), Some(2.0));
+        assert_eq!(of(MapMetric::Rms, TestSet::II), Some(4.0));
+        assert_eq!(of(MapMetric::Fvu, TestSet::I), Some(25.0));
+        assert_eq!(of(MapMetric::Rms, TestSet::III), None);
+        let table = Table1::of(&all, MapMetric::MeanAbs);
+        assert_eq!(table.training(Method::Fnn, TrainSet::ToIV), None);
     }
 }

@@ -9,10 +9,7 @@ use super::{Method, Table1, TestSet, TrainSet};
 pub fn table1_bars(table: &Table1) -> BarChart {
     let paper = Table1::paper();
     let cells = |table: &Table1, train| {
-        let row = |m| {
-            let um = |test| table.test(m, train, test).map(|v: f64| v * 1e6);
-            TestSet::ALL.map(um).to_vec()
-        };
+        let row = |m| TestSet::ALL.map(|test| table.test(m, train, test)).to_vec();
         Method::ALL.map(row).to_vec()
     };
     BarChart {
@@ -45,7 +42,7 @@ mod tests {
         let bars = |table: &Table1| count(&bars_svg(&table1_bars(table)).unwrap(), "rect");
         let none = bars(&ours);
         for (i, train) in TrainSet::ALL.into_iter().enumerate() {
-            ours.set_test(Method::Fnn, train, TestSet::II, 1e-6 * (i + 1) as f64);
+            ours.set_test(Method::Fnn, train, TestSet::II, (i + 1) as f64);
         }
         ours.set_test(Method::Linear, TrainSet::I, TestSet::I, f64::NAN);
         assert_eq!(bars(&ours), none + 4, "the NaN draws no bar");

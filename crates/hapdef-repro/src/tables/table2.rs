@@ -36,28 +36,34 @@ pub const PAPER_TABLE2: [PaperAccuracy; 7] = [
     paper("shin (human)", 30.0, 40.0, None),
 ];
 
-/// What was measured here for one estimator and kind of press.
-#[derive(Clone, Debug, PartialEq)]
+/// What was measured here for one estimator and kind of press; JSON has null for what is not finite, too.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OwnAccuracy {
     /// Heading; one of [`PAPER_TABLE2`]'s names if it is that column's counterpart.
     pub name: String,
-    /// Location error, m; `None` if not measured.
-    pub location_m: Option<f64>,
+    /// Location error, mm; `None` if not measured.
+    pub location_mm: Option<f64>,
     /// Magnitude error, N; `None` if not measured.
     pub magnitude_n: Option<f64>,
 }
 
-/// Ours, in the order entered; the paper's columns come with it when rendered.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Ours, in the order entered, beside the paper's columns.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Table2 {
     /// Columns measured here.
     pub ours: Vec<OwnAccuracy>,
+    paper: [PaperAccuracy; 7],
 }
 
 impl Table2 {
+    /// With these columns.
+    pub fn new(ours: Vec<OwnAccuracy>) -> Self {
+        Self { ours, paper: PAPER_TABLE2 }
+    }
+
     /// Two cells per column of ours.
     pub fn cells(&self) -> CellCount {
-        CellCount::of(self.ours.iter().flat_map(|c| [c.location_m, c.magnitude_n]))
+        CellCount::of(self.ours.iter().flat_map(|c| [c.location_mm, c.magnitude_n]))
     }
 
     /// One row per column of the paper, then ours without a counterpart there.
@@ -81,35 +87,11 @@ fn row(name: &str, ours: Option<&OwnAccuracy>, paper: Option<&PaperAccuracy>) ->
         paper.and_then(|p| p.magnitude_n).map_or("–".to_owned(), |n| n.to_string());
     [
         name.to_owned(),
-        cell_text(ours.and_then(|c| c.location_m).map(|m| m * 1e3)),
+        cell_text(ours.and_then(|c| c.location_mm)),
         paper_location,
         cell_text(ours.and_then(|c| c.magnitude_n)),
         paper_magnitude,
     ]
-}
-
-impl serde::Serialize for Table2 {
-    /// `{"ours": [{name, location_mm, magnitude_n}], "paper": [...]}`; null where not measured
-    /// or not finite.
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeStruct;
-        let finite = |v: Option<f64>| v.filter(|v| v.is_finite());
-        let ours: Vec<serde_json::Value> = self
-            .ours
-            .iter()
-            .map(|c| {
-                serde_json::json!({
-                    "name": c.name,
-                    "location_mm": finite(c.location_m.map(|m| m * 1e3)),
-                    "magnitude_n": finite(c.magnitude_n),
-                })
-            })
-            .collect();
-        let mut table = serializer.serialize_struct("Table2", 2)?;
-        table.serialize_field("ours", &ours)?;
-        table.serialize_field("paper", &PAPER_TABLE2)?;
-        table.end()
-    }
 }
 
 #[cfg(test)]
@@ -118,17 +100,15 @@ mod tests {
 
     #[test]
     fn ours_stand_beside_the_papers() {
-        let column = |name: &str, location_m, magnitude_n| OwnAccuracy {
+        let column = |name: &str, location_mm, magnitude_n| OwnAccuracy {
             name: name.to_owned(),
-            location_m,
+            location_mm,
             magnitude_n,
         };
-        let table = Table2 {
-            ours: vec![
-                column("HapDefX double", Some(0.0123), Some(f64::NAN)),
-                column("inverse double", Some(0.0019), None),
-            ],
-        };
+        let table = Table2::new(vec![
+            column("HapDefX double", Some(12.3), Some(f64::NAN)),
+            column("inverse double", Some(1.9), None),
+        ]);
         assert_eq!(table.cells(), CellCount { total: 4, measured: 3, nan: 1 });
         let text = table.to_text().to_markdown();
         assert!(text.contains("| HapDefX double | 12.3 | 10 | NaN | 6 |"), "{text}");

@@ -9,37 +9,57 @@ use hapdef_nets::{Activation, TrainParams};
 use super::runs::TactileRun;
 use crate::baselines::{LinearParams, SvrParams};
 use crate::error::ReproError;
-use crate::search::{Learner, NetSettings, Samples};
+use crate::search::{Learner, NetSettings, Samples, TrialBudget};
 
-/// A method of the check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TactileMethod {
-    /// Linear regression.
-    Linear,
-    /// k nearest neighbours.
-    Knn,
-    /// Support-vector regression.
-    Svr,
-    /// A fully connected net, trained by hapdef-nets.
-    Fnn,
-}
+/// The settings of a method that validation chooses among.
+type Settings = fn(&TrialBudget) -> Vec<Learner>;
 
-/// How much is tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TactileParams {
-    /// Steps of a net's training, 100 presses each.
-    pub steps: u64,
-    /// Most presses that support vectors are trained on; their time grows with the square.
-    pub n_svr: usize,
-    /// Seed of weights, batches and thinning.
-    pub seed: u64,
-}
+/// Every method, in the table's order; the first of its settings are the paper's (Sun & Martius 2019,
+/// section 4.1; the net's training is shorter than theirs).
+pub const TACTILE_METHODS: [(&str, Settings); 4] = [
+    ("LR", |_| {
+        [0.0, 1e-4, 1e-3, 1e-2, 1e-1]
+            .map(|ridge| Learner::Linear(LinearParams { ridge, ..LinearParams::default() }))
+            .to_vec()
+    }),
+    ("k-NN", |_| [6, 1, 2, 3, 4, 5, 8, 10].map(|k| Learner::Knn { k }).to_vec()),
+    ("SVR", |budget| {
+        let svr = |(c, gamma, epsilon)| {
+            Learner::Svr(SvrParams {
+                c,
+                gamma,
+                epsilon,
+                max_samples: budget.n_svr,
+                seed: budget.seed,
+                ..SvrParams::default()
+            })
+        };
+        [
+            (20.0, 0.125, 1e-6),
+            (20.0, 0.125, 1e-2),
+            (20.0, 0.5, 1e-2),
+            (200.0, 0.125, 1e-2),
+            (200.0, 0.03125, 1e-2),
+        ]
+        .map(svr)
+        .to_vec()
+    }),
+    ("FNN", |budget| {
+        vec![
+            net(budget, &[500; 5], Activation::Relu, 1e-4, 1.0),
+            net(budget, &[500; 5], Activation::Relu, 1e-3, 1e-2),
+            net(budget, &[128; 3], Activation::Relu, 2e-3, 1e-2),
+            net(budget, &[128; 3], Activation::Tanh, 2e-3, 1e-2),
+            net(budget, &[128; 2], Activation::Tanh, 5e-3, 1e-2),
+        ]
+    }),
+];
 
 /// How one method did on the test presses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TactileScore {
     /// The method.
-    pub method: TactileMethod,
+    pub method: &'static str,
     /// Its settings in words.
     pub settings: String,
     /// Whether the settings were chosen on validation presses; else they are the paper's.
@@ -56,74 +76,24 @@ pub struct TactileScore {
     pub elapsed_s: f64,
 }
 
-impl TactileMethod {
-    /// Every method, in the table's order.
-    pub const ALL: [Self; 4] = [Self::Linear, Self::Knn, Self::Svr, Self::Fnn];
-
-    /// The table's name for it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "LR",
-            Self::Knn => "k-NN",
-            Self::Svr => "SVR",
-            Self::Fnn => "FNN",
-        }
-    }
-
-    /// The settings that validation chooses among; the first are the paper's (Sun & Martius 2019,
-    /// section 4.1; the net's training is shorter than theirs).
-    fn settings(self, params: &TactileParams) -> Vec<Learner> {
-        let svr = |c: f64, gamma: f64, epsilon: f64| {
-            Learner::Svr(SvrParams {
-                c,
-                gamma,
-                epsilon,
-                max_samples: params.n_svr,
-                seed: params.seed,
-                ..SvrParams::default()
-            })
-        };
-        match self {
-            Self::Linear => [0.0, 1e-4, 1e-3, 1e-2, 1e-1]
-                .map(|ridge| Learner::Linear(LinearParams { ridge, ..LinearParams::default() }))
-                .to_vec(),
-            Self::Knn => [6, 1, 2, 3, 4, 5, 8, 10].map(|k| Learner::Knn { k }).to_vec(),
-            Self::Svr => vec![
-                svr(20.0, 0.125, 1e-6),
-                svr(20.0, 0.125, 1e-2),
-                svr(20.0, 0.5, 1e-2),
-                svr(200.0, 0.125, 1e-2),
-                svr(200.0, 0.03125, 1e-2),
-            ],
-            Self::Fnn => vec![
-                net(params, &[500; 5], Activation::Relu, 1e-4, 1.0),
-                net(params, &[500; 5], Activation::Relu, 1e-3, 1e-2),
-                net(params, &[128; 3], Activation::Relu, 2e-3, 1e-2),
-                net(params, &[128; 3], Activation::Tanh, 2e-3, 1e-2),
-                net(params, &[128; 2], Activation::Tanh, 5e-3, 1e-2),
-            ],
-        }
-    }
-}
-
 fn net(
-    params: &TactileParams,
+    budget: &TrialBudget,
     hidden: &[usize],
     activation: Activation,
     learning_rate: f64,
     fall: f64,
 ) -> Learner {
     let training = TrainParams {
-        steps: params.steps,
+        steps: budget.steps,
         batch: 100,
         learning_rate,
         final_learning_rate: Some(learning_rate * fall),
-        ..TrainParams::paper(params.seed)
+        ..TrainParams::paper(budget.seed)
     };
     Learner::Net(NetSettings { hidden: hidden.to_vec(), activation, training })
 }
 
-/// Scores `method` on a run, with the paper's settings and with chosen ones.
+/// Scores a method on a run, with the paper's settings and with chosen ones.
 ///
 /// `order` is a permutation of the presses: the first four fifths train, the rest test. Settings
 /// are chosen by the mean distance on the last fifth of the training presses, then fitted to all
@@ -131,12 +101,10 @@ fn net(
 pub fn tactile_scores(
     run: &TactileRun,
     order: &[usize],
-    method: TactileMethod,
-    params: &TactileParams,
+    (method, settings): (&'static str, &[Learner]),
 ) -> Result<[TactileScore; 2], ReproError> {
     let (train, test) = order.split_at(order.len() * 4 / 5);
     let (fit, validation) = train.split_at(train.len() * 4 / 5);
-    let settings = method.settings(params);
     let score = |is_chosen: bool, learner: &Learner, start: Instant| {
         let distances = sorted(tactile_distances_mm(run, learner, train, test)?);
         Ok::<_, ReproError>(TactileScore {
@@ -153,7 +121,7 @@ pub fn tactile_scores(
     let paper = score(false, &settings[0], Instant::now())?;
     let start = Instant::now();
     let mut best = (f64::INFINITY, &settings[0]);
-    for learner in &settings {
+    for learner in settings {
         let error_mm = mean(tactile_distances_mm(run, learner, fit, validation)?);
         if error_mm < best.0 {
             best = (error_mm, learner);

@@ -9,7 +9,7 @@ mod methods;
 mod numpy_split;
 mod runs;
 
-pub use methods::{TactileMethod, TactileParams, TactileScore, tactile_scores};
+pub use methods::{TACTILE_METHODS, TactileScore, tactile_scores};
 pub use numpy_split::{numpy_permutations, seeded_permutation};
 pub use runs::{TactileRun, read_tactile_runs, tactile_folder};
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hapdef_rig::ElectronicsParams;
 use serde::{Deserialize, Serialize};
 
 /// The simulated hardware: how it differs from the drawing and what it presses.
@@ -158,6 +159,15 @@ pub struct ElectronicsSpec {
     pub headroom: f64,
     /// Seed of the noise.
     pub seed: u64,
+}
+
+impl ElectronicsSpec {
+    /// What the simulated measuring chain takes.
+    #[must_use]
+    pub fn params(&self) -> ElectronicsParams {
+        let Self { noise_ue, adc_bits, headroom, seed } = *self;
+        ElectronicsParams { noise_ue, adc_bits, headroom, seed }
+    }
 }
 
 /// The probing robot's protocol (Sun & Martius 2019, sections 3.1 and 4.4).

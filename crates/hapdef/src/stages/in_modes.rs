@@ -16,10 +16,7 @@ const MODE_SAMPLES: usize = 4096;
 
 /// Trains a net of `rank` coordinates of the outputs by `fit` and unfolds it into `dir`. `fit` gets the
 /// net's checkpoint, its scales, the modes, for a validation, and the samples with their outputs in modes.
-///
-/// # Errors
-/// A rank that the samples do not have, files that can't be written, and what `fit` fails with.
-pub fn train_in_modes<E: From<HapdefError>>(
+pub(super) fn train_in_modes(
     dir: &Path,
     rank: usize,
     [input, output]: [Scale; 2],
@@ -29,21 +26,20 @@ pub fn train_in_modes<E: From<HapdefError>>(
         [Scale; 2],
         &OutputModes,
         &mut dyn BatchSource,
-    ) -> Result<(TrainInfo, Net), E>,
-) -> Result<(TrainInfo, Net), E> {
+    ) -> Result<(TrainInfo, Net), HapdefError>,
+) -> Result<(TrainInfo, Net), HapdefError> {
     let rows = mode_rows(samples);
-    let modes =
-        OutputModes::of_samples(samples, &rows, &output, rank).map_err(HapdefError::from)?;
+    let modes = OutputModes::of_samples(samples, &rows, &output, rank)?;
     let folder = dir.join(COORDINATES);
     let file_error = |source| HapdefError::File { path: folder.clone(), source };
     std::fs::create_dir_all(&folder).map_err(file_error)?;
     let checkpoint = folder.join(CHECKPOINT_FILE);
     let scales = [input, Scale::identity(rank)];
     let (info, net) = fit(&checkpoint, scales, &modes, &mut modes.source(samples))?;
-    let net = modes.unfold(&net).map_err(HapdefError::from)?;
+    let net = modes.unfold(&net)?;
     if !info.stopped_early {
-        let record = load(&checkpoint).map_err(HapdefError::from)?.1;
-        save(&dir.join(CHECKPOINT_FILE), &net, &record, None).map_err(HapdefError::from)?;
+        let record = load(&checkpoint)?.1;
+        save(&dir.join(CHECKPOINT_FILE), &net, &record, None)?;
         std::fs::remove_dir_all(&folder).map_err(file_error)?;
     }
     Ok((info, net))

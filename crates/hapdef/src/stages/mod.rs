@@ -2,6 +2,7 @@
 
 mod dataset;
 mod dataset_kind;
+mod dataset_rows;
 mod drawn;
 mod eval;
 mod in_modes;
@@ -16,12 +17,13 @@ mod training;
 
 pub use dataset::{Datasets, datasets, samples_path};
 pub use dataset_kind::DatasetKind;
+pub use dataset_rows::{Dataset, blocks};
 pub use drawn::DrawnSamples;
-pub use eval::{DoubleScores, EvalReport, ForceBin, SingleScores, eval, trained_chain};
-pub use in_modes::train_in_modes;
+pub use eval::{DoubleScores, EvalReport, SingleScores, eval, trained_chain};
 pub use mesh_check::mesh_check;
-pub use nets::{NetKind, fit_scales};
+pub use nets::NetKind;
 pub use rig::{check_rig_mesh, real_limb, rig};
 pub(crate) use rig::{rig_key, rig_solid};
 pub use simulate::{compliance, compliance_table};
 pub use train::{TrainedNet, TrainedNets, train, train_kinds};
+pub use training::Training;

@@ -1,7 +1,6 @@
 //! The nets of the pipeline: which there are and what each is trained on.
 
 use std::ops::Range;
-use std::path::Path;
 
 use hapdef_data::{DatasetReader, Split, StandardiserFit};
 use hapdef_nets::train::{BatchSource, MemorySource, SourceError};
@@ -9,6 +8,7 @@ use hapdef_nets::{MlpSpec, Scale};
 use serde::{Deserialize, Serialize};
 
 use super::dataset::{Datasets, samples_path};
+use super::dataset_rows::Dataset;
 use crate::cache::Stage;
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
@@ -91,12 +91,10 @@ impl NetKind {
             Self::Transfer => ["readings", "virtual_gauges"],
             Self::Reconstruction { .. } => ["virtual_gauges", "deformation"],
             Self::Sensitivity => {
-                let path = samples_path(stages[0]);
-                return memory_sources(&path, sensitivity_rows);
+                return memory_sources(stages[0], sensitivity_rows);
             }
             Self::Direct => {
-                let path = samples_path(stages[0]);
-                return memory_sources(&path, direct_rows);
+                return memory_sources(stages[0], direct_rows);
             }
         };
         let train = StreamedRows::open(&stages, columns, |split| split.train)?;
@@ -111,10 +109,7 @@ impl NetKind {
 
 /// Means and deviations of a source's inputs and outputs; those that never vary have the deviation
 /// 0, and no say.
-///
-/// # Errors
-/// What the source fails with.
-pub fn fit_scales(
+pub(super) fn fit_scales(
     samples: &mut dyn BatchSource,
     outputs: OutputScale,
 ) -> Result<[Scale; 2], HapdefError> {
@@ -212,45 +207,35 @@ impl BatchSource for StreamedRows {
 type Rows = (Vec<f32>, usize, Vec<f32>, usize);
 
 fn memory_sources(
-    path: &Path,
-    rows_of: impl Fn(&mut DatasetReader, Range<usize>) -> Result<Rows, HapdefError>,
+    stage: &Stage,
+    rows_of: impl Fn(&mut Dataset, Range<usize>) -> Result<Rows, HapdefError>,
 ) -> Result<[Box<dyn BatchSource>; 2], HapdefError> {
-    let mut reader = DatasetReader::open(path)?;
-    let split = Split::of(reader.n())?;
+    let mut presses = Dataset::open(stage)?;
+    let split = presses.split()?;
     let mut source = |rows| -> Result<Box<dyn BatchSource>, HapdefError> {
-        let (x, n_in, y, n_out) = rows_of(&mut reader, rows)?;
+        let (x, n_in, y, n_out) = rows_of(&mut presses, rows)?;
         Ok(Box::new(MemorySource::new(n_in, n_out, x, y)?))
     };
     Ok([source(split.train)?, source(split.validation)?])
 }
 
 /// `(D_i, P_i) → A` of single contacts (the paper's equation 3).
-fn sensitivity_rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows, HapdefError> {
-    let n = rows.len();
-    let n_surface = reader.width("deformation")?;
-    let (mut nodes, mut positions) = (vec![0_i32; n], vec![0.0_f32; n * 3]);
-    let (mut forces, mut map) = (vec![0.0_f32; n], vec![0.0_f32; n_surface]);
-    reader.read_rows("contact_nodes", rows.clone(), &mut nodes)?;
-    reader.read_rows("contact_positions", rows.clone(), &mut positions)?;
-    reader.read_rows("contact_forces", rows.clone(), &mut forces)?;
-    let mut features = Vec::with_capacity(n * 4);
-    for (i, row) in rows.enumerate() {
-        reader.read_rows("deformation", row..row + 1, &mut map)?;
-        features.push(map[nodes[i] as usize]);
-        features.extend_from_slice(&positions[i * 3..i * 3 + 3]);
+fn sensitivity_rows(presses: &mut Dataset, rows: Range<usize>) -> Result<Rows, HapdefError> {
+    let pressed = presses.drawn(rows.clone())?;
+    let contacts = presses.contacts(rows.clone())?;
+    let (mut features, mut forces) = (Vec::new(), Vec::new());
+    for ((row, pressed), [x, y, z, force_n]) in rows.zip(pressed).zip(contacts) {
+        let map = presses.maps(row..row + 1)?;
+        features.extend([map[pressed[0].node], x, y, z]);
+        forces.push(force_n);
     }
     Ok((features, 4, forces, 1))
 }
 
 /// Readings → position and force of single presses.
-fn direct_rows(reader: &mut DatasetReader, rows: Range<usize>) -> Result<Rows, HapdefError> {
+fn direct_rows(presses: &mut Dataset, rows: Range<usize>) -> Result<Rows, HapdefError> {
     let n = rows.len();
-    let n_gauges = reader.width("readings")?;
-    let (mut readings, mut positions) = (vec![0.0_f32; n * n_gauges], vec![0.0_f32; n * 3]);
-    let mut forces = vec![0.0_f32; n];
-    reader.read_rows("readings", rows.clone(), &mut readings)?;
-    reader.read_rows("contact_positions", rows.clone(), &mut positions)?;
-    reader.read_rows("contact_forces", rows, &mut forces)?;
-    let targets = positions.chunks_exact(3).zip(&forces).flat_map(|(p, f)| [p[0], p[1], p[2], *f]);
-    Ok((readings, n_gauges, targets.collect(), 4))
+    let readings = presses.readings(rows.clone())?;
+    let n_gauges = readings.len() / n.max(1);
+    Ok((readings, n_gauges, presses.contacts(rows)?.into_flattened(), 4))
 }

@@ -21,13 +21,8 @@ impl RigChannels {
         n_gauges: usize,
         stream: u64,
     ) -> Result<Self, HapdefError> {
-        let spec = &run.scene.rig.electronics;
-        let params = ElectronicsParams {
-            noise_ue: spec.noise_ue,
-            adc_bits: spec.adc_bits,
-            headroom: spec.headroom,
-            seed: spec.seed.wrapping_add(stream),
-        };
+        let own = run.scene.rig.electronics.params();
+        let params = ElectronicsParams { seed: own.seed.wrapping_add(stream), ..own };
         let strongest = run.scene.contact.force_range_n[1];
         let largest: Vec<f64> = (0..n_gauges)
             .map(|gauge| {

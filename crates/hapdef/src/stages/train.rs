@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::path::PathBuf;
 
-use hapdef_nets::train::TrainInfo;
+use hapdef_nets::train::{BatchSource, TrainInfo};
 use hapdef_nets::{Net, TrainParams, load};
 use nalgebra::Point3;
 use serde_json::{Value, json};
@@ -138,13 +138,15 @@ impl Trainer<'_> {
             let spec = kind.spec(fixed.n_inputs(), modes.unwrap_or(fixed.n_outputs()));
             let training = Training {
                 run,
-                kind,
+                name: &kind.name(),
+                spec: &|n_inputs, n_outputs| kind.spec(n_inputs, n_outputs),
                 params: &params,
                 dir,
-                output_modes: modes,
+                output_modes: modes.unwrap_or(0),
                 output_scale: self.output_scale(kind),
             };
-            let (info, net) = training.run(fixed.as_mut(), drawn.as_mut(), validation.as_mut())?;
+            let drawn = drawn.as_mut().map(|drawn| drawn as &mut dyn BatchSource);
+            let (info, net) = training.run(fixed.as_mut(), drawn, Some(validation.as_mut()))?;
             if info.stopped_early {
                 return Err(HapdefError::Stopped { stage: format!("training {}", kind.name()) });
             }

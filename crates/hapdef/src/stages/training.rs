@@ -4,63 +4,63 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use hapdef_nets::train::{BatchSource, Progress, TrainInfo, resume, train as train_net};
-use hapdef_nets::{Mlp, Net, Scale, TrainParams};
+use hapdef_nets::{Mlp, MlpSpec, Net, Scale, TrainParams};
 
-use super::drawn::DrawnSamples;
 use super::in_modes::train_in_modes;
-use super::nets::{CHECKPOINT_FILE, NetKind, fit_scales};
+use super::nets::{CHECKPOINT_FILE, fit_scales};
 use crate::error::HapdefError;
 use crate::profile::OutputScale;
 use crate::run::Run;
 
 /// The training of one net.
-pub(super) struct Training<'a> {
-    pub(super) run: &'a Run,
-    pub(super) kind: NetKind,
-    pub(super) params: &'a TrainParams,
+pub struct Training<'a> {
+    /// The run that it belongs to.
+    pub run: &'a Run,
+    /// The net's name.
+    pub name: &'a str,
+    /// The net of so many inputs and outputs.
+    pub spec: &'a dyn Fn(usize, usize) -> MlpSpec,
+    /// Steps, learning rates, seed.
+    pub params: &'a TrainParams,
     /// Where the net and its checkpoints go.
-    pub(super) dir: &'a Path,
-    /// Into how many modes the outputs go while it is trained; none: as they are.
-    pub(super) output_modes: Option<usize>,
+    pub dir: &'a Path,
+    /// Into how many modes the outputs go while it is trained; 0 or as many as there are: as they are.
+    pub output_modes: usize,
     /// By what its standardised outputs are divided.
-    pub(super) output_scale: OutputScale,
+    pub output_scale: OutputScale,
 }
 
 impl Training<'_> {
     /// Trains the net from the start, or goes on from its checkpoint, with a bar that shows how far
     /// it is. Samples come from `drawn` where that is given; the scales fit the `fixed` ones.
-    pub(super) fn run(
+    ///
+    /// # Errors
+    /// What samples and training fail with, and files that can't be written.
+    pub fn run(
         &self,
         fixed: &mut dyn BatchSource,
-        drawn: Option<&mut DrawnSamples<'_>>,
-        validation: &mut dyn BatchSource,
+        drawn: Option<&mut dyn BatchSource>,
+        validation: Option<&mut dyn BatchSource>,
     ) -> Result<(TrainInfo, Net), HapdefError> {
         let scales = fit_scales(fixed, self.output_scale)?;
         self.say_constant(&scales[0]);
-        let samples = either(drawn, fixed);
-        match self.output_modes {
-            Some(rank) => self.run_in_modes(rank, scales, samples, validation),
-            None => {
-                let checkpoint = self.dir.join(CHECKPOINT_FILE);
-                self.fit(&checkpoint, scales, samples, validation)
-            }
+        let samples: &mut dyn BatchSource = match drawn {
+            Some(drawn) => drawn,
+            None => fixed,
+        };
+        let rank = self.output_modes;
+        if rank == 0 || rank >= samples.n_outputs() {
+            return self.fit(&self.dir.join(CHECKPOINT_FILE), scales, samples, validation);
         }
-    }
-
-    /// Trains the net of coordinates and unfolds it.
-    fn run_in_modes(
-        &self,
-        rank: usize,
-        scales: [Scale; 2],
-        samples: &mut dyn BatchSource,
-        validation: &mut dyn BatchSource,
-    ) -> Result<(TrainInfo, Net), HapdefError> {
         train_in_modes(self.dir, rank, scales, samples, |checkpoint, scales, modes, samples| {
             self.run.say(&format!(
                 "{rank} modes of the outputs leave out {:.3} % of their squares",
                 modes.left_out() * 100.0
             ));
-            self.fit(checkpoint, scales, samples, &mut modes.source(validation))
+            match validation {
+                Some(of) => self.fit(checkpoint, scales, samples, Some(&mut modes.source(of))),
+                None => self.fit(checkpoint, scales, samples, None),
+            }
         })
     }
 
@@ -69,20 +69,19 @@ impl Training<'_> {
         checkpoint: &Path,
         [input, output]: [Scale; 2],
         samples: &mut dyn BatchSource,
-        validation: &mut dyn BatchSource,
+        validation: Option<&mut dyn BatchSource>,
     ) -> Result<(TrainInfo, Net), HapdefError> {
         let (run, params) = (self.run, self.params);
-        let bar = run.progress.bar(&self.kind.name(), params.steps);
+        let bar = run.progress.bar(self.name, params.steps);
         let mut go_on = |progress: &Progress| {
             bar.set(progress.step, state(progress));
             if run.stopping() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let validation = Some(validation);
         if checkpoint.exists() {
             let (net, info) = resume(checkpoint, samples, validation, params, &mut go_on)?;
             return Ok((info, net));
         }
-        let spec = self.kind.spec(samples.n_inputs(), samples.n_outputs());
+        let spec = (self.spec)(samples.n_inputs(), samples.n_outputs());
         let mut net = Net::new(Mlp::random(&spec, params.seed)?, input, output)?;
         let path = Some(checkpoint);
         let info = train_net(&mut net, samples, validation, params, path, &mut go_on)?;
@@ -97,20 +96,10 @@ impl Training<'_> {
             self.run.say(&format!(
                 "{}: inputs {} (counted from 0) never vary in its training samples; it will ignore \
                  them",
-                self.kind.name(),
+                self.name,
                 columns.join(", ")
             ));
         }
-    }
-}
-
-fn either<'a>(
-    first: Option<&'a mut DrawnSamples<'_>>,
-    second: &'a mut dyn BatchSource,
-) -> &'a mut dyn BatchSource {
-    match first {
-        Some(first) => first,
-        None => second,
     }
 }
 

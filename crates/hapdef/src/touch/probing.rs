@@ -75,13 +75,8 @@ impl<'a> ProbedRig<'a> {
     /// [`HapdefError::Rig`] when a gauge answers to none of the presses.
     pub fn presses(&self, params: &ProbeParams) -> Result<Vec<ProbedPress>, HapdefError> {
         let presses = self.drawn(params);
-        let spec = &self.run.scene.rig.electronics;
-        let electronics = ElectronicsParams {
-            noise_ue: spec.noise_ue,
-            adc_bits: spec.adc_bits,
-            headroom: spec.headroom,
-            seed: spec.seed.wrapping_add(params.seed),
-        };
+        let own = self.run.scene.rig.electronics.params();
+        let electronics = ElectronicsParams { seed: own.seed.wrapping_add(params.seed), ..own };
         let mut electronics = Electronics::new(electronics, &self.largest_ue(&presses))?;
         let contact = |c: &DrawnContact| (self.points_m[c.node].coords.into(), c.force_n);
         let press = |press: Vec<DrawnContact>| {

@@ -5,6 +5,7 @@ mod paper_chain;
 
 use hapdef_kmax::{Candidate, KMaxGraph, Peak, select_top, select_top_with_spread};
 use hapdef_nets::{Net, Scratch};
+use serde::{Deserialize, Serialize};
 
 pub use paper_chain::PaperChain;
 
@@ -14,7 +15,7 @@ use crate::error::LiveError;
 const SPREAD_TOLERANCE: f32 = 0.10;
 
 /// A contact the estimator found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct FoundContact {
     /// Surface node.
     pub node: usize,

@@ -6,13 +6,13 @@ use faer::{Accum, Mat, Par, Side};
 use super::LinearParams;
 use crate::error::ReproError;
 
-/// W = V (Λ + ridge)⁻¹ Vᵀ B over the eigenvalues above the tolerance; with rank and condition.
+/// W = V (Λ + ridge)⁻¹ Vᵀ B over the eigenvalues above the tolerance, and the rank.
 pub(super) fn pseudo_solve(
     C: &Mat<f64>,
     B: &Mat<f64>,
     params: &LinearParams,
     n_samples: usize,
-) -> Result<(Mat<f64>, usize, f64), ReproError> {
+) -> Result<(Mat<f64>, usize), ReproError> {
     let (p, q) = (B.nrows(), B.ncols());
     let eigen = C.self_adjoint_eigen(Side::Lower).map_err(|_| ReproError::Eigen { n: p })?;
     let (V, lambda) = (eigen.U(), eigen.S().column_vector());
@@ -22,7 +22,6 @@ pub(super) fn pseudo_solve(
     }
     let kept: Vec<usize> =
         (0..p).filter(|&i| lambda[i] > params.relative_tolerance * largest).collect();
-    let smallest = kept.iter().map(|&i| lambda[i]).fold(f64::INFINITY, f64::min);
     let basis = Mat::from_fn(p, kept.len(), |i, j| V[(i, kept[j])]);
     let mut projected = Mat::<f64>::zeros(kept.len(), q);
     matmul(projected.as_mut(), Accum::Replace, basis.transpose(), B.as_ref(), 1.0, Par::Seq);
@@ -33,7 +32,7 @@ pub(super) fn pseudo_solve(
     }
     let mut W = Mat::<f64>::zeros(p, q);
     matmul(W.as_mut(), Accum::Replace, basis.as_ref(), projected.as_ref(), 1.0, Par::Seq);
-    Ok((W, kept.len(), largest / smallest))
+    Ok((W, kept.len()))
 }
 
 /// ‖(C + ridge) W − B‖ / ‖B‖, 0 where B is 0.

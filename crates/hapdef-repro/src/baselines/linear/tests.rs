@@ -3,6 +3,8 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use hapdef_report::ArgumentError;
+
 use super::*;
 
 fn uniform(rng: &mut ChaCha8Rng) -> f32 {

@@ -4,8 +4,8 @@ use anyhow::Result;
 use hapdef::{FoundContact, Hapdefx};
 use hapdef_nets::Net;
 
-use super::super::chain::candidates;
-use super::frames::Frames;
+use super::super::chain::{Choice, candidates};
+use super::super::presses::Presses;
 use super::modes::Modes;
 use super::refine::Refiner;
 use super::target::{Target, TrueMaps};
@@ -37,17 +37,6 @@ pub(super) enum MapsFrom<'a> {
     Readings(&'a Net),
 }
 
-/// Which candidates are the contacts.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Choice {
-    /// Those of greatest force.
-    Force,
-    /// The same with the paper's exchange of point T for T + 1.
-    ForceWithSpread,
-    /// Those of greatest displacement.
-    Displacement,
-}
-
 impl Configuration<'_> {
     /// What of the displacement its maps show.
     pub(super) fn target(&self) -> Target {
@@ -73,7 +62,7 @@ impl Configuration<'_> {
     }
 
     /// Maps of frames `[n, width]`, µm.
-    pub(super) fn maps(&self, frames: &Frames, truth: &TrueMaps<'_>) -> Result<Vec<f32>> {
+    pub(super) fn maps(&self, frames: &Presses, truth: &TrueMaps<'_>) -> Result<Vec<f32>> {
         match self.maps {
             MapsFrom::Truth => Ok(truth.of(Target::Magnitude, &frames.drawn)),
             MapsFrom::Readings(net) => Ok(forward(net, &frames.readings)?),
@@ -91,7 +80,7 @@ impl Configuration<'_> {
     /// Maps of simulated frames from their true virtual gauges; none for configurations without those.
     pub(super) fn simulated_maps(
         &self,
-        frames: &Frames,
+        frames: &Presses,
         truth: &TrueMaps<'_>,
     ) -> Result<Option<Vec<f32>>> {
         match self.maps {
@@ -114,7 +103,7 @@ impl Configuration<'_> {
         let found = candidates(self.chain, fields, n_surface)?;
         let each = found.into_iter().zip(fields.chunks_exact(n_surface));
         each.map(|(found, field)| {
-            let mut chosen = self.choose(found, n_contacts)?;
+            let mut chosen = self.choice.of(self.chain, &found, n_contacts)?;
             if let Some(refiner) = self.refiner {
                 for contact in &mut chosen {
                     contact.position_m = refiner.peak(field, contact.node);
@@ -123,25 +112,6 @@ impl Configuration<'_> {
             Ok(chosen)
         })
         .collect()
-    }
-
-    fn choose(&self, mut found: Vec<FoundContact>, n_contacts: usize) -> Result<Vec<FoundContact>> {
-        Ok(match self.choice {
-            Choice::Force => self.chain.top(&found, n_contacts),
-            Choice::ForceWithSpread if n_contacts > 1 => {
-                self.chain.top_with_spread(&found, n_contacts)?
-            }
-            Choice::ForceWithSpread => self.chain.top(&found, n_contacts),
-            Choice::Displacement => {
-                let by = |a: &FoundContact, b: &FoundContact| {
-                    let largest_first = b.displacement_um.total_cmp(&a.displacement_um);
-                    largest_first.then(a.node.cmp(&b.node))
-                };
-                found.sort_by(by);
-                found.truncate(n_contacts);
-                found
-            }
-        })
     }
 }
 

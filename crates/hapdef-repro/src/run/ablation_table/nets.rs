@@ -2,14 +2,15 @@
 
 use anyhow::{Context, Result};
 use hapdef::stages::{Datasets, NetKind, TrainedNets};
-use hapdef::{DrawnContact, Hapdefx, OutputScale, Pipeline, Run, Stage};
+use hapdef::{DrawnContact, Hapdefx, Limb, OutputScale, Pipeline, Run, Stage};
 use hapdef_nets::train::MemorySource;
 use hapdef_nets::{MlpSpec, Net};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 
-use super::super::chain::maps;
+use super::super::ablation::readings_to_map;
+use super::super::chain::MapFrom;
 use super::super::dataset::{Dataset, blocks, evenly};
 use super::super::fit::{Training, fit};
 use super::super::patches::training_contacts;
@@ -66,9 +67,10 @@ impl Inputs {
     }
 }
 
-/// Trains nets, or reads them from the cache.
-pub(super) struct Trainer<'a> {
+/// What nets and rows are made from.
+pub(super) struct World<'a> {
     pub(super) run: &'a Run,
+    pub(super) limb: &'a Limb,
     pub(super) done: &'a Pipeline,
     pub(super) data: &'a Datasets,
     pub(super) nets: &'a TrainedNets,
@@ -76,9 +78,9 @@ pub(super) struct Trainer<'a> {
     pub(super) chain: &'a Hapdefx,
 }
 
-impl Trainer<'_> {
-    /// All of them, and their stages.
-    pub(super) fn all(&self) -> Result<(AblationNets, Vec<Stage>)> {
+impl World<'_> {
+    /// Trains all nets, or reads them from the cache; and their stages.
+    pub(super) fn train_all(&self) -> Result<(AblationNets, Vec<Stage>)> {
         let brief = &Training::reconstruction(self.run);
         let to_modes = &Training { scale: OutputScale::One, ..brief.clone() };
         let mut stages = vec![];
@@ -108,23 +110,16 @@ impl Trainer<'_> {
         let from_vectors = keep(fit(self.run, name, &of, to_modes, spec, open)?);
         let to_vectors =
             keep(self.transfer("F_T to vectors", |all| self.truth.virtual_vectors(all))?);
-        let (without_gauges, stage) = super::super::ablation::readings_to_map(self.run, self.done)?;
-        stages.push(stage);
-        let (transfer, stage) =
-            self.transfer("F_T on superposed presses", |all| self.truth.virtual_gauges(all))?;
-        stages.push(stage);
-        let (on_predicted, stage) = self.on_predicted()?;
-        stages.push(stage);
-        let (on_normal, stage) = self.on_normal()?;
-        stages.push(stage);
         let nets = AblationNets {
             brief: whole,
             by_modes,
             by_vectors: [to_vectors, from_vectors],
-            without_gauges,
-            transfer,
-            on_predicted,
-            on_normal,
+            without_gauges: keep(readings_to_map(self.run, self.done)?),
+            transfer: keep(
+                self.transfer("F_T on superposed presses", |all| self.truth.virtual_gauges(all))?,
+            ),
+            on_predicted: keep(self.on_predicted()?),
+            on_normal: keep(self.on_normal()?),
         };
         Ok((nets, stages))
     }
@@ -217,8 +212,7 @@ impl Trainer<'_> {
             .collect();
         let of = json!({ "presses": self.data.rig_single.key, "nets": behind });
         let displacement = |presses: &mut Dataset, rows: std::ops::Range<usize>| {
-            let readings = presses.readings(rows.clone())?;
-            maps(self.chain, &readings, rows.len(), presses.n_surface)
+            MapFrom::Readings(self.chain).maps(presses, rows)
         };
         let stage = &self.data.rig_single;
         self.sensitivity("F_S on predicted maps", &of, stage, displacement)

@@ -4,14 +4,15 @@ use std::time::Instant;
 
 use anyhow::Result;
 use hapdef::stages::Datasets;
-use hapdef::{ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one};
+use hapdef::{
+    ContactPair, ContactStats, MapError, MapErrorSum, score_lenient, score_one_to_one, scored,
+};
 use hapdef_bench::stats::median;
 use serde::{Deserialize, Serialize};
 
 use super::super::dataset::Dataset;
-use super::super::scores::scored;
+use super::super::presses::{Presses, presses};
 use super::configurations::Configuration;
-use super::frames::{Frames, frames};
 use super::target::TrueMaps;
 
 /// Most presses of each kind on the rig, most simulated samples of each set.
@@ -23,10 +24,10 @@ const N_TIMED: usize = 30;
 
 /// What every row is tested on.
 pub(super) struct Tests {
-    single: Vec<Frames>,
-    double: Vec<Frames>,
-    simulated: Vec<Frames>,
-    timed: Vec<Frames>,
+    single: Vec<Presses>,
+    double: Vec<Presses>,
+    simulated: Vec<Presses>,
+    timed: Vec<Presses>,
 }
 
 /// What a row is worth.
@@ -52,16 +53,16 @@ impl Tests {
     /// An even choice of test presses and test samples.
     pub(super) fn read(data: &Datasets) -> Result<Self> {
         let test = |set: &Dataset| Ok(set.split()?.test);
-        let single = frames(&data.rig_single, test, MOST_PRESSES, true)?;
+        let single = presses(&data.rig_single, test, MOST_PRESSES, true)?;
         let double = match &data.rig_double {
-            Some(stage) => frames(stage, |set| Ok(0..set.n()), MOST_PRESSES, true)?,
+            Some(stage) => presses(stage, |set| Ok(0..set.n()), MOST_PRESSES, true)?,
             None => vec![],
         };
         let mut simulated = vec![];
         for stage in &data.simulated {
-            simulated.extend(frames(stage, test, MOST_SIMULATED, false)?);
+            simulated.extend(presses(stage, test, MOST_SIMULATED, false)?);
         }
-        let timed = single.iter().flat_map(Frames::one_by_one);
+        let timed = single.iter().flat_map(Presses::one_by_one);
         Ok(Self { timed: timed.take(N_TIMED).collect(), single, double, simulated })
     }
 
@@ -117,7 +118,7 @@ impl Tests {
         &self,
         configuration: &Configuration<'_>,
         truth: &TrueMaps<'_>,
-        all: &[Frames],
+        all: &[Presses],
     ) -> Result<Scores> {
         let n_surface = truth.directions.len();
         let (mut lenient, mut strict): (Vec<ContactPair>, Vec<ContactPair>) = (vec![], vec![]);

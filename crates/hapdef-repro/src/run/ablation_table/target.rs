@@ -58,70 +58,57 @@ impl Target {
 impl TrueMaps<'_> {
     /// Maps `[n, width]`, µm, of presses.
     pub(super) fn of(&self, target: Target, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
-        let width = target.width(self.directions.len());
-        let mut maps = vec![0.0; presses.len() * width];
-        maps.par_chunks_exact_mut(width).zip(presses).for_each_init(
-            || self.table.scratch(),
-            |scratch, (map, contacts)| self.write(target, contacts, scratch, map),
-        );
-        maps
-    }
-
-    fn write(
-        &self,
-        target: Target,
-        contacts: &[DrawnContact],
-        scratch: &mut SuperpositionScratch,
-        map: &mut [f32],
-    ) {
-        let vectors = self.table.vectors(contacts, scratch);
-        let um = |metres: f64| (metres * 1e6) as f32;
-        match target {
-            Target::Vector => {
-                for (value, metres) in map.iter_mut().zip(vectors.as_flattened()) {
-                    *value = um(*metres);
-                }
+        let n_surface = self.directions.len();
+        self.each(target.width(n_surface), presses, |scratch, contacts, map| {
+            let vectors = &self.table.vectors(contacts, scratch)[..n_surface];
+            if target == Target::Vector {
+                return write_um(vectors.as_flattened().iter().copied(), map);
             }
-            Target::Normal => {
-                for ((value, u), d) in map.iter_mut().zip(vectors).zip(self.directions) {
-                    *value = um(Vector3::from(*u).dot(d));
+            let vectors = vectors.iter().map(|u| Vector3::from(*u));
+            match target {
+                Target::Normal => {
+                    write_um(vectors.zip(self.directions).map(|(u, d)| u.dot(d)), map);
                 }
+                _ => write_um(vectors.map(|u| u.norm()), map),
             }
-            Target::Magnitude => {
-                for (value, u) in map.iter_mut().zip(vectors) {
-                    *value = um(Vector3::from(*u).norm());
-                }
-            }
-        }
+        })
     }
 
     /// Virtual gauges `[n, n_virtual]`, µm, of presses.
     pub(super) fn virtual_gauges(&self, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
-        let n_virtual = self.table.n_virtual();
-        let mut out = vec![0.0; presses.len() * n_virtual];
-        let rows = out.par_chunks_exact_mut(n_virtual).zip(presses);
-        rows.for_each_init(
-            || (self.table.scratch(), vec![0.0; self.table.n_surface()]),
-            |(scratch, map), (out, contacts)| self.table.superpose(contacts, scratch, map, out),
-        );
-        out
+        self.each(self.table.n_virtual(), presses, |scratch, contacts, out| {
+            let mut map = vec![0.0; self.table.n_surface()];
+            self.table.superpose(contacts, scratch, &mut map, out);
+        })
     }
 
     /// Displacement vectors of the virtual gauges `[n, n_virtual, 3]`, µm, of presses. They add up.
     pub(super) fn virtual_vectors(&self, presses: &[Vec<DrawnContact>]) -> Vec<f32> {
-        let width = 3 * self.table.n_virtual();
+        self.each(3 * self.table.n_virtual(), presses, |scratch, contacts, out| {
+            let vectors = &self.table.vectors(contacts, scratch)[self.table.n_surface()..];
+            write_um(vectors.as_flattened().iter().copied(), out);
+        })
+    }
+
+    /// What `write` makes of each press, `[n, width]`.
+    fn each(
+        &self,
+        width: usize,
+        presses: &[Vec<DrawnContact>],
+        write: impl Fn(&mut SuperpositionScratch, &[DrawnContact], &mut [f32]) + Sync,
+    ) -> Vec<f32> {
         let mut out = vec![0.0; presses.len() * width];
-        let rows = out.par_chunks_exact_mut(width).zip(presses);
-        rows.for_each_init(
+        out.par_chunks_exact_mut(width).zip(presses).for_each_init(
             || self.table.scratch(),
-            |scratch, (out, contacts)| {
-                let vectors = &self.table.vectors(contacts, scratch)[self.table.n_surface()..];
-                for (value, metres) in out.iter_mut().zip(vectors.as_flattened()) {
-                    *value = (metres * 1e6) as f32;
-                }
-            },
+            |scratch, (out, contacts)| write(scratch, contacts, out),
         );
         out
+    }
+}
+
+fn write_um(metres: impl Iterator<Item = f64>, out: &mut [f32]) {
+    for (out, metres) in out.iter_mut().zip(metres) {
+        *out = (metres * 1e6) as f32;
     }
 }
 

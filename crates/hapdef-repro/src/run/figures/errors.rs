@@ -1,22 +1,19 @@
 //! Errors as plots: figures 4, 5A, 8, 9B and 9C.
 
 use anyhow::Result;
-use hapdef::{ContactPair, Hapdefx, score_lenient, score_one_to_one};
+use hapdef::{ContactPair, ForceBin, Hapdefx, by_force, score_lenient, score_one_to_one, scored};
 use hapdef_bench::dotted_lines;
 use hapdef_bench::stats::mean_and_sd;
 use hapdef_report::{BarChart, BarPanel, Figure, Series, Unrolled, UnrolledArrow};
 
 use super::super::frames::Frame;
 use super::super::patches::{METHODS, SizePoint};
-use super::super::scores::{Rule, choose, scored};
-use super::super::singles::{Bin, Singles};
+use super::super::scores::{TOP_WITH_SPREAD, choose};
+use super::super::singles::Singles;
 use super::surface::Surface;
 
 /// Presses whose errors figure 4B shows.
 const N_ARROWS: usize = 24;
-
-/// Bins of the varied force in figures 9B and 9C.
-const N_BINS: usize = 8;
 
 /// Errors of SVR, k-NN and FNN on single presses.
 pub(super) fn figure_4a(singles: &Singles) -> Result<Figure> {
@@ -99,7 +96,7 @@ pub(super) fn figure_5a(points: &[SizePoint]) -> Result<Vec<Figure>> {
 /// Errors of the ablations on single presses against the force.
 pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure>> {
     let methods = || singles.direct.iter().skip(2).chain(&singles.ablations);
-    let chart = |y_label: &str, value: fn(&Bin) -> f64| {
+    let chart = |y_label: &str, value: fn(&ForceBin) -> f64| {
         let series = methods().map(|method| {
             let bins = singles.by_force(method, strongest_n);
             let points = bins.iter().map(|bin| (bin.force_n, value(bin))).collect();
@@ -118,7 +115,7 @@ pub(super) fn figure_8(singles: &Singles, strongest_n: f64) -> Result<Vec<Figure
         Figure::lines(
             "figure8b.svg",
             "Figure 8B: force error of the same.",
-            &chart("force error, N", |bin| bin.error_n),
+            &chart("force error, N", |bin| bin.force_error_n),
         )?,
     ])
 }
@@ -130,26 +127,27 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
     }
     let names =
         ["lenient, both contacts", "one-to-one, varied contact", "one-to-one, held contact"];
-    let mut errors: [Vec<(f64, ContactPair)>; 3] = Default::default();
+    let mut errors: [Vec<(f64, Option<ContactPair>)>; 3] = Default::default();
     for frame in frames {
-        let found = scored(&choose(chain, frame, Rule::TopWithSpread)?);
+        let found = scored(&choose(chain, frame, TOP_WITH_SPREAD)?);
         let varied_n = frame.truth[1].1;
         let lenient = score_lenient(&found, &frame.truth)?;
-        errors[0].extend(lenient.into_iter().map(|pair| (varied_n, pair)));
+        errors[0].extend(lenient.into_iter().map(|pair| (varied_n, Some(pair))));
         for pair in score_one_to_one(&found, &frame.truth)?.pairs {
-            errors[if pair.truth == 1 { 1 } else { 2 }].push((varied_n, pair));
+            errors[if pair.truth == 1 { 1 } else { 2 }].push((varied_n, Some(pair)));
         }
     }
-    let chart = |y_label: &str, value: fn(&ContactPair) -> f64| {
-        let series = names.iter().zip(&errors).map(|(name, errors)| Series {
-            name: (*name).to_owned(),
-            points: binned(errors, strongest_n, value),
+    let chart = |y_label: &str, value: fn(&ForceBin) -> f64| {
+        let series = names.iter().zip(&errors).map(|(name, errors)| {
+            let bins = by_force(errors, strongest_n);
+            let points = bins.iter().map(|bin| (bin.force_n, value(bin))).collect();
+            Series { name: (*name).to_owned(), points }
         });
         let title = "double presses of the rig, T given, T + 1";
         dotted_lines(title, ["force of the varied contact, N", y_label], [false, false], series)
     };
-    let position = chart("position error, mm", |pair| pair.position_error_m * 1e3);
-    let force = chart("force error, N", |pair| pair.force_error_n.abs());
+    let position = chart("position error, mm", |bin| bin.position_mm);
+    let force = chart("force error, N", |bin| bin.force_error_n);
     let caption = |letter: &str, what: &str| {
         format!("Figure 9{letter}: {what} error of two contacts, one held at about 30 N.")
     };
@@ -157,20 +155,4 @@ pub(super) fn figure_9(chain: &Hapdefx, frames: &[Frame], strongest_n: f64) -> R
         Figure::lines("figure9b.svg", caption("B", "position"), &position)?,
         Figure::lines("figure9c.svg", caption("C", "force"), &force)?,
     ])
-}
-
-/// (middle of the bin, mean) over bins of equal width that hold anything.
-fn binned(
-    errors: &[(f64, ContactPair)],
-    strongest_n: f64,
-    value: fn(&ContactPair) -> f64,
-) -> Vec<(f64, f64)> {
-    let width = strongest_n / N_BINS as f64;
-    let mut sums = [(0.0, 0.0); N_BINS];
-    for (force_n, pair) in errors {
-        let sum = &mut sums[((force_n / width) as usize).min(N_BINS - 1)];
-        *sum = (sum.0 + 1.0, sum.1 + value(pair));
-    }
-    let bins = sums.iter().enumerate().filter(|(_, sum)| sum.0 > 0.0);
-    bins.map(|(i, (n, sum))| ((i as f64 + 0.5) * width, sum / n)).collect()
 }

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use anyhow::{Context, Result};
-use hapdef::MapErrorSum;
+use hapdef::{ContactStats, MapErrorSum};
 
 use super::Prepared;
 use crate::error::ReproError;
-use crate::run::dataset::{Dataset, Part, Rows, first_of, rig_singles};
+use crate::run::dataset::{Dataset, Part, Rows, blocks, first_of, pair, rig_singles};
 use crate::search::{Fitted, Learner, ParameterValues, Samples, SearchMethod};
 
 /// Most validation samples of all sets together.
@@ -20,8 +20,6 @@ const PAPER_PATCH: usize = 24;
 /// The samples of one method.
 pub(crate) struct MethodData {
     method: SearchMethod,
-    n_inputs: usize,
-    n_outputs: usize,
     max_patch: usize,
     /// Keys of the datasets.
     pub(crate) keys: String,
@@ -51,8 +49,6 @@ impl MethodData {
     ) -> Result<Self> {
         let empty = Self {
             method,
-            n_inputs: 0,
-            n_outputs: 0,
             max_patch: prepared.max_patch,
             keys: String::new(),
             train: Rows::default(),
@@ -76,7 +72,6 @@ impl MethodData {
         let mut sets = Dataset::open_all(data)?;
         let most = MAX_VALIDATION / sets.len();
         for (i, set) in sets.iter_mut().enumerate() {
-            (self.n_inputs, self.n_outputs) = (set.n_virtual, set.n_surface);
             let split = set.split()?;
             let maps = [Part::Gauges, Part::Map];
             self.train.add(set, maps, split.train)?;
@@ -94,7 +89,6 @@ impl MethodData {
         self.keys = data.rig_single.key.clone();
         let (mut set, split) = rig_singles(&prepared.done)?;
         self.train = self.presses(&mut set, split.train)?;
-        (self.n_inputs, self.n_outputs) = (self.train.n_inputs(), self.train.n_outputs());
         self.validation = self.presses(&mut set, first_of(split.validation, MAX_VALIDATION))?;
         if with_tests {
             let rows = self.presses(&mut set, split.test)?;
@@ -122,7 +116,8 @@ impl MethodData {
         stop: &dyn Fn() -> bool,
     ) -> Result<Fitted, ReproError> {
         let (x, n_inputs) = self.inputs(&self.train.x, values);
-        let samples = Samples { x: &x, n_inputs, y: &self.train.y, n_outputs: self.n_outputs };
+        let samples =
+            Samples { x: &x, n_inputs, y: &self.train.y, n_outputs: self.train.n_outputs() };
         learner.fit(&samples, stop)
     }
 
@@ -133,15 +128,26 @@ impl MethodData {
         values: &ParameterValues,
         rows: &Rows,
     ) -> Result<MethodError, ReproError> {
-        let mut sums = ErrorSums::new(self.method, self.n_outputs);
-        for first in (0..rows.n).step_by(BLOCK) {
-            let block = first..(first + BLOCK).min(rows.n);
+        let (n_inputs, n_outputs) = (self.train.n_inputs(), self.train.n_outputs());
+        let is_contact = matches!(self.method, SearchMethod::Direct | SearchMethod::Svr);
+        let (mut maps, mut contacts) = (MapErrorSum::new(n_outputs), Vec::new());
+        for block in blocks(0..rows.n, BLOCK) {
             let of = |width: usize| block.start * width..block.end * width;
-            let (x, _) = self.inputs(&rows.x[of(self.n_inputs)], values);
+            let (x, _) = self.inputs(&rows.x[of(n_inputs)], values);
             let found = fitted.predictions(&x, block.len())?;
-            sums.add(&rows.y[of(self.n_outputs)], &found);
+            let truth = &rows.y[of(n_outputs)];
+            if is_contact {
+                let each = truth.as_chunks::<4>().0.iter().zip(found.as_chunks::<4>().0);
+                contacts.extend(each.map(|(truth, found)| pair(truth, found)));
+            } else {
+                maps.add(truth, &found);
+            }
         }
-        Ok(sums.finish(rows.n))
+        if is_contact {
+            let stats = ContactStats::of(&contacts, rows.n);
+            return Ok(MethodError { main: stats.mean_mm, force_n: Some(stats.mean_n) });
+        }
+        Ok(MethodError { main: maps.finish().mean_abs_um, force_n: None })
     }
 
     /// The inputs that the settings ask for, and their width.
@@ -153,10 +159,10 @@ impl MethodData {
         match values.get("patch") {
             Some(&patch) => {
                 let patch = (patch as usize).clamp(1, self.max_patch);
-                let width = self.n_inputs / self.max_patch * patch;
+                let width = self.train.n_inputs() / self.max_patch * patch;
                 (first_of_patches(x, self.max_patch, patch).into(), width)
             }
-            None => (x.into(), self.n_inputs),
+            None => (x.into(), self.train.n_inputs()),
         }
     }
 }
@@ -165,45 +171,6 @@ impl MethodData {
 fn first_of_patches(x: &[f32], max_patch: usize, patch: usize) -> Vec<f32> {
     let each = x.chunks_exact(max_patch);
     each.flat_map(|gauge| &gauge[..patch]).copied().collect()
-}
-
-/// Sums of errors over blocks.
-enum ErrorSums {
-    Map(MapErrorSum),
-    Contact { distance_m: f64, force_n: f64 },
-}
-
-impl ErrorSums {
-    fn new(method: SearchMethod, width: usize) -> Self {
-        match method {
-            SearchMethod::Direct | SearchMethod::Svr => {
-                Self::Contact { distance_m: 0.0, force_n: 0.0 }
-            }
-            _ => Self::Map(MapErrorSum::new(width)),
-        }
-    }
-
-    fn add(&mut self, truth: &[f32], found: &[f32]) {
-        match self {
-            Self::Map(sum) => sum.add(truth, found),
-            Self::Contact { distance_m, force_n } => {
-                for (y, z) in truth.chunks_exact(4).zip(found.chunks_exact(4)) {
-                    let square = |i: usize| f64::from(y[i] - z[i]).powi(2);
-                    *distance_m += (0..3).map(square).sum::<f64>().sqrt();
-                    *force_n += f64::from(y[3] - z[3]).abs();
-                }
-            }
-        }
-    }
-
-    fn finish(&self, n: usize) -> MethodError {
-        match self {
-            Self::Map(sum) => MethodError { main: sum.finish().mean_abs_um, force_n: None },
-            Self::Contact { distance_m, force_n } => {
-                MethodError { main: distance_m / n as f64 * 1e3, force_n: Some(force_n / n as f64) }
-            }
-        }
-    }
 }
 
 #[cfg(test)]

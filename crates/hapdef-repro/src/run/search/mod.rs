@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 use hapdef::{HapdefError, Limb, Pipeline, Run, Until};
 use hapdef_cli::SceneArgs;
 use hapdef_report::write_text;
@@ -14,8 +15,8 @@ use hapdef_report::write_text;
 use self::data::MethodData;
 use crate::error::ReproError;
 use crate::search::{
-    Parameter, SearchMethod, Trial, TrialBudget, TrialHeader, TrialLog, best_trial, merge_trials,
-    propose, search_figures, search_markdown, trials_text, values_in_words,
+    Parameter, SearchMethod, Trial, TrialBudget, TrialHeader, best_trial, merge_trials,
+    open_trials, propose, search_figures, search_markdown, values_in_words, write_trials,
 };
 
 pub(crate) use self::compare::{CompareArgs, compare};
@@ -34,7 +35,7 @@ pub(crate) struct SearchArgs {
     #[command(flatten)]
     scene: SceneArgs,
     /// The method: f_r, f_t, direct, lr, knn, svr.
-    #[arg(long, value_parser = method, default_value = "f_r")]
+    #[arg(long, default_value = "f_r")]
     method: SearchMethod,
     /// Trials in all, those of other shards and those that are there already included.
     #[arg(long, default_value_t = 20)]
@@ -92,7 +93,8 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
     let path = folder.join(args.shard.file_name());
     let header = header(&prepared, method, &budget, &data)?;
     let parameters = method.parameters(prepared.max_patch);
-    let (mut log, mut trials) = TrialLog::open(&path, &header)?;
+    std::fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
+    let mut trials = open_trials(&path, &header)?;
     run.say(&format!("{}: {} trials are there", path.display(), trials.len()));
     let start = Instant::now();
     let limit = args.minutes.map(|m| Duration::from_secs_f64(m.max(0.0) * 60.0));
@@ -105,7 +107,6 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
             break;
         }
         let trial = try_point(run, method, &data, &budget, &parameters, &trials, index)?;
-        log.push(&trial)?;
         run.say(&format!(
             "trial {index}: {} → {}",
             values_in_words(&trial.values),
@@ -115,6 +116,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
             )
         ));
         trials.push(trial);
+        write_trials(&path, &header, &trials)?;
     }
     write_report(&folder, &header, &parameters, &trials)
 }
@@ -122,10 +124,10 @@ pub(crate) fn search(args: &SearchArgs) -> Result<()> {
 /// Joins shards.
 pub(crate) fn merge(args: &MergeArgs) -> Result<()> {
     let (header, trials) = merge_trials(&args.files)?;
-    let method = method(&header.method).map_err(anyhow::Error::msg)?;
+    let method = SearchMethod::from_str(&header.method, false).map_err(anyhow::Error::msg)?;
     let folder = args.into.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
-    write_text(&args.into, &trials_text(&header, &trials)?)?;
+    write_trials(&args.into, &header, &trials)?;
     println!("{} trials in {}", trials.len(), args.into.display());
     write_report(folder, &header, &method.parameters(usize::MAX), &trials)
 }
@@ -236,12 +238,6 @@ fn write_report(
     }
     println!("{}", folder.join("search.md").display());
     Ok(())
-}
-
-fn method(text: &str) -> Result<SearchMethod, String> {
-    let names = SearchMethod::ALL.map(SearchMethod::name);
-    let found = SearchMethod::ALL.into_iter().find(|m| m.name() == text);
-    found.ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 fn shard(text: &str) -> Result<Shard, String> {

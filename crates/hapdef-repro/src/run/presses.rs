@@ -1,26 +1,26 @@
-//! Presses that the rows are tested on.
+//! Presses that methods are tested on.
 
 use anyhow::Result;
 use hapdef::{DrawnContact, ScoredContact, Stage};
 
-use super::super::dataset::{Dataset, evenly};
+use super::dataset::{Dataset, evenly};
 
-/// Presses that pass a row together.
+/// Presses that pass a method together.
 const BLOCK: usize = 128;
 
 /// Some presses.
 #[derive(Default)]
-pub(super) struct Frames {
+pub(crate) struct Presses {
     /// `[n, n_gauges]`, µε; none if simulated.
-    pub(super) readings: Vec<f32>,
+    pub(crate) readings: Vec<f32>,
     /// `[n, n_virtual]`, µm.
-    pub(super) virtual_um: Vec<f32>,
-    pub(super) drawn: Vec<Vec<DrawnContact>>,
-    pub(super) truth: Vec<Vec<ScoredContact>>,
+    pub(crate) virtual_um: Vec<f32>,
+    pub(crate) drawn: Vec<Vec<DrawnContact>>,
+    pub(crate) truth: Vec<Vec<ScoredContact>>,
 }
 
-impl Frames {
-    pub(super) fn one_by_one(&self) -> impl Iterator<Item = Self> + '_ {
+impl Presses {
+    pub(crate) fn one_by_one(&self) -> impl Iterator<Item = Self> + '_ {
         let n = self.drawn.len();
         let row = move |values: &[f32], i: usize| {
             let width = values.len() / n;
@@ -36,27 +36,27 @@ impl Frames {
 }
 
 /// At most `most` presses, evenly apart, in blocks.
-pub(super) fn frames(
+pub(crate) fn presses(
     stage: &Stage,
     rows: impl Fn(&Dataset) -> Result<std::ops::Range<usize>>,
     most: usize,
     has_readings: bool,
-) -> Result<Vec<Frames>> {
-    let mut presses = Dataset::open(stage)?;
-    let chosen: Vec<usize> = evenly(rows(&presses)?, most).collect();
+) -> Result<Vec<Presses>> {
+    let mut set = Dataset::open(stage)?;
+    let chosen: Vec<usize> = evenly(rows(&set)?, most).collect();
     let mut all = vec![];
     for block in chosen.chunks(BLOCK) {
-        let mut frames = Frames::default();
+        let mut together = Presses::default();
         for &row in block {
             let rows = row..row + 1;
             if has_readings {
-                frames.readings.extend(presses.readings(rows.clone())?);
+                together.readings.extend(set.readings(rows.clone())?);
             }
-            frames.virtual_um.extend(presses.inputs(rows.clone())?);
-            frames.drawn.extend(presses.drawn(rows.clone())?);
-            frames.truth.extend(presses.truth(rows)?);
+            together.virtual_um.extend(set.inputs(rows.clone())?);
+            together.drawn.extend(set.drawn(rows.clone())?);
+            together.truth.extend(set.truth(rows)?);
         }
-        all.push(frames);
+        all.push(together);
     }
     Ok(all)
 }
