@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
 use crate::pipeline::finish;
-use crate::tool::{day, release_binary, release_example, results, root};
+use crate::tool::{add_document, day, release_binary, release_example, results, root};
 
 /// Arguments of `robustness`.
 #[derive(clap::Args)]
@@ -170,8 +170,7 @@ fn all(args: &RobustnessArgs) -> Result<()> {
 /// All rows as one table.
 fn joined() -> Result<()> {
     let mut command = Command::new(release_binary("hapdef-repro")?);
-    command.arg("robustness-all");
-    crate::tool::run(command.arg("--metrics").arg(results().join("metrics.json")))
+    crate::tool::run(command.arg("robustness-all"))
 }
 
 /// All tables, compared with docs/.
@@ -193,11 +192,7 @@ impl Table {
         if let Some(seed) = args.seed {
             command.args([self.seed, &seed.to_string()]);
         }
-        for (flag, on) in [("--write", args.write), ("--check", args.check)] {
-            if on {
-                command.arg(flag).arg(root().join(self.document()));
-            }
-        }
+        add_document(&mut command, &self.document(), args.write, args.check);
         Ok(command)
     }
 
@@ -208,7 +203,6 @@ impl Table {
             let bundled = root().join("fixtures/shin/placed.json");
             command.arg(scene.unwrap_or(&bundled));
         }
-        command.arg("--metrics").arg(results().join("metrics.json"));
         Ok(command)
     }
 }

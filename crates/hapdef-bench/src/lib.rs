@@ -6,18 +6,21 @@
 //! - [`Metric`], [`Goal`]: figures of [`Measurements`] as METRIC lines and beside their targets.
 //! - [`against_time`], [`dotted_lines`]: charts.
 //! - [`publish`], [`page_markdown`]: the page of a study, and that in the documentation.
+//! - [`robustness`]: tables of methods at their extremes.
 
 mod chart;
 mod page;
 mod pareto;
+pub mod robustness;
 pub mod stats;
 mod study;
 mod table;
 mod target;
 
 pub use chart::{against_time, by_cost, dotted_lines};
+pub use hapdef_report::text_table;
 pub use page::page_markdown;
 pub use pareto::pareto_front;
 pub use study::{Figure, Goal, Measurements, Metric, goal_table, log_metrics, publish};
-pub use table::{Column, or_dash, table, terminal_table, text_table};
+pub use table::{Column, or_dash, table, terminal_table};
 pub use target::{Target, Wanted, target_table};

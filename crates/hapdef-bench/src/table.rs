@@ -1,6 +1,6 @@
 //! Tables from columns, and tables on a terminal.
 
-use hapdef_report::{TextCell, TextTable};
+use hapdef_report::{TextTable, text_table};
 
 /// A column: its header, and what stands in it of a row.
 pub struct Column<R> {
@@ -20,23 +20,8 @@ impl<R> Column<R> {
 /// One row of cells for each of `rows`.
 #[must_use]
 pub fn table<'a, R: 'a>(columns: &[Column<R>], rows: impl IntoIterator<Item = &'a R>) -> TextTable {
-    let cells = |row: &R| columns.iter().map(|c| TextCell::plain((c.cell)(row))).collect();
-    TextTable {
-        header: columns.iter().map(|c| c.header.to_owned()).collect(),
-        rows: rows.into_iter().map(cells).collect(),
-    }
-}
-
-/// Rows of plain texts under a header.
-#[must_use]
-pub fn text_table<const N: usize>(
-    header: [&str; N],
-    rows: impl IntoIterator<Item = [String; N]>,
-) -> TextTable {
-    TextTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.into_iter().map(|cells| cells.map(TextCell::plain).to_vec()).collect(),
-    }
+    let cells = |row| columns.iter().map(move |c| (c.cell)(row));
+    text_table(columns.iter().map(|c| c.header), rows.into_iter().map(cells))
 }
 
 /// The value, or a dash where there is none.

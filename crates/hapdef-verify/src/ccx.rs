@@ -3,10 +3,9 @@
 use std::process::Command;
 use std::time::Instant;
 
-use hapdef_mesh::{SolidDeck, write_inp};
+use hapdef_mesh::{LabelledDisplacements, SolidDeck, read_displacements, write_inp};
 
 use crate::VerifyError;
-use crate::deck::{LabelledDisplacements, read_displacements};
 
 /// Wall seconds of one run of `ccx` on `deck`, and the displacements of the node set `EVERY` where the
 /// deck has it.

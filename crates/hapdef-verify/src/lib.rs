@@ -4,7 +4,7 @@
 //! - [`Case`]: one problem, its reference with the source, and the target it is judged by.
 //! - [`all_cases`]: the table of docs/verification.md; a case is a row of data in one of its files.
 //! - [`run_cases`]: solves cases and judges them, giving a [`Report`].
-//! - [`robustness_rows`]: the solver at extremes, the table of docs/stability-fe.md.
+//! - [`robustness_trials`]: the solver at extremes, the table of docs/stability-fe.md.
 //!
 //! Knows nothing of scenes, networks, gauges or the paper. Each case states its own units; those of
 //! published benchmarks (inch and pound, mm and MPa) are kept, since statics is free of units.
@@ -32,11 +32,10 @@ pub use answer::{Element, KnownMiss, Measured, Reference, Target};
 pub use case::Case;
 pub use cases::all_cases;
 pub use check::differences;
-pub use deck::{DeckMetrics, DeckResults, LabelledDisplacements};
-pub use deck::{largest_difference, read_displacements};
+pub use deck::{DeckMetrics, DeckResults, largest_difference};
 pub use error::VerifyError;
 pub(crate) use inputs::shared;
 pub use page::verification_page;
-pub use robustness::{ROBUSTNESS_TABLE, robustness_rows};
+pub use robustness::{ROBUSTNESS_TABLE, RobustnessTrials, robustness_trials};
 pub use run::{CaseReport, Report, Row, Verdict, run_case, run_cases};
 pub use table::{markdown, people_table};

@@ -27,6 +27,8 @@ pub struct CaseReport {
 pub struct Row {
     /// What it gave.
     pub measured: Measured,
+    /// What it is compared with.
+    pub reference: Reference,
     /// Relative error, where there is a reference.
     pub rel_err: Option<f64>,
     /// Observed order up to this mesh, where it can be estimated.
@@ -60,6 +62,15 @@ impl Verdict {
             Self::Fail(_) => "FAILED",
             Self::NotRun(_) => "not run",
             Self::Reported => "reported",
+        }
+    }
+
+    /// The reason of what is no pass; empty where there is none.
+    #[must_use]
+    pub fn why(&self) -> &str {
+        match self {
+            Self::KnownMiss(why) | Self::Fail(why) | Self::NotRun(why) => why,
+            Self::Pass | Self::Reported => "",
         }
     }
 }
@@ -121,8 +132,9 @@ pub fn run_case(case: &Case) -> CaseReport {
             Ok(measured) => {
                 let elapsed_s = started.elapsed().as_secs_f64();
                 let rel_err = case.reference.rel_err(measured.value);
-                rows.push(Row { measured, rel_err, order: None, elapsed_s });
-                let order = observed_order(case.reference, &rows);
+                let reference = case.reference;
+                rows.push(Row { measured, reference, rel_err, order: None, elapsed_s });
+                let order = observed_order(&rows);
                 rows[level].order = order;
             }
             Err(error) => {
@@ -185,8 +197,8 @@ fn meets(case: &Case, last: &Row, rel_err: f64) -> Result<(), String> {
 /// ln(|v₁ − v₀| / |v₂ − v₁|) / ln(h₁/h₂) of the three finest, if they
 /// are refined by one ratio
 /// (Roache, Verification and Validation in Computational Science and Engineering, 1998, section 5).
-fn observed_order(reference: Reference, rows: &[Row]) -> Option<f64> {
-    let (differences, h) = match (reference, rows) {
+fn observed_order(rows: &[Row]) -> Option<f64> {
+    let (differences, h) = match (rows.last()?.reference, rows) {
         (Reference::Exact(_) | Reference::Zero, [.., a, b]) => {
             ((a.rel_err?, b.rel_err?), (a.measured.h, b.measured.h))
         }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, CaseReport, Measured, Reference, Report, Row, Verdict};
+use hapdef_bench::{Column, or_dash, table, terminal_table};
+
+use crate::{Case, CaseReport, Reference, Report, Row, Verdict};
 
 /// Relative errors below this are round-off and differ from machine to machine.
 const ROUND_OFF: f64 = 1e-9;
@@ -23,30 +25,57 @@ the other way, and inner nodes moved by up to 0.18 of a cell. `round-off` is a r
 
 ";
 
-/// One line per mesh, with times.
+/// The meshes of a case; times depend on the machine.
+const MESHES: [Column<Row>; 7] = [
+    Column::new("mesh", |row| row.measured.mesh.clone()),
+    Column::new("nodes", |row| row.measured.n_nodes.to_string()),
+    Column::new("equations", |row| row.measured.n_equations.to_string()),
+    Column::new("value", value),
+    Column::new("error", error),
+    Column::new("order", order),
+    Column::new("seconds", |row| format!("{:.2}", row.elapsed_s)),
+];
+
+const SUMMARY: [Column<CaseReport>; 8] = [
+    Column::new("case", |r| format!("[{}](#{})", r.case.title, anchor(&r.case))),
+    ELEMENT,
+    VALUE,
+    REFERENCE,
+    ERROR,
+    Column::new("order", |r| finest(r, order)),
+    TARGET,
+    Column::new("verdict", |r| r.verdict.word().to_owned()),
+];
+
+pub(crate) const ELEMENT: Column<CaseReport> =
+    Column::new("element", |r| r.case.element.word().to_owned());
+pub(crate) const VALUE: Column<CaseReport> = Column::new("value", |r| finest(r, value));
+pub(crate) const REFERENCE: Column<CaseReport> =
+    Column::new("reference", |r| against(r.case.reference));
+pub(crate) const ERROR: Column<CaseReport> = Column::new("error", |r| finest(r, error));
+pub(crate) const TARGET: Column<CaseReport> = Column::new("target", |r| target(&r.case));
+
+/// What stands of the finest mesh.
+fn finest(report: &CaseReport, text: fn(&Row) -> String) -> String {
+    or_dash(report.rows.last().map(text))
+}
+
+/// A case and its meshes for a terminal, with times.
 #[must_use]
 pub fn people_table(report: &CaseReport) -> String {
-    let case = &report.case;
-    let (verdict, element) = (report.verdict.word(), case.element.word());
-    let mut text = format!("{verdict} {} [{element}]: {}\n", case.id(), case.title);
-    for row in &report.rows {
-        let _ = writeln!(
-            text,
-            "       {:<28} {:>7} equations  {:>13} {} {:<8} error {:<10} order {:<5} {:.2} s",
-            row.measured.mesh,
-            row.measured.n_equations,
-            value(case.reference, row.measured.value),
-            against(case.reference),
-            case.unit,
-            error(row),
-            order(row),
-            row.elapsed_s
-        );
+    let CaseReport { case, rows, verdict } = report;
+    let (id, element, unit) = (case.id(), case.element.word(), unit(case.unit));
+    let against = against(case.reference);
+    let mut text = format!(
+        "{} {id} [{element}]: {}, {unit}, reference {against}\n",
+        verdict.word(),
+        case.title
+    );
+    if !rows.is_empty() {
+        let _ = writeln!(text, "{}", terminal_table(&table(&MESHES, rows)));
     }
-    if let Verdict::Fail(reason) | Verdict::NotRun(reason) | Verdict::KnownMiss(reason) =
-        &report.verdict
-    {
-        let _ = writeln!(text, "       {reason}");
+    if !verdict.why().is_empty() {
+        let _ = writeln!(text, " {}", verdict.why());
     }
     text
 }
@@ -64,9 +93,10 @@ pub fn markdown(report: &Report) -> String {
         report.count(|verdict| matches!(verdict, Verdict::NotRun(_)))
     );
     known_misses(&mut text, report);
-    summary(&mut text, report);
+    let shown = || report.cases.iter().filter(|case| committed(case));
+    text.push_str(&table(&SUMMARY, shown()).to_markdown());
     text.push_str("\n## Meshes\n");
-    for case in report.cases.iter().filter(|case| committed(case)) {
+    for case in shown() {
         details(&mut text, case);
     }
     text
@@ -103,28 +133,6 @@ fn committed(report: &CaseReport) -> bool {
     report.case.reference != Reference::Reported
 }
 
-fn summary(text: &mut String, report: &Report) {
-    text.push_str("| case | element | value | reference | error | order | target | |\n");
-    text.push_str("|---|---|---|---|---|---|---|---|\n");
-    for report in report.cases.iter().filter(|report| committed(report)) {
-        let (case, last) = (&report.case, report.rows.last());
-        let cell = |f: &dyn Fn(&Row) -> String| last.map_or("–".to_owned(), f);
-        let _ = writeln!(
-            text,
-            "| [{}](#{}) | {} | {} | {} | {} | {} | {} | {} |",
-            case.title,
-            anchor(case),
-            case.element.word(),
-            cell(&|row| value(case.reference, row.measured.value)),
-            against(case.reference),
-            cell(&error),
-            cell(&order),
-            target(case),
-            report.verdict.word(),
-        );
-    }
-}
-
 fn details(text: &mut String, CaseReport { case, rows, verdict }: &CaseReport) {
     let Case { title, quantity, source, .. } = case;
     let (id, unit, against) = (case.id(), unit(case.unit), against(case.reference));
@@ -136,18 +144,8 @@ fn details(text: &mut String, CaseReport { case, rows, verdict }: &CaseReport) {
         Verdict::NotRun(reason) => writeln!(text, "Not run: {reason}."),
         Verdict::Pass | Verdict::Reported => Ok(()),
     };
-    if rows.is_empty() {
-        return;
-    }
-    text.push_str(
-        "| mesh | nodes | equations | value | error | order |\n|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let Measured { mesh, n_nodes, n_equations, .. } = &row.measured;
-        let (value, error, order) =
-            (value(case.reference, row.measured.value), error(row), order(row));
-        let _ =
-            writeln!(text, "| {mesh} | {n_nodes} | {n_equations} | {value} | {error} | {order} |");
+    if !rows.is_empty() {
+        text.push_str(&table(&MESHES[..6], rows).to_markdown());
     }
 }
 
@@ -155,15 +153,16 @@ fn unit(unit: &str) -> String {
     if unit == "1" { "no unit".to_owned() } else { format!("in {unit}") }
 }
 
-pub(crate) fn value(reference: Reference, value: f64) -> String {
-    match reference {
+fn value(row: &Row) -> String {
+    let value = row.measured.value;
+    match row.reference {
         Reference::Zero if value.abs() < ROUND_OFF => "round-off".to_owned(),
         Reference::Zero => format!("{value:.2e}"),
         _ => digits(value),
     }
 }
 
-pub(crate) fn against(reference: Reference) -> String {
+fn against(reference: Reference) -> String {
     match reference {
         Reference::Exact(r) | Reference::Published(r) => digits(r),
         Reference::Zero => "0".to_owned(),
@@ -183,19 +182,19 @@ fn digits(value: f64) -> String {
     }
 }
 
-pub(crate) fn error(row: &Row) -> String {
-    row.rel_err.map_or("–".to_owned(), |e| match e {
+fn error(row: &Row) -> String {
+    or_dash(row.rel_err.map(|e| match e {
         e if e < ROUND_OFF => "round-off".to_owned(),
         e if e < 1e-4 => format!("{e:.1e}"),
         e => format!("{:.2} %", e * 100.0),
-    })
+    }))
 }
 
 fn order(row: &Row) -> String {
-    row.order.map_or("–".to_owned(), |order| format!("{order:.1}"))
+    or_dash(row.order.map(|order| format!("{order:.1}")))
 }
 
-pub(crate) fn target(case: &Case) -> String {
+fn target(case: &Case) -> String {
     let error = case.target.rel_err;
     let percent =
         if error < 1e-3 { format!("{error:.0e}") } else { format!("{} %", error * 100.0) };

@@ -1,6 +1,7 @@
 //! A small report, read back.
 
 use super::*;
+use crate::TextCell;
 use crate::metrics::MetricContext;
 
 fn named(name: &str, text: &str) -> NamedText {

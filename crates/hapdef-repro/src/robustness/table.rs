@@ -1,11 +1,11 @@
-//! The tables in docs/, and a trial of a method.
+//! The tables in docs/, and the refusals that errors are.
 
-use hapdef_report::robustness::{Column, Expected, Measured, Refusal, Table};
+use hapdef_bench::robustness::{Column, Refusal, Table};
 
 use crate::error::ReproError;
 
-/// A row to be run.
-pub(super) type Trial = hapdef_report::robustness::Trial<ReproError>;
+/// The rows of a table.
+pub type Trials<W> = hapdef_bench::robustness::Trials<W, ReproError>;
 
 const NETS_PREAMBLE: &str = "# Robustness of training, baselines and inference
 
@@ -64,13 +64,13 @@ const GENERAL: Table = Table {
     layer: "",
     preamble: "",
     columns: &[
-        Column::Method,
-        Column::Extreme,
-        Column::MustHold,
-        Column::Limit,
-        Column::Measured,
-        Column::Said,
-        Column::Verdict,
+        Column::METHOD,
+        Column::EXTREME,
+        Column::MUST_HOLD,
+        Column::LIMIT,
+        Column::MEASURED,
+        Column::SAID,
+        Column::VERDICT,
     ],
     least: (1e-9, "< 1e-9"),
     rounded_refusals: &["Diverged", "NotFinite", "NothingLearned", "Overflow"],
@@ -103,94 +103,21 @@ pub const PARTS_TABLE: Table = Table {
     ..GENERAL
 };
 
-/// What must hold in words, and the most that the metric may be.
-pub(super) type MustHold = (&'static str, f64);
-
-/// Rows of one case, each measured on the same `W`, in the table's order.
-pub(super) struct Rows<W> {
-    case: &'static str,
-    on: W,
-    trials: Vec<Trial>,
-}
-
-/// A row that is refused: what is extreme, words of the refusal, what is run.
-pub(super) type Refused = (&'static str, &'static str, fn() -> Result<f64, ReproError>);
-
-impl Rows<()> {
-    /// Rows that are refused.
-    pub(super) fn all_refused<const N: usize>(&mut self, rows: [Refused; N]) {
-        for (extreme, words, run) in rows {
-            self.refused(extreme, "it is refused", words, move |()| run());
+/// A refusal is named by its cause.
+impl From<ReproError> for Refusal {
+    fn from(error: ReproError) -> Self {
+        let text = error.to_string();
+        match &error {
+            ReproError::Argument(cause) => Self::new(cause, text),
+            ReproError::Nets(cause) => Self::new(cause, text),
+            ReproError::Data(cause) => Self::new(cause, text),
+            ReproError::Limb(cause) => Self::new(&**cause, text),
+            ReproError::Inverse(cause) => Self::new(cause, text),
+            ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => Self::new(cause, text),
+            ReproError::KMax(cause) => Self::new(cause, text),
+            ReproError::Daq(cause) => Self::new(cause, text),
+            other => Self::new(other, text),
         }
-    }
-}
-
-impl<W: Clone + 'static> Rows<W> {
-    pub(super) fn new(case: &'static str, on: W) -> Self {
-        Self { case, on, trials: Vec::new() }
-    }
-
-    /// A row in which what must hold, holds.
-    pub(super) fn accurate(
-        &mut self,
-        extreme: impl Into<String>,
-        must_hold: MustHold,
-        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
-    ) {
-        self.add(extreme, must_hold, Expected::Result, run);
-    }
-
-    /// A row in which what must hold, holds, or that is refused.
-    pub(super) fn either(
-        &mut self,
-        extreme: impl Into<String>,
-        must_hold: MustHold,
-        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
-    ) {
-        self.add(extreme, must_hold, Expected::Either, run);
-    }
-
-    /// A row that is refused with these words.
-    pub(super) fn refused(
-        &mut self,
-        extreme: impl Into<String>,
-        must_hold: &'static str,
-        words: &'static str,
-        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
-    ) {
-        self.add(extreme, (must_hold, 0.0), Expected::saying(words), run);
-    }
-
-    pub(super) fn add(
-        &mut self,
-        extreme: impl Into<String>,
-        (must_hold, limit): MustHold,
-        expected: Expected,
-        run: impl Fn(&W) -> Result<f64, ReproError> + 'static,
-    ) {
-        let (case, extreme, on) = (self.case, extreme.into(), self.on.clone());
-        let run = Box::new(move || Ok(Measured { value: run(&on)?, limit, solver: None }));
-        self.trials.push(Trial { case, path: None, extreme, must_hold, expected, run });
-    }
-
-    pub(super) fn into_trials(self) -> Vec<Trial> {
-        self.trials
-    }
-}
-
-/// The refusal that an error is, named by its cause.
-pub(super) fn refusal(error: &ReproError) -> Refusal {
-    let text = error.to_string();
-    match error {
-        ReproError::Argument(cause) => Refusal::new(cause, text),
-        ReproError::Nets(cause) => Refusal::new(cause, text),
-        ReproError::Data(cause) => Refusal::new(cause, text),
-        ReproError::Limb(cause) => Refusal::new(&**cause, text),
-        ReproError::Inverse(cause) => Refusal::new(cause, text),
-        ReproError::Mesh(hapdef_mesh::MeshError::Solid(cause)) => Refusal::new(cause, text),
-        ReproError::KMax(cause) => Refusal::new(cause, text),
-        ReproError::Daq(cause) => Refusal::new(cause, text),
-        other => Refusal::new(other, text),
     }
 }
 
@@ -208,9 +135,9 @@ mod tests {
 
     #[test]
     fn a_refusal_is_named_by_its_cause() {
-        assert_eq!(refusal(&ReproError::Stopped).kind, "Stopped");
+        assert_eq!(Refusal::from(ReproError::Stopped).kind, "Stopped");
         let cause = hapdef_report::check_len("x", 1, 2).unwrap_err();
-        assert_eq!(refusal(&cause.into()).kind, "Shape");
+        assert_eq!(Refusal::from(ReproError::from(cause)).kind, "Shape");
     }
 
     #[test]

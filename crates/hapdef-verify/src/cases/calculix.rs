@@ -5,18 +5,16 @@ use std::f64::consts::PI;
 use std::rc::Rc;
 use std::time::Instant;
 
-use hapdef_mesh::{DeckMaterial, FeNodeId, SolidDeck, read_deck};
+use hapdef_mesh::{DeckMaterial, FeNodeId, SolidDeck, read_deck, read_displacements};
 use hapdef_sim::NodalLoad;
 use nalgebra::{Point3, Vector3};
 
 use super::inp::InpDeck;
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::ccx::ccx;
-use crate::deck::{largest_difference, no_material, own_load, read_displacements};
+use crate::deck::{largest_difference, no_material};
 use crate::memo::Memo;
-use crate::meshes::{Blocks, Body};
-use crate::problem::{Held, Problem, Solution, same};
-use crate::{Element, Measured, Reference, Target, VerifyError, shared};
+use crate::shared;
 
 /// Rows of the table.
 pub(super) fn cases() -> Vec<Case> {
@@ -82,9 +80,8 @@ fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
         };
         problem.fix(nodes, axis);
     }
-    let solution = problem.solve(own_load(&deck)?)?;
-    let labels = deck.node_labels.iter().copied();
-    let difference = difference(labels, &solution, &read_displacements(&reference)?)?;
+    let solution = problem.solve(NodalLoad::of_deck(&deck)?)?;
+    let difference = difference(deck.node_labels, &solution, &read_displacements(&reference)?)?;
     Ok(solution.measured(difference))
 }
 
@@ -110,12 +107,14 @@ fn without_boundary(text: &str) -> String {
 }
 
 fn difference(
-    labels: impl Iterator<Item = u32>,
+    labels: Vec<u32>,
     solution: &Solution,
     reference: &[(u32, Vector3<f64>)],
 ) -> Result<f64, VerifyError> {
-    let found = labels.zip(solution.motion.displacement.iter().copied());
-    largest_difference(&found.collect::<Vec<_>>(), reference)
+    largest_difference(
+        labels.into_iter().zip(solution.motion.displacement.iter().copied()),
+        reference,
+    )
 }
 
 /// What both programs gave for the tube.
@@ -146,7 +145,7 @@ fn both_tubes(element: Element, n: [usize; 3]) -> Result<BothTubes, VerifyError>
     let solution = problem.solve(load)?;
     let own_s = started.elapsed().as_secs_f64();
     Ok(BothTubes {
-        difference: difference(deck.node_labels.into_iter(), &solution, &other)?,
+        difference: difference(deck.node_labels, &solution, &other)?,
         time_ratio: other_s / own_s,
         sizes: solution.measured(f64::NAN),
     })
@@ -160,7 +159,7 @@ fn deck(problem: &Problem, load: &NodalLoad) -> Result<SolidDeck, VerifyError> {
         *forces.entry(*node).or_insert_with(Vector3::zeros) += force;
     }
     Ok(SolidDeck {
-        fixed_nodes: problem.nodes_where(|p| same(p.z, 0.0)),
+        fixed_nodes: problem.body.nodes_where(|p| same(p.z, 0.0)),
         mesh,
         node_labels: (1..=n_nodes).collect(),
         element_labels: (1..=n_elements).collect(),

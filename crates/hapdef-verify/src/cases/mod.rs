@@ -15,6 +15,7 @@ mod membranes;
 mod nafems_shells;
 mod nafems_solids;
 mod patch;
+mod prelude;
 
 use crate::Case;
 

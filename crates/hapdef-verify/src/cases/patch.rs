@@ -5,9 +5,8 @@ use hapdef_sim::{IsotropicMaterial, ShellKind, ShellMesh, ShellStrain, SimError,
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 
 use super::invariance::worst;
-use crate::case::{Case, Solve};
+use super::prelude::*;
 use crate::robustness::{Block, bend, grid, material, turn, uniform, wobble};
-use crate::{Measured, Target, VerifyError};
 
 const IRONS: &str = "Irons and Razzaque, Experience with the patch test, 1972: a complete polynomial \
     of the element's degree is met on any mesh";

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use hapdef_report::{MetricContext, MetricLog};
 use hapdef_verify::bench::{self, BenchOptions};
 
 use super::context::MetricsArgs;
@@ -23,9 +22,6 @@ pub(crate) struct BenchArgs {
     /// Leave the block of 300,000 equations out.
     #[arg(long)]
     skip_large: bool,
-    /// The seed the metrics carry; nothing is drawn at random.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
     #[command(flatten)]
     output: MetricsArgs,
 }
@@ -37,7 +33,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     if let Some(threads) = args.threads {
         options.n_threads = threads;
     }
-    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
+    let mut log = args.output.log();
     bench::run(&args.deck, &options, &mut log)?;
     log.append_to(&args.output.metrics)?;
     Ok(())

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
-use hapdef_report::{MetricContext, MetricLog};
+use hapdef_report::MetricLog;
 use hapdef_verify::{
     CaseReport, Report, Verdict, all_cases, differences, markdown, people_table, run_cases,
     verification_page,
@@ -28,9 +28,6 @@ pub(crate) struct VerifyArgs {
     /// Print the rows as one JSON array instead of text.
     #[arg(long)]
     json: bool,
-    /// The seed the metrics carry; the table itself draws nothing at random.
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
     #[command(flatten)]
     output: MetricsArgs,
 }
@@ -109,7 +106,7 @@ fn json(report: &Report) -> serde_json::Value {
 }
 
 fn metrics(args: &VerifyArgs, report: &Report) -> Result<MetricLog<std::io::Stdout>> {
-    let mut log = MetricLog::new(std::io::stdout(), MetricContext::here(args.seed));
+    let mut log = args.output.log();
     log.value("verify.rows", report.n_judged() as f64, "1")?;
     log.value("verify.known_misses", report.n_known_misses() as f64, "1")?;
     log.value("verify.failed", report.n_failed() as f64, "1")?;

@@ -13,20 +13,17 @@ mod solid;
 mod solids;
 mod table;
 
-use hapdef_report::robustness::Row;
-
 pub(crate) use field::{bend, material, uniform};
 pub(crate) use solid::{Block, grid, turn, wobble};
-pub use table::ROBUSTNESS_TABLE;
+pub use table::{ROBUSTNESS_TABLE, RobustnessTrials};
 
-use crate::VerifyError;
-
-/// Solves every row of docs/stability-fe.md in its order; `seed` draws the scattered jumps. Each
-/// row goes to `progress` as it comes.
-///
-/// # Errors
-/// [`VerifyError::Setup`] and [`VerifyError::NotRun`] if a row's own set-up is broken.
-pub fn robustness_rows(seed: u64, progress: impl FnMut(&Row)) -> Result<Vec<Row>, VerifyError> {
-    let trials = [solids::trials(), jumps::trials(seed), shells::trials(), refusals::trials()];
-    ROBUSTNESS_TABLE.rows(trials.into_iter().flatten(), table::refusal, progress)
+/// Every row of docs/stability-fe.md in its order; `seed` draws the scattered jumps.
+#[must_use]
+pub fn robustness_trials(seed: u64) -> RobustnessTrials {
+    let mut rows = RobustnessTrials::new(());
+    solids::add(&mut rows);
+    jumps::add(&mut rows, seed);
+    shells::add(&mut rows);
+    refusals::add(&mut rows);
+    rows
 }

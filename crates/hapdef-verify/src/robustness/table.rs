@@ -1,13 +1,13 @@
 //! The table of docs/stability-fe.md, and what a trial of the solver gives.
 
+use hapdef_bench::robustness::{Column, Expected, Measured, Refusal, SolverMetrics, Table};
 use hapdef_mesh::MeshError;
-use hapdef_report::robustness::{Column, Expected, Measured, Refusal, SolverMetrics, Table};
 use hapdef_sim::{ElasticModel, SimError, SolveInfo};
 
 use crate::VerifyError;
 
-/// A row to be solved.
-pub(super) type Trial = hapdef_report::robustness::Trial<VerifyError>;
+/// The rows of the table.
+pub type RobustnessTrials = hapdef_bench::robustness::Trials<(), VerifyError>;
 
 const PREAMBLE: &str = "# Robustness of the elasticity solver
 
@@ -41,16 +41,16 @@ pub const ROBUSTNESS_TABLE: Table = Table {
     layer: "elements, factor, solve",
     preamble: PREAMBLE,
     columns: &[
-        Column::Case,
-        Column::Extreme,
-        Column::Path,
-        Column::Equations,
-        Column::Error,
-        Column::Backward,
-        Column::Condition,
-        Column::Bound,
-        Column::Said,
-        Column::Verdict,
+        Column::CASE,
+        Column::EXTREME,
+        Column::PATH,
+        Column::EQUATIONS,
+        Column::ERROR,
+        Column::BACKWARD,
+        Column::CONDITION,
+        Column::BOUND,
+        Column::SAID,
+        Column::VERDICT,
     ],
     // what the solver's own rounding leaves; smaller errors differ from machine to machine
     least: (1e-13, "round-off"),
@@ -64,16 +64,16 @@ pub const ROBUSTNESS_TABLE: Table = Table {
     word: rounded_word,
 };
 
-/// A trial on one of the solver's paths.
-pub(super) fn trial(
+/// A row on one of the solver's paths.
+pub(super) fn add(
+    rows: &mut RobustnessTrials,
     (case, extreme): (&'static str, impl Into<String>),
     path: &'static str,
     expected: Expected,
     run: impl Fn() -> Result<Measured, VerifyError> + 'static,
-) -> Trial {
+) {
     let must_hold = "the error is within the stated bound";
-    let (path, extreme) = (Some(path), extreme.into());
-    Trial { case, path, extreme, must_hold, expected, run: Box::new(run) }
+    rows.of(case).path(path).solved(extreme, must_hold, expected, move |()| run());
 }
 
 /// An error against the solver's bound on it.
@@ -87,17 +87,18 @@ pub(super) fn measured(model: &ElasticModel, info: &SolveInfo, error: f64) -> Me
     Measured { value: error, limit: info.forward_error_bound(), solver: Some(solver) }
 }
 
-/// The refusal that `error` is; a fault of the row's own set-up stays an error.
-pub(super) fn refusal(error: VerifyError) -> Result<Refusal, VerifyError> {
-    Ok(match &error {
-        VerifyError::Sim(SimError::ShellElement { problem, .. }) => {
-            Refusal::new(problem, error.to_string())
+/// A refusal is named by its cause.
+impl From<VerifyError> for Refusal {
+    fn from(error: VerifyError) -> Self {
+        let text = error.to_string();
+        match &error {
+            VerifyError::Sim(SimError::ShellElement { problem, .. }) => Self::new(problem, text),
+            VerifyError::Sim(cause) => Self::new(cause, text),
+            VerifyError::Mesh(MeshError::Solid(fault)) => Self::new(fault, text),
+            VerifyError::Mesh(cause) => Self::new(cause, text),
+            _ => Self { kind: Self::FAULT.to_owned(), text },
         }
-        VerifyError::Sim(cause) => Refusal::new(cause, cause.to_string()),
-        VerifyError::Mesh(MeshError::Solid(fault)) => Refusal::new(fault, fault.to_string()),
-        VerifyError::Mesh(cause) => Refusal::new(cause, cause.to_string()),
-        _ => return Err(error),
-    })
+    }
 }
 
 /// A word without the digits that rounding moves, and without the sign of a zero.
