@@ -9,9 +9,6 @@ use crate::VerifyError;
 
 /// Wall seconds of one run of `ccx` on `deck`, and the displacements of the node set `EVERY` where the
 /// deck has it.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where there is no `ccx`, [`VerifyError::Setup`] where it fails.
 pub(crate) fn ccx(
     deck: &SolidDeck,
     n_threads: usize,
@@ -42,9 +39,6 @@ pub(crate) fn ccx(
 }
 
 /// What a program prints.
-///
-/// # Errors
-/// [`VerifyError::NotRun`] where it is not installed or fails.
 pub(crate) fn output(command: &mut Command) -> Result<String, VerifyError> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(not_run(&name))?;

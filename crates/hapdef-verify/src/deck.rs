@@ -63,10 +63,6 @@ const KNOWN: [(&str, DeckMetrics); 2] = [
 
 impl DeckResults {
     /// Solves the deck in `path`.
-    ///
-    /// # Errors
-    /// [`VerifyError::Mesh`] and [`VerifyError::Sim`] on an unusable deck, [`VerifyError::Setup`]
-    /// on one without material.
     pub fn of(path: &Path) -> Result<(SolidDeck, Self), VerifyError> {
         let deck = read_deck(path)?;
         let model = build(&deck, n_threads())?;
@@ -90,9 +86,6 @@ impl DeckResults {
 
 impl DeckMetrics {
     /// What is known of the deck in `path`, by its content; nothing of a deck that was changed.
-    ///
-    /// # Errors
-    /// [`VerifyError::Io`].
     pub fn known(path: &Path) -> Result<Self, VerifyError> {
         let bytes = std::fs::read(path).map_err(VerifyError::io("reading", path))?;
         let hash = blake3::hash(&bytes).to_hex();
@@ -119,9 +112,6 @@ pub(crate) fn no_material(found: &str) -> VerifyError {
 
 /// The largest difference of displacements to `reference` over the nodes it names, over the largest
 /// displacement.
-///
-/// # Errors
-/// [`VerifyError::Setup`] if no node is shared.
 pub fn largest_difference(
     found: impl IntoIterator<Item = (u32, Vector3<f64>)>,
     reference: &[(u32, Vector3<f64>)],

@@ -7,7 +7,6 @@ use hapdef_sim::SimError;
 
 /// Why a case has no value, or a run could not be reported.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 #[allow(missing_docs, reason = "a variant's message is its documentation")]
 pub enum VerifyError {
     #[error("not run: {reason}")]

@@ -13,9 +13,6 @@ use crate::{CaseReport, Report, Verdict};
 const PLOTTED_MESHES: usize = 3;
 
 /// The cases, the finest mesh of each in a table, convergence as plots; `data` is for machines.
-///
-/// # Errors
-/// A plot that can't be drawn.
 pub fn verification_page(
     report: &Report,
     data: Value,

@@ -54,7 +54,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// `ok`, `misses (known)`, `FAILED`, `not run` or `reported`.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::Pass => "ok",
@@ -66,7 +65,6 @@ impl Verdict {
     }
 
     /// The reason of what is no pass; empty where there is none.
-    #[must_use]
     pub fn why(&self) -> &str {
         match self {
             Self::KnownMiss(why) | Self::Fail(why) | Self::NotRun(why) => why,
@@ -77,31 +75,26 @@ impl Verdict {
 
 impl Report {
     /// Cases that were judged: pass, known miss or fail.
-    #[must_use]
     pub fn n_judged(&self) -> usize {
         self.count(|verdict| !matches!(verdict, Verdict::NotRun(_) | Verdict::Reported))
     }
 
     /// Cases whose verdict is so.
-    #[must_use]
     pub fn count(&self, is: impl Fn(&Verdict) -> bool) -> usize {
         self.cases.iter().filter(|case| is(&case.verdict)).count()
     }
 
     /// Cases whose target is missed for a known reason.
-    #[must_use]
     pub fn n_known_misses(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::KnownMiss(_)))
     }
 
     /// Cases whose target is missed for no known reason.
-    #[must_use]
     pub fn n_failed(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::Fail(_)))
     }
 
     /// The largest relative error on the finest mesh over all judged cases.
-    #[must_use]
     pub fn worst(&self) -> Option<f64> {
         let errors = self.cases.iter().filter_map(|case| case.rows.last()?.rel_err);
         errors.max_by(f64::total_cmp)
@@ -122,7 +115,6 @@ pub fn run_cases(cases: &[Case], mut after: impl FnMut(&CaseReport)) -> Report {
 }
 
 /// Solves and judges one case.
-#[must_use]
 pub fn run_case(case: &Case) -> CaseReport {
     let mut rows: Vec<Row> = Vec::new();
     let mut stopped = None;

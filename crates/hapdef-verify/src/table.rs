@@ -61,7 +61,6 @@ fn finest(report: &CaseReport, text: fn(&Row) -> String) -> String {
 }
 
 /// A case and its meshes for a terminal, with times.
-#[must_use]
 pub fn people_table(report: &CaseReport) -> String {
     let CaseReport { case, rows, verdict } = report;
     let (id, element, unit) = (case.id(), case.element.word(), unit(case.unit));
@@ -81,7 +80,6 @@ pub fn people_table(report: &CaseReport) -> String {
 }
 
 /// The text of docs/verification.md.
-#[must_use]
 pub fn markdown(report: &Report) -> String {
     let mut text = PREAMBLE.to_owned();
     let _ = writeln!(

@@ -20,7 +20,6 @@ mod prelude;
 use crate::Case;
 
 /// Every case, in the order of the table: solids, then shells.
-#[must_use]
 pub fn all_cases() -> Vec<Case> {
     let groups = [
         patch::solids(),

@@ -190,3 +190,19 @@ fn strain_error(
         Ok((found - strain).amax() / strain.amax())
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Verdict;
+    use crate::run::run_case;
+
+    #[test]
+    fn constant_strains_are_met_on_a_distorted_patch() {
+        let patches = shells();
+        assert_eq!(patches.len(), 8, "four patches, each thin and thick");
+        for case in patches {
+            assert_eq!(run_case(&case).verdict, Verdict::Pass, "{}", case.id());
+        }
+    }
+}

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use hapdef_mesh::read_displacements;
-use hapdef_verify::{DeckMetrics, DeckResults, largest_difference};
 
 use super::context::MetricsArgs;
+use crate::deck::{DeckMetrics, DeckResults, largest_difference};
 
 /// Arguments of `deck`.
 #[derive(clap::Args)]

@@ -6,9 +6,9 @@ use anyhow::Result;
 use clap::ValueEnum;
 use hapdef_bench::robustness::{Inputs, Outputs, Row};
 use hapdef_report::MetricContext;
-use hapdef_verify::{ROBUSTNESS_TABLE, robustness_trials};
 
 use super::context::MetricsArgs;
+use crate::robustness::{ROBUSTNESS_TABLE, robustness_trials};
 
 /// Arguments of `robustness`.
 #[derive(clap::Args)]

@@ -6,12 +6,14 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use hapdef_mesh::atomic_write;
 use hapdef_report::MetricLog;
-use hapdef_verify::{
-    CaseReport, Report, Verdict, all_cases, differences, markdown, people_table, run_cases,
-    verification_page,
-};
 
 use super::context::{MetricsArgs, write_page};
+use crate::cases::all_cases;
+use crate::check::differences;
+use crate::page::verification_page;
+use crate::run::run_cases;
+use crate::table::{markdown, people_table};
+use crate::{CaseReport, Report, Verdict};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]

@@ -18,7 +18,6 @@ pub(crate) use solid::{Block, grid, turn, wobble};
 pub use table::{ROBUSTNESS_TABLE, RobustnessTrials};
 
 /// Every row of docs/stability-fe.md in its order; `seed` draws the scattered jumps.
-#[must_use]
 pub fn robustness_trials(seed: u64) -> RobustnessTrials {
     let mut rows = RobustnessTrials::new(());
     solids::add(&mut rows);
@@ -26,4 +25,20 @@ pub fn robustness_trials(seed: u64) -> RobustnessTrials {
     shells::add(&mut rows);
     refusals::add(&mut rows);
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use hapdef_bench::robustness::Row;
+
+    use super::*;
+
+    /// Whichever elements are stiff.
+    #[test]
+    fn no_row_is_silently_wrong() {
+        let rows = ROBUSTNESS_TABLE.rows(robustness_trials(3), |row| println!("{}", row.line()));
+        let failed: Vec<String> = rows.iter().filter(|row| row.failed).map(Row::line).collect();
+        assert!(rows.len() > 150, "{} rows", rows.len());
+        assert!(failed.is_empty(), "{failed:#?}");
+    }
 }
