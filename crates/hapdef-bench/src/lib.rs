@@ -6,6 +6,7 @@
 //! - [`Metric`], [`Goal`]: figures of [`Measurements`] as METRIC lines and beside their targets.
 //! - [`against_time`], [`dotted_lines`]: charts.
 //! - [`publish`], [`page_markdown`]: the page of a study, and that in the documentation.
+//! - [`write_made`], [`read_made`]: what a program makes of a page, below the words of people.
 //! - [`robustness`]: tables of methods at their extremes.
 
 mod chart;
@@ -19,7 +20,7 @@ mod target;
 
 pub use chart::{against_time, by_cost, dotted_lines};
 pub use hapdef_report::text_table;
-pub use page::page_markdown;
+pub use page::{page_markdown, read_made, write_made};
 pub use pareto::pareto_front;
 pub use study::{Figure, Goal, Measurements, Metric, goal_table, log_metrics, publish};
 pub use table::{Column, or_dash, table, terminal_table};

@@ -19,8 +19,6 @@ pub struct Table {
     pub note: &'static str,
     /// The layer of its rows; empty where the case of each names it.
     pub layer: &'static str,
-    /// Title and explanation of the file in docs/, up to the table.
-    pub preamble: &'static str,
     /// The columns.
     pub columns: &'static [Column],
     /// Numbers below this are shown as the word.
@@ -55,15 +53,13 @@ impl Table {
         trials.all.into_iter().map(run).collect()
     }
 
-    /// The file's text.
+    /// The rows in the file.
     #[must_use]
     pub fn markdown(&self, rows: &[Row]) -> String {
-        let mut text = self.preamble.to_owned();
         let [accurate, refused, wrong] = Verdict::ALL.map(|verdict| verdict.count(rows));
-        let _ = writeln!(
-            text,
-            "{} rows: {accurate} accurate, {refused} refused, {wrong} silently wrong.\n",
-            rows.len()
+        let n = rows.len();
+        let mut text = format!(
+            "{n} rows: {accurate} accurate, {refused} refused, {wrong} silently wrong.\n\n"
         );
         let digits = Digits::Magnitude(self.least);
         text.push_str(&shown(self.columns, rows, digits).to_markdown());

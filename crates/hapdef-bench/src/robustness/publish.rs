@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::column::{Column, Digits};
 use super::document::{Table, shown};
 use super::row::{Row, Verdict};
+use crate::page::{read_made, write_made};
 
 /// The rows and their origin, beside a table's page.
 const ROWS_FILE: &str = "rows.json";
@@ -104,14 +105,10 @@ impl Table {
         let json = serde_json::to_string_pretty(&made).map_err(ReportError::json(&path))?;
         write_text(&path, &json)?;
         if let Some(path) = outputs.write {
-            write_text(path, &text)?;
+            write_made(path, &text)?;
         }
         let differences = match outputs.check {
-            Some(path) => {
-                let committed =
-                    std::fs::read_to_string(path).map_err(ReportError::io("reading", path))?;
-                self.differences(&text, &committed)
-            }
+            Some(path) => self.differences(&text, &read_made(path)?),
             None => Vec::new(),
         };
         Ok(Published { page, differences, n_failed: n_failed(rows) })

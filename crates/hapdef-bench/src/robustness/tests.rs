@@ -10,7 +10,6 @@ const TABLE: Table = Table {
     title: "Rows",
     note: "",
     layer: "",
-    preamble: "# Rows\n\n",
     columns: &[Column::METHOD, Column::MEASURED, Column::SAID, Column::VERDICT],
     least: (1e-9, "little"),
     rounded_refusals: &["Diverged"],

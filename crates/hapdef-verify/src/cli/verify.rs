@@ -1,10 +1,9 @@
 //! `hapdef-verify verify`: the table.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use hapdef_mesh::atomic_write;
+use anyhow::{Result, bail};
+use hapdef_bench::{read_made, write_made};
 use hapdef_report::MetricLog;
 
 use super::context::{MetricsArgs, write_page};
@@ -52,9 +51,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<bool> {
         println!("{data}");
     }
     if let Some(path) = &args.write {
-        let text = markdown(&report);
-        atomic_write(path, |file| file.write_all(text.as_bytes()))
-            .with_context(|| format!("writing {}", path.display()))?;
+        write_made(path, &markdown(&report))?;
     }
     let log = metrics(args, &report)?;
     let page = verification_page(&report, data)?;
@@ -67,9 +64,7 @@ fn agrees(args: &VerifyArgs, report: &Report) -> Result<bool> {
     let Some(path) = &args.check else {
         return Ok(true);
     };
-    let committed =
-        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    let faults = differences(report, &committed, &all_cases());
+    let faults = differences(report, &read_made(path)?, &all_cases());
     for fault in &faults {
         eprintln!("{}: {fault}", path.display());
     }
