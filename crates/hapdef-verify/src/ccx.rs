@@ -4,6 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use hapdef_mesh::{LabelledDisplacements, SolidDeck, read_displacements, write_inp};
+use hapdef_report::ReportError;
 
 use crate::VerifyError;
 
@@ -18,9 +19,9 @@ pub(crate) fn ccx(
     write_inp(&path, deck)?;
     if deck.node_sets.contains_key("EVERY") {
         // the deck asks for a binary field file; seven printed digits are easier to read
-        let text = std::fs::read_to_string(&path).map_err(VerifyError::io("reading", &path))?;
+        let text = std::fs::read_to_string(&path).map_err(ReportError::io("reading", &path))?;
         let text = text.replace("*NODE FILE\nU\n", "*NODE PRINT, NSET=EVERY\nU\n");
-        std::fs::write(&path, text).map_err(VerifyError::io("writing", &path))?;
+        std::fs::write(&path, text).map_err(ReportError::io("writing", &path))?;
     }
     let mut command = Command::new("ccx");
     command.current_dir(&folder).args(["-i", "deck"]);

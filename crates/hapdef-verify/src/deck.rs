@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hapdef_mesh::{LabelledDisplacements, SolidDeck, read_deck};
+use hapdef_report::ReportError;
 use hapdef_sim::{ElasticModel, ElasticParams, IsotropicMaterial, MassProperties, NodalLoad};
 use nalgebra::Vector3;
 
@@ -87,7 +88,7 @@ impl DeckResults {
 impl DeckMetrics {
     /// What is known of the deck in `path`, by its content; nothing of a deck that was changed.
     pub fn known(path: &Path) -> Result<Self, VerifyError> {
-        let bytes = std::fs::read(path).map_err(VerifyError::io("reading", path))?;
+        let bytes = std::fs::read(path).map_err(ReportError::io("reading", path))?;
         let hash = blake3::hash(&bytes).to_hex();
         let entry = KNOWN.iter().find(|(known, _)| *known == hash.as_str());
         Ok(entry.map_or_else(Self::default, |(_, metrics)| *metrics))

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use hapdef_mesh::{DeckMaterial, FeNodeId, SolidDeck, read_deck, read_displacements};
+use hapdef_report::ReportError;
 use hapdef_sim::NodalLoad;
 use nalgebra::{Point3, Vector3};
 
@@ -65,7 +66,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
     let path = shared(&format!("fe/calculix/{name}.inp"))?;
     let reference = shared(&format!("fe/calculix/{name}.dat.ref"))?;
-    let text = std::fs::read_to_string(&path).map_err(VerifyError::io("reading", &path))?;
+    let text = std::fs::read_to_string(&path).map_err(ReportError::io("reading", &path))?;
     let deck = parse(&without_boundary(&text))?;
     let material = deck.material.ok_or_else(|| no_material("none"))?;
     let words = format!("the deck's {} elements", deck.mesh.elements().len());
@@ -87,10 +88,10 @@ fn own_deck(element: Element, name: &str) -> Result<Measured, VerifyError> {
 
 /// The deck of a text.
 fn parse(text: &str) -> Result<SolidDeck, VerifyError> {
-    let io = VerifyError::io("making a folder in", ".".as_ref());
+    let io = ReportError::io("making a folder in", ".".as_ref());
     let folder = tempfile::tempdir().map_err(io)?;
     let copy = folder.path().join("deck.inp");
-    std::fs::write(&copy, text).map_err(VerifyError::io("writing", &copy))?;
+    std::fs::write(&copy, text).map_err(ReportError::io("writing", &copy))?;
     Ok(read_deck(&copy)?)
 }
 
