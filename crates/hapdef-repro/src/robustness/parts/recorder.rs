@@ -1,14 +1,12 @@
 //! Recordings that were cut off, damaged, or are none.
 
-use std::iter::once;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
-use hapdef_daq::hdp1::{Hello, SampleFormat};
+use hapdef_daq::hdp1::{Encoder, FrameFlags, Hello, SampleFormat};
 use hapdef_daq::record::{Content, RecordParams, Recording, record, recover};
-use hapdef_daq::source::ReplaySource;
-use hapdef_daq::{AcquireParams, Frame, Message, acquire};
+use hapdef_daq::source::{FrameSource, ReplaySource, StreamParams, StreamSource, memory_link};
+use hapdef_daq::{AcquireParams, Message, acquire};
 
 use crate::error::ReproError;
 use crate::robustness::table::Trials;
@@ -83,15 +81,24 @@ fn sample(seq: u32, channel: usize) -> i32 {
 /// A recording of [`N_FRAMES`] frames without waiting.
 fn recorded(path: &Path) -> Result<(), ReproError> {
     let hello = Hello::plain(N_CHANNELS, SampleFormat::I16, 1000);
-    let frame = |seq| {
-        let samples = (0..N_CHANNELS).map(|c| sample(seq, c));
-        let mut frame = Frame::new(seq, SampleFormat::I16, samples);
-        frame.t_device_us = u64::from(seq) * 1000;
-        frame.t_host_ns = u64::from(seq) * 1_000_000;
-        Message::Frame(frame)
-    };
-    let messages = once(Message::Hello(Arc::new(hello))).chain((0..N_FRAMES).map(frame));
-    let replay = ReplaySource::new("made up", messages, f64::INFINITY);
+    let (link, device) = memory_link();
+    let mut source = StreamSource::new(link, StreamParams::default());
+    source.poll(Duration::ZERO, &mut |_| {});
+    let (mut encoder, mut messages) = (Encoder::new(), Vec::new());
+    for seq in 0..N_FRAMES {
+        let mut bytes = Vec::new();
+        let t_us = u64::from(seq) * 1000;
+        if seq % 1000 == 0 {
+            bytes.push(0);
+            encoder.hello(&hello, t_us, &mut bytes)?;
+        }
+        let samples: Vec<i32> = (0..N_CHANNELS).map(|c| sample(seq, c)).collect();
+        let flags = FrameFlags::from_bits(0);
+        encoder.data(&hello, t_us, flags, &samples, &mut bytes)?;
+        device.send(&bytes);
+        source.poll(Duration::ZERO, &mut |message| messages.push(message));
+    }
+    let replay = ReplaySource::new("made up", messages.into_iter(), f64::INFINITY);
     let params = AcquireParams { ring_len: N_FRAMES as usize + 100, ..AcquireParams::default() };
     let (_acquisition, mut receivers) = acquire(replay, params)?;
     let params = RecordParams { min_free_bytes: 1 << 20, ..RecordParams::default() };
